@@ -10,8 +10,9 @@ from generate.comments import class_comments, tuple_comments
 from generate.keys import _inner, _named, unit_of
 from generate.markdown import code, plain, table
 from smarig.core import Quality
+from smarig.preisach.hysteresis import hysteresis_json
 from smarig.record import schema
-from smarig.replay import hysteresis_json, model_file
+from smarig.replay import model_file
 
 RUN = """# Run file
 
@@ -50,6 +51,7 @@ RUN_KEYS = {
     "along": "simulation: the run whose inputs the model followed",
     "imported": "import: the file, its hash, its mapping",
     "conditions": "import: values that the mapping keeps in addition to the channels",
+    "repairs": "import with --repair: by kind, the rows that were masked or dropped",
     "header": "import: the header of the table that was read, in files of several",
     "t0_s": "import: --t0",
     "warnings": "import: everything that looked wrong",

@@ -19,8 +19,8 @@ from smarig.core.errors import DataError, UsageError
 from smarig.preisach.hysteresis.fod_table import FodTable
 from smarig.preisach.hysteresis.forc_curve import ForcCurve
 from smarig.preisach.hysteresis.forc_table import ForcTable
+from smarig.preisach.hysteresis.hysteresis_json import dump_hysteresis, load_hysteresis
 from smarig.preisach.hysteresis.mirrored import Mirrored
-from smarig.replay.hysteresis_json import dump_hysteresis, load_hysteresis
 
 ON = ("--rig", "one_wire_twin", "--quiet")
 STEPS = ("--reference", "steps", "--set", "seconds=5", "--set", "every_s=2")

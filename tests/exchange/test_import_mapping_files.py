@@ -204,3 +204,29 @@ def test_a_table_number_belongs_to_files_of_several_tables():
 def test_units(value, unit, to, expected):
     assert convert(value, unit, to) == pytest.approx(expected, rel=1e-9)
     assert convert(expected, to, unit) == pytest.approx(value, rel=1e-9, abs=1e-9)
+
+
+def test_conditions_may_be_constants_and_texts(mapped):
+    conditions = """
+[conditions]
+room_temperature = { value = 22.5, unit = "degC" }
+specimen = { text = "A7" }
+"""
+    run = mapped(DATA, PLAIN + conditions)
+    room = {"unit": "degC", "mean": 22.5, "min": 22.5, "max": 22.5}
+    assert run.meta["conditions"] == {"room_temperature": room, "specimen": {"text": "A7"}}
+
+
+@pytest.mark.parametrize(
+    ("line", "message"),
+    [
+        ('stress = { value = 5.0, unit = "mm" }', "unit of stress was expected"),
+        ('stress = { text = "high" }', "a number was expected"),
+        ('stress = { value = 5.0, column = "x", unit = "MPa" }', "exactly one of column, value and text"),
+        ("stress = { value = 5.0 }", "needs its unit"),
+        ('frequency = { value = 5.0, unit = "s" }', "unit of frequency was expected"),
+    ],
+)
+def test_a_condition_has_one_source_and_a_fitting_unit(mapped, line, message):
+    with pytest.raises(ConfigError, match=message):
+        mapped(DATA, PLAIN + "[conditions]\n" + line + "\n")

@@ -82,8 +82,9 @@ def test_a_table_continues_linearly_and_survives_its_file():
     table = ConditionTable.of(
         "stress", [100.0, 50.0, 50.0], np.array([2.0, 1.0, 1.0]), np.array([0.0, 1.0, 3.0])
     )
-    assert table.at(75.0) == (1.5, 1.0)
-    assert table.at(150.0) == (3.0, -2.0)
+    shape = np.array([0.0, 2.0])
+    assert table.outputs(shape, 75.0).tolist() == [1.0, 4.0]
+    assert table.outputs(shape, 150.0).tolist() == [-2.0, 4.0]
     assert ConditionTable.from_json(table.to_json()) == table
     with pytest.raises(DataError, match="damaged"):
         ConditionTable.from_json({"condition": "stress", "values": [1], "gains": [1, 2], "zeros": [0]})

@@ -49,7 +49,6 @@ if TYPE_CHECKING:
     from smarig.diagnosis.held_out_gain import HeldOutGain as HeldOutGain
     from smarig.diagnosis.measured.measured_diagnosis import MeasuredDiagnosis as MeasuredDiagnosis
     from smarig.diagnosis.measured.measured_diagnosis import diagnose_measured as diagnose_measured
-    from smarig.diagnosis.measured.measured_hypothesis import MeasuredHypothesis as MeasuredHypothesis
     from smarig.diagnosis.refit.memory_noise import memory_covariance as memory_covariance
     from smarig.diagnosis.refit.memory_noise import memory_slopes as memory_slopes
     from smarig.diagnosis.refit.refit import Refit as Refit

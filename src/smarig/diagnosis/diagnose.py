@@ -30,13 +30,15 @@ def diagnose(
     nulls: int = NULL_DATA_SETS,
     seed: int = 0,
     without: Sequence[str] = (),
+    select: str | None = None,
     progress: Callable[[str], None] | None = None,
 ) -> Diagnosis | MeasuredDiagnosis:
     """Diagnose a model on runs of one wire: what it predicts wrongly, why, and what an extended model gains.
 
     Runs with currents and settled steps are diagnosed by ``diagnose_commanded``. Runs that have only a measured input,
     and settled steps of a wire without known constants, are diagnosed by ``diagnose_measured``, which uses neither
-    ``alpha`` nor null data. Raises DataError if the runs hold nothing to diagnose or overlap, and UsageError for
+    ``alpha`` nor null data. ``select`` keeps the points of runs with a measured input for which an expression on curve,
+    alpha, beta holds. Raises DataError if the runs hold nothing to diagnose or overlap, and UsageError for
     invalid settings.
     """
     original = model if isinstance(model, Model) else load_model(model)
@@ -44,13 +46,17 @@ def diagnose(
     if train_runs and not original.actuator.parameters:
         train_runs, held_out_runs = _by_input(train_runs), _by_input(held_out_runs)
     if not train_runs or not driven_by_input(train_runs):
+        if select is not None:
+            raise UsageError("A selection of points needs runs with a measured input, not runs of a rig.")
         settings = {"alpha": alpha, "nulls": nulls, "seed": seed}
         return diagnose_commanded(
             original, train_runs, held_out_runs, **settings, without=without, progress=progress
         )
     check_comparable(original, [*train_runs, *held_out_runs])
     _check(train_runs, held_out_runs, without)
-    return diagnose_measured(original, train_runs, held_out_runs, without, progress or (lambda _: None))
+    return diagnose_measured(
+        original, train_runs, held_out_runs, without, progress or (lambda _: None), select
+    )
 
 
 def _loaded(runs: Runs) -> list[Run]:

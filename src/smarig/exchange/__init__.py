@@ -10,6 +10,7 @@ if TYPE_CHECKING:
     from smarig.exchange.drift import correct_drift_if_it_helps as correct_drift_if_it_helps
     from smarig.exchange.drift import drift_corrected as drift_corrected
     from smarig.exchange.exporting import export_run as export_run
+    from smarig.exchange.finding_kind import finding_kind as finding_kind
     from smarig.exchange.forc_file import ForcFile as ForcFile
     from smarig.exchange.forc_file import read_forc as read_forc
     from smarig.exchange.importing import ImportReport as ImportReport

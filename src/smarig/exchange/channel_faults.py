@@ -97,13 +97,27 @@ def _clipped(name: str, unit: str, x: Array, line: NDArray[np.int64]) -> list[st
     ]
 
 
-def _spikes(name: str, unit: str, x: Array, line: NDArray[np.int64]) -> list[str]:
-    limit = _SPIKE * float(np.ptp(np.quantile(x, [0.01, 0.99])))
-    before, after = x[1:-1] - x[:-2], x[1:-1] - x[2:]
+def lone_spikes(x: Array) -> NDArray[np.bool_]:
+    """Mask of rows (n,) that alone lie far from both neighbours; none if there are many, which is noise."""
+    mask = np.zeros(x.size, dtype=bool)
+    known = np.flatnonzero(np.isfinite(x))
+    v = x[known]
+    if v.size < 50:
+        return mask
+    limit = _SPIKE * float(np.ptp(np.quantile(v, [0.01, 0.99])))
+    before, after = v[1:-1] - v[:-2], v[1:-1] - v[2:]
     lone = (before * after > 0) & (np.minimum(np.abs(before), np.abs(after)) > limit)
-    if limit <= 0 or x.size < 50 or not lone.any() or lone.mean() > 0.02:
+    if limit > 0 and lone.mean() <= 0.02:
+        mask[known[1:-1][lone]] = True
+    return mask
+
+
+def _spikes(name: str, unit: str, x: Array, line: NDArray[np.int64]) -> list[str]:
+    lone = lone_spikes(x)
+    if not lone.any():
         return []
-    k = int(np.argmax(np.where(lone, np.minimum(np.abs(before), np.abs(after)), 0.0))) + 1
+    height = np.minimum(np.abs(x[1:-1] - x[:-2]), np.abs(x[1:-1] - x[2:]))
+    k = int(np.argmax(np.where(lone[1:-1], height, 0.0))) + 1
     return [
         f"{name} has single-row spikes in {int(lone.sum())} place(s), the largest "
         f"{f'{x[k]:g} {unit}'.strip()} between {x[k - 1]:g} and {x[k + 1]:g} (line {line[k]}); "

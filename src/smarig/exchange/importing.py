@@ -13,6 +13,7 @@ from typing import Any
 from smarig.core import DataError, StorageError, UsageError, catalogue_entry
 from smarig.exchange.mapping import mapping_text
 from smarig.exchange.reader_result import RunDraft
+from smarig.exchange.repair import Repair, repaired
 from smarig.exchange.rig_constants import RigConstants
 from smarig.record import write_run
 
@@ -27,6 +28,7 @@ class ImportReport:
     rows: int
     steps: int
     warnings: tuple[str, ...]
+    repairs: tuple[Repair, ...] = ()
 
 
 def import_file(
@@ -38,12 +40,14 @@ def import_file(
     mapping: str | None = None,
     t0: float | None = None,
     wire: str | None = None,
+    repair: bool = False,
     force: bool = False,
 ) -> ImportReport:
     """Read ``path`` in ``format`` (csv, forc, …) and write the run ``out``.
 
     ``rig`` and ``mapping`` are names or paths. ``t0`` is the time in seconds of the file's zero on a clock shared
-    with other runs. ``wire`` is the identity of the wire. Raises UsageError, ConfigError, DataError or
+    with other runs. ``wire`` is the identity of the wire. ``repair``: rows that the findings call faulty are masked or
+    dropped, and the run keeps which. Raises UsageError, ConfigError, DataError or
     StorageError. An existing file ``out`` is replaced only with ``force``.
     """
     source, target = Path(path), Path(out)
@@ -57,6 +61,7 @@ def import_file(
     if target.exists() and not force:
         raise UsageError(f"{target} exists; give another name or --force to replace it.")
     draft = read(source, rig=rig, mapping=mapping)
+    draft, repairs = repaired(draft) if repair else (draft, ())
     if t0 is not None:
         draft = _shifted(draft, source, t0)
     meta = _describe(source, format, rig, mapping, wire) | draft.meta | {"warnings": list(draft.warnings)}
@@ -66,7 +71,7 @@ def import_file(
         write_run(target, meta, draft.sql_columns(), list(draft.steps), force=force)
     except OSError as error:
         raise StorageError(f"Run file {target} cannot be written: {error.strerror or error}.") from None
-    return ImportReport(target, len(draft), len(draft.steps), draft.warnings)
+    return ImportReport(target, len(draft), len(draft.steps), draft.warnings, repairs)
 
 
 def _shifted(draft: RunDraft, source: Path, t0: float) -> RunDraft:

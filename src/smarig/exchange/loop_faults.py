@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from smarig.exchange.channel_faults import quantum
+from smarig.measurement import dropouts
 from smarig.preisach import turning_points
 
 Array = NDArray[np.float64]
@@ -31,12 +32,25 @@ class LoopRecord:
     output_unit: str
     row: NDArray[np.int64] = field(default_factory=lambda: np.empty(0, dtype=np.int64))
 
+    def where(self, mask: NDArray[np.bool_]) -> "LoopRecord":
+        """The rows of a mask (n,)."""
+        return LoopRecord(
+            self.u[mask], self.y[mask], self.line[mask], self.input_unit, self.output_unit, self.row[mask]
+        )
+
     def finite(self) -> "LoopRecord":
         """The rows in which both are known; ``row`` keeps their indices."""
         rows = np.flatnonzero(np.isfinite(self.u) & np.isfinite(self.y))
         return LoopRecord(
             self.u[rows], self.y[rows], self.line[rows], self.input_unit, self.output_unit, rows
         )
+
+
+def _dropout_finding(loop: LoopRecord, lost: NDArray[np.bool_]) -> str:
+    return (
+        f"The input reads exactly 0 {loop.input_unit} in {int(lost.sum())} rows, far from the rows around them (first: "
+        f"line {loop.line[lost][0]}): drop-outs of the instrument."
+    )
 
 
 def loop_findings(loop: LoopRecord, *, designed: bool = False) -> list[str]:
@@ -51,6 +65,10 @@ def loop_findings(loop: LoopRecord, *, designed: bool = False) -> list[str]:
     turns = branch_ends(known.u, _REVERSAL * float(np.ptp(known.u)))
     if designed:
         return _wrong_direction(known, turns)
+    lost = dropouts(known.u)
+    if lost.any():
+        kept = known.where(~lost)
+        return [_dropout_finding(known, lost), *loop_findings(kept)]
     found = _jumps(known) + _false_reversals(known, turns) + _not_closed(known, turns)
     # The output follows a current with the lag of the heating, so its loops in time do not show the hysteresis.
     direction = _wrong_direction(known, turns) if known.input_unit != "A" else []

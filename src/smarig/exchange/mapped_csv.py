@@ -12,7 +12,7 @@ from smarig.core import DataError
 from smarig.exchange.channel_faults import quantum, unused_findings
 from smarig.exchange.findings import duplicate_columns, record_findings, repeated_rows, saturation_marks
 from smarig.exchange.loop_faults import LoopRecord, loop_findings
-from smarig.exchange.mapping import Column, MappingFile, require_columns
+from smarig.exchange.mapping import Column, Condition, MappingFile, require_columns
 from smarig.exchange.reader_result import RunDraft, directions, step_row
 from smarig.exchange.text_table import Table, TableLayout, read_table
 from smarig.exchange.time_axis import check_time, merge_repeats, time_findings
@@ -157,7 +157,7 @@ def _channels(path: Path, table: Table, mapping: MappingFile, columns: dict) -> 
     return out
 
 
-def _scaled(table: Table, column: Column) -> Array:
+def _scaled(table: Table, column: Column | Condition) -> Array:
     return column.scale * table.columns[column.column] + column.offset
 
 
@@ -165,6 +165,12 @@ def _conditions(path: Path, table: Table, mapping: MappingFile) -> tuple[dict[st
     """Quantities meant to be constant, as mean, min, max; a finding if they were not."""
     out, messages = {}, []
     for name, column in mapping.conditions.items():
+        if column.text:
+            out[name] = {"text": column.text}
+            continue
+        if column.value is not None:
+            out[name] = {"unit": column.unit} | dict.fromkeys(("mean", "min", "max"), column.value)
+            continue
         x = _scaled(table, column)
         if not np.isfinite(x).any():
             raise DataError(f"{path}: column '{column.column}' holds no number.")

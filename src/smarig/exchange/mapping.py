@@ -27,6 +27,14 @@ CHANNEL_UNITS = {
     "ambient_degC": "degC",
 }
 
+CONDITION_DIMENSIONS = {
+    "stress": "stress",
+    "load": "force",
+    "room_temperature": "temperature",
+    "chamber_temperature": "temperature",
+    "frequency": "frequency",
+}  # conditions that runs are compared by; a text such as specimen, and other names, are kept and compared too
+
 
 class TextLayout(TomlTable):
     """[file]: ``names`` where there is no header row; ``header_starts`` for files of several tables."""
@@ -82,6 +90,25 @@ class Column(TomlTable):
     offset: float = Field(default=0.0, allow_inf_nan=False)  # added after scaling
 
 
+class Condition(TomlTable):
+    """A condition of the run: the mean of a column, a constant value, or a text."""
+
+    column: str = ""  # name of the column in the file
+    value: float | None = Field(default=None, allow_inf_nan=False)  # in place of a column: constant
+    text: str = ""  # in place of a column: a name, for example of the specimen
+    unit: str = ""  # unit of scale × cell + offset, or of the value
+    scale: float = Field(default=1.0, allow_inf_nan=False)  # factor of the cell
+    offset: float = Field(default=0.0, allow_inf_nan=False)  # added after scaling
+
+    @model_validator(mode="after")
+    def _one_source(self) -> "Condition":
+        if bool(self.column) + (self.value is not None) + bool(self.text) != 1:
+            raise ValueError("give exactly one of column, value and text")
+        if bool(self.text) == bool(self.unit):
+            raise ValueError("a column or a value needs its unit; a text has none")
+        return self
+
+
 class Branch(TomlTable):
     """One branch of data with several branches in one row; unfolded in the order of the file."""
 
@@ -124,7 +151,7 @@ class MappingFile(TomlTable):
     time: TimeAxis | None = None  # time axis; leave out if the data have no time
     columns: dict[ChannelName, Column] = Field(default_factory=dict)  # columns, by channel
     branch: tuple[Branch, ...] = ()  # in place of columns: several branches in one row
-    conditions: dict[str, Column] = Field(
+    conditions: dict[str, Condition] = Field(
         default_factory=dict
     )  # quantities kept with the run, for example a load
     ignore: dict[str, str] = Field(default_factory=dict)  # columns not used, each with the reason
@@ -141,6 +168,11 @@ class MappingFile(TomlTable):
             raise ValueError("[mat] is used with [columns] only; leave out [file] and [[branch]]")
         if self.mat and self.mat.loops != "none" and (self.time or self.steps != "none"):
             raise ValueError("the loops of [mat] have a number and no time; leave out [time] and steps")
+        for name, condition in self.conditions.items():
+            if expected := CONDITION_DIMENSIONS.get(name):
+                if condition.text:
+                    raise ValueError(f"conditions.{name}: a text was given, but a number was expected")
+                _expect(condition.unit, expected, f"conditions.{name}.unit")
         for where, columns in self.tables():
             if self.input.channel not in columns:
                 raise ValueError(f"{where} has no '{self.input.channel}', which [input] names as its channel")
@@ -165,7 +197,7 @@ class MappingFile(TomlTable):
     def used(self) -> dict[str, str]:
         """Column names of the file with their uses."""
         use = {c.column: channel for _, columns in self.tables() for channel, c in columns.items()}
-        use |= {c.column: name for name, c in self.conditions.items()}
+        use |= {c.column: name for name, c in self.conditions.items() if c.column}
         use |= {column: "comparison" for c in self.compare for column in c.columns if column not in use}
         if self.time and self.time.column:
             use[self.time.column] = "time"

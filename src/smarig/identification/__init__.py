@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from smarig.identification.forc.forc_density import forc_density as forc_density
     from smarig.identification.identification_result import Identification as Identification
     from smarig.identification.identify import identify as identify
+    from smarig.identification.measured.load_dependence import LoadDependence as LoadDependence
     from smarig.identification.measured.measured_fit import MeasuredFit as MeasuredFit
     from smarig.identification.measured.measured_fit import MeasuredProblem as MeasuredProblem
     from smarig.identification.measured.measured_fit import chosen_smoothing as chosen_smoothing
@@ -27,6 +28,11 @@ if TYPE_CHECKING:
     from smarig.identification.measured.measured_fit import measured_problem as measured_problem
     from smarig.identification.measured.measured_fit import predicted_outputs as predicted_outputs
     from smarig.identification.measured.measured_fit import reading_weights as reading_weights
+    from smarig.identification.measured.measured_hypothesis import Comparison as Comparison
+    from smarig.identification.measured.measured_hypothesis import MeasuredHypothesis as MeasuredHypothesis
+    from smarig.identification.measured.measured_hypothesis import compared as compared
+    from smarig.identification.measured.measured_hypothesis import condition_table as condition_table
+    from smarig.identification.measured.measured_hypothesis import resampled_interval as resampled_interval
     from smarig.identification.measured.reading_plan import ReadingPlan as ReadingPlan
     from smarig.identification.measured.reading_plan import reading_plan as reading_plan
     from smarig.identification.noise_floor import noise_floor as noise_floor
@@ -37,6 +43,7 @@ if TYPE_CHECKING:
     from smarig.identification.positive.positive_fit import fit_positive as fit_positive
     from smarig.identification.positive.positive_fit import fit_table as fit_table
     from smarig.identification.positive.triangle import Triangle as Triangle
+    from smarig.identification.rows_used import RowsUsed as RowsUsed
     from smarig.identification.run_passivity import passivity_of_run as passivity_of_run
     from smarig.identification.surface.choose_surface import INTERVAL_LEVEL as INTERVAL_LEVEL
     from smarig.identification.surface.choose_surface import SIMPLER_TOLERANCE as SIMPLER_TOLERANCE
@@ -53,6 +60,7 @@ if TYPE_CHECKING:
     from smarig.identification.verify import PredictionErrors as PredictionErrors
     from smarig.identification.verify import RunVerification as RunVerification
     from smarig.identification.verify import Verification as Verification
+    from smarig.identification.verify import selected_points as selected_points
     from smarig.identification.verify import verify as verify
 else:
     __getattr__, __dir__, __all__ = lazy_exports(__name__)

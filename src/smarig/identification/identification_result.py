@@ -6,7 +6,9 @@ from typing import Any
 from smarig.identification.density_report import DensityReport
 from smarig.identification.extended.choose_extension import ExtensionChoice
 from smarig.identification.fod_data import FodData
+from smarig.identification.measured.load_dependence import LoadDependence
 from smarig.identification.positive.positive_fit import PositiveFit
+from smarig.identification.rows_used import RowsUsed
 from smarig.identification.surface.choose_surface import SurfaceChoice
 from smarig.identification.surface.curve_report import CurveReport
 from smarig.identification.surface.fit_figures import plain
@@ -21,7 +23,8 @@ class Identification:
     ``fit`` is None for tables and for a positive measure, which has ``positive``. ``data`` are the first-order
     curves of the runs. They are empty if the runs of a positive measure contain none; its own points are
     ``model.fit["points"]``. ``choice`` describes the choice of "best", and is None if the kind was named.
-    ``extension`` is the result for the extended models of §3.5, None if none was requested.
+    ``extension`` is the result for the extended models of §3.5, None if none was requested. ``rows`` are the rows used
+    of each run. ``load`` is the dependence on a load, None if none was requested.
     """
 
     model: Model
@@ -33,6 +36,8 @@ class Identification:
     choice: SurfaceChoice | None
     positive: PositiveFit | None = None
     extension: ExtensionChoice | None = None
+    rows: tuple[RowsUsed, ...] = ()
+    load: LoadDependence | None = None
 
     @property
     def warnings(self) -> tuple[str, ...]:
@@ -70,7 +75,9 @@ class Identification:
             "held_out_interval": choice.held_out_interval if choice else None,
             "negative_share": choice.negative_share if choice else None,
             "twin": model.twin,
+            "rows": [rows.to_json() for rows in self.rows],
             "warnings": list(self.warnings),
+            **({"load": self.load.to_json()} if self.load else {}),
             **({"extension": self.extension.to_json()} if self.extension else {}),
         }
 

@@ -22,9 +22,11 @@ from smarig.identification.fod_data import FodData, first_order_points, fod_data
 from smarig.identification.fod_data import select as selected
 from smarig.identification.forc.forc_curves import curves_from_run
 from smarig.identification.identification_result import Identification
+from smarig.identification.identify_loads import check_load_settings, identify_loads
 from smarig.identification.noise_floor import noise_floor
 from smarig.identification.positive.observations import Observations
 from smarig.identification.positive.positive_fit import PositiveFit, fit_positive
+from smarig.identification.rows_used import rows_of_runs, without_dropouts
 from smarig.identification.surface.choose_surface import (
     MOST_OBSERVATIONS,
     choose_surface,
@@ -43,7 +45,7 @@ from smarig.identification.surface.surface_fit import ROOT_WEIGHT, MajorLoopWeig
 from smarig.identification.surface.surface_kinds import BEST_KIND, POSITIVE_KIND, surface_kinds
 from smarig.preisach import Everett, FodSurface, FodTable, ForcTable, Mirrored, surface_forms
 from smarig.record import FORC_PROTOCOL, Run, load_run
-from smarig.replay import Model, NoiseRecord, file_hash, model_metadata, provenance
+from smarig.replay import Model, NoiseRecord, file_hash, model_metadata, pooled_conditions, provenance
 
 _LARGEST_VALUE = 1e30
 _UNEXPLAINED_SHARE = 0.9  # of the output's standard deviation: a fit with larger residuals hardly follows it
@@ -61,6 +63,7 @@ class _FittedHysteresis:
     warnings: list[str]
     fit: SurfaceFit | None = None
     positive: PositiveFit | None = None
+    points: tuple[tuple[int, ...], tuple[int, ...]] = ((), ())  # with a known memory, and used, per run
 
 
 def identify(
@@ -72,6 +75,7 @@ def identify(
     weights: MajorLoopWeighting = "residual",
     symmetric: bool = False,
     extension: str = NONE,
+    load_from: str | None = None,
 ) -> Identification:
     """Identify a Preisach model from runs (or paths) of any protocol.
 
@@ -81,15 +85,20 @@ def identify(
     ``weights`` are as in ``fit_surface``. ``symmetric``: the positive measure is its own image under (u, y) → (−u,
     −y), like that of a magnet. Surfaces and tables of ascending curves, and all models of magnetic reversal curves,
     are fitted in that mirror. ``extension`` adds one of the extended models of §3.5, or the "best" of them on runs
-    left out; the model then predicts with it. Raises UsageError for unknown names, and DataError if the runs
-    contain too little.
+    left out; the model then predicts with it. ``load_from`` names a condition of the runs, "stress": one positive
+    measure, shifted by it, for all loads. Raises UsageError for unknown names, and DataError if the runs contain too
+    little.
     """
     _check_words(surface, weights, symmetric)
     if extension not in extension_names():
         raise UsageError(
             f"There is no extension '{extension}'{suggestion(extension, list(extension_names()))}."
         )
-    loaded = _loaded(runs)
+    given = _loaded(runs)
+    loaded = [without_dropouts(run) for run in given]
+    if load_from is not None:
+        check_load_settings(surface, select, anchor, symmetric, extension)
+        return identify_loads(given, load_from)
     everything = _first_order_curves(loaded, surface)
     data = everything if select is None else selected(everything, select)
     choice = choose_surface(data, anchor=anchor, weights=weights) if surface == BEST_KIND else None
@@ -116,7 +125,7 @@ def identify(
         parameters=fit.names if fit else (),
         covariance=fit.covariance if fit else np.empty((0, 0)),
         intervals=fit.intervals if fit else {},
-        warnings=(*curves.warnings, *found.warnings, *late),
+        warnings=(*curves.warnings, *found.warnings, *late, *pooled_conditions(loaded)),
         **model_metadata(loaded),
     )
     plain = Identification(
@@ -128,6 +137,7 @@ def identify(
         curves=curves,
         choice=choice,
         positive=found.positive,
+        rows=rows_of_runs(given, data, select, found.points),
     )
     return plain if extension == NONE else _extended(plain, loaded, extension, anchor, weights, symmetric)
 
@@ -229,11 +239,15 @@ def _positive(
     Only selected points can be mirrored: the memory is followed in the signs of the measurement.
     """
     points_alone = select is not None or any(run.info.protocol == FORC_PROTOCOL for run in runs)
+    points: tuple[tuple[int, ...], tuple[int, ...]] = ((), ())
     if points_alone:
         observations = Observations.of_fod(thinned(data, MOST_OBSERVATIONS))
     else:
         observations = Observations.of_runs(runs)
-        observations = observations.where(thinning_mask(observations.curve, MOST_OBSERVATIONS))
+        kept = thinning_mask(observations.curve, MOST_OBSERVATIONS)
+        ends = np.cumsum(observations.known)[:-1]
+        points = observations.known, tuple(int(part.sum()) for part in np.split(kept, ends))
+        observations = observations.where(kept)
     _check_usable(observations.y, observations.alpha, data.unit)
     inputs = np.concatenate([run.points()[0] for run in runs])
     if np.ptp(inputs) == 0:
@@ -241,8 +255,10 @@ def _positive(
     fit, table, warnings = fit_positive(observations, symmetric=symmetric), None, []
     spread = float(np.std(observations.y))
     if fit.rms > _UNEXPLAINED_SHARE * spread:
-        negative = fit_positive(replace(observations, y=-observations.y), symmetric=symmetric)
+        turned = replace(observations, y=-observations.y)
+        negative = fit_positive(turned, symmetric=symmetric)
         if negative.rms < fit.rms:  # as of strain, which falls while a wire gets hot
+            observations = turned
             fit, table = negative, FodTable(negative.table.nodes, -negative.table.values, negative.table.unit)
             warnings = [
                 "The output falls while the input rises. The measure is that of its negative; the model predicts the "
@@ -266,6 +282,7 @@ def _positive(
         density=density_report(fit.table),
         warnings=[*warnings, *positive_warnings(fit)],
         positive=fit,
+        points=points,
     )
 
 

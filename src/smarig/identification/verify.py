@@ -14,16 +14,20 @@ from numpy.typing import NDArray
 
 from smarig.core import DataError, UsageError
 from smarig.identification.fod_data import first_order_points
+from smarig.identification.measured.load_dependence import expected_rms
 from smarig.identification.noise_floor import noise_floor
 from smarig.identification.point_selection import matches
+from smarig.identification.rows_used import without_dropouts
 from smarig.record import FORC_PROTOCOL, Run
 from smarig.replay import (
     Model,
     check_output,
     file_hash,
+    foreign_conditions,
     missing_earlier_runs,
     out_of_range,
     provenance,
+    recorded_conditions,
     recorded_start,
     simulate_runs,
     simulate_samples,
@@ -52,7 +56,8 @@ class RunVerification:
     """The verification of one run: errors, the points behind them, and the treatment of the encoder's zero.
 
     ``input``, ``measured``, ``predicted`` (k,) are all settled points (offset added, NaN if the memory is unknown).
-    ``judged`` (k,) marks the points that count. ``offset``, "known" or "fitted", was added to the model.
+    ``counted`` (k,) marks the points that count. ``offset``, "known" or "fitted", was added to the model. ``expected``
+    is the rms error to be expected at a load that was not measured, None for other runs and models.
     """
 
     run: str
@@ -66,6 +71,7 @@ class RunVerification:
     predicted: Array
     counted: NDArray[np.bool_]
     warnings: tuple[str, ...]
+    expected: float | None = None
 
     def to_json(self) -> dict[str, Any]:
         """Plain values, as the command line prints them."""
@@ -75,6 +81,7 @@ class RunVerification:
             "noise_floor": self.noise_floor,
             "offset": self.offset,
             "offset_kind": self.offset_kind,
+            **({"expected_rms": self.expected} if self.expected is not None else {}),
             **({"transient": self.transient.to_json()} if self.transient else {}),
             "warnings": list(self.warnings),
         }
@@ -108,10 +115,10 @@ def verify(
     still simulated. With ``offset`` "known", a run with an unknown encoder zero is an error; "fitted" always fits
     an offset. Raises DataError if units differ or the memory of a run is never known.
     """
-    several = [runs] if isinstance(runs, Run) else list(runs)
+    several = [without_dropouts(run) for run in ([runs] if isinstance(runs, Run) else runs)]
     for run in several:
         check_output(model, run)
-    selected = _selected_points(several, select)
+    selected = selected_points(several, select)
     predictions = simulate_runs(model, several)
     missing = missing_earlier_runs(model, several) if model.effects else []
     counted = [
@@ -123,7 +130,7 @@ def verify(
     return Verification(model.name, model.unit, tuple(counted))
 
 
-def _selected_points(runs: Sequence[Run], select: str | None) -> list[NDArray[np.bool_]]:
+def selected_points(runs: Sequence[Run], select: str | None) -> list[NDArray[np.bool_]]:
     """Masks of the points that count, per run; curves are numbered through all runs, as in ``identify``."""
     if select is None:
         return [np.ones(run.points()[0].size, dtype=bool) for run in runs]
@@ -169,7 +176,15 @@ def _verified(
         predicted=predicted + shift,
         counted=counts,
         warnings=(*_validity_warnings(model, run), *_warnings(model, early, outside, kind, missing)),
+        expected=_expected(model, run),
     )
+
+
+def _expected(model: Model, run: Run) -> float | None:
+    """The rms error to be expected from loads left out of the fit, if the model depends on a load."""
+    load = model.fit.get("load")
+    own = recorded_conditions(run).get(load["condition"]) if isinstance(load, dict) else None
+    return expected_rms(load, float(own.value)) if load and own and not isinstance(own.value, str) else None
 
 
 def _errors(error: Array, span: float) -> PredictionErrors:
@@ -234,6 +249,7 @@ def _validity_warnings(model: Model, run: Run) -> list[str]:
         found.append(
             "The model was fitted to this run. The errors show how well it fits, not how well it predicts."
         )
+    found += foreign_conditions(model, run)
     if run.cause != "done":
         found.append(f"The run is incomplete: {run.cause.removeprefix('incomplete: ')}.")
     return found

@@ -9,9 +9,12 @@ from typing import TYPE_CHECKING
 from smarig.core.lazy_exports import lazy_exports
 
 if TYPE_CHECKING:
+    from smarig.measurement.condition_table import SAME_SHARE as SAME_SHARE
     from smarig.measurement.condition_table import ConditionTable as ConditionTable
+    from smarig.measurement.condition_table import condition_groups as condition_groups
     from smarig.measurement.input_record import InputRecord as InputRecord
     from smarig.measurement.input_record import assumed_start as assumed_start
+    from smarig.measurement.input_record import dropouts as dropouts
     from smarig.measurement.input_record import input_noise_sd as input_noise_sd
     from smarig.measurement.input_record import input_records as input_records
     from smarig.measurement.input_record import monotone_branches as monotone_branches

@@ -1,4 +1,4 @@
-"""Gain and zero of the output by a condition of the run, linear between the runs that were measured."""
+"""Outputs by a condition of the run: monotone cubic between the values that were measured, linear beyond them."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -10,6 +10,8 @@ from numpy.typing import NDArray
 from smarig.core import DataError
 
 Array = NDArray[np.float64]
+SAME_SHARE = 0.02  # of the range of a condition: closer runs are of one value
+LEAST_GAIN = 0.01  # of the largest: a smaller gain beyond the measured values would invert the loop
 
 
 @dataclass(frozen=True)
@@ -23,24 +25,39 @@ class ConditionTable:
 
     @classmethod
     def of(cls, condition: str, values: Sequence[float], gains: Array, zeros: Array) -> "ConditionTable":
-        """A table of runs in any order; runs at one value are averaged."""
-        levels = np.unique(np.round(values, 9))
-        at = [np.isclose(values, level, rtol=0, atol=1e-9) for level in levels]
-        return cls(
-            condition,
-            tuple(levels.tolist()),
-            tuple(float(np.mean(gains[k])) for k in at),
-            tuple(float(np.mean(zeros[k])) for k in at),
-        )
+        """A table of runs in any order; runs at about one value are averaged."""
+        group = condition_groups(values)
+        at = [np.array(group) == k for k in range(max(group) + 1)]
+        mean = [tuple(float(np.mean(np.asarray(x)[k])) for k in at) for x in (values, gains, zeros)]
+        return cls(condition, *mean)
 
-    def at(self, value: float) -> tuple[float, float]:
-        """(gain, zero) at a value, continued linearly beyond the ends; the gain is at least a hundredth of the largest.
+    def outputs(self, shapes: Array, value: float) -> Array:
+        """Outputs (n,) at a value of the condition, for shapes (n,) of one hysteresis, or (values, n) of one each.
 
-        >>> ConditionTable("stress", (50.0, 100.0), (1.0, 2.0), (0.0, 1.0)).at(75.0)
-        (1.5, 0.5)
+        They are interpolated between the outputs g·P + z at the values of the table.
+
+        >>> table = ConditionTable("stress", (50.0, 100.0), (1.0, 2.0), (0.0, 1.0))
+        >>> table.outputs(np.array([0.0, 2.0]), 75.0).tolist()
+        [0.5, 3.5]
         """
-        gain, zero = (_linear(self.values, y, value) for y in (self.gains, self.zeros))
-        return max(gain, 0.01 * max(self.gains)), zero
+        y = np.array(self.gains)[:, None] * shapes + np.array(self.zeros)[:, None]
+        x = np.array(self.values)
+        if x.size > 2 and x[0] <= value <= x[-1]:
+            from scipy.interpolate import PchipInterpolator  # imported here: takes half a second
+
+            return np.asarray(PchipInterpolator(x, y)(value))
+        if x.size == 1:
+            return y[0]
+        k = int(np.clip(np.searchsorted(x, value) - 1, 0, x.size - 2))
+        share = self._bounded(k, float((value - x[k]) / (x[k + 1] - x[k])))
+        return (1 - share) * y[k] + share * y[k + 1]
+
+    def _bounded(self, k: int, share: float) -> float:
+        """The share at which the gain between values k and k + 1 does not fall below its least."""
+        least, a, b = LEAST_GAIN * max(self.gains), self.gains[k], self.gains[k + 1]
+        if a + share * (b - a) >= least or a == b:
+            return share
+        return (least - a) / (b - a)
 
     def to_json(self) -> dict[str, Any]:
         """Plain values, as stored in a model file."""
@@ -64,9 +81,15 @@ class ConditionTable:
         return table
 
 
-def _linear(x: Sequence[float], y: Sequence[float], at: float) -> float:
-    if len(x) == 1:
-        return y[0]
-    k = int(np.clip(np.searchsorted(x, at) - 1, 0, len(x) - 2))
-    share = (at - x[k]) / (x[k + 1] - x[k])
-    return float((1 - share) * y[k] + share * y[k + 1])
+def condition_groups(values: Sequence[float]) -> list[int]:
+    """The group of each run: runs at about one value of a condition, in increasing order of it.
+
+    >>> condition_groups([99.9, 50.0, 100.1])
+    [1, 0, 1]
+    """
+    x = np.asarray(values, dtype=float)
+    order = np.argsort(x, kind="stable")
+    apart = np.diff(x[order]) > max(SAME_SHARE * float(np.ptp(x)), 1e-9)
+    group = np.empty(x.size, dtype=np.int64)
+    group[order] = np.concatenate([[0], np.cumsum(apart)])
+    return group.tolist()

@@ -7,15 +7,21 @@ from typing import Any
 from smarig.core import DataError
 from smarig.measurement.condition_table import ConditionTable
 from smarig.measurement.measurement_effect import MeasurementEffect, measurement_effects
+from smarig.preisach import FodTable, dump_hysteresis, load_hysteresis
 
 
 @dataclass(frozen=True, eq=False)
 class MeasurementPart:
-    """The measurement effects of a model: effects, amplitudes (k,) of their terms, and gain and zero by a condition."""
+    """The measurement effects of a model: effects, amplitudes (k,) of their terms, and gain and zero by a condition.
+
+    ``measures`` are one hysteresis for each value of the table, each to be multiplied by its gain; empty if all values
+    share that of the model.
+    """
 
     effects: tuple[MeasurementEffect, ...]
     amplitudes: tuple[float, ...] = ()
     table: ConditionTable | None = None
+    measures: tuple[FodTable, ...] = ()
 
     def to_json(self) -> dict[str, Any]:
         """Plain values, as stored in a model file."""
@@ -23,7 +29,11 @@ class MeasurementPart:
             "effects": [e.to_json() for e in self.effects],
             "amplitudes": list(self.amplitudes),
         }
-        return stored | ({"table": self.table.to_json()} if self.table else {})
+        if self.table:
+            stored["table"] = self.table.to_json()
+        if self.measures:
+            stored["measures"] = [dump_hysteresis(m) for m in self.measures]
+        return stored
 
     @classmethod
     def from_json(cls, stored: Mapping[str, Any]) -> "MeasurementPart":
@@ -39,4 +49,14 @@ class MeasurementPart:
                 f"the measurement effects of the model need {terms} amplitudes, not {len(amplitudes)}"
             )
         table = ConditionTable.from_json(stored["table"]) if "table" in stored else None
-        return cls(effects, amplitudes, table)
+        return cls(effects, amplitudes, table, _measures(stored, table))
+
+
+def _measures(stored: Mapping[str, Any], table: ConditionTable | None) -> tuple[FodTable, ...]:
+    found = [load_hysteresis(m) for m in stored.get("measures", ())]
+    tables = tuple(m for m in found if isinstance(m, FodTable))
+    if len(tables) != len(found) or (found and (table is None or len(found) != len(table.values))):
+        raise DataError(
+            "the measurement effects of the model need one table for each value of their condition"
+        )
+    return tables

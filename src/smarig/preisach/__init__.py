@@ -15,6 +15,8 @@ if TYPE_CHECKING:
     from smarig.preisach.hysteresis.gorbet_1997 import THESIS_PARTITIONS as THESIS_PARTITIONS
     from smarig.preisach.hysteresis.gorbet_1997 import THESIS_SURFACES as THESIS_SURFACES
     from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface as thesis_surface
+    from smarig.preisach.hysteresis.hysteresis_json import dump_hysteresis as dump_hysteresis
+    from smarig.preisach.hysteresis.hysteresis_json import load_hysteresis as load_hysteresis
     from smarig.preisach.hysteresis.lattice import lattice as lattice
     from smarig.preisach.hysteresis.mirrored import Mirrored as Mirrored
     from smarig.preisach.hysteresis.mirrored import mirror_image as mirror_image

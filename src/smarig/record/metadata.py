@@ -103,7 +103,9 @@ _TEXTS = (
 )
 KEY_TYPES = {
     **dict.fromkeys(_TEXTS, is_text),
-    **dict.fromkeys(("input", "output", "end", "settings", "versions", "imported", "conditions"), is_table),
+    **dict.fromkeys(
+        ("input", "output", "end", "settings", "versions", "imported", "conditions", "repairs"), is_table
+    ),
     **dict.fromkeys(("begun_with", "shift"), is_table),
     **dict.fromkeys(("effects", "warnings", "own_files"), _list),
     **dict.fromkeys(("seed", "history_until_tick"), is_integer),

@@ -109,8 +109,8 @@ class RunInfo(StoredTable):
     (``config``), ``period_s`` of a tick, ``input`` and ``output``. Session: ``start_epoch`` (seconds since 1970),
     ``encoder_zero``, ``initial`` state of the wire. Resuming: ``device``, ``shift`` of its ticks and counts,
     ``launch_args``, ``own_files``, ``closed_loop``, ``history_until_tick``. Imports: ``imported``, ``conditions``,
-    ``warnings``, ``t0_s``, ``header``, ``companions``, ``forc``. Simulations: ``model`` and the run it was simulated
-    ``along``.
+    ``warnings``, ``repairs``, ``t0_s``, ``header``, ``companions``, ``forc``. Simulations: ``model`` and the run
+    it was simulated ``along``.
     """
 
     schema_version: int | None = None
@@ -143,6 +143,7 @@ class RunInfo(StoredTable):
     imported: ImportInfo | None = None
     conditions: Mapping[str, Any] = field(default_factory=dict)
     warnings: tuple[str, ...] = ()
+    repairs: Mapping[str, Any] = field(default_factory=dict)
     t0_s: float | None = None
     header: Mapping[str, Any] = field(default_factory=dict)
     companions: Mapping[str, Any] = field(default_factory=dict)

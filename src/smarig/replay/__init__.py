@@ -5,8 +5,10 @@ from typing import TYPE_CHECKING
 from smarig.core.lazy_exports import lazy_exports
 
 if TYPE_CHECKING:
+    from smarig.replay.conditions import foreign_conditions as foreign_conditions
+    from smarig.replay.conditions import pooled_conditions as pooled_conditions
+    from smarig.replay.conditions import recorded_conditions as recorded_conditions
     from smarig.replay.extended_model import extended_operator as extended_operator
-    from smarig.replay.hysteresis_json import dump_hysteresis as dump_hysteresis
     from smarig.replay.measured_input import MeasuredInput as MeasuredInput
     from smarig.replay.measured_input import driven_by_input as driven_by_input
     from smarig.replay.memory_history import SATURATION_TOLERANCE as SATURATION_TOLERANCE

@@ -11,8 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from smarig.core import DataError
-from smarig.preisach import Everett, Initial
-from smarig.replay.hysteresis_json import load_hysteresis
+from smarig.preisach import Everett, Initial, load_hysteresis
 from smarig.theory import (
     AccommodatingPreisach,
     MovingPreisach,

@@ -1,6 +1,8 @@
 """Predictions of a model with measurement effects along runs with a measured input.
 
 y = z(c) + g(c) · P[v] + Σ_k b_k φ_k,    c: a condition of the run, if an effect depends on one
+
+The measure P is one for all values of c, or one for each measured value.
 """
 
 from collections.abc import Sequence
@@ -19,11 +21,15 @@ from smarig.measurement import (
     monotone_branches,
     reversals,
 )
-from smarig.preisach import Preisach
+from smarig.preisach import Everett, Preisach
 from smarig.record import Run
 from smarig.replay.model_file import Model
 
 Array = NDArray[np.float64]
+SATURATION_GRID = 101
+SATURATION_SHARE = (
+    0.01  # of the stroke: what is left of the major loop beyond an input that counts as saturated
+)
 
 
 def simulate_measured(model: Model, runs: Sequence[Run]) -> list[Array]:
@@ -43,14 +49,14 @@ def _simulated(model: Model, part: MeasurementPart, run: Run, record: InputRecor
     change = changed(record, part.effects)
     turns = reversals(change.input, change.noise)
     u, h = monotone_branches(change.input, turns), model.hysteresis
-    start, known = assumed_start(u, turns, (h.lower, h.upper))
+    start, known = assumed_start(u, turns, _saturation(h))
     if record.initial in ("negative", "positive", "anhysteretic"):
         start, known = record.initial, 0
-    gain, zero = 1.0, 0.0
+    inputs = np.clip(u, h.lower, h.upper)
+    shapes = [Preisach(p, start, samples=u.size).simulate(inputs, start) for p in part.measures or (h,)]
+    y = shapes[0]
     if part.table is not None:
-        gain, zero = part.table.at(_condition(record, part.table))
-    operator = Preisach(h, start, samples=u.size)
-    y = gain * operator.simulate(np.clip(u, h.lower, h.upper), start) + zero
+        y = part.table.outputs(np.array(shapes), _condition(record, part.table))
     if change.terms.shape[1]:
         y = y + change.terms @ np.array(part.amplitudes)
     y[:known] = np.nan
@@ -58,6 +64,16 @@ def _simulated(model: Model, part: MeasurementPart, run: Run, record: InputRecor
     found = np.full(finite.size, np.nan)
     found[np.searchsorted(finite, record.row)] = y
     return found
+
+
+def _saturation(h: Everett) -> tuple[float, float]:
+    """The inputs below and above which next to nothing of the major loop remains."""
+    grid = np.linspace(h.lower, h.upper, SATURATION_GRID)
+    stroke = h.everett(h.upper, h.lower)
+    to_fall = stroke - np.array([h.everett(h.upper, u) for u in grid.tolist()])
+    to_rise = stroke - np.array([h.everett(u, h.lower) for u in grid.tolist()])
+    low, high = (np.abs(left) <= SATURATION_SHARE * abs(stroke) for left in (to_fall, to_rise))
+    return float(grid[low].max(initial=h.lower)), float(grid[high].min(initial=h.upper))
 
 
 def _condition(record: InputRecord, table: ConditionTable) -> float:

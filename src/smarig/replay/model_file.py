@@ -13,9 +13,8 @@ from pydantic import BaseModel, ConfigDict, ValidationError
 from smarig.core import DataError, NotebookDisplay, UsageError, atomic_file
 from smarig.measurement import MeasurementPart
 from smarig.plant import effects_from_json
-from smarig.preisach import Everett, Initial, Preisach
+from smarig.preisach import Everett, Initial, Preisach, dump_hysteresis, load_hysteresis
 from smarig.replay.extended_model import Operator, extended_operator
-from smarig.replay.hysteresis_json import dump_hysteresis, load_hysteresis
 
 VERSION = 1
 FORMAT = "smarig model"
@@ -48,6 +47,13 @@ class NoiseRecord(_FrozenSchema):
     source: str  # of the value
 
 
+class ConditionRecord(_FrozenSchema):
+    """A condition of a run, such as its stress."""
+
+    value: float | str  # its mean, or a text
+    unit: str  # of the value
+
+
 class Provenance(_FrozenSchema):
     """One run that the model was made from; ``start_epoch`` and ``encoder_zero`` identify its session."""
 
@@ -59,6 +65,7 @@ class Provenance(_FrozenSchema):
     start_epoch: float | None = None  # identifies the session
     encoder_zero: str | None = None  # identifies the session
     wire: str = ""  # identity of the wire
+    conditions: dict[str, ConditionRecord] = {}  # of the run, by name
 
 
 class _ModelFileSchema(_FrozenSchema):

@@ -8,6 +8,7 @@ from typing import Any
 from smarig.config import load_actuator
 from smarig.core import UsageError
 from smarig.record import CONTINUED, Run, SignalInfo, load_run
+from smarig.replay.conditions import recorded_conditions
 from smarig.replay.model_file import ActuatorRecord, Model, Provenance, SignalDescription
 
 
@@ -23,6 +24,7 @@ def provenance(run: Run) -> Provenance:
         start_epoch=None if epoch is None else float(epoch),
         encoder_zero=zero,
         wire=run.info.wire or "",
+        conditions=recorded_conditions(run),
     )
 
 

@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from diagnosis.measured.independent_wire import RelayWire, as_run, lagged, triangles
-from smarig.diagnosis.measured.measured_search import compared, failure
+from smarig.diagnosis.measured.measured_search import failure
 from smarig.diagnosis.measured.measured_verdict import decide
+from smarig.identification import compared
 from smarig.measurement import input_records
 from smarig.measurement.effects.input_lag import input_lag
 

@@ -17,10 +17,10 @@ from smarig.identification.verify import verify
 from smarig.preisach import compiled
 from smarig.preisach.hysteresis.fod_surface import FodSurface
 from smarig.preisach.hysteresis.gorbet_1997 import THESIS_PARTITIONS, thesis_surface
+from smarig.preisach.hysteresis.hysteresis_json import dump_hysteresis, load_hysteresis
 from smarig.preisach.hysteresis.surface_form import FORMS, surface_form, surface_forms
 from smarig.preisach.interval import Interval, shift_bounds
 from smarig.preisach.operator import Preisach
-from smarig.replay.hysteresis_json import dump_hysteresis, load_hysteresis
 from smarig.replay.model_file import load_model
 from smarig.report.components.style import INK, surface_colour
 from smarig.report.model_comparison_page import models_page

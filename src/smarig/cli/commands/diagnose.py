@@ -71,6 +71,11 @@ def _taking_all_values(process: Any) -> Any:
 @click.option(
     "--without", multiple=True, metavar="EFFECT", help="Leave this effect out of the catalogue; repeatable."
 )
+@click.option(
+    "--select",
+    metavar="EXPR",
+    help="Use only the points of first-order curves where this holds, e.g. 'curve%2==0' (measured inputs).",
+)
 @own_effects
 @click.option(
     "--alpha",
@@ -97,6 +102,7 @@ def command(
     out: Path | None,
     propose: Path | None,
     without: tuple[str, ...],
+    select: str | None,
     alpha: float,
     nulls: int,
     seed: int,
@@ -107,9 +113,10 @@ def command(
     from smarig.diagnosis import DIAGNOSIS_FILES, MeasuredDiagnosis, diagnose, prepare_folder
 
     if transient is not None:
-        if model or train or held_out or propose:
+        if model or train or held_out or propose or select:
             raise UsageError(
-                "--transient diagnoses the temperature of one run. Leave out MODEL, --train, --held-out and --propose."
+                "--transient diagnoses the temperature of one run. Leave out MODEL, --train, --held-out, --select and "
+                "--propose."
             )
         _transient(transient, out, force, alpha=alpha, nulls=nulls, seed=seed, without=without)
         return
@@ -128,7 +135,15 @@ def command(
         check_distinct(propose, *inputs)
         check_writable(propose, force=force, kind=TOML)
     found = diagnose(
-        model, train, held_out, alpha=alpha, nulls=nulls, seed=seed, without=without, progress=show_message
+        model,
+        train,
+        held_out,
+        alpha=alpha,
+        nulls=nulls,
+        seed=seed,
+        without=without,
+        select=select,
+        progress=show_message,
     )
     paths = _written(found, out, force=force)  # save the diagnosis before hours of simulated runs
     if propose is not None and isinstance(found, MeasuredDiagnosis):

@@ -14,6 +14,7 @@ Examples:
   smarig identify fod.run.sqlite --surface exponential -o wire.model.json
   smarig identify fod.run.sqlite loops.run.sqlite --surface positive -o wire.model.json
   smarig identify fod.run.sqlite loops.run.sqlite --surface exponential --extension best -o wire.model.json
+  smarig identify 50_MPa.run.sqlite 150_MPa.run.sqlite --load-from stress -o wire.model.json
   smarig identify forc.run.sqlite --surface table --select 'curve%2==0' -o half.model.json
 """
 
@@ -45,6 +46,11 @@ Examples:
     show_default=True,
     help="Extended model (thesis §3.5) on top of the surface; best: chosen by cross-validation over the runs.",
 )
+@click.option(
+    "--load-from",
+    metavar="CONDITION",
+    help="Model several loads: the condition of the runs that states the load, 'stress'.",
+)
 @click.option("-o", "--out", type=FILE, required=True, help="Model file (*.model.json).")
 @click.option("--force", is_flag=True, help="Replace an existing model file.")
 @json_option
@@ -55,6 +61,7 @@ def command(
     anchor: bool,
     symmetric: bool,
     extension: str,
+    load_from: str | None,
     out: Path,
     force: bool,
 ) -> None:
@@ -64,11 +71,19 @@ def command(
     check_distinct(out, *runs)
     check_writable(out, force=force, kind=MODEL)
     result = identify(
-        runs, surface=surface, select=select, anchor=anchor, symmetric=symmetric, extension=extension
+        runs,
+        surface=surface,
+        select=select,
+        anchor=anchor,
+        symmetric=symmetric,
+        extension=extension,
+        load_from=load_from,
     )
     result.model.save(out, force=force)
     for warning in result.warnings:
         show_message(f"Warning: {warning}")
     found = {**result.to_json(), "model": str(out)}
-    extended = f"{result.extension.text}\n" if result.extension else ""
-    emit(found, f"{result!r}\n{extended}Model: {out}")
+    extended = [result.extension.text] if result.extension else []
+    loads = [result.load.text] if result.load else []
+    rows = [rows.text for rows in result.rows]
+    emit(found, "\n".join([repr(result), *extended, *loads, *rows, f"Model: {out}"]))

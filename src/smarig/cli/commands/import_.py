@@ -35,6 +35,11 @@ Examples:
 @click.option("--rig", type=RIG, help="Rig whose actuator and encoder give temperature and position.")
 @click.option("--t0", type=float, help="Start of this file, in s, on a clock shared with other runs.")
 @click.option("--wire", help="Identity of the wire.")
+@click.option(
+    "--repair",
+    is_flag=True,
+    help="Mask drop-outs and single-row spikes and drop repeated rows; the run keeps which.",
+)
 @click.option("-o", "--out", type=FILE, required=True, help="Run file to write.")
 @click.option("--force", is_flag=True, help="Replace an existing run file.")
 @json_option
@@ -45,6 +50,7 @@ def command(
     rig: str | None,
     t0: float | None,
     wire: str | None,
+    repair: bool,
     out: Path,
     force: bool,
 ) -> None:
@@ -53,7 +59,7 @@ def command(
 
     check_distinct(out, file)
     report = import_file(
-        file, format=format_, out=out, rig=rig, mapping=mapping, t0=t0, wire=wire, force=force
+        file, format=format_, out=out, rig=rig, mapping=mapping, t0=t0, wire=wire, repair=repair, force=force
     )
     for warning in report.warnings:
         show_message(f"Warning: {warning}")
@@ -62,5 +68,6 @@ def command(
         "rows": report.rows,
         "steps": report.steps,
         "warnings": list(report.warnings),
+        "repairs": {r.kind: r.to_json() for r in report.repairs},
     }
     emit(found, f"{report.run}: {report.rows} rows, {report.steps} steps.")

@@ -30,10 +30,15 @@ def command(model: Path, runs: tuple[Path, ...], select: str | None) -> None:
             show_message(f"Warning: {warning}")
     lines = [
         f"{run['run']}: rms error {run['rms']:.4g} {unit} (NRMSE {run['nrmse']:.3g}), "
-        f"largest {run['max_abs']:.4g} {unit}, n = {run['n']}; noise floor {_floor(run, unit)}"
+        f"largest {run['max_abs']:.4g} {unit}, n = {run['n']}; noise floor {_floor(run, unit)}{_expected(run, unit)}"
         for run in found["runs"]
     ]
     emit(found, "\n".join(lines))
+
+
+def _expected(run: dict, unit: str) -> str:
+    """The error to be expected at a load that was not measured."""
+    return f"; expected at this load {run['expected_rms']:.2g} {unit} rms" if "expected_rms" in run else ""
 
 
 def _floor(run: dict, unit: str) -> str:

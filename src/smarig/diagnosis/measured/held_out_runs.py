@@ -6,9 +6,15 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.diagnosis.measured.measured_hypothesis import Comparison, MeasuredHypothesis, resampled_interval
-from smarig.identification import fit_measured, measured_problem, predicted_outputs
-from smarig.measurement import ConditionTable, MeasurementEffect, measurement_effect_types
+from smarig.identification import (
+    Comparison,
+    MeasuredHypothesis,
+    condition_table,
+    fit_measured,
+    measured_problem,
+    resampled_interval,
+)
+from smarig.measurement import MeasurementEffect, measurement_effect_types
 
 Array = NDArray[np.float64]
 OFFSET = "input_offset"
@@ -29,15 +35,6 @@ class RunOffset:
     with_offset: float
 
 
-def condition_table(found: MeasuredHypothesis, train: int) -> ConditionTable | None:
-    """Gain and zero by the condition of an effect, from the training records; None if no effect has a condition."""
-    names = [e.kind.by_condition for e in found.effects if e.kind.by_condition]
-    if not names:
-        return None
-    values = [r.conditions[names[0]] for r in found.fit.problem.plan.records[:train]]
-    return ConditionTable.of(names[0], values, found.fit.gains[:train], found.fit.zeros[:train])
-
-
 def held_out_error(found: MeasuredHypothesis, train: int) -> Array:
     """Errors (m,) at all readings; those of held-out records have the zero and gain of their condition, or about their
     mean if nothing determines the zero.
@@ -46,15 +43,11 @@ def held_out_error(found: MeasuredHypothesis, train: int) -> Array:
     error = fit.error
     table = condition_table(found, train)
     if table is not None:
-        gains = fit.gains.copy()
-        zeros = np.zeros(len(plan.records))
+        shape, terms = fit.shape, fit.problem.terms @ fit.amplitudes
         for k, record in enumerate(plan.records[train:], start=train):
-            gains[k], zeros[k] = table.at(record.conditions.get(table.condition, table.values[0]))
-        programme = fit.problem.programme(gains)
-        own_zero = fit.zeros[fit.problem.observations.zero]  # no estimate for a held-out record
-        shape = predicted_outputs(fit.problem, programme, fit.x) - own_zero
-        error = plan.y - shape - zeros[plan.record]
-        error = np.where(plan.record < train, fit.error, error)
+            own = plan.record == k
+            value = record.conditions.get(table.condition, table.values[0])
+            error[own] = plan.y[own] - table.outputs(shape[own], value) - terms[own]
     for k in range(train, len(plan.records)):
         own = plan.record == k
         if own.any() and table is None:

@@ -12,30 +12,31 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.core import DataError, NotebookDisplay
+from smarig.core import NotebookDisplay
 from smarig.diagnosis.diagnosis_verdict import DiagnosisVerdict
-from smarig.diagnosis.error_parts import error_parts
 from smarig.diagnosis.held_out_gain import HeldOutGain
-from smarig.diagnosis.measured.held_out_runs import RunOffset, condition_table, held_out_error, run_offsets
-from smarig.diagnosis.measured.measured_hypothesis import (
-    Comparison,
-    MeasuredHypothesis,
-    adequate_error,
-    reading_noise,
-)
-from smarig.diagnosis.measured.measured_search import SearchStep, compared, search_effects
+from smarig.diagnosis.measured.adequacy import adequate_error, held_out_parts, reading_noise
+from smarig.diagnosis.measured.held_out_runs import RunOffset, held_out_error, run_offsets
+from smarig.diagnosis.measured.measured_runs import given_errors, records_of, selected_rows
+from smarig.diagnosis.measured.measured_search import SearchStep, search_effects
 from smarig.diagnosis.measured.measured_text import measured_lines
 from smarig.diagnosis.measured.measured_verdict import MeasuredVerdict, decide, smallest_chance
+from smarig.diagnosis.suspects import suspects
+from smarig.identification import (
+    Comparison,
+    MeasuredHypothesis,
+    compared,
+    condition_table,
+)
 from smarig.measurement import (
     InputRecord,
     MeasurementEffect,
     MeasurementEffectType,
     MeasurementPart,
-    input_records,
     measurement_effect_types,
 )
 from smarig.record import Run
-from smarig.replay import Model, provenance, simulate_runs
+from smarig.replay import Model, foreign_conditions, pooled_conditions, provenance
 
 Array = NDArray[np.float64]
 WORSE = 1.0  # times the plain model's error on held-out runs: a larger error is worse
@@ -62,6 +63,7 @@ class MeasuredDiagnosis(NotebookDisplay):
     given_error: Array
     gain: HeldOutGain | None
     offsets: tuple[RunOffset, ...]
+    given: Model
     model: Model
     p_value: float
     runs: tuple[Run, ...]
@@ -148,7 +150,7 @@ class MeasuredDiagnosis(NotebookDisplay):
             },
             "adequacy": {
                 "times_noise": self.base.rms / self.noise if self.noise else None,
-                "where": _where(self.base),
+                "where": held_out_parts(self.base),
                 "adequate": self.base.rms <= adequate_error(self.base),
             },
             "held_out": gain and gain.to_json(),
@@ -162,6 +164,8 @@ class MeasuredDiagnosis(NotebookDisplay):
                 }
                 for o in self.offsets
             ],
+            "suspects": [s.to_json() for s in suspects(self.runs)],
+            "conditions": self.conditions,
             "separating_run": None,
             "alpha": None,
             "nulls": 0,
@@ -170,6 +174,14 @@ class MeasuredDiagnosis(NotebookDisplay):
             "model": self.model.name,
             "seconds": self.seconds,
         }
+
+    @property
+    def conditions(self) -> list[str]:
+        """Conditions that differ between the runs of the diagnosis, or from those of the model."""
+        by = {e.kind.by_condition for e in self.best.effects} if self.best else set()
+        pooled = pooled_conditions(self.runs[: self.train], by)
+        foreign = [s for run in self.runs for s in foreign_conditions(self.given, run)]
+        return list(dict.fromkeys([*pooled, *foreign]))
 
     @property
     def not_testable(self) -> list[str]:
@@ -188,11 +200,16 @@ def diagnose_measured(
     held_out: Sequence[Run],
     without: Sequence[str] = (),
     progress: Callable[[str], None] = lambda _: None,
+    select: str | None = None,
 ) -> MeasuredDiagnosis:
-    """Diagnose a model on runs with a measured input. Raises DataError if they hold no usable reading."""
+    """Diagnose a model on runs with a measured input; ``select`` as in ``diagnose``.
+
+    Raises DataError if they hold no usable reading.
+    """
     started = time.monotonic()
-    records, count = _records(train, held_out)
-    comparison = compared(records, count)
+    records, count = records_of(train, held_out)
+    selected = None if select is None else selected_rows([*train, *held_out], records, select)
+    comparison = compared(records, count, selected)
     plan = comparison.plan
     progress(f"{int(comparison.train.sum())} readings, {np.unique(plan.block[comparison.train]).size} blocks")
     kinds = [k for k in measurement_effect_types() if k.name not in without]
@@ -204,7 +221,7 @@ def diagnose_measured(
     worse = bool(tested.any() and last.effects and _rms(errors[1][tested]) > WORSE * _rms(errors[0][tested]))
     decided = decide(steps, worse_on_held_out=worse)
     best = decided.accepted if decided.accepted.effects else None
-    given = _given_error(model, [*train, *held_out], comparison)
+    given = given_errors(model, [*train, *held_out], comparison)
     offsets = tuple(run_offsets(comparison, best.effects if best else (), count))
     return MeasuredDiagnosis(
         verdict=_with_offsets(decided.verdict, offsets),
@@ -218,6 +235,7 @@ def diagnose_measured(
         given_error=given,
         gain=_gain(errors[0], errors[1] if best else errors[0], given, comparison, noise),
         offsets=offsets,
+        given=model,
         model=_extended(model, decided, train, count) if best else model,
         p_value=smallest_chance(steps[0]),
         runs=(*train, *held_out),
@@ -225,38 +243,11 @@ def diagnose_measured(
     )
 
 
-def _where(base: MeasuredHypothesis) -> dict[str, float]:
-    """The parts of the errors on held-out blocks."""
-    plan, known = base.fit.problem.plan, np.isfinite(base.errors)
-    return error_parts(base.weighted[known], plan.record[known], plan.block[known], plan.y[known])
-
-
 def _with_offsets(verdict: DiagnosisVerdict, offsets: Sequence[RunOffset]) -> DiagnosisVerdict:
     """The verdict; if nothing else is known, the errors depend on the run whose input is shifted."""
     if offsets and verdict.word in ("silent", "unknown") and verdict.depends_on is None:
         return DiagnosisVerdict("unknown", depends_on="run")
     return verdict
-
-
-def _records(train: Sequence[Run], held_out: Sequence[Run]) -> tuple[list[InputRecord], int]:
-    """The records of all runs, and the number of training records."""
-    count = len(input_records(train))
-    records = input_records([*train, *held_out])
-    if not count:
-        raise DataError("The training runs contain no reading in which input and output are known.")
-    return records, count
-
-
-def _given_error(model: Model, runs: Sequence[Run], comparison: Comparison) -> Array:
-    """Errors (m,) of the given model at the readings, about their mean in each run."""
-    plan, found = comparison.plan, []
-    predicted = dict(zip((id(r) for r in runs), simulate_runs(model, list(runs))))
-    usable = [run for run in runs if input_records([run])]
-    for run, record, rows in zip(usable, plan.records, plan.rows):
-        finite = np.flatnonzero(np.isfinite(run["input"]) & np.isfinite(run["position"]))
-        error = record.y[rows] - predicted[id(run)][np.searchsorted(finite, record.row[rows])]
-        found.append(error - np.nanmean(error) if np.isfinite(error).any() else error)
-    return np.concatenate(found)
 
 
 def _gain(

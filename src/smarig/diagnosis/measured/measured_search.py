@@ -9,15 +9,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from smarig.diagnosis.measured.measured_hypothesis import Comparison, MeasuredHypothesis, adequate_error
+from smarig.diagnosis.measured.adequacy import adequate_error
 from smarig.diagnosis.measured.variables import variable_terms
-from smarig.identification import (
-    chosen_smoothing,
-    fit_measured,
-    measured_problem,
-    reading_plan,
-    reading_weights,
-)
+from smarig.identification import Comparison, MeasuredHypothesis
 from smarig.measurement import InputRecord, MeasurementEffect, MeasurementEffectType
 
 MAX_EFFECTS = 3
@@ -26,7 +20,6 @@ MIN_FURTHER_GAIN = 0.25  # the same, by each further effect
 DRAWS = 1000
 CHANCE = 0.025  # probability that a gain on held-out blocks is due to the choice of blocks
 PREFERRED = 1.05  # an effect of a recorded condition may have this much more error than an offset of runs
-FIRST_SMOOTHING = 1e-10
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,15 +40,6 @@ class SearchStep:
 def _added(hypothesis: MeasuredHypothesis) -> str:
     """Name of the effect that a hypothesis adds."""
     return hypothesis.effects[-1].kind.name
-
-
-def compared(records: Sequence[InputRecord], train: int) -> Comparison:
-    """The comparison of all hypotheses on records, of which the first ``train`` are learned from."""
-    plan = reading_plan(records)
-    mask = plan.record < train
-    rough = fit_measured(measured_problem(plan), FIRST_SMOOTHING, mask)
-    weight = reading_weights(rough)
-    return Comparison(plan, mask, chosen_smoothing(measured_problem(plan, weight=weight), mask), weight)
 
 
 def search_effects(

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from smarig.diagnosis.diagnosis_text import capitalised, gain_text, parameter_text
+from smarig.diagnosis.suspects import suspects
 
 if TYPE_CHECKING:
     from smarig.diagnosis.measured.measured_diagnosis import MeasuredDiagnosis
@@ -31,6 +32,8 @@ def measured_lines(d: "MeasuredDiagnosis") -> Iterator[str]:
     lost = sum(r.dropouts for r in d.records)
     if lost:
         yield f"{lost} rows in which the input reads exactly 0 are drop-outs of the instrument and were left out."
+    yield from d.conditions
+    yield from (s.text for s in suspects(d.runs))
     if d.not_testable:
         yield f"Effects that these data cannot show: {', '.join(d.not_testable)}."
 

@@ -6,8 +6,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from smarig.diagnosis.diagnosis_verdict import DiagnosisVerdict
-from smarig.diagnosis.measured.measured_hypothesis import MeasuredHypothesis, adequate_error
+from smarig.diagnosis.measured.adequacy import adequate_error
 from smarig.diagnosis.measured.measured_search import CHANCE, SearchStep, chance_of
+from smarig.identification import MeasuredHypothesis
 
 ADVANTAGE = 0.85  # a plain variable explains more if its error is below this share of that of the effects
 OWN_ADVANTAGE = 0.6  # the same for a variable that the effects depend on: it describes them with more freedom

@@ -109,6 +109,13 @@ class MeasuredFit:
         return self.problem.scale * self.x[self._unknowns + offsets :] / self.problem.term_scale
 
     @property
+    def shape(self) -> Array:
+        """The hysteresis at all readings (m,), with gain 1 and without zero or terms, in output units."""
+        ones = np.ones(len(self.problem.plan.records))
+        rows = self.problem.programme(ones).rows[:, : self._unknowns]
+        return self.problem.scale * np.asarray(rows @ self.x[: self._unknowns]) / self.problem.weight
+
+    @property
     def table(self) -> FodTable:
         """The hysteresis, with the sign of the output and gain 1."""
         values = self.problem.triangle.masses @ self.x[: self._unknowns]
@@ -254,14 +261,18 @@ def _gains(
     return found
 
 
-def chosen_smoothing(problem: MeasuredProblem, mask: Mask | None = None) -> float:
+def chosen_smoothing(
+    problem: MeasuredProblem, mask: Mask | None = None, *, gains: Array | None = None
+) -> float:
     """The λ of ``SMOOTHINGS`` with the least error on held-out blocks."""
-    return min(SMOOTHINGS, key=lambda s: held_out_rms(problem, s, mask))
+    return min(SMOOTHINGS, key=lambda s: held_out_rms(problem, s, mask, gains=gains))
 
 
-def held_out_rms(problem: MeasuredProblem, smoothing: float, mask: Mask | None = None) -> float:
+def held_out_rms(
+    problem: MeasuredProblem, smoothing: float, mask: Mask | None = None, *, gains: Array | None = None
+) -> float:
     """Weighted rms error (output units) at readings of blocks that were left out of the fit in turn."""
-    error = problem.weight * held_out_errors(problem, smoothing, mask)
+    error = problem.weight * held_out_errors(problem, smoothing, mask, gains=gains)
     return float(np.sqrt(np.nanmean(error**2)))
 
 

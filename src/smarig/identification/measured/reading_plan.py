@@ -5,8 +5,9 @@ input, out and back. In a record with fewer than four, branches are cut into seg
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,7 +28,7 @@ FOLDS = 5
 class ReadingPlan:
     """Readings (m,) of records: ``rows`` of each record, and of each reading its ``record`` and its ``block``.
 
-    ``starts`` is the initial state of each record.
+    ``starts`` is the initial state of each record, ``known`` its first row with a known memory.
     """
 
     records: tuple[InputRecord, ...]
@@ -35,11 +36,12 @@ class ReadingPlan:
     starts: tuple[str, ...]
     record: Integers
     block: Integers
+    known: tuple[int, ...] = ()
 
     def __len__(self) -> int:
         return self.record.size
 
-    def of(self, values: Sequence[Array]) -> Array:
+    def of(self, values: Sequence[NDArray[Any]]) -> NDArray[Any]:
         """Values (n,) or (n, k) of each record at the readings, (m,) or (m, k)."""
         return np.concatenate([v[rows] for v, rows in zip(values, self.rows)])
 
@@ -47,6 +49,14 @@ class ReadingPlan:
     def y(self) -> Array:
         """Measured outputs (m,)."""
         return self.of([r.y for r in self.records])
+
+    def where(self, mask: NDArray[np.bool_]) -> "ReadingPlan":
+        """The readings of a mask (m,). Raises DataError if none remains."""
+        if not mask.any():
+            raise DataError("The selection leaves no reading of the runs. Select more points.")
+        ends = np.cumsum([r.size for r in self.rows])[:-1]
+        rows = tuple(r[own] for r, own in zip(self.rows, np.split(mask, ends)))
+        return replace(self, rows=rows, record=self.record[mask], block=self.block[mask])
 
     def folds(self, within: NDArray[np.bool_]) -> list[NDArray[np.bool_]]:
         """Masks (m,) of readings to hold out together: the blocks within a mask, dealt in turn."""
@@ -61,16 +71,17 @@ def reading_plan(records: Sequence[InputRecord], most: int = MOST_READINGS) -> R
     turns = [reversals(r.u) for r in records]
     branches = sum(len(t) - 1 for t in turns)
     per_branch = max(most // max(branches, 1), FEWEST_PER_BRANCH)
-    rows, starts = [], []
+    rows, starts, first = [], [], []
     for record, ends in zip(records, turns):
         start, known = _start(record, ends, low, high)
         starts.append(start)
+        first.append(known)
         own = [spread_rows(record.y, a, b, per_branch) for a, b in pairwise(ends) if a >= known]
         rows.append(np.unique(np.concatenate([*own, np.empty(0, dtype=np.int64)])).astype(np.int64))
     if not sum(r.size for r in rows):
         raise DataError("The runs have no branch with a known start. A fit needs a reversal of the input.")
     number = np.concatenate([np.full(r.size, k) for k, r in enumerate(rows)]).astype(np.int64)
-    return ReadingPlan(tuple(records), tuple(rows), tuple(starts), number, _blocks(rows, turns))
+    return ReadingPlan(tuple(records), tuple(rows), tuple(starts), number, _blocks(rows, turns), tuple(first))
 
 
 def _start(record: InputRecord, turns: Sequence[int], low: float, high: float) -> tuple[str, int]:

@@ -36,7 +36,8 @@ class Observations:
     ``term`` (t,) is the observation of each term. ``curve`` (m,) is the number of the whole curve of a point.
     ``zero`` (m,) is the index of its unknown offset, or ``COMMON`` for the common zero of the encoder, which y₋
     includes. ``released`` are (observation, ℓ, u, sign): the output change of a move from ℓ to u in state B_ℓ.
-    ``passed`` (p,) are levels at which the input turned without a measurement.
+    ``passed`` (p,) are levels at which the input turned without a measurement. ``known`` is the number of points with a
+    known memory of each run.
     """
 
     y: Array
@@ -51,6 +52,7 @@ class Observations:
     upper: float
     unit: str = ""
     passed: Array = field(default_factory=lambda: np.empty(0))
+    known: tuple[int, ...] = ()
 
     def __len__(self) -> int:
         return self.y.size
@@ -98,7 +100,7 @@ class Observations:
                 "No point of the runs has a known memory. Start a run in negative saturation, or let it "
                 "reach saturation once."
             )
-        return whole
+        return replace(whole, known=tuple(len(part) for part in parts))
 
     @classmethod
     def _of_history(cls, history: MemoryHistory, ends: tuple[float, float], unit: str) -> "Observations":

@@ -2,7 +2,7 @@
 
 from smarig.identification.extended.fitted_extension import ExtensionData, FittedExtension
 from smarig.identification.extended.moving_fit import identify_moving
-from smarig.replay import dump_hysteresis
+from smarig.preisach import dump_hysteresis
 
 
 def moving(data: ExtensionData) -> FittedExtension:

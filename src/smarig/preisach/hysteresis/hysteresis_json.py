@@ -10,7 +10,12 @@ from typing import Any
 import numpy as np
 
 from smarig.core import DataError, UsageError
-from smarig.preisach import Everett, FodSurface, FodTable, ForcTable, Mirrored, surface_form
+from smarig.preisach.everett import Everett
+from smarig.preisach.hysteresis.fod_surface import FodSurface
+from smarig.preisach.hysteresis.fod_table import FodTable
+from smarig.preisach.hysteresis.forc_table import ForcTable
+from smarig.preisach.hysteresis.mirrored import Mirrored
+from smarig.preisach.hysteresis.surface_form import surface_form
 
 LARGEST = 1e12  # its square does not overflow
 

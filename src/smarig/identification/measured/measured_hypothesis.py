@@ -6,25 +6,27 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.identification import (
+from smarig.identification.measured.measured_fit import (
     MeasuredFit,
-    ReadingPlan,
+    chosen_smoothing,
     fit_measured,
     held_out_errors,
-    local_slope,
     measured_problem,
+    reading_weights,
 )
+from smarig.identification.measured.reading_plan import ReadingPlan, reading_plan
 from smarig.measurement import (
+    ConditionTable,
+    InputRecord,
     MeasurementEffect,
     MeasurementEffectType,
     SearchedParameter,
-    input_noise_sd,
 )
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 REFINEMENTS = 3  # rounds that halve the distance between tried values
-ADEQUATE, ADEQUATE_SHARE = 3.0, 0.015
+FIRST_SMOOTHING = 1e-10
 DRAWS = 400  # resampled sets of blocks, for intervals
 LEVEL_95 = (0.025, 0.975)
 
@@ -127,22 +129,29 @@ class Comparison:
         return replace(best, intervals=intervals, at_bound=tuple(bound))
 
 
-def reading_noise(base: MeasuredHypothesis) -> float:
-    """Standard deviation of one reading: that of the output, and that of the input times the local slope."""
-    plan, slope = base.fit.problem.plan, local_slope(base.fit)
-    of_input = plan.of([np.full(len(r), input_noise_sd(r.u)) for r in plan.records])
-    of_output = plan.of([np.full(len(r), input_noise_sd(r.y)) for r in plan.records])
-    weight = base.fit.problem.weight
-    return float(np.sqrt(np.mean(weight**2 * ((slope * of_input) ** 2 + of_output**2))))
+def compared(
+    records: Sequence[InputRecord], train: int, selected: Sequence[Mask] | None = None
+) -> Comparison:
+    """The comparison of all hypotheses on records, of which the first ``train`` are learned from.
 
-
-def adequate_error(base: MeasuredHypothesis) -> float:
-    """The error on held-out blocks up to which a model is adequate: ``ADEQUATE`` times the noise of a reading, or
-    ``ADEQUATE_SHARE`` of the output's range.
+    ``selected`` are the rows (n,) of each record that may serve as readings; None: all. Memory follows every row.
     """
-    known = np.isfinite(base.errors)
-    output_range = float(np.ptp(base.fit.problem.plan.y[known]))
-    return max(ADEQUATE * reading_noise(base), ADEQUATE_SHARE * output_range)
+    plan = reading_plan(records)
+    if selected is not None:
+        plan = plan.where(plan.of(selected))
+    mask = plan.record < train
+    rough = fit_measured(measured_problem(plan), FIRST_SMOOTHING, mask)
+    weight = reading_weights(rough)
+    return Comparison(plan, mask, chosen_smoothing(measured_problem(plan, weight=weight), mask), weight)
+
+
+def condition_table(found: MeasuredHypothesis, train: int) -> ConditionTable | None:
+    """Gain and zero by the condition of an effect, from the training records; None if no effect has a condition."""
+    names = [e.kind.by_condition for e in found.effects if e.kind.by_condition]
+    if not names:
+        return None
+    values = [r.conditions[names[0]] for r in found.fit.problem.plan.records[:train]]
+    return ConditionTable.of(names[0], values, found.fit.gains[:train], found.fit.zeros[:train])
 
 
 def _neutral(parameter: SearchedParameter) -> float:

@@ -1,0 +1,105 @@
+"""Identification of one model from runs under several loads."""
+
+from collections.abc import Sequence
+from datetime import UTC, datetime
+
+import numpy as np
+
+from smarig.core import DataError, UsageError
+from smarig.identification.density_report import density_report
+from smarig.identification.extended.fitted_extension import NONE
+from smarig.identification.fod_data import first_order_points
+from smarig.identification.identification_result import Identification
+from smarig.identification.measured.load_dependence import LoadDependence, fit_load_dependence
+from smarig.identification.measured.reading_plan import reading_plan
+from smarig.identification.noise_floor import noise_floor
+from smarig.identification.rows_used import THINNED, rows_used
+from smarig.identification.surface.curve_report import curve_report
+from smarig.identification.surface.fit_figures import error_figures
+from smarig.identification.surface.surface_kinds import BEST_KIND, POSITIVE_KIND
+from smarig.measurement import InputRecord, input_records
+from smarig.preisach import FodTable
+from smarig.record import Run
+from smarig.replay import Model, NoiseRecord, driven_by_input, model_metadata, pooled_conditions, provenance
+
+
+def check_load_settings(
+    surface: str, select: str | None, anchor: bool, symmetric: bool, extension: str
+) -> None:
+    """Raise UsageError for settings that need another identification than that of several loads."""
+    if surface not in (POSITIVE_KIND, BEST_KIND):
+        raise UsageError(
+            f"Several loads are identified with the {POSITIVE_KIND} surface, not with '{surface}'."
+        )
+    if select is not None or anchor or symmetric or extension != NONE:
+        raise UsageError(
+            "Several loads are identified from all rows by a plain measure. Leave out the selection, the anchor, the "
+            "symmetry and the extension."
+        )
+
+
+def identify_loads(runs: Sequence[Run], condition: str) -> Identification:
+    """Identify one model of runs with a measured input under several values of a condition.
+
+    Raises DataError for other runs, or if they do not state several values of it.
+    """
+    records = _records(runs)
+    data = first_order_points(runs)
+    found = fit_load_dependence(records, condition)
+    table = found.hysteresis
+    falls = table.values[-1, -1] < table.y_lower
+    density = density_report(FodTable(table.nodes, -table.values, table.unit) if falls else table)
+    curves, floor = curve_report(data), noise_floor(runs)
+    figures = error_figures(found.error, np.zeros(found.error.size, dtype=bool), 1.0)
+    model = Model(
+        name=f"{runs[0].info.wire or runs[0].path.name.split('.')[0]} by {condition}",
+        hysteresis=table,
+        mirrored=False,
+        fit={**figures, "points": found.error.size, "select": None, "load": found.to_json()},
+        noise_floor=NoiseRecord(value=floor.value, unit=floor.unit, source=floor.source),
+        provenance=tuple(provenance(run) for run in runs),
+        twin=any(run.twin for run in runs),
+        created=datetime.now(UTC).isoformat(timespec="seconds"),
+        warnings=(*_warnings(found), *pooled_conditions(runs, {condition})),
+        measurement=found.part.to_json(),
+        **model_metadata(runs),
+    )
+    plan = reading_plan(records)
+    return Identification(
+        model=model,
+        surface=POSITIVE_KIND,
+        data=data,
+        fit=None,
+        density=density,
+        curves=curves,
+        choice=None,
+        rows=rows_used(
+            runs,
+            [len(r) - first for r, first in zip(records, plan.known)],
+            [r.size for r in plan.rows],
+            THINNED,
+        ),
+        load=found,
+    )
+
+
+def _records(runs: Sequence[Run]) -> list[InputRecord]:
+    for run in runs:
+        if not driven_by_input([run]):
+            raise DataError(
+                f"{run.path} has a heating current or settled steps. Loads are identified from runs with a measured "
+                "input, such as a temperature."
+            )
+    records = input_records(runs)
+    if len(records) < len(runs):
+        raise DataError("A run contains no row in which input and output are known. Leave it out.")
+    return records
+
+
+def _warnings(found: LoadDependence) -> list[str]:
+    if not found.at_bound:
+        return []
+    return [
+        f"{found.parameter} = {found.value:.3g} {found.unit} is at the end of its search, so these loads do not "
+        "determine it."
+    ]

@@ -1,0 +1,83 @@
+"""The rows of each run that an identification used, and why it left out the others."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+
+from smarig.identification.fod_data import FodData
+from smarig.measurement import dropouts
+from smarig.record import Run
+from smarig.replay import driven_by_input
+
+MISSING, DROPPED, UNKNOWN = "missing values", "drop-outs", "unknown memory"
+THINNED, NOT_ON_CURVES, NOT_SELECTED = "thinned out", "not on first-order curves", "not selected"
+
+
+@dataclass(frozen=True)
+class RowsUsed:
+    """``used`` of the ``given`` rows of a run (settled points, if it has steps), and the number left out by reason."""
+
+    run: str
+    given: int
+    used: int
+    noun: str = "rows"
+    left_out: dict[str, int] = field(default_factory=dict)
+
+    def to_json(self) -> dict[str, Any]:
+        """Plain values."""
+        return {"run": self.run, "given": self.given, "used": self.used, "left_out": dict(self.left_out)}
+
+    @property
+    def text(self) -> str:
+        """One sentence.
+
+        >>> RowsUsed("a", 10, 7, "rows", {"missing values": 2, "drop-outs": 1}).text
+        'a: 7 of 10 rows used; left out: 2 missing values, 1 drop-outs.'
+        """
+        reasons = ", ".join(f"{count} {reason}" for reason, count in self.left_out.items())
+        return f"{self.run}: {self.used} of {self.given} {self.noun} used{f'; left out: {reasons}' if reasons else ''}."
+
+
+def without_dropouts(run: Run) -> Run:
+    """The run with an unknown input where its instrument failed to answer; other runs as they are."""
+    if not driven_by_input([run]):
+        return run
+    known = np.flatnonzero(np.isfinite(run["input"]))
+    lost = known[dropouts(run["input"][known])]
+    if not lost.size:
+        return run
+    u = run["input"].copy()
+    u[lost] = np.nan
+    return replace(run, columns={**run.columns, "input": u})
+
+
+def rows_used(
+    runs: Sequence[Run], known: Sequence[int], used: Sequence[int], rest: str
+) -> tuple[RowsUsed, ...]:
+    """The rows of runs as given, of which ``known`` have a known memory and ``used`` were fitted.
+
+    ``rest`` is the reason for leaving out rows with a known memory.
+    """
+    found = []
+    for run, k, n in zip(runs, known, used, strict=True):
+        given, measured = len(run.settled) or len(run), without_dropouts(run).points()[0].size
+        lost = run.points()[0].size - measured
+        reasons = {MISSING: given - measured - lost, DROPPED: lost, UNKNOWN: measured - k, rest: k - n}
+        left_out = {reason: count for reason, count in reasons.items() if count > 0}
+        noun = "settled points" if run.settled else "rows"
+        found.append(RowsUsed(run.path.name.split(".")[0], given, n, noun, left_out))
+    return tuple(found)
+
+
+def rows_of_runs(
+    runs: Sequence[Run], data: FodData, select: str | None, points: tuple[tuple[int, ...], tuple[int, ...]]
+) -> tuple[RowsUsed, ...]:
+    """The rows used of each run: those of a positive measure, or those on first-order curves."""
+    known, used = points
+    if known:
+        return rows_used(runs, known, used, THINNED)
+    every = [without_dropouts(run).points()[0].size for run in runs]
+    on_curves = [int(np.sum(data.run == k)) for k in range(len(runs))]
+    return rows_used(runs, every, on_curves, NOT_ON_CURVES if select is None else NOT_SELECTED)
