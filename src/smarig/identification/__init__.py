@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from smarig.identification.forc.forc_density import forc_density as forc_density
     from smarig.identification.identification_result import Identification as Identification
     from smarig.identification.identify import identify as identify
+    from smarig.identification.measured.measured_fit import SMOOTHINGS as SMOOTHINGS
     from smarig.identification.measured.measured_fit import MeasuredFit as MeasuredFit
     from smarig.identification.measured.measured_fit import MeasuredProblem as MeasuredProblem
     from smarig.identification.measured.measured_fit import chosen_smoothing as chosen_smoothing

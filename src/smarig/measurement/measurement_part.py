@@ -6,16 +6,20 @@ from typing import Any
 
 from smarig.core import DataError
 from smarig.measurement.condition_table import ConditionTable
+from smarig.measurement.learned_term import LearnedTerm
 from smarig.measurement.measurement_effect import MeasurementEffect, measurement_effects
 
 
 @dataclass(frozen=True, eq=False)
 class MeasurementPart:
-    """The measurement effects of a model: effects, amplitudes (k,) of their terms, and gain and zero by a condition."""
+    """The measurement effects of a model: effects, amplitudes (k,) of their terms, gain and zero by a condition, and
+    terms that were learned.
+    """
 
     effects: tuple[MeasurementEffect, ...]
     amplitudes: tuple[float, ...] = ()
     table: ConditionTable | None = None
+    learned: tuple[LearnedTerm, ...] = ()
 
     def to_json(self) -> dict[str, Any]:
         """Plain values, as stored in a model file."""
@@ -23,7 +27,8 @@ class MeasurementPart:
             "effects": [e.to_json() for e in self.effects],
             "amplitudes": list(self.amplitudes),
         }
-        return stored | ({"table": self.table.to_json()} if self.table else {})
+        stored |= {"table": self.table.to_json()} if self.table else {}
+        return stored | ({"learned": [t.to_json() for t in self.learned]} if self.learned else {})
 
     @classmethod
     def from_json(cls, stored: Mapping[str, Any]) -> "MeasurementPart":
@@ -31,7 +36,8 @@ class MeasurementPart:
         try:
             amplitudes = tuple(float(v) for v in stored.get("amplitudes", ()))
             effects = measurement_effects(stored["effects"])
-        except (KeyError, TypeError, ValueError) as error:
+            learned = tuple(LearnedTerm.from_json(entry) for entry in stored.get("learned", ()))
+        except (AttributeError, KeyError, TypeError, ValueError) as error:
             raise DataError(f"the measurement effects of the model are damaged: {error}") from None
         terms = sum(len(e.kind.amplitudes("", "")) for e in effects)
         if terms != len(amplitudes):
@@ -39,4 +45,4 @@ class MeasurementPart:
                 f"the measurement effects of the model need {terms} amplitudes, not {len(amplitudes)}"
             )
         table = ConditionTable.from_json(stored["table"]) if "table" in stored else None
-        return cls(effects, amplitudes, table)
+        return cls(effects, amplitudes, table, learned)

@@ -1,6 +1,8 @@
 """Predictions of a model with measurement effects along runs with a measured input.
 
 y = z(c) + g(c) · P[v] + Σ_k b_k φ_k,    c: a condition of the run, if an effect depends on one
+
+Learned terms change v after all effects, and add to y what they make of z + g P[v].
 """
 
 from collections.abc import Sequence
@@ -16,6 +18,8 @@ from smarig.measurement import (
     assumed_start,
     changed,
     input_records,
+    learned_input,
+    learned_output,
     monotone_branches,
     reversals,
 )
@@ -41,8 +45,9 @@ def _with_records(runs: Sequence[Run]) -> list[tuple[Run, InputRecord]]:
 
 def _simulated(model: Model, part: MeasurementPart, run: Run, record: InputRecord) -> Array:
     change = changed(record, part.effects)
-    turns = reversals(change.input, change.noise)
-    u, h = monotone_branches(change.input, turns), model.hysteresis
+    applied = learned_input(record, change.input, part.learned)
+    turns = reversals(applied, change.noise)
+    u, h = monotone_branches(applied, turns), model.hysteresis
     start, known = assumed_start(u, turns, (h.lower, h.upper))
     if record.initial in ("negative", "positive", "anhysteretic"):
         start, known = record.initial, 0
@@ -51,6 +56,7 @@ def _simulated(model: Model, part: MeasurementPart, run: Run, record: InputRecor
         gain, zero = part.table.at(_condition(record, part.table))
     operator = Preisach(h, start, samples=u.size)
     y = gain * operator.simulate(np.clip(u, h.lower, h.upper), start) + zero
+    y = y + learned_output(record, y, part.learned)
     if change.terms.shape[1]:
         y = y + change.terms @ np.array(part.amplitudes)
     y[:known] = np.nan

@@ -8,7 +8,9 @@ from numpy.typing import NDArray
 
 from smarig.diagnosis.measured.measured_hypothesis import Comparison, MeasuredHypothesis, resampled_interval
 from smarig.identification import fit_measured, measured_problem, predicted_outputs
-from smarig.measurement import ConditionTable, MeasurementEffect, measurement_effect_types
+from smarig.measurement import ConditionTable, MeasurementEffect, input_records, measurement_effect_types
+from smarig.record import Run
+from smarig.replay import Model, simulate_runs
 
 Array = NDArray[np.float64]
 OFFSET = "input_offset"
@@ -60,6 +62,19 @@ def held_out_error(found: MeasuredHypothesis, train: int) -> Array:
         if own.any() and table is None:
             error = np.where(own, error - error[own].mean(), error)
     return error
+
+
+def replayed_error(model: Model, runs: Sequence[Run], comparison: Comparison) -> Array:
+    """Errors (m,) of a model, as it is replayed, at the readings, about their mean in each run; NaN where it predicts
+    nothing."""
+    plan, found = comparison.plan, []
+    predicted = dict(zip((id(r) for r in runs), simulate_runs(model, list(runs))))
+    usable = [run for run in runs if input_records([run])]
+    for run, record, rows in zip(usable, plan.records, plan.rows):
+        finite = np.flatnonzero(np.isfinite(run["input"]) & np.isfinite(run["position"]))
+        error = record.y[rows] - predicted[id(run)][np.searchsorted(finite, record.row[rows])]
+        found.append(error - np.nanmean(error) if np.isfinite(error).any() else error)
+    return np.concatenate(found)
 
 
 def run_offsets(comparison: Comparison, effects: Sequence[MeasurementEffect], train: int) -> list[RunOffset]:
