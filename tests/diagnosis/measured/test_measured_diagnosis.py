@@ -150,7 +150,7 @@ def test_a_loop_that_widens_with_the_rate_is_unknown_and_depends_on_the_rate():
     found = diagnosed(runs)
     assert found.verdict.word == "unknown"
     assert found.verdict.depends_on == "rate"
-    assert not found.extended
+    assert not found.effects()
 
 
 def test_a_slope_that_comes_and_goes_is_not_named():

@@ -62,9 +62,9 @@ class LearnedLaw:
         sign, size = ("−" if slope < 0 else "+"), f"{abs(slope):.3g}{unit}{self._per(term)}·{self._z(term)}"
         return {
             "output": f"output {sign} {size}",
-            "output_gain": f"output {sign} {size}·(output − {term.centre:.3g} {self.output_unit})",
+            "output_gain": f"output {sign} {size}·(output {_minus(term.centre)} {self.output_unit})",
             "input": f"input {sign} {size}",
-            "input_gain": f"input {sign} {size}·(input − {term.centre:.3g} {self.input_unit})",
+            "input_gain": f"input {sign} {size}·(input {_minus(term.centre)} {self.input_unit})",
             "play": f"input with a play of half-width {'−' if slope < 0 else ''}{size}",
         }[term.form]
 
@@ -77,7 +77,16 @@ class LearnedLaw:
         if term.variable == "rate":
             return f"log10(rate/{10**start:.3g} {unit})"
         name = term.variable.replace("_", " ")
-        return f"({name} − {start:.3g})" if abs(start) > 1e-9 else name
+        return f"({name} {_minus(start)})" if abs(start) > 1e-9 else name
+
+
+def _minus(value: float) -> str:
+    """A number that is subtracted, with its operator.
+
+    >>> _minus(2.0), _minus(-2.0)
+    ('− 2', '+ 2')
+    """
+    return f"{'−' if value >= 0 else '+'} {abs(value):.3g}"
 
 
 def points(term: LearnedTerm) -> list[list[float]]:
