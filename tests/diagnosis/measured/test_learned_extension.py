@@ -18,7 +18,7 @@ from smarig.identification import identify, verify
 from smarig.measurement import input_records
 from smarig.plant import effect_types
 from smarig.replay import load_model
-from smarig.report import measured_diagnosis_page
+from smarig.report.measured_diagnosis_page import measured_diagnosis_page
 
 long = pytest.mark.skipif(not os.environ.get("SMARIG_LONG"), reason="takes a minute: SMARIG_LONG=1")
 

@@ -56,6 +56,8 @@ def learned_extension(
     replayed = replayed_error(extended, [*train, *held_out], comparison)
     error = np.where(np.isfinite(replayed), replayed, hypothesis.fit.error)
     tested = ~comparison.train
+    if _rms(error[~tested]) > WORSE * _rms(base.fit.error[~tested]):
+        return None, "a learned law does not fit the training runs when it is replayed"
     if tested.any() and _rms(error[tested]) > WORSE * _rms(base_error[tested]):
         of = law.variables[0].replace("_", " ")
         return None, f"a learned law of the {of} predicts left-out blocks better, but the held-out runs worse"

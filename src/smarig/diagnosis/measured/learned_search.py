@@ -19,10 +19,9 @@ from smarig.diagnosis.measured.learned_fit import (
 )
 from smarig.diagnosis.measured.measured_hypothesis import Comparison, MeasuredHypothesis, adequate_error
 from smarig.diagnosis.measured.measured_search import CHANCE, MIN_GAIN, chance_of
-from smarig.measurement import LEVEL, LearnedTerm, shared_variables
+from smarig.measurement import LearnedTerm, shared_variables
 
 FORMS_OF = {
-    LEVEL: ("output",),
     "input": ("output",),
     "time_since_reversal": ("output", "output_gain", "input"),
 }
@@ -108,7 +107,7 @@ def _empty_terms(comparison: Comparison, current: LearnedFit, count: int) -> Ite
     fit, within = current.hypothesis.fit, comparison.train
     present = {(t.variable, t.form) for t in current.terms}
     conditions = set(comparison.plan.records[0].conditions)
-    for variable in [*shared_variables(comparison.plan.records), LEVEL]:
+    for variable in shared_variables(comparison.plan.records):
         least = MIN_RATE_SPAN if variable == "rate" else 0.0
         if np.ptp(readings_of(fit, variable)[within]) <= least:
             continue
