@@ -8,8 +8,7 @@ import math
 from benchmarks.boxes.box_effects import Hidden
 from benchmarks.boxes.heat import WireTemperatures
 from benchmarks.boxes.input_effects import StepState, build_input_effects
-from benchmarks.boxes.kinetic_hysteresis import KineticHysteresis
-from benchmarks.boxes.relays import RelayHysteresis
+from benchmarks.boxes.kinetic_hysteresis import BoxHysteresis
 from benchmarks.boxes.unlisted_effects import BenchFaults
 from benchmarks.boxes.wire import BoxWire
 
@@ -20,9 +19,7 @@ class BoxPlant:
     """The wire(s) with the hidden effects; cold with all relays off, or two wires after a decaying
     oscillation."""
 
-    def __init__(
-        self, wire: BoxWire, hysteresis: RelayHysteresis | KineticHysteresis, hidden: Hidden
-    ) -> None:
+    def __init__(self, wire: BoxWire, hysteresis: BoxHysteresis, hidden: Hidden) -> None:
         self.wire, self.hidden = wire, hidden
         self.relays = hysteresis.initial(two_wire=wire.two_wire)
         self.heat = WireTemperatures(wire.reference_K, hidden.get("convection", {}).get("exponent", 0.0))

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from benchmarks.boxes.relays import RelayHysteresis
+from benchmarks.boxes.kinetic_hysteresis import BoxHysteresis
 from benchmarks.boxes.wire import BoxWire
 
 _TURNS = (0.9, 0.2, 0.72, 0.35, 0.58)
@@ -48,7 +48,7 @@ class _ActiveRange:
         return float(round(self.first + share * (self.last - self.first), 3))
 
 
-def random_plan(rng: np.random.Generator, wire: BoxWire, hysteresis: RelayHysteresis) -> tuple[RunPlan, ...]:
+def random_plan(rng: np.random.Generator, wire: BoxWire, hysteresis: BoxHysteresis) -> tuple[RunPlan, ...]:
     """All runs of a box in the order of time: 250 to 420 holds."""
     active = _observed_range(rng, wire, hysteresis)
     curves, n = _levels(rng, active, int(rng.integers(8, 12))), int(rng.integers(3, 5))
@@ -78,7 +78,7 @@ def duration_h(plan: tuple[RunPlan, ...], wire: BoxWire) -> float:
     return sum(25 + 8 * wire.tau_s + hold.extra_s for hold in holds) / 3600
 
 
-def _observed_range(rng: np.random.Generator, wire: BoxWire, hysteresis: RelayHysteresis) -> _ActiveRange:
+def _observed_range(rng: np.random.Generator, wire: BoxWire, hysteresis: BoxHysteresis) -> _ActiveRange:
     first, last = np.quantile(hysteresis.beta, 0.01), np.quantile(hysteresis.alpha, 0.99)
     lower = -wire.reference_K if wire.two_wire else 0.0
     first = max(first - rng.uniform(0, 8), lower + 2)

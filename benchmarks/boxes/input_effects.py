@@ -11,7 +11,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from benchmarks.boxes.relays import RelayHysteresis
+from benchmarks.boxes.kinetic_hysteresis import BoxHysteresis
 
 _REVERSAL_K = 0.5  # smaller turns of the temperature are noise
 
@@ -160,7 +160,7 @@ _COUPLED = ("accommodation", "fatigue", "stress_coupling")
 
 
 def build_input_effects(
-    hidden: dict[str, dict[str, float]], hysteresis: RelayHysteresis, start: float, *, two_wire: bool
+    hidden: dict[str, dict[str, float]], hysteresis: BoxHysteresis, start: float, *, two_wire: bool
 ) -> tuple[list[InputEffect], bool]:
     """The effects in the order of their names, and whether the hysteresis input depends on the relays."""
     makers: dict[str, Callable[[dict[str, float]], InputEffect]] = {

@@ -13,6 +13,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from benchmarks.boxes.relays import RelayHysteresis
 from benchmarks.boxes.wire import BoxWire
 
 Array = NDArray[np.float64]
@@ -105,6 +106,9 @@ class KineticState:
         ends = h.martensite_start, h.martensite_finish
         factor = _remaining(u, *ends, h.law) / np.maximum(_remaining(self.u, *ends, h.law), _LEAST)
         return self._austenite * np.minimum(factor, 1.0)
+
+
+BoxHysteresis = RelayHysteresis | KineticHysteresis
 
 
 def _remaining(u: float, start: Array, finish: Array, law: str) -> Array:

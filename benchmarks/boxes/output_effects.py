@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.boxes.box_effects import Hidden
-from benchmarks.boxes.relays import Array, RelayHysteresis, Relays, demagnetised
+from benchmarks.boxes.kinetic_hysteresis import BoxHysteresis
+from benchmarks.boxes.relays import Array
 from benchmarks.boxes.wire import BoxWire
 
 _R_PHASE_HALF_K = 1.0
@@ -42,10 +43,10 @@ class _EffectContext:
 
     record: PlantRecord
     wire: BoxWire
-    hysteresis: RelayHysteresis
+    hysteresis: BoxHysteresis
 
 
-def position(record: PlantRecord, wire: BoxWire, hysteresis: RelayHysteresis, hidden: Hidden) -> Array:
+def position(record: PlantRecord, wire: BoxWire, hysteresis: BoxHysteresis, hidden: Hidden) -> Array:
     """Position (n,) in the rig's unit: the operator's output, then its maps, then the additive effects by
     name."""
     y = hysteresis.y_lower + hysteresis.stroke * record.share
@@ -91,7 +92,7 @@ def _eccentricity(y: Array, p: dict[str, float], context: _EffectContext) -> Arr
 
 def _end_conduction(y: Array, p: dict[str, float], context: _EffectContext) -> Array:
     h, f = context.hysteresis, p["share_percent"] / 100
-    ends = demagnetised(h) if context.wire.two_wire else Relays(h)
+    ends = h.initial(two_wire=context.wire.two_wire)
     shares = np.array([ends.move(u) for u in (p["cooler"] * context.record.hysteresis_input_K).tolist()])
     return (1 - f) * y + f * (h.y_lower + h.stroke * shares)
 

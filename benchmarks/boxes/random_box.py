@@ -20,10 +20,9 @@ from benchmarks.boxes.box_effects import (
 )
 from benchmarks.boxes.box_session import AmbientFluctuation
 from benchmarks.boxes.hold_plan import RunPlan, duration_h, random_plan
-from benchmarks.boxes.kinetic_hysteresis import KineticHysteresis
+from benchmarks.boxes.kinetic_hysteresis import BoxHysteresis
 from benchmarks.boxes.label import EMPTY, HARD_NULL, ONE, TWO
 from benchmarks.boxes.random_density import random_hysteresis
-from benchmarks.boxes.relays import RelayHysteresis
 from benchmarks.boxes.wire import BoxWire, random_wire
 from smarig.core import UsageError
 
@@ -52,7 +51,7 @@ class Box:
     left_out: str
     hidden: Hidden
     wire: BoxWire
-    hysteresis: RelayHysteresis | KineticHysteresis
+    hysteresis: BoxHysteresis
     noise: BoxNoise
     channels: tuple[str, ...]
     plan: tuple[RunPlan, ...]

@@ -36,18 +36,19 @@ def test_a_lag_is_undone_exactly_on_a_ramp_and_nearly_on_a_wave():
     assert np.allclose(ramp, 2.0 * (t + lag_s))
 
 
-def test_an_output_that_follows_late_follows_as_a_first_order_lag():
-    t = 0.1 * np.arange(3000)
-    w, lag_s = 2 * np.pi / 60, 3.0
-    late = changed(record(50 + 20 * np.sin(w * t)), [KINDS["output_lag"](lag_s=lag_s)]).input
-    expected = 50 + 20 / np.hypot(1, w * lag_s) * np.sin(w * t - np.arctan(w * lag_s))
-    assert np.abs(late - expected)[300:].max() < 0.01
-    assert late[0] == 50.0
+def test_a_drift_slows_down_with_its_time_constant_or_is_steady():
+    hours = 0.5 * np.arange(9)
+    change = changed(record(np.arange(9.0), dt=1800.0), [KINDS["output_drift"](time_constant_h=2.0)])
+    assert np.allclose(change.terms[:, 0], 1 - np.exp(-hours / 2.0))
+    steady = changed(record(np.arange(9.0), dt=1800.0), [KINDS["output_drift"](time_constant_h=4000.0)])
+    assert np.allclose(steady.terms[:, 0] / steady.terms[-1, 0], hours / hours[-1], atol=1e-3)
 
 
-def test_a_drift_adds_hours_to_the_output():
-    change = changed(record(np.arange(9.0), dt=1800.0), [KINDS["output_drift"]()])
-    assert np.allclose(change.terms[:, 0], 0.5 * np.arange(9))
+def test_a_jump_stays_and_concerns_its_own_run_only():
+    jump = KINDS["output_jump"](a=1.0)
+    own, other = record(np.arange(9.0), dt=1800.0), record(np.arange(9.0), dt=1800.0, name="b")
+    assert changed(own, [jump]).terms[:, 0].tolist() == [0.0] * 2 + [1.0] * 7
+    assert not changed(other, [jump]).terms.any()
 
 
 def test_rows_that_are_missing_do_not_make_a_jump():
@@ -68,7 +69,6 @@ def test_effects_are_not_offered_where_they_cannot_be_tested():
     plain, other = record(np.arange(9.0)), record(np.arange(9.0), name="b")
     loaded = [record(np.arange(9.0), conditions={"stress": s}, name=str(s)) for s in (50.0, 100.0)]
     assert KINDS["input_lag"].parameters([record(np.arange(9.0), clock=False)]) is None
-    assert KINDS["output_lag"].parameters([record(np.arange(9.0), unit="V")]) is None
     assert KINDS["output_drift"].parameters([record(np.arange(9.0), clock=False)]) is None
     assert KINDS["input_offset"].parameters([plain]) is None
     assert KINDS["input_offset"].parameters([plain, other]) is not None

@@ -47,6 +47,7 @@ if TYPE_CHECKING:
     from smarig.diagnosis.explain.parameter_fit import ParameterFit as ParameterFit
     from smarig.diagnosis.explain.parameter_fit import fit_parameters as fit_parameters
     from smarig.diagnosis.held_out_gain import HeldOutGain as HeldOutGain
+    from smarig.diagnosis.measured.learned_law import LearnedLaw as LearnedLaw
     from smarig.diagnosis.measured.measured_diagnosis import MeasuredDiagnosis as MeasuredDiagnosis
     from smarig.diagnosis.measured.measured_diagnosis import diagnose_measured as diagnose_measured
     from smarig.diagnosis.refit.memory_noise import memory_covariance as memory_covariance

@@ -18,6 +18,8 @@ if TYPE_CHECKING:
     from smarig.identification.identification_result import Identification as Identification
     from smarig.identification.identify import identify as identify
     from smarig.identification.measured.load_dependence import LoadDependence as LoadDependence
+    from smarig.identification.measured.load_dependence import fit_load_dependence as fit_load_dependence
+    from smarig.identification.measured.measured_fit import SMOOTHINGS as SMOOTHINGS
     from smarig.identification.measured.measured_fit import MeasuredFit as MeasuredFit
     from smarig.identification.measured.measured_fit import MeasuredProblem as MeasuredProblem
     from smarig.identification.measured.measured_fit import chosen_smoothing as chosen_smoothing

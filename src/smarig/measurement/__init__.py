@@ -2,6 +2,7 @@
 
 A sensor that responds late, an offset between two runs, a stress that shifts the transformation: each changes the
 input of a record, or adds to its output, before and after the hysteresis. Each is a file in ``measurement/effects``.
+What no effect describes can be learned (``learned_term``).
 """
 
 from typing import TYPE_CHECKING
@@ -19,6 +20,14 @@ if TYPE_CHECKING:
     from smarig.measurement.input_record import input_records as input_records
     from smarig.measurement.input_record import monotone_branches as monotone_branches
     from smarig.measurement.input_record import reversals as reversals
+    from smarig.measurement.learned_term import LearnedTerm as LearnedTerm
+    from smarig.measurement.learned_term import learned_input as learned_input
+    from smarig.measurement.learned_term import learned_output as learned_output
+    from smarig.measurement.learned_variables import LEVEL as LEVEL
+    from smarig.measurement.learned_variables import branch_directions as branch_directions
+    from smarig.measurement.learned_variables import shared_variables as shared_variables
+    from smarig.measurement.learned_variables import variable_of as variable_of
+    from smarig.measurement.learned_variables import variable_unit as variable_unit
     from smarig.measurement.measurement_effect import MeasurementEffect as MeasurementEffect
     from smarig.measurement.measurement_effect import MeasurementEffectType as MeasurementEffectType
     from smarig.measurement.measurement_effect import RecordChange as RecordChange

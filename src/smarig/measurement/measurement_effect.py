@@ -42,12 +42,14 @@ class RecordChange:
 class SearchedParameter:
     """A parameter that is searched for: unit, and values to start from.
 
-    The search ends at the smallest and largest start; an estimate there determines nothing.
+    The search ends at the smallest and largest start; an estimate there determines nothing. ``open_above``: the
+    largest start stands for all larger values.
     """
 
     name: str
     unit: str
     tries: tuple[float, ...]
+    open_above: bool = False
 
 
 @dataclass(frozen=True)

@@ -6,13 +6,15 @@ from typing import Any
 
 from smarig.core import DataError
 from smarig.measurement.condition_table import ConditionTable
+from smarig.measurement.learned_term import LearnedTerm
 from smarig.measurement.measurement_effect import MeasurementEffect, measurement_effects
 from smarig.preisach import FodTable, dump_hysteresis, load_hysteresis
 
 
 @dataclass(frozen=True, eq=False)
 class MeasurementPart:
-    """The measurement effects of a model: effects, amplitudes (k,) of their terms, and gain and zero by a condition.
+    """The measurement effects of a model: effects, amplitudes (k,) of their terms, gain and zero by a condition, and
+    terms that were learned.
 
     ``measures`` are one hysteresis for each value of the table, each to be multiplied by its gain; empty if all values
     share that of the model.
@@ -22,6 +24,7 @@ class MeasurementPart:
     amplitudes: tuple[float, ...] = ()
     table: ConditionTable | None = None
     measures: tuple[FodTable, ...] = ()
+    learned: tuple[LearnedTerm, ...] = ()
 
     def to_json(self) -> dict[str, Any]:
         """Plain values, as stored in a model file."""
@@ -33,6 +36,8 @@ class MeasurementPart:
             stored["table"] = self.table.to_json()
         if self.measures:
             stored["measures"] = [dump_hysteresis(m) for m in self.measures]
+        if self.learned:
+            stored["learned"] = [t.to_json() for t in self.learned]
         return stored
 
     @classmethod
@@ -41,7 +46,8 @@ class MeasurementPart:
         try:
             amplitudes = tuple(float(v) for v in stored.get("amplitudes", ()))
             effects = measurement_effects(stored["effects"])
-        except (KeyError, TypeError, ValueError) as error:
+            learned = tuple(LearnedTerm.from_json(entry) for entry in stored.get("learned", ()))
+        except (AttributeError, KeyError, TypeError, ValueError) as error:
             raise DataError(f"the measurement effects of the model are damaged: {error}") from None
         terms = sum(len(e.kind.amplitudes("", "")) for e in effects)
         if terms != len(amplitudes):
@@ -49,7 +55,7 @@ class MeasurementPart:
                 f"the measurement effects of the model need {terms} amplitudes, not {len(amplitudes)}"
             )
         table = ConditionTable.from_json(stored["table"]) if "table" in stored else None
-        return cls(effects, amplitudes, table, _measures(stored, table))
+        return cls(effects, amplitudes, table, _measures(stored, table), learned)
 
 
 def _measures(stored: Mapping[str, Any], table: ConditionTable | None) -> tuple[FodTable, ...]:

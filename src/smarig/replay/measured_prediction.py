@@ -3,6 +3,7 @@
 y = z(c) + g(c) · P[v] + Σ_k b_k φ_k,    c: a condition of the run, if an effect depends on one
 
 The measure P is one for all values of c, or one for each measured value.
+Learned terms change v after all effects, and add to y what they make of z + g P[v].
 """
 
 from collections.abc import Sequence
@@ -18,6 +19,8 @@ from smarig.measurement import (
     assumed_start,
     changed,
     input_records,
+    learned_input,
+    learned_output,
     monotone_branches,
     reversals,
 )
@@ -47,8 +50,9 @@ def _with_records(runs: Sequence[Run]) -> list[tuple[Run, InputRecord]]:
 
 def _simulated(model: Model, part: MeasurementPart, run: Run, record: InputRecord) -> Array:
     change = changed(record, part.effects)
-    turns = reversals(change.input, change.noise)
-    u, h = monotone_branches(change.input, turns), model.hysteresis
+    applied = learned_input(record, change.input, part.learned)
+    turns = reversals(applied, change.noise)
+    u, h = monotone_branches(applied, turns), model.hysteresis
     start, known = assumed_start(u, turns, _saturation(h))
     if record.initial in ("negative", "positive", "anhysteretic"):
         start, known = record.initial, 0
@@ -57,6 +61,7 @@ def _simulated(model: Model, part: MeasurementPart, run: Run, record: InputRecor
     y = shapes[0]
     if part.table is not None:
         y = part.table.outputs(np.array(shapes), _condition(record, part.table))
+    y = y + learned_output(record, y, part.learned)
     if change.terms.shape[1]:
         y = y + change.terms @ np.array(part.amplitudes)
     y[:known] = np.nan

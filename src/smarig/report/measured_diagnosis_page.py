@@ -19,6 +19,7 @@ from smarig.report.components.run_description import (
     source_label,
 )
 from smarig.report.components.style import COOLING, INK, MODEL
+from smarig.report.diagnosis.learned_law_figure import learned_law_figure
 from smarig.report.run_page import run_lead
 from smarig.report.runs.run_tables import conditions_table, provenance_table, quality_table
 
@@ -33,6 +34,7 @@ def measured_diagnosis_page(d: MeasuredDiagnosis) -> str:
     sections = [
         Section("Verdict", "Verdict", list(_summary(d))),
         Section("Measured and predicted outputs", "Loops", [_loops_figure(d)]),
+        *_learned(d),
         Section("Errors in time order", "Errors", [_errors_figure(d)]),
         Section("Effects and variables that were compared", "Compared", list(_compared(d))),
         Section("Data quality, provenance", "Provenance", list(_provenance(d))),
@@ -43,6 +45,12 @@ def measured_diagnosis_page(d: MeasuredDiagnosis) -> str:
         sections,
         label=source_label(*d.runs),
     )
+
+
+def _learned(d: MeasuredDiagnosis) -> Iterator[Section]:
+    if d.learned is not None:
+        figure = learned_law_figure(d.learned, source_label(*d.runs))
+        yield Section("What was learned in place of a cause", "Learned term", [figure])
 
 
 def _summary(d: MeasuredDiagnosis) -> Iterator[Html]:

@@ -137,19 +137,6 @@ def test_a_strain_that_each_cycle_leaves_is_named():
     assert parameter(found, "amplitude")["value"] == pytest.approx(0.5, rel=0.2)
 
 
-def test_a_wire_slower_than_its_thermometer_is_named_with_its_time_constant():
-    wire, dt, lag_s = RelayWire(11), 0.5, 5.0
-    inputs = triangles(PEAKS, (30, 90, 50, 120, 40, 80)), triangles((85.0, 70.0, 60.0), (60, 30, 90))
-    runs = [
-        as_run(f"slow_{k}", u, wire.strain(lagged(u, lag_s, dt)), dt=dt, seed=k) for k, u in enumerate(inputs)
-    ]
-    found = diagnosed(runs[:1], runs[1:])
-    assert found.verdict.names == ("output_lag",)
-    assert parameter(found, "lag_s")["value"] == pytest.approx(lag_s, rel=0.25)
-    assert found.gain is not None
-    assert found.gain.extended < 0.6 * found.gain.base
-
-
 def test_a_drift_of_the_output_is_named_with_its_rate():
     """Peaks that differ, so that the count of cycles is not the clock."""
     wire = RelayWire(12)
@@ -160,7 +147,19 @@ def test_a_drift_of_the_output_is_named_with_its_rate():
     hours = 10.0 * np.arange(u.size) / 3600
     found = diagnosed([as_run("drift", u, wire.strain(u) + 0.4 * hours, dt=10.0)])
     assert "output_drift" in found.verdict.names
-    assert parameter(found, "rate")["value"] == pytest.approx(0.4, rel=0.2)
+    tau_h, size = (parameter(found, name)["value"] for name in ("time_constant_h", "amplitude"))
+    drifted = size * (1 - np.exp(-hours[-1] / tau_h))
+    assert drifted == pytest.approx(0.4 * hours[-1], rel=0.2)
+
+
+def test_a_clamp_that_slips_once_is_named_with_the_moment_and_the_size():
+    wire = RelayWire(13)
+    u = triangles(tuple(60.0 + 30.0 * ((7 * k) % 10) / 10 for k in range(12)), rows=30)
+    t = 2.0 * np.arange(u.size)
+    found = diagnosed([as_run("slip", u, wire.strain(u) + 0.3 * (t > 500.0), dt=2.0)])
+    assert found.verdict.names == ("output_jump",)
+    assert parameter(found, "slip")["value"] == pytest.approx(500.0 / 3600, abs=0.05 * t[-1] / 3600)
+    assert parameter(found, "amplitude")["value"] == pytest.approx(0.3, rel=0.2)
 
 
 # --- causes that no effect describes ---------------------------------------------------------------------
@@ -176,7 +175,7 @@ def test_a_loop_that_widens_with_the_rate_is_unknown_and_depends_on_the_rate():
     found = diagnosed(runs)
     assert found.verdict.word == "unknown"
     assert found.verdict.depends_on == "rate"
-    assert not found.extended
+    assert not found.effects()
 
 
 def test_a_slope_that_comes_and_goes_is_not_named():

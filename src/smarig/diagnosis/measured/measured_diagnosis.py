@@ -6,7 +6,7 @@ its place there and on the held-out runs; otherwise the finding is the variable 
 
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -16,17 +16,23 @@ from smarig.core import NotebookDisplay
 from smarig.diagnosis.diagnosis_verdict import DiagnosisVerdict
 from smarig.diagnosis.held_out_gain import HeldOutGain
 from smarig.diagnosis.measured.adequacy import adequate_error, held_out_parts, reading_noise
+from smarig.diagnosis.measured.extended_measured_model import extended_measured_model, hysteresis_of_first_run
 from smarig.diagnosis.measured.held_out_runs import RunOffset, held_out_error, run_offsets
-from smarig.diagnosis.measured.measured_runs import given_errors, records_of, selected_rows
+from smarig.diagnosis.measured.learned_extension import WORSE, learned_extension, verdict_with_learned
+from smarig.diagnosis.measured.learned_law import LearnedLaw
+from smarig.diagnosis.measured.measured_runs import records_of, replayed_error, selected_rows
 from smarig.diagnosis.measured.measured_search import SearchStep, search_effects
 from smarig.diagnosis.measured.measured_text import measured_lines
 from smarig.diagnosis.measured.measured_verdict import MeasuredVerdict, decide, smallest_chance
+from smarig.diagnosis.measured.preisach_properties import PropertyTest, preisach_properties
 from smarig.diagnosis.suspects import suspects
 from smarig.identification import (
     Comparison,
+    LoadDependence,
     MeasuredHypothesis,
     compared,
     condition_table,
+    fit_load_dependence,
 )
 from smarig.measurement import (
     InputRecord,
@@ -36,10 +42,9 @@ from smarig.measurement import (
     measurement_effect_types,
 )
 from smarig.record import Run
-from smarig.replay import Model, foreign_conditions, pooled_conditions, provenance
+from smarig.replay import Model, foreign_conditions, pooled_conditions
 
 Array = NDArray[np.float64]
-WORSE = 1.0  # times the plain model's error on held-out runs: a larger error is worse
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,9 +52,11 @@ class MeasuredDiagnosis(NotebookDisplay):
     """The verdict on a model and runs with a measured input, with its evidence.
 
     ``steps`` are the rounds of the search. ``base`` is the plain model fitted to the training runs, ``best`` the model
-    with the effects found (None if none is named). ``noise`` is the standard deviation of one reading. ``given_error``
-    (m,) are the errors of the given model at the readings, NaN where it predicts nothing. ``offsets`` are held-out runs
-    whose input disagrees with that of the training runs. ``model`` is the extended model, else the given one.
+    with the effects found or a learned term (None if there is neither). ``noise`` is the standard deviation of one
+    reading. ``given_error`` (m,) are the errors of the given model at the readings, NaN where it predicts nothing.
+    ``offsets`` are held-out runs whose input disagrees with that of the training runs. ``model`` is the extended model,
+    else the given one. ``learned`` is the law that ``best`` has instead of effects; if None, ``learned_reason`` is a
+    clause on why there is none. ``properties`` tests the return point and wiping-out.
     """
 
     verdict: DiagnosisVerdict
@@ -65,6 +72,10 @@ class MeasuredDiagnosis(NotebookDisplay):
     offsets: tuple[RunOffset, ...]
     given: Model
     model: Model
+    load: LoadDependence | None
+    learned: LearnedLaw | None
+    learned_reason: str
+    properties: tuple[PropertyTest, ...]
     p_value: float
     runs: tuple[Run, ...]
     seconds: float
@@ -113,13 +124,17 @@ class MeasuredDiagnosis(NotebookDisplay):
             for h in step.effects:
                 if h.effects[-1].kind is kind:
                     units = h.intervals | units
+        values = dict(effect.values)
+        if self.load is not None and self.load.parameter in values:
+            values[self.load.parameter] = self.load.value
+            units = units | {self.load.parameter: self.load.interval}
         parameters = {
             name: {
                 "value": value,
                 "ci95": list(units[name]) if name in units else None,
                 "unit": self._unit(kind, name),
             }
-            for name, value in effect.values.items()
+            for name, value in values.items()
         }
         for name, unit in kind.amplitudes(self.runs[0].input_unit, self.unit):
             parameters[name] = {"value": next(amplitudes), "ci95": None, "unit": unit}
@@ -153,6 +168,8 @@ class MeasuredDiagnosis(NotebookDisplay):
                 "where": held_out_parts(self.base),
                 "adequate": self.base.rms <= adequate_error(self.base),
             },
+            "learned": self.learned and self.learned.to_json(),
+            "preisach_properties": {t.name: t.to_json() for t in self.properties},
             "held_out": gain and gain.to_json(),
             "run_offsets": [
                 {
@@ -190,7 +207,7 @@ class MeasuredDiagnosis(NotebookDisplay):
         return [k.name for k in measurement_effect_types() if k.parameters(records) is None]
 
     def __repr__(self) -> str:
-        found = " + ".join(self.verdict.names) if self.extended else self.verdict.depends_on or ""
+        found = " + ".join(self.verdict.names) or self.verdict.depends_on or ""
         return f"MeasuredDiagnosis({self.verdict.word}{': ' if found else ''}{found})"
 
 
@@ -221,22 +238,35 @@ def diagnose_measured(
     worse = bool(tested.any() and last.effects and _rms(errors[1][tested]) > WORSE * _rms(errors[0][tested]))
     decided = decide(steps, worse_on_held_out=worse)
     best = decided.accepted if decided.accepted.effects else None
-    given = given_errors(model, [*train, *held_out], comparison)
+    load = _load_dependence(best, plan.records[:count])
+    extended = _extended(model, decided, train, count, load) if best else model
+    if load is not None:
+        errors = errors[0], replayed_error(extended, [*train, *held_out], comparison, about_mean=False)
+    learned, learned_reason = None, ""
+    if decided.verdict.word == "unknown" and base.rms > adequate_error(base):
+        sets = list(train), list(held_out)
+        learned, learned_reason = learned_extension(model, base, errors[0], comparison, sets, progress)
+    given = replayed_error(model, [*train, *held_out], comparison)
     offsets = tuple(run_offsets(comparison, best.effects if best else (), count))
+    extended_error = learned.error if learned else errors[1] if best else errors[0]
     return MeasuredDiagnosis(
-        verdict=_with_offsets(decided.verdict, offsets),
-        reason=decided.reason,
+        verdict=_with_offsets(verdict_with_learned(decided.verdict, learned, steps[0].variables), offsets),
+        reason="" if learned and decided.verdict.depends_on is None else decided.reason,
         comparison=comparison,
         train=count,
         steps=tuple(steps),
         base=base,
-        best=best,
+        best=learned.hypothesis if learned else best,
         noise=noise,
         given_error=given,
-        gain=_gain(errors[0], errors[1] if best else errors[0], given, comparison, noise),
+        gain=_gain(errors[0], extended_error, given, comparison, noise),
         offsets=offsets,
         given=model,
-        model=_extended(model, decided, train, count) if best else model,
+        model=learned.model if learned else extended,
+        load=load,
+        learned=learned.law if learned else None,
+        learned_reason=learned_reason,
+        properties=preisach_properties(plan.records[:count], last.effects if best else ()),
         p_value=smallest_chance(steps[0]),
         runs=(*train, *held_out),
         seconds=time.monotonic() - started,
@@ -267,28 +297,25 @@ def _gain(
     )
 
 
-def _extended(model: Model, decided: MeasuredVerdict, train: Sequence[Run], count: int) -> Model:
+def _load_dependence(
+    best: MeasuredHypothesis | None, records: Sequence[InputRecord]
+) -> LoadDependence | None:
+    """The model of all loads, if an effect of the load alone was named: it predicts other loads better than one fit."""
+    condition = best.effects[0].kind.by_condition if best and len(best.effects) == 1 else ""
+    return fit_load_dependence(records, condition) if condition else None
+
+
+def _extended(
+    model: Model, decided: MeasuredVerdict, train: Sequence[Run], count: int, load: LoadDependence | None
+) -> Model:
     """The given model with the measure of the accepted hypothesis, and with its effects."""
     found = decided.accepted
-    table, zero = condition_table(found, count), float(found.fit.zeros[0])
-    hysteresis = found.fit.table if table else replace(found.fit.table, values=found.fit.table.values + zero)
-    part = MeasurementPart(found.effects, tuple(found.fit.amplitudes.tolist()), table)
-    return replace(
-        model,
-        name=f"{model.name} + {found.name}",
-        hysteresis=hysteresis,
-        mirrored=False,
-        effects=(),
-        measurement=part.to_json(),
-        parameters=(),
-        covariance=np.empty((0, 0)),
-        intervals={},
-        provenance=tuple(provenance(run) for run in train),
-        warnings=(
-            *model.warnings,
-            f"Effects by diagnosis ({decided.verdict.word}); measure identified jointly.",
-        ),
-    )
+    warning = f"Effects by diagnosis ({decided.verdict.word}); measure identified jointly."
+    if load is not None:
+        return extended_measured_model(model, load.hysteresis, load.part, found.name, warning, train)
+    part = MeasurementPart(found.effects, tuple(found.fit.amplitudes.tolist()), condition_table(found, count))
+    hysteresis = found.fit.table if part.table else hysteresis_of_first_run(found.fit)
+    return extended_measured_model(model, hysteresis, part, found.name, warning, train)
 
 
 def _rms(x: Array) -> float:

@@ -36,13 +36,18 @@ def selected_rows(
     return found
 
 
-def given_errors(model: Model, runs: Sequence[Run], comparison: Comparison) -> Array:
-    """Errors (m,) of the given model at the readings, about their mean in each run."""
+def replayed_error(
+    model: Model, runs: Sequence[Run], comparison: Comparison, *, about_mean: bool = True
+) -> Array:
+    """Errors (m,) of a model, as it is replayed, at the readings; NaN where it predicts nothing.
+
+    ``about_mean``: the zero of each run is free.
+    """
     plan, found = comparison.plan, []
     predicted = dict(zip((id(r) for r in runs), simulate_runs(model, list(runs))))
     usable = [run for run in runs if input_records([run])]
     for run, record, rows in zip(usable, plan.records, plan.rows):
         finite = np.flatnonzero(np.isfinite(run["input"]) & np.isfinite(run["position"]))
         error = record.y[rows] - predicted[id(run)][np.searchsorted(finite, record.row[rows])]
-        found.append(error - np.nanmean(error) if np.isfinite(error).any() else error)
+        found.append(error - np.nanmean(error) if about_mean and np.isfinite(error).any() else error)
     return np.concatenate(found)

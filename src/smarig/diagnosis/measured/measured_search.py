@@ -116,9 +116,11 @@ def failure(tried: MeasuredHypothesis, start: MeasuredHypothesis) -> str:
     return ""
 
 
-def chance_of(tried: MeasuredHypothesis, start: MeasuredHypothesis) -> float:
-    """Share of resampled sets of held-out blocks on which a hypothesis is not better than another."""
+def chance_of(tried: MeasuredHypothesis, start: MeasuredHypothesis, least: float = 0.0) -> float:
+    """Share of resampled sets of held-out blocks on which a hypothesis does not have a smaller error than another, by
+    the share ``least`` of it.
+    """
     a, b = tried.block_squares(), start.block_squares()
     rng = np.random.default_rng(0)
     drawn = rng.integers(0, a.size, (DRAWS, a.size))
-    return float(np.mean(a[drawn].sum(axis=1) >= b[drawn].sum(axis=1)))
+    return float(np.mean(a[drawn].sum(axis=1) >= (1 - least) ** 2 * b[drawn].sum(axis=1)))

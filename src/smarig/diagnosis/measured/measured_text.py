@@ -6,11 +6,16 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from smarig.diagnosis.diagnosis_text import capitalised, gain_text, parameter_text
+from smarig.diagnosis.measured.looks_like import looks_like
 from smarig.diagnosis.suspects import suspects
 
 if TYPE_CHECKING:
     from smarig.diagnosis.measured.measured_diagnosis import MeasuredDiagnosis
 
+PROPERTIES = {  # what is to be expected of every Preisach operator, in case it fails
+    "return_point": "Minor loops do not return: where an excursion of the input closes, the output differs",
+    "wiping_out": "Wiping-out fails: branches that start at the same end of the input differ",
+}
 INADEQUATE = 3.0  # times the noise: the model is not adequate
 FAR_OFF_RATIO = 10.0  # times the error of a refitted model: the given model is of another specimen or state
 
@@ -18,7 +23,9 @@ FAR_OFF_RATIO = 10.0  # times the error of a refitted model: the given model is 
 def measured_lines(d: "MeasuredDiagnosis") -> Iterator[str]:
     """The findings, one or two sentences per line; the verdict first."""
     yield from _verdict(d)
+    yield from _learned(d)
     yield adequacy_text(d)
+    yield from _properties(d)
     yield from _limits(d)
     if d.gain is not None and d.extended:
         yield gain_text(d.gain, d.unit)
@@ -58,15 +65,46 @@ def _verdict(d: "MeasuredDiagnosis") -> Iterator[str]:
         yield f"These explain the runs equally well: {', '.join(d.verdict.names)}."
 
 
+def _learned(d: "MeasuredDiagnosis") -> Iterator[str]:
+    """What was learned in place of a cause, or why nothing was."""
+    if d.learned is None:
+        if d.learned_reason:
+            yield f"No extended model is offered: {d.learned_reason}."
+        return
+    law = d.learned
+    for term in law.terms:
+        of = " and ".join(v.replace("_", " ") for v in term.variables)
+        formula = law.formula(term)
+        values = f": {formula}" if formula else ""
+        yield f"A term at the {term.enters} that depends on {of} was learned{values}."
+    similar = ", ".join(looks_like(law.terms[0].variable))
+    yield (
+        f"It removes {law.gain_blocks:.0%} of the error on blocks left out of the fit"
+        f"{f', and looks like {similar}' if similar else ''}."
+    )
+
+
 def adequacy_text(d: "MeasuredDiagnosis") -> str:
     """How far the plain and the extended model miss the runs, against the noise of a reading."""
     ratio = d.base.rms / d.noise if d.noise else float("inf")
-    extended = f", with the effects found by {d.best.rms:.4g} {d.unit}" if d.best else ""
+    found = "the learned term" if d.learned else "the effects found"
+    extended = f", with {found} by {d.best.rms:.4g} {d.unit}" if d.best else ""
     size = f" ({ratio:.0f} × the noise)" if ratio > INADEQUATE else ""
     return (
         f"On blocks left out of the fit, a Preisach model misses the training runs by {d.base.rms:.4g} {d.unit} rms"
         f"{size}{extended}; noise of one reading {d.noise:.2g} {d.unit}."
     )
+
+
+def _properties(d: "MeasuredDiagnosis") -> Iterator[str]:
+    """The properties of every Preisach operator that these records do not have; nothing if all is well otherwise."""
+    for test in d.properties if d.verdict.word != "silent" else ():
+        if not test.holds:
+            yield (
+                f"{PROPERTIES[test.name]} by {test.violated_rms:.3g} {d.unit} rms in {test.tested} comparisons "
+                f"(noise {test.noise:.2g} {d.unit}). No Preisach operator of the recorded input does so: either the "
+                "wire is none, or its input or output also depends on the time or the rate."
+            )
 
 
 def _limits(d: "MeasuredDiagnosis") -> Iterator[str]:

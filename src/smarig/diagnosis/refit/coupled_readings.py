@@ -4,6 +4,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.sparse import csr_matrix
 
 from smarig.diagnosis.refit.density_prior import DensityPrior, density_prior
 from smarig.diagnosis.refit.memory_noise import memory_slopes
@@ -26,7 +27,7 @@ class CoupledReadings:
     scale: Array
     covariance: ReadingCovariance
     prior: DensityPrior
-    slopes: Array
+    slopes: csr_matrix
     times: Array
     zero_scale: Array
 

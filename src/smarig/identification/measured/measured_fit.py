@@ -20,9 +20,11 @@ from smarig.identification.positive.quadratic_programme import MeasureProblem
 from smarig.identification.positive.triangle import Triangle
 from smarig.measurement import (
     InputRecord,
+    LearnedTerm,
     MeasurementEffect,
     changed,
     input_noise_sd,
+    learned_input,
     monotone_branches,
     reversals,
 )
@@ -143,17 +145,19 @@ def measured_problem(
     plan: ReadingPlan,
     effects: Sequence[MeasurementEffect] = (),
     *,
+    learned: Sequence[LearnedTerm] = (),
     extra_terms: Array | None = None,
     weight: Array | None = None,
     intervals: int = INTERVALS,
 ) -> MeasuredProblem:
-    """The rows of all readings of a plan under effects.
+    """The rows of all readings of a plan under effects, and under the learned terms that enter at the input.
 
     ``extra_terms`` (m, k) are added to the terms of the effects. ``weight`` (m,) multiplies the rows; None: equal
     weights.
     """
     changes = [changed(record, effects) for record in plan.records]
-    paths = [(c.input, reversals(c.input, c.noise)) for c in changes]
+    applied = [learned_input(record, c.input, learned) for record, c in zip(plan.records, changes)]
+    paths = [(u, reversals(u, c.noise)) for u, c in zip(applied, changes)]
     inputs = [monotone_branches(u, turns) for u, turns in paths]
     ends = min(float(u.min()) for u in inputs), max(float(u.max()) for u in inputs)
     parts = [

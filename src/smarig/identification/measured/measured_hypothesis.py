@@ -124,7 +124,7 @@ class Comparison:
             found = min(tried, key=lambda v: tried[v].misfit)
             values[parameter.name], best = found, tried[found]
             intervals[parameter.name] = _interval(tried)
-            if found in (min(parameter.tries), max(parameter.tries)):
+            if found == min(parameter.tries) or (found == max(parameter.tries) and not parameter.open_above):
                 bound.append(parameter.name)
         return replace(best, intervals=intervals, at_bound=tuple(bound))
 

@@ -11,7 +11,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from smarig.measurement.input_record import InputRecord, input_noise_sd
-from smarig.measurement.lag_search import lags_to_try
 from smarig.measurement.measurement_effect import (
     MeasurementEffectType,
     RecordChange,
@@ -21,11 +20,26 @@ from smarig.measurement.measurement_effect import (
 
 Array = NDArray[np.float64]
 SMOOTHED_SHARE = 0.25  # of the lag: standard deviation of the smoothing
+MAX_CYCLE_SHARE = 0.25  # of a cycle: a longer lag is no lag
+LAGS_PER_DECADE = 5
 
 
 def _parameters(records: Sequence[InputRecord]) -> tuple[SearchedParameter, ...] | None:
-    tries = lags_to_try(records)
-    return None if tries is None else (SearchedParameter("lag_s", "s", tries),)
+    """Lags from two rows to a quarter of the median cycle, if every run has a clock of even rows."""
+    if not all(r.clock and _even(r.t) for r in records):
+        return None
+    period = max(float(np.median(np.diff(r.t))) for r in records)
+    cycle_s = float(np.median([np.ptp(r.t) / max(r.cycle[-1] - r.cycle[0], 0.5) for r in records]))
+    low, high = np.log10(2 * period), np.log10(MAX_CYCLE_SHARE * cycle_s)
+    if high <= low:
+        return None
+    tries = np.logspace(low, high, max(int(LAGS_PER_DECADE * (high - low)), 4))
+    return (SearchedParameter("lag_s", "s", tuple(tries.tolist())),)
+
+
+def _even(t: Array) -> bool:
+    step = np.diff(t)
+    return bool(np.all(step > 0)) and float(np.quantile(step, 0.95)) < 1.5 * float(np.median(step))
 
 
 def _change(p: Values, record: InputRecord) -> RecordChange:

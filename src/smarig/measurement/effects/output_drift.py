@@ -1,9 +1,11 @@
-"""The output drifts steadily while a run lasts: a sensor that warms up, a clamp that slips, a zero that creeps.
+"""The output drifts while a run lasts: a sensor that warms up, a mount that settles, a zero that creeps.
 
-y ← y + b t,    t: hours since the run began
+y ← y + b (1 − exp(−t/τ)),    t: time since the run began;    a steady drift if τ is much longer than the run
 """
 
 from collections.abc import Sequence
+
+import numpy as np
 
 from smarig.measurement.input_record import InputRecord
 from smarig.measurement.measurement_effect import (
@@ -14,27 +16,36 @@ from smarig.measurement.measurement_effect import (
 )
 
 FEWEST_CYCLES = 3.0  # with fewer, a drift is a part of the loop
+TRIED_SHARES = np.array(
+    [0.05, 0.1, 0.2, 0.4, 0.8, 2.0, 10.0]
+)  # of the longest run; the last is a steady drift
 
 
 def _parameters(records: Sequence[InputRecord]) -> tuple[SearchedParameter, ...] | None:
-    """Nothing is searched; every run needs a clock, and one several cycles."""
+    """The time constant τ; every run needs a clock, and one several cycles."""
     if not all(r.clock for r in records):
         return None
-    return () if max(float(r.cycle[-1] - r.cycle[0]) for r in records) >= FEWEST_CYCLES else None
+    if max(float(r.cycle[-1] - r.cycle[0]) for r in records) < FEWEST_CYCLES:
+        return None
+    hours = max(float(np.ptp(r.t)) for r in records) / 3600
+    return (
+        SearchedParameter("time_constant_h", "h", tuple((hours * TRIED_SHARES).tolist()), open_above=True),
+    )
 
 
-def _change(p: Values, record: InputRecord) -> RecordChange:  # noqa: ARG001
-    return RecordChange(record.u, ((record.t - record.t[0]) / 3600)[:, None])
+def _change(p: Values, record: InputRecord) -> RecordChange:
+    hours = (record.t - record.t[0]) / 3600
+    return RecordChange(record.u, -np.expm1(-hours / p["time_constant_h"])[:, None])
 
 
 output_drift = MeasurementEffectType(
     name="output_drift",
-    summary="The output drifts steadily while a run lasts.",
-    looks_like="loops do not close; each is shifted against the one before by the same amount per hour",
+    summary="The output drifts while a run lasts, steadily or ever more slowly.",
+    looks_like="loops do not close; each is shifted against the one before, by time and not by cycle",
     confused_with=("ratchet_strain", "walking", "ambient_drift"),
     separated_by="a rest of an hour: drift goes on, ratcheting stops",
     depends_on=("time", "cycle"),
     parameters=_parameters,
     change=_change,
-    amplitudes=lambda _u, y: (("rate", f"{y}/h"),),
+    amplitudes=lambda _u, y: (("amplitude", y),),
 )

@@ -1,0 +1,20 @@
+"""The effects of both catalogues that leave an error which depends on a variable."""
+
+from smarig.measurement import measurement_effect_types
+
+PLANT_EFFECTS = {
+    "rate": ("latent_heat", "sensor_lag", "wire_lag"),
+    "time": ("ambient_drift", "creep", "settling", "slip"),
+    "cycle": ("accommodation", "fatigue", "training", "walking"),
+    "history": ("accommodation", "noncongruency", "temperature_memory"),
+    "time_since_reversal": ("backlash", "creep", "settling", "temperature_memory"),
+    "level": ("eccentricity", "noncongruency", "resistance_phase", "saturation", "slack"),
+    "input": ("r_phase", "thermal_expansion"),
+    "stress": ("stress_coupling",),
+}
+
+
+def looks_like(variable: str) -> list[str]:
+    """Names of effects, those of the measurement first."""
+    measured = [k.name for k in measurement_effect_types() if variable in k.depends_on]
+    return [*measured, *PLANT_EFFECTS.get(variable, ())]

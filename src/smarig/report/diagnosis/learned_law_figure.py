@@ -1,0 +1,56 @@
+"""The figure of a learned term: its value against its variable, in physical units."""
+
+import numpy as np
+
+from smarig.diagnosis import LearnedLaw
+from smarig.measurement import LearnedTerm, variable_unit
+from smarig.report.components.figure import Figure, Panel, axis, dots, line, log_axis
+from smarig.report.components.run_description import display_unit
+from smarig.report.components.style import INK, MODEL
+
+_QUANTITIES = {
+    "rate": "Mean rate of the branch",
+    "time": "Time since the start of the run",
+    "time_since_reversal": "Time since the last reversal",
+    "cycle": "Cycles since the start of the run",
+    "history": "Input at the last reversal",
+    "input": "Input",
+    "level": "Output of the hysteresis",
+}
+_VALUES = {
+    "output": "Added to the output",
+    "output_gain": "Relative change of the output's gain",
+    "input": "Added to the input",
+    "input_gain": "Relative change of the input's gain",
+    "play": "Half-width of the input's play",
+}
+
+
+def learned_law_figure(law: LearnedLaw, label: str) -> Figure:
+    """A panel for each term; ``label`` marks simulated data."""
+    caption = [
+        "Dots: the knots, between which the law is straight; beyond them it keeps its last value.",
+        "The law is relative to its first knot, because the hysteresis contains the rest.",
+        "A negative half-width is a lead." if any(t.form == "play" for t in law.terms) else "",
+    ]
+    return Figure([_panel(law, term) for term in law.terms], "The learned term.", caption, label)
+
+
+def _panel(law: LearnedLaw, term: LearnedTerm) -> Panel:
+    z, values = np.array(term.knots), np.array(term.values)
+    x = 10**z if term.variable == "rate" else z
+    data = [line(x, values, "learned", MODEL), dots(x, values, "knots", INK)]
+    return Panel(data, {"xaxis": _variable_axis(law, term, x), "yaxis": axis(_value_title(law, term))})
+
+
+def _variable_axis(law: LearnedLaw, term: LearnedTerm, x: np.ndarray) -> dict:
+    unit = variable_unit(term.variable, display_unit(law.input_unit))
+    unit = display_unit(law.output_unit) if term.variable == "level" else unit
+    quantity = _QUANTITIES.get(term.variable, term.variable.capitalize())
+    title = f"{quantity} ({unit})" if unit not in ("", "1") else quantity
+    return log_axis(title, 0.9 * float(x[0]), 1.1 * float(x[-1])) if term.variable == "rate" else axis(title)
+
+
+def _value_title(law: LearnedLaw, term: LearnedTerm) -> str:
+    unit = law.value_unit(term)
+    return _VALUES[term.form] + (f" ({display_unit(unit)})" if unit != "1" else "")
