@@ -79,6 +79,8 @@ def test_a_variable_does_not_take_away_a_name_that_held_out_runs_bear_out():
         (replace(QUIET, variable="walk", gain=60.0), "history"),
         (replace(QUIET, variable="rate", gain=60.0), "rate"),
         (replace(QUIET, room_K=0.35, correlation_s=300.0), "time"),
+        (replace(QUIET, variable="walk", gain=60.0, room_K=0.35, correlation_s=300.0), "time"),
+        (replace(QUIET, variable="walk", gain=160.0, room_K=0.35, correlation_s=300.0), "history"),
     ],
 )
 def test_nothing_is_silent_while_a_discrepancy_stands_out(before, depends_on):

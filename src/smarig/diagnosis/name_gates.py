@@ -19,6 +19,7 @@ FITTED_RATIO = (
     0.9  # of the error of settled positions without the effects: less promises a gain on held-out runs
 )
 REMAINING_SHARE = 0.15  # of the effects' gain: a discrepancy that explains more of what is left refutes them
+CLEAR_NATS = 100.0  # the same if the room moves: both vanish in saturation, and imitate each other
 ROOM_K, ROOM_S = 0.22, 300.0  # larger and slower fluctuations are no draught
 AT_BOUND_SHARE = 1e-3  # of the range between a parameter's bounds
 NORMAL_95 = 1.96
@@ -78,7 +79,7 @@ def slow_room(found: Discrepancy) -> bool:
 
 def _if_adequate(verdict: DiagnosisVerdict, before: Discrepancy) -> GatedVerdict:
     """Silence, unless a discrepancy stands out or the room moves too much."""
-    if before.gain >= DISCREPANCY_NATS:
+    if before.gain >= (CLEAR_NATS if slow_room(before) else DISCREPANCY_NATS):
         return GatedVerdict(_unknown(verdict, before.depends_on))
     if slow_room(before):
         reason = (

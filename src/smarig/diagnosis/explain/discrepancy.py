@@ -36,8 +36,8 @@ WALK = "walk"
 class Discrepancy:
     """A dependence on ``variable`` that acts at the "input" or the "output", and its gain in nats.
 
-    ``room_K`` and ``correlation_s`` describe the temperature noise that remains. ``noise`` is the standard deviation
-    that all remaining noise gives to a settled position, in output units.
+    ``room_K`` and ``correlation_s`` describe the temperature noise that explains most without it. ``noise`` is the
+    standard deviation that all noise beside it gives to a settled position, in output units.
     """
 
     variable: str
@@ -77,8 +77,9 @@ def likeliest_discrepancy(timeline: Timeline, plant_model: PlantModel, refitted:
     def described(variable: str, place: str, gain: float, components: Array) -> Discrepancy:
         square = np.diag(found.noise_covariance(memory, components))[:settled] * readings.scale[:settled] ** 2
         noise = float(np.sqrt(np.mean(square)))
-        return Discrepancy(variable, place, gain, float(10.0 ** components[-1]), seconds, noise)
+        return Discrepancy(variable, place, gain, room_K, seconds, noise)
 
+    room_K = float(10.0 ** start[-1])
     best = described("", "", 0.0, start)
     start = np.append(start[:-1], min(start[-1], np.log10(PLAUSIBLE_ROOM_K)))
     screened = _screened(readings, memory, start, [k for _, _, k in kernels])
