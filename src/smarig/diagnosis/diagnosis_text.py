@@ -37,9 +37,9 @@ def text_lines(d: "Diagnosis") -> Iterator[str]:
         )
         for effect in d.effects():
             values = ", ".join(parameter_text(n, v) for n, v in effect["parameters"].items())
-            yield f"{opening}: {effect['name']} ({values}), probability {effect['probability']:.2f}."
+            yield f"{opening}: {effect['name']} ({values}), score {effect['probability']:.2f}."
     if d.verdict.word == "ambiguous":
-        yield f"The cause is in this set with 90 % probability: {', '.join(d.verdict.names)}."
+        yield f"The likeliest causes, with 0.9 of the score together: {', '.join(d.verdict.names)}."
     yield (
         f"Settled points, rms error: {e.original:.4g} {e.unit} (given model), {e.base:.4g} {e.unit} (base model, "
         "refitted without effects)"

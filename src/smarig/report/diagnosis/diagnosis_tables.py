@@ -13,7 +13,7 @@ from smarig.report.diagnosis.verdict_text import explanation_text, unit_suffix
 
 
 def explanations_table(d: Diagnosis) -> Html:
-    """The explanations of the last level, with all parameters, nats and probabilities."""
+    """The explanations of the last level, with all parameters, nats and scores."""
     level, effect_types = d.levels[-1], dict(d.verdict.explanations)
     rivals = [
         (
@@ -26,7 +26,7 @@ def explanations_table(d: Diagnosis) -> Html:
     ]
     best = explanation_text(level.best.effects, level.best.spread)
     return table(
-        ("Explanation", "Nats behind the best", "Probability"),
+        ("Explanation", "Nats behind the best", "Score"),
         [(tag("b", best), "0", _probability_text(effect_types.get(level.best.names))), *rivals],
         "Competing explanations, best first. All parameters are fitted to all readings jointly. The best explanation "
         f"gains {nats_text(level.gain)} nats over {_smaller_explanations(d)}.",

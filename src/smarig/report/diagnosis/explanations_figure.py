@@ -30,7 +30,7 @@ def explanations_figure(d: Diagnosis) -> Figure:
         explanations_text = (
             "First panel: the explanations of the last level with all parameters fitted, and how many nats (units of "
             f"log likelihood) they fit worse than the best one; {LEAD_SCALE_NATS:g} nats are a factor e in "
-            "probability. Second panel (with the noise estimated without effects):"
+            "the score. Second panel (with the noise estimated without effects):"
         )
     each = "each single candidate" if explanations_text else "Each single candidate"
     return Figure(

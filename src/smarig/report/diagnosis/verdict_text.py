@@ -35,7 +35,7 @@ def verdict_sentence(d: Diagnosis) -> str:
     assert best is not None  # noqa: S101 - named and ambiguous verdicts have an explanation
     if word == "ambiguous":
         names = ", ".join(d.verdict.names)
-        return f"Ambiguous: the cause is one of {names} (together 90 % probable). The best is {strengths_text(best)}."
+        return f"Ambiguous: one of {names} (together 0.9 of the score). The best is {strengths_text(best)}."
     summaries = " ".join(p.kind.summary for p in best.effects)
     return f"Named: {strengths_text(best)}. {summaries}"
 
