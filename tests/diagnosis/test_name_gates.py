@@ -9,7 +9,7 @@ import pytest
 from smarig.diagnosis.diagnosis_verdict import DiagnosisVerdict
 from smarig.diagnosis.explain.discrepancy import Discrepancy
 from smarig.diagnosis.held_out_gain import HeldOutGain
-from smarig.diagnosis.name_gates import Evidence, gated
+from smarig.diagnosis.name_gates import NameEvidence, gated
 from smarig.plant import effects_from_pairs
 
 QUIET = Discrepancy("", "", 0.0, room_K=0.05, correlation_s=120.0, noise=0.01)
@@ -29,7 +29,9 @@ def level(strength=2.0, sd=0.1):
     return SimpleNamespace(best=best)
 
 
-GOOD = Evidence((level(),), 400.0, replace(QUIET, variable="time", gain=200.0), QUIET, gain(1.0, 0.2), 0.3)
+GOOD = NameEvidence(
+    (level(),), 400.0, replace(QUIET, variable="time", gain=200.0), QUIET, gain(1.0, 0.2), 0.3
+)
 
 
 def test_a_name_that_passes_every_gate_stands():

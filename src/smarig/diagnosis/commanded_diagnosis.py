@@ -22,7 +22,7 @@ from smarig.diagnosis.explain.parameter_fit import ParameterFit
 from smarig.diagnosis.explain.search import SearchLevel
 from smarig.diagnosis.explain.signed_density import find_explanations
 from smarig.diagnosis.held_out_gain import HeldOutGain, held_out_gain
-from smarig.diagnosis.name_gates import DISCREPANCY_NATS, Evidence, gated, slow_room
+from smarig.diagnosis.name_gates import DISCREPANCY_NATS, NameEvidence, gated, slow_room
 from smarig.diagnosis.run_checks import check_comparable
 from smarig.plant import EffectType, PassThroughActuator, effect_types, effect_types_only_on
 from smarig.record import Run, load_run
@@ -165,8 +165,8 @@ class Diagnosis(NotebookDisplay):
         }
 
     def _noise(self) -> dict[str, Any]:
-        """What the refit takes for noise: of a settled point, and of the wire's temperature."""
-        own = self.discrepancy
+        """What the refit takes for noise beside what was found: of a settled point, and of the wire's temperature."""
+        own = self.remaining if self.extended and self.remaining else self.discrepancy
         return {
             "settled": own.noise,
             "reading": self.first.refitted.noise.settled,
@@ -280,7 +280,7 @@ def diagnose_commanded(
     )
     effect_nats = levels[-1].explanations[0].evidence - seen.plain.log_evidence if levels else 0.0
     ratio = settled_rms(timeline, extended) / settled_rms(timeline, base)
-    found = gated(decided, Evidence(tuple(levels), effect_nats, before, after, gain, ratio))
+    found = gated(decided, NameEvidence(tuple(levels), effect_nats, before, after, gain, ratio))
     verdict = found.verdict
     offered = verdict.word in ("named", "ambiguous")
     return Diagnosis(

@@ -41,7 +41,7 @@ class GatedVerdict:
 
 
 @dataclass(frozen=True, eq=False)
-class Evidence:
+class NameEvidence:
     """What the gates are decided on.
 
     ``levels`` are those of the search, ``effect_nats`` the gain of the best effects over none. ``before`` and ``after``
@@ -57,7 +57,7 @@ class Evidence:
     fitted_ratio: float
 
 
-def gated(verdict: DiagnosisVerdict, evidence: Evidence) -> GatedVerdict:
+def gated(verdict: DiagnosisVerdict, evidence: NameEvidence) -> GatedVerdict:
     """The verdict with names that passed all gates only."""
     if verdict.word in ("silent", "not_identifiable"):
         return _if_adequate(verdict, evidence.before)
@@ -90,7 +90,7 @@ def _if_adequate(verdict: DiagnosisVerdict, before: Discrepancy) -> GatedVerdict
     return GatedVerdict(verdict)
 
 
-def _failures(names: str, evidence: Evidence) -> Iterator[str]:
+def _failures(names: str, evidence: NameEvidence) -> Iterator[str]:
     """Why a name is not given, one clause per failed gate."""
     yield from _parameter_failures(evidence.levels[-1])
     before, after = evidence.before, evidence.after
@@ -101,7 +101,7 @@ def _failures(names: str, evidence: Evidence) -> Iterator[str]:
     yield from _held_out_failures(names, evidence)
 
 
-def _held_out_failures(names: str, evidence: Evidence) -> Iterator[str]:
+def _held_out_failures(names: str, evidence: NameEvidence) -> Iterator[str]:
     """Held-out runs that the effects predict worse, or hardly better although they fit the training runs better.
 
     Effects that another channel shows need not change the error of positions.
@@ -146,7 +146,7 @@ def _borne_out(gain: HeldOutGain | None) -> bool:
     )
 
 
-def _variable(verdict: DiagnosisVerdict, evidence: Evidence) -> str | None:
+def _variable(verdict: DiagnosisVerdict, evidence: NameEvidence) -> str | None:
     """The variable of an unnamed finding: that of the critique, else that of the discrepancy."""
     own = evidence.before if evidence.before.gain >= DISCREPANCY_NATS else evidence.after
     if own is not None and own.gain >= DISCREPANCY_NATS:

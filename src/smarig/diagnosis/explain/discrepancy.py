@@ -157,10 +157,10 @@ def _walk(session: NDArray[np.int64], t_s: Array, output: Array) -> Array:
     low, high = float(output.min()), float(output.max())
     near = SATURATED_SHARE * (high - low)
     saturated = (output < low + near) | (output > high - near)
-    travel, stretch = np.zeros(output.size), np.zeros(output.size, dtype=np.int64)
+    travel, section = np.zeros(output.size), np.zeros(output.size, dtype=np.int64)
     order = np.lexsort((t_s, session))
     for before, k in zip(order[:-1].tolist(), order[1:].tolist()):
         begins = saturated[k] or session[k] != session[before]
-        stretch[k] = stretch[before] + int(begins)
+        section[k] = section[before] + int(begins)
         travel[k] = 0.0 if begins else travel[before] + abs(output[k] - output[before]) / (high - low)
-    return np.equal.outer(stretch, stretch) * np.minimum.outer(travel, travel)
+    return np.equal.outer(section, section) * np.minimum.outer(travel, travel)
