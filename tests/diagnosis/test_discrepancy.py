@@ -2,6 +2,7 @@
 quiet where nothing is.
 """
 
+import os
 from dataclasses import replace
 
 import numpy as np
@@ -17,6 +18,7 @@ from smarig.record import load_run
 from smarig.replay import actuator_for_run, build_timeline, plant_model_of
 
 SEED = 21
+LONG = pytest.mark.skipif(not os.environ.get("SMARIG_LONG"), reason="takes six seconds: SMARIG_LONG=1")
 
 
 def discrepancy_of(box, folder):
@@ -29,7 +31,7 @@ def discrepancy_of(box, folder):
     return likeliest_discrepancy(timeline, base, refitted)
 
 
-@pytest.mark.parametrize("number", [1, 9])
+@pytest.mark.parametrize("number", [pytest.param(1, marks=LONG), 9])
 def test_it_is_quiet_where_nothing_is_hidden(number, tmp_path):
     found = discrepancy_of(draw_box(77, number, hidden={}), tmp_path)
     assert found.gain < DISCREPANCY_NATS
@@ -37,7 +39,7 @@ def test_it_is_quiet_where_nothing_is_hidden(number, tmp_path):
     assert found.noise > 0
 
 
-@pytest.mark.parametrize("number", [0, 5])
+@pytest.mark.parametrize("number", [pytest.param(0, marks=LONG), 5])
 def test_a_wire_with_kinetics_is_told_as_one_whose_minor_loops_do_not_return(number, tmp_path):
     found = discrepancy_of(draw_world_box(SEED, number, "public", "kinetic"), tmp_path)
     assert found.gain > 4 * DISCREPANCY_NATS
@@ -45,7 +47,7 @@ def test_a_wire_with_kinetics_is_told_as_one_whose_minor_loops_do_not_return(num
     assert found.depends_on == "history"
 
 
-@pytest.mark.parametrize("number", [7, 11])
+@pytest.mark.parametrize("number", [pytest.param(7, marks=LONG), 11])
 def test_a_mechanism_that_nobody_listed_shows_its_variable(number, tmp_path):
     box = draw_world_box(SEED, number, "public", "unlisted")
     (name,) = box.hidden
@@ -62,6 +64,7 @@ def test_a_room_that_swings_is_more_than_a_draught(tmp_path):
     assert slow_room(found) or found.gain > DISCREPANCY_NATS
 
 
+@LONG
 def test_a_discrepancy_in_the_readings_is_what_was_put_there(tmp_path):
     """A quiet box with a slow wave added to its outputs."""
     box = draw_box(77, 9, hidden={})

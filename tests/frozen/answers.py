@@ -11,8 +11,6 @@ from frozen.asking import Answer, private, tidy
 
 KEPT = Path(__file__).with_name("answers.json.xz")
 SLOW = (
-    "box/07/diagnose",
-    "box/[1-4]?/diagnose",
     "box/[1-4]?/best",
     "data/loops/diagnose",
 )  # most of the time

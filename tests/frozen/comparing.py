@@ -12,10 +12,23 @@ from typing import Any
 RELATIVE, ABSOLUTE = 1e-6, 1e-9
 HASH = "hash"
 ADDED = {
+    "adequacy",
+    "conditions",
+    "discrepancy",
     "extension",
+    "hidden",
     "indistinguishable_states",
+    "learned",
     "measured",
+    "noise",
+    "p_value",
     "position_supply",
+    "preisach_properties",
+    "reason",
+    "remaining",
+    "repairs",
+    "rows",
+    "suspects",
 }  # keys that came later, on purpose
 
 

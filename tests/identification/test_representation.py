@@ -23,7 +23,7 @@ def run_of_twin(folder, protocol, seed, effects=()):
 
 
 def test_a_twin_that_is_a_preisach_model_passes_both_tests(tmp_path):
-    found = [congruency(run_of_twin(tmp_path, "congruency", seed)) for seed in range(4)]
+    found = [congruency(run_of_twin(tmp_path, "congruency", seed)) for seed in range(2)]
     found.append(wiping_out(run_of_twin(tmp_path, "wiping_out", 0)))
     assert all(f.holds for f in found)
     assert min(f.p_value for f in found) > 0.01

@@ -18,6 +18,7 @@ from smarig.diagnosis.commanded_diagnosis import Diagnosis, ErrorSummary
 from smarig.diagnosis.critique.critique import critique
 from smarig.diagnosis.critique.visibility import visibility
 from smarig.diagnosis.diagnosis_verdict import DiagnosisVerdict
+from smarig.diagnosis.explain.discrepancy import Discrepancy
 from smarig.diagnosis.explain.parameter_fit import ParameterFit
 from smarig.diagnosis.held_out_gain import held_out_gain
 from smarig.plant.effect_catalogue import effect_types, effects_from_pairs
@@ -70,7 +71,22 @@ def named(tmp_path_factory) -> Diagnosis:
     gain = held_out_gain(runs[:1], runs[1:], base, with_drift, first.refitted.noise)
     error = ErrorSummary(timeline.unit, first.refitted.noise.settled, float(misses[0]), *map(float, misses))
     return Diagnosis(
-        NAMED, timeline, first, (level,), base, visibility(first), error, gain, extended, 1e-15, 0.1, 40, 1.0
+        verdict=NAMED,
+        reason="",
+        discrepancy=Discrepancy("time", "input", 60.0, 0.1, 300.0, 0.01),
+        remaining=Discrepancy("", "", 0.0, 0.1, 300.0, 0.01),
+        timeline=timeline,
+        first=first,
+        levels=(level,),  # pyright: ignore[reportArgumentType]
+        base=base,
+        visibility=visibility(first),
+        error=error,
+        gain=gain,
+        model=extended,
+        numerics=1e-15,
+        alpha=0.1,
+        nulls=40,
+        seconds=1.0,
     )
 
 
@@ -142,7 +158,7 @@ def test_rivals_stand_below_the_best_with_their_distance_and_probability(named):
 @pytest.mark.parametrize(
     ("word", "sentence", "advice"),
     [
-        ("ambiguous", "the cause is one of ambient_drift, slip", "What would decide between them"),
+        ("ambiguous", "one of ambient_drift, slip", "What would decide between them"),
         ("unknown", "Unknown: something is wrong and depends on time", "Change time alone"),
         ("not_identifiable", "These data cannot decide", "Make a run that can show an effect"),
     ],

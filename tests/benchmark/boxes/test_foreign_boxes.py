@@ -83,5 +83,5 @@ def test_every_mechanism_changes_the_settled_outputs(name, first_box):
 def first_box():
     """A box with few holds."""
     box = draw_world_box(3, 0, "public", "unlisted")
-    plan = tuple(replace(run, holds=run.holds[:30]) for run in box.plan[:1])
+    plan = tuple(replace(run, holds=run.holds[:22]) for run in box.plan[:1])
     return replace(box, plan=plan)
