@@ -60,7 +60,8 @@ class MeasurementEffectType:
     the changed input and the terms. ``amplitudes`` names the amplitude of each term with its unit, given the units of
     input and output. ``by_condition``: each run has a gain and a zero of its own, which depend on this condition.
     ``depends_on`` are the variables that the residuals of a model without the effect depend on. ``descriptive``: the
-    effect describes an error without naming its cause, so alone it is no finding but a dependence.
+    effect describes an error without naming its cause, so alone it is no finding but a dependence. ``additive``: the
+    effect leaves the input as it is and only adds terms.
     """
 
     name: str
@@ -76,6 +77,7 @@ class MeasurementEffectType:
     )
     by_condition: str = ""
     descriptive: bool = False
+    additive: bool = False
 
     def __call__(self, **values: float) -> "MeasurementEffect":
         """The effect with these values."""

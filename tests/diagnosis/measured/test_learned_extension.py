@@ -73,6 +73,7 @@ def test_the_page_draws_the_law(wider):
     assert "Half-width of the input" in page
 
 
+@long
 def test_a_law_that_is_worse_on_held_out_runs_is_not_offered(wider):
     found, runs = wider
     none = np.where(found.comparison.train, found.base.fit.error, 0.0)

@@ -32,6 +32,8 @@ FIRST_KNOTS, KNOTS = 3, (2, 5)
 PLACES = (0.5, 0.0, 1.0)  # of the centre of a gain: middle and ends
 SCREENED = 6  # candidates, by the error of their fit, that are compared on held-out blocks
 REFINED = 3  # of these, candidates that are fitted exactly
+PROMISING = 1.15  # times the least error to first order: candidates with more are not fitted exactly
+HOPELESS = 0.97  # of the error without the term: with no candidate below it to first order, none is learned
 FEWEST_BLOCKS = 5  # all may fall by chance in fewer
 PENALTY = 0.015  # of the error, by each coefficient
 MIN_FURTHER_GAIN = 0.15  # of the error, by a second term
@@ -70,9 +72,10 @@ def _round(comparison: Comparison, current: LearnedFit) -> LearnedFit | None:
     start, present = current.hypothesis.fit, current.terms
     empty = list(_empty_terms(comparison, current, FIRST_KNOTS))
     empty.sort(key=lambda t: screened_error(comparison, start, (*present, t)))
-    near = [(_score(comparison, current, t), t) for t in empty[:SCREENED]]
+    near = sorted(((_score(comparison, current, t), t) for t in empty[:SCREENED]), key=lambda n: n[0])
+    limit = min(PROMISING * near[0][0], HOPELESS * current.hypothesis.rms) if near else 0.0
     tried = []
-    for error, term in sorted(near, key=lambda n: n[0])[:REFINED]:
+    for error, term in [n for n in near if n[0] <= limit][:REFINED]:
         others = [_with_knots(comparison, current, term, k) for k in KNOTS]
         best = min(
             [(error, term), *((_score(comparison, current, t), t) for t in others)], key=lambda n: n[0]

@@ -12,7 +12,7 @@ import numpy as np
 from smarig.diagnosis.measured.adequacy import adequate_error
 from smarig.diagnosis.measured.variables import variable_terms
 from smarig.identification import Comparison, MeasuredHypothesis
-from smarig.measurement import InputRecord, MeasurementEffect, MeasurementEffectType
+from smarig.measurement import InputRecord, MeasurementEffectType
 
 MAX_EFFECTS = 3
 MIN_GAIN = 0.1  # of the error on held-out blocks, by the first effect
@@ -75,7 +75,7 @@ def _round(
     tried = []
     for kind in kinds:
         if kind.name not in present:
-            tried += _searched(comparison, kind, records, current.effects)
+            tried += _searched(comparison, kind, records, current)
     failures = {_added(h): failure(h, current) for h in tried}
     by_error = sorted(variables, key=lambda h: h.rms)
     return SearchStep(current, tuple(_preferred(tried)), tuple(by_error), failures)
@@ -85,14 +85,14 @@ def _searched(
     comparison: Comparison,
     kind: MeasurementEffectType,
     records: Sequence[InputRecord],
-    present: Sequence[MeasurementEffect],
+    current: MeasuredHypothesis,
 ) -> list[MeasuredHypothesis]:
     """The hypothesis that adds an effect; none if these records cannot show it."""
     parameters = kind.parameters(records)
     if parameters is None:
         return []
     fixed = {"reference": records[0].conditions[kind.by_condition]} if kind.by_condition else {}
-    return [comparison.searched(kind, parameters, present, fixed)]
+    return [comparison.searched(kind, parameters, current.effects, fixed, current)]
 
 
 def _preferred(tried: list[MeasuredHypothesis]) -> list[MeasuredHypothesis]:

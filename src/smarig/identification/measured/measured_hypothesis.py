@@ -21,10 +21,15 @@ from smarig.measurement import (
     MeasurementEffect,
     MeasurementEffectType,
     SearchedParameter,
+    changed,
 )
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
+PROMISING, WORTHWHILE = (
+    5,
+    0.05,
+)  # tries kept of terms; share of the square error that terms must explain for more than one
 REFINEMENTS = 3  # rounds that halve the distance between tried values
 FIRST_SMOOTHING = 1e-10
 DRAWS = 400  # resampled sets of blocks, for intervals
@@ -108,10 +113,12 @@ class Comparison:
         parameters: Sequence[SearchedParameter],
         present: Sequence[MeasurementEffect],
         fixed: dict[str, float],
+        start: MeasuredHypothesis | None = None,
     ) -> MeasuredHypothesis:
         """The hypothesis with the values of an effect that have the least error on held-out blocks.
 
-        Values are searched one parameter after the other: all ``tries``, then between the best and its neighbours.
+        Values are searched one parameter after the other: all ``tries``, then between the best and its neighbours. Of
+        an effect that only adds terms, the tries that explain most of the errors of a ``start`` are sufficient.
         """
         values = dict(fixed) | {p.name: _neutral(p) for p in parameters}
 
@@ -120,7 +127,10 @@ class Comparison:
 
         best, intervals, bound = at({}), {}, []
         for parameter in parameters:
-            tried = _search(lambda v, name=parameter.name: at({name: v}), parameter)
+            tries = parameter.tries
+            if start is not None and kind.additive:
+                tries = _promising(start, tries, [kind(**(values | {parameter.name: v})) for v in tries])
+            tried = _search(lambda v, name=parameter.name: at({name: v}), tries)
             found = min(tried, key=lambda v: tried[v].misfit)
             values[parameter.name], best = found, tried[found]
             intervals[parameter.name] = _interval(tried)
@@ -159,11 +169,30 @@ def _neutral(parameter: SearchedParameter) -> float:
     return 0.0 if 0.0 in parameter.tries else parameter.tries[len(parameter.tries) // 2]
 
 
+def _promising(
+    start: MeasuredHypothesis, tries: Sequence[float], effects: Sequence[MeasurementEffect]
+) -> tuple[float, ...]:
+    """The tries whose terms explain most of the errors of a start, by regression; one if none explains much."""
+    plan, known = start.fit.problem.plan, np.isfinite(start.errors)
+    weight, target = start.fit.problem.weight[known, None], start.weighted[known]
+    zeros = (plan.record[known, None] == np.unique(plan.record[known])).astype(float)
+
+    def left(effect: MeasurementEffect) -> float:
+        terms = plan.of([changed(r, [effect]).terms for r in plan.records])[known]
+        columns = weight * np.hstack([zeros, terms])
+        rest = target - columns @ np.linalg.lstsq(columns, target, rcond=None)[0]
+        return float(rest @ rest)
+
+    order = sorted(zip((left(e) for e in effects), tries))
+    worthwhile = order[0][0] < (1 - WORTHWHILE) * float(target @ target)
+    return tuple(v for _, v in order[: PROMISING if worthwhile else 1])
+
+
 def _search(
-    at: Callable[[float], MeasuredHypothesis], parameter: SearchedParameter
+    at: Callable[[float], MeasuredHypothesis], tries: Sequence[float]
 ) -> dict[float, MeasuredHypothesis]:
-    tried = {v: at(v) for v in parameter.tries}
-    for _ in range(REFINEMENTS):
+    tried = {v: at(v) for v in tries}
+    for _ in range(REFINEMENTS if len(tries) > 1 else 0):
         values = sorted(tried)
         k = values.index(min(tried, key=lambda v: tried[v].misfit))
         for neighbour in {max(k - 1, 0), min(k + 1, len(values) - 1)} - {k}:

@@ -47,5 +47,6 @@ output_drift = MeasurementEffectType(
     depends_on=("time", "cycle"),
     parameters=_parameters,
     change=_change,
+    additive=True,
     amplitudes=lambda _u, y: (("amplitude", y),),
 )

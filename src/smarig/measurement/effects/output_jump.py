@@ -42,5 +42,6 @@ output_jump = MeasurementEffectType(
     depends_on=("time", "cycle"),
     parameters=_parameters,
     change=_change,
+    additive=True,
     amplitudes=lambda _u, y: (("amplitude", y),),
 )

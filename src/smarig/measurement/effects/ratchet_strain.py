@@ -43,5 +43,6 @@ ratchet_strain = MeasurementEffectType(
     depends_on=("cycle", "time"),
     parameters=_parameters,
     change=_change,
+    additive=True,
     amplitudes=lambda _u, y: (("amplitude", y),),
 )
