@@ -83,6 +83,7 @@ def test_a_law_that_is_worse_on_held_out_runs_is_not_offered(wider):
     assert "held-out runs worse" in reason
 
 
+@long
 def test_nothing_is_learned_where_nothing_is_wrong():
     u = triangles((85.0, 62.0, 80.0, 57.0, 85.0, 66.0))
     found = diagnose_measured(any_model(), [as_run("plain", u, RelayWire(1).strain(u), dt=1.0)], [])

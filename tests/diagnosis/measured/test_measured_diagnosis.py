@@ -165,6 +165,7 @@ def test_a_clamp_that_slips_once_is_named_with_the_moment_and_the_size():
 # --- causes that no effect describes ---------------------------------------------------------------------
 
 
+@long
 def test_a_loop_that_widens_with_the_rate_is_unknown_and_depends_on_the_rate():
     """Thresholds that move apart with the rate: no lag of the input, whose time constant would be one for all rates."""
     runs = []
