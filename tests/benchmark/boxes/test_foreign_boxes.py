@@ -7,6 +7,7 @@ import pytest
 
 from benchmarks.boxes import draw_world_box
 from benchmarks.boxes.foreign_box import KINETIC, UNLISTED_CATEGORY
+from benchmarks.boxes.hold_plan import duration_h
 from benchmarks.boxes.kinetic_hysteresis import KineticHysteresis
 from benchmarks.boxes.sealing import simulate_session
 from benchmarks.boxes.unlisted_effects import UNLISTED
@@ -73,7 +74,8 @@ def test_the_mix_of_worlds():
 
 @pytest.mark.parametrize("name", EVERY)
 def test_every_mechanism_changes_the_settled_outputs(name, first_box):
-    values = UNLISTED[name].random_values(np.random.default_rng(1), session_h=1.0)
+    session_h = duration_h(first_box.plan, first_box.wire)
+    values = UNLISTED[name].random_values(np.random.default_rng(1), session_h)
     session = simulate_session(replace(first_box, hidden={name: values}))
     change = np.abs(session.with_effects - session.without).max()
     assert change > 0.0005 * first_box.hysteresis.stroke
