@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING
 from smarig.core.lazy_exports import lazy_exports
 
 if TYPE_CHECKING:
-    from smarig.diagnosis.commanded_diagnosis import NORMAL_95 as NORMAL_95
     from smarig.diagnosis.commanded_diagnosis import Diagnosis as Diagnosis
     from smarig.diagnosis.commanded_diagnosis import diagnose_commanded as diagnose_commanded
     from smarig.diagnosis.critique.candidates import DETECTION_SD as DETECTION_SD
@@ -50,6 +49,7 @@ if TYPE_CHECKING:
     from smarig.diagnosis.measured.learned_law import LearnedLaw as LearnedLaw
     from smarig.diagnosis.measured.measured_diagnosis import MeasuredDiagnosis as MeasuredDiagnosis
     from smarig.diagnosis.measured.measured_diagnosis import diagnose_measured as diagnose_measured
+    from smarig.diagnosis.name_gates import NORMAL_95 as NORMAL_95
     from smarig.diagnosis.refit.memory_noise import memory_covariance as memory_covariance
     from smarig.diagnosis.refit.memory_noise import memory_slopes as memory_slopes
     from smarig.diagnosis.refit.refit import Refit as Refit

@@ -13,16 +13,16 @@ from threadpoolctl import threadpool_limits
 from smarig.core import NotebookDisplay, UsageError
 from smarig.diagnosis.critique.critique import ALPHA, NULL_DATA_SETS, Critique, critique
 from smarig.diagnosis.critique.visibility import VisibilityTable, visibility
+from smarig.diagnosis.diagnosis_json import diagnosis_json, effects_json
 from smarig.diagnosis.diagnosis_text import text_lines
 from smarig.diagnosis.diagnosis_verdict import DiagnosisVerdict, decide_verdict
-from smarig.diagnosis.error_parts import error_parts
 from smarig.diagnosis.explain.discrepancy import Discrepancy, likeliest_discrepancy
 from smarig.diagnosis.explain.joint_density import settled_rms, with_posterior_density
 from smarig.diagnosis.explain.parameter_fit import ParameterFit
 from smarig.diagnosis.explain.search import SearchLevel
 from smarig.diagnosis.explain.signed_density import find_explanations
 from smarig.diagnosis.held_out_gain import HeldOutGain, held_out_gain
-from smarig.diagnosis.name_gates import DISCREPANCY_NATS, NameEvidence, gated, slow_room
+from smarig.diagnosis.name_gates import NameEvidence, gated
 from smarig.diagnosis.run_checks import check_comparable
 from smarig.plant import EffectType, PassThroughActuator, effect_types, effect_types_only_on
 from smarig.record import Run, load_run
@@ -37,11 +37,9 @@ from smarig.replay import (
     load_model,
     numerics,
     plant_model_of,
-    predict,
     provenance,
 )
 
-NORMAL_95 = 1.96
 MIN_ALPHA = 1e-6
 
 
@@ -111,108 +109,23 @@ class Diagnosis(NotebookDisplay):
         return "\n".join(text_lines(self))
 
     def effects(self) -> list[dict[str, Any]]:
-        """The effects of the best explanation: name, probability, parameters with 95 % intervals."""
-        best = self.best
-        return [] if best is None else [_effect_json(p, best, self.verdict) for p in best.effects]
+        """The effects of the best explanation: name, score, parameters with 95 % intervals."""
+        return effects_json(self)
 
     def to_json(self) -> dict[str, Any]:
         """The JSON object of the command line."""
-        e, gain = self.error, self.gain
-        held_out = gain and gain.to_json()
-        return {
-            "verdict": self.verdict.word,
-            "effects": self.effects(),
-            "set": list(self.verdict.names),
-            "depends_on": self.verdict.depends_on,
-            "reason": self.reason or None,
-            "not_identifiable": list(self.visibility.invisible),
-            "error": {
-                "unit": e.unit,
-                "noise_floor": e.noise_floor,
-                "base": e.base,
-                "extended": e.extended,
-                "given": e.original,
-            },
-            "adequacy": self._adequacy(),
-            "noise": self._noise(),
-            "discrepancy": _discrepancy_json(self.discrepancy),
-            "remaining": self.remaining and _discrepancy_json(self.remaining),
-            "held_out": held_out,
-            "separating_run": self.separating_run,
-            "alpha": self.alpha,
-            "p_value": self.first.p_value,
-            "stands_out": not self.first.silent,
-            "nulls": self.nulls,
-            "model": self.model.name,
-            "numerics": self.numerics,
-            "seconds": self.seconds,
-        }
+        return diagnosis_json(self)
 
     @property
     def times_noise(self) -> float:
         """The base model's error at settled points, in units of all noise that remains with the best discrepancy."""
         return self.error.base / self.discrepancy.noise
 
-    def _adequacy(self) -> dict[str, Any]:
-        """How far the base model misses the training runs, and where."""
-        timeline = self.timeline
-        error = timeline.settled.value - predict(timeline, self.base).values["settled"]
-        parts = error_parts(error - error.mean(), timeline.run, timeline.block, timeline.settled.value)
-        return {
-            "times_noise": self.times_noise,
-            "where": parts,
-            "adequate": self.verdict.word in ("silent", "not_identifiable"),
-        }
-
-    def _noise(self) -> dict[str, Any]:
-        """What the refit takes for noise beside what was found: of a settled point, and of the wire's temperature."""
-        own = self.remaining if self.extended and self.remaining else self.discrepancy
-        return {
-            "settled": own.noise,
-            "reading": self.first.refitted.noise.settled,
-            "room_K": own.room_K,
-            "correlation_s": own.correlation_s,
-            "more_than_a_draught": slow_room(own),
-        }
-
     def __repr__(self) -> str:
         finding = (
             " + ".join(str(p) for p in self.best.effects) if self.best else self.verdict.depends_on or ""
         )
         return f"Diagnosis({self.verdict.word}{': ' if finding else ''}{finding})"
-
-
-def _effect_json(effect: Any, best: ParameterFit, verdict: DiagnosisVerdict) -> dict[str, Any]:
-    kind: EffectType = effect.kind
-    fitted = {q: s for (name, q), s in best.spread.items() if name == kind.name}
-    return {
-        "name": kind.name,
-        "probability": verdict.probability(kind.name),
-        "parameters": {
-            p.name: {
-                "value": effect.values[p.name],
-                "ci95": _interval(effect.values[p.name], fitted.get(p.name), (p.lower, p.upper)),
-                "unit": p.unit,
-            }
-            for p in kind.parameters
-        },
-    }
-
-
-def _discrepancy_json(found: Discrepancy) -> dict[str, Any]:
-    return {
-        "depends_on": found.depends_on or None,
-        "enters": found.place or None,
-        "gain_nats": found.gain,
-        "minor_loops_return": not (found.not_preisach and found.gain >= DISCREPANCY_NATS),
-    }
-
-
-def _interval(value: float, spread: float | None, bounds: tuple[float, float]) -> list[float] | None:
-    if spread is None:
-        return None
-    half = NORMAL_95 * spread
-    return [max(value - half, bounds[0]), min(value + half, bounds[1])]
 
 
 @threadpool_limits.wrap(

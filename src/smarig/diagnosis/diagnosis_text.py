@@ -27,7 +27,8 @@ def text_lines(d: "Diagnosis") -> Iterator[str]:
         else:
             yield f"{capitalised(DOUBT)} ({p})."
     if d.verdict.word == "unknown":
-        yield f"{capitalised(unknown_text(d))} ({p})."
+        size = f"gain {d.discrepancy.gain:.0f} nats" if d.first.silent else p
+        yield f"{capitalised(unknown_text(d))} ({size})."
         if d.reason:
             yield f"Why no effect is named: {d.reason}."
         yield from _not_preisach(d)

@@ -1,0 +1,111 @@
+"""The JSON object of a diagnosis of commanded runs."""
+
+from typing import TYPE_CHECKING, Any
+
+from smarig.diagnosis.diagnosis_verdict import DiagnosisVerdict
+from smarig.diagnosis.error_parts import error_parts
+from smarig.diagnosis.explain.discrepancy import Discrepancy
+from smarig.diagnosis.explain.parameter_fit import ParameterFit
+from smarig.diagnosis.name_gates import DISCREPANCY_NATS, NORMAL_95, slow_room
+from smarig.plant import EffectType
+from smarig.replay import predict
+
+if TYPE_CHECKING:
+    from smarig.diagnosis.commanded_diagnosis import Diagnosis
+
+NO_FINDING = ("silent", "not_identifiable")
+
+
+def diagnosis_json(d: "Diagnosis") -> dict[str, Any]:
+    """The whole object; errors in output units, gains in nats."""
+    e = d.error
+    return {
+        "verdict": d.verdict.word,
+        "effects": effects_json(d),
+        "set": list(d.verdict.names),
+        "depends_on": d.verdict.depends_on,
+        "reason": d.reason or None,
+        "not_identifiable": list(d.visibility.invisible),
+        "error": {
+            "unit": e.unit,
+            "noise_floor": e.noise_floor,
+            "base": e.base,
+            "extended": e.extended,
+            "given": e.original,
+        },
+        "adequacy": _adequacy(d),
+        "noise": _noise(d),
+        "discrepancy": _discrepancy(d.discrepancy),
+        "remaining": d.remaining and _discrepancy(d.remaining),
+        "held_out": d.gain and d.gain.to_json(),
+        "separating_run": d.separating_run,
+        "alpha": d.alpha,
+        "p_value": d.first.p_value,
+        "stands_out": not d.first.silent or d.verdict.word not in NO_FINDING,
+        "nulls": d.nulls,
+        "model": d.model.name,
+        "numerics": d.numerics,
+        "seconds": d.seconds,
+    }
+
+
+def effects_json(d: "Diagnosis") -> list[dict[str, Any]]:
+    """The effects of the best explanation: name, score, parameters with 95 % intervals."""
+    best = d.best
+    return [] if best is None else [_effect(p, best, d.verdict) for p in best.effects]
+
+
+def _effect(effect: Any, best: ParameterFit, verdict: DiagnosisVerdict) -> dict[str, Any]:
+    kind: EffectType = effect.kind
+    fitted = {q: s for (name, q), s in best.spread.items() if name == kind.name}
+    return {
+        "name": kind.name,
+        "probability": verdict.probability(kind.name),
+        "parameters": {
+            p.name: {
+                "value": effect.values[p.name],
+                "ci95": _interval(effect.values[p.name], fitted.get(p.name), (p.lower, p.upper)),
+                "unit": p.unit,
+            }
+            for p in kind.parameters
+        },
+    }
+
+
+def _interval(value: float, spread: float | None, bounds: tuple[float, float]) -> list[float] | None:
+    if spread is None:
+        return None
+    half = NORMAL_95 * spread
+    return [max(value - half, bounds[0]), min(value + half, bounds[1])]
+
+
+def _adequacy(d: "Diagnosis") -> dict[str, Any]:
+    """How far the base model misses the training runs, and where."""
+    timeline = d.timeline
+    error = timeline.settled.value - predict(timeline, d.base).values["settled"]
+    return {
+        "times_noise": d.times_noise,
+        "where": error_parts(error - error.mean(), timeline.run, timeline.block, timeline.settled.value),
+        "adequate": d.verdict.word in NO_FINDING,
+    }
+
+
+def _noise(d: "Diagnosis") -> dict[str, Any]:
+    """What the refit takes for noise beside what was found: of a settled point, and of the wire's temperature."""
+    own = d.remaining if d.extended and d.remaining else d.discrepancy
+    return {
+        "settled": own.noise,
+        "reading": d.first.refitted.noise.settled,
+        "room_K": own.room_K,
+        "correlation_s": own.correlation_s,
+        "more_than_a_draught": slow_room(own),
+    }
+
+
+def _discrepancy(found: Discrepancy) -> dict[str, Any]:
+    return {
+        "depends_on": found.depends_on or None,
+        "enters": found.place or None,
+        "gain_nats": found.gain,
+        "minor_loops_return": not (found.not_preisach and found.gain >= DISCREPANCY_NATS),
+    }
