@@ -29,7 +29,7 @@ from smarig.plant import (
     apply_hooks,
     hook_chains,
 )
-from smarig.preisach import Initial, Preisach, State
+from smarig.preisach import Everett, Initial, Preisach, State
 from smarig.replay.plant_model import PlantModel
 from smarig.replay.timeline import Timeline
 
@@ -116,7 +116,7 @@ def _by_parts(
 ) -> Trajectory:
     h = plant_model.hysteresis
     at = inputs.ends[timeline.ticks[2]]  # the parts that end at a reading
-    output, states = _outputs_and_states(plant_model, inputs["hysteresis_input_K"], at)
+    output, states = _outputs_and_states(timeline, h, plant_model.initial, inputs)
     context = EffectContext(plant_model.actuator, h, plant_model.initial)
     late = hook_chains(effects, context)
     if any(late[stage] for stage in AFTER_HYSTERESIS):
@@ -132,11 +132,13 @@ def _by_parts(
     )
 
 
+@lru_cache(maxsize=4)  # effects after the hysteresis share it
 def _outputs_and_states(
-    plant_model: PlantModel, hysteresis_input_K: Array, at: NDArray[np.int64]
+    timeline: Timeline, hysteresis: Everett, initial: Initial, inputs: InputTrajectory
 ) -> tuple[Array, tuple[State, ...]]:
-    """Outputs (n,) and memories at parts ``at`` (n,); only the turning points of a path are simulated."""
-    operator = Preisach(plant_model.hysteresis, plant_model.initial, compiled=False)
+    """Outputs (n,) and memories at the parts that end at a reading; only the turning points of a path are simulated."""
+    operator = Preisach(hysteresis, initial, compiled=False)
+    hysteresis_input_K, at = inputs["hysteresis_input_K"], inputs.ends[timeline.ticks[2]]
     move = np.diff(hysteresis_input_K, prepend=hysteresis_input_K[0], append=hysteresis_input_K[-1])
     turns = move[:-1] * move[1:] <= 0
     turns[at] = True

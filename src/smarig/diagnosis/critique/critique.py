@@ -7,6 +7,7 @@ false alarm is α for any number of candidates.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -92,17 +93,9 @@ def critique(
     ``warm_start``: refine the noise of another critique. ``noise_of``: use the noise of another critique.
     ``all_nuisances``: use the least noise, by allowing all nuisance terms at once.
     """
-    prediction = predict(timeline, plant_model)
     present = {effect.kind.name for effect in plant_model.catalogue_effects}
-    effect_types = [kind for kind in effect_types if kind.name not in present]
-    slope = (
-        np.array([s[-1] for s in sensitivities(plant_model.hysteresis, prediction.states)])
-        * prediction.output_slope
-    )
-    raw_candidates = [
-        *named(timeline, plant_model, prediction, effect_types),
-        *generic(timeline, plant_model, prediction, slope),
-    ]
+    absent = tuple(kind for kind in effect_types if kind.name not in present)
+    prediction, raw_candidates = _raw_candidates(timeline, plant_model, absent)
     nuisance_terms = [traces for c in raw_candidates for traces in c.typical]
     refitted = refit(
         timeline,
@@ -134,6 +127,22 @@ def critique(
         threshold=threshold,
         p_value=p,
     )
+
+
+@lru_cache(maxsize=2)  # the second pass of a diagnosis criticises the same plant model with other noise
+def _raw_candidates(
+    timeline: Timeline, plant_model: PlantModel, effect_types: tuple[EffectType, ...]
+) -> tuple[Prediction, list[Candidate]]:
+    """The prediction of a plant model, and all candidates with raw traces."""
+    prediction = predict(timeline, plant_model)
+    slope = (
+        np.array([s[-1] for s in sensitivities(plant_model.hysteresis, prediction.states)])
+        * prediction.output_slope
+    )
+    return prediction, [
+        *named(timeline, plant_model, prediction, effect_types),
+        *generic(timeline, plant_model, prediction, slope),
+    ]
 
 
 def null_data(

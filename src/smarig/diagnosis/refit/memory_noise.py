@@ -45,9 +45,11 @@ def memory_slopes(hysteresis: Everett, prediction: Prediction) -> tuple[csr_matr
 
 
 def _ticks_by_input(prediction: Prediction) -> dict[float, list[int]]:
-    """For each input, its ticks; the same levels recur."""
+    """For each remembered input, its ticks; the same levels recur."""
+    remembered = np.array([u for state in prediction.states for u in state.extrema])
+    ticks = np.flatnonzero(np.isin(prediction.hysteresis_input_K, remembered))
     ticks_of_input: dict[float, list[int]] = {}
-    for k, u in enumerate(prediction.hysteresis_input_K.tolist()):
+    for k, u in zip(ticks.tolist(), prediction.hysteresis_input_K[ticks].tolist()):
         ticks_of_input.setdefault(u, []).append(k)
     return ticks_of_input
 
