@@ -83,6 +83,8 @@ def _not_preisach(d: "Diagnosis") -> Iterator[str]:
 def parameter_text(name: str, v: dict[str, Any]) -> str:
     """A parameter with its 95 % interval and unit."""
     ends = v["ci95"]
+    if ends and ends[1] is None:  # the search is open above
+        return f"{name} at least {ends[0]:.3g} {v['unit']}"
     return f"{name} {v['value']:.3g}" + (f" [{ends[0]:.3g}, {ends[1]:.3g}]" if ends else "") + f" {v['unit']}"
 
 

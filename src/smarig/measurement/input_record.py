@@ -123,6 +123,12 @@ def reversals(u: Array, noise: float | None = None) -> list[int]:
     return sorted({0, *turns, u.size - 1})
 
 
+def rate_of(record: "InputRecord") -> float:
+    """Mean |du/dt| of a record with a clock: range of the input times cycles over the duration."""
+    cycles = max(float(record.cycle[-1] - record.cycle[0]), 0.25)
+    return 2 * cycles * float(np.ptp(record.u)) / max(float(np.ptp(record.t)), 1e-12)
+
+
 def assumed_start(
     u: Array, turns: Sequence[int], ends: tuple[float, float]
 ) -> tuple[Literal["negative", "positive"], int]:

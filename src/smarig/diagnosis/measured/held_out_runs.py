@@ -14,12 +14,13 @@ from smarig.identification import (
     measured_problem,
     resampled_interval,
 )
-from smarig.measurement import MeasurementEffect, measurement_effect_types
+from smarig.measurement import InputRecord, MeasurementEffect, measurement_effect_types
 
 Array = NDArray[np.float64]
 OFFSET = "input_offset"
 MIN_OFFSET_GAIN = 0.1  # of the run's error
 REFINEMENTS = 3
+SAME_RANGE = 0.1  # share by which the ranges of two inputs may differ
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,6 +65,8 @@ def run_offsets(comparison: Comparison, effects: Sequence[MeasurementEffect], tr
         own = comparison.plan.record == k
         if not parameters or not own.any() or any(e.kind.by_condition for e in effects):
             continue
+        if not _same_range(comparison.plan.records[:train], record):
+            continue
         errors: dict[float, Array] = {}
 
         def error_at(offset: float, errors=errors, name=record.name, own=own) -> Array:
@@ -78,6 +81,14 @@ def run_offsets(comparison: Comparison, effects: Sequence[MeasurementEffect], tr
     return found
 
 
+def _same_range(train: Sequence[InputRecord], record: InputRecord) -> bool:
+    """Whether a record covers the input range of the training runs: the memory of a smaller one is not known, and a
+    larger one is extrapolated.
+    """
+    span = max(float(np.ptp(r.u)) for r in train)
+    return abs(float(np.ptp(record.u)) / span - 1) <= SAME_RANGE
+
+
 def _offset_of(name: str, error_at, tries: tuple[float, ...], block: NDArray[np.int64]) -> list[RunOffset]:
     """The offset with the least error, if its interval excludes 0 and the error falls by ``MIN_OFFSET_GAIN``."""
     values = sorted({0.0, *tries})
@@ -89,6 +100,8 @@ def _offset_of(name: str, error_at, tries: tuple[float, ...], block: NDArray[np.
     best = int(np.argmin(np.mean(errors**2, axis=1)))
     low, high = resampled_interval(np.array(values), (errors**2,), block)
     without, with_offset = _rms(error_at(0.0)), _rms(errors[best])
+    if best in (0, len(values) - 1) or not low < values[best] < high:
+        return []
     if low <= 0 <= high or with_offset > (1 - MIN_OFFSET_GAIN) * without:
         return []
     return [RunOffset(name, values[best], (low, high), without, with_offset)]

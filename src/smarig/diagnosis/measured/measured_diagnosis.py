@@ -15,9 +15,10 @@ from numpy.typing import NDArray
 from smarig.core import NotebookDisplay
 from smarig.diagnosis.diagnosis_verdict import DiagnosisVerdict
 from smarig.diagnosis.held_out_gain import HeldOutGain
-from smarig.diagnosis.measured.adequacy import adequate_error, held_out_parts, reading_noise
+from smarig.diagnosis.measured.adequacy import held_out_parts, is_adequate, reading_noise
 from smarig.diagnosis.measured.extended_measured_model import extended_measured_model, hysteresis_of_first_run
 from smarig.diagnosis.measured.held_out_runs import RunOffset, held_out_error, run_offsets
+from smarig.diagnosis.measured.held_out_shift import HeldOutShift, held_out_shift, with_held_out_shift
 from smarig.diagnosis.measured.learned_extension import WORSE, learned_extension, verdict_with_learned
 from smarig.diagnosis.measured.learned_law import LearnedLaw
 from smarig.diagnosis.measured.measured_runs import records_of, replayed_error, selected_rows
@@ -42,7 +43,7 @@ from smarig.measurement import (
     measurement_effect_types,
 )
 from smarig.record import Run
-from smarig.replay import Model, foreign_conditions, pooled_conditions
+from smarig.replay import Model, file_hash, foreign_conditions, pooled_conditions
 
 Array = NDArray[np.float64]
 
@@ -55,7 +56,8 @@ class MeasuredDiagnosis(NotebookDisplay):
     with the effects found or a learned term (None if there is neither). ``noise`` is the standard deviation of one
     reading. ``given_error`` (m,) are the errors of the given model at the readings, NaN where it predicts nothing.
     ``offsets`` are held-out runs whose input disagrees with that of the training runs. ``model`` is the extended model,
-    else the given one. ``learned`` is the law that ``best`` has instead of effects; if None, ``learned_reason`` is a
+    else the given one. ``shift`` says that the held-out runs differ.
+    ``learned`` is the law that ``best`` has instead of effects; if None, ``learned_reason`` is a
     clause on why there is none. ``properties`` tests the return point and wiping-out.
     """
 
@@ -75,6 +77,7 @@ class MeasuredDiagnosis(NotebookDisplay):
     load: LoadDependence | None
     learned: LearnedLaw | None
     learned_reason: str
+    shift: HeldOutShift | None
     properties: tuple[PropertyTest, ...]
     p_value: float
     runs: tuple[Run, ...]
@@ -131,7 +134,7 @@ class MeasuredDiagnosis(NotebookDisplay):
         parameters = {
             name: {
                 "value": value,
-                "ci95": list(units[name]) if name in units else None,
+                "ci95": [x if np.isfinite(x) else None for x in units[name]] if name in units else None,
                 "unit": self._unit(kind, name),
             }
             for name, value in values.items()
@@ -144,7 +147,7 @@ class MeasuredDiagnosis(NotebookDisplay):
     def _unit(self, kind: MeasurementEffectType, name: str) -> str:
         searched = kind.parameters(self.records[: self.train]) or ()
         unit = next((p.unit for p in searched if p.name == name), "MPa" if name == "reference" else "")
-        return self.runs[0].input_unit if unit == "input unit" else unit
+        return unit.replace("input unit", self.runs[0].input_unit)
 
     def to_json(self) -> dict[str, Any]:
         """The JSON object of the command line."""
@@ -166,7 +169,7 @@ class MeasuredDiagnosis(NotebookDisplay):
             "adequacy": {
                 "times_noise": self.base.rms / self.noise if self.noise else None,
                 "where": held_out_parts(self.base),
-                "adequate": self.base.rms <= adequate_error(self.base),
+                "adequate": is_adequate(self.base),
             },
             "learned": self.learned and self.learned.to_json(),
             "preisach_properties": {t.name: t.to_json() for t in self.properties},
@@ -235,7 +238,9 @@ def diagnose_measured(
     noise = reading_noise(base)
     errors = held_out_error(base, count), held_out_error(last, count)
     tested = ~comparison.train
-    worse = bool(tested.any() and last.effects and _rms(errors[1][tested]) > WORSE * _rms(errors[0][tested]))
+    given = replayed_error(model, [*train, *held_out], comparison)
+    limit = _error_to_beat(errors[0][tested], given[tested], model, held_out)
+    worse = bool(tested.any() and last.effects and _rms(errors[1][tested]) > WORSE * limit)
     decided = decide(steps, worse_on_held_out=worse)
     best = decided.accepted if decided.accepted.effects else None
     load = _load_dependence(best, plan.records[:count])
@@ -243,14 +248,16 @@ def diagnose_measured(
     if load is not None:
         errors = errors[0], replayed_error(extended, [*train, *held_out], comparison, about_mean=False)
     learned, learned_reason = None, ""
-    if decided.verdict.word == "unknown" and base.rms > adequate_error(base):
+    if decided.verdict.word == "unknown" and not is_adequate(base):
         sets = list(train), list(held_out)
         learned, learned_reason = learned_extension(model, base, errors[0], comparison, sets, progress)
-    given = replayed_error(model, [*train, *held_out], comparison)
+    shift = held_out_shift(base, errors[0], comparison, count)
     offsets = tuple(run_offsets(comparison, best.effects if best else (), count))
     extended_error = learned.error if learned else errors[1] if best else errors[0]
     return MeasuredDiagnosis(
-        verdict=_with_offsets(verdict_with_learned(decided.verdict, learned, steps[0].variables), offsets),
+        verdict=with_held_out_shift(
+            _with_offsets(verdict_with_learned(decided.verdict, learned, steps[0].variables), offsets), shift
+        ),
         reason="" if learned and decided.verdict.depends_on is None else decided.reason,
         comparison=comparison,
         train=count,
@@ -266,11 +273,22 @@ def diagnose_measured(
         load=load,
         learned=learned.law if learned else None,
         learned_reason=learned_reason,
+        shift=shift,
         properties=preisach_properties(plan.records[:count], last.effects if best else ()),
         p_value=smallest_chance(steps[0]),
         runs=(*train, *held_out),
         seconds=time.monotonic() - started,
     )
+
+
+def _error_to_beat(base: Array, given: Array, model: Model, held_out: Sequence[Run]) -> float:
+    """The least error on held-out readings of the plain model and of the given one, unless that was identified from
+    them.
+    """
+    known = {p.sha256 for p in model.provenance}
+    if not base.size or not np.isfinite(given).all() or any(file_hash(run) in known for run in held_out):
+        return _rms(base) if base.size else np.inf
+    return min(_rms(base), _rms(given))
 
 
 def _with_offsets(verdict: DiagnosisVerdict, offsets: Sequence[RunOffset]) -> DiagnosisVerdict:
@@ -287,11 +305,12 @@ def _gain(
     if not tested.any():
         return None
     known = given[tested]
+    floor = min(noise, _rms(extended[tested]), _rms(base[tested]))  # no error is below the noise
     return HeldOutGain(
         base[tested],
         extended[tested],
         comparison.plan.block[tested],
-        noise,
+        floor,
         None,
         known if np.isfinite(known).all() else None,
     )

@@ -97,7 +97,7 @@ def _searched(
 
 def _preferred(tried: list[MeasuredHypothesis]) -> list[MeasuredHypothesis]:
     """Best first; an effect of a recorded condition comes before an unexplained one with about the same error."""
-    return sorted(tried, key=lambda h: h.rms / (PREFERRED if h.effects[-1].kind.by_condition else 1.0))
+    return sorted(tried, key=lambda h: h.misfit / (PREFERRED if h.effects[-1].kind.by_condition else 1.0))
 
 
 def failure(tried: MeasuredHypothesis, start: MeasuredHypothesis) -> str:

@@ -27,8 +27,7 @@ def measured_lines(d: "MeasuredDiagnosis") -> Iterator[str]:
     yield adequacy_text(d)
     yield from _properties(d)
     yield from _limits(d)
-    if d.gain is not None and d.extended:
-        yield gain_text(d.gain, d.unit)
+    yield from _held_out(d)
     for offset in d.offsets:
         low, high = offset.interval
         yield (
@@ -94,6 +93,23 @@ def adequacy_text(d: "MeasuredDiagnosis") -> str:
         f"On blocks left out of the fit, a Preisach model misses the training runs by {d.base.rms:.4g} {d.unit} rms"
         f"{size}{extended}; noise of one reading {d.noise:.2g} {d.unit}."
     )
+
+
+def _held_out(d: "MeasuredDiagnosis") -> Iterator[str]:
+    """The errors on held-out runs, and whether these differ from the training runs."""
+    if d.gain is None:
+        return
+    if d.extended:
+        yield gain_text(d.gain, d.unit)
+    else:
+        given = f" (given model: {d.gain.original:.4g} {d.unit})" if d.gain.original is not None else ""
+        yield f"Held-out runs, {d.gain.blocks} blocks: rms error {d.gain.base:.4g} {d.unit}{given}."
+    if d.shift is not None:
+        other = "were recorded at another rate" if d.shift.variable == "rate" else "differ from the training runs"
+        yield (
+            f"The plain model's error on held-out runs is {d.shift.ratio:.1f} × that on left-out blocks of the training "
+            f"runs: they {other}."
+        )
 
 
 def _properties(d: "MeasuredDiagnosis") -> Iterator[str]:

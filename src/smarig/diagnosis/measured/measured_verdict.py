@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from smarig.diagnosis.diagnosis_verdict import DiagnosisVerdict
-from smarig.diagnosis.measured.adequacy import adequate_error
+from smarig.diagnosis.measured.adequacy import is_adequate
 from smarig.diagnosis.measured.measured_search import CHANCE, SearchStep, chance_of
 from smarig.identification import MeasuredHypothesis
 
@@ -14,6 +14,7 @@ ADVANTAGE = 0.85  # a plain variable explains more if its error is below this sh
 OWN_ADVANTAGE = 0.6  # the same for a variable that the effects depend on: it describes them with more freedom
 LEAST_VARIABLE_GAIN = 0.15  # of the error on held-out blocks
 EQUAL = 1.03  # effects whose errors differ by less are not told apart
+CONFUSED = 1.25  # the same for effects that the catalogue says are confused
 SIMILAR = 1.5  # variables whose errors differ by less are not told apart
 SIMPLEST_FIRST = ("rate", "time", "cycle", "history", "level", "run")  # what an experiment sets comes first
 
@@ -71,9 +72,15 @@ def _equals(steps: Sequence[SearchStep]) -> list[tuple[str, ...]]:
         for h in step.effects
         if h is not best
         and not step.failures[h.effects[-1].kind.name]
-        and h.rms <= EQUAL * best.rms
+        and h.misfit <= _equal_ratio(h, best) * best.misfit
         and not best.effects[-1].kind.by_condition
     ]
+
+
+def _equal_ratio(a: MeasuredHypothesis, b: MeasuredHypothesis) -> float:
+    """Ratio of the misfits of two hypotheses up to which they are not told apart."""
+    first, second = a.effects[-1].kind, b.effects[-1].kind
+    return CONFUSED if first.name in second.confused_with and second.name in first.confused_with else EQUAL
 
 
 def _variable(step: SearchStep) -> MeasuredHypothesis | None:
@@ -92,7 +99,7 @@ def _variable(step: SearchStep) -> MeasuredHypothesis | None:
 
 def _unnamed(first: SearchStep, variable: MeasuredHypothesis | None) -> MeasuredVerdict:
     remains = f"what remains goes with {variable.variable}" if variable else ""
-    if first.start.rms <= adequate_error(first.start):
+    if is_adequate(first.start):
         return MeasuredVerdict(DiagnosisVerdict("silent"), first.start, remains)
     if variable is not None:
         return MeasuredVerdict(_unknown(variable), first.start)

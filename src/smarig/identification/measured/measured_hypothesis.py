@@ -40,7 +40,7 @@ LEVEL_95 = (0.025, 0.975)
 class MeasuredHypothesis:
     """Effects (none: the plain model) or a ``variable``, with the errors (m,) of held-out blocks, NaN elsewhere.
 
-    ``intervals`` are 95 % of each searched value, by resampling blocks; ``at_bound`` names values at the end of their
+    ``intervals`` are 95 % of each searched value, by resampling blocks, inf above the largest of an open search; ``at_bound`` names values at the end of their
     search, which determine nothing.
     """
 
@@ -133,7 +133,9 @@ class Comparison:
             tried = _search(lambda v, name=parameter.name: at({name: v}), tries)
             found = min(tried, key=lambda v: tried[v].misfit)
             values[parameter.name], best = found, tried[found]
-            intervals[parameter.name] = _interval(tried)
+            low, high = _interval(tried)
+            unbounded = parameter.open_above and high >= max(parameter.tries)
+            intervals[parameter.name] = (low, np.inf if unbounded else high)
             if found == min(parameter.tries) or (found == max(parameter.tries) and not parameter.open_above):
                 bound.append(parameter.name)
         return replace(best, intervals=intervals, at_bound=tuple(bound))

@@ -28,7 +28,8 @@ FOLDS = 5
 class ReadingPlan:
     """Readings (m,) of records: ``rows`` of each record, and of each reading its ``record`` and its ``block``.
 
-    ``starts`` is the initial state of each record, ``known`` its first row with a known memory.
+    ``starts`` is the initial state of each record, ``known`` its first row with a known memory. ``segmented``: no record
+    has enough excursions, so blocks are segments of branches, and a fit without one must interpolate.
     """
 
     records: tuple[InputRecord, ...]
@@ -37,6 +38,7 @@ class ReadingPlan:
     record: Integers
     block: Integers
     known: tuple[int, ...] = ()
+    segmented: bool = False
 
     def __len__(self) -> int:
         return self.record.size
@@ -81,7 +83,8 @@ def reading_plan(records: Sequence[InputRecord], most: int = MOST_READINGS) -> R
     if not sum(r.size for r in rows):
         raise DataError("The runs have no branch with a known start. A fit needs a reversal of the input.")
     number = np.concatenate([np.full(r.size, k) for k, r in enumerate(rows)]).astype(np.int64)
-    return ReadingPlan(tuple(records), tuple(rows), tuple(starts), number, _blocks(rows, turns), tuple(first))
+    blocks, segmented = _blocks(rows, turns)
+    return ReadingPlan(tuple(records), tuple(rows), tuple(starts), number, blocks, tuple(first), segmented)
 
 
 def _start(record: InputRecord, turns: Sequence[int], low: float, high: float) -> tuple[str, int]:
@@ -91,10 +94,11 @@ def _start(record: InputRecord, turns: Sequence[int], low: float, high: float) -
     return assumed_start(record.u, turns, (low, high))
 
 
-def _blocks(rows: Sequence[Integers], turns: Sequence[list[int]]) -> Integers:
-    """The block of each reading, numbered through all records."""
+def _blocks(rows: Sequence[Integers], turns: Sequence[list[int]]) -> tuple[Integers, bool]:
+    """The block of each reading, numbered through all records, and whether the blocks of all are segments."""
     branch = [np.searchsorted(t, r, side="left") - 1 for r, t in zip(rows, turns)]
-    return _numbered([b // 2 if np.unique(b // 2).size >= FEWEST_BLOCKS else _segments(b) for b in branch])
+    whole = [np.unique(b // 2).size >= FEWEST_BLOCKS for b in branch]
+    return _numbered([b // 2 if w else _segments(b) for b, w in zip(branch, whole)]), not any(whole)
 
 
 def _segments(branch: Integers) -> Integers:

@@ -6,11 +6,12 @@
 """
 
 from collections.abc import Sequence
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.measurement.input_record import InputRecord, input_noise_sd
+from smarig.measurement.input_record import InputRecord, input_noise_sd, reversals
 from smarig.measurement.measurement_effect import (
     MeasurementEffectType,
     RecordChange,
@@ -22,11 +23,16 @@ Array = NDArray[np.float64]
 SMOOTHED_SHARE = 0.25  # of the lag: standard deviation of the smoothing
 MAX_CYCLE_SHARE = 0.25  # of a cycle: a longer lag is no lag
 LAGS_PER_DECADE = 5
+PARTS = 8  # of a branch, whose rates are compared
+RATE_RATIO = 1.5  # of the fast to the slow tenth of the parts: less is one rate
 
 
 def _parameters(records: Sequence[InputRecord]) -> tuple[SearchedParameter, ...] | None:
-    """Lags from two rows to a quarter of the median cycle, if every run has a clock of even rows."""
-    if not all(r.clock and _even(r.t) for r in records):
+    """Lags from two rows to a quarter of the median cycle, if every run has a clock of even rows and the rate changes.
+
+    At one rate a lag is a shift of each branch, which any measure contains.
+    """
+    if not all(r.clock and _even(r.t) for r in records) or _one_rate(records):
         return None
     period = max(float(np.median(np.diff(r.t))) for r in records)
     cycle_s = float(np.median([np.ptp(r.t) / max(r.cycle[-1] - r.cycle[0], 0.5) for r in records]))
@@ -35,6 +41,17 @@ def _parameters(records: Sequence[InputRecord]) -> tuple[SearchedParameter, ...]
         return None
     tries = np.logspace(low, high, max(int(LAGS_PER_DECADE * (high - low)), 4))
     return (SearchedParameter("lag_s", "s", tuple(tries.tolist())),)
+
+
+def _one_rate(records: Sequence[InputRecord]) -> bool:
+    """Whether the input changes at one rate throughout, but for its turns."""
+    rates = []
+    for record in records:
+        for begin, end in pairwise(reversals(record.u)):
+            at = np.unique(np.linspace(begin, end, PARTS + 1).round().astype(int))
+            rates += (np.abs(np.diff(record.u[at])) / np.maximum(np.diff(record.t[at]), 1e-12)).tolist()
+    slow, fast = np.quantile(rates, [0.1, 0.9])
+    return bool(fast < RATE_RATIO * slow)
 
 
 def _even(t: Array) -> bool:

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from smarig.measurement.input_record import InputRecord
+from smarig.measurement.input_record import InputRecord, rate_of
 from smarig.measurement.measurement_effect import (
     MeasurementEffectType,
     RecordChange,
@@ -34,13 +34,7 @@ def _differ(a: InputRecord, b: InputRecord) -> bool:
     p, q = a.conditions, b.conditions
     if any(abs(p[k] - q[k]) > SAME_CONDITION * max(abs(p[k]), abs(q[k])) for k in p.keys() & q.keys()):
         return True
-    return a.clock and b.clock and abs(np.log(_rate(a) / _rate(b))) > np.log(SAME_RATE)
-
-
-def _rate(record: InputRecord) -> float:
-    """Mean |du/dt|: range of the input times cycles over the duration."""
-    cycles = max(float(record.cycle[-1] - record.cycle[0]), 0.25)
-    return 2 * cycles * float(np.ptp(record.u)) / max(float(np.ptp(record.t)), 1e-12)
+    return a.clock and b.clock and abs(np.log(rate_of(a) / rate_of(b))) > np.log(SAME_RATE)
 
 
 def _change(p: Values, record: InputRecord) -> RecordChange:
