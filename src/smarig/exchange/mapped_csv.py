@@ -17,6 +17,7 @@ from smarig.exchange.reader_result import RunDraft, directions, step_row
 from smarig.exchange.text_table import Table, TableLayout, read_table
 from smarig.exchange.time_axis import check_time, merge_repeats, time_findings
 from smarig.exchange.unit_conversion import convert
+from smarig.exchange.units import spelled
 from smarig.exchange.value_bounds import check_bounds, check_strain
 
 Array = NDArray[np.float64]
@@ -169,13 +170,13 @@ def _conditions(path: Path, table: Table, mapping: MappingFile) -> tuple[dict[st
             out[name] = {"text": column.text}
             continue
         if column.value is not None:
-            out[name] = {"unit": column.unit} | dict.fromkeys(("mean", "min", "max"), column.value)
+            out[name] = {"unit": spelled(column.unit)} | dict.fromkeys(("mean", "min", "max"), column.value)
             continue
         x = _scaled(table, column)
         if not np.isfinite(x).any():
             raise DataError(f"{path}: column '{column.column}' holds no number.")
         mean, low, high = float(np.nanmean(x)), float(np.nanmin(x)), float(np.nanmax(x))
-        out[name] = {"unit": column.unit, "mean": mean, "min": low, "max": high}
+        out[name] = {"unit": spelled(column.unit), "mean": mean, "min": low, "max": high}
         if low == high:
             messages.append(f"{name} is exactly {low:g} {column.unit} in every row: nominal, not measured.")
         elif high - low > 0.1 * abs(mean):
