@@ -83,6 +83,15 @@ def test_units_follow_the_header(write, imported, units, field, moment):
     assert (run.input_unit, run.unit) == (field, moment)
 
 
+def test_a_lake_shore_8600_file_states_its_units_per_column(write, imported):
+    """The system is called SiMuNaughtH there (µ0 H in T), and the line before the data names both units."""
+    named = _imported(write, imported, _text(_blocks(), "SiMuNaughtH"))
+    assert (named.input_unit, named.unit) == ("T", "A m^2")
+    text = _text(_blocks(), "SomethingNew").replace("NData", "\tField\t\tMoment\n\t(Oe)\t\t(Am\xb2)\nNData")
+    run = _imported(write, imported, text)
+    assert (run.input_unit, run.unit) == ("Oe", "A m^2")
+
+
 def test_the_newer_header_with_spaces_is_read(write, imported):
     text = _text(_blocks()).replace(":  ", "        ").replace(" = ", "      ")
     run = _imported(write, imported, text)
