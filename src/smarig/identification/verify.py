@@ -18,7 +18,7 @@ from smarig.identification.measured.load_dependence import expected_rms
 from smarig.identification.noise_floor import noise_floor
 from smarig.identification.point_selection import matches
 from smarig.identification.rows_used import without_dropouts
-from smarig.record import FORC_PROTOCOL, Run
+from smarig.record import FORC_PROTOCOL, Run, continues_run
 from smarig.replay import (
     Model,
     check_output,
@@ -121,12 +121,21 @@ def verify(
     selected = selected_points(several, select)
     predictions = simulate_runs(model, several)
     missing = missing_earlier_runs(model, several) if model.effects else []
-    counted = [
-        _verified(
-            model=model, run=run, predicted=p, selected=c, select=select, offset=offset, missing=missing
+    counted: list[RunVerification] = []
+    for k, (run, p, c) in enumerate(zip(several, predictions, selected)):
+        part = k > 0 and run.info.imported is not None and continues_run(several[k - 1], run)
+        counted.append(
+            _verified(
+                model=model,
+                run=run,
+                predicted=p,
+                selected=c,
+                select=select,
+                offset=offset,
+                missing=missing,
+                before=counted[-1] if part else None,
+            )
         )
-        for run, p, c in zip(several, predictions, selected)
-    ]
     return Verification(model.name, model.unit, tuple(counted))
 
 
@@ -152,7 +161,9 @@ def _verified(
     select: str | None,
     offset: Offset,
     missing: Sequence[str],
+    before: RunVerification | None,
 ) -> RunVerification:
+    """The verification of one run; ``before`` is that of the part of the same record before it, with the same zero."""
     inputs, measured = run.points()
     counts = selected & np.isfinite(predicted)
     if not counts.any():
@@ -161,6 +172,8 @@ def _verified(
             "saturates. Also give the run before it, or start runs in saturation."
         )
     shift, kind = _offset(model, run, (measured - predicted)[counts], offset)
+    if before is not None and kind == "fitted" and offset != "fitted":
+        shift, kind = before.offset, before.offset_kind
     span = float(np.ptp(measured))
     outside = int(np.sum(out_of_range(model, inputs[counts])))
     early = 0 if run.info.protocol == FORC_PROTOCOL else int(np.sum(selected & ~counts))

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from smarig.preisach import turning_points
-from smarig.record import Run
+from smarig.record import Run, continues_run
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -27,7 +27,7 @@ class InputRecord:
     ``t`` is the time in s, or the row number without a clock. ``cycle`` is the number of cycles of the input before
     each row, continued over the runs of one list. ``conditions`` are the mean values recorded with the run, by name.
     ``row`` are the rows of the run. ``dropouts`` rows were left out because the input reads exactly 0 there, far from
-    the rows around them.
+    the rows around them. ``continues``: the record starts in the final state of the one before it in its list.
     """
 
     name: str
@@ -41,6 +41,7 @@ class InputRecord:
     initial: str | None = None
     dropouts: int = 0
     input_unit: str = ""
+    continues: bool = False
 
     def __len__(self) -> int:
         return self.u.size
@@ -50,6 +51,7 @@ def input_records(runs: Sequence[Run]) -> list[InputRecord]:
     """The records of runs in the given order; runs without a row are left out."""
     found: list[InputRecord] = []
     cycles = 0.0
+    before: Run | None = None
     for run in runs:
         u, y = run["input"], run["position"]
         row = np.flatnonzero(np.isfinite(u) & np.isfinite(y))
@@ -73,8 +75,10 @@ def input_records(runs: Sequence[Run]) -> list[InputRecord]:
                 initial=run.info.initial,
                 dropouts=int(lost.sum()),
                 input_unit=run.input_unit,
+                continues=before is not None and continues_run(before, run),
             )
         )
+        before = run
     return found
 
 

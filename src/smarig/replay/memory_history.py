@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from smarig.core import DataError
 from smarig.measurement import assumed_start, reversals
 from smarig.preisach import Preisach, RelayMeasure, State
-from smarig.record import CONTINUED, Run
+from smarig.record import Run, continues_run
 from smarig.replay.measured_input import driven_by_input
 
 Array = NDArray[np.float64]
@@ -22,7 +22,6 @@ Start = Literal["negative", "positive", "anhysteretic"]
 STARTS: tuple[Start, ...] = ("negative", "positive", "anhysteretic")
 INPUT_TOLERANCE = 1e-6  # of the range: inputs that are closer count as equal
 SATURATION_TOLERANCE = 1e-3  # of the range: an estimated input this close to saturation counts as saturated
-LONGEST_GAP_S = 2.0
 MIN_REVERSAL = 0.01  # of the range of settled inputs: smaller reversals are noise of the current
 _MIRROR: dict[Start, Start] = {"negative": "positive", "positive": "negative", "anhysteretic": "anhysteretic"}
 
@@ -109,15 +108,6 @@ def memory_histories(
             )
         )
     return lower, upper, found
-
-
-def continues_run(before: Run, run: Run) -> bool:
-    """Whether a run starts in the final state of the one before: same session, no gap in its clock."""
-    if run.info.initial != CONTINUED or not run.info.has("start_epoch"):
-        return False
-    if run.info.start_epoch != before.info.start_epoch or not (len(run) and len(before)):
-        return False
-    return bool(0 <= run["t_s"][0] - before["t_s"][-1] <= LONGEST_GAP_S)
 
 
 def _states_at_points(

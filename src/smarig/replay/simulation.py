@@ -13,14 +13,13 @@ from numpy.typing import NDArray
 from smarig.core import DataError, UsageError
 from smarig.measurement import assumed_start, reversals
 from smarig.preisach import Everett
-from smarig.record import FORC_PROTOCOL, Run
+from smarig.record import FORC_PROTOCOL, Run, continues_run
 from smarig.replay.extended_model import Operator
 from smarig.replay.measured_input import build_measured_input_timeline, driven_by_input
 from smarig.replay.measured_prediction import simulate_measured
 from smarig.replay.memory_history import (
     INPUT_TOLERANCE,
     SATURATION_TOLERANCE,
-    continues_run,
     input_path,
     recorded_start,
 )

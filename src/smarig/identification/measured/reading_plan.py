@@ -28,7 +28,8 @@ FOLDS = 5
 class ReadingPlan:
     """Readings (m,) of records: ``rows`` of each record, and of each reading its ``record`` and its ``block``.
 
-    ``starts`` is the initial state of each record, ``known`` its first row with a known memory.
+    ``starts`` is the initial state of each record that does not continue another, ``known`` its first row with a known
+    memory.
     """
 
     records: tuple[InputRecord, ...]
@@ -72,8 +73,10 @@ def reading_plan(records: Sequence[InputRecord], most: int = MOST_READINGS) -> R
     branches = sum(len(t) - 1 for t in turns)
     per_branch = max(most // max(branches, 1), FEWEST_PER_BRANCH)
     rows, starts, first = [], [], []
-    for record, ends in zip(records, turns):
+    for k, (record, ends) in enumerate(zip(records, turns)):
         start, known = _start(record, ends, low, high)
+        if k and record.continues:
+            known = 0
         starts.append(start)
         first.append(known)
         own = [spread_rows(record.y, a, b, per_branch) for a, b in pairwise(ends) if a >= known]
