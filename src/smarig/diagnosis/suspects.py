@@ -35,7 +35,7 @@ class Suspect:
 def suspects(runs: Sequence[Run]) -> list[Suspect]:
     """The suspicious findings that runs keep from their import, except those that were repaired."""
     return [
-        Suspect(run.path.name.split(".")[0], sentence, MATCHES.get(kind))
+        Suspect(run.name, sentence, MATCHES.get(kind))
         for run in runs
         for sentence in run.info.warnings
         if (kind := finding_kind(sentence)) and not any(r.startswith(kind) for r in run.info.repairs)

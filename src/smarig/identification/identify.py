@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from smarig.core import DataError, UsageError, suggestion
+from smarig.identification.assumed_starts import assumed_starts, assumed_starts_text
 from smarig.identification.density_report import DensityReport, density_report
 from smarig.identification.extended.choose_extension import choose_extension
 from smarig.identification.extended.fitted_extension import NONE, extension_names
@@ -114,7 +115,7 @@ def identify(
     fit, floor = found.fit, noise_floor(loaded)
     late = _unsettled_warning(loaded, data, found)
     model = Model(
-        name=f"{loaded[0].info.wire or loaded[0].path.name.split('.')[0]} {kind}",
+        name=f"{loaded[0].info.wire or loaded[0].name} {kind}",
         hysteresis=Mirrored(found.image) if found.mirrored else found.image,
         mirrored=found.mirrored,
         fit=found.figures,
@@ -128,8 +129,9 @@ def identify(
         warnings=(*curves.warnings, *found.warnings, *late, *pooled_conditions(loaded)),
         **model_metadata(loaded),
     )
+    starts = assumed_starts_text(assumed_starts(model, loaded), model.unit)
     plain = Identification(
-        model=model,
+        model=replace(model, warnings=(*starts, *model.warnings)),
         surface=kind,
         data=data,
         fit=fit,

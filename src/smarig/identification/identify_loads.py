@@ -52,7 +52,7 @@ def identify_loads(runs: Sequence[Run], condition: str) -> Identification:
     curves, floor = curve_report(data), noise_floor(runs)
     figures = error_figures(found.error, np.zeros(found.error.size, dtype=bool), 1.0)
     model = Model(
-        name=f"{runs[0].info.wire or runs[0].path.name.split('.')[0]} by {condition}",
+        name=f"{runs[0].info.wire or runs[0].name} by {condition}",
         hysteresis=table,
         mirrored=False,
         fit={**figures, "points": found.error.size, "select": None, "load": found.to_json()},
@@ -75,7 +75,7 @@ def identify_loads(runs: Sequence[Run], condition: str) -> Identification:
         choice=None,
         rows=rows_used(
             runs,
-            [len(r) - first for r, first in zip(records, plan.known)],
+            [len(r) - start.first for r, start in zip(records, plan.starts)],
             [r.size for r in plan.rows],
             THINNED,
         ),

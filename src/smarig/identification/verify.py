@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from smarig.core import DataError, UsageError
+from smarig.identification.assumed_starts import assumed_starts, assumed_starts_text
 from smarig.identification.fod_data import first_order_points
 from smarig.identification.measured.load_dependence import expected_rms
 from smarig.identification.noise_floor import noise_floor
@@ -188,7 +189,11 @@ def _verified(
         measured=measured,
         predicted=predicted + shift,
         counted=counts,
-        warnings=(*_validity_warnings(model, run), *_warnings(model, early, outside, kind, missing)),
+        warnings=(
+            *_validity_warnings(model, run),
+            *_warnings(model, early, outside, kind, missing),
+            *(assumed_starts_text(assumed_starts(model, [run]), model.unit) if before is None else ()),
+        ),
         expected=_expected(model, run),
     )
 

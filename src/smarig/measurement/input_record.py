@@ -3,7 +3,6 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,7 +13,6 @@ from smarig.record import Run, continues_run
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 REVERSAL_MARGIN = 1.2  # times the range that noise of this size has over all rows
-START_SHARE = 0.1  # of the input's range: a start this close to an end of it counts as saturated there
 DROPOUT_STEPS = 3.0  # times the usual step from row to row
 DROPOUT_SHARE = 0.02  # of the input's range
 REVERSAL_SHARE = 0.01  # of the input's range: a smaller reversal is noise, too
@@ -64,7 +62,7 @@ def input_records(runs: Sequence[Run]) -> list[InputRecord]:
         cycles = float(cycle[-1])
         found.append(
             InputRecord(
-                name=run.path.name.split(".")[0],
+                name=run.name,
                 u=u[row],
                 y=y[row],
                 t=run["t_s"][row] if clock else row.astype(float),
@@ -125,26 +123,6 @@ def reversals(u: Array, noise: float | None = None) -> list[int]:
     threshold = max(REVERSAL_MARGIN * spread, REVERSAL_SHARE * float(np.ptp(u)))
     turns = turning_points(u, min(threshold, 0.3 * float(np.ptp(u))))
     return sorted({0, *turns, u.size - 1})
-
-
-def assumed_start(
-    u: Array, turns: Sequence[int], ends: tuple[float, float]
-) -> tuple[Literal["negative", "positive"], int]:
-    """(initial state, first row whose memory is known) of an input whose state at the start was not recorded.
-
-    A start within a tenth of the range from one of its ends (u₋, u₊) counts as saturated there. One half way is assumed
-    to come from the saturation behind it, and is known from its first reversal on.
-
-    >>> assumed_start(np.array([5.0, 9.0, 1.0]), [0, 1, 2], (0.0, 10.0))
-    ('negative', 1)
-    """
-    near = START_SHARE * (ends[1] - ends[0])
-    if u[0] <= ends[0] + near:
-        return "negative", 0
-    if u[0] >= ends[1] - near:
-        return "positive", 0
-    start = "negative" if u[turns[1]] > u[0] else "positive"
-    return start, (turns[1] if len(turns) > 2 else 0)
 
 
 def monotone_branches(u: Array, turns: Sequence[int]) -> Array:

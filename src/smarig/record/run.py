@@ -89,6 +89,11 @@ class Run(NotebookDisplay):
         return RunInfo.of(self.meta)
 
     @property
+    def name(self) -> str:
+        """The name of the file without the endings of run files: "qv.first3" for qv.first3.run.sqlite."""
+        return self.path.name.removesuffix(".sqlite").removesuffix(".run")
+
+    @property
     def complete(self) -> bool:
         """Whether the run was closed (kill -9 and power cuts leave it open)."""
         return self.info.has("end")

@@ -16,13 +16,13 @@ from smarig.measurement import (
     ConditionTable,
     InputRecord,
     MeasurementPart,
-    assumed_start,
     changed,
     input_records,
     learned_input,
     learned_output,
     monotone_branches,
     reversals,
+    starting_state,
 )
 from smarig.preisach import Everett, Initial, Preisach, State
 from smarig.record import Run
@@ -59,11 +59,10 @@ def _simulated(
     applied = learned_input(record, change.input, part.learned)
     turns = reversals(applied, change.noise)
     u, h = monotone_branches(applied, turns), model.hysteresis
-    start, known = assumed_start(u, turns, _saturation(h))
-    if record.initial in ("negative", "positive", "anhysteretic"):
-        start, known = record.initial, 0
+    seen = starting_state(record.initial, u, _saturation(h), turns=turns)
+    known = seen.first
     measures = part.measures or (h,)
-    starts: Sequence[Initial] = [start] * len(measures)
+    starts: Sequence[Initial] = [seen.state or "negative" for _ in measures]
     if record.continues and before:
         starts, known = before, 0
     inputs = np.clip(u, h.lower, h.upper)

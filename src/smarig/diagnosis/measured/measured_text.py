@@ -8,6 +8,7 @@ import numpy as np
 from smarig.diagnosis.diagnosis_text import capitalised, gain_text, parameter_text
 from smarig.diagnosis.measured.looks_like import looks_like
 from smarig.diagnosis.suspects import suspects
+from smarig.identification import assumed_starts, assumed_starts_text
 
 if TYPE_CHECKING:
     from smarig.diagnosis.measured.measured_diagnosis import MeasuredDiagnosis
@@ -108,9 +109,14 @@ def _properties(d: "MeasuredDiagnosis") -> Iterator[str]:
 
 
 def _limits(d: "MeasuredDiagnosis") -> Iterator[str]:
-    given = d.given_rms
+    given, sentences = d.given_rms, assumed_starts_text(assumed_starts(d.given, d.runs), d.unit)
     if given is not None and given > FAR_OFF_RATIO * max(d.rms(), d.noise):
-        yield "The given model is far from these data, with or without effects. Identify it again from them."
-    assumed = [r.name for r in d.records if r.initial not in ("negative", "positive", "anhysteretic")]
-    if assumed:
-        yield f"The state at the start of {', '.join(assumed)} is not recorded and was assumed from the first input."
+        cure = "State how the runs start, then identify" if sentences else "Identify"
+        yield f"The given model is far from these data, with or without effects. {cure} it again from them."
+    yield from sentences
+    assumed = [r.name for r, start in zip(d.records, d.comparison.plan.starts) if start.assumed]
+    if assumed and not sentences:
+        yield (
+            f"The state at the start of {', '.join(assumed)} is not recorded and was assumed from the first input. "
+            'If you know it, write initial = "negative" or "positive" in the mapping and import again.'
+        )

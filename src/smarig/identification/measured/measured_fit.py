@@ -22,6 +22,7 @@ from smarig.measurement import (
     InputRecord,
     LearnedTerm,
     MeasurementEffect,
+    Start,
     changed,
     input_noise_sd,
     learned_input,
@@ -163,7 +164,7 @@ def measured_problem(
     parts: list[Observations] = []
     memory: State | None = None
     for k, (u, (_, turns), rows, record) in enumerate(zip(inputs, paths, plan.rows, plan.records)):
-        start = memory if record.continues and memory else plan.starts[k]
+        start = memory if record.continues and memory else plan.starts[k].state or "negative"
         found, memory = _observations(u, turns, rows, record.y, start, ends, k)
         parts += [found] if rows.size else []
     joined = _joined(parts)
@@ -189,13 +190,13 @@ def _observations(
     turns: list[int],
     rows: NDArray[np.int64],
     y: Array,
-    start: str | State,
+    start: Start | State,
     ends: tuple[float, float],
     zero: int,
 ) -> tuple[Observations, State | None]:
     """The observations at the rows of a record, and its final state."""
     path = np.unique(np.concatenate([rows, turns]))
-    states = memory_states(np.clip(u[path], *ends), *ends, start)  # pyright: ignore[reportArgumentType]
+    states = memory_states(np.clip(u[path], *ends), *ends, start)
     at = np.searchsorted(path, rows)
     found = Observations.of_states(
         [state for k in at.tolist() if (state := states[k]) is not None],

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from smarig.core import DataError
-from smarig.measurement import InputRecord, assumed_start, reversals, spread_rows
+from smarig.measurement import InputRecord, StartingState, reversals, spread_rows, starting_state
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -28,16 +28,14 @@ FOLDS = 5
 class ReadingPlan:
     """Readings (m,) of records: ``rows`` of each record, and of each reading its ``record`` and its ``block``.
 
-    ``starts`` is the initial state of each record that does not continue another, ``known`` its first row with a known
-    memory.
+    ``starts`` is the state at the start of each record; that of a record that continues another is its final state.
     """
 
     records: tuple[InputRecord, ...]
     rows: tuple[Integers, ...]
-    starts: tuple[str, ...]
+    starts: tuple[StartingState, ...]
     record: Integers
     block: Integers
-    known: tuple[int, ...] = ()
 
     def __len__(self) -> int:
         return self.record.size
@@ -72,26 +70,18 @@ def reading_plan(records: Sequence[InputRecord], most: int = MOST_READINGS) -> R
     turns = [reversals(r.u) for r in records]
     branches = sum(len(t) - 1 for t in turns)
     per_branch = max(most // max(branches, 1), FEWEST_PER_BRANCH)
-    rows, starts, first = [], [], []
+    rows, starts = [], []
     for k, (record, ends) in enumerate(zip(records, turns)):
-        start, known = _start(record, ends, low, high)
+        start = starting_state(record.initial, record.u, (low, high), turns=ends)
         if k and record.continues:
-            known = 0
+            start = StartingState(start.state)
         starts.append(start)
-        first.append(known)
-        own = [spread_rows(record.y, a, b, per_branch) for a, b in pairwise(ends) if a >= known]
+        own = [spread_rows(record.y, a, b, per_branch) for a, b in pairwise(ends) if a >= start.first]
         rows.append(np.unique(np.concatenate([*own, np.empty(0, dtype=np.int64)])).astype(np.int64))
     if not sum(r.size for r in rows):
         raise DataError("The runs have no branch with a known start. A fit needs a reversal of the input.")
     number = np.concatenate([np.full(r.size, k) for k, r in enumerate(rows)]).astype(np.int64)
-    return ReadingPlan(tuple(records), tuple(rows), tuple(starts), number, _blocks(rows, turns), tuple(first))
-
-
-def _start(record: InputRecord, turns: Sequence[int], low: float, high: float) -> tuple[str, int]:
-    """(initial state, first row whose memory is known), as recorded or assumed."""
-    if record.initial in ("negative", "positive", "anhysteretic"):
-        return str(record.initial), 0
-    return assumed_start(record.u, turns, (low, high))
+    return ReadingPlan(tuple(records), tuple(rows), tuple(starts), number, _blocks(rows, turns))
 
 
 def _blocks(rows: Sequence[Integers], turns: Sequence[list[int]]) -> Integers:
