@@ -19,6 +19,9 @@ _JUMP = 0.1  # of the output's range, from one row to the next
 _OPEN = 0.01  # of the output's range
 _SAME = 0.05  # of the input's range: within it, visits are of one input
 _CONTRARY = 0.01  # of the input's range
+_FEWEST_FALSE = 3  # rows: fewer are no noise
+_CYCLE = 0.05  # of the input's range: smallest leg of a small cycle
+_CYCLE_ROWS = 3  # fewest rows of such a leg
 
 
 @dataclass(frozen=True)
@@ -101,19 +104,30 @@ def _jumps(loop: LoopRecord) -> list[str]:
 
 
 def _false_reversals(loop: LoopRecord, turns: list[int]) -> list[str]:
+    """Rows against the direction of their branch that are noise: not those of small cycles within it."""
     moves = np.diff(loop.u)
     direction = np.zeros(moves.size)
     for a, b in pairwise(turns):
         direction[a:b] = np.sign(loop.u[b] - loop.u[a])
-    back = np.where(moves * direction < 0, np.abs(moves), 0.0)
+    back = np.where((moves * direction < 0) & ~_small_cycles(loop.u), np.abs(moves), 0.0)
     false = back > _CONTRARY * np.ptp(loop.u)
-    if false.mean() < 0.01:
+    if false.sum() < _FEWEST_FALSE or false.mean() < 0.01:
         return []
     return [
         f"The input moves opposite to the direction of its branch in {int(false.sum())} rows, by up to "
         f"{back.max():.3g} "
-        f"{loop.input_unit}: a hysteresis model takes such noise for reversals. Smooth it or use a threshold."
+        f"{loop.input_unit} (small cycles not counted): a hysteresis model takes such noise for reversals. "
+        f"Smooth it or use a threshold."
     ]
+
+
+def _small_cycles(u: Array) -> NDArray[np.bool_]:
+    """Moves (n − 1,) on legs of several rows that are large against the scatter of the input: cycles, not noise."""
+    span = float(np.ptp(u))
+    found = np.zeros(u.size - 1, dtype=bool)
+    for a, b in pairwise(sorted({0, *turning_points(u, _CONTRARY * span), u.size - 1})):
+        found[a:b] = b - a >= _CYCLE_ROWS and abs(u[b] - u[a]) >= _CYCLE * span
+    return found
 
 
 def _not_closed(loop: LoopRecord, turns: list[int]) -> list[str]:
