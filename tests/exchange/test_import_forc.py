@@ -100,6 +100,16 @@ def test_the_newer_header_with_spaces_is_read(write, imported):
     assert run.meta["forc"]["curves"] == 8
 
 
+def test_the_initial_state_is_saturation_if_the_header_states_its_field(write, imported):
+    assert _imported(write, imported, _text(_blocks())).info.initial == "positive"
+    for field in (
+        "HSat           = +5.000000E-01",
+        "HSat           = unknown",
+    ):  # below the points; no number
+        text = _text(_blocks()).replace("HSat           = +2.000000E+00", field)
+        assert _imported(write, imported, text).info.initial is None
+
+
 def test_calibration_points_are_recognised_without_hcal(write, imported):
     text = "".join(x for x in _text(_blocks()).splitlines(keepends=True) if not x.startswith("HCal"))
     assert _imported(write, imported, text).meta["forc"]["calibration_points"] == 8

@@ -53,6 +53,12 @@ class ForcFile:
         return int(self.curve.max(initial=-1)) + 1
 
     @property
+    def saturated_first(self) -> bool:
+        """Whether the sample was saturated before the first point, at a field (HSat) that no point exceeds."""
+        h_sat = _number(self.header, "HSat")
+        return h_sat is not None and h_sat >= float(self.field.max())
+
+    @property
     def calibration(self) -> NDArray[np.bool_]:
         """Mask (n,) of the calibration points."""
         return self.curve < 0
