@@ -267,3 +267,8 @@ specimen = { text = "A7" }
 def test_a_condition_has_one_source_and_a_fitting_unit(mapped, line, message):
     with pytest.raises(ConfigError, match=message):
         mapped(DATA, PLAIN + "[conditions]\n" + line + "\n")
+
+
+def test_an_arbitrary_zero_of_the_output_is_recorded(mapped):
+    assert mapped(DATA).info.encoder_zero is None
+    assert mapped(DATA, PLAIN + 'zero = "own"\n').info.encoder_zero == "own"

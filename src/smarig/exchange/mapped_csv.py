@@ -19,6 +19,7 @@ from smarig.exchange.time_axis import check_time, merge_repeats, time_findings
 from smarig.exchange.unit_conversion import convert
 from smarig.exchange.units import spelled
 from smarig.exchange.value_bounds import check_bounds, check_strain
+from smarig.record import OWN_ZERO
 
 Array = NDArray[np.float64]
 
@@ -250,6 +251,8 @@ def _meta(mapping: MappingFile, columns: dict[str, Array], conditions: dict, tab
             "unit": mapping.output.unit,
             "per_count": resolution,
         }
+        if mapping.output.zero == "own":
+            meta["encoder_zero"] = OWN_ZERO
     if mapping.initial:
         meta["initial"] = mapping.initial
     if conditions:

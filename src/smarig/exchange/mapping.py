@@ -132,6 +132,12 @@ class InputChannel(MappedQuantity):
     channel: ChannelName  # channel that drives the hysteresis
 
 
+class OutputChannel(MappedQuantity):
+    """[output]: quantity and unit of the position."""
+
+    zero: Literal["shared", "own"] = "shared"  # "own": the zero of each file is arbitrary
+
+
 class SensorComparison(TomlTable):
     """Two columns that should agree: rows that differ by more than ``within`` lose the ``blames`` channels."""
 
@@ -149,7 +155,7 @@ class MappingFile(TomlTable):
     source: str  # origin of the data
     own_units: tuple[str, ...] = ()  # unknown units that are close to a known one, and meant
     input: InputChannel  # channel that drives the hysteresis, with quantity and unit
-    output: MappedQuantity | None = None  # quantity and unit of the position
+    output: OutputChannel | None = None  # quantity and unit of the position
     file: TextLayout = TextLayout()  # layout of the text
     mat: MatLayout | None = None  # variables of MATLAB files
     time: TimeAxis | None = None  # time axis; leave out if the data have no time

@@ -1,7 +1,7 @@
 """Runs whose starting state was assumed, and how much that matters: the error of a model from either saturation."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -31,7 +31,7 @@ def assumed_starts(model: Model, runs: Sequence[Run]) -> list[AssumedStart]:
         state = _assumed(model, run)
         if state is None or (k and continues_run(runs[k - 1], run)):
             continue
-        rms, other = (_rms(model, _starting_in(run, start)) for start in (state, _OTHER[state]))
+        rms, other = (_rms(model, run.with_meta(initial=start)) for start in (state, _OTHER[state]))
         found.append(AssumedStart(run.name, state, rms, other))
     return found
 
@@ -64,10 +64,6 @@ def _assumed(model: Model, run: Run) -> Start | None:
         run.info.initial, u, (h.lower, h.upper), first_input=float(run["input"][0]), turns=reversals(u)
     )
     return start.state if start.assumed else None
-
-
-def _starting_in(run: Run, state: Start) -> Run:
-    return replace(run, meta={**run.meta, "initial": state})
 
 
 def _rms(model: Model, run: Run) -> float:

@@ -28,6 +28,7 @@ from smarig.identification.noise_floor import noise_floor
 from smarig.identification.positive.observations import Observations
 from smarig.identification.positive.positive_fit import PositiveFit, fit_positive
 from smarig.identification.rows_used import rows_of_runs, without_dropouts
+from smarig.identification.run_zeros import DISAGREE, disagreement_text, with_own_zeros, zeros_disagree
 from smarig.identification.surface.choose_surface import (
     MOST_OBSERVATIONS,
     choose_surface,
@@ -45,7 +46,7 @@ from smarig.identification.surface.measured_table import table
 from smarig.identification.surface.surface_fit import ROOT_WEIGHT, MajorLoopWeighting, SurfaceFit, fit_surface
 from smarig.identification.surface.surface_kinds import BEST_KIND, POSITIVE_KIND, surface_kinds
 from smarig.preisach import Everett, FodSurface, FodTable, ForcTable, Mirrored, surface_forms
-from smarig.record import FORC_PROTOCOL, Run, load_run
+from smarig.record import FORC_PROTOCOL, OWN_ZERO, Run, load_run
 from smarig.replay import Model, NoiseRecord, file_hash, model_metadata, pooled_conditions, provenance
 
 _LARGEST_VALUE = 1e30
@@ -129,9 +130,11 @@ def identify(
         warnings=(*curves.warnings, *found.warnings, *late, *pooled_conditions(loaded)),
         **model_metadata(loaded),
     )
-    starts = assumed_starts_text(assumed_starts(model, loaded), model.unit)
+    remarks = assumed_starts_text(assumed_starts(model, loaded), model.unit)
+    if found.positive and select is None and zeros_disagree(model, loaded):
+        remarks += _zeros_remark(loaded, found.positive, symmetric)
     plain = Identification(
-        model=replace(model, warnings=(*starts, *model.warnings)),
+        model=replace(model, warnings=(*remarks, *model.warnings)),
         surface=kind,
         data=data,
         fit=fit,
@@ -142,6 +145,15 @@ def identify(
         rows=rows_of_runs(given, data, select, found.points),
     )
     return plain if extension == NONE else _extended(plain, loaded, extension, anchor, weights, symmetric)
+
+
+def _zeros_remark(runs: Sequence[Run], common: PositiveFit, symmetric: bool) -> list[str]:
+    """What a zero for each run would change, if it changes much."""
+    apart = identify(
+        [run.with_meta(encoder_zero=OWN_ZERO) for run in runs], POSITIVE_KIND, symmetric=symmetric
+    )
+    own = apart.model.fit["rms"]
+    return [disagreement_text(common.rms, own, common.unit)] if own < DISAGREE * common.rms else []
 
 
 def _extended(
@@ -245,7 +257,7 @@ def _positive(
     if points_alone:
         observations = Observations.of_fod(thinned(data, MOST_OBSERVATIONS))
     else:
-        observations = Observations.of_runs(runs)
+        observations = with_own_zeros(Observations.of_runs(runs), runs)
         kept = thinning_mask(observations.curve, MOST_OBSERVATIONS)
         ends = np.cumsum(observations.known)[:-1]
         points = observations.known, tuple(int(part.sum()) for part in np.split(kept, ends))

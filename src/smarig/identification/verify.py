@@ -19,6 +19,7 @@ from smarig.identification.measured.load_dependence import expected_rms
 from smarig.identification.noise_floor import noise_floor
 from smarig.identification.point_selection import matches
 from smarig.identification.rows_used import without_dropouts
+from smarig.identification.run_zeros import has_own_zero
 from smarig.record import FORC_PROTOCOL, Run, continues_run
 from smarig.replay import (
     Model,
@@ -134,7 +135,7 @@ def verify(
                 select=select,
                 offset=offset,
                 missing=missing,
-                before=counted[-1] if part else None,
+                before=counted[-1] if part and not has_own_zero(run) else None,
             )
         )
     return Verification(model.name, model.unit, tuple(counted))
@@ -191,7 +192,7 @@ def _verified(
         counted=counts,
         warnings=(
             *_validity_warnings(model, run),
-            *_warnings(model, early, outside, kind, missing),
+            *_warnings(model, early, outside, kind, missing, encoder=run.has("counts")),
             *(assumed_starts_text(assumed_starts(model, [run]), model.unit) if before is None else ()),
         ),
         expected=_expected(model, run),
@@ -228,7 +229,7 @@ def _offset(model: Model, run: Run, difference: Array, offset: Offset) -> tuple[
     if known is not None:
         return known, "known"
     if offset == "known":
-        raise DataError(f"{run.path} does not state where its encoder was zeroed. Use a fitted offset.")
+        raise DataError(f"{run.path} does not state where its output is zero. Use a fitted offset.")
     return float(difference.mean()), "fitted"
 
 
@@ -241,6 +242,8 @@ def known_offset(model: Model, run: Run) -> float | None:
     mine = provenance(run)
     for made_from in model.provenance:
         same_file = mine.sha256 and mine.sha256 == made_from.sha256
+        if same_file and has_own_zero(run) and made_from is not model.provenance[0]:
+            return None
         same_session = mine.start_epoch is not None and (mine.start_epoch, mine.encoder_zero) == (
             made_from.start_epoch,
             made_from.encoder_zero,
@@ -273,7 +276,9 @@ def _validity_warnings(model: Model, run: Run) -> list[str]:
     return found
 
 
-def _warnings(model: Model, unknown: int, outside: int, kind: str, missing: Sequence[str]) -> tuple[str, ...]:
+def _warnings(
+    model: Model, unknown: int, outside: int, kind: str, missing: Sequence[str], *, encoder: bool
+) -> tuple[str, ...]:
     found = []
     if unknown:
         found.append(f"{unknown} points come before the memory is known and do not count.")
@@ -289,5 +294,6 @@ def _warnings(model: Model, unknown: int, outside: int, kind: str, missing: Sequ
             "given nor found at its path. The errors may be meaningless. Give all runs of the session."
         )
     if kind == "fitted":
-        found.append("The encoder's zero is not known for this run, so one additive offset was fitted.")
+        zero = "The encoder's zero" if encoder else "The zero of the output"
+        found.append(f"{zero} is not known for this run, so one additive offset was fitted.")
     return tuple(found)

@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from smarig.record.recorder import write_run as write_run
     from smarig.record.run import CONTINUED as CONTINUED
     from smarig.record.run import FORC_PROTOCOL as FORC_PROTOCOL
+    from smarig.record.run import OWN_ZERO as OWN_ZERO
     from smarig.record.run import Event as Event
     from smarig.record.run import Run as Run
     from smarig.record.run import Step as Step

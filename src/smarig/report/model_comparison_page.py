@@ -178,7 +178,7 @@ def residuals_figure(name: str, run: Run, verifications: Mapping[str, RunVerific
             f"Band: ± 2 σ of the noise floor, σ = {number(floor)} {unit}."
             if floor
             else "The noise floor is unknown.",
-            f"The encoder's zero is unknown, so one additive offset per model was fitted: {zero}."
+            f"The zero of the output is unknown, so one additive offset per model was fitted: {zero}."
             if fitted
             else "",
             f"The first panel shows one point in {thin.step}." if thin.step > 1 else "",

@@ -65,11 +65,17 @@ class PositiveFit:
     symmetric: bool
     unit: str
     _solution: Solution
+    _scale: float
 
     @property
     def cells(self) -> int:
         """Number of cells of the triangle, including the diagonal."""
         return self.masses.size
+
+    @property
+    def zeros(self) -> Array:
+        """Free zeros of the outputs (k,), in output units: those in addition to y₋."""
+        return self._scale * self._solution.x[self.triangle.unknowns :]
 
     @property
     def at_zero(self) -> int:
@@ -290,6 +296,7 @@ def _positive_fit(posed_problem: _PosedProblem, unit: str) -> PositiveFit:
         symmetric=posed_problem.symmetric,
         unit=unit,
         _solution=solution,
+        _scale=scale,
     )
 
 

@@ -87,10 +87,10 @@ def positive_figures(
 
 
 def _errors(fit: PositiveFit, observations: Observations) -> Array:
-    """Model minus measured values (m,): each observation is a row over the values at the nodes, and y₋."""
+    """Model minus measured values (m,): rows over the values at the nodes, y₋ and the free zeros."""
     cells = fit.triangle
-    unknowns = np.append(fit.table.values[cells.i + 1, cells.j + 1], fit.table.y_lower)
-    return observations.matrix(cells)[:, : cells.unknowns] @ unknowns - observations.y
+    unknowns = [*fit.table.values[cells.i + 1, cells.j + 1], fit.table.y_lower, *fit.zeros]
+    return observations.matrix(cells) @ np.array(unknowns) - observations.y
 
 
 def _on_major_loop(observations: Observations) -> NDArray[np.bool_]:

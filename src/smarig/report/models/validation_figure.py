@@ -38,9 +38,9 @@ def validation_figure(verification: RunVerification, run: Run, surface: str) -> 
         else "; noise floor unknown"
     )
     zero = (
-        "The encoder's zero is that of the training runs. Nothing was fitted to this run."
+        "The zero of the output is that of the training runs. Nothing was fitted to this run."
         if verification.offset_kind == "known"
-        else f"One additive offset ({verification.offset:.3g} {unit}) was fitted because the encoder's zero is not "
+        else f"One additive offset ({verification.offset:.3g} {unit}) was fitted because the zero of the output is not "
         "known."
     )
     return Figure(
