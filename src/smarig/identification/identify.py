@@ -51,6 +51,8 @@ from smarig.replay import Model, NoiseRecord, file_hash, model_metadata, pooled_
 
 _LARGEST_VALUE = 1e30
 _UNEXPLAINED_SHARE = 0.9  # of the output's standard deviation: a fit with larger residuals hardly follows it
+_NO_HYSTERESIS = 1 - 1e-6  # share of the measure on the diagonal: hardly any hysteresis is left
+_UNFOLLOWED_SHARE = 0.3  # of the output's standard deviation: a fit without hysteresis must leave less
 _LEAST_CORRELATION = 0.3  # of output and input: with a smaller one, the output does not follow its input
 
 
@@ -288,6 +290,7 @@ def _positive(
             f"The model leaves {fit.rms / spread:.0%} of the output's standard deviation unexplained. The output "
             "hardly follows the input through a Preisach model. Diagnose the runs."
         )
+    _check_follows(fit, spread)
     figures = positive_figures(fit, observations, data, weights, select)
     return _FittedHysteresis(
         image=fit.table if table is None else table,
@@ -298,6 +301,17 @@ def _positive(
         positive=fit,
         points=points,
     )
+
+
+def _check_follows(fit: PositiveFit, spread: float) -> None:
+    """Raise DataError if the best positive measure has no hysteresis and misses that of the output (sd ``spread``)."""
+    if fit.reversible_share > _NO_HYSTERESIS and fit.rms > _UNFOLLOWED_SHARE * spread:
+        raise DataError(
+            "No positive measure follows this output: the best one has no hysteresis and leaves "
+            f"{fit.rms / spread:.0%} of the output's standard deviation unexplained, as if the output led its input. "
+            "Exchange input and output in the mapping (the columns of input and position, and [input] with [output]), "
+            "or identify a measure of any sign (--surface exponential or table)."
+        )
 
 
 def _correlation(runs: Sequence[Run]) -> float:
