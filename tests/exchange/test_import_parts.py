@@ -1,5 +1,7 @@
 """Parts of one record, imported as several files: the memory goes on from part to part."""
 
+import re
+
 import numpy as np
 import pytest
 
@@ -95,3 +97,19 @@ def test_wrong_predecessors_are_refused(part, tmp_path):
         part("second", slice(CUT, None), continues=first.path, wire="P2")
     with pytest.raises(DataError, match="Parts of one record need the same units"):
         part("second", slice(CUT, None), MAPPING.replace('"um"', '"nm"'), continues=first.path)
+
+
+def test_a_quantity_without_unit_is_printed_without_one(part, tmp_path, capsys):
+    from smarig.cli import run
+
+    mapping = MAPPING.replace('"um"', '"1"').replace('"V"', '"1"').replace('initial = "negative"\n', "")
+    whole, half = part("whole", slice(5, None), mapping), part("half", slice(30, 90), mapping)
+    model = str(tmp_path / "m.model.json")
+    assert run(["identify", str(whole.path), "--surface", "positive", "-o", model]) == 0
+    assert run(["verify", model, str(half.path)]) == 0
+    assert run(["diagnose", model, "--train", str(whole.path), "-o", str(tmp_path / "d")]) == 0
+    assert run(["verify", model, str(part("other", slice(None)).path)]) != 0
+    printed = capsys.readouterr()
+    text = printed.out + printed.err
+    assert "without unit" in text
+    assert not re.findall(r"\d 1\b|'1'", text)

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.core import DataError
+from smarig.core import DataError, spaced
 from smarig.exchange.text_table import read_text
 from smarig.exchange.units import spelled
 
@@ -213,18 +213,18 @@ def _calibration_findings(forc: ForcFile) -> list[str]:
         out.append(f"There are {int(at.sum())} calibration points for {forc.curves} curves.")
     m = forc.moment[at]
     out.append(
-        f"The moment at the {m.size} calibration points goes from {m[0]:.5g} to {m[-1]:.5g} {forc.units[1]} "
+        f"The moment at the {m.size} calibration points goes from {m[0]:.5g} to {m[-1]:.5g}{spaced(forc.units[1])} "
         f"(spread {100 * np.ptp(m) / abs(m.mean()):.2f} %)."
     )
     h_cal, h_sat = _number(forc.header, "HCal"), _number(forc.header, "HSat")
     if h_cal is not None and abs(np.median(forc.field[at]) / h_cal - 1) > 5e-4:
         out.append(
-            f"Calibration points lie at {np.median(forc.field[at]):.5g} {forc.units[0]}, "
+            f"Calibration points lie at {np.median(forc.field[at]):.5g}{spaced(forc.units[0])}, "
             f"but the header states {h_cal:.5g}."
         )
     if h_cal is not None and h_sat is not None and h_sat > h_cal:
         out.append(
-            f"The sample was saturated at {h_sat:g} {forc.units[0]} before each calibration point. "
+            f"The sample was saturated at {h_sat:g}{spaced(forc.units[0])} before each calibration point. "
             f"The file does not contain these points."
         )
     return out

@@ -5,13 +5,12 @@ at all.
 import hashlib
 import math
 import platform
-from collections.abc import Sequence
 from dataclasses import dataclass
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-from smarig.core import DataError, StorageError, UsageError, catalogue_entry
+from smarig.core import DataError, StorageError, UsageError, catalogue_entry, in_unit
 from smarig.exchange.mapping import mapping_text
 from smarig.exchange.reader_result import RunDraft
 from smarig.exchange.repair import Repair, repaired
@@ -100,18 +99,15 @@ def _continued(meta: dict[str, Any], source: Path, before: Run) -> dict[str, Any
     units = [meta.get(key, {}).get("unit", "") for key in ("input", "output")]
     if units != [before.input_unit, before.unit]:
         raise DataError(
-            f"{source} has its input and output in {_in_quotes(units)}, but {before.path} has them in "
-            f"{_in_quotes([before.input_unit, before.unit])}. Parts of one record need the same units."
+            f"{source} has its input {in_unit(units[0])} and its output {in_unit(units[1])}, but "
+            f"{before.path} has them "
+            f"{in_unit(before.input_unit)} and {in_unit(before.unit)}. Parts of one record need the same units."
         )
     wire = meta["wire"] or before.info.wire
     if before.info.wire and wire != before.info.wire:
         raise UsageError(f"{before.path} is of wire '{before.info.wire}', not of '{wire}'. Name one wire.")
     part = {"continues": before.path.name, "continues_sha256": data.sha256}
     return meta | {"wire": wire, "initial": CONTINUED, "imported": meta["imported"] | part}
-
-
-def _in_quotes(units: Sequence[str]) -> str:
-    return " and ".join(f"'{unit}'" for unit in units)
 
 
 def _describe(

@@ -9,6 +9,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
+from smarig.core import spaced
 from smarig.exchange.channel_faults import quantum
 from smarig.measurement import dropouts
 from smarig.preisach import turning_points
@@ -98,7 +99,7 @@ def _jumps(loop: LoopRecord) -> list[str]:
     k = int(np.argmax(step))
     return [
         f"The output jumps by more than {_JUMP:.0%} of its range between neighbouring rows in "
-        f"{int(large.sum())} place(s), at most {loop.y[k + 1] - loop.y[k]:+.4g} {loop.output_unit} from line "
+        f"{int(large.sum())} place(s), at most {loop.y[k + 1] - loop.y[k]:+.4g}{spaced(loop.output_unit)} from line "
         f"{loop.line[k]} to {loop.line[k + 1]}: the values in between were not sampled."
     ]
 
@@ -146,7 +147,7 @@ def _not_closed(loop: LoopRecord, turns: list[int]) -> list[str]:
             path = [y[0], y[-1]] if y.size == 2 else [y[0], y[1], y[-1]]
             shown = (" → … → " if y.size > 3 else " → ").join(f"{v:.4g}" for v in path)
             out.append(
-                f"{end} the output goes {shown} {loop.output_unit} over {y.size} visits "
+                f"{end} the output goes {shown}{spaced(loop.output_unit)} over {y.size} visits "
                 f"({100 * (y[-1] - y[0]) / np.ptp(loop.y):+.1f} % of the range): the loop does not close."
             )
     return out
@@ -198,6 +199,6 @@ def _centre(loop: LoopRecord) -> list[str]:
     if temperature or low >= -0.2 * high or high <= -0.2 * low or abs(centre) < 0.02 * half:
         return []
     return [
-        f"The input is not symmetric: {low:.4g} … {high:.4g} {loop.input_unit}, centre {centre:+.3g}. "
+        f"The input is not symmetric: {low:.4g} … {high:.4g}{spaced(loop.input_unit)}, centre {centre:+.3g}. "
         f"Check the source for an offset, unless this is intended."
     ]

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from smarig.core import spaced
 from smarig.measurement import Start, may_assume_start, reversals, starting_state
 from smarig.record import FORC_PROTOCOL, Run, continues_run
 from smarig.replay import Model, simulate_runs
@@ -50,7 +51,8 @@ def assumed_starts_text(found: Sequence[AssumedStart], unit: str) -> list[str]:
     rms, other = (np.sqrt(np.mean(np.square([(f.rms, f.other_rms) for f in relevant]), axis=0))).tolist()
     return [
         f"The state at the start of {names}{more} is not recorded; {saturation} was assumed. The model's rms error is "
-        f"{rms:.3g} {unit} from there and {other:.3g} {unit} from the other saturation. If you know the state, write "
+        f"{rms:.3g}{spaced(unit)} from there and {other:.3g}{spaced(unit)} from the other saturation. "
+        "If you know the state, write "
         'initial = "negative" or "positive" in the mapping and import again.'
     ]
 

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.core import DataError, UsageError, suggestion
+from smarig.core import DataError, UsageError, spaced, suggestion
 from smarig.identification.assumed_starts import assumed_starts, assumed_starts_text
 from smarig.identification.density_report import DensityReport, density_report
 from smarig.identification.extended.choose_extension import choose_extension
@@ -221,7 +221,9 @@ def _check_usable(y: NDArray[np.float64], alpha: NDArray[np.float64], unit: str)
     ):
         raise DataError("The runs contain values that are not finite or implausibly large.")
     if np.ptp(y) == 0:
-        raise DataError(f"The output is {y[0]:g} {unit} at every point. There is no motion to identify.")
+        raise DataError(
+            f"The output is {y[0]:g}{spaced(unit)} at every point. There is no motion to identify."
+        )
 
 
 def _surface(

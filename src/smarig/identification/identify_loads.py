@@ -5,7 +5,7 @@ from datetime import UTC, datetime
 
 import numpy as np
 
-from smarig.core import DataError, UsageError
+from smarig.core import DataError, UsageError, spaced
 from smarig.identification.density_report import density_report
 from smarig.identification.extended.fitted_extension import NONE
 from smarig.identification.fod_data import first_order_points
@@ -100,6 +100,6 @@ def _warnings(found: LoadDependence) -> list[str]:
     if not found.at_bound:
         return []
     return [
-        f"{found.parameter} = {found.value:.3g} {found.unit} is at the end of its search, so these loads do not "
+        f"{found.parameter} = {found.value:.3g}{spaced(found.unit)} is at the end of its search, so these loads do not "
         "determine it."
     ]

@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from smarig.core import spaced
 from smarig.identification.positive.observations import COMMON, Observations
 from smarig.record import FORC_PROTOCOL, OWN_ZERO, Run
 from smarig.replay import Model, simulate_runs
@@ -46,6 +47,7 @@ def disagreement_text(common_rms: float, own_rms: float, unit: str) -> str:
     """What a zero for each run would change, and how to state it."""
     return (
         f"The runs have different zeros of the output: with a zero for each run, the rms error falls from "
-        f'{common_rms:.3g} to {own_rms:.3g} {unit}. If the zero of each file is arbitrary, write zero = "own" under '
+        f"{common_rms:.3g} to {own_rms:.3g}{spaced(unit)}. If the zero of each file is arbitrary, "
+        'write zero = "own" under '
         "[output] of the mapping and import again."
     )

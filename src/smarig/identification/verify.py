@@ -12,7 +12,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.core import DataError, UsageError
+from smarig.core import DataError, UsageError, spaced
 from smarig.identification.assumed_starts import assumed_starts, assumed_starts_text
 from smarig.identification.fod_data import first_order_points
 from smarig.identification.measured.load_dependence import expected_rms
@@ -103,7 +103,7 @@ class Verification:
 
     def __repr__(self) -> str:
         lines = ", ".join(
-            f"{r.run}: rms {r.settled.rms:.3g} {self.unit} (n = {r.settled.n})" for r in self.runs
+            f"{r.run}: rms {r.settled.rms:.3g}{spaced(self.unit)} (n = {r.settled.n})" for r in self.runs
         )
         return f"Verification({self.model}; {lines})"
 

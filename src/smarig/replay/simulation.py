@@ -10,7 +10,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.core import DataError, UsageError
+from smarig.core import DataError, UsageError, in_unit
 from smarig.measurement import SATURATION_TOLERANCE, StartingState, may_assume_start, starting_state
 from smarig.preisach import Everett
 from smarig.record import FORC_PROTOCOL, Run, continues_run
@@ -109,7 +109,7 @@ def check_output(model: Model, run: Run) -> None:
     """Raise DataError if the output unit of a run differs from that of the model."""
     if run.unit != model.unit:
         raise DataError(
-            f"{run.path} measures in '{run.unit}', the model in '{model.unit}'. They cannot be compared."
+            f"{run.path} measures {in_unit(run.unit)}, the model {in_unit(model.unit)}. They cannot be compared."
         )
 
 
@@ -117,7 +117,7 @@ def check_input(model: Model, run: Run) -> None:
     """Raise UsageError if the input unit of a run differs from that of the model."""
     if model.input.unit and run.input_unit and model.input.unit != run.input_unit:
         raise UsageError(
-            f"{run.path} has its input in '{run.input_unit}', the model in '{model.input.unit}'. "
+            f"{run.path} has its input {in_unit(run.input_unit)}, the model {in_unit(model.input.unit)}. "
             "Import the run with the model's input."
         )
 

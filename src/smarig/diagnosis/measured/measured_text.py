@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from smarig.core import spaced
 from smarig.diagnosis.diagnosis_text import capitalised, gain_text, parameter_text
 from smarig.diagnosis.measured.looks_like import looks_like
 from smarig.diagnosis.suspects import suspects
@@ -35,7 +36,7 @@ def measured_lines(d: "MeasuredDiagnosis") -> Iterator[str]:
         yield (
             f"The input of held-out run {offset.run} is shifted by {offset.offset:.3g} [{low:.3g}, {high:.3g}] "
             f"{d.runs[0].input_unit} against the training runs. With this offset its rms error falls from "
-            f"{offset.without:.4g} to {offset.with_offset:.4g} {d.unit}."
+            f"{offset.without:.4g} to {offset.with_offset:.4g}{spaced(d.unit)}."
         )
     lost = sum(r.dropouts for r in d.records)
     if lost:
@@ -89,11 +90,12 @@ def adequacy_text(d: "MeasuredDiagnosis") -> str:
     """How far the plain and the extended model miss the runs, against the noise of a reading."""
     ratio = d.base.rms / d.noise if d.noise else float("inf")
     found = "the learned term" if d.learned else "the effects found"
-    extended = f", with {found} by {d.best.rms:.4g} {d.unit}" if d.best else ""
+    extended = f", with {found} by {d.best.rms:.4g}{spaced(d.unit)}" if d.best else ""
     size = f" ({ratio:.0f} × the noise)" if ratio > INADEQUATE else ""
     return (
-        f"On blocks left out of the fit, a Preisach model misses the training runs by {d.base.rms:.4g} {d.unit} rms"
-        f"{size}{extended}; noise of one reading {d.noise:.2g} {d.unit}."
+        "On blocks left out of the fit, a Preisach model misses the training runs by "
+        f"{d.base.rms:.4g}{spaced(d.unit)} rms"
+        f"{size}{extended}; noise of one reading {d.noise:.2g}{spaced(d.unit)}."
     )
 
 
@@ -102,8 +104,9 @@ def _properties(d: "MeasuredDiagnosis") -> Iterator[str]:
     for test in d.properties if d.verdict.word != "silent" else ():
         if not test.holds:
             yield (
-                f"{PROPERTIES[test.name]} by {test.violated_rms:.3g} {d.unit} rms in {test.tested} comparisons "
-                f"(noise {test.noise:.2g} {d.unit}). No Preisach operator of the recorded input does so: either the "
+                f"{PROPERTIES[test.name]} by {test.violated_rms:.3g}{spaced(d.unit)} rms in {test.tested} comparisons "
+                f"(noise {test.noise:.2g}{spaced(d.unit)}). No Preisach operator of the recorded "
+                "input does so: either the "
                 "wire is none, or its input or output also depends on the time or the rate."
             )
 

@@ -17,7 +17,7 @@ from scipy.sparse import csr_matrix
 from scipy.sparse.csgraph import structural_rank
 from scipy.special import ndtri
 
-from smarig.core import DataError, UsageError
+from smarig.core import DataError, UsageError, spaced
 from smarig.identification.positive.adapted_partition import adapted_nodes
 from smarig.identification.positive.held_out_error import HeldOut, held_out_test
 from smarig.identification.positive.interior_point import Solution
@@ -129,7 +129,7 @@ class PositiveFit:
     def __repr__(self) -> str:
         return (
             f"PositiveFit({self.points} points, {self.curves} curves; {self.cells} cells, {self.at_zero} at "
-            f"zero; rms {self.rms:.4g} {self.unit}, λ {self.smoothing:.1g}, {self.freedom:.0f} effective "
+            f"zero; rms {self.rms:.4g}{spaced(self.unit)}, λ {self.smoothing:.1g}, {self.freedom:.0f} effective "
             f"parameters, {self.null_space} directions left to smoothness)"
         )
 

@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from smarig.core import spaced
 from smarig.identification.density_report import DensityReport
 from smarig.identification.fod_data import FodData
 from smarig.identification.positive.observations import Observations
@@ -118,9 +119,9 @@ def positive_warnings(fit: PositiveFit) -> list[str]:
     if held_out_error.rms > NEGATIVE_MASS_RATIO * held_out_error.signed_rms:
         found.append(
             f"The data favour negative mass: {held_out_error.curves} held-out curves are predicted to "
-            f"{held_out_error.rms:.3g} "
-            f"{fit.unit} rms with μ ≥ 0 and to {held_out_error.signed_rms:.3g} {fit.unit} with masses of any sign, so "
-            f"non-negativity costs {held_out_error.rms - held_out_error.signed_rms:.2g} {fit.unit}."
+            f"{held_out_error.rms:.3g}{spaced(fit.unit)} rms with μ ≥ 0 and to "
+            f"{held_out_error.signed_rms:.3g}{spaced(fit.unit)} with masses of any sign, so non-negativity costs "
+            f"{held_out_error.rms - held_out_error.signed_rms:.2g}{spaced(fit.unit)}."
         )
     if not fit.by_smoothing:
         found.append(
