@@ -42,7 +42,7 @@ def measured_lines(d: "MeasuredDiagnosis") -> Iterator[str]:
     if lost:
         yield f"{lost} rows in which the input reads exactly 0 are drop-outs of the instrument and were left out."
     yield from d.conditions
-    yield from (s.text for s in suspects(d.runs))
+    yield from (s.text(d.not_testable) for s in suspects(d.runs))
     if d.not_testable:
         yield f"Effects that these data cannot show: {', '.join(d.not_testable)}."
 
