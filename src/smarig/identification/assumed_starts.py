@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from smarig.core import spaced
-from smarig.measurement import Start, may_assume_start, reversals, starting_state
+from smarig.measurement import Start, StartingState, may_assume_start, reversals, starting_state
 from smarig.record import FORC_PROTOCOL, Run, continues_run
 from smarig.replay import Model, simulate_runs
 
@@ -26,14 +26,17 @@ class AssumedStart:
 
 
 def assumed_starts(model: Model, runs: Sequence[Run]) -> list[AssumedStart]:
-    """The runs whose starting state a model assumes. The zero of each run is free."""
+    """The runs whose starting state a model assumes, with errors at the points whose memory then counts as known. The
+    zero of each run is free.
+    """
     found = []
     for k, run in enumerate(runs):
-        state = _assumed(model, run)
-        if state is None or (k and continues_run(runs[k - 1], run)):
+        start = _assumed(model, run)
+        if start is None or start.state is None or (k and continues_run(runs[k - 1], run)):
             continue
-        rms, other = (_rms(model, run.with_meta(initial=start)) for start in (state, _OTHER[state]))
-        found.append(AssumedStart(run.name, state, rms, other))
+        states = (start.state, _OTHER[start.state])
+        rms, other = (_rms(model, run.with_meta(initial=state), start.first) for state in states)
+        found.append(AssumedStart(run.name, start.state, rms, other))
     return found
 
 
@@ -57,7 +60,7 @@ def assumed_starts_text(found: Sequence[AssumedStart], unit: str) -> list[str]:
     ]
 
 
-def _assumed(model: Model, run: Run) -> Start | None:
+def _assumed(model: Model, run: Run) -> StartingState | None:
     """The state that is assumed for a run on its own, None if none is."""
     u, h = run.points()[0], model.hysteresis
     if run.info.protocol == FORC_PROTOCOL or not u.size or not may_assume_start(run):
@@ -65,10 +68,10 @@ def _assumed(model: Model, run: Run) -> Start | None:
     start = starting_state(
         run.info.initial, u, (h.lower, h.upper), first_input=float(run["input"][0]), turns=reversals(u)
     )
-    return start.state if start.assumed else None
+    return start if start.assumed else None
 
 
-def _rms(model: Model, run: Run) -> float:
-    """The rms error at all points of a run, about its mean."""
-    error = simulate_runs(model, [run])[0] - run.points()[1]
+def _rms(model: Model, run: Run, first: int) -> float:
+    """The rms error at the points of a run from one of them on, about its mean."""
+    error = (simulate_runs(model, [run])[0] - run.points()[1])[first:]
     return float(np.nanstd(error))
