@@ -1,5 +1,7 @@
 """Files whose outputs start at arbitrary zeros: fitted if the mapping states it, and noticed if it does not."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -27,6 +29,18 @@ def test_runs_with_zeros_of_their_own_fit_as_well_as_runs_with_one_zero():
     assert not any("different zeros" in w for w in own.warnings)
     verified = verify(own.model, _runs(encoder_zero="own")).runs
     assert max(r.settled.rms for r in verified) < 3 * own.model.fit["rms"]
+
+
+def test_a_falling_output_is_followed_with_zeros_of_its_own():
+    """Without a measure, free zeros alone explain most of such outputs."""
+    runs = _runs((0.0, 60.0, -90.0), encoder_zero="own")
+    falling = [run.with_meta() for run in runs]
+    for run in falling:
+        run.columns["position"] *= -1
+    falling = [replace(run, steps=()) for run in falling]
+    found = identify(falling, "positive")
+    assert any("The output falls while the input rises" in w for w in found.warnings)
+    assert found.model.fit["rms"] < 0.05 * np.ptp(falling[0]["position"])
 
 
 def test_different_zeros_that_were_not_stated_are_noticed():

@@ -28,7 +28,13 @@ from smarig.identification.noise_floor import noise_floor
 from smarig.identification.positive.observations import Observations
 from smarig.identification.positive.positive_fit import PositiveFit, fit_positive
 from smarig.identification.rows_used import rows_of_runs, without_dropouts
-from smarig.identification.run_zeros import DISAGREE, disagreement_text, with_own_zeros, zeros_disagree
+from smarig.identification.run_zeros import (
+    DISAGREE,
+    disagreement_text,
+    spread_about_zeros,
+    with_own_zeros,
+    zeros_disagree,
+)
 from smarig.identification.surface.choose_surface import (
     MOST_OBSERVATIONS,
     choose_surface,
@@ -151,9 +157,12 @@ def identify(
 
 def _zeros_remark(runs: Sequence[Run], common: PositiveFit, symmetric: bool) -> list[str]:
     """What a zero for each run would change, if it changes much."""
-    apart = identify(
-        [run.with_meta(encoder_zero=OWN_ZERO) for run in runs], POSITIVE_KIND, symmetric=symmetric
-    )
+    try:
+        apart = identify(
+            [run.with_meta(encoder_zero=OWN_ZERO) for run in runs], POSITIVE_KIND, symmetric=symmetric
+        )
+    except DataError:  # no measure follows the runs with zeros of their own
+        return []
     own = apart.model.fit["rms"]
     return [disagreement_text(common.rms, own, common.unit)] if own < DISAGREE * common.rms else []
 
@@ -271,7 +280,7 @@ def _positive(
     if np.ptp(inputs) == 0:
         raise DataError(f"The input is {inputs[0]:g} at every point. The output is not driven.")
     fit, table, warnings = fit_positive(observations, symmetric=symmetric), None, []
-    spread = float(np.std(observations.y))
+    spread = spread_about_zeros(observations)
     if fit.rms > _UNEXPLAINED_SHARE * spread:
         turned = replace(observations, y=-observations.y)
         negative = fit_positive(turned, symmetric=symmetric)
@@ -307,7 +316,7 @@ def _positive(
 
 def _check_follows(fit: PositiveFit, spread: float) -> None:
     """Raise DataError if the best positive measure has no hysteresis and misses that of the output (sd ``spread``)."""
-    if fit.reversible_share > _NO_HYSTERESIS and fit.rms > _UNFOLLOWED_SHARE * spread:
+    if not fit.reversible_share <= _NO_HYSTERESIS and fit.rms > _UNFOLLOWED_SHARE * spread:
         raise DataError(
             "No positive measure follows this output: the best one has no hysteresis and leaves "
             f"{fit.rms / spread:.0%} of the output's standard deviation unexplained, as if the output led its input. "

@@ -30,6 +30,12 @@ def with_own_zeros(observations: Observations, runs: Sequence[Run]) -> Observati
     return replace(observations, zero=np.repeat(zeros, observations.known))
 
 
+def spread_about_zeros(observations: Observations) -> float:
+    """Standard deviation of the outputs about the mean of those with one zero."""
+    parts = [observations.y[observations.zero == zero] for zero in np.unique(observations.zero)]
+    return float(np.std(np.concatenate([y - y.mean() for y in parts])))
+
+
 def zeros_disagree(model: Model, runs: Sequence[Run]) -> bool:
     """Whether the errors of a model of several imported runs with a common zero mostly lie in the runs' means."""
     if len(runs) < 2 or any(

@@ -89,8 +89,10 @@ class PositiveFit:
 
     @property
     def reversible_share(self) -> float:
-        """Share of the output range in the cells on the diagonal."""
-        return float(self.masses[self.triangle.i == self.triangle.j].sum() / self.masses.sum())
+        """Share of the output range in the cells on the diagonal; NaN for a constant output."""
+        total = float(self.masses.sum())
+        diagonal = float(self.masses[self.triangle.i == self.triangle.j].sum())
+        return diagonal / total if total else float("nan")
 
     def y(self, alpha: ArrayLike, beta: ArrayLike) -> Array:
         """y(α, β), vectorised."""
