@@ -173,3 +173,12 @@ def test_a_failing_hypothesis_is_a_sentence():
 def test_a_position_loop_is_refused_by_what_it_is(name):
     with pytest.raises(UsageError, match=r"is a position loop \(.*control_findings\.md"):
         certificate(thesis_surface("one_e"), {name: {}})
+
+
+def test_a_model_without_hysteresis_is_not_called_passive():
+    nodes = np.linspace(0.0, 10.0, 6)
+    found = certificate(FodTable(nodes, np.tile(nodes**2, (6, 1))), {})
+    assert not found.has_hysteresis
+    assert found.passive is None
+    assert found.verdict.startswith("Not decided: this model has no hysteresis")
+    assert certificate(thesis_surface("one_c"), {}).has_hysteresis

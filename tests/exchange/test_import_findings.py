@@ -149,3 +149,26 @@ def test_a_designed_sequence_is_checked_for_loop_direction_only():
     assert loop_findings(loop, designed=True) == []
     backwards = LoopRecord(U, _healthy()[::-1], LINE, "K", "mm")
     assert "output leads its input" in loop_findings(backwards, designed=True)[0]
+
+
+def _growing_cycles(rows):
+    """The input of a test whose cycles grow, from 8 % of its range on, with so many rows a half cycle."""
+    peaks = [0.0, 4, -4, 6, -6, 9, -9, 50, -50, 0]
+    return np.concatenate([np.linspace(a, b, rows + 1)[1:] for a, b in zip(peaks, peaks[1:])])
+
+
+def _noise_findings(u):
+    line = np.arange(2, u.size + 2)
+    return [f for f in loop_findings(LoopRecord(u, u, line, "mm", "kN")) if "opposite to the direction" in f]
+
+
+def test_small_cycles_are_no_noise_but_single_rows_are():
+    assert _noise_findings(_growing_cycles(4)) == []
+    noisy = _growing_cycles(40)
+    noisy[5::10] += 8.0
+    (found,) = _noise_findings(noisy)
+    assert "(small cycles not counted)" in found
+
+
+def test_a_single_row_of_a_short_record_is_no_noise():
+    assert _noise_findings(np.array([5.0, 4.0, *np.linspace(4.5, 50, 20), *np.linspace(48, 0, 20)])) == []

@@ -83,12 +83,31 @@ def test_units_follow_the_header(write, imported, units, field, moment):
     assert (run.input_unit, run.unit) == (field, moment)
 
 
+def test_a_lake_shore_8600_file_states_its_units_per_column(write, imported):
+    """The system is called SiMuNaughtH there (µ0 H in T), and the line before the data names both units."""
+    named = _imported(write, imported, _text(_blocks(), "SiMuNaughtH"))
+    assert (named.input_unit, named.unit) == ("T", "A m^2")
+    text = _text(_blocks(), "SomethingNew").replace("NData", "\tField\t\tMoment\n\t(Oe)\t\t(Am\xb2)\nNData")
+    run = _imported(write, imported, text)
+    assert (run.input_unit, run.unit) == ("Oe", "A m^2")
+
+
 def test_the_newer_header_with_spaces_is_read(write, imported):
     text = _text(_blocks()).replace(":  ", "        ").replace(" = ", "      ")
     run = _imported(write, imported, text)
     assert run.meta["forc"]["Units of measure"] == "Hybrid SI"
     assert run.meta["forc"]["HCal"] == "+1.000000E+00"
     assert run.meta["forc"]["curves"] == 8
+
+
+def test_the_initial_state_is_saturation_if_the_header_states_its_field(write, imported):
+    assert _imported(write, imported, _text(_blocks())).info.initial == "positive"
+    for field in (
+        "HSat           = +5.000000E-01",
+        "HSat           = unknown",
+    ):  # below the points; no number
+        text = _text(_blocks()).replace("HSat           = +2.000000E+00", field)
+        assert _imported(write, imported, text).info.initial is None
 
 
 def test_calibration_points_are_recognised_without_hcal(write, imported):

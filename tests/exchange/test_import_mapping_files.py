@@ -152,6 +152,43 @@ def test_a_wrong_mapping_is_refused_naming_its_key(mapped, change, said):
         mapped(DATA, PLAIN.replace(*change))
 
 
+def _with_output_unit(column, output, first=""):
+    return first + PLAIN.replace('unit = "um"', f'unit = "{column}"').replace(
+        'unit = "mm"', f'unit = "{output}"'
+    )
+
+
+@pytest.mark.parametrize(
+    ("column", "output", "stored", "factor"),
+    [
+        ("mA*h", "mAh", "mAh", 1.0),
+        ("mA.h", "Ah", "Ah", 1e-3),
+        ("kΩ", "ohm", "ohm", 1e3),
+        ("bar", "kPa", "kPa", 100.0),
+        ("mmol/g", "mol/kg", "mol/kg", 1.0),
+        ("mC", "C", "C", 1e-3),
+        ("beats", "beats", "beats", 1.0),  # unknown: a name
+        ("cm³(STP)/g", "cm³(STP)/g", "cm³(STP)/g", 1.0),
+    ],
+)
+def test_known_units_are_converted_and_unknown_ones_kept_as_names(mapped, column, output, stored, factor):
+    run = mapped(DATA, _with_output_unit(column, output))
+    assert run.unit == stored
+    np.testing.assert_allclose(run["position"], np.array([1000.0, 2000.0, 1500.0]) * factor)
+
+
+@pytest.mark.parametrize(("slip", "meant"), [("degc", "degC"), ("mmm", "mm"), ("mpa", "mPa")])
+def test_a_unit_that_looks_like_a_slip_is_refused_unless_it_is_listed(mapped, slip, meant):
+    with pytest.raises(ConfigError, match=f"'{slip}' is unknown; did you mean {meant}.*own_units"):
+        mapped(DATA, _with_output_unit(slip, slip))
+    assert mapped(DATA, _with_output_unit(slip, slip, f'own_units = ["{slip}"]')).unit == slip
+
+
+def test_an_unknown_unit_is_not_converted(mapped):
+    with pytest.raises(ConfigError, match="unit 'beats' is unknown and cannot be converted to 'mm'"):
+        mapped(DATA, _with_output_unit("beats", "mm"))
+
+
 def test_every_column_must_be_accounted_for(mapped):
     with pytest.raises(ConfigError, match="no column 'x', which mapping plain uses as position"):
         mapped("T;y\n1;2\n2;3\n")
@@ -220,7 +257,7 @@ specimen = { text = "A7" }
 @pytest.mark.parametrize(
     ("line", "message"),
     [
-        ('stress = { value = 5.0, unit = "mm" }', "unit of stress was expected"),
+        ('stress = { value = 5.0, unit = "mm" }', "unit of stress or pressure was expected"),
         ('stress = { text = "high" }', "a number was expected"),
         ('stress = { value = 5.0, column = "x", unit = "MPa" }', "exactly one of column, value and text"),
         ("stress = { value = 5.0 }", "needs its unit"),
@@ -230,3 +267,8 @@ specimen = { text = "A7" }
 def test_a_condition_has_one_source_and_a_fitting_unit(mapped, line, message):
     with pytest.raises(ConfigError, match=message):
         mapped(DATA, PLAIN + "[conditions]\n" + line + "\n")
+
+
+def test_an_arbitrary_zero_of_the_output_is_recorded(mapped):
+    assert mapped(DATA).info.encoder_zero is None
+    assert mapped(DATA, PLAIN + 'zero = "own"\n').info.encoder_zero == "own"

@@ -303,3 +303,26 @@ def test_steps_that_did_not_settle_are_counted_among_all_points():
     )
     run = Run(run.path, run.meta, run.columns, late, ())
     assert any("7 of 66 points" in w for w in identify(run, "positive").warnings)
+
+
+def _loops(clockwise):
+    """Growing loops of a surface, or the same loops run the other way round."""
+    inputs = swept(0.0, 60.0, 0.0, 120.0, 0.0, 174.1, 0.0, points=20)
+    outputs = driven_run("one_e", inputs).points()[1]
+    if clockwise:  # y = c u − P[u]: the output leads
+        outputs = 2 * np.ptp(outputs) / 174.1 * inputs - outputs
+    return made_run(inputs, outputs)
+
+
+def test_an_output_that_no_positive_measure_follows_gives_no_model():
+    with pytest.raises(
+        DataError, match=r"has no hysteresis and leaves .* Exchange input and output in the mapping"
+    ):
+        identify(_loops(clockwise=True), "positive")
+    assert identify(_loops(clockwise=False), "positive").positive.reversible_share < 0.5
+
+
+def test_a_single_valued_output_is_followed_by_a_measure_without_hysteresis():
+    inputs = swept(0.0, 100.0, 0.0, 60.0, 0.0, points=20)
+    found = identify(made_run(inputs, 0.01 * inputs**1.5), "positive")
+    assert found.positive.reversible_share > 0.99

@@ -4,6 +4,7 @@ It contains the classes (Def. 4.1), dissipativity, the storage and its bias from
 requested velocity controller, and its ``scope``. A number that no theorem gives is None.
 """
 
+import math
 from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass
 from typing import Any
@@ -89,8 +90,16 @@ class ModelCertificate:
         return limits(self.scope)
 
     @property
+    def has_hysteresis(self) -> bool:
+        """Whether the measure has any mass off the diagonal; without, the output is a function of the input."""
+        share = self.classes.reversible_share
+        return not (self.classes.positive and (math.isnan(share) or abs(share - 1.0) <= _ROUNDING))
+
+    @property
     def passive(self) -> bool | None:
         """Whether a theorem bounds the supplied energy from below; None if not decided."""
+        if not self.has_hysteresis:
+            return None
         if self.storage_bound.basis == "none":
             return False
         return True if self.storage_bound.proven else None
@@ -105,6 +114,11 @@ class ModelCertificate:
         """Whether the model is passive, and with which bias, in a sentence."""
         s = self.storage_bound
         bias = with_unit(s.energy, s.unit)
+        if not self.has_hysteresis:
+            return (
+                "Not decided: this model has no hysteresis (μ = 0 everywhere), so nothing follows for a system that "
+                "has some. Identify a model that follows its loops."
+            )
         if s.basis == "none":
             return "Not passive: some input extracts more energy from this model than was supplied."
         if s.basis == "undecided":

@@ -55,5 +55,7 @@ if TYPE_CHECKING:
     from smarig.core.toml_file import check_table as check_table
     from smarig.core.toml_file import load_toml as load_toml
     from smarig.core.toml_file import read_toml as read_toml
+    from smarig.core.unit_text import in_unit as in_unit
+    from smarig.core.unit_text import spaced as spaced
 else:
     __getattr__, __dir__, __all__ = lazy_exports(__name__)

@@ -1,6 +1,6 @@
 """Suspects: what the import of runs found, with the effect that would leave such a trace."""
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 
 from smarig.exchange import finding_kind
@@ -25,17 +25,17 @@ class Suspect:
         """Plain values."""
         return {"run": self.run, "finding": self.finding, "effect": self.effect}
 
-    @property
-    def text(self) -> str:
-        """One line."""
-        effect = f" It would match {self.effect}." if self.effect else ""
+    def text(self, not_testable: Collection[str] = ()) -> str:
+        """One line; ``not_testable`` are effects that the diagnosed data cannot show."""
+        hidden = ", which these data cannot show" if self.effect in not_testable else ""
+        effect = f" It would match {self.effect}{hidden}." if self.effect else ""
         return f"The import of {self.run} found: {self.finding}{effect}"
 
 
 def suspects(runs: Sequence[Run]) -> list[Suspect]:
     """The suspicious findings that runs keep from their import, except those that were repaired."""
     return [
-        Suspect(run.path.name.split(".")[0], sentence, MATCHES.get(kind))
+        Suspect(run.name, sentence, MATCHES.get(kind))
         for run in runs
         for sentence in run.info.warnings
         if (kind := finding_kind(sentence)) and not any(r.startswith(kind) for r in run.info.repairs)

@@ -6,6 +6,8 @@ Each finding is one sentence. The thresholds are chosen so that an undisturbed s
 import numpy as np
 from numpy.typing import NDArray
 
+from smarig.core import spaced
+
 Array = NDArray[np.float64]
 _COARSE = 0.002  # of the range: smaller steps are invisible in a hysteresis loop
 _SPIKE = 0.3  # of the 1–99 % range
@@ -25,7 +27,9 @@ def channel_findings(
     if values.size < 10:
         return []
     if np.ptp(values) == 0:
-        return [f"{name} is {values[0]:g} {unit} in every row. It is nominal or not connected, not measured."]
+        return [
+            f"{name} is {values[0]:g}{spaced(unit)} in every row. It is nominal or not connected, not measured."
+        ]
     stuck = [] if rests else _clipped(name, unit, values, where)  # a wire rests at both ends of its travel
     return stuck + _spikes(name, unit, values, where) + _steps(name, unit, values, rests)
 
@@ -92,7 +96,7 @@ def _clipped(name: str, unit: str, x: Array, line: NDArray[np.int64]) -> list[st
         return []
     rows = line[mask]
     return [
-        f"{name} is clipped at {x[mask][0]:g} {unit} in {rows.size} rows "
+        f"{name} is clipped at {x[mask][0]:g}{spaced(unit)} in {rows.size} rows "
         f"(from line {rows.min()} to {rows.max()}): the range of the sensor ends there. Marked as saturated."
     ]
 
@@ -120,7 +124,7 @@ def _spikes(name: str, unit: str, x: Array, line: NDArray[np.int64]) -> list[str
     k = int(np.argmax(np.where(lone[1:-1], height, 0.0))) + 1
     return [
         f"{name} has single-row spikes in {int(lone.sum())} place(s), the largest "
-        f"{f'{x[k]:g} {unit}'.strip()} between {x[k - 1]:g} and {x[k + 1]:g} (line {line[k]}); "
+        f"{f'{x[k]:g}{spaced(unit)}'.strip()} between {x[k - 1]:g} and {x[k + 1]:g} (line {line[k]}); "
         f"kept as they are."
     ]
 
@@ -135,5 +139,7 @@ def _steps(name: str, unit: str, x: Array, rests: bool) -> list[str]:
         )
     step = quantum(x)
     if step and step > _COARSE * np.ptp(x):
-        out.append(f"{name} comes in steps of {step:g} {unit} ({100 * step / np.ptp(x):.1f} % of its range).")
+        out.append(
+            f"{name} comes in steps of {step:g}{spaced(unit)} ({100 * step / np.ptp(x):.1f} % of its range)."
+        )
     return out

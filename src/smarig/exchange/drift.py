@@ -12,7 +12,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.core import DataError
+from smarig.core import DataError, spaced
 from smarig.record import Run
 
 Array = NDArray[np.float64]
@@ -40,9 +40,11 @@ class DriftDecision:
         """The decision with its figures."""
         raw = self.error["none"]
         tried = {k: e for k, e in self.error.items() if k != "none"}
-        figures = ", ".join(f"{e:.4g} {unit} with {k} correction" for k, e in tried.items())
+        figures = ", ".join(f"{e:.4g}{spaced(unit)} with {k} correction" for k, e in tried.items())
         verdict = "left as it is" if self.kind == "none" else f"{self.kind} correction helps"
-        return f"Drift: held-out error {raw:.4g} {unit} as measured, {figures} (n = {self.n}): {verdict}."
+        return (
+            f"Drift: held-out error {raw:.4g}{spaced(unit)} as measured, {figures} (n = {self.n}): {verdict}."
+        )
 
     def record(self) -> dict[str, Any]:
         """The decision as plain data, for the description of a run."""

@@ -11,14 +11,21 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.core import DataError
+from smarig.core import DataError, spaced
 from smarig.exchange.text_table import read_text
+from smarig.exchange.units import spelled
 
 Array = NDArray[np.float64]
-_UNITS = {"hybrid si": ("T", "A m^2"), "si": ("A/m", "A m^2"), "cgs": ("Oe", "emu")}
+_UNITS = {
+    "hybrid si": ("T", "A m^2"),
+    "simunaughth": ("T", "A m^2"),  # Lake Shore 8600: the field is µ0 H
+    "si": ("A/m", "A m^2"),
+    "cgs": ("Oe", "emu"),
+}
 _NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?"
 _DATA = re.compile(rf"\s*({_NUMBER})\s*[,;\s]\s*({_NUMBER})(?:\s*[,;\s]\s*({_NUMBER}))*\s*")
 _KEY = re.compile(r"\s*(\S.*?)\s*(?:[:=]\s+|[:=]$|\s{2,})(.*\S)?\s*")
+_COLUMN_UNITS = re.compile(r"\s*\(([^()]+)\)[\s,;]*\(([^()]+)\)[\s,;]*(?:\([^()]+\)[\s,;]*)*")
 _DATE = re.compile(r"\s*\d+[/.-]\d+[/.-]\d+")
 _NEAR = 0.05  # of HCal: distance within which a point is a calibration point
 
@@ -46,6 +53,12 @@ class ForcFile:
         return int(self.curve.max(initial=-1)) + 1
 
     @property
+    def saturated_first(self) -> bool:
+        """Whether the sample was saturated before the first point, at a field (HSat) that no point exceeds."""
+        h_sat = _number(self.header, "HSat")
+        return h_sat is not None and h_sat >= float(self.field.max())
+
+    @property
     def calibration(self) -> NDArray[np.bool_]:
         """Mask (n,) of the calibration points."""
         return self.curve < 0
@@ -56,7 +69,7 @@ def read_forc(path: Path) -> ForcFile:
     text, notes = read_text(path)
     lines = text.splitlines()
     header, blocks, where = _parse(path, lines)
-    units = _units(path, header)
+    units = _column_units(lines[: where[0]]) or _header_units(path, header)
     h_cal = _number(header, "HCal", "Field (HCal)", "Calibration field")
     calibration = [_is_calibration(blocks, k, h_cal) for k in range(len(blocks))]
     if all(calibration):
@@ -112,12 +125,25 @@ def _is_footer(line: str) -> bool:
     return "data file ends" in line.lower()
 
 
-def _units(path: Path, header: dict[str, str]) -> tuple[str, str]:
+def _column_units(head: list[str]) -> tuple[str, str] | None:
+    """The units of field and moment from the line that states them per column, as in "(T)   (A m^2)"."""
+    found = [match for line in head if (match := _COLUMN_UNITS.fullmatch(line))]
+    return (spelled(found[-1][1]), spelled(found[-1][2])) if found else None
+
+
+def _header_units(path: Path, header: dict[str, str]) -> tuple[str, str]:
+    """The units that the header's system of units stands for."""
     unit_name = next((v for k, v in header.items() if k.lower().startswith("units of measure")), None)
+    known = "Hybrid SI, SiMuNaughtH, SI or cgs"
     if unit_name is None:
-        raise DataError(f"{path}: the header has no 'Units of measure'. Expected Hybrid SI, SI or cgs.")
+        raise DataError(
+            f"{path}: the header has no 'Units of measure'. Expected {known}, or a line of units such as (T) (A m^2)."
+        )
     if unit_name.lower() not in _UNITS:
-        raise DataError(f"{path}: units of measure '{unit_name}' are unknown. Expected Hybrid SI, SI or cgs.")
+        raise DataError(
+            f"{path}: units of measure '{unit_name}' are unknown. Expected {known}, or a line of units such as "
+            "(T) (A m^2)."
+        )
     return _UNITS[unit_name.lower()]
 
 
@@ -187,18 +213,18 @@ def _calibration_findings(forc: ForcFile) -> list[str]:
         out.append(f"There are {int(at.sum())} calibration points for {forc.curves} curves.")
     m = forc.moment[at]
     out.append(
-        f"The moment at the {m.size} calibration points goes from {m[0]:.5g} to {m[-1]:.5g} {forc.units[1]} "
+        f"The moment at the {m.size} calibration points goes from {m[0]:.5g} to {m[-1]:.5g}{spaced(forc.units[1])} "
         f"(spread {100 * np.ptp(m) / abs(m.mean()):.2f} %)."
     )
     h_cal, h_sat = _number(forc.header, "HCal"), _number(forc.header, "HSat")
     if h_cal is not None and abs(np.median(forc.field[at]) / h_cal - 1) > 5e-4:
         out.append(
-            f"Calibration points lie at {np.median(forc.field[at]):.5g} {forc.units[0]}, "
+            f"Calibration points lie at {np.median(forc.field[at]):.5g}{spaced(forc.units[0])}, "
             f"but the header states {h_cal:.5g}."
         )
     if h_cal is not None and h_sat is not None and h_sat > h_cal:
         out.append(
-            f"The sample was saturated at {h_sat:g} {forc.units[0]} before each calibration point. "
+            f"The sample was saturated at {h_sat:g}{spaced(forc.units[0])} before each calibration point. "
             f"The file does not contain these points."
         )
     return out

@@ -10,12 +10,12 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-from smarig.core import DataError, StorageError, UsageError, catalogue_entry
+from smarig.core import DataError, StorageError, UsageError, catalogue_entry, in_unit
 from smarig.exchange.mapping import mapping_text
 from smarig.exchange.reader_result import RunDraft
 from smarig.exchange.repair import Repair, repaired
 from smarig.exchange.rig_constants import RigConstants
-from smarig.record import write_run
+from smarig.record import CONTINUED, Run, load_run, write_run
 
 LARGEST_BYTES = 2 * 10**9
 
@@ -40,13 +40,15 @@ def import_file(
     mapping: str | None = None,
     t0: float | None = None,
     wire: str | None = None,
+    continues: str | Path | None = None,
     repair: bool = False,
     force: bool = False,
 ) -> ImportReport:
     """Read ``path`` in ``format`` (csv, forc, …) and write the run ``out``.
 
     ``rig`` and ``mapping`` are names or paths. ``t0`` is the time in seconds of the file's zero on a clock shared
-    with other runs. ``wire`` is the identity of the wire. ``repair``: rows that the findings call faulty are masked or
+    with other runs. ``wire`` is the identity of the wire. ``continues`` is the imported part of the same record before
+    this one: the run then starts in its final state. ``repair``: rows that the findings call faulty are masked or
     dropped, and the run keeps which. Raises UsageError, ConfigError, DataError or
     StorageError. An existing file ``out`` is replaced only with ``force``.
     """
@@ -60,6 +62,7 @@ def import_file(
     read = catalogue_entry("smarig.exchange.readers", format)
     if target.exists() and not force:
         raise UsageError(f"{target} exists; give another name or --force to replace it.")
+    before = load_run(continues) if continues is not None else None
     draft = read(source, rig=rig, mapping=mapping)
     draft, repairs = repaired(draft) if repair else (draft, ())
     if t0 is not None:
@@ -67,6 +70,8 @@ def import_file(
     meta = _describe(source, format, rig, mapping, wire) | draft.meta | {"warnings": list(draft.warnings)}
     if t0 is not None:
         meta["t0_s"] = t0
+    if before is not None:
+        meta = _continued(meta, source, before)
     try:
         write_run(target, meta, draft.sql_columns(), list(draft.steps), force=force)
     except OSError as error:
@@ -80,6 +85,29 @@ def _shifted(draft: RunDraft, source: Path, t0: float) -> RunDraft:
     columns = {**draft.columns, "t_s": draft.columns["t_s"] + t0}
     steps = tuple((*s[:5], s[5] + t0, s[6] + t0, *s[7:]) for s in draft.steps)
     return RunDraft(columns, draft.meta, steps, draft.warnings)
+
+
+def _continued(meta: dict[str, Any], source: Path, before: Run) -> dict[str, Any]:
+    """The description of a run that continues another: its wire, its final state, and which data it continues."""
+    data = before.info.imported
+    if data is None or data.sha256 is None:
+        raise UsageError(
+            f"{before.path} is not an imported run. --continues needs the imported part before {source}."
+        )
+    if data.sha256 == meta["imported"]["sha256"]:
+        raise UsageError(f"{before.path} was imported from the data of {source}. Give the part before it.")
+    units = [meta.get(key, {}).get("unit", "") for key in ("input", "output")]
+    if units != [before.input_unit, before.unit]:
+        raise DataError(
+            f"{source} has its input {in_unit(units[0])} and its output {in_unit(units[1])}, but "
+            f"{before.path} has them "
+            f"{in_unit(before.input_unit)} and {in_unit(before.unit)}. Parts of one record need the same units."
+        )
+    wire = meta["wire"] or before.info.wire
+    if before.info.wire and wire != before.info.wire:
+        raise UsageError(f"{before.path} is of wire '{before.info.wire}', not of '{wire}'. Name one wire.")
+    part = {"continues": before.path.name, "continues_sha256": data.sha256}
+    return meta | {"wire": wire, "initial": CONTINUED, "imported": meta["imported"] | part}
 
 
 def _describe(

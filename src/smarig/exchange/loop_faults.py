@@ -9,6 +9,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
+from smarig.core import spaced
 from smarig.exchange.channel_faults import quantum
 from smarig.measurement import dropouts
 from smarig.preisach import turning_points
@@ -19,6 +20,9 @@ _JUMP = 0.1  # of the output's range, from one row to the next
 _OPEN = 0.01  # of the output's range
 _SAME = 0.05  # of the input's range: within it, visits are of one input
 _CONTRARY = 0.01  # of the input's range
+_FEWEST_FALSE = 3  # rows: fewer are no noise
+_CYCLE = 0.05  # of the input's range: smallest leg of a small cycle
+_CYCLE_ROWS = 3  # fewest rows of such a leg
 
 
 @dataclass(frozen=True)
@@ -95,25 +99,36 @@ def _jumps(loop: LoopRecord) -> list[str]:
     k = int(np.argmax(step))
     return [
         f"The output jumps by more than {_JUMP:.0%} of its range between neighbouring rows in "
-        f"{int(large.sum())} place(s), at most {loop.y[k + 1] - loop.y[k]:+.4g} {loop.output_unit} from line "
+        f"{int(large.sum())} place(s), at most {loop.y[k + 1] - loop.y[k]:+.4g}{spaced(loop.output_unit)} from line "
         f"{loop.line[k]} to {loop.line[k + 1]}: the values in between were not sampled."
     ]
 
 
 def _false_reversals(loop: LoopRecord, turns: list[int]) -> list[str]:
+    """Rows against the direction of their branch that are noise: not those of small cycles within it."""
     moves = np.diff(loop.u)
     direction = np.zeros(moves.size)
     for a, b in pairwise(turns):
         direction[a:b] = np.sign(loop.u[b] - loop.u[a])
-    back = np.where(moves * direction < 0, np.abs(moves), 0.0)
+    back = np.where((moves * direction < 0) & ~_small_cycles(loop.u), np.abs(moves), 0.0)
     false = back > _CONTRARY * np.ptp(loop.u)
-    if false.mean() < 0.01:
+    if false.sum() < _FEWEST_FALSE or false.mean() < 0.01:
         return []
     return [
         f"The input moves opposite to the direction of its branch in {int(false.sum())} rows, by up to "
         f"{back.max():.3g} "
-        f"{loop.input_unit}: a hysteresis model takes such noise for reversals. Smooth it or use a threshold."
+        f"{loop.input_unit} (small cycles not counted): a hysteresis model takes such noise for reversals. "
+        f"Smooth it or use a threshold."
     ]
+
+
+def _small_cycles(u: Array) -> NDArray[np.bool_]:
+    """Moves (n − 1,) on legs of several rows that are large against the scatter of the input: cycles, not noise."""
+    span = float(np.ptp(u))
+    found = np.zeros(u.size - 1, dtype=bool)
+    for a, b in pairwise(sorted({0, *turning_points(u, _CONTRARY * span), u.size - 1})):
+        found[a:b] = b - a >= _CYCLE_ROWS and abs(u[b] - u[a]) >= _CYCLE * span
+    return found
 
 
 def _not_closed(loop: LoopRecord, turns: list[int]) -> list[str]:
@@ -132,7 +147,7 @@ def _not_closed(loop: LoopRecord, turns: list[int]) -> list[str]:
             path = [y[0], y[-1]] if y.size == 2 else [y[0], y[1], y[-1]]
             shown = (" → … → " if y.size > 3 else " → ").join(f"{v:.4g}" for v in path)
             out.append(
-                f"{end} the output goes {shown} {loop.output_unit} over {y.size} visits "
+                f"{end} the output goes {shown}{spaced(loop.output_unit)} over {y.size} visits "
                 f"({100 * (y[-1] - y[0]) / np.ptp(loop.y):+.1f} % of the range): the loop does not close."
             )
     return out
@@ -184,6 +199,6 @@ def _centre(loop: LoopRecord) -> list[str]:
     if temperature or low >= -0.2 * high or high <= -0.2 * low or abs(centre) < 0.02 * half:
         return []
     return [
-        f"The input is not symmetric: {low:.4g} … {high:.4g} {loop.input_unit}, centre {centre:+.3g}. "
+        f"The input is not symmetric: {low:.4g} … {high:.4g}{spaced(loop.input_unit)}, centre {centre:+.3g}. "
         f"Check the source for an offset, unless this is intended."
     ]

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.core import DataError
+from smarig.core import DataError, spaced
 from smarig.exchange.channel_faults import quantum, unused_findings
 from smarig.exchange.findings import duplicate_columns, record_findings, repeated_rows, saturation_marks
 from smarig.exchange.loop_faults import LoopRecord, loop_findings
@@ -17,7 +17,9 @@ from smarig.exchange.reader_result import RunDraft, directions, step_row
 from smarig.exchange.text_table import Table, TableLayout, read_table
 from smarig.exchange.time_axis import check_time, merge_repeats, time_findings
 from smarig.exchange.unit_conversion import convert
+from smarig.exchange.units import spelled
 from smarig.exchange.value_bounds import check_bounds, check_strain
+from smarig.record import OWN_ZERO
 
 Array = NDArray[np.float64]
 
@@ -169,18 +171,20 @@ def _conditions(path: Path, table: Table, mapping: MappingFile) -> tuple[dict[st
             out[name] = {"text": column.text}
             continue
         if column.value is not None:
-            out[name] = {"unit": column.unit} | dict.fromkeys(("mean", "min", "max"), column.value)
+            out[name] = {"unit": spelled(column.unit)} | dict.fromkeys(("mean", "min", "max"), column.value)
             continue
         x = _scaled(table, column)
         if not np.isfinite(x).any():
             raise DataError(f"{path}: column '{column.column}' holds no number.")
         mean, low, high = float(np.nanmean(x)), float(np.nanmin(x)), float(np.nanmax(x))
-        out[name] = {"unit": column.unit, "mean": mean, "min": low, "max": high}
+        out[name] = {"unit": spelled(column.unit), "mean": mean, "min": low, "max": high}
         if low == high:
-            messages.append(f"{name} is exactly {low:g} {column.unit} in every row: nominal, not measured.")
+            messages.append(
+                f"{name} is exactly {low:g}{spaced(column.unit)} in every row: nominal, not measured."
+            )
         elif high - low > 0.1 * abs(mean):
             messages.append(
-                f"{name} was not constant: {low:.4g} … {high:.4g}, mean {mean:.4g} {column.unit}."
+                f"{name} was not constant: {low:.4g} … {high:.4g}, mean {mean:.4g}{spaced(column.unit)}."
             )
     return out, messages
 
@@ -195,21 +199,21 @@ def _compare_sensors(path: Path, table: Table, mapping: MappingFile, columns: di
         pair = f"'{compare.columns[0]}' and '{compare.columns[1]}'"
         if bad.mean() > 0.5:
             raise DataError(
-                f"{path}: columns {pair} disagree by more than {compare.within:g} {compare.unit} in "
+                f"{path}: columns {pair} disagree by more than {compare.within:g}{spaced(compare.unit)} in "
                 f"{int(bad.sum())} of {bad.size} rows; one of the two sensors failed."
             )
         for channel in compare.blames if bad.any() else ():
             columns[channel][bad] = np.nan
         if bad.any():
             messages.append(
-                f"Columns {pair} disagree by up to {np.nanmax(apart):.3g} {compare.unit} in {int(bad.sum())} "
+                f"Columns {pair} disagree by up to {np.nanmax(apart):.3g}{spaced(compare.unit)} in {int(bad.sum())} "
                 f"rows (lines {table.line[bad].min()}–{table.line[bad].max()}); "
                 f"{', '.join(compare.blames) or 'nothing'} is left out there."
             )
         usual = float(np.median(apart[~bad]))
         if usual > 0.2 * compare.within:
             messages.append(
-                f"In the other rows, columns {pair} still differ by {usual:.2g} {compare.unit} (median)."
+                f"In the other rows, columns {pair} still differ by {usual:.2g}{spaced(compare.unit)} (median)."
             )
     return messages
 
@@ -249,6 +253,8 @@ def _meta(mapping: MappingFile, columns: dict[str, Array], conditions: dict, tab
             "unit": mapping.output.unit,
             "per_count": resolution,
         }
+        if mapping.output.zero == "own":
+            meta["encoder_zero"] = OWN_ZERO
     if mapping.initial:
         meta["initial"] = mapping.initial
     if conditions:

@@ -1,15 +1,18 @@
 """Mapping files (configs/imports/NAME.toml): the meaning of the columns of a data file. Units are never guessed."""
 
 import re
+from collections.abc import Iterator
 from pathlib import Path
-from typing import Literal
+from typing import Annotated, Literal
 
-from pydantic import Field, model_validator
+from pydantic import AfterValidator, Field, model_validator
 
 from smarig.config import locate
 from smarig.core import ConfigError, TomlTable, UsageError, load_toml
-from smarig.exchange.unit_conversion import dimension
+from smarig.exchange.unit_conversion import check_same_quantity, check_unit
+from smarig.exchange.units import spelled
 
+Unit = Annotated[str, AfterValidator(spelled)]
 ChannelName = Literal[
     "current_command_A",
     "current_A",
@@ -27,12 +30,12 @@ CHANNEL_UNITS = {
     "ambient_degC": "degC",
 }
 
-CONDITION_DIMENSIONS = {
-    "stress": "stress",
-    "load": "force",
-    "room_temperature": "temperature",
-    "chamber_temperature": "temperature",
-    "frequency": "frequency",
+CONDITION_UNITS = {
+    "stress": "MPa",
+    "load": "N",
+    "room_temperature": "degC",
+    "chamber_temperature": "degC",
+    "frequency": "Hz",
 }  # conditions that runs are compared by; a text such as specimen, and other names, are kept and compared too
 
 
@@ -68,14 +71,14 @@ class TimeAxis(TomlTable):
     """[time]: a column, or a period with ``rows_per_period`` rows, within which the column then counts."""
 
     column: str = ""  # name of the column of times
-    unit: str = "s"  # unit of the column
+    unit: Unit = "s"  # unit of the column
     period_s: float | None = Field(default=None, gt=0)  # duration of a period in which the column counts
     rows_per_period: int = Field(default=1, ge=1)  # rows per period
     repeated: Literal["refuse", "mean", "keep_order"] = "refuse"  # treatment of rows with the same time
 
     @model_validator(mode="after")
     def _has_a_clock(self) -> "TimeAxis":
-        _expect(self.unit, "time", "unit")
+        _check_convertible(self.unit, "s", "unit")
         if not self.column and self.period_s is None:
             raise ValueError("give 'column' or 'period_s', or leave out [time] for data without time")
         return self
@@ -85,7 +88,7 @@ class Column(TomlTable):
     """One channel: value = scale × cell + offset, in ``unit``."""
 
     column: str  # name of the column in the file
-    unit: str  # unit of scale × cell + offset
+    unit: Unit  # unit of scale × cell + offset
     scale: float = Field(default=1.0, allow_inf_nan=False)  # factor of the cell
     offset: float = Field(default=0.0, allow_inf_nan=False)  # added after scaling
 
@@ -120,13 +123,19 @@ class MappedQuantity(TomlTable):
     """The quantity of input or output, and the unit in which it is stored."""
 
     quantity: str  # name of the quantity
-    unit: str  # unit in which it is stored
+    unit: Unit  # unit in which it is stored
 
 
 class InputChannel(MappedQuantity):
     """[input]: the channel that drives the hysteresis."""
 
     channel: ChannelName  # channel that drives the hysteresis
+
+
+class OutputChannel(MappedQuantity):
+    """[output]: quantity and unit of the position."""
+
+    zero: Literal["shared", "own"] = "shared"  # "own": the zero of each file is arbitrary
 
 
 class SensorComparison(TomlTable):
@@ -144,8 +153,9 @@ class MappingFile(TomlTable):
     name: str  # name of the mapping
     summary: str  # one line, for smarig list
     source: str  # origin of the data
+    own_units: tuple[str, ...] = ()  # unknown units that are close to a known one, and meant
     input: InputChannel  # channel that drives the hysteresis, with quantity and unit
-    output: MappedQuantity | None = None  # quantity and unit of the position
+    output: OutputChannel | None = None  # quantity and unit of the position
     file: TextLayout = TextLayout()  # layout of the text
     mat: MatLayout | None = None  # variables of MATLAB files
     time: TimeAxis | None = None  # time axis; leave out if the data have no time
@@ -168,19 +178,30 @@ class MappingFile(TomlTable):
             raise ValueError("[mat] is used with [columns] only; leave out [file] and [[branch]]")
         if self.mat and self.mat.loops != "none" and (self.time or self.steps != "none"):
             raise ValueError("the loops of [mat] have a number and no time; leave out [time] and steps")
+        for key, unit in self._units():
+            _check_unit(unit, self.own_units, key)
         for name, condition in self.conditions.items():
-            if expected := CONDITION_DIMENSIONS.get(name):
+            if expected := CONDITION_UNITS.get(name):
                 if condition.text:
                     raise ValueError(f"conditions.{name}: a text was given, but a number was expected")
-                _expect(condition.unit, expected, f"conditions.{name}.unit")
+                _check_convertible(condition.unit, expected, f"conditions.{name}.unit")
         for where, columns in self.tables():
             if self.input.channel not in columns:
                 raise ValueError(f"{where} has no '{self.input.channel}', which [input] names as its channel")
             if ("position" in columns) != (self.output is not None):
                 raise ValueError(f"[output] and {where}.position belong together; give both or neither")
             for channel, column in columns.items():
-                _expect(column.unit, dimension(self.unit_of(channel)), f"{where}.{channel}.unit")
+                _check_convertible(column.unit, self.unit_of(channel), f"{where}.{channel}.unit")
         return self
+
+    def _units(self) -> Iterator[tuple[str, str]]:
+        """Each unit of the file with its key."""
+        yield "input.unit", self.input.unit
+        if self.output:
+            yield "output.unit", self.output.unit
+        for where, columns in self.tables():
+            yield from ((f"{where}.{channel}.unit", column.unit) for channel, column in columns.items())
+        yield from ((f"conditions.{name}.unit", c.unit) for name, c in self.conditions.items())
 
     def tables(self) -> list[tuple[str, dict[ChannelName, Column]]]:
         """Column tables with their names, in the order in which they are unfolded."""
@@ -245,10 +266,15 @@ def require_columns(mapping: MappingFile, names: list[str], path: Path, noun: st
         )
 
 
-def _expect(unit: str, expected: str, key: str) -> None:
+def _check_unit(unit: str, own: tuple[str, ...], key: str) -> None:
     try:
-        found = dimension(unit)
+        check_unit(unit, own)
     except UsageError as error:
         raise ValueError(f"{key}: {error}") from None
-    if found != expected:
-        raise ValueError(f"{key}: '{unit}' is a unit of {found}, but a unit of {expected} was expected")
+
+
+def _check_convertible(unit: str, to: str, key: str) -> None:
+    try:
+        check_same_quantity(unit, to)
+    except UsageError as error:
+        raise ValueError(f"{key}: {error}") from None

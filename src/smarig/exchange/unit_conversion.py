@@ -1,67 +1,34 @@
-"""Units of data files and their conversion.
+"""Conversion of the units of data files.
 
-Fields are compared in vacuum: 1 Oe ↔ 1e-4 T ↔ 1e3/(4π) A/m.
+Fields are compared in vacuum: 1 Oe ↔ 1e-4 T ↔ 1e3/(4π) A/m. An unknown unit is a quantity of its own: its values stay
+as they are.
 """
 
-import math
+from collections.abc import Sequence
 from typing import Any
 
-from smarig.core import UsageError, suggestion
-
-_MU_0 = 4e-7 * math.pi
-
-# unit: (dimension, factor, offset); value in the dimension's first unit = factor × value + offset
-_UNITS: dict[str, tuple[str, float, float]] = {
-    "s": ("time", 1.0, 0.0),
-    "ms": ("time", 1e-3, 0.0),
-    "us": ("time", 1e-6, 0.0),
-    "min": ("time", 60.0, 0.0),
-    "h": ("time", 3600.0, 0.0),
-    "A": ("current", 1.0, 0.0),
-    "mA": ("current", 1e-3, 0.0),
-    "V": ("voltage", 1.0, 0.0),
-    "mV": ("voltage", 1e-3, 0.0),
-    "kV": ("voltage", 1e3, 0.0),
-    "degC": ("temperature", 1.0, 0.0),
-    "K": ("temperature", 1.0, -273.15),
-    "degF": ("temperature", 5 / 9, -160 / 9),
-    "mm": ("length", 1.0, 0.0),
-    "um": ("length", 1e-3, 0.0),
-    "nm": ("length", 1e-6, 0.0),
-    "m": ("length", 1e3, 0.0),
-    "deg": ("angle", 1.0, 0.0),
-    "rad": ("angle", 180 / math.pi, 0.0),
-    "count": ("raw counts", 1.0, 0.0),
-    "mm/mm": ("ratio", 1.0, 0.0),
-    "1": ("ratio", 1.0, 0.0),
-    "%": ("ratio", 1e-2, 0.0),
-    "MPa": ("stress", 1.0, 0.0),
-    "kPa": ("stress", 1e-3, 0.0),
-    "GPa": ("stress", 1e3, 0.0),
-    "N": ("force", 1.0, 0.0),
-    "kN": ("force", 1e3, 0.0),
-    "Hz": ("frequency", 1.0, 0.0),
-    "mHz": ("frequency", 1e-3, 0.0),
-    "T": ("magnetic field", 1.0, 0.0),
-    "mT": ("magnetic field", 1e-3, 0.0),
-    "Oe": ("magnetic field", 1e-4, 0.0),
-    "A/m": ("magnetic field", _MU_0, 0.0),
-    "A m^2": ("magnetic moment", 1.0, 0.0),
-    "emu": ("magnetic moment", 1e-3, 0.0),
-    "uC/cm^2": ("polarisation", 1.0, 0.0),
-    "C/m^2": ("polarisation", 100.0, 0.0),
-}
+from smarig.core import UsageError
+from smarig.exchange.units import UNITS, meant, spelled
 
 
 def dimension(unit: str) -> str:
-    """The quantity that a unit measures; UsageError with the nearest unit if it is unknown.
+    """The quantity that a unit measures; that of an unknown unit is the unit itself.
 
-    >>> dimension("Oe")
-    'magnetic field'
+    >>> dimension("Oe"), dimension("beats")
+    ('magnetic field', 'beats')
     """
-    if unit not in _UNITS:
-        raise UsageError(f"unit '{unit}' is unknown{suggestion(unit, list(_UNITS))}")
-    return _UNITS[unit][0]
+    return UNITS[spelled(unit)][0] if spelled(unit) in UNITS else spelled(unit)
+
+
+def check_unit(unit: str, own: Sequence[str] = ()) -> None:
+    """Raise UsageError for an unknown unit that is a slip of a known one, unless it is listed in ``own``."""
+    if spelled(unit) in UNITS or unit in own:
+        return
+    if near := meant(unit):
+        raise UsageError(
+            f"unit '{unit}' is unknown; did you mean {near}? To use '{unit}' as it is, add the line own_units = "
+            f'["{unit}"] above the tables of the mapping'
+        )
 
 
 def convert(values: Any, unit: str, to: str) -> Any:
@@ -71,9 +38,18 @@ def convert(values: Any, unit: str, to: str) -> Any:
     >>> convert(300.0, "K", "degC"), convert(1.5, "%", "mm/mm")
     (26.85..., 0.015)
     """
-    if dimension(unit) != dimension(to):
-        raise UsageError(f"'{unit}' is a unit of {dimension(unit)}, '{to}' is a unit of {dimension(to)}")
-    if unit == to:
+    check_same_quantity(unit, to)
+    if spelled(unit) == spelled(to):
         return values
-    (_, a, b), (_, c, d) = _UNITS[unit], _UNITS[to]
+    (_, a, b), (_, c, d) = UNITS[spelled(unit)], UNITS[spelled(to)]
     return (a * values + b - d) / c
+
+
+def check_same_quantity(unit: str, to: str) -> None:
+    """Raise UsageError if two units measure different quantities, or if one is unknown and the other is not it."""
+    if dimension(unit) == dimension(to):
+        return
+    for one, other in ((unit, to), (to, unit)):
+        if spelled(one) not in UNITS:
+            raise UsageError(f"unit '{one}' is unknown and cannot be converted to '{other}'")
+    raise UsageError(f"'{unit}' is a unit of {dimension(unit)}, but a unit of {dimension(to)} was expected")

@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.core import DataError
+from smarig.core import DataError, spaced
 
 Array = NDArray[np.float64]
 _BOUNDS = {  # channel: (lowest, highest, unit), with a wide margin
@@ -25,8 +25,8 @@ def check_bounds(path: Path, channel: str, column: str, x: Array, line: NDArray[
     bad = np.flatnonzero((x < low) | (x > high))
     if bad.size:
         raise DataError(
-            f"{path}, line {line[bad[0]]}, column '{column}': {x[bad[0]]:g} {unit} as {channel} lies outside "
-            f"{low:g} … {high:g} {unit}. Is the unit right?"
+            f"{path}, line {line[bad[0]]}, column '{column}': {x[bad[0]]:g}{spaced(unit)} as {channel} lies outside "
+            f"{low:g} … {high:g}{spaced(unit)}. Is the unit right?"
         )
 
 

@@ -6,6 +6,8 @@ from smarig.core.lazy_exports import lazy_exports
 
 if TYPE_CHECKING:
     from smarig.identification.adaptive import informed_choice as informed_choice
+    from smarig.identification.assumed_starts import assumed_starts as assumed_starts
+    from smarig.identification.assumed_starts import assumed_starts_text as assumed_starts_text
     from smarig.identification.calibration.calibrate import Calibration as Calibration
     from smarig.identification.calibration.calibrate import calibrate as calibrate
     from smarig.identification.calibration.holds import valid_rows as valid_rows

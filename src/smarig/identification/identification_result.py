@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 from typing import Any
 
+from smarig.core import spaced
 from smarig.identification.density_report import DensityReport
 from smarig.identification.extended.choose_extension import ExtensionChoice
 from smarig.identification.fod_data import FodData
@@ -93,5 +94,5 @@ class Identification:
             )
         return (
             f"Identification({self.surface} from {fit['points']} points {where}: "
-            f"rms {fit['rms']:.3g} {self.model.unit}{held_out}; {d!r}; {len(self.warnings)} warning(s))"
+            f"rms {fit['rms']:.3g}{spaced(self.model.unit)}{held_out}; {d!r}; {len(self.warnings)} warning(s))"
         )

@@ -14,7 +14,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.core import DataError, UsageError, suggestion
+from smarig.core import DataError, UsageError, spaced, suggestion
+from smarig.identification.assumed_starts import assumed_starts, assumed_starts_text
 from smarig.identification.density_report import DensityReport, density_report
 from smarig.identification.extended.choose_extension import choose_extension
 from smarig.identification.extended.fitted_extension import NONE, extension_names
@@ -27,6 +28,13 @@ from smarig.identification.noise_floor import noise_floor
 from smarig.identification.positive.observations import Observations
 from smarig.identification.positive.positive_fit import PositiveFit, fit_positive
 from smarig.identification.rows_used import rows_of_runs, without_dropouts
+from smarig.identification.run_zeros import (
+    DISAGREE,
+    disagreement_text,
+    spread_about_zeros,
+    with_own_zeros,
+    zeros_disagree,
+)
 from smarig.identification.surface.choose_surface import (
     MOST_OBSERVATIONS,
     choose_surface,
@@ -44,11 +52,13 @@ from smarig.identification.surface.measured_table import table
 from smarig.identification.surface.surface_fit import ROOT_WEIGHT, MajorLoopWeighting, SurfaceFit, fit_surface
 from smarig.identification.surface.surface_kinds import BEST_KIND, POSITIVE_KIND, surface_kinds
 from smarig.preisach import Everett, FodSurface, FodTable, ForcTable, Mirrored, surface_forms
-from smarig.record import FORC_PROTOCOL, Run, load_run
+from smarig.record import FORC_PROTOCOL, OWN_ZERO, Run, load_run
 from smarig.replay import Model, NoiseRecord, file_hash, model_metadata, pooled_conditions, provenance
 
 _LARGEST_VALUE = 1e30
 _UNEXPLAINED_SHARE = 0.9  # of the output's standard deviation: a fit with larger residuals hardly follows it
+_NO_HYSTERESIS = 1 - 1e-6  # share of the measure on the diagonal: hardly any hysteresis is left
+_UNFOLLOWED_SHARE = 0.3  # of the output's standard deviation: a fit without hysteresis must leave less
 _LEAST_CORRELATION = 0.3  # of output and input: with a smaller one, the output does not follow its input
 
 
@@ -114,7 +124,7 @@ def identify(
     fit, floor = found.fit, noise_floor(loaded)
     late = _unsettled_warning(loaded, data, found)
     model = Model(
-        name=f"{loaded[0].info.wire or loaded[0].path.name.split('.')[0]} {kind}",
+        name=f"{loaded[0].info.wire or loaded[0].name} {kind}",
         hysteresis=Mirrored(found.image) if found.mirrored else found.image,
         mirrored=found.mirrored,
         fit=found.figures,
@@ -128,8 +138,11 @@ def identify(
         warnings=(*curves.warnings, *found.warnings, *late, *pooled_conditions(loaded)),
         **model_metadata(loaded),
     )
+    remarks = assumed_starts_text(assumed_starts(model, loaded), model.unit)
+    if found.positive and select is None and zeros_disagree(model, loaded):
+        remarks += _zeros_remark(loaded, found.positive, symmetric)
     plain = Identification(
-        model=model,
+        model=replace(model, warnings=(*remarks, *model.warnings)),
         surface=kind,
         data=data,
         fit=fit,
@@ -140,6 +153,18 @@ def identify(
         rows=rows_of_runs(given, data, select, found.points),
     )
     return plain if extension == NONE else _extended(plain, loaded, extension, anchor, weights, symmetric)
+
+
+def _zeros_remark(runs: Sequence[Run], common: PositiveFit, symmetric: bool) -> list[str]:
+    """What a zero for each run would change, if it changes much."""
+    try:
+        apart = identify(
+            [run.with_meta(encoder_zero=OWN_ZERO) for run in runs], POSITIVE_KIND, symmetric=symmetric
+        )
+    except DataError:  # no measure follows the runs with zeros of their own
+        return []
+    own = apart.model.fit["rms"]
+    return [disagreement_text(common.rms, own, common.unit)] if own < DISAGREE * common.rms else []
 
 
 def _extended(
@@ -205,7 +230,9 @@ def _check_usable(y: NDArray[np.float64], alpha: NDArray[np.float64], unit: str)
     ):
         raise DataError("The runs contain values that are not finite or implausibly large.")
     if np.ptp(y) == 0:
-        raise DataError(f"The output is {y[0]:g} {unit} at every point. There is no motion to identify.")
+        raise DataError(
+            f"The output is {y[0]:g}{spaced(unit)} at every point. There is no motion to identify."
+        )
 
 
 def _surface(
@@ -243,7 +270,7 @@ def _positive(
     if points_alone:
         observations = Observations.of_fod(thinned(data, MOST_OBSERVATIONS))
     else:
-        observations = Observations.of_runs(runs)
+        observations = with_own_zeros(Observations.of_runs(runs), runs)
         kept = thinning_mask(observations.curve, MOST_OBSERVATIONS)
         ends = np.cumsum(observations.known)[:-1]
         points = observations.known, tuple(int(part.sum()) for part in np.split(kept, ends))
@@ -253,7 +280,7 @@ def _positive(
     if np.ptp(inputs) == 0:
         raise DataError(f"The input is {inputs[0]:g} at every point. The output is not driven.")
     fit, table, warnings = fit_positive(observations, symmetric=symmetric), None, []
-    spread = float(np.std(observations.y))
+    spread = spread_about_zeros(observations)
     if fit.rms > _UNEXPLAINED_SHARE * spread:
         turned = replace(observations, y=-observations.y)
         negative = fit_positive(turned, symmetric=symmetric)
@@ -274,6 +301,7 @@ def _positive(
             f"The model leaves {fit.rms / spread:.0%} of the output's standard deviation unexplained. The output "
             "hardly follows the input through a Preisach model. Diagnose the runs."
         )
+    _check_follows(fit, spread)
     figures = positive_figures(fit, observations, data, weights, select)
     return _FittedHysteresis(
         image=fit.table if table is None else table,
@@ -284,6 +312,17 @@ def _positive(
         positive=fit,
         points=points,
     )
+
+
+def _check_follows(fit: PositiveFit, spread: float) -> None:
+    """Raise DataError if the best positive measure has no hysteresis and misses that of the output (sd ``spread``)."""
+    if not fit.reversible_share <= _NO_HYSTERESIS and fit.rms > _UNFOLLOWED_SHARE * spread:
+        raise DataError(
+            "No positive measure follows this output: the best one has no hysteresis and leaves "
+            f"{fit.rms / spread:.0%} of the output's standard deviation unexplained, as if the output led its input. "
+            "Exchange input and output in the mapping (the columns of input and position, and [input] with [output]), "
+            "or identify a measure of any sign (--surface exponential or table)."
+        )
 
 
 def _correlation(runs: Sequence[Run]) -> float:

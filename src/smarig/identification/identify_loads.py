@@ -5,7 +5,7 @@ from datetime import UTC, datetime
 
 import numpy as np
 
-from smarig.core import DataError, UsageError
+from smarig.core import DataError, UsageError, spaced
 from smarig.identification.density_report import density_report
 from smarig.identification.extended.fitted_extension import NONE
 from smarig.identification.fod_data import first_order_points
@@ -52,7 +52,7 @@ def identify_loads(runs: Sequence[Run], condition: str) -> Identification:
     curves, floor = curve_report(data), noise_floor(runs)
     figures = error_figures(found.error, np.zeros(found.error.size, dtype=bool), 1.0)
     model = Model(
-        name=f"{runs[0].info.wire or runs[0].path.name.split('.')[0]} by {condition}",
+        name=f"{runs[0].info.wire or runs[0].name} by {condition}",
         hysteresis=table,
         mirrored=False,
         fit={**figures, "points": found.error.size, "select": None, "load": found.to_json()},
@@ -75,7 +75,7 @@ def identify_loads(runs: Sequence[Run], condition: str) -> Identification:
         choice=None,
         rows=rows_used(
             runs,
-            [len(r) - first for r, first in zip(records, plan.known)],
+            [len(r) - start.first for r, start in zip(records, plan.starts)],
             [r.size for r in plan.rows],
             THINNED,
         ),
@@ -100,6 +100,6 @@ def _warnings(found: LoadDependence) -> list[str]:
     if not found.at_bound:
         return []
     return [
-        f"{found.parameter} = {found.value:.3g} {found.unit} is at the end of its search, so these loads do not "
+        f"{found.parameter} = {found.value:.3g}{spaced(found.unit)} is at the end of its search, so these loads do not "
         "determine it."
     ]

@@ -13,6 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import t as student
 
+from smarig.core import spaced
+
 Array = NDArray[np.float64]
 
 
@@ -32,7 +34,7 @@ class Estimate:
 
     def __str__(self) -> str:
         low, high = self.ci95
-        return f"{self.value:.4g} {self.unit} (95 %: {low:.4g} to {high:.4g}, n = {self.n})"
+        return f"{self.value:.4g}{spaced(self.unit)} (95 %: {low:.4g} to {high:.4g}, n = {self.n})"
 
 
 def variance_inflation(residuals: Sequence[Array]) -> float:

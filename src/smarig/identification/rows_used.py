@@ -67,7 +67,7 @@ def rows_used(
         reasons = {MISSING: given - measured - lost, DROPPED: lost, UNKNOWN: measured - k, rest: k - n}
         left_out = {reason: count for reason, count in reasons.items() if count > 0}
         noun = "settled points" if run.settled else "rows"
-        found.append(RowsUsed(run.path.name.split(".")[0], given, n, noun, left_out))
+        found.append(RowsUsed(run.name, given, n, noun, left_out))
     return tuple(found)
 
 

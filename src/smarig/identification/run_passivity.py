@@ -13,9 +13,10 @@ from numpy.typing import NDArray
 
 from smarig.certify import HysteresisAnalysis, MeasuredPassivity, Units, reading_noise, segment_passivity
 from smarig.core import DataError
+from smarig.measurement import SATURATION_TOLERANCE, Start
 from smarig.preisach import Preisach, State
 from smarig.record import FORC_PROTOCOL, Run
-from smarig.replay import SATURATION_TOLERANCE, Model, Start, check_input, check_output, recorded_start
+from smarig.replay import Model, check_input, check_output, recorded_start
 
 _UNKNOWN = "the state at the start of the run is not known, and the input has not saturated since"
 _INPUT_MISSING = "the input was missing, so the memory is not known until it saturates"

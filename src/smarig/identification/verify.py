@@ -12,13 +12,15 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.core import DataError, UsageError
+from smarig.core import DataError, UsageError, spaced
+from smarig.identification.assumed_starts import assumed_starts, assumed_starts_text
 from smarig.identification.fod_data import first_order_points
 from smarig.identification.measured.load_dependence import expected_rms
 from smarig.identification.noise_floor import noise_floor
 from smarig.identification.point_selection import matches
 from smarig.identification.rows_used import without_dropouts
-from smarig.record import FORC_PROTOCOL, Run
+from smarig.identification.run_zeros import has_own_zero
+from smarig.record import FORC_PROTOCOL, Run, continues_run
 from smarig.replay import (
     Model,
     check_output,
@@ -101,7 +103,7 @@ class Verification:
 
     def __repr__(self) -> str:
         lines = ", ".join(
-            f"{r.run}: rms {r.settled.rms:.3g} {self.unit} (n = {r.settled.n})" for r in self.runs
+            f"{r.run}: rms {r.settled.rms:.3g}{spaced(self.unit)} (n = {r.settled.n})" for r in self.runs
         )
         return f"Verification({self.model}; {lines})"
 
@@ -121,12 +123,21 @@ def verify(
     selected = selected_points(several, select)
     predictions = simulate_runs(model, several)
     missing = missing_earlier_runs(model, several) if model.effects else []
-    counted = [
-        _verified(
-            model=model, run=run, predicted=p, selected=c, select=select, offset=offset, missing=missing
+    counted: list[RunVerification] = []
+    for k, (run, p, c) in enumerate(zip(several, predictions, selected)):
+        part = k > 0 and run.info.imported is not None and continues_run(several[k - 1], run)
+        counted.append(
+            _verified(
+                model=model,
+                run=run,
+                predicted=p,
+                selected=c,
+                select=select,
+                offset=offset,
+                missing=missing,
+                before=counted[-1] if part and not has_own_zero(run) else None,
+            )
         )
-        for run, p, c in zip(several, predictions, selected)
-    ]
     return Verification(model.name, model.unit, tuple(counted))
 
 
@@ -152,7 +163,9 @@ def _verified(
     select: str | None,
     offset: Offset,
     missing: Sequence[str],
+    before: RunVerification | None,
 ) -> RunVerification:
+    """The verification of one run; ``before`` is that of the part of the same record before it, with the same zero."""
     inputs, measured = run.points()
     counts = selected & np.isfinite(predicted)
     if not counts.any():
@@ -161,6 +174,8 @@ def _verified(
             "saturates. Also give the run before it, or start runs in saturation."
         )
     shift, kind = _offset(model, run, (measured - predicted)[counts], offset)
+    if before is not None and kind == "fitted" and offset != "fitted":
+        shift, kind = before.offset, before.offset_kind
     span = float(np.ptp(measured))
     outside = int(np.sum(out_of_range(model, inputs[counts])))
     early = 0 if run.info.protocol == FORC_PROTOCOL else int(np.sum(selected & ~counts))
@@ -175,7 +190,11 @@ def _verified(
         measured=measured,
         predicted=predicted + shift,
         counted=counts,
-        warnings=(*_validity_warnings(model, run), *_warnings(model, early, outside, kind, missing)),
+        warnings=(
+            *_validity_warnings(model, run),
+            *_warnings(model, early, outside, kind, missing, encoder=run.has("counts")),
+            *(assumed_starts_text(assumed_starts(model, [run]), model.unit) if before is None else ()),
+        ),
         expected=_expected(model, run),
     )
 
@@ -210,7 +229,7 @@ def _offset(model: Model, run: Run, difference: Array, offset: Offset) -> tuple[
     if known is not None:
         return known, "known"
     if offset == "known":
-        raise DataError(f"{run.path} does not state where its encoder was zeroed. Use a fitted offset.")
+        raise DataError(f"{run.path} does not state where its output is zero. Use a fitted offset.")
     return float(difference.mean()), "fitted"
 
 
@@ -223,6 +242,8 @@ def known_offset(model: Model, run: Run) -> float | None:
     mine = provenance(run)
     for made_from in model.provenance:
         same_file = mine.sha256 and mine.sha256 == made_from.sha256
+        if same_file and has_own_zero(run) and made_from is not model.provenance[0]:
+            return None
         same_session = mine.start_epoch is not None and (mine.start_epoch, mine.encoder_zero) == (
             made_from.start_epoch,
             made_from.encoder_zero,
@@ -255,7 +276,9 @@ def _validity_warnings(model: Model, run: Run) -> list[str]:
     return found
 
 
-def _warnings(model: Model, unknown: int, outside: int, kind: str, missing: Sequence[str]) -> tuple[str, ...]:
+def _warnings(
+    model: Model, unknown: int, outside: int, kind: str, missing: Sequence[str], *, encoder: bool
+) -> tuple[str, ...]:
     found = []
     if unknown:
         found.append(f"{unknown} points come before the memory is known and do not count.")
@@ -271,5 +294,6 @@ def _warnings(model: Model, unknown: int, outside: int, kind: str, missing: Sequ
             "given nor found at its path. The errors may be meaningless. Give all runs of the session."
         )
     if kind == "fitted":
-        found.append("The encoder's zero is not known for this run, so one additive offset was fitted.")
+        zero = "The encoder's zero" if encoder else "The zero of the output"
+        found.append(f"{zero} is not known for this run, so one additive offset was fitted.")
     return tuple(found)

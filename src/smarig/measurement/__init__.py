@@ -14,7 +14,6 @@ if TYPE_CHECKING:
     from smarig.measurement.condition_table import ConditionTable as ConditionTable
     from smarig.measurement.condition_table import condition_groups as condition_groups
     from smarig.measurement.input_record import InputRecord as InputRecord
-    from smarig.measurement.input_record import assumed_start as assumed_start
     from smarig.measurement.input_record import dropouts as dropouts
     from smarig.measurement.input_record import input_noise_sd as input_noise_sd
     from smarig.measurement.input_record import input_records as input_records
@@ -38,5 +37,12 @@ if TYPE_CHECKING:
     from smarig.measurement.measurement_effect import measurement_effects as measurement_effects
     from smarig.measurement.measurement_part import MeasurementPart as MeasurementPart
     from smarig.measurement.reading_rows import spread_rows as spread_rows
+    from smarig.measurement.starting_state import SATURATION_TOLERANCE as SATURATION_TOLERANCE
+    from smarig.measurement.starting_state import STARTS as STARTS
+    from smarig.measurement.starting_state import Start as Start
+    from smarig.measurement.starting_state import StartingState as StartingState
+    from smarig.measurement.starting_state import has_measured_input as has_measured_input
+    from smarig.measurement.starting_state import may_assume_start as may_assume_start
+    from smarig.measurement.starting_state import starting_state as starting_state
 else:
     __getattr__, __dir__, __all__ = lazy_exports(__name__)

@@ -3,18 +3,16 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from smarig.preisach import turning_points
-from smarig.record import Run
+from smarig.record import Run, continues_run
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 REVERSAL_MARGIN = 1.2  # times the range that noise of this size has over all rows
-START_SHARE = 0.1  # of the input's range: a start this close to an end of it counts as saturated there
 DROPOUT_STEPS = 3.0  # times the usual step from row to row
 DROPOUT_SHARE = 0.02  # of the input's range
 REVERSAL_SHARE = 0.01  # of the input's range: a smaller reversal is noise, too
@@ -27,7 +25,7 @@ class InputRecord:
     ``t`` is the time in s, or the row number without a clock. ``cycle`` is the number of cycles of the input before
     each row, continued over the runs of one list. ``conditions`` are the mean values recorded with the run, by name.
     ``row`` are the rows of the run. ``dropouts`` rows were left out because the input reads exactly 0 there, far from
-    the rows around them.
+    the rows around them. ``continues``: the record starts in the final state of the one before it in its list.
     """
 
     name: str
@@ -41,6 +39,7 @@ class InputRecord:
     initial: str | None = None
     dropouts: int = 0
     input_unit: str = ""
+    continues: bool = False
 
     def __len__(self) -> int:
         return self.u.size
@@ -50,6 +49,7 @@ def input_records(runs: Sequence[Run]) -> list[InputRecord]:
     """The records of runs in the given order; runs without a row are left out."""
     found: list[InputRecord] = []
     cycles = 0.0
+    before: Run | None = None
     for run in runs:
         u, y = run["input"], run["position"]
         row = np.flatnonzero(np.isfinite(u) & np.isfinite(y))
@@ -62,7 +62,7 @@ def input_records(runs: Sequence[Run]) -> list[InputRecord]:
         cycles = float(cycle[-1])
         found.append(
             InputRecord(
-                name=run.path.name.split(".")[0],
+                name=run.name,
                 u=u[row],
                 y=y[row],
                 t=run["t_s"][row] if clock else row.astype(float),
@@ -73,8 +73,10 @@ def input_records(runs: Sequence[Run]) -> list[InputRecord]:
                 initial=run.info.initial,
                 dropouts=int(lost.sum()),
                 input_unit=run.input_unit,
+                continues=before is not None and continues_run(before, run),
             )
         )
+        before = run
     return found
 
 
@@ -127,26 +129,6 @@ def rate_of(record: "InputRecord") -> float:
     """Mean |du/dt| of a record with a clock: range of the input times cycles over the duration."""
     cycles = max(float(record.cycle[-1] - record.cycle[0]), 0.25)
     return 2 * cycles * float(np.ptp(record.u)) / max(float(np.ptp(record.t)), 1e-12)
-
-
-def assumed_start(
-    u: Array, turns: Sequence[int], ends: tuple[float, float]
-) -> tuple[Literal["negative", "positive"], int]:
-    """(initial state, first row whose memory is known) of an input whose state at the start was not recorded.
-
-    A start within a tenth of the range from one of its ends (u₋, u₊) counts as saturated there. One half way is assumed
-    to come from the saturation behind it, and is known from its first reversal on.
-
-    >>> assumed_start(np.array([5.0, 9.0, 1.0]), [0, 1, 2], (0.0, 10.0))
-    ('negative', 1)
-    """
-    near = START_SHARE * (ends[1] - ends[0])
-    if u[0] <= ends[0] + near:
-        return "negative", 0
-    if u[0] >= ends[1] - near:
-        return "positive", 0
-    start = "negative" if u[turns[1]] > u[0] else "positive"
-    return start, (turns[1] if len(turns) > 2 else 0)
 
 
 def monotone_branches(u: Array, turns: Sequence[int]) -> Array:

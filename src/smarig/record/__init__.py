@@ -8,11 +8,13 @@ if TYPE_CHECKING:
     from smarig.record import schema as schema
     from smarig.record.clock_watch import ClockWatch as ClockWatch
     from smarig.record.continuation import Continuation as Continuation
+    from smarig.record.continued_run import continues_run as continues_run
     from smarig.record.metadata import is_timestamp as is_timestamp
     from smarig.record.recorder import Recorder as Recorder
     from smarig.record.recorder import write_run as write_run
     from smarig.record.run import CONTINUED as CONTINUED
     from smarig.record.run import FORC_PROTOCOL as FORC_PROTOCOL
+    from smarig.record.run import OWN_ZERO as OWN_ZERO
     from smarig.record.run import Event as Event
     from smarig.record.run import Run as Run
     from smarig.record.run import Step as Step

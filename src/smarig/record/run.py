@@ -3,7 +3,7 @@
 import sqlite3
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -17,6 +17,7 @@ from smarig.record.run_info import RunInfo
 from smarig.record.schema import SAMPLE_COLUMNS, VERSION
 
 CONTINUED = "continued"  # ``initial`` of a run that starts in the final state of the one before
+OWN_ZERO = "own"  # ``encoder_zero`` of an imported run whose zero is unrelated to that of other runs
 FORC_PROTOCOL = "first_order_reversal_curves"  # protocol of runs imported from FORC files
 _NO_ROWS = slice(0, 0)
 _LARGEST_STEP = 2**53  # larger integers are not exact in a column of floats
@@ -87,6 +88,15 @@ class Run(NotebookDisplay):
     def info(self) -> RunInfo:
         """The description, typed."""
         return RunInfo.of(self.meta)
+
+    @property
+    def name(self) -> str:
+        """The name of the file without the endings of run files: "qv.first3" for qv.first3.run.sqlite."""
+        return self.path.name.removesuffix(".sqlite").removesuffix(".run")
+
+    def with_meta(self, **entries: Any) -> "Run":
+        """The run with other entries of its description."""
+        return replace(self, meta={**self.meta, **entries})
 
     @property
     def complete(self) -> bool:

@@ -86,17 +86,22 @@ class EndInfo(StoredTable):
 @final
 @dataclass(frozen=True, kw_only=True)
 class ImportInfo(StoredTable):
-    """The file that a run was imported from: name, format, mapping file and hash."""
+    """The file that a run was imported from: name, format, mapping file and hash.
+
+    ``continues`` is the run file of the part of the record before it, ``continues_sha256`` the hash of its data.
+    """
 
     file: str | None = None
     format: str | None = None
     mapping: str | None = None
     sha256: str | None = None
+    continues: str | None = None
+    continues_sha256: str | None = None
 
     @classmethod
     def of(cls, table: Mapping[str, Any], /) -> Self:
         """Read a stored table."""
-        return cls(**_by_attribute(table, dict.fromkeys(("file", "format", "mapping", "sha256"), is_text)))
+        return cls(**_by_attribute(table, dict.fromkeys(_IMPORT_KEYS, is_text)))
 
 
 @final
@@ -165,6 +170,7 @@ class RunInfo(StoredTable):
         return cls(**found)
 
 
+_IMPORT_KEYS = ("file", "format", "mapping", "sha256", "continues", "continues_sha256")
 _TABLES = {"input": SignalInfo, "output": SignalInfo, "end": EndInfo, "imported": ImportInfo}
 
 

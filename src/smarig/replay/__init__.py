@@ -11,10 +11,7 @@ if TYPE_CHECKING:
     from smarig.replay.extended_model import extended_operator as extended_operator
     from smarig.replay.measured_input import MeasuredInput as MeasuredInput
     from smarig.replay.measured_input import driven_by_input as driven_by_input
-    from smarig.replay.memory_history import SATURATION_TOLERANCE as SATURATION_TOLERANCE
     from smarig.replay.memory_history import MemoryHistory as MemoryHistory
-    from smarig.replay.memory_history import Start as Start
-    from smarig.replay.memory_history import continues_run as continues_run
     from smarig.replay.memory_history import memory_histories as memory_histories
     from smarig.replay.memory_history import memory_states as memory_states
     from smarig.replay.memory_history import recorded_start as recorded_start

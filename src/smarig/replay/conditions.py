@@ -4,6 +4,7 @@ from collections.abc import Collection, Mapping, Sequence
 
 import numpy as np
 
+from smarig.core import spaced
 from smarig.record import Run
 from smarig.replay.model_file import ConditionRecord, Model
 
@@ -108,4 +109,4 @@ def _phrase(name: str, values: Sequence[ConditionRecord]) -> str:
     listed = " and ".join([", ".join(shown[:-1]), shown[-1]]) if len(shown) > 1 else shown[0]
     unit = values[0].unit.replace("degC", "°C")
     default = f"at {name.replace('_', ' ')} {{}}"
-    return PHRASES.get(name, default).format(f"{listed} {unit}".strip())
+    return PHRASES.get(name, default).format(f"{listed}{spaced(unit)}".strip())

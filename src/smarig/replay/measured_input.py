@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from smarig.core import DataError
-from smarig.measurement import input_noise_sd, spread_rows
+from smarig.measurement import has_measured_input, input_noise_sd, spread_rows
 from smarig.plant import EffectType, is_testable
 from smarig.preisach import Everett, turning_points
 from smarig.record import Run
@@ -63,13 +63,7 @@ class MeasuredInput(DriveProfile):
 
 def driven_by_input(runs: Sequence[Run]) -> bool:
     """Whether these runs have an input but neither a heating current nor settled steps."""
-    return all(
-        run.has("input")
-        and run.has("position")
-        and not run.settled
-        and not (run.has("current_A") or run.has("current_command_A"))
-        for run in runs
-    )
+    return all(has_measured_input(run) and not run.settled for run in runs)
 
 
 def build_measured_input_timeline(runs: Sequence[Run], max_readings: int | None = MAX_READINGS) -> Timeline:

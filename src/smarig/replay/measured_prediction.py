@@ -16,15 +16,15 @@ from smarig.measurement import (
     ConditionTable,
     InputRecord,
     MeasurementPart,
-    assumed_start,
     changed,
     input_records,
     learned_input,
     learned_output,
     monotone_branches,
     reversals,
+    starting_state,
 )
-from smarig.preisach import Everett, Preisach
+from smarig.preisach import Everett, Initial, Preisach, State
 from smarig.record import Run
 from smarig.replay.model_file import Model
 
@@ -38,7 +38,10 @@ SATURATION_SHARE = (
 def simulate_measured(model: Model, runs: Sequence[Run]) -> list[Array]:
     """Outputs at the rows of runs in which input and output are known, (k,) each; NaN where the memory is unknown."""
     part = MeasurementPart.from_json(model.measurement)
-    by_run = {id(run): _simulated(model, part, run, record) for run, record in _with_records(runs)}
+    by_run: dict[int, Array] = {}
+    memories: list[State] = []
+    for run, record in _with_records(runs):
+        by_run[id(run)], memories = _simulated(model, part, run, record, memories)
     return [by_run.get(id(run), np.full(run.points()[0].size, np.nan)) for run in runs]
 
 
@@ -48,16 +51,23 @@ def _with_records(runs: Sequence[Run]) -> list[tuple[Run, InputRecord]]:
     return list(zip(usable, input_records(usable)))
 
 
-def _simulated(model: Model, part: MeasurementPart, run: Run, record: InputRecord) -> Array:
+def _simulated(
+    model: Model, part: MeasurementPart, run: Run, record: InputRecord, before: Sequence[State]
+) -> tuple[Array, list[State]]:
+    """The outputs along a record, and the final state under each measure; ``before`` are those of the record before."""
     change = changed(record, part.effects)
     applied = learned_input(record, change.input, part.learned)
     turns = reversals(applied, change.noise)
     u, h = monotone_branches(applied, turns), model.hysteresis
-    start, known = assumed_start(u, turns, _saturation(h))
-    if record.initial in ("negative", "positive", "anhysteretic"):
-        start, known = record.initial, 0
+    seen = starting_state(record.initial, u, _saturation(h), turns=turns)
+    known = seen.first
+    measures = part.measures or (h,)
+    starts: Sequence[Initial] = [seen.state or "negative" for _ in measures]
+    if record.continues and before:
+        starts, known = before, 0
     inputs = np.clip(u, h.lower, h.upper)
-    shapes = [Preisach(p, start, samples=u.size).simulate(inputs, start) for p in part.measures or (h,)]
+    operators = [Preisach(p, s, samples=u.size) for p, s in zip(measures, starts)]
+    shapes = [operator.simulate(inputs, s) for operator, s in zip(operators, starts)]
     y = shapes[0]
     if part.table is not None:
         y = part.table.outputs(np.array(shapes), _condition(record, part.table))
@@ -68,7 +78,7 @@ def _simulated(model: Model, part: MeasurementPart, run: Run, record: InputRecor
     finite = np.flatnonzero(np.isfinite(run["input"]) & np.isfinite(run["position"]))
     found = np.full(finite.size, np.nan)
     found[np.searchsorted(finite, record.row)] = y
-    return found
+    return found, [operator.state for operator in operators]
 
 
 def _saturation(h: Everett) -> tuple[float, float]:

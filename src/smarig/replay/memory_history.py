@@ -6,23 +6,18 @@ too: a waveform or a closed loop leaves its extrema like any step.
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from smarig.core import DataError
-from smarig.measurement import assumed_start, reversals
+from smarig.measurement import STARTS, Start, may_assume_start, starting_state
 from smarig.preisach import Preisach, RelayMeasure, State
-from smarig.record import CONTINUED, Run
+from smarig.record import Run, continues_run
 from smarig.replay.measured_input import driven_by_input
 
 Array = NDArray[np.float64]
-Start = Literal["negative", "positive", "anhysteretic"]
-STARTS: tuple[Start, ...] = ("negative", "positive", "anhysteretic")
 INPUT_TOLERANCE = 1e-6  # of the range: inputs that are closer count as equal
-SATURATION_TOLERANCE = 1e-3  # of the range: an estimated input this close to saturation counts as saturated
-LONGEST_GAP_S = 2.0
 MIN_REVERSAL = 0.01  # of the range of settled inputs: smaller reversals are noise of the current
 _MIRROR: dict[Start, Start] = {"negative": "positive", "positive": "negative", "anhysteretic": "anhysteretic"}
 
@@ -66,9 +61,8 @@ def memory_histories(
 ) -> tuple[float, float, list[MemoryHistory]]:
     """Range (u₋, u₊) of all runs together, and the history of each; with inverted signs if ``mirrored``.
 
-    A run starts in its recorded state, in the final state of the run before it if it continues that run without a gap,
-    or in saturation if its first sample is there. Otherwise its start is unknown; that of a run with a measured input
-    is then assumed (``assumed_start``).
+    A run starts in the final state of the run before it if it continues that run, else in its ``starting_state``. That
+    of a run with a heating current is unknown if it is neither recorded nor evident from the first sample.
     """
     sign = -1.0 if mirrored else 1.0
     records = [run.points() for run in runs]
@@ -78,16 +72,18 @@ def memory_histories(
     found: list[MemoryHistory] = []
     at = 0
     for k, (run, (_, y)) in enumerate(zip(runs, records)):
-        start: Start | State | None = named[k]
-        continued = start is None and k > 0 and continues_run(runs[k - 1], run)
-        if continued:
-            start = found[-1].final_state
-        if start is None:
-            start = _saturated_start(run, sign, lower, upper)
+        continued = named[k] is None and k > 0 and continues_run(runs[k - 1], run)
+        start: Start | State | None = found[-1].final_state if continued else None
         first_known = 0
-        if start is None and driven_by_input([run]):
-            own = sign * run.points()[0]
-            start, first_known = assumed_start(own, reversals(own), (lower, upper))
+        if start is None:
+            seen = starting_state(
+                named[k],
+                sign * run.points()[0],
+                (lower, upper),
+                first_input=sign * float(run["input"][0]) if len(run) else None,
+                may_assume=may_assume_start(run),
+            )
+            start, first_known = seen.state, seen.first
         u = inputs[at : at + y.size]
         at += y.size
         first = Preisach(RelayMeasure.zero(lower, upper), start).state if start is not None else None
@@ -111,15 +107,6 @@ def memory_histories(
     return lower, upper, found
 
 
-def continues_run(before: Run, run: Run) -> bool:
-    """Whether a run starts in the final state of the one before: same session, no gap in its clock."""
-    if run.info.initial != CONTINUED or not run.info.has("start_epoch"):
-        return False
-    if run.info.start_epoch != before.info.start_epoch or not (len(run) and len(before)):
-        return False
-    return bool(0 <= run["t_s"][0] - before["t_s"][-1] <= LONGEST_GAP_S)
-
-
 def _states_at_points(
     path: Array, where: NDArray[np.intp], end: Array, ends: tuple[float, float], start: State | None
 ) -> tuple[tuple[State | None, ...], State | None]:
@@ -133,17 +120,6 @@ def recorded_start(run: Run, *, mirrored: bool = False) -> Start | None:
     for start in STARTS:
         if run.info.initial == start:
             return _MIRROR[start] if mirrored else start
-    return None
-
-
-def _saturated_start(run: Run, sign: float, lower: float, upper: float) -> Start | None:
-    """The saturation that the first sample of a run is in; wiping-out makes earlier inputs irrelevant."""
-    first = sign * run["input"][:1]
-    tolerance = SATURATION_TOLERANCE * (upper - lower)
-    if first.size and first[0] <= lower + tolerance:
-        return "negative"
-    if first.size and first[0] >= upper - tolerance:
-        return "positive"
     return None
 
 

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from pydantic import BaseModel, ConfigDict, ValidationError
 
-from smarig.core import DataError, NotebookDisplay, UsageError, atomic_file
+from smarig.core import DataError, NotebookDisplay, UsageError, atomic_file, spaced
 from smarig.measurement import MeasurementPart
 from smarig.plant import effects_from_json
 from smarig.preisach import Everett, Initial, Preisach, dump_hysteresis, load_hysteresis
@@ -169,7 +169,7 @@ class Model(NotebookDisplay):
         h = self.hysteresis
         kind = f"{getattr(h, 'form', '')} {type(h).__name__}".strip()
         rms = self.fit.get("rms")
-        fitted = f", rms {rms:.3g} {self.unit}" if isinstance(rms, float) else ""
+        fitted = f", rms {rms:.3g}{spaced(self.unit)}" if isinstance(rms, float) else ""
         made = "twin data" if self.twin else "measured data"
         return (
             f"Model({self.name}: {kind}, {self.input.quantity} [{h.lower:g}, {h.upper:g}] {self.input.unit} "

@@ -10,19 +10,16 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.core import DataError, UsageError
-from smarig.measurement import assumed_start, reversals
+from smarig.core import DataError, UsageError, in_unit
+from smarig.measurement import SATURATION_TOLERANCE, StartingState, may_assume_start, starting_state
 from smarig.preisach import Everett
-from smarig.record import FORC_PROTOCOL, Run
+from smarig.record import FORC_PROTOCOL, Run, continues_run
 from smarig.replay.extended_model import Operator
 from smarig.replay.measured_input import build_measured_input_timeline, driven_by_input
 from smarig.replay.measured_prediction import simulate_measured
 from smarig.replay.memory_history import (
     INPUT_TOLERANCE,
-    SATURATION_TOLERANCE,
-    continues_run,
     input_path,
-    recorded_start,
 )
 from smarig.replay.model_file import Model
 from smarig.replay.plant_model import actuator_of, plant_model_of
@@ -59,14 +56,15 @@ def simulate_runs(model: Model, runs: Sequence[Run]) -> list[Array]:
             known = False
             continue
         is_continued = known and continues_run(runs[k - 1], run)
-        known = is_continued or _set_initial_state(operator, h, run)
         inputs, settled = input_path(run)
         inputs = _snapped_to_saturation(h, inputs)
-        if known or not driven_by_input([run]):
-            y, known = _simulate_inputs(operator, h, inputs, known)
-        else:
-            y, known = _simulate_from_assumed_start(operator, h, inputs), True
-        outputs.append(y[settled])
+        start = StartingState(None) if is_continued else _start(h, run)
+        if not is_continued:
+            operator.reset(start.state or "negative")
+        y, known = _simulate_inputs(operator, h, inputs, is_continued or start.state is not None)
+        y = y[settled]
+        y[: start.first] = np.nan
+        outputs.append(y)
         end = run["input"][-1:]  # the memory continues from the last input, not from the last settled one
         if end.size and np.isfinite(end[0]):
             operator.step(float(end[0]))
@@ -87,13 +85,16 @@ def simulate_samples(model: Model, run: Run) -> Array:
     if model.effects:
         return _simulate_samples_with_effects(model, run)
     operator, h = model.operator(), model.hysteresis
-    known = _set_initial_state(operator, h, run)
+    start = _start(h, run)
+    operator.reset(start.state or "negative")
     inputs = run["input"]
     last = np.maximum.accumulate(np.where(np.isfinite(inputs), np.arange(inputs.size), -1))
     first = int(np.argmax(last >= 0))
     y = np.full(inputs.size, np.nan)
     if last.size and last[-1] >= 0:
-        y[first:], _ = _simulate_inputs(operator, h, inputs[last[first:]], known)
+        y[first:], _ = _simulate_inputs(operator, h, inputs[last[first:]], start.state is not None)
+    if start.first:
+        y[: _row_of_point(run, start.first)] = np.nan
     return y
 
 
@@ -108,7 +109,7 @@ def check_output(model: Model, run: Run) -> None:
     """Raise DataError if the output unit of a run differs from that of the model."""
     if run.unit != model.unit:
         raise DataError(
-            f"{run.path} measures in '{run.unit}', the model in '{model.unit}'. They cannot be compared."
+            f"{run.path} measures {in_unit(run.unit)}, the model {in_unit(model.unit)}. They cannot be compared."
         )
 
 
@@ -116,22 +117,28 @@ def check_input(model: Model, run: Run) -> None:
     """Raise UsageError if the input unit of a run differs from that of the model."""
     if model.input.unit and run.input_unit and model.input.unit != run.input_unit:
         raise UsageError(
-            f"{run.path} has its input in '{run.input_unit}', the model in '{model.input.unit}'. "
+            f"{run.path} has its input {in_unit(run.input_unit)}, the model {in_unit(model.input.unit)}. "
             "Import the run with the model's input."
         )
 
 
-def _set_initial_state(operator: Operator, h: Everett, run: Run) -> bool:
-    """Set the operator to the run's initial state; False if that state is unknown."""
-    start = recorded_start(run)
-    first = run["input"][:1]
-    tolerance = SATURATION_TOLERANCE * (h.upper - h.lower)
-    if start is None and first.size and first[0] <= h.lower + tolerance:
-        start = "negative"
-    elif start is None and first.size and first[0] >= h.upper - tolerance:
-        start = "positive"
-    operator.reset(start or "negative")
-    return start is not None
+def _start(h: Everett, run: Run) -> StartingState:
+    """The state at the start of a run that continues no other."""
+    return starting_state(
+        run.info.initial,
+        run.points()[0],
+        (h.lower, h.upper),
+        first_input=float(run["input"][0]) if len(run) else None,
+        may_assume=may_assume_start(run),
+    )
+
+
+def _row_of_point(run: Run, point: int) -> int:
+    """The row of a settled point, or of a sample in which input and output are known."""
+    if run.settled:
+        end = run.settled[point].t_end_s
+        return int(np.searchsorted(run["t_s"], end)) if end is not None else point
+    return int(np.flatnonzero(np.isfinite(run["input"]) & np.isfinite(run["position"]))[point])
 
 
 def _simulate_inputs(operator: Operator, h: Everett, inputs: Array, known: bool) -> tuple[Array, bool]:
@@ -143,15 +150,6 @@ def _simulate_inputs(operator: Operator, h: Everett, inputs: Array, known: bool)
         known = bool(saturated.any())
         y[: int(np.argmax(saturated)) if known else inputs.size] = np.nan
     return y, known
-
-
-def _simulate_from_assumed_start(operator: Operator, h: Everett, inputs: Array) -> Array:
-    """Outputs along a measured input whose state at the start is not known, NaN up to its first reversal."""
-    start, first = assumed_start(inputs, reversals(inputs), (h.lower, h.upper))
-    operator.reset(start)
-    y, _ = _simulate_inputs(operator, h, inputs, known=True)
-    y[:first] = np.nan
-    return y
 
 
 def _snapped_to_saturation(h: Everett, inputs: Array) -> Array:

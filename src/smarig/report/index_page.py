@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from smarig.core import spaced
 from smarig.report.components.comparison_labels import banner
 from smarig.report.components.html import Html, bullets, cards, joined, notice, paragraph, tag
 from smarig.report.components.numbers import duration, number, thousands
@@ -156,7 +157,7 @@ def _table(entries: Sequence[IndexEntry]) -> Html:
 def _row(k: int, entry: IndexEntry) -> Html:
     run = entry.summary
     settled = f"{run.settled} of {run.steps}" if run.steps else ""
-    travel = f"{number(run.travel)} {run.unit}"
+    travel = f"{number(run.travel)}{spaced(run.unit)}"
     took = duration(run.duration_s) if np.isfinite(run.duration_s) else ""
     ending_text = run.cause if run.cause == "done" else tag("b", run.cause)
     cells = (

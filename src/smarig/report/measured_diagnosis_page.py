@@ -5,6 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
+from smarig.core import spaced
 from smarig.diagnosis import MeasuredDiagnosis, capitalised
 from smarig.identification import MeasuredHypothesis
 from smarig.report.components.figure import Figure, Panel, axis, dots, line
@@ -115,7 +116,7 @@ def _errors_figure(d: MeasuredDiagnosis) -> Figure:
     layout = {"xaxis": axis("Reading"), "yaxis": axis(f"Measured − predicted ({display_unit(d.unit)})")}
     caption = [
         f"{train} readings of training runs, then {len(plan) - train} of held-out runs.",
-        f"Noise of one reading: {number(d.noise, 2)} {display_unit(d.unit)}.",
+        f"Noise of one reading: {number(d.noise, 2)}{spaced(display_unit(d.unit))}.",
     ]
     return Figure([Panel(data, layout, wide=True)], "Errors of both models.", caption, source_label(*d.runs))
 

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
+from smarig.core import spaced
 from smarig.identification import PredictionErrors, RunVerification, density_report, verify
 from smarig.record import Run
 from smarig.replay import Model
@@ -143,7 +144,7 @@ def _origin(k: int, name: str, model: Model) -> Sequence[object]:
         ", ".join(str(effect.get("name")) for effect in model.effects) or "none",
         model.rig,
         f"{len(model.provenance)} run(s): {protocols}{' (twin)' if model.twin else ''}",
-        f"{number(fit)} {display_unit(model.unit)}" if isinstance(fit, float) else "–",
+        f"{number(fit)}{spaced(display_unit(model.unit))}" if isinstance(fit, float) else "–",
         f"{number(report.mu_min)} {per_square(model.unit, model.input.unit)}",
         M_P if report.M_P else M_PC if report.M_PC else "neither",
         made,
@@ -162,10 +163,10 @@ def residuals_figure(name: str, run: Run, verifications: Mapping[str, RunVerific
     first = {"xaxis": axis(x_title), "yaxis": axis(output_title(run))}
     unit, floor = display_unit(run.unit), one.noise_floor
     sizes = "; ".join(
-        f"{m}: rms {number(e.settled.rms)} {unit}, n = {e.settled.n}" for m, e in verifications.items()
+        f"{m}: rms {number(e.settled.rms)}{spaced(unit)}, n = {e.settled.n}" for m, e in verifications.items()
     )
     fitted = {m: e.offset for m, e in verifications.items() if e.offset_kind == "fitted"}
-    zero = ", ".join(f"{m} {number(offset)} {unit}" for m, offset in fitted.items())
+    zero = ", ".join(f"{m} {number(offset)}{spaced(unit)}" for m, offset in fitted.items())
     return Figure(
         [
             Panel(data, first, 380, wide=True),
@@ -175,10 +176,10 @@ def residuals_figure(name: str, run: Run, verifications: Mapping[str, RunVerific
         f"Run {name} and the predictions of the models.",
         [
             f"Second and third panel: model − measured. {sizes}.",
-            f"Band: ± 2 σ of the noise floor, σ = {number(floor)} {unit}."
+            f"Band: ± 2 σ of the noise floor, σ = {number(floor)}{spaced(unit)}."
             if floor
             else "The noise floor is unknown.",
-            f"The encoder's zero is unknown, so one additive offset per model was fitted: {zero}."
+            f"The zero of the output is unknown, so one additive offset per model was fitted: {zero}."
             if fitted
             else "",
             f"The first panel shows one point in {thin.step}." if thin.step > 1 else "",

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import plotly.graph_objects as go
 
-from smarig.core import UsageError
+from smarig.core import UsageError, spaced
 from smarig.diagnosis import Diagnosis, capitalised
 from smarig.identification import density_report, verify
 from smarig.record import Run
@@ -137,7 +137,9 @@ def _model_html(thing: Model) -> str:
         f"{thing.rig}"
     ]
     rows += (
-        [f"Fit: {rms:.3g} {thing.unit} rms over {thing.fit.get('points')} points"] if rms is not None else []
+        [f"Fit: {rms:.3g}{spaced(thing.unit)} rms over {thing.fit.get('points')} points"]
+        if rms is not None
+        else []
     )
     rows.append("μ ≥ 0 everywhere" if report.M_P else "μ < 0 somewhere")
     rows += [f"Effects: {', '.join(str(e.get('name')) for e in thing.effects)}"] if thing.effects else []

@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterator
 
 import numpy as np
 
-from smarig.core import DataError
+from smarig.core import DataError, spaced
 from smarig.identification import Representation, congruency, wiping_out
 from smarig.record import Run
 from smarig.replay import Model
@@ -111,7 +111,7 @@ def run_cards(run: Run) -> Html:
     """Cards with the key figures of a run."""
     m, size = quality_counts(run), 0.0 if run.info.imported else count_size(run)
     known = run["position"][np.isfinite(run["position"])]
-    travel = f"{number(float(np.ptp(known)), 4)} {display_unit(run.unit)}" if known.size else "none"
+    travel = f"{number(float(np.ptp(known)), 4)}{spaced(display_unit(run.unit))}" if known.size else "none"
     bad = m.timed_out + m.interrupted
     timed = np.isfinite(duration_s(run))
     return cards(

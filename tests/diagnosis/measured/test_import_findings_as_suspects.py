@@ -55,7 +55,21 @@ def test_the_diagnosis_lists_suspects_and_conditions_in_its_json_and_text():
     assert found.to_json()["conditions"] == [
         "The run was made under 50 MPa, the model from runs under 80 MPa."
     ]
-    assert f"The import of a found: {sentence} It would match stress_shift." in found.text()
+    listed = f"The import of a found: {sentence} It would match stress_shift"
+    assert suspects([run])[0].text() == f"{listed}."
+    assert f"{listed}, which these data cannot show." in found.text()  # one stress only
+
+
+def test_a_suspect_that_these_data_cannot_show_is_stated_as_such():
+    sentence = "At the low end of the input the output goes 1 → 2 % over 2 visits: the loop does not close."
+    two = triangles((85.0,), rows=80)  # one cycle: a strain that remains from cycle to cycle cannot show
+    run = with_meta(as_run("a", two, RelayWire(1).strain(two)), warnings=[sentence])
+    found = diagnose(identify(run, "positive").model, [run])
+    assert "ratchet_strain" in found.not_testable
+    assert (
+        f"The import of a found: {sentence} It would match ratchet_strain, which these data cannot show."
+        in (found.text())
+    )
 
 
 @pytest.fixture

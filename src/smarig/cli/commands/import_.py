@@ -12,6 +12,7 @@ Examples:
   smarig import mine.csv --format csv --rig one_wire_twin -o mine.run.sqlite
   smarig import test.csv --format csv --map sma_staircase -o staircase.run.sqlite
   smarig import loops.dat --format csv --map ferroelectric_loops:4 -o loops.run.sqlite
+  smarig import part2.csv --format csv --map ./mine.toml --continues part1.run.sqlite -o part2.run.sqlite
   smarig import reversal_curves --format forc -o forc.run.sqlite
   smarig import H_MnZn_HP_ferrite.mat --format mat --map ferrite_nested -o ferrite.run.sqlite
 """
@@ -36,6 +37,12 @@ Examples:
 @click.option("--t0", type=float, help="Start of this file, in s, on a clock shared with other runs.")
 @click.option("--wire", help="Identity of the wire.")
 @click.option(
+    "--continues",
+    type=FILE,
+    metavar="RUN",
+    help="Imported part of the same record before this file: the memory is carried over from it.",
+)
+@click.option(
     "--repair",
     is_flag=True,
     help="Mask drop-outs and single-row spikes and drop repeated rows; the run keeps which.",
@@ -50,6 +57,7 @@ def command(
     rig: str | None,
     t0: float | None,
     wire: str | None,
+    continues: Path | None,
     repair: bool,
     out: Path,
     force: bool,
@@ -57,9 +65,18 @@ def command(
     """Import measured data and report everything that looks wrong."""
     from smarig.exchange import import_file
 
-    check_distinct(out, file)
+    check_distinct(out, file, *([continues] if continues else []))
     report = import_file(
-        file, format=format_, out=out, rig=rig, mapping=mapping, t0=t0, wire=wire, repair=repair, force=force
+        file,
+        format=format_,
+        out=out,
+        rig=rig,
+        mapping=mapping,
+        t0=t0,
+        wire=wire,
+        continues=continues,
+        repair=repair,
+        force=force,
     )
     for warning in report.warnings:
         show_message(f"Warning: {warning}")

@@ -6,6 +6,7 @@ import click
 
 from smarig.cli.output import emit, json_option, show_message
 from smarig.cli.parameter_types import FILE, own_effects
+from smarig.core import spaced
 
 
 @click.command("verify", epilog="\b\nExample:\n  smarig verify wire.model.json validation.run.sqlite")
@@ -29,8 +30,9 @@ def command(model: Path, runs: tuple[Path, ...], select: str | None) -> None:
         for warning in run.get("warnings", ()):
             show_message(f"Warning: {warning}")
     lines = [
-        f"{run['run']}: rms error {run['rms']:.4g} {unit} (NRMSE {run['nrmse']:.3g}), "
-        f"largest {run['max_abs']:.4g} {unit}, n = {run['n']}; noise floor {_floor(run, unit)}{_expected(run, unit)}"
+        f"{run['run']}: rms error {run['rms']:.4g}{spaced(unit)} (NRMSE {run['nrmse']:.3g}), "
+        f"largest {run['max_abs']:.4g}{spaced(unit)}, n = {run['n']}; noise floor "
+        f"{_floor(run, unit)}{_expected(run, unit)}"
         for run in found["runs"]
     ]
     emit(found, "\n".join(lines))
@@ -38,10 +40,16 @@ def command(model: Path, runs: tuple[Path, ...], select: str | None) -> None:
 
 def _expected(run: dict, unit: str) -> str:
     """The error to be expected at a load that was not measured."""
-    return f"; expected at this load {run['expected_rms']:.2g} {unit} rms" if "expected_rms" in run else ""
+    return (
+        f"; expected at this load {run['expected_rms']:.2g}{spaced(unit)} rms"
+        if "expected_rms" in run
+        else ""
+    )
 
 
 def _floor(run: dict, unit: str) -> str:
     return (
-        f"{run['noise_floor']:.2g} {unit}" if run["noise_floor"] is not None else "unknown (nothing repeats)"
+        f"{run['noise_floor']:.2g}{spaced(unit)}"
+        if run["noise_floor"] is not None
+        else "unknown (nothing repeats)"
     )

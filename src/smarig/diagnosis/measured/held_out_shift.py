@@ -1,4 +1,4 @@
-"""Whether held-out runs differ from the training runs: the plain model misses them by much more than left-out blocks."""
+"""Whether held-out runs differ from the training runs: a plain model misses them by more than left-out blocks."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -29,7 +29,7 @@ class HeldOutShift:
 def held_out_shift(
     base: MeasuredHypothesis, base_error: Array, comparison: Comparison, train: int
 ) -> HeldOutShift | None:
-    """The difference, or None; ``base_error`` (m,) are the errors of the plain model, held-out ones about their mean."""
+    """The difference, or None; ``base_error`` (m,): errors of the plain model, held-out ones about their mean."""
     tested = ~comparison.train
     records = comparison.plan.records
     if not tested.any() or not within_reach(records[:train], records[train:]):

@@ -5,9 +5,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from smarig.core import spaced
 from smarig.diagnosis.diagnosis_text import capitalised, gain_text, parameter_text
 from smarig.diagnosis.measured.looks_like import looks_like
 from smarig.diagnosis.suspects import suspects
+from smarig.identification import assumed_starts, assumed_starts_text
 
 if TYPE_CHECKING:
     from smarig.diagnosis.measured.measured_diagnosis import MeasuredDiagnosis
@@ -33,13 +35,13 @@ def measured_lines(d: "MeasuredDiagnosis") -> Iterator[str]:
         yield (
             f"The input of held-out run {offset.run} is shifted by {offset.offset:.3g} [{low:.3g}, {high:.3g}] "
             f"{d.runs[0].input_unit} against the training runs. With this offset its rms error falls from "
-            f"{offset.without:.4g} to {offset.with_offset:.4g} {d.unit}."
+            f"{offset.without:.4g} to {offset.with_offset:.4g}{spaced(d.unit)}."
         )
     lost = sum(r.dropouts for r in d.records)
     if lost:
         yield f"{lost} rows in which the input reads exactly 0 are drop-outs of the instrument and were left out."
     yield from d.conditions
-    yield from (s.text for s in suspects(d.runs))
+    yield from (s.text(d.not_testable) for s in suspects(d.runs))
     if d.not_testable:
         yield f"Effects that these data cannot show: {', '.join(d.not_testable)}."
 
@@ -87,11 +89,12 @@ def adequacy_text(d: "MeasuredDiagnosis") -> str:
     """How far the plain and the extended model miss the runs, against the noise of a reading."""
     ratio = d.base.rms / d.noise if d.noise else float("inf")
     found = "the learned term" if d.learned else "the effects found"
-    extended = f", with {found} by {d.best.rms:.4g} {d.unit}" if d.best else ""
+    extended = f", with {found} by {d.best.rms:.4g}{spaced(d.unit)}" if d.best else ""
     size = f" ({ratio:.0f} × the noise)" if ratio > INADEQUATE else ""
     return (
-        f"On blocks left out of the fit, a Preisach model misses the training runs by {d.base.rms:.4g} {d.unit} rms"
-        f"{size}{extended}; noise of one reading {d.noise:.2g} {d.unit}."
+        "On blocks left out of the fit, a Preisach model misses the training runs by "
+        f"{d.base.rms:.4g}{spaced(d.unit)} rms"
+        f"{size}{extended}; noise of one reading {d.noise:.2g}{spaced(d.unit)}."
     )
 
 
@@ -105,10 +108,12 @@ def _held_out(d: "MeasuredDiagnosis") -> Iterator[str]:
         given = f" (given model: {d.gain.original:.4g} {d.unit})" if d.gain.original is not None else ""
         yield f"Held-out runs, {d.gain.blocks} blocks: rms error {d.gain.base:.4g} {d.unit}{given}."
     if d.shift is not None:
-        other = "were recorded at another rate" if d.shift.variable == "rate" else "differ from the training runs"
+        other = (
+            "were recorded at another rate" if d.shift.variable == "rate" else "differ from the training runs"
+        )
         yield (
-            f"The plain model's error on held-out runs is {d.shift.ratio:.1f} × that on left-out blocks of the training "
-            f"runs: they {other}."
+            f"The plain model's error on held-out runs is {d.shift.ratio:.1f} × that on left-out blocks of the "
+            f"training runs: they {other}."
         )
 
 
@@ -117,16 +122,22 @@ def _properties(d: "MeasuredDiagnosis") -> Iterator[str]:
     for test in d.properties if d.verdict.word != "silent" else ():
         if not test.holds:
             yield (
-                f"{PROPERTIES[test.name]} by {test.violated_rms:.3g} {d.unit} rms in {test.tested} comparisons "
-                f"(noise {test.noise:.2g} {d.unit}). No Preisach operator of the recorded input does so: either the "
+                f"{PROPERTIES[test.name]} by {test.violated_rms:.3g}{spaced(d.unit)} rms in {test.tested} comparisons "
+                f"(noise {test.noise:.2g}{spaced(d.unit)}). No Preisach operator of the recorded "
+                "input does so: either the "
                 "wire is none, or its input or output also depends on the time or the rate."
             )
 
 
 def _limits(d: "MeasuredDiagnosis") -> Iterator[str]:
-    given = d.given_rms
+    given, sentences = d.given_rms, assumed_starts_text(assumed_starts(d.given, d.runs), d.unit)
     if given is not None and given > FAR_OFF_RATIO * max(d.rms(), d.noise):
-        yield "The given model is far from these data, with or without effects. Identify it again from them."
-    assumed = [r.name for r in d.records if r.initial not in ("negative", "positive", "anhysteretic")]
-    if assumed:
-        yield f"The state at the start of {', '.join(assumed)} is not recorded and was assumed from the first input."
+        cure = "State how the runs start, then identify" if sentences else "Identify"
+        yield f"The given model is far from these data, with or without effects. {cure} it again from them."
+    yield from sentences
+    assumed = [r.name for r, start in zip(d.records, d.comparison.plan.starts) if start.assumed]
+    if assumed and not sentences:
+        yield (
+            f"The state at the start of {', '.join(assumed)} is not recorded and was assumed from the first input. "
+            'If you know it, write initial = "negative" or "positive" in the mapping and import again.'
+        )

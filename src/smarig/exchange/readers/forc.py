@@ -39,6 +39,8 @@ def forc(path: Path, *, rig: str | None = None, mapping: str | None = None) -> R
         "forc": described,
         "notes": "Moments are as measured. The warnings state whether a drift correction helps.",
     }
+    if file.saturated_first:
+        meta["initial"] = "positive"
     return RunDraft(columns, meta, (), tuple(warnings))
 
 

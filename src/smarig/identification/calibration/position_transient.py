@@ -18,8 +18,8 @@ from smarig.identification.calibration.holds import drive_holds, valid_rows
 from smarig.identification.interval_estimate import Estimate, quantile, variance_inflation
 from smarig.plant import Actuator, JouleHeating
 from smarig.preisach import Everett, Preisach
-from smarig.record import Run
-from smarig.replay import continues_run, recorded_start
+from smarig.record import Run, continues_run
+from smarig.replay import recorded_start
 
 Array = NDArray[np.float64]
 _LONGEST = 40_000  # samples simulated: dozens of holds, a few seconds of computing

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.core import DataError, UsageError, catalogue_entry, catalogue_names
+from smarig.core import DataError, UsageError, catalogue_entry, catalogue_names, spaced
 from smarig.identification.extended.chord_test import ChordTest, equal_chords
 from smarig.identification.extended.extremum_chains import extremum_chains
 from smarig.identification.extended.fitted_extension import (
@@ -133,7 +133,7 @@ class ExtensionChoice:
         h = self.held_out[name]
         (classical, extended), (low, high) = h.rms(), h.interval()
         gain = "worse" if high < 0 else f"gain {h.gain:.0%} ({low:.0%} to {high:.0%})"
-        return f"runs left out: rms error {classical:.3g} → {extended:.3g} {self.unit}, {gain}"
+        return f"runs left out: rms error {classical:.3g} → {extended:.3g}{spaced(self.unit)}, {gain}"
 
 
 def choose_extension(

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.core import DataError, UsageError, suggestion
+from smarig.core import DataError, UsageError, spaced, suggestion
 from smarig.identification.measured.measured_fit import (
     MeasuredFit,
     chosen_smoothing,
@@ -94,7 +94,8 @@ class LoadDependence:
         ]
         left_out = f" Rms error at loads left out: {', '.join(errors)}." if errors else ""
         return (
-            f"{self.parameter} = {self.value:.3g} {self.unit} [{low:.3g}, {high:.3g}] from {self.condition} {loads}; "
+            f"{self.parameter} = {self.value:.3g}{spaced(self.unit)} [{low:.3g}, {high:.3g}] from "
+            f"{self.condition} {loads}; "
             f"{'one measure for each load' if self.own else 'one measure for all loads'}.{left_out}"
         )
 

@@ -22,13 +22,14 @@ from smarig.measurement import (
     InputRecord,
     LearnedTerm,
     MeasurementEffect,
+    Start,
     changed,
     input_noise_sd,
     learned_input,
     monotone_branches,
     reversals,
 )
-from smarig.preisach import FodTable
+from smarig.preisach import FodTable, State
 from smarig.replay import memory_states
 
 Array = NDArray[np.float64]
@@ -160,13 +161,12 @@ def measured_problem(
     paths = [(u, reversals(u, c.noise)) for u, c in zip(applied, changes)]
     inputs = [monotone_branches(u, turns) for u, turns in paths]
     ends = min(float(u.min()) for u in inputs), max(float(u.max()) for u in inputs)
-    parts = [
-        _observations(u, turns, rows, record.y, start, ends, k)
-        for k, (u, (_, turns), rows, record, start) in enumerate(
-            zip(inputs, paths, plan.rows, plan.records, plan.starts)
-        )
-        if rows.size
-    ]
+    parts: list[Observations] = []
+    memory: State | None = None
+    for k, (u, (_, turns), rows, record) in enumerate(zip(inputs, paths, plan.rows, plan.records)):
+        start = memory if record.continues and memory else plan.starts[k].state or "negative"
+        found, memory = _observations(u, turns, rows, record.y, start, ends, k)
+        parts += [found] if rows.size else []
     joined = _joined(parts)
     terms = plan.of([c.terms for c in changes])
     terms = terms if extra_terms is None else np.hstack([terms, extra_terms])
@@ -190,12 +190,13 @@ def _observations(
     turns: list[int],
     rows: NDArray[np.int64],
     y: Array,
-    start: str,
+    start: Start | State,
     ends: tuple[float, float],
     zero: int,
-) -> Observations:
+) -> tuple[Observations, State | None]:
+    """The observations at the rows of a record, and its final state."""
     path = np.unique(np.concatenate([rows, turns]))
-    states = memory_states(np.clip(u[path], *ends), *ends, start)  # pyright: ignore[reportArgumentType]
+    states = memory_states(np.clip(u[path], *ends), *ends, start)
     at = np.searchsorted(path, rows)
     found = Observations.of_states(
         [state for k in at.tolist() if (state := states[k]) is not None],
@@ -203,7 +204,7 @@ def _observations(
         np.zeros(rows.size, dtype=np.int64),
         ends,
     )
-    return replace(found, zero=np.full(rows.size, zero))
+    return replace(found, zero=np.full(rows.size, zero)), states[-1]
 
 
 def _joined(parts: Sequence[Observations]) -> Observations:

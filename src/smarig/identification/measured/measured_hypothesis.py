@@ -40,8 +40,8 @@ LEVEL_95 = (0.025, 0.975)
 class MeasuredHypothesis:
     """Effects (none: the plain model) or a ``variable``, with the errors (m,) of held-out blocks, NaN elsewhere.
 
-    ``intervals`` are 95 % of each searched value, by resampling blocks, inf above the largest of an open search; ``at_bound`` names values at the end of their
-    search, which determine nothing.
+    ``intervals`` are 95 % of each searched value, by resampling blocks, inf above the largest of an open search.
+    ``at_bound`` names values at the end of their search, which determine nothing.
     """
 
     effects: tuple[MeasurementEffect, ...]

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from smarig.core import DataError
-from smarig.measurement import InputRecord, assumed_start, reversals, spread_rows
+from smarig.measurement import InputRecord, StartingState, reversals, spread_rows, starting_state
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -28,16 +28,16 @@ FOLDS = 5
 class ReadingPlan:
     """Readings (m,) of records: ``rows`` of each record, and of each reading its ``record`` and its ``block``.
 
-    ``starts`` is the initial state of each record, ``known`` its first row with a known memory. ``segmented``: no record
-    has enough excursions, so blocks are segments of branches, and a fit without one must interpolate.
+    ``starts`` is the state at the start of each record; that of a record that continues another is its final state.
+    ``segmented``: no record has enough excursions, so blocks are segments of branches, and a fit without one must
+    interpolate.
     """
 
     records: tuple[InputRecord, ...]
     rows: tuple[Integers, ...]
-    starts: tuple[str, ...]
+    starts: tuple[StartingState, ...]
     record: Integers
     block: Integers
-    known: tuple[int, ...] = ()
     segmented: bool = False
 
     def __len__(self) -> int:
@@ -73,25 +73,19 @@ def reading_plan(records: Sequence[InputRecord], most: int = MOST_READINGS) -> R
     turns = [reversals(r.u) for r in records]
     branches = sum(len(t) - 1 for t in turns)
     per_branch = max(most // max(branches, 1), FEWEST_PER_BRANCH)
-    rows, starts, first = [], [], []
-    for record, ends in zip(records, turns):
-        start, known = _start(record, ends, low, high)
+    rows, starts = [], []
+    for k, (record, ends) in enumerate(zip(records, turns)):
+        start = starting_state(record.initial, record.u, (low, high), turns=ends)
+        if k and record.continues:
+            start = StartingState(start.state)
         starts.append(start)
-        first.append(known)
-        own = [spread_rows(record.y, a, b, per_branch) for a, b in pairwise(ends) if a >= known]
+        own = [spread_rows(record.y, a, b, per_branch) for a, b in pairwise(ends) if a >= start.first]
         rows.append(np.unique(np.concatenate([*own, np.empty(0, dtype=np.int64)])).astype(np.int64))
     if not sum(r.size for r in rows):
         raise DataError("The runs have no branch with a known start. A fit needs a reversal of the input.")
     number = np.concatenate([np.full(r.size, k) for k, r in enumerate(rows)]).astype(np.int64)
     blocks, segmented = _blocks(rows, turns)
-    return ReadingPlan(tuple(records), tuple(rows), tuple(starts), number, blocks, tuple(first), segmented)
-
-
-def _start(record: InputRecord, turns: Sequence[int], low: float, high: float) -> tuple[str, int]:
-    """(initial state, first row whose memory is known), as recorded or assumed."""
-    if record.initial in ("negative", "positive", "anhysteretic"):
-        return str(record.initial), 0
-    return assumed_start(record.u, turns, (low, high))
+    return ReadingPlan(tuple(records), tuple(rows), tuple(starts), number, blocks, segmented)
 
 
 def _blocks(rows: Sequence[Integers], turns: Sequence[list[int]]) -> tuple[Integers, bool]:

@@ -17,7 +17,7 @@ from scipy.sparse import csr_matrix
 from scipy.sparse.csgraph import structural_rank
 from scipy.special import ndtri
 
-from smarig.core import DataError, UsageError
+from smarig.core import DataError, UsageError, spaced
 from smarig.identification.positive.adapted_partition import adapted_nodes
 from smarig.identification.positive.held_out_error import HeldOut, held_out_test
 from smarig.identification.positive.interior_point import Solution
@@ -65,11 +65,17 @@ class PositiveFit:
     symmetric: bool
     unit: str
     _solution: Solution
+    _scale: float
 
     @property
     def cells(self) -> int:
         """Number of cells of the triangle, including the diagonal."""
         return self.masses.size
+
+    @property
+    def zeros(self) -> Array:
+        """Free zeros of the outputs (k,), in output units: those in addition to y₋."""
+        return self._scale * self._solution.x[self.triangle.unknowns :]
 
     @property
     def at_zero(self) -> int:
@@ -83,8 +89,10 @@ class PositiveFit:
 
     @property
     def reversible_share(self) -> float:
-        """Share of the output range in the cells on the diagonal."""
-        return float(self.masses[self.triangle.i == self.triangle.j].sum() / self.masses.sum())
+        """Share of the output range in the cells on the diagonal; NaN for a constant output."""
+        total = float(self.masses.sum())
+        diagonal = float(self.masses[self.triangle.i == self.triangle.j].sum())
+        return diagonal / total if total else float("nan")
 
     def y(self, alpha: ArrayLike, beta: ArrayLike) -> Array:
         """y(α, β), vectorised."""
@@ -123,7 +131,7 @@ class PositiveFit:
     def __repr__(self) -> str:
         return (
             f"PositiveFit({self.points} points, {self.curves} curves; {self.cells} cells, {self.at_zero} at "
-            f"zero; rms {self.rms:.4g} {self.unit}, λ {self.smoothing:.1g}, {self.freedom:.0f} effective "
+            f"zero; rms {self.rms:.4g}{spaced(self.unit)}, λ {self.smoothing:.1g}, {self.freedom:.0f} effective "
             f"parameters, {self.null_space} directions left to smoothness)"
         )
 
@@ -290,6 +298,7 @@ def _positive_fit(posed_problem: _PosedProblem, unit: str) -> PositiveFit:
         symmetric=posed_problem.symmetric,
         unit=unit,
         _solution=solution,
+        _scale=scale,
     )
 
 

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
+from smarig.core import spaced
 from smarig.identification.fod_data import DescendingCurve, FodData
 from smarig.preisach import sigmoid
 
@@ -62,7 +63,7 @@ class CurveFits:
     def __repr__(self) -> str:
         short = ", ".join(f"{a:g}" for a in self.too_short)
         return (
-            f"CurveFits({len(self.curves)} curves, σ {self.sigma:.3g} {self.unit}; "
+            f"CurveFits({len(self.curves)} curves, σ {self.sigma:.3g}{spaced(self.unit)}; "
             f"undetermined at α = {short or 'none'})"
         )
 

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from smarig.core import spaced
 from smarig.identification.fod_data import DescendingCurve, FodData
 from smarig.identification.surface.curve_fit import fit_curves
 
@@ -85,7 +86,7 @@ def curve_report(data: FodData) -> CurveReport:
     if not merge:
         warnings.append(
             "The range was not fully exercised: the curves do not merge at their lower end (they spread "
-            f"over {spread:.3g} {unit}). Identify again with lower inputs."
+            f"over {spread:.3g}{spaced(unit)}). Identify again with lower inputs."
         )
     if angled:
         warnings.append(

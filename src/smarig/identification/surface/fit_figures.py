@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from smarig.core import spaced
 from smarig.identification.density_report import DensityReport
 from smarig.identification.fod_data import FodData
 from smarig.identification.positive.observations import Observations
@@ -87,10 +88,10 @@ def positive_figures(
 
 
 def _errors(fit: PositiveFit, observations: Observations) -> Array:
-    """Model minus measured values (m,): each observation is a row over the values at the nodes, and y₋."""
+    """Model minus measured values (m,): rows over the values at the nodes, y₋ and the free zeros."""
     cells = fit.triangle
-    unknowns = np.append(fit.table.values[cells.i + 1, cells.j + 1], fit.table.y_lower)
-    return observations.matrix(cells)[:, : cells.unknowns] @ unknowns - observations.y
+    unknowns = [*fit.table.values[cells.i + 1, cells.j + 1], fit.table.y_lower, *fit.zeros]
+    return observations.matrix(cells) @ np.array(unknowns) - observations.y
 
 
 def _on_major_loop(observations: Observations) -> NDArray[np.bool_]:
@@ -118,9 +119,9 @@ def positive_warnings(fit: PositiveFit) -> list[str]:
     if held_out_error.rms > NEGATIVE_MASS_RATIO * held_out_error.signed_rms:
         found.append(
             f"The data favour negative mass: {held_out_error.curves} held-out curves are predicted to "
-            f"{held_out_error.rms:.3g} "
-            f"{fit.unit} rms with μ ≥ 0 and to {held_out_error.signed_rms:.3g} {fit.unit} with masses of any sign, so "
-            f"non-negativity costs {held_out_error.rms - held_out_error.signed_rms:.2g} {fit.unit}."
+            f"{held_out_error.rms:.3g}{spaced(fit.unit)} rms with μ ≥ 0 and to "
+            f"{held_out_error.signed_rms:.3g}{spaced(fit.unit)} with masses of any sign, so non-negativity costs "
+            f"{held_out_error.rms - held_out_error.signed_rms:.2g}{spaced(fit.unit)}."
         )
     if not fit.by_smoothing:
         found.append(

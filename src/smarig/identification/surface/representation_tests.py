@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import chdtrc, chndtrinc
 
-from smarig.core import DataError
+from smarig.core import DataError, spaced
 from smarig.identification.settled_points import SettledPoints, settled_points
 from smarig.record import Run
 
@@ -59,8 +59,8 @@ class Representation:
     def verdict(self) -> str:
         """The result of the test in one sentence."""
         counts = f" ({self.max_abs / self.per_count:.2f} counts)" if self.per_count else ""
-        size = f"{self.rms:.3g} {self.unit} rms, {self.max_abs:.3g} {self.unit}{counts} at most"
-        against = f"noise alone gives differences of {self.noise:.2g} {self.unit} rms"
+        size = f"{self.rms:.3g}{spaced(self.unit)} rms, {self.max_abs:.3g}{spaced(self.unit)}{counts} at most"
+        against = f"noise alone gives differences of {self.noise:.2g}{spaced(self.unit)} rms"
         what = {
             "wiping_out": ("Segment B retraces segment A", "Segment B does not retrace segment A"),
             "congruency": ("Both minor loops have the same shape", "The two minor loops differ in shape"),
@@ -74,7 +74,7 @@ class Representation:
         if self.holds:
             return (
                 "The test gives no evidence against a classical Preisach model. A difference of up to "
-                f"{self.hidden:.2g} {self.unit} rms could have remained unnoticed (95 %)."
+                f"{self.hidden:.2g}{spaced(self.unit)} rms could have remained unnoticed (95 %)."
             )
         return (
             f"A classical Preisach model cannot represent this difference. Expect errors of up to "

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from scipy.optimize import least_squares
 from scipy.stats import t as student
 
-from smarig.core import DataError, UsageError
+from smarig.core import DataError, UsageError, spaced
 from smarig.identification.fod_data import FodData
 from smarig.identification.surface.surface_jacobian import jacobian
 from smarig.identification.surface.surface_starts import FLATTEST, ranked_starts
@@ -71,7 +71,7 @@ class SurfaceFit:
         )
         return (
             f"SurfaceFit({self.surface.form}, {self.points} points, {self.curves} curves, "
-            f"rms {self.rms:.4g} {unit}; {', '.join(parts)})"
+            f"rms {self.rms:.4g}{spaced(unit)}; {', '.join(parts)})"
         )
 
 

@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from smarig.certify import ModelCertificate
 from smarig.control import Psi
+from smarig.core import spaced
 from smarig.identification import DensityReport, density_report
 from smarig.replay import Model
 from smarig.report.components.figure import Figure, Panel, axis, dots, line
@@ -24,7 +25,7 @@ def certificate_figure(model: Model, found: ModelCertificate, origin: str, label
     units = (display_unit(model.unit), model.input.unit)
     report = density_report(model.hysteresis)
     least, g = found.classes.mu_min, found.classes.g_min
-    where = f"α = {number(least.at[0], 4)}, β = {number(least.at[1], 4)} {units[1]}"
+    where = f"α = {number(least.at[0], 4)}, β = {number(least.at[1], 4)}{spaced(units[1])}"
     part = f"; {report.negative_cells} of {report.cells} cells are negative" if report.cells else ""
     psi, grid = Psi(model.hysteresis), density_of(model.hysteresis)
     negative_text = "Circles" if report.cells else "Outlined and tinted"
@@ -35,7 +36,7 @@ def certificate_figure(model: Model, found: ModelCertificate, origin: str, label
             "First panel: white is zero, red positive, blue negative. "
             f"{negative_text}: μ < 0, even if small; "
             f"cross: the minimum, {number(least.value)} {per_square(*units)} at {where}{part}. "
-            f"The minimum of g is {number(g.value)} {units[0]}/{units[1]}.",
+            f"The minimum of g is {number(g.value)}{spaced(units[0])}/{units[1]}.",
             "Second panel: ψ covers the range from the smallest to the largest output, so each set-point in between "
             "has a diagonal state α = 2ℓ − β"
             + (" (Thm 8.5)." if psi.monotone else "; ψ is not monotone, and the smallest ℓ is used."),

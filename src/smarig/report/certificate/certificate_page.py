@@ -14,6 +14,7 @@ from smarig.certify import (
     StorageBound,
     Units,
 )
+from smarig.core import spaced
 from smarig.replay import Model
 from smarig.report.certificate.certificate_figures import certificate_figure
 from smarig.report.components.html import Html, cards, escaped, joined, notice, paragraph, table, tag
@@ -186,7 +187,7 @@ def _storage_text(s: StorageBound) -> str:
 def _bias_text(found: ModelCertificate) -> str:
     if found.storage_bound.basis in ("none", "undecided"):
         return "no bound" if found.storage_bound.basis == "none" else "unknown"
-    return f"{number(found.storage_bound.energy)} {display_unit(found.storage_bound.unit)}"
+    return f"{number(found.storage_bound.energy)}{spaced(display_unit(found.storage_bound.unit))}"
 
 
 def _initial_state_text(found: ModelCertificate) -> str:

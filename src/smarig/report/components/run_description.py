@@ -58,8 +58,8 @@ def duration_s(run: Run) -> float:
 
 
 def display_unit(unit: str) -> str:
-    """A unit as displayed: kg/m³ for kg/m^3, °C for degC."""
-    return unit.replace("^2", "²").replace("^3", "³").replace("degC", "°C")
+    """A unit as displayed: kg/m³ for kg/m^3, °C for degC, and nothing for 1."""
+    return "" if unit == "1" else unit.replace("^2", "²").replace("^3", "³").replace("degC", "°C")
 
 
 def input_title(run: Run) -> str:
@@ -74,7 +74,7 @@ def output_title(run: Run) -> str:
 
 def _axis_title(quantity: str, unit: str) -> str:
     words = capitalised(quantity).replace("T1 - T2", "T₁ − T₂")
-    return f"{words} ({display_unit(unit)})" if unit else words
+    return f"{words} ({display_unit(unit)})" if display_unit(unit) else words
 
 
 def count_size(run: Run) -> float:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from smarig.core import spaced
 from smarig.report.components.html import Html, escaped, joined, tag
 from smarig.report.components.numbers import number
 from smarig.report.components.style import COOLING, FAINT, HEATING, INK
@@ -85,8 +86,8 @@ def _texts(shown: Frame, units: tuple[str, str], label: str) -> Sequence[Html]:
     inputs, outputs = end_labels(shown.u), " to ".join(end_labels(shown.y))
     found = [
         _text(_LEFT, below, inputs[0]),
-        _text(WIDTH_PX - _RIGHT, below, f"{inputs[1]} {units[0]}", 'text-anchor="end"'),
-        _text(_LEFT, above, f"{outputs} {units[1]}"),
+        _text(WIDTH_PX - _RIGHT, below, f"{inputs[1]}{spaced(units[0])}", 'text-anchor="end"'),
+        _text(_LEFT, above, f"{outputs}{spaced(units[1])}"),
     ]
     if label:
         width = 7 * len(label) + 6

@@ -5,6 +5,7 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
+from smarig.core import spaced
 from smarig.identification import DensityReport, Identification
 from smarig.record import Run
 from smarig.report.components.figure import Figure, Panel, Trace, axis, dots, line, packed
@@ -60,12 +61,12 @@ def readable_scale(top: float, unit: str) -> tuple[float, str]:
     power = int(np.floor(np.log10(top))) if top > 0 else 0
     if -2 < power < 3:
         return 1.0, unit
-    return 10.0**power, f"10{raised(power)} {unit}"
+    return 10.0**power, f"10{raised(power)}{spaced(unit)}"
 
 
 def _minimum_text(name: str, found: Identification, run: Run) -> str:
     d = density_report_of(found)
-    at = f"α = {number(d.mu_min_at[0], 4)}, β = {number(d.mu_min_at[1], 4)} {run.input_unit}"
+    at = f"α = {number(d.mu_min_at[0], 4)}, β = {number(d.mu_min_at[1], 4)}{spaced(run.input_unit)}"
     return f"{name}: min μ = {number(d.mu_min)} {density_unit(run)} at {at}"
 
 

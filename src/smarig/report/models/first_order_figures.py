@@ -4,6 +4,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from smarig.core import spaced
 from smarig.identification import POSITIVE_KIND, Identification, fit_curves
 from smarig.preisach import surface_forms
 from smarig.record import Run
@@ -70,10 +71,10 @@ def curves_figure(found: Identification, run: Run) -> Figure:
         [Panel(data, layout, 500), _residual_panel(found, run)],
         f"First-order {'ascending' if found.data.mirrored else 'descending'} curves and the {found.surface} model.",
         [
-            f"Points: measured{f', bars ± 1 count ({size:.3g} {run.unit})' if size else ''}; lines: the model; "
+            f"Points: measured{f', bars ± 1 count ({size:.3g}{spaced(run.unit)})' if size else ''}; lines: the model; "
             f"{_BANDS if any(bands) else ''}colour: the reversal input {turn}.{some} Second panel: model − "
             f"measured at all {len(found.data)} points of {found.data.curves} curves, "
-            f"rms {_curve_rms(found):.3g} {found.model.unit}{_noise_text(found)}."
+            f"rms {_curve_rms(found):.3g}{spaced(found.model.unit)}{_noise_text(found)}."
             f"{count_text(size, _residual_half_range(found), run.unit)}",
             run_caption(run),
         ],
@@ -111,7 +112,7 @@ def _point_trace(curve: FirstOrderCurve, colour: str, run: Run) -> Trace:
 
 def _noise_text(found: Identification) -> str:
     floor = found.model.noise_floor.value
-    return f" (noise floor {floor:.2g} {found.model.unit}, grey band ± 2 σ)" if floor else ""
+    return f" (noise floor {floor:.2g}{spaced(found.model.unit)}, grey band ± 2 σ)" if floor else ""
 
 
 def _residual_half_range(found: Identification) -> float:
@@ -164,7 +165,7 @@ def replay_figure(found: Mapping[str, Identification], run: Run) -> Figure:
 
 
 def _error_text(name: str, found: Identification) -> str:
-    return f"{name}: rms {found.model.fit['rms']:.3g} {found.model.unit}"
+    return f"{name}: rms {found.model.fit['rms']:.3g}{spaced(found.model.unit)}"
 
 
 def parameters_figure(found: Identification, run: Run) -> Figure | None:

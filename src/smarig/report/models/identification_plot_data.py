@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 
 from smarig.core import DataError
 from smarig.identification import DensityReport, FittedImage, Identification, density_report
+from smarig.measurement import Start
 from smarig.preisach import Everett, FodSurface, FodTable, ForcTable, Mirrored, Preisach, lattice
-from smarig.replay import Start
 
 Array = NDArray[np.float64]
 _MAP_CELLS = 40

@@ -4,6 +4,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from smarig.core import spaced
 from smarig.identification import Calibration, Identification, PositiveFit, SurfaceChoice, Verification
 from smarig.preisach import surface_forms
 from smarig.record import Run
@@ -89,7 +90,8 @@ def parameters_table(found: Identification) -> Html:
         ("Parameter", "Value", "95 % interval", "Unit"),
         rows,
         f"The {found.surface} surface (5.5), {found.fit.points} points on {found.fit.curves} curves. Intervals assume "
-        f"equal independent noise at every point (residual σ {found.fit.sigma:.3g} {found.model.unit}).{converged}",
+        "equal independent noise at every point (residual σ "
+        f"{found.fit.sigma:.3g}{spaced(found.model.unit)}).{converged}",
     )
 
 
@@ -99,7 +101,7 @@ def _measure_table(fit: PositiveFit, found: Identification) -> Html:
     by = "chosen by held-out curves" if fit.by_smoothing else "default: too few curves to choose it by data"
     rows = [
         ("Smoothing λ", number(fit.smoothing), by),
-        ("Effective parameters", f"{fit.freedom:.0f}", f"residual σ {fit.sigma:.3g} {unit}"),
+        ("Effective parameters", f"{fit.freedom:.0f}", f"residual σ {fit.sigma:.3g}{spaced(unit)}"),
         ("Cells", str(fit.cells), f"{fit.at_zero} at the bound μ = 0"),
         (
             "Combinations of masses determined by data",

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 
+from smarig.core import spaced
 from smarig.identification import INTERVAL_LEVEL, Identification, SurfaceChoice, Verification
 from smarig.record import Run
 from smarig.report.components.figure import Figure, Panel, Trace, axis, dots, line, log_axis
@@ -57,14 +58,17 @@ def _held_out_text(by_run: Coordinates, held_out: Mapping[str, Verification]) ->
 def _conclusion(by_curve: Coordinates, in_M_P: set[str], run: Run) -> tuple[str | Html, ...]:
     """A sentence on the smallest errors with and without μ ≥ 0."""
     best = min(by_curve, key=lambda name: by_curve[name][1])
-    least = f"The smallest error on held-out curves is {by_curve[best][1]:.3g} {run.unit} ({best})"
+    least = f"The smallest error on held-out curves is {by_curve[best][1]:.3g}{spaced(run.unit)} ({best})"
     allowed = [name for name in by_curve if name in in_M_P]
     if not allowed:
         return (least + "; none of these kinds is in", joined([M_P, "."]))
     safe = min(allowed, key=lambda name: by_curve[name][1])
     if safe == best:
         return (least + ", and this kind is in", joined([M_P, "."]))
-    return (least + "; the smallest in", joined([M_P, f" is {by_curve[safe][1]:.3g} {run.unit} ({safe})."]))
+    return (
+        least + "; the smallest in",
+        joined([M_P, f" is {by_curve[safe][1]:.3g}{spaced(run.unit)} ({safe})."]),
+    )
 
 
 def _panel(

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from smarig.core import spaced
 from smarig.identification import RunVerification
 from smarig.record import Run
 from smarig.report.components.figure import Figure, Panel, Trace, axis, dots, line
@@ -33,14 +34,15 @@ def validation_figure(verification: RunVerification, run: Run, surface: str) -> 
     by_input = _residual(verification.input, error, verification, run, input_title(run))
     e, unit = verification.settled, run.unit
     floor = (
-        f"; noise floor {verification.noise_floor:.2g} {unit} (band: ± 2 σ)"
+        f"; noise floor {verification.noise_floor:.2g}{spaced(unit)} (band: ± 2 σ)"
         if verification.noise_floor
         else "; noise floor unknown"
     )
     zero = (
-        "The encoder's zero is that of the training runs. Nothing was fitted to this run."
+        "The zero of the output is that of the training runs. Nothing was fitted to this run."
         if verification.offset_kind == "known"
-        else f"One additive offset ({verification.offset:.3g} {unit}) was fitted because the encoder's zero is not "
+        else f"One additive offset ({verification.offset:.3g}{spaced(unit)}) was fitted because the "
+        "zero of the output is not "
         "known."
     )
     return Figure(
@@ -48,8 +50,9 @@ def validation_figure(verification: RunVerification, run: Run, surface: str) -> 
         f"The {surface} model on the held-out run.",
         [
             f"First panel: {e.n} settled points in order of time. Other panels: model − measured against time and "
-            f"against the input. The error is {e.rms:.3g} {unit} ({100 * e.nrmse:.2f} % of the measured travel), at "
-            f"most {e.max_abs:.3g} {unit}{floor}. {zero}",
+            f"against the input. The error is {e.rms:.3g}{spaced(unit)} ({100 * e.nrmse:.2f} % of the "
+            "measured travel), at "
+            f"most {e.max_abs:.3g}{spaced(unit)}{floor}. {zero}",
             run_caption(run),
         ],
         source_label(run),

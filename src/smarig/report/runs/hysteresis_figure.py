@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from smarig.core import spaced
 from smarig.record import FORC_PROTOCOL, Run
 from smarig.report.components.decimate import path
 from smarig.report.components.figure import Figure, Panel, Trace, axis, dots, line
@@ -36,7 +37,7 @@ def hysteresis_figure(run: Run) -> Figure:
         data, words = _sample_traces(run)
     layout: dict[str, Any] = {"xaxis": axis(input_title(run)), "yaxis": axis(output_title(run))}
     size = count_size(run)
-    resolution = f"Resolution {size:.3g} {run.unit}." if size else ""
+    resolution = f"Resolution {size:.3g}{spaced(run.unit)}." if size else ""
     return Figure(
         [Panel(data, layout, 450)],
         f"Hysteresis of the {protocol_name(run)} run.",
@@ -143,7 +144,7 @@ def _curves(run: Run, known: NDArray[np.intp]) -> list[tuple[str, NDArray[np.int
         thin = [p[path(run["input"][p], run["position"][p], least)] for p in pieces]
         rows = np.concatenate([np.append(p, -1) for p in thin])
         named.append(
-            (f"reversal at {number(starts[0], 4)} to {number(starts[-1], 4)} {run.input_unit}", rows)
+            (f"reversal at {number(starts[0], 4)} to {number(starts[-1], 4)}{spaced(run.input_unit)}", rows)
         )
     return named
 

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from smarig.core import spaced
 from smarig.identification import Representation
 from smarig.record import Run
 from smarig.report.components.figure import Figure, Panel, Trace, axis, dots, line
@@ -28,7 +29,8 @@ def representation_figure(test: Representation, run: Run) -> Figure:
     curves[1]["marker"] = {"symbol": "circle-open", "size": 9}
     layout = {"xaxis": axis(input_title(run)), "yaxis": axis(y_title)}
     shift = (
-        f" The corners of the two loops differ by {test.offset:.3g} {test.unit}. Congruency permits that; only the "
+        f" The corners of the two loops differ by {test.offset:.3g}{spaced(test.unit)}. Congruency "
+        "permits that; only the "
         "shapes must agree."
         if relative
         else ""
@@ -38,7 +40,7 @@ def representation_figure(test: Representation, run: Run) -> Figure:
         title,
         [
             f"First panel: both curves. Second panel: their difference ({test.input.size} pairs of points) against the "
-            f"input. Band: ± 2 σ, where σ = {test.noise:.2g} {test.unit} is the noise of a difference"
+            f"input. Band: ± 2 σ, where σ = {test.noise:.2g}{spaced(test.unit)} is the noise of a difference"
             + f".{count_text(test.per_count, _half_range(test), test.unit)}{shift}",
             run_caption(run),
         ],
@@ -84,7 +86,7 @@ def count_text(count: float, half_range: float, unit: str) -> str:
     """A sentence on the lines at ± 1 count, or on the count size if they are outside the axis."""
     if not count:
         return ""
-    size = f"1 count ({count:.3g} {unit})"
+    size = f"1 count ({count:.3g}{spaced(unit)})"
     return f" Dotted: ± {size}." if count < 3 * half_range else f" {size} is off the scale."
 
 

@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 
+from smarig.core import spaced
 from smarig.record import Run
 from smarig.report.components.decimate import POINTS, envelope, path
 from smarig.report.components.figure import Figure, Panel, Trace, axis, line, plotly_escaped
@@ -58,7 +59,9 @@ def differences_figure(runs: Sequence[AlignedRun]) -> Figure | None:
     noise = max((each.noise for _, each in others if each.noise), default=None)
     title = f"Run − {runs[0].name} ({display_unit(runs[0].run.unit)})"
     words = (
-        f"Band: ± 2 σ of a difference, σ = {number(noise)} {display_unit(runs[0].run.unit)}." if noise else ""
+        f"Band: ± 2 σ of a difference, σ = {number(noise)}{spaced(display_unit(runs[0].run.unit))}."
+        if noise
+        else ""
     )
     panels = [
         _difference_panel(others, noise, title, "Step, in order of measurement", in_order=True),
@@ -70,7 +73,8 @@ def differences_figure(runs: Sequence[AlignedRun]) -> Figure | None:
         [
             "Only steps with the same preceding inputs in both runs are compared: "
             + "; ".join(
-                f"{e.name}: n = {e.difference.size}, rms {number(e.rms)}, at most {number(e.max_abs)} {e.run.unit}"
+                f"{e.name}: n = {e.difference.size}, rms {number(e.rms)}, at most "
+                f"{number(e.max_abs)}{spaced(e.run.unit)}"
                 for _, e in others
             )
             + ".",
@@ -161,7 +165,7 @@ def _line(k: int, each: AlignedRun, x: Any, y: Any, **more: Any) -> Trace:
 def offsets_text(runs: Sequence[AlignedRun]) -> str:
     """Sentences on how the zeros of the encoder were aligned."""
     unit = display_unit(runs[0].run.unit)
-    fitted = [f"{e.name} {number(e.offset)} {unit}" for e in runs if e.offset_kind == "fitted"]
+    fitted = [f"{e.name} {number(e.offset)}{spaced(unit)}" for e in runs if e.offset_kind == "fitted"]
     unknown = [e.name for e in runs if e.offset_kind == "unknown"]
     sentences = []
     if fitted:

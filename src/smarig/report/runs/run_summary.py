@@ -9,6 +9,7 @@ from datetime import UTC, datetime
 import numpy as np
 from numpy.typing import NDArray
 
+from smarig.core import spaced
 from smarig.record import Run
 from smarig.report.components.decimate import path
 from smarig.report.components.html import Html
@@ -68,8 +69,8 @@ class RunSummary:
         n = f"n = {self.steps} steps" if self.steps else f"n = {thousands(self.samples)} samples"
         low, high = number(float(self.u.min())), number(float(self.u.max()))
         return (
-            f"Hysteresis of {self.protocol}: {self.axes[1]} over {number(self.travel)} {self.unit} against "
-            f"{self.axes[0]} from {low} to {high} {self.input_unit}, {n}."
+            f"Hysteresis of {self.protocol}: {self.axes[1]} over {number(self.travel)}{spaced(self.unit)} against "
+            f"{self.axes[0]} from {low} to {high}{spaced(self.input_unit)}, {n}."
         )
 
     def drawing(self, frame: Frame | None = None) -> Html:
@@ -84,7 +85,7 @@ class RunSummary:
             if np.isfinite(self.duration_s)
             else f"{thousands(self.samples)} samples"
         )
-        return f"{took}, travel {number(self.travel)} {self.unit}"
+        return f"{took}, travel {number(self.travel)}{spaced(self.unit)}"
 
 
 def summary_of(run: Run) -> RunSummary:
