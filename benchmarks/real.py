@@ -68,7 +68,7 @@ CASES = (
         for left_out in (100, 200, 300)
     ),
     RealCase("force AB5 → AB7", _of(FORCE, 5), _of(FORCE, 7), ("input_offset",), ("run",)),
-    RealCase("cycles", (("sma_cycles/cycles.txt", "sma_cycles"),), (), ("ratchet_strain",), ("cycle",)),
+    RealCase("cycles", (("sma_cycles/cycles.txt", "sma_cycles"),), (), ("ratcheting",), ("cycle",)),
     RealCase(
         "ferroelectric, slow and fast",
         ((FERROELECTRIC, "ferroelectric_loops:1"), (FERROELECTRIC, "ferroelectric_loops:2")),

@@ -101,7 +101,7 @@ def test_cycles_leave_a_strain_behind(shared_data, tmp_path):
         shared_data / "sma_cycles" / "cycles.txt", "sma_cycles_contraction", tmp_path / "c.run.sqlite"
     )
     found = diagnose_measured(given(part(run, slice(0, EARLY))), [run], [])
-    assert found.verdict.names == ("ratchet_strain",)
+    assert found.verdict.names == ("ratcheting",)
 
 
 def test_a_chamber_whose_thermometer_failed_for_some_rows(shared_data, tmp_path):

@@ -75,7 +75,7 @@ def test_effects_are_not_offered_where_they_cannot_be_tested():
     assert KINDS["input_offset"].parameters(loaded) is None
     assert KINDS["stress_shift"].parameters([plain, other]) is None
     assert KINDS["stress_shift"].parameters(loaded) is not None
-    assert KINDS["ratchet_strain"].parameters([record(np.arange(9.0), unit="A/m")]) is None
+    assert KINDS["ratcheting"].parameters([record(np.arange(9.0), unit="A/m")]) is None
 
 
 def test_a_table_continues_linearly_and_survives_its_file():
@@ -96,7 +96,43 @@ def test_a_damaged_effect_of_a_model_file_is_refused():
 
 
 def test_a_model_file_with_too_few_amplitudes_is_refused():
-    stored = {"effects": [KINDS["ratchet_strain"](cycles=5.0).to_json()], "amplitudes": []}
+    stored = {"effects": [KINDS["ratcheting"](cycles=5.0).to_json()], "amplitudes": []}
     with pytest.raises(DataError, match="need 1 amplitudes, not 0"):
         MeasurementPart.from_json(stored)
     assert MeasurementPart.from_json(stored | {"amplitudes": [0.1]}).amplitudes == (0.1,)
+
+
+def test_a_model_file_of_an_earlier_version_may_name_an_effect_as_it_was_called_then():
+    stored = {"name": "ratchet_strain", "parameters": {"cycles": 3.0}}
+    assert measurement_effects([stored])[0].kind.name == "ratcheting"
+
+
+def ramps(rates, rows=60):
+    """Ramps up and down at these rates, at equal time steps."""
+    parts, u = [], 0.0
+    for k, rate in enumerate(rates):
+        step = rate if k % 2 == 0 else -rate
+        parts.append(u + step * np.arange(round(rows / rate)))
+        u = parts[-1][-1] + step
+    return np.concatenate(parts)
+
+
+def test_a_lag_is_only_offered_if_the_input_changes_at_several_rates():
+    """At one rate a lag shifts each branch, as a wider or narrower loop would."""
+    lag = KINDS["input_lag"]
+    assert lag.parameters([record(ramps([1.0, 1.0, 1.0, 1.0]))]) is None
+    assert lag.parameters([record(ramps([1.0, 2.0, 1.0, 2.0]))]) is not None
+    assert lag.parameters([record(ramps([1.0] * 4)), record(ramps([2.0] * 4))]) is not None
+
+
+def test_a_drift_of_the_input_is_undone_and_needs_several_cycles():
+    drift = KINDS["input_drift"]
+    true = record(ramps([1.0, 1.0] * 4), dt=60.0)
+    hours = true.t / 3600
+    read = record(true.u - 0.5 * hours, dt=60.0)
+    assert np.allclose(changed(read, [drift(drift_per_h=0.5)]).input, true.u)
+    assert drift.parameters([read]) is not None
+    few = InputRecord(
+        "a", true.u, true.u, true.t, True, np.linspace(0, 2, true.u.size), {}, np.arange(true.u.size)
+    )
+    assert drift.parameters([few]) is None

@@ -8,7 +8,7 @@ from smarig.record import Run
 
 MATCHES = {
     "output leads its input": "input_lag",
-    "loop does not close": "ratchet_strain",
+    "loop does not close": "ratcheting",
     "condition not constant": "stress_shift",
 }
 

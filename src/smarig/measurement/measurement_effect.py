@@ -19,6 +19,7 @@ from smarig.measurement.input_record import InputRecord
 Array = NDArray[np.float64]
 Values = Mapping[str, float]
 EFFECTS = "smarig.measurement.effects"
+FORMER_NAMES = {"ratchet_strain": "ratcheting"}  # in model files of earlier versions
 
 
 @dataclass(frozen=True, eq=False)
@@ -108,7 +109,8 @@ def measurement_effects(stored: Sequence[Mapping[str, Any]]) -> tuple[Measuremen
         values = entry.get("parameters")
         if not isinstance(values, Mapping):
             raise DataError("a measurement effect of the model has no table of parameters")
-        kind = catalogue_entry(EFFECTS, str(entry.get("name")))
+        name = str(entry.get("name"))
+        kind = catalogue_entry(EFFECTS, FORMER_NAMES.get(name, name))
         found.append(MeasurementEffect(kind, {str(k): float(v) for k, v in values.items()}))
     return tuple(found)
 

@@ -32,7 +32,7 @@ def test_a_late_thermometer_and_a_lasting_strain_become_suspects_with_their_effe
     leading = found_in(u, -RelayWire(1).strain(u[::-1])[::-1])
     growing = found_in(u, 4 - RelayWire(1).strain(u) + np.linspace(0, 1, u.size))
     run = with_meta(as_run("a", T, STRAIN), warnings=[*leading, *growing, "position comes in steps of 1 mm."])
-    assert {s.effect for s in suspects([run])} == {"input_lag", "ratchet_strain"}
+    assert {s.effect for s in suspects([run])} == {"input_lag", "ratcheting"}
     assert len(suspects([run])) == len([*leading, *growing])
 
 
@@ -65,10 +65,9 @@ def test_a_suspect_that_these_data_cannot_show_is_stated_as_such():
     two = triangles((85.0,), rows=80)  # one cycle: a strain that remains from cycle to cycle cannot show
     run = with_meta(as_run("a", two, RelayWire(1).strain(two)), warnings=[sentence])
     found = diagnose(identify(run, "positive").model, [run])
-    assert "ratchet_strain" in found.not_testable
-    assert (
-        f"The import of a found: {sentence} It would match ratchet_strain, which these data cannot show."
-        in (found.text())
+    assert "ratcheting" in found.not_testable
+    assert f"The import of a found: {sentence} It would match ratcheting, which these data cannot show." in (
+        found.text()
     )
 
 

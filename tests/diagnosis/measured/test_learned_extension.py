@@ -97,7 +97,7 @@ def test_nothing_is_learned_where_nothing_is_wrong():
 def test_effects_that_it_looks_like_exist():
     known = {k.name for k in effect_types()}
     assert {name for names in PLANT_EFFECTS.values() for name in names} <= known
-    assert "ratchet_strain" in looks_like("cycle")
+    assert "ratcheting" in looks_like("cycle")
 
 
 @long

@@ -133,7 +133,7 @@ def test_a_strain_that_each_cycle_leaves_is_named():
     cycle = np.arange(u.size) / 48.0
     y = wire.strain(u) + 0.5 * (1 - np.exp(-cycle / 5.0))
     found = diagnosed([as_run("training", u, y)])
-    assert found.verdict.names == ("ratchet_strain",)
+    assert found.verdict.names == ("ratcheting",)
     assert parameter(found, "amplitude")["value"] == pytest.approx(0.5, rel=0.2)
 
 

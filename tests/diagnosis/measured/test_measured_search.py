@@ -82,3 +82,10 @@ def test_a_variable_that_explains_much_more_takes_the_name_away(hypotheses):
     found = decide(steps, worse_on_held_out=False)
     assert found.verdict.word == "unknown"
     assert found.verdict.depends_on == "time"
+
+
+def test_an_open_search_has_an_interval_without_an_upper_end():
+    from smarig.diagnosis.diagnosis_text import parameter_text
+
+    value = {"value": 126.0, "ci95": [119.0, None], "unit": "h"}
+    assert parameter_text("time_constant_h", value) == "time_constant_h at least 119 h"

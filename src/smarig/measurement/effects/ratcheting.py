@@ -34,8 +34,8 @@ def _change(p: Values, record: InputRecord) -> RecordChange:
     return RecordChange(record.u, (1 - np.exp(-record.cycle / p["cycles"]))[:, None])
 
 
-ratchet_strain = MeasurementEffectType(
-    name="ratchet_strain",
+ratcheting = MeasurementEffectType(
+    name="ratcheting",
     summary="Each cycle leaves an output behind, less in every cycle.",
     looks_like="loops do not close; each is shifted against the one before, by less and less",
     confused_with=("walking", "training"),
