@@ -46,7 +46,7 @@ def test_pooled_stresses_are_said_in_one_sentence_and_kept_with_the_model(tmp_pa
         ({"frequency": (0.1, "Hz")}, {"frequency": (1.0, "Hz")}, "made at 0.1 and 1 Hz;"),
         ({"specimen": "A"}, {"specimen": "B"}, "of specimen A and B;"),
         ({"load": (2.0, "N")}, {"load": (4.0, "N")}, "under a load of 2 and 4 N;"),
-        ({"humidity": (20.0, "1")}, {"humidity": (60.0, "1")}, "at humidity 20 and 60 1;"),
+        ({"humidity": (20.0, "1")}, {"humidity": (60.0, "1")}, "at humidity 20 and 60;"),
         ({"stress": (100.0, "MPa")}, {}, ""),
     ],
 )
