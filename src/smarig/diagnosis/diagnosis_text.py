@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from smarig.core import spaced
 from smarig.diagnosis.held_out_gain import HeldOutGain
 
 if TYPE_CHECKING:
@@ -84,15 +85,19 @@ def parameter_text(name: str, v: dict[str, Any]) -> str:
     """A parameter with its 95 % interval and unit."""
     ends = v["ci95"]
     if ends and ends[1] is None:  # the search is open above
-        return f"{name} at least {ends[0]:.3g} {v['unit']}"
-    return f"{name} {v['value']:.3g}" + (f" [{ends[0]:.3g}, {ends[1]:.3g}]" if ends else "") + f" {v['unit']}"
+        return f"{name} at least {ends[0]:.3g}{spaced(v['unit'])}"
+    return (
+        f"{name} {v['value']:.3g}" + (f" [{ends[0]:.3g}, {ends[1]:.3g}]" if ends else "") + spaced(v["unit"])
+    )
 
 
 def gain_text(gain: HeldOutGain, unit: str) -> str:
     """The gain of the extended model on held-out runs."""
-    opening = f"Held-out runs, {gain.blocks} blocks: rms error {gain.base:.4g} → {gain.extended:.4g} {unit}"
+    opening = (
+        f"Held-out runs, {gain.blocks} blocks: rms error {gain.base:.4g} → {gain.extended:.4g}{spaced(unit)}"
+    )
     if gain.original is not None:
-        opening += f" (given model: {gain.original:.4g} {unit})"
+        opening += f" (given model: {gain.original:.4g}{spaced(unit)})"
     share, ends = gain.removable_share, gain.interval()
     if gain.extended > max(gain.base, gain.floor):
         return f"{opening}. The extended model is WORSE. Check its parameters before you use it."

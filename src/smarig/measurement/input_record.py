@@ -125,6 +125,13 @@ def reversals(u: Array, noise: float | None = None) -> list[int]:
     return sorted({0, *turns, u.size - 1})
 
 
+def hours_of_cycles(records: Sequence["InputRecord"], fewest: float) -> float | None:
+    """Hours of the longest record if all have a clock and one has at least ``fewest`` cycles, else None."""
+    if not all(r.clock for r in records) or max(float(r.cycle[-1] - r.cycle[0]) for r in records) < fewest:
+        return None
+    return max(float(np.ptp(r.t)) for r in records) / 3600
+
+
 def rate_of(record: "InputRecord") -> float:
     """Mean |du/dt| of a record with a clock: range of the input times cycles over the duration."""
     cycles = max(float(record.cycle[-1] - record.cycle[0]), 0.25)

@@ -57,11 +57,11 @@ def _learned(d: MeasuredDiagnosis) -> Iterator[Section]:
 def _summary(d: MeasuredDiagnosis) -> Iterator[Html]:
     first, *rest = d.text().splitlines()
     yield notice(_BOX_STYLES[d.verdict.word], paragraph(tag("b", first)))
-    unit = display_unit(d.unit)
+    unit = _in_brackets(d.unit)
     after = f" → {number(d.best.rms)}" if d.best else ""
     items = [
         (
-            f"Error on blocks left out, rms ({unit})",
+            f"Error on blocks left out, rms{unit}",
             f"{number(d.base.rms)}{after}",
             f"noise {number(d.noise, 2)}",
         ),
@@ -74,10 +74,15 @@ def _summary(d: MeasuredDiagnosis) -> Iterator[Html]:
     if d.gain is not None:
         after = f" → {number(d.gain.extended)}" if d.extended else ""
         given = "not predicted" if d.gain.original is None else number(d.gain.original)
-        title = f"Held-out runs, rms ({unit})"
+        title = f"Held-out runs, rms{unit}"
         items.append((title, f"{number(d.gain.base)}{after}", f"given model {given}"))
     yield cards(items)
     yield bullets(rest)
+
+
+def _in_brackets(unit: str) -> str:
+    """A unit behind a quantity; nothing for a quantity without unit."""
+    return f" ({display_unit(unit)})" if spaced(unit) else ""
 
 
 def _loops_figure(d: MeasuredDiagnosis) -> Figure:
@@ -113,7 +118,7 @@ def _errors_figure(d: MeasuredDiagnosis) -> Figure:
     data = [dots(row, _centred(d, d.base), "plain model", COOLING)]
     if d.best is not None:
         data.append(dots(row, _centred(d, d.best), "extended model", MODEL))
-    layout = {"xaxis": axis("Reading"), "yaxis": axis(f"Measured − predicted ({display_unit(d.unit)})")}
+    layout = {"xaxis": axis("Reading"), "yaxis": axis(f"Measured − predicted{_in_brackets(d.unit)}")}
     caption = [
         f"{train} readings of training runs, then {len(plan) - train} of held-out runs.",
         f"Noise of one reading: {number(d.noise, 2)}{spaced(display_unit(d.unit))}.",

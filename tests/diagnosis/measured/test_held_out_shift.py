@@ -22,34 +22,33 @@ def shift_of(other, dt=1.0):
     comparison = compared(records, 1)
     base = comparison.evaluated([])
     error = np.where(comparison.train, base.fit.error, 20 * base.rms + 0.1 * np.ptp(comparison.plan.y))
-    return base, held_out_shift(base, error, comparison, 1)
+    return held_out_shift(base, error, comparison, 1)
 
 
 def test_a_run_that_is_missed_by_far_more_than_left_out_blocks_differs():
-    base, found = shift_of(as_run("other", T, WIRE.strain(T), dt=1.0))
+    found = shift_of(as_run("other", T, WIRE.strain(T), dt=1.0))
     assert found is not None
     assert found.variable == "run"
     assert found.ratio > 20
     silent = DiagnosisVerdict("silent")
     assert with_held_out_shift(silent, found) == DiagnosisVerdict("unknown", depends_on="run")
     assert with_held_out_shift(silent, None) is silent
-    assert found.error > base.rms
 
 
 def test_a_run_at_another_rate_differs_in_its_rate():
-    _, found = shift_of(as_run("fast", T, WIRE.strain(T), dt=0.1))
+    found = shift_of(as_run("fast", T, WIRE.strain(T), dt=0.1))
     assert found is not None
     assert found.variable == "rate"
 
 
 def test_a_run_that_reaches_beyond_the_training_inputs_is_no_finding():
     hotter = triangles((110.0, 62.0, 80.0))
-    _, found = shift_of(as_run("hotter", hotter, WIRE.strain(hotter), dt=1.0))
+    found = shift_of(as_run("hotter", hotter, WIRE.strain(hotter), dt=1.0))
     assert found is None
 
 
 def test_a_named_cause_stays():
-    _, found = shift_of(as_run("other", T, WIRE.strain(T), dt=1.0))
+    found = shift_of(as_run("other", T, WIRE.strain(T), dt=1.0))
     named = DiagnosisVerdict("named", ((("input_lag",), 1.0),))
     assert with_held_out_shift(named, found) is named
     depends = replace(DiagnosisVerdict("unknown"), depends_on="cycle")

@@ -19,10 +19,9 @@ RATE_RATIO = 1.5  # a rate that lies outside those of the training runs by more 
 
 @dataclass(frozen=True)
 class HeldOutShift:
-    """The ``variable`` in which held-out runs differ, their rms error, and its ratio to that on left-out blocks."""
+    """The ``variable`` in which held-out runs differ, and the ratio of their rms error to that on left-out blocks."""
 
     variable: str
-    error: float
     ratio: float
 
 
@@ -37,7 +36,7 @@ def held_out_shift(
     error = float(np.sqrt(np.mean(base_error[tested] ** 2)))
     if error <= max(RATIO * base.rms, adequate_error(base)):
         return None
-    return HeldOutShift(_variable(records[:train], records[train:]), error, error / base.rms)
+    return HeldOutShift(_variable(records[:train], records[train:]), error / base.rms)
 
 
 def within_reach(train: Sequence[InputRecord], held_out: Sequence[InputRecord]) -> bool:

@@ -34,15 +34,15 @@ class LearnedExtension:
 def learned_extension(
     model: Model,
     base: MeasuredHypothesis,
-    base_error: Array,
+    error_to_beat: float,
     comparison: Comparison,
     runs: tuple[Sequence[Run], Sequence[Run]],
     progress: Callable[[str], None] = lambda _: None,
 ) -> tuple[LearnedExtension | None, str]:
     """(extension, "") or (None, a clause on why there is none).
 
-    The law is chosen on the training runs. ``runs`` are training and held-out runs; ``base_error`` (m,) are the errors
-    of the plain model, those of held-out runs about their mean.
+    The law is chosen on the training runs. ``runs`` are training and held-out runs; ``error_to_beat`` is the rms
+    error that a model with it must not exceed on held-out runs.
     """
     search = learn(comparison, base, progress)
     if search.found is None:
@@ -60,7 +60,7 @@ def learned_extension(
     tested = ~comparison.train
     if _rms(error[~tested]) > WORSE * _rms(base.fit.error[~tested]):
         return None, "a learned law does not fit the training runs when it is replayed"
-    if tested.any() and _rms(error[tested]) > WORSE * _rms(base_error[tested]):
+    if tested.any() and _rms(error[tested]) > WORSE * error_to_beat:
         of = law.variables[0].replace("_", " ")
         return None, f"a learned law of the {of} predicts left-out blocks better, but the held-out runs worse"
     return LearnedExtension(law, hypothesis, extended, error), ""

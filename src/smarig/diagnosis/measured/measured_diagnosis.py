@@ -250,7 +250,7 @@ def diagnose_measured(
     learned, learned_reason = None, ""
     if decided.verdict.word == "unknown" and not is_adequate(base):
         sets = list(train), list(held_out)
-        learned, learned_reason = learned_extension(model, base, errors[0], comparison, sets, progress)
+        learned, learned_reason = learned_extension(model, base, limit, comparison, sets, progress)
     shift = held_out_shift(base, errors[0], comparison, count)
     offsets = tuple(run_offsets(comparison, best.effects if best else (), count))
     extended_error = learned.error if learned else errors[1] if best else errors[0]

@@ -105,8 +105,10 @@ def _held_out(d: "MeasuredDiagnosis") -> Iterator[str]:
     if d.extended:
         yield gain_text(d.gain, d.unit)
     else:
-        given = f" (given model: {d.gain.original:.4g} {d.unit})" if d.gain.original is not None else ""
-        yield f"Held-out runs, {d.gain.blocks} blocks: rms error {d.gain.base:.4g} {d.unit}{given}."
+        given = (
+            f" (given model: {d.gain.original:.4g}{spaced(d.unit)})" if d.gain.original is not None else ""
+        )
+        yield f"Held-out runs, {d.gain.blocks} blocks: rms error {d.gain.base:.4g}{spaced(d.unit)}{given}."
     if d.shift is not None:
         other = (
             "were recorded at another rate" if d.shift.variable == "rate" else "differ from the training runs"

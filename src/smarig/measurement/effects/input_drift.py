@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from smarig.measurement.input_record import InputRecord
+from smarig.measurement.input_record import InputRecord, hours_of_cycles
 from smarig.measurement.measurement_effect import (
     MeasurementEffectType,
     RecordChange,
@@ -21,11 +21,9 @@ TRIED_SHARES = (-0.5, -0.25, -0.12, -0.06, -0.03, 0.0, 0.03, 0.06, 0.12, 0.25, 0
 
 def _parameters(records: Sequence[InputRecord]) -> tuple[SearchedParameter, ...] | None:
     """The drift d; every run needs a clock, and one several cycles."""
-    if not all(r.clock for r in records):
+    hours = hours_of_cycles(records, FEWEST_CYCLES)
+    if hours is None:
         return None
-    if max(float(r.cycle[-1] - r.cycle[0]) for r in records) < FEWEST_CYCLES:
-        return None
-    hours = max(float(np.ptp(r.t)) for r in records) / 3600
     per_h = max(float(np.ptp(r.u)) for r in records) / hours
     return (SearchedParameter("drift_per_h", "input unit per h", tuple(s * per_h for s in TRIED_SHARES)),)
 

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from smarig.measurement.input_record import InputRecord
+from smarig.measurement.input_record import InputRecord, hours_of_cycles
 from smarig.measurement.measurement_effect import (
     MeasurementEffectType,
     RecordChange,
@@ -23,11 +23,9 @@ TRIED_SHARES = np.array(
 
 def _parameters(records: Sequence[InputRecord]) -> tuple[SearchedParameter, ...] | None:
     """The time constant τ; every run needs a clock, and one several cycles."""
-    if not all(r.clock for r in records):
+    hours = hours_of_cycles(records, FEWEST_CYCLES)
+    if hours is None:
         return None
-    if max(float(r.cycle[-1] - r.cycle[0]) for r in records) < FEWEST_CYCLES:
-        return None
-    hours = max(float(np.ptp(r.t)) for r in records) / 3600
     return (
         SearchedParameter("time_constant_h", "h", tuple((hours * TRIED_SHARES).tolist()), open_above=True),
     )
