@@ -100,6 +100,11 @@ def raw_noise(timeline: Timeline, plant_model: PlantModel) -> float:
     return float(np.sqrt(max(_scatter(timeline), (0.5 * plant_model.per_count) ** 2, 1e-12)))
 
 
+def reading_scatter(timeline: Timeline) -> float:
+    """Standard deviation of a single position reading in settled windows; 0 if they do not scatter."""
+    return float(np.sqrt(_scatter(timeline)))
+
+
 @lru_cache(maxsize=8)
 def _scatter(timeline: Timeline) -> float:
     """Median variance of neighbouring readings in settled windows; cached for all refits."""

@@ -167,6 +167,8 @@ def null_data(
         y[:n, k] = (
             refitted.fitted + prediction.output_slope * deviation + rng.standard_normal(n) * noise.white
         )
+        if noise.encoder.size:
+            y[:n, k] += noise.encoder @ rng.standard_normal(noise.encoder.shape[1])
         y[n:, k] = rng.standard_normal(size - n) * refitted.scale[n:]
     scaled = y / refitted.scale[:, None]
     return solve_triangular(refitted.factor, scaled, lower=True, check_finite=False)

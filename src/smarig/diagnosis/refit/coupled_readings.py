@@ -8,7 +8,7 @@ from scipy.sparse import csr_matrix
 
 from smarig.diagnosis.refit.density_prior import DensityPrior, density_prior
 from smarig.diagnosis.refit.memory_noise import memory_slopes
-from smarig.diagnosis.refit.reading_noise import output_rate, reading_scales
+from smarig.diagnosis.refit.reading_noise import encoder_error_traces, output_rate, reading_scales
 from smarig.diagnosis.refit.variance_components import ReadingCovariance, bounds_of
 from smarig.replay import OUTPUT_DEPENDENT_KINDS, PlantModel, Prediction, Timeline, predict
 
@@ -21,6 +21,7 @@ class CoupledReadings:
 
     ``scale`` (n,) divides each reading. ``slopes`` (n, p) and ``times`` (p,) belong to the remembered inputs
     (``memory_slopes``). ``zero_scale`` (n,) is the scale of positions of the first session, else 0.
+    ``encoder_error`` (n, q) are traces in the readings' unit (``encoder_error_traces``).
     """
 
     y: Array
@@ -30,6 +31,7 @@ class CoupledReadings:
     slopes: csr_matrix
     times: Array
     zero_scale: Array
+    encoder_error: Array
 
     @property
     def free(self) -> Array:
@@ -47,6 +49,8 @@ def coupled_readings(timeline: Timeline, prediction: Prediction, plant_model: Pl
     white, free, scale, slope = reading_scales(
         timeline, prediction, plant_model, coupled, output_rate(prediction, path), contribution
     )
+    encoder_error = encoder_error_traces(timeline, plant_model, coupled)
+    free += (encoder_error / scale[:, None]) @ (encoder_error / scale[:, None]).T
     prior = density_prior(prediction, h, path, prediction.output)
     full_output = y + prediction.output_slope * (
         prediction.output - h.y_lower
@@ -69,6 +73,7 @@ def coupled_readings(timeline: Timeline, prediction: Prediction, plant_model: Pl
         slopes=slopes,
         times=times,
         zero_scale=scale * ((white < 1.0) & (prediction.session == 0)),
+        encoder_error=encoder_error,
     )
 
 

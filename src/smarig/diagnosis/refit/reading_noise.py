@@ -6,7 +6,8 @@ Positions of one session share a zero. A resistance has its own zero and scale. 
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.diagnosis.drive_statistics import DriveStatistics, raw_noise
+from smarig.diagnosis.drive_statistics import DriveStatistics, raw_noise, reading_scatter
+from smarig.diagnosis.refit.quantization import noise_before_rounding, quantization_traces
 from smarig.replay import PlantModel, Prediction, ReadingSeries, Timeline
 
 Array = NDArray[np.float64]
@@ -56,6 +57,17 @@ def reading_scales(
     return np.concatenate(white), free + np.outer(unobserved, unobserved), scales, slope
 
 
+def encoder_error_traces(timeline: Timeline, plant_model: PlantModel, coupled: list[ReadingSeries]) -> Array:
+    """Traces (n, q) of the encoder's error at settled positions, in the readings' unit, of strengths ~ N(0, 1)."""
+    count = plant_model.per_count
+    n = sum(len(r) for r in coupled)
+    scatter = reading_scatter(timeline)
+    if not count or not scatter:
+        return np.empty((n, 0))
+    traces = quantization_traces(timeline.settled.value / count, noise_before_rounding(scatter / count))
+    return np.concatenate([traces * count, np.zeros((n - len(timeline.settled), traces.shape[1]))])
+
+
 def _resistance_noise(y: Array, target_K: Array) -> Array:
     """Standard deviation (n,) of resistances V/i, from residuals (n,): that of the voltage over the current.
 
@@ -73,6 +85,7 @@ def output_rate(prediction: Prediction, path: Array) -> Array:
 
 
 MIN_CURRENT_SHARE = 0.05  # of the median current: smaller currents give no better known resistance
+OUTLIER_SD = 4.0  # robust sds: larger second differences are jumps, not noise
 _MIN_NOISE = {"resistance": 5e-4, "current": 5e-5, "room": 0.005}  # ohm, A, K: best instruments
 _FREE_BLOCK_ZERO_SD = 1e3  # sd of a block's own zero, in noise sds: practically free, and safe from rounding
 
@@ -97,9 +110,9 @@ def session_means(y: Array, readings: ReadingSeries, timeline: Timeline) -> Arra
 
 
 def _local_noise(y: Array) -> float:
-    """Robust standard deviation of white noise from second differences of neighbours."""
-    second_differences = y[:-2] - 2 * y[1:-1] + y[2:]
-    return max(
-        float(np.median(np.abs(second_differences))) / 0.6745 / np.sqrt(6.0),
-        1e-9 * max(float(np.abs(y).max()), 1e-9),
-    )
+    """Standard deviation of white noise from second differences of neighbours, without the outliers among them."""
+    second_differences = np.abs(y[:-2] - 2 * y[1:-1] + y[2:])
+    robust = float(np.median(second_differences)) / 0.6745
+    usual = second_differences[second_differences <= OUTLIER_SD * robust]
+    noise = float(np.sqrt(np.mean(usual**2))) if usual.size else robust
+    return max(noise / np.sqrt(6.0), 1e-9 * max(float(np.abs(y).max()), 1e-9))

@@ -7,7 +7,7 @@ explains ½ (tᵀC⁻¹y)²/(tᵀC⁻¹t) nats more than a new density alone.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -34,7 +34,8 @@ class NoiseEstimate:
     """Standard deviations: ``white`` (n,) of each coupled reading by itself, of temperature (K), and of settled
     positions.
 
-    ``moving`` is the typical one of moving positions, 0 if none was read.
+    ``moving`` is the typical one of moving positions, 0 if none was read. ``encoder`` (n, q) are traces of the
+    encoder's error, with strengths ~ N(0, 1).
     """
 
     white: Array
@@ -42,6 +43,7 @@ class NoiseEstimate:
     correlation_s: float
     settled: float
     moving: float = 0.0
+    encoder: Array = field(default_factory=lambda: np.empty((0, 0)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -139,7 +141,7 @@ def refit(
         factor=factor,
         scale=scales,
         data=whitened,
-        noise=NoiseEstimate(sd, s_T, correlation, span * s0, moving_sd),
+        noise=NoiseEstimate(sd, s_T, correlation, span * s0, moving_sd, readings.encoder_error),
         fitted=y - scale * (noise_part @ dual_weights),
         log_evidence=-cost - float(np.log(scale).sum()) - independent_cost,  # of readings in their own units
         coupled=n,
