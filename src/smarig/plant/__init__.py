@@ -28,6 +28,9 @@ if TYPE_CHECKING:
     from smarig.plant.effect_catalogue import mystery_effects as mystery_effects
     from smarig.plant.heating import JouleHeating as JouleHeating
     from smarig.plant.heating import temperature_along as temperature_along
+    from smarig.plant.learned_effect import LEARNED_FROM as LEARNED_FROM
+    from smarig.plant.learned_effect import LearnedShape as LearnedShape
+    from smarig.plant.learned_effect import learned_effect_type as learned_effect_type
     from smarig.plant.measured_input import PassThroughActuator as PassThroughActuator
     from smarig.plant.measured_input import is_testable as is_testable
     from smarig.plant.plant import Plant as Plant

@@ -165,6 +165,7 @@ class EffectType:
     arrangement: str = ""  # TWO_WIRE if it needs two wires
     memoryless: bool = False
     output_independent: bool = False
+    shape: Any = None  # of a learned effect, which no catalogue lists
 
     @property
     def primary(self) -> Parameter:
@@ -207,8 +208,9 @@ class Effect:
         return self.kind.act(self.values, context)
 
     def to_json(self) -> dict[str, Any]:
-        """{"name", "parameters"}, as stored in model files."""
-        return {"name": self.kind.name, "parameters": dict(self.values)}
+        """{"name", "parameters"}, as stored in model files; a learned effect has a "shape" too."""
+        shape = {"shape": self.kind.shape.to_json()} if self.kind.shape else {}
+        return {"name": self.kind.name, "parameters": dict(self.values)} | shape
 
     def __repr__(self) -> str:
         return f"{self.kind.name}({', '.join(f'{k}={v:g}' for k, v in self.values.items())})"

@@ -8,6 +8,7 @@ from typing import Any
 
 from smarig.core import DataError, UsageError, catalogue_entry, catalogue_names, own_entries, resolve_name
 from smarig.plant.effect import Effect, EffectType
+from smarig.plant.learned_effect import INPUT_BOUND, OUTPUT_BOUND, LearnedShape, learned_effect_type
 
 EFFECTS = "smarig.plant.effects"
 NO_EFFECT_SHARE = 0.15  # share of the mystery rigs without an effect
@@ -82,7 +83,7 @@ def effects_to_pairs(effects: Iterable[Effect]) -> list[str]:
 
 
 def effects_from_json(records: Iterable[Mapping[str, Any]]) -> tuple[Effect, ...]:
-    """Effects of a model file, each {"name", "parameters"}. DataError for anything else."""
+    """Effects of a model file, each {"name", "parameters"} and a learned one {"shape"} too. DataError for anything else."""
     try:
         found_effects = tuple(_effect_from_record(**r) for r in records)
     except (KeyError, TypeError, ValueError) as error:
@@ -97,8 +98,15 @@ def effects_from_json(records: Iterable[Mapping[str, Any]]) -> tuple[Effect, ...
     return found_effects
 
 
-def _effect_from_record(name: str, parameters: Mapping[str, float]) -> Effect:
-    return catalogue_entry(EFFECTS, str(name))(**dict(parameters))
+def _effect_from_record(
+    name: str, parameters: Mapping[str, float], shape: Mapping[str, Any] | None = None
+) -> Effect:
+    if shape is None:
+        return catalogue_entry(EFFECTS, str(name))(**dict(parameters))
+    bound = max(abs(float(value)) for value in parameters.values())  # was checked when it was learned
+    return learned_effect_type(LearnedShape.from_json(shape), bound / OUTPUT_BOUND + bound / INPUT_BOUND)(
+        **dict(parameters)
+    )
 
 
 def mystery_effects(seed: int, arrangement: str) -> tuple[Effect, ...]:

@@ -58,8 +58,23 @@ class Discrepancy:
         return {WALK: "history", "branch": "history"}.get(self.variable, self.variable)
 
 
+@dataclass(frozen=True)
+class RankedDiscrepancies:
+    """The ``likeliest`` discrepancy, and (variable, place) of all, by their gain while they were screened."""
+
+    likeliest: Discrepancy
+    places: tuple[tuple[str, str], ...]
+
+
 def likeliest_discrepancy(timeline: Timeline, plant_model: PlantModel, refitted: Refit) -> Discrepancy:
     """The discrepancy that makes the positions likeliest, against noise alone; ``refitted`` gives where to start."""
+    return ranked_discrepancies(timeline, plant_model, refitted).likeliest
+
+
+def ranked_discrepancies(
+    timeline: Timeline, plant_model: PlantModel, refitted: Refit
+) -> RankedDiscrepancies:
+    """``likeliest_discrepancy``, and the order of all others."""
     positions = timeline.positions_only
     prediction = predict(timeline, plant_model).positions_only
     readings = coupled_readings(positions, prediction, plant_model)
@@ -83,14 +98,15 @@ def likeliest_discrepancy(timeline: Timeline, plant_model: PlantModel, refitted:
     best = described("", "", 0.0, start)
     start = np.append(start[:-1], min(start[-1], np.log10(PLAUSIBLE_ROOM_K)))
     screened = _screened(readings, memory, start, [k for _, _, k in kernels])
-    for j in sorted(range(len(kernels)), key=lambda j: -screened[j][0])[:JOINTLY_TRIED]:
+    order = sorted(range(len(kernels)), key=lambda j: -screened[j][0])
+    for j in order[:JOINTLY_TRIED]:
         variable, place, kernel = kernels[j]
         with_kernel, components = found.with_shape(kernel).likeliest_near(
             memory, np.insert(start, len(found.shapes), np.log10(screened[j][1]))
         )
         if cost - with_kernel > best.gain:
             best = described(variable, place, cost - with_kernel, components)
-    return best
+    return RankedDiscrepancies(best, tuple(dict.fromkeys(kernels[j][:2] for j in order)))
 
 
 def _screened(

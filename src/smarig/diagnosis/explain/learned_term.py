@@ -1,0 +1,126 @@
+"""The missing term of a model of commanded runs: a law of one variable, learned together with the density.
+
+The variables are tried in the order in which flexible discrepancies explain the readings. A law must be likelier than
+no law by more than its values are free to gain, and must predict blocks left out of the fit better.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from smarig.diagnosis.drive_statistics import DriveStatistics
+from smarig.diagnosis.explain.explanation import Explanation, fit_explanation
+from smarig.diagnosis.explain.left_out_blocks import log_densities_left_out
+from smarig.diagnosis.refit.refit import Refit
+from smarig.plant import LEARNED_FROM, LearnedShape, learned_effect_type
+from smarig.preisach import Everett
+from smarig.replay import PlantModel, Prediction, Timeline, predict
+
+Array = NDArray[np.float64]
+TRIED = 3  # laws fitted
+KNOTS = 5
+ROUNDS = 3  # of values, then density
+MIN_GAIN_NATS = 10.0  # of the law, beyond what its free values gain by chance
+MIN_LEFT_OUT_NATS = 5.0  # on blocks left out
+DRAWS, CHANCE = 2000, 0.05  # resamples of the blocks, and the share of them in which the law may lose
+DIFFERENCE_SHARE = 0.1  # of a value's typical size, for derivatives
+
+
+@dataclass(frozen=True, eq=False)
+class LearnedTermFit:
+    """A law with its density, its gain (nats) over none, and what it gains (nats) on blocks left out."""
+
+    explanation: Explanation
+    gain: float
+    left_out: float
+
+    @property
+    def shape(self) -> LearnedShape:
+        """Variable, place and knots."""
+        return self.explanation.effects[0].kind.shape
+
+
+def learned_term(
+    timeline: Timeline,
+    base: PlantModel,
+    plain: Refit,
+    original: Everett,
+    places: Sequence[tuple[str, str]],
+) -> LearnedTermFit | None:
+    """The law that gains most on blocks left out, or None if no law passes.
+
+    ``base`` and ``plain`` are the model without effects and its refit. ``places`` are (variable, "output" or
+    "input"), the most promising first.
+    """
+    prediction = predict(timeline, base)
+    shapes = [_shape(timeline, base, prediction, *p) for p in places if p[0] in LEARNED_FROM]
+    tried = [shape for shape in shapes if shape is not None][:TRIED]
+    before = log_densities_left_out(timeline, plain)
+    found = [_fitted(timeline, base, plain, original, shape, before) for shape in tried]
+    return max((f for f in found if f is not None), key=lambda f: f.left_out, default=None)
+
+
+def _shape(
+    timeline: Timeline, base: PlantModel, prediction: Prediction, variable: str, place: str
+) -> LearnedShape | None:
+    """Knots at equal shares of a variable's values; None if it hardly varies, or if a density has the law anyway."""
+    if variable == "level" and place == "input":
+        return None
+    z = _values(timeline, base, prediction, variable)
+    knots = np.unique(np.round(np.quantile(z, np.linspace(0, 1, KNOTS)), 9))
+    unit = timeline.unit if place == "output" else "K"
+    return LearnedShape(variable, place, tuple(knots.tolist()), unit) if knots.size > 1 else None
+
+
+def _values(timeline: Timeline, base: PlantModel, prediction: Prediction, variable: str) -> Array:
+    """The variable (n,) at positions, as the simulated plant has it."""
+    count = sum(len(r) for r in timeline.positions_only.all_readings)
+    if variable == "level":
+        return prediction.output[:count]
+    if variable == "cycle":
+        path = prediction.outputs_along(base.hysteresis, base.initial, prediction.hysteresis_input_K)
+        travel = np.cumsum(np.abs(np.diff(path, prepend=path[0])))
+        return travel[prediction.tick_index[:count]] / (2 * base.stroke)
+    z = DriveStatistics(timeline).variables(prediction)[variable]
+    return z / np.log(10.0) if variable == "hold" else z
+
+
+def _fitted(
+    timeline: Timeline, base: PlantModel, plain: Refit, original: Everett, shape: LearnedShape, before: Array
+) -> LearnedTermFit | None:
+    """A law with its values fitted, or None if it does not pass."""
+    h = base.hysteresis
+    extent = base.stroke if shape.enters == "output" else h.upper - h.lower
+    kind = learned_effect_type(shape, extent)
+    start = kind(**{p.name: 0.0 for p in kind.parameters})
+    extended = replace(base, effects=(*base.effects, start))
+    found = fit_explanation(timeline, extended, original, plain, ROUNDS)
+    free = len(kind.parameters)
+    gain = found.evidence - plain.log_evidence - 0.5 * free * np.log(plain.coupled)
+    difference = log_densities_left_out(timeline, found.refitted, _traces(timeline, found)) - before
+    left_out = float(difference.sum())
+    if gain < MIN_GAIN_NATS or left_out < MIN_LEFT_OUT_NATS or _share_lost(difference) > CHANCE:
+        return None
+    return LearnedTermFit(found, gain, left_out)
+
+
+def _traces(timeline: Timeline, found: Explanation) -> Array:
+    """The change (N, k) of all readings by each value of the law."""
+    plant_model, effect = found.plant_model, found.effects[0]
+    zero, columns = predict(timeline, plant_model).stacked(timeline), []
+    for p in effect.kind.parameters:
+        step = DIFFERENCE_SHARE * p.typical
+        changed = effect.kind(**effect.values | {p.name: np.clip(effect.values[p.name] + step, p.lower, p.upper)})
+        effects = (*(e for e in plant_model.effects if e is not effect), changed)
+        columns.append(predict(timeline, replace(plant_model, effects=effects)).stacked(timeline) - zero)
+    traces = np.column_stack(columns)
+    return traces[:, np.any(traces != 0.0, axis=0)]
+
+
+def _share_lost(difference: Array) -> float:
+    """The share of resampled sets of blocks on which the law does not gain."""
+    rng = np.random.default_rng(0xB10C)
+    drawn = rng.integers(0, difference.size, (DRAWS, difference.size))
+    return float(np.mean(difference[drawn].sum(axis=1) <= 0))

@@ -1,0 +1,152 @@
+"""An effect learned from runs: a piecewise linear function of one variable, added to the position or the temperature.
+
+    output:   position = P[u] + f(z)            input:   u = T + f(z)
+
+z follows from the commands, the clock and the travel (``LEARNED_FROM``). f is 0 at its first knot, and constant
+beyond its end knots: the hysteresis contains every constant.
+"""
+
+from bisect import bisect_right
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from math import exp, log10
+from typing import Any
+
+from smarig.core import UsageError
+from smarig.plant.effect import EffectContext, EffectType, Hook, Parameter, PlantState, Stage, Values
+
+LEARNED = "learned"
+PLACES = ("output", "input")
+ANSWER_S = 10.0  # decay of ``rate`` after a step
+SHORTEST_HOLD_S = 1.0
+OUTPUT_BOUND, INPUT_BOUND = 0.5, 0.3  # of the ranges of output and input: bounds of f
+TYPICAL_SHARE = 0.01  # of the same ranges: expected size of f
+
+
+class _Drive:
+    """The commands so far, as far as a variable depends on them."""
+
+    def __init__(self) -> None:
+        self.command_A, self.began_s, self.last_s = 0.0, 0.0, 0.0
+        self.target_K, self.before_K, self.direction, self.reversals = 0.0, 0.0, 0.0, 0
+
+    def follow(self, now: PlantState) -> None:
+        """Take note of the present command."""
+        if now.command_A != self.command_A:
+            direction = 1.0 if now.source_K > self.target_K else -1.0
+            self.reversals += direction == -self.direction
+            self.command_A, self.before_K, self.direction = now.command_A, self.target_K, direction
+            self.began_s = self.last_s
+        self.target_K, self.last_s = now.source_K, now.t_s
+
+    @property
+    def elapsed_s(self) -> float:
+        """Seconds since the command changed."""
+        return self.last_s - self.began_s
+
+
+LEARNED_FROM: dict[str, Callable[[PlantState, _Drive], float]] = {
+    "time": lambda now, _: now.t_s,
+    "cycle": lambda now, _: now.cycles,
+    "level": lambda now, _: now.output,
+    "step": lambda _, drive: drive.target_K - drive.before_K,
+    "hold": lambda _, drive: log10(max(drive.elapsed_s, SHORTEST_HOLD_S)),
+    "rate": lambda _, drive: drive.direction * exp(-drive.elapsed_s / ANSWER_S),
+    "history": lambda _, drive: drive.before_K,
+    "reversals": lambda _, drive: float(drive.reversals),
+}
+_OF_COMMANDS = ("step", "hold", "rate", "history", "reversals")
+_OF_OUTPUT = ("cycle", "level")
+
+
+@dataclass(frozen=True)
+class LearnedShape:
+    """The ``variable`` and knots of a law, whether it ``enters`` at the output or the input, and the unit of f."""
+
+    variable: str
+    enters: str
+    knots: tuple[float, ...]
+    unit: str
+
+    def to_json(self) -> dict[str, Any]:
+        """Plain values, as stored in a model file."""
+        return {
+            "variable": self.variable,
+            "enters": self.enters,
+            "knots": list(self.knots),
+            "unit": self.unit,
+        }
+
+    @classmethod
+    def from_json(cls, stored: Mapping[str, Any]) -> "LearnedShape":
+        """The shape of a model file. Raises UsageError for a damaged one."""
+        shape = cls(
+            stored["variable"], stored["enters"], tuple(map(float, stored["knots"])), str(stored["unit"])
+        )
+        rising = all(a < b for a, b in zip(shape.knots, shape.knots[1:]))
+        if shape.variable not in LEARNED_FROM or shape.enters not in PLACES:
+            raise UsageError(f"a learned law cannot depend on {shape.variable} at the {shape.enters}")
+        if len(shape.knots) < 2 or not rising:
+            raise UsageError("the knots of a learned law must increase")
+        return shape
+
+
+def learned_effect_type(shape: LearnedShape, range_of_place: float) -> EffectType:
+    """The effect type of laws with these knots; its parameters are f at all knots but the first.
+
+    ``range_of_place`` is the range of the output or of the input, which bounds f.
+    """
+    at_output = shape.enters == "output"
+    bound = (OUTPUT_BOUND if at_output else INPUT_BOUND) * range_of_place
+    parameters = tuple(
+        Parameter(
+            f"value_{k}", shape.unit, -bound, bound, TYPICAL_SHARE * range_of_place, "learned", tries=(0.0, bound)
+        )
+        for k in range(1, len(shape.knots))
+    )  # fmt: skip
+    return EffectType(
+        name=LEARNED,
+        summary=f"A term that depends on {shape.variable}, learned from runs.",
+        number="",
+        enters=shape.enters,
+        looks_like="",
+        confused_with=(),
+        separated_by="",
+        parameters=parameters,
+        act=_Law(shape),
+        memoryless=at_output and shape.variable not in _OF_COMMANDS,
+        output_independent=not at_output and shape.variable not in _OF_OUTPUT,
+        shape=shape,
+    )
+
+
+@dataclass(frozen=True)
+class _Law:
+    """The hooks of a law."""
+
+    shape: LearnedShape
+
+    def __call__(self, p: Values, _context: EffectContext) -> Mapping[Stage, Hook]:
+        shape = self.shape
+        z_of, follows = LEARNED_FROM[shape.variable], shape.variable in _OF_COMMANDS
+        law, drive = _interpolation(shape.knots, (0.0, *p.values())), _Drive()
+
+        def added(value: float, now: PlantState) -> float:
+            if follows:
+                drive.follow(now)
+            return value + law(z_of(now, drive))
+
+        return {Stage.ADDITIVE if shape.enters == "output" else Stage.INPUT: added}
+
+
+def _interpolation(knots: Sequence[float], values: Sequence[float]) -> Callable[[float], float]:
+    """f between the knots, and constant beyond them."""
+
+    def law(z: float) -> float:
+        k = bisect_right(knots, z)
+        if k == 0 or k == len(knots):
+            return values[k and -1]
+        share = (z - knots[k - 1]) / (knots[k] - knots[k - 1])
+        return values[k - 1] + share * (values[k] - values[k - 1])
+
+    return law
