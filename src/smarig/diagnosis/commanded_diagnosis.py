@@ -16,8 +16,9 @@ from smarig.diagnosis.critique.visibility import VisibilityTable, visibility
 from smarig.diagnosis.diagnosis_json import diagnosis_json, effects_json
 from smarig.diagnosis.diagnosis_text import text_lines
 from smarig.diagnosis.diagnosis_verdict import DiagnosisVerdict, decide_verdict
-from smarig.diagnosis.explain.discrepancy import Discrepancy, likeliest_discrepancy
+from smarig.diagnosis.explain.discrepancy import Discrepancy, likeliest_discrepancy, ranked_discrepancies
 from smarig.diagnosis.explain.joint_density import settled_rms, with_posterior_density
+from smarig.diagnosis.explain.learned_term import LearnedTermFit, learned_term
 from smarig.diagnosis.explain.parameter_fit import ParameterFit
 from smarig.diagnosis.explain.search import SearchLevel
 from smarig.diagnosis.explain.signed_density import find_explanations
@@ -61,9 +62,10 @@ class Diagnosis(NotebookDisplay):
     ``base`` is the plant model without effects, with its density identified again; the gain is counted against it.
     ``reason`` says why an effect is not named. ``discrepancy`` is the flexible dependence that explains most without
     effects, ``remaining`` the same with the best effects.
-    ``model`` is the extended model if effects were found, else the given one. ``gain`` is None without held-out
-    runs. ``numerics`` is the error of the diagnosis's own time steps at settled points. ``separating_run`` is the
-    proposal of ``smarig.app.proposal``, if it was requested.
+    ``learned`` is a law in place of effects, if none is named; if there is none, ``learned_reason`` is a clause on
+    why. ``model`` is the extended model if effects were found or a law was learned, else the given one. ``gain`` is
+    None without held-out runs. ``numerics`` is the error of the diagnosis's own time steps at settled points.
+    ``separating_run`` is the proposal of ``smarig.app.proposal``, if it was requested.
     """
 
     verdict: DiagnosisVerdict
@@ -82,6 +84,8 @@ class Diagnosis(NotebookDisplay):
     alpha: float
     nulls: int
     seconds: float
+    learned: LearnedTermFit | None = None
+    learned_reason: str = ""
     separating_run: dict[str, Any] | None = None
 
     @property
@@ -93,7 +97,7 @@ class Diagnosis(NotebookDisplay):
     @property
     def left(self) -> str | None:
         """The variable or effect on which the remaining residuals depend; None if nothing stands out."""
-        last = self.levels[-1].critique if self.levels and self.extended else None
+        last = self.levels[-1].critique if self.levels and self.extended and not self.learned else None
         if last is None or last.silent:
             return None
         plain = last.best(1, generic=True)
@@ -102,7 +106,7 @@ class Diagnosis(NotebookDisplay):
     @property
     def extended(self) -> bool:
         """Whether ``model`` is an extended one."""
-        return self.verdict.word in ("named", "ambiguous")
+        return self.verdict.word in ("named", "ambiguous") or self.learned is not None
 
     def text(self) -> str:
         """The findings as text."""
@@ -168,8 +172,8 @@ def diagnose_commanded(
     seen = find_explanations(timeline, plant_model, criticise, report_progress)
     base, first, levels = seen.base, seen.first, seen.levels
     decided = decide_verdict(first, levels)
-    before = likeliest_discrepancy(timeline, base, seen.plain)
-    after = None
+    ranked = ranked_discrepancies(timeline, base, seen.plain)
+    before, after, searched = ranked.likeliest, None, base
     base = with_posterior_density(timeline, base, seen.plain, plant_model)
     extended = base
     if levels and decided.explanations:
@@ -178,8 +182,11 @@ def diagnose_commanded(
         after = likeliest_discrepancy(timeline, best_explanation.plant_model, best_explanation.refitted)
     final_refit = (levels[-1].critique if levels else first).refitted
     noise, open_density = final_refit.noise, final_refit.posterior.variances
-    gain = (
-        held_out_gain(
+
+    def measured_gain(extended: PlantModel) -> HeldOutGain | None:
+        if not held_out_runs:
+            return None
+        return held_out_gain(
             train=train_runs,
             held_out=held_out_runs,
             base=base,
@@ -188,14 +195,27 @@ def diagnose_commanded(
             variances=open_density,
             original=plant_model,
         )
-        if held_out_runs
-        else None
-    )
+
+    gain = measured_gain(extended)
     effect_nats = levels[-1].explanations[0].evidence - seen.plain.log_evidence if levels else 0.0
     ratio = settled_rms(timeline, extended) / settled_rms(timeline, base)
     found = gated(decided, NameEvidence(tuple(levels), effect_nats, before, after, gain, ratio))
     verdict = found.verdict
-    offered = verdict.word in ("named", "ambiguous")
+    offered, learned, learned_reason = verdict.word in ("named", "ambiguous"), None, ""
+    if verdict.word == "unknown":
+        report_progress("learning the missing term")
+        learned = learned_term(timeline, searched, seen.plain, plant_model.hysteresis, ranked.places)
+        learned_reason = "" if learned else "no law of one variable predicts left-out blocks better"
+    if learned is not None:
+        with_term = with_posterior_density(
+            timeline, learned.explanation.plant_model, learned.explanation.refitted
+        )
+        gain_of_term = measured_gain(with_term)
+        learned_reason = _held_out_objection(learned, gain_of_term)
+        if learned_reason:
+            learned = None
+        else:
+            extended, gain, offered = with_term, gain_of_term, True
     return Diagnosis(
         verdict=verdict,
         reason=found.reason,
@@ -216,6 +236,8 @@ def diagnose_commanded(
         gain=gain if offered or gain is None else gain.without_extension(),
         model=_extended(original, extended, train_runs, verdict) if offered else original,
         numerics=numerics(timeline, base),
+        learned=learned,
+        learned_reason=learned_reason,
         alpha=alpha,
         nulls=nulls,
         seconds=time.monotonic() - started,
@@ -279,6 +301,14 @@ def _visible_effect_types(
     return seen, [k.name for k in all_types if k not in seen]
 
 
+def _held_out_objection(learned: LearnedTermFit, gain: HeldOutGain | None) -> str:
+    """Why a law is not offered, as a clause: the base model or the given one predicts held-out runs better."""
+    if gain is None or gain.extended <= min(gain.base, gain.original or np.inf):
+        return ""
+    variable = learned.shape.variable
+    return f"a law of the {variable} predicts left-out blocks better, but the held-out runs worse"
+
+
 def _floor(noise: np.ndarray) -> float:
     return float(np.sqrt(np.mean(noise**2)))
 
@@ -296,6 +326,8 @@ def _extended(original: Model, plant_model: PlantModel, train: list[Run], verdic
         provenance=tuple(provenance(run) for run in train),
         warnings=(
             *original.warnings,
-            f"Effects by diagnosis ({verdict.word}); density identified jointly.",
+            "Term learned from the errors of a plain model; its cause is unknown."
+            if verdict.word == "unknown"
+            else f"Effects by diagnosis ({verdict.word}); density identified jointly.",
         ),
     )

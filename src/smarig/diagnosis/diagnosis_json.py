@@ -37,6 +37,7 @@ def diagnosis_json(d: "Diagnosis") -> dict[str, Any]:
         "noise": _noise(d),
         "discrepancy": _discrepancy(d.discrepancy),
         "remaining": d.remaining and _discrepancy(d.remaining),
+        "learned": d.learned and d.learned.to_json(),
         "held_out": d.gain and d.gain.to_json(),
         "separating_run": d.separating_run,
         "alpha": d.alpha,
@@ -92,7 +93,7 @@ def _adequacy(d: "Diagnosis") -> dict[str, Any]:
 
 def _noise(d: "Diagnosis") -> dict[str, Any]:
     """What the refit takes for noise beside what was found: of a settled point, and of the wire's temperature."""
-    own = d.remaining if d.extended and d.remaining else d.discrepancy
+    own = d.remaining if d.extended and d.remaining and not d.learned else d.discrepancy
     return {
         "settled": own.noise,
         "reading": d.first.refitted.noise.settled,

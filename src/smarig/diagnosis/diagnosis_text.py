@@ -7,6 +7,7 @@ import numpy as np
 
 from smarig.core import spaced
 from smarig.diagnosis.held_out_gain import HeldOutGain
+from smarig.diagnosis.looks_like import looks_like
 
 if TYPE_CHECKING:
     from smarig.diagnosis.commanded_diagnosis import Diagnosis
@@ -33,6 +34,7 @@ def text_lines(d: "Diagnosis") -> Iterator[str]:
         if d.reason:
             yield f"Why no effect is named: {d.reason}."
         yield from _not_preisach(d)
+    yield from _learned(d)
     if best is not None:
         opening = {"named": "Found", "ambiguous": "Ambiguous, best explanation"}.get(
             d.verdict.word, "Best explanation, but not sufficient"
@@ -45,7 +47,7 @@ def text_lines(d: "Diagnosis") -> Iterator[str]:
     yield (
         f"Settled points, rms error: {e.original:.4g} {e.unit} (given model), {e.base:.4g} {e.unit} (base model, "
         "refitted without effects)"
-        + ("" if best is None else f", {e.extended:.4g} {e.unit} (extended model)")
+        + ("" if best is None and not d.learned else f", {e.extended:.4g} {e.unit} (extended model)")
         + f"; noise floor {e.noise_floor:.2g} {e.unit}."
     )
     if d.times_noise > INADEQUATE_RATIO:
@@ -79,6 +81,20 @@ def _not_preisach(d: "Diagnosis") -> Iterator[str]:
             "The errors grow with the travel since the last saturation and vanish there: minor loops do not return. No "
             "Preisach operator describes such a wire, with any density."
         )
+
+
+def _learned(d: "Diagnosis") -> Iterator[str]:
+    """What was learned in place of a cause, or why nothing was."""
+    if d.learned is None:
+        if d.learned_reason:
+            yield f"No extended model is offered: {d.learned_reason}."
+        return
+    shape, similar = d.learned.shape, ", ".join(looks_like(d.learned.shape.variable))
+    yield f"A term at the {shape.enters} that depends on {shape.variable} was learned."
+    yield (
+        f"It removes {d.learned.gain_blocks:.0%} of the error on blocks left out of the fit"
+        f"{f', and looks like {similar}' if similar else ''}."
+    )
 
 
 def parameter_text(name: str, v: dict[str, Any]) -> str:

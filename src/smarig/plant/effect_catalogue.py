@@ -83,7 +83,10 @@ def effects_to_pairs(effects: Iterable[Effect]) -> list[str]:
 
 
 def effects_from_json(records: Iterable[Mapping[str, Any]]) -> tuple[Effect, ...]:
-    """Effects of a model file, each {"name", "parameters"} and a learned one {"shape"} too. DataError for anything else."""
+    """Effects of a model file, each {"name", "parameters"}; a learned one has {"shape"} too.
+
+    Raises DataError for anything else.
+    """
     try:
         found_effects = tuple(_effect_from_record(**r) for r in records)
     except (KeyError, TypeError, ValueError) as error:

@@ -55,6 +55,7 @@ LEARNED_FROM: dict[str, Callable[[PlantState, _Drive], float]] = {
     "history": lambda _, drive: drive.before_K,
     "reversals": lambda _, drive: float(drive.reversals),
 }
+VARIABLE_UNITS = {"time": "s", "step": "K", "history": "K"}  # of the others: "1", "" for that of the output
 _OF_COMMANDS = ("step", "hold", "rate", "history", "reversals")
 _OF_OUTPUT = ("cycle", "level")
 
@@ -67,6 +68,11 @@ class LearnedShape:
     enters: str
     knots: tuple[float, ...]
     unit: str
+
+    @property
+    def variable_unit(self) -> str:
+        """Unit of the variable; that of ``level`` is the output's, which only the law's place at the output has."""
+        return VARIABLE_UNITS.get(self.variable, "" if self.variable == "level" else "1")
 
     def to_json(self) -> dict[str, Any]:
         """Plain values, as stored in a model file."""

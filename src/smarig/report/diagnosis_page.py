@@ -16,6 +16,7 @@ from smarig.report.diagnosis.diagnosis_tables import candidates_table, explanati
 from smarig.report.diagnosis.explanations_figure import explanations_figure
 from smarig.report.diagnosis.gain_figure import gain_figure
 from smarig.report.diagnosis.input_offset_figure import input_offset_figure
+from smarig.report.diagnosis.learned_law_figure import learned_term_figure
 from smarig.report.diagnosis.noise_budget import noise_budget
 from smarig.report.diagnosis.residual_figures import channel_figure, residual_figure
 from smarig.report.diagnosis.verdict_text import distinguishing_text, next_experiment
@@ -74,6 +75,12 @@ def _explanations(predictions: DiagnosisPredictions) -> Parts:
         yield explanations_table(d)
     yield candidates_table(d)
     yield explanations_figure(d)
+
+
+def _learned(predictions: DiagnosisPredictions) -> Parts:
+    d = predictions.d
+    if d.learned is not None:
+        yield learned_term_figure(d.learned, source_label(*d.timeline.runs))
 
 
 def _detection(predictions: DiagnosisPredictions) -> Parts:
@@ -137,6 +144,7 @@ _SECTIONS = (
     ("Verdict", "Verdict", _summary),
     ("Residuals of the model", "Residuals", _residuals),
     ("Competing explanations", "Explanations", _explanations),
+    ("What was learned in place of a cause", "Learned term", _learned),
     ("Do the residuals exceed the noise?", "Detection", _detection),
     ("Noise floor and numerics", "Noise", _noise),
     ("What could not have been seen", "Visibility", _visibility),

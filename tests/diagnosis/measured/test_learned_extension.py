@@ -11,8 +11,8 @@ from diagnosis.measured.independent_wire import RelayWire, as_run, triangles
 from diagnosis.measured.unlisted_mechanisms import MECHANISMS, world
 from smarig.core import DataError
 from smarig.diagnosis import MeasuredDiagnosis, diagnose_measured
+from smarig.diagnosis.looks_like import PLANT_EFFECTS, looks_like
 from smarig.diagnosis.measured.learned_extension import learned_extension
-from smarig.diagnosis.measured.looks_like import PLANT_EFFECTS, looks_like
 from smarig.diagnosis.measured.preisach_properties import preisach_properties
 from smarig.identification import identify, verify
 from smarig.measurement import input_records

@@ -71,9 +71,7 @@ def likeliest_discrepancy(timeline: Timeline, plant_model: PlantModel, refitted:
     return ranked_discrepancies(timeline, plant_model, refitted).likeliest
 
 
-def ranked_discrepancies(
-    timeline: Timeline, plant_model: PlantModel, refitted: Refit
-) -> RankedDiscrepancies:
+def ranked_discrepancies(timeline: Timeline, plant_model: PlantModel, refitted: Refit) -> RankedDiscrepancies:
     """``likeliest_discrepancy``, and the order of all others."""
     positions = timeline.positions_only
     prediction = predict(timeline, plant_model).positions_only

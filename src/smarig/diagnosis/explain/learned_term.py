@@ -6,13 +6,15 @@ no law by more than its values are free to gain, and must predict blocks left ou
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from smarig.diagnosis.drive_statistics import DriveStatistics
 from smarig.diagnosis.explain.explanation import Explanation, fit_explanation
-from smarig.diagnosis.explain.left_out_blocks import log_densities_left_out
+from smarig.diagnosis.explain.left_out_blocks import LeftOutBlocks, left_out_blocks
+from smarig.diagnosis.looks_like import looks_like
 from smarig.diagnosis.refit.refit import Refit
 from smarig.plant import LEARNED_FROM, LearnedShape, learned_effect_type
 from smarig.preisach import Everett
@@ -30,16 +32,33 @@ DIFFERENCE_SHARE = 0.1  # of a value's typical size, for derivatives
 
 @dataclass(frozen=True, eq=False)
 class LearnedTermFit:
-    """A law with its density, its gain (nats) over none, and what it gains (nats) on blocks left out."""
+    """A law with its density, its gain (nats) over none and on blocks left out, and the share of the error on left-out
+    blocks that it removes.
+    """
 
     explanation: Explanation
     gain: float
     left_out: float
+    gain_blocks: float
 
     @property
     def shape(self) -> LearnedShape:
         """Variable, place and knots."""
         return self.explanation.effects[0].kind.shape
+
+    def to_json(self) -> dict[str, Any]:
+        """The object ``learned`` of the command line, as for measured inputs."""
+        shape = self.shape
+        term = {"variables": [shape.variable], "enters": shape.enters, "formula": None, "points": self.points}
+        whole = {"gain_blocks": self.gain_blocks, "looks_like": looks_like(shape.variable)}
+        units = {"unit": shape.unit, "variable_unit": shape.variable_unit}
+        return term | whole | {"terms": [term | {"form": shape.enters} | units]}
+
+    @property
+    def points(self) -> list[list[float]]:
+        """[variable, value] at each knot."""
+        values = (0.0, *self.explanation.effects[0].values.values())
+        return [[z, value] for z, value in zip(self.shape.knots, values)]
 
 
 def learned_term(
@@ -57,7 +76,7 @@ def learned_term(
     prediction = predict(timeline, base)
     shapes = [_shape(timeline, base, prediction, *p) for p in places if p[0] in LEARNED_FROM]
     tried = [shape for shape in shapes if shape is not None][:TRIED]
-    before = log_densities_left_out(timeline, plain)
+    before = left_out_blocks(timeline, plain)
     found = [_fitted(timeline, base, plain, original, shape, before) for shape in tried]
     return max((f for f in found if f is not None), key=lambda f: f.left_out, default=None)
 
@@ -88,7 +107,12 @@ def _values(timeline: Timeline, base: PlantModel, prediction: Prediction, variab
 
 
 def _fitted(
-    timeline: Timeline, base: PlantModel, plain: Refit, original: Everett, shape: LearnedShape, before: Array
+    timeline: Timeline,
+    base: PlantModel,
+    plain: Refit,
+    original: Everett,
+    shape: LearnedShape,
+    before: LeftOutBlocks,
 ) -> LearnedTermFit | None:
     """A law with its values fitted, or None if it does not pass."""
     h = base.hysteresis
@@ -99,11 +123,14 @@ def _fitted(
     found = fit_explanation(timeline, extended, original, plain, ROUNDS)
     free = len(kind.parameters)
     gain = found.evidence - plain.log_evidence - 0.5 * free * np.log(plain.coupled)
-    difference = log_densities_left_out(timeline, found.refitted, _traces(timeline, found)) - before
+    after = left_out_blocks(timeline, found.refitted, _traces(timeline, found))
+    difference = after.log_density - before.log_density
     left_out = float(difference.sum())
     if gain < MIN_GAIN_NATS or left_out < MIN_LEFT_OUT_NATS or _share_lost(difference) > CHANCE:
         return None
-    return LearnedTermFit(found, gain, left_out)
+    n = len(timeline.settled)
+    removed = 1 - float(np.linalg.norm(after.error[:n]) / np.linalg.norm(before.error[:n]))
+    return LearnedTermFit(found, gain, left_out, removed)
 
 
 def _traces(timeline: Timeline, found: Explanation) -> Array:
@@ -112,7 +139,9 @@ def _traces(timeline: Timeline, found: Explanation) -> Array:
     zero, columns = predict(timeline, plant_model).stacked(timeline), []
     for p in effect.kind.parameters:
         step = DIFFERENCE_SHARE * p.typical
-        changed = effect.kind(**effect.values | {p.name: np.clip(effect.values[p.name] + step, p.lower, p.upper)})
+        changed = effect.kind(
+            **effect.values | {p.name: np.clip(effect.values[p.name] + step, p.lower, p.upper)}
+        )
         effects = (*(e for e in plant_model.effects if e is not effect), changed)
         columns.append(predict(timeline, replace(plant_model, effects=effects)).stacked(timeline) - zero)
     traces = np.column_stack(columns)

@@ -1,9 +1,13 @@
 """How well the other blocks predict each block of readings: the log predictive density of a Gaussian model.
 
-    log p(y_b | y_rest) = − ½ v_bᵀ P_bb⁻¹ v_b + ½ log det P_bb − const,      P = C⁻¹ (or C⁻¹ without free directions),  v = P y
+    log p(y_b | y_rest) = − ½ v_bᵀ P_bb⁻¹ v_b + ½ log det P_bb − const,      y_b − E[y_b | y_rest] = P_bb⁻¹ v_b
+
+P = C⁻¹, without the free directions, and v = P y (Sundararajan and Keerthi, Neural Computation 13, 2001, eq. 5 to 7).
 
 Free directions are traces whose strengths are unknown: each block is predicted with strengths fitted to the others.
 """
+
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,8 +19,16 @@ from smarig.replay import Timeline
 Array = NDArray[np.float64]
 
 
-def log_densities_left_out(timeline: Timeline, refitted: Refit, traces: Array | None = None) -> Array:
-    """The log density (blocks,) of each block's readings given all others; ``traces`` (N, k) have free strengths."""
+@dataclass(frozen=True, eq=False)
+class LeftOutBlocks:
+    """The log density (blocks,) of each block given all others, and the errors (N,) of its readings, scaled."""
+
+    log_density: Array
+    error: Array
+
+
+def left_out_blocks(timeline: Timeline, refitted: Refit, traces: Array | None = None) -> LeftOutBlocks:
+    """Each block of readings predicted from all others; ``traces`` (N, k) have free strengths."""
     size = refitted.data.size
     inverse = solve_triangular(refitted.factor, np.eye(size), lower=True, check_finite=False)
     data = refitted.data
@@ -24,10 +36,11 @@ def log_densities_left_out(timeline: Timeline, refitted: Refit, traces: Array | 
         q = np.linalg.qr(refitted.whitened(traces))[0]
         inverse, data = inverse - q @ (q.T @ inverse), data - q @ (q.T @ data)
     block = np.concatenate([timeline.block[r.step] for r in timeline.all_readings])
-    found = []
+    found, error = [], np.empty(size)
     for b in np.unique(block):
         own = inverse[:, block == b]
         v, precision = own.T @ data, cho_factor(own.T @ own, lower=True, check_finite=False)
+        error[block == b] = cho_solve(precision, v, check_finite=False)
         log_determinant = float(np.log(np.diag(precision[0])).sum())
-        found.append(log_determinant - 0.5 * float(v @ cho_solve(precision, v, check_finite=False)))
-    return np.array(found)
+        found.append(log_determinant - 0.5 * float(v @ error[block == b]))
+    return LeftOutBlocks(np.array(found), error)

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import Any
 
-from smarig.diagnosis.measured.looks_like import looks_like
+from smarig.diagnosis.looks_like import looks_like
 from smarig.measurement import LearnedTerm, variable_unit
 
 

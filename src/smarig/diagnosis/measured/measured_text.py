@@ -7,7 +7,7 @@ import numpy as np
 
 from smarig.core import spaced
 from smarig.diagnosis.diagnosis_text import capitalised, gain_text, parameter_text
-from smarig.diagnosis.measured.looks_like import looks_like
+from smarig.diagnosis.looks_like import looks_like
 from smarig.diagnosis.suspects import suspects
 from smarig.identification import assumed_starts, assumed_starts_text
 

@@ -2,12 +2,16 @@
 
 import numpy as np
 
-from smarig.diagnosis import LearnedLaw
+from smarig.diagnosis import LearnedLaw, LearnedTermFit
 from smarig.measurement import LearnedTerm, variable_unit
 from smarig.report.components.figure import Figure, Panel, axis, dots, line, log_axis
 from smarig.report.components.run_description import display_unit
 from smarig.report.components.style import INK, MODEL
 
+_KNOTS = [
+    "Dots: the knots, between which the law is straight; beyond them it keeps its last value.",
+    "The law is relative to its first knot, because the hysteresis contains the rest.",
+]
 _QUANTITIES = {
     "rate": "Mean rate of the branch",
     "time": "Time since the start of the run",
@@ -16,6 +20,16 @@ _QUANTITIES = {
     "history": "Input at the last reversal",
     "input": "Input",
     "level": "Output of the hysteresis",
+}
+_COMMANDED = {  # variables of commanded runs, with their units
+    "time": "Time (s)",
+    "cycle": "Cycles travelled",
+    "level": "Output of the hysteresis",
+    "step": "Step of the steady-state temperature (K)",
+    "hold": "Duration of the hold (s, power of ten)",
+    "rate": "Nearness to the last step (sign: its direction)",
+    "history": "Steady-state temperature before the last step (K)",
+    "reversals": "Reversals so far",
 }
 _VALUES = {
     "output": "Added to the output",
@@ -29,11 +43,20 @@ _VALUES = {
 def learned_law_figure(law: LearnedLaw, label: str) -> Figure:
     """A panel for each term; ``label`` marks simulated data."""
     caption = [
-        "Dots: the knots, between which the law is straight; beyond them it keeps its last value.",
-        "The law is relative to its first knot, because the hysteresis contains the rest.",
+        *_KNOTS,
         "A negative half-width is a lead." if any(t.form == "play" for t in law.terms) else "",
     ]
     return Figure([_panel(law, term) for term in law.terms], "The learned term.", caption, label)
+
+
+def learned_term_figure(found: LearnedTermFit, label: str) -> Figure:
+    """The law of commanded runs; ``label`` marks simulated data."""
+    shape, (z, values) = found.shape, np.array(found.points).T
+    unit = display_unit(shape.unit)
+    title = _COMMANDED[shape.variable] + (f" ({unit})" if shape.variable == "level" else "")
+    data = [line(z, values, "learned", MODEL), dots(z, values, "knots", INK)]
+    panel = Panel(data, {"xaxis": axis(title), "yaxis": axis(f"{_VALUES[shape.enters]} ({unit})")})
+    return Figure([panel], "The learned term.", _KNOTS, label)
 
 
 def _panel(law: LearnedLaw, term: LearnedTerm) -> Panel:

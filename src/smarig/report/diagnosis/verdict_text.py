@@ -99,8 +99,8 @@ def gain_text(gain: HeldOutGain, d: Diagnosis) -> str:
         return f"Rms error {gain.base:.3g} → {gain.extended:.3g} {unit}. {AT_FLOOR}"
     between = f" (95 %, by resampling blocks: {share_text(ends[0])} to {share_text(ends[1])})" if ends else ""
     return (
-        f"Rms error {gain.base:.3g} → {gain.extended:.3g} {unit}. R = {share_text(share)}{between}: the effects remove "
-        "this share of the squared error above the floor."
+        f"Rms error {gain.base:.3g} → {gain.extended:.3g} {unit}. R = {share_text(share)}{between}: the extension "
+        "removes this share of the squared error above the floor."
     )
 
 

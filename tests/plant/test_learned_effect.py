@@ -1,0 +1,84 @@
+"""A learned effect: its law, its memory of commands, and how a model file keeps it."""
+
+import numpy as np
+import pytest
+
+from replay.sittings import LISTED, session_runs, twin_plant_model
+from smarig.core import DataError, UsageError
+from smarig.plant import LearnedShape, learned_effect_type
+from smarig.plant.effect_catalogue import effects_from_json
+from smarig.replay import build_timeline, predict
+
+TIME = LearnedShape("time", "output", (0.0, 600.0, 1200.0), "mm")
+
+
+@pytest.fixture(scope="module")
+def timeline(tmp_path_factory):
+    runs = session_runs(tmp_path_factory.mktemp("learned"), LISTED, noise=False, fine=True)
+    plant_model, _ = twin_plant_model()
+    return build_timeline(runs, plant_model.actuator.tau_s)
+
+
+def change(timeline, shape, *values):
+    """What a law adds to the settled positions."""
+    plant_model, _ = twin_plant_model()
+    kind = learned_effect_type(shape, 10.0)
+    effect = kind(**dict(zip((p.name for p in kind.parameters), values, strict=True)))
+    with_law = predict(timeline, plant_model, [effect]).values["settled"]
+    return with_law - predict(timeline, plant_model).values["settled"]
+
+
+def test_a_law_of_time_at_the_output_is_added_between_its_knots_and_stays_beyond_them(timeline):
+    added = change(timeline, TIME, 0.4, -0.2)
+    t_s = timeline.settled.t_s
+    expected = np.interp(t_s, [0.0, 600.0, 1200.0], [0.0, 0.4, -0.2])
+    np.testing.assert_allclose(added - added[0], expected - expected[0], atol=0.02)
+
+
+def test_a_law_at_the_input_acts_through_the_hysteresis(timeline):
+    """Where the wire is saturated, a temperature changes nothing."""
+    warmer = LearnedShape("history", "input", (0.0, 1.0), "K")  # by 2 K after any hold but the coldest
+    added = change(timeline, warmer, 2.0)
+    saturated = timeline.target_K < 1.0
+    np.testing.assert_allclose(added[saturated], 0.0, atol=1e-9)
+    assert np.abs(added[~saturated]).max() > 0.02
+
+
+@pytest.mark.parametrize(
+    ("variable", "values"),
+    [
+        ("step", np.diff((0.0, 0.0, 60.0, 90.0, 50.0, 10.0, 80.0, 40.0, 100.0))),
+        ("history", (0.0, 0.0, 60.0, 90.0, 50.0, 10.0, 80.0, 40.0)),
+        ("reversals", (0, 0, 0, 1, 1, 2, 3, 4)),
+    ],
+)
+def test_variables_of_the_commands_are_those_of_the_protocol(timeline, variable, values):
+    """A law that is the identity shows its own variable, in mm."""
+    low, high = float(min(values)) - 1.0, float(max(values)) + 1.0
+    added = change(timeline, LearnedShape(variable, "output", (low, high), "mm"), 0.01 * (high - low))
+    assert timeline.settled.value.size == len(values)
+    np.testing.assert_allclose(np.diff(added), 0.01 * np.diff(values), atol=2e-3)
+
+
+def test_a_model_file_keeps_the_law():
+    effect = learned_effect_type(TIME, 10.0)(value_1=0.4, value_2=-0.2)
+    (again,) = effects_from_json([effect.to_json()])
+    assert again.values == effect.values
+    assert again.kind.shape == TIME
+    assert again.to_json() == effect.to_json()
+
+
+@pytest.mark.parametrize(
+    ("change_of_shape", "message"),
+    [
+        ({"variable": "moon"}, "cannot depend on moon"),
+        ({"enters": "side"}, "at the side"),
+        ({"knots": [0.0, 0.0, 1.0]}, "must increase"),
+        ({"knots": [0.0]}, "must increase"),
+    ],
+)
+def test_a_damaged_law_is_refused_in_a_sentence(change_of_shape, message):
+    stored = learned_effect_type(TIME, 10.0)(value_1=0.4, value_2=-0.2).to_json()
+    stored["shape"] |= change_of_shape
+    with pytest.raises((DataError, UsageError), match=message):
+        effects_from_json([stored])
