@@ -113,7 +113,7 @@ def refit(
     else:
         start_components, sets = (
             START if warm_start is None else warm_start.log_components,
-            [t[:n] / scale[:, None] for t in nuisance_terms],
+            _without_output(nuisance_terms, reading_covariance.y - y / scale, scale),
         )
         cost, found, correlation, memory = _likeliest_components(
             reading_covariance, memories, start_components, sets, all_nuisances
@@ -160,6 +160,18 @@ def refit(
             unit=timeline.unit,
         ),
     )
+
+
+def _without_output(terms: Sequence[Array], output: Array, scale: Array) -> list[Array]:
+    """Scaled nuisance terms (n, k) of coupled readings, each without what is proportional to the output (n,).
+
+    An effect that holds the wire back, such as saturation, has a trace like the output itself. It could replace the
+    density, which would then seem to be known better than it is.
+    """
+    centred = output - output.mean()
+    direction = centred / (np.linalg.norm(centred) or 1.0)
+    scaled = [t[: scale.size] / scale[:, None] for t in terms]
+    return [t - np.outer(direction, direction @ t) for t in scaled]
 
 
 def _correlations_s(timeline: Timeline, warm_start: "Refit | None") -> tuple[float, ...]:
