@@ -85,15 +85,6 @@ def test_a_candidate_explains_all_of_its_own_trace_and_nothing_at_right_angles(k
     assert candidate.explained_share(both)[0] == pytest.approx(9 / 25)
 
 
-def test_a_trace_gains_no_more_where_the_noise_was_estimated_too_large():
-    """Residuals below the noise: what a trace explains is measured by the noise, not by the residuals."""
-    _, candidate = made(walking, 0.2)
-    weak = candidate.traces[:, 0] * 3.0  # nothing else is left
-    assert candidate.gain(weak)[0] == pytest.approx(-0.5 * N * np.log(1 - 9 / N))
-    strong = candidate.traces[:, 0] * 3.0 + 8.0 * _unit(orthogonal(candidate.traces))
-    assert candidate.gain(strong)[0] == pytest.approx(-0.5 * N * np.log(1 - 9 / 73))
-
-
 def test_a_generic_candidate_explains_every_mixture_of_its_traces():
     raw = Candidate("?hold", np.random.default_rng(6).standard_normal((N, 4)), depends_on="hold")
     candidate = whitened(raw, refit())

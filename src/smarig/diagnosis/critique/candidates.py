@@ -90,14 +90,8 @@ class Candidate:
         return kind(**values), float(score[k])
 
     def gain(self, data: Array) -> Array:
-        """½ N log(1/(1 − share)), (m,): the log likelihood ratio with the size of the noise refitted.
-
-        Squares that sum to less than N count as N: the noise was estimated too large, or the density fits part of
-        it, and neither makes an effect likelier.
-        """
-        n = data.shape[0]
-        share = self.explained_share(data) * np.minimum(np.sum(data**2, axis=0) / n, 1.0)
-        return -0.5 * n * np.log1p(-np.minimum(share, 1 - 1e-12))
+        """½ N log(1/(1 − share)), (m,): the log likelihood ratio with the size of the noise refitted."""
+        return -0.5 * data.shape[0] * np.log1p(-np.minimum(self.explained_share(data), 1 - 1e-12))
 
 
 def named(
