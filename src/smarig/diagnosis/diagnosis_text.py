@@ -7,7 +7,7 @@ import numpy as np
 
 from smarig.core import spaced
 from smarig.diagnosis.held_out_gain import HeldOutGain
-from smarig.diagnosis.looks_like import looks_like
+from smarig.diagnosis.looks_like import PLANT_EFFECTS
 
 if TYPE_CHECKING:
     from smarig.diagnosis.commanded_diagnosis import Diagnosis
@@ -89,7 +89,7 @@ def _learned(d: "Diagnosis") -> Iterator[str]:
         if d.learned_reason:
             yield f"No extended model is offered: {d.learned_reason}."
         return
-    shape, similar = d.learned.shape, ", ".join(looks_like(d.learned.shape.variable))
+    shape, similar = d.learned.shape, ", ".join(PLANT_EFFECTS.get(d.learned.shape.variable, ()))
     yield f"A term at the {shape.enters} that depends on {shape.variable} was learned."
     yield (
         f"It removes {d.learned.gain_blocks:.0%} of the error on blocks left out of the fit"

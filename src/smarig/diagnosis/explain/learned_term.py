@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from smarig.diagnosis.drive_statistics import DriveStatistics
 from smarig.diagnosis.explain.explanation import Explanation, fit_explanation
 from smarig.diagnosis.explain.left_out_blocks import LeftOutBlocks, left_out_blocks
-from smarig.diagnosis.looks_like import looks_like
+from smarig.diagnosis.looks_like import PLANT_EFFECTS
 from smarig.diagnosis.refit.refit import Refit
 from smarig.plant import LEARNED_FROM, LearnedShape, learned_effect_type
 from smarig.preisach import Everett
@@ -23,6 +23,7 @@ from smarig.replay import PlantModel, Prediction, Timeline, predict
 Array = NDArray[np.float64]
 TRIED = 3  # laws fitted
 KNOTS = 5
+LEAST_DISTANCE = 0.05  # of knots, in ranges of the variable
 ROUNDS = 3  # of values, then density
 MIN_GAIN_NATS = 10.0  # of the law, beyond what its free values gain by chance
 MIN_LEFT_OUT_NATS = 5.0  # on blocks left out
@@ -50,7 +51,7 @@ class LearnedTermFit:
         """The object ``learned`` of the command line, as for measured inputs."""
         shape = self.shape
         term = {"variables": [shape.variable], "enters": shape.enters, "formula": None, "points": self.points}
-        whole = {"gain_blocks": self.gain_blocks, "looks_like": looks_like(shape.variable)}
+        whole = {"gain_blocks": self.gain_blocks, "looks_like": list(PLANT_EFFECTS.get(shape.variable, ()))}
         units = {"unit": shape.unit, "variable_unit": shape.variable_unit}
         return term | whole | {"terms": [term | {"form": shape.enters} | units]}
 
@@ -88,9 +89,18 @@ def _shape(
     if variable == "level" and place == "input":
         return None
     z = _values(timeline, base, prediction, variable)
-    knots = np.unique(np.round(np.quantile(z, np.linspace(0, 1, KNOTS)), 9))
+    knots = _apart(np.quantile(z, np.linspace(0, 1, KNOTS)))
     unit = timeline.unit if place == "output" else "K"
     return LearnedShape(variable, place, tuple(knots.tolist()), unit) if knots.size > 1 else None
+
+
+def _apart(z: Array) -> Array:
+    """The values that lie apart from those before them by a share of the whole range, to nine decimals."""
+    kept = [z[0]]
+    for value in z[1:]:
+        if value - kept[-1] > LEAST_DISTANCE * (z[-1] - z[0]):
+            kept.append(value)
+    return np.round(kept, 9)
 
 
 def _values(timeline: Timeline, base: PlantModel, prediction: Prediction, variable: str) -> Array:
@@ -129,7 +139,8 @@ def _fitted(
     if gain < MIN_GAIN_NATS or left_out < MIN_LEFT_OUT_NATS or _share_lost(difference) > CHANCE:
         return None
     n = len(timeline.settled)
-    removed = 1 - float(np.linalg.norm(after.error[:n]) / np.linalg.norm(before.error[:n]))
+    errors = [np.linalg.norm((blocks.error / before.sd)[:n]) for blocks in (before, after)]
+    removed = 1 - float(errors[1] / errors[0])
     return LearnedTermFit(found, gain, left_out, removed)
 
 

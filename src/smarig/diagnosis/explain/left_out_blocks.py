@@ -21,10 +21,11 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class LeftOutBlocks:
-    """The log density (blocks,) of each block given all others, and the errors (N,) of its readings, scaled."""
+    """The log density (blocks,) of each block given all others; scaled errors (N,) of readings, and their sds."""
 
     log_density: Array
     error: Array
+    sd: Array
 
 
 def left_out_blocks(timeline: Timeline, refitted: Refit, traces: Array | None = None) -> LeftOutBlocks:
@@ -36,11 +37,12 @@ def left_out_blocks(timeline: Timeline, refitted: Refit, traces: Array | None = 
         q = np.linalg.qr(refitted.whitened(traces))[0]
         inverse, data = inverse - q @ (q.T @ inverse), data - q @ (q.T @ data)
     block = np.concatenate([timeline.block[r.step] for r in timeline.all_readings])
-    found, error = [], np.empty(size)
+    found, error, sd = [], np.empty(size), np.empty(size)
     for b in np.unique(block):
         own = inverse[:, block == b]
         v, precision = own.T @ data, cho_factor(own.T @ own, lower=True, check_finite=False)
         error[block == b] = cho_solve(precision, v, check_finite=False)
+        sd[block == b] = np.sqrt(np.diag(cho_solve(precision, np.eye(v.size), check_finite=False)))
         log_determinant = float(np.log(np.diag(precision[0])).sum())
         found.append(log_determinant - 0.5 * float(v @ error[block == b]))
-    return LeftOutBlocks(np.array(found), error)
+    return LeftOutBlocks(np.array(found), error, sd)
