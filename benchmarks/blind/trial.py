@@ -75,6 +75,7 @@ def _answer(sealed: SealedBox, without: tuple[str, ...], nulls: int, number: int
 def _answer_record(found: Diagnosis) -> Record:
     keys = (
         *("verdict", "effects", "set", "depends_on", "reason", "not_identifiable", "held_out", "p_value"),
+        "learned",
         *("adequacy", "noise", "discrepancy", "remaining"),
     )
     whole = found.to_json()

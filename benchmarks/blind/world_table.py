@@ -7,6 +7,8 @@ right answer is "unknown", with a variable that the mechanism depends on.
 from collections.abc import Sequence
 from typing import Any
 
+import numpy as np
+
 from benchmarks.blind.score_table import NO_ALARM, Record, rate
 from benchmarks.boxes.label import KINETIC, UNLISTED_CATEGORY
 from benchmarks.boxes.unlisted_effects import HISTORY, UNLISTED
@@ -20,7 +22,14 @@ def world_table(records: Sequence[Record]) -> dict[str, Any]:
     kinetic = [r for r in good if r["category"] == KINETIC]
     unlisted = [r for r in good if r["category"] == UNLISTED_CATEGORY]
     large = [r for r in unlisted if _delta(r) >= 1]
+    foreign = [r for r in (*kinetic, *unlisted) if _delta(r) >= 1]
     return {
+        "learned delta>=1": {
+            "offered": rate(foreign, lambda r: bool(r.get("learned"))),
+            "worse": rate(foreign, _worse),
+            "median_R": float(np.median([_share(r) for r in foreign])) if foreign else None,
+            "median_R_offered": _median([_share(r) for r in foreign if r.get("learned")]),
+        },
         "kinetic": {
             "named": rate(kinetic, _named),
             "not_preisach_or_history": rate(kinetic, _not_preisach),
@@ -35,6 +44,21 @@ def world_table(records: Sequence[Record]) -> dict[str, Any]:
             name: _of_mechanism([r for r in unlisted if name in r["hidden"]]) for name in UNLISTED
         },
     }
+
+
+def _worse(r: Record) -> bool:
+    """Whether an extension was offered that predicts held-out runs worse than the base model."""
+    gain = r["held_out"]
+    return bool(gain) and gain["extended"] > gain["base"]
+
+
+def _share(r: Record) -> float:
+    """The removable share R on held-out runs; 0 if nothing was offered or nothing can be removed."""
+    return (r["held_out"] or {}).get("removable_share") or 0.0
+
+
+def _median(values: Sequence[float]) -> float | None:
+    return float(np.median(values)) if values else None
 
 
 def _delta(r: Record) -> float:

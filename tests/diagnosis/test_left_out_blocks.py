@@ -41,8 +41,8 @@ def test_each_block_is_predicted_from_the_others():
         error, log_density = conditional(C, y, b == BLOCK)
         np.testing.assert_allclose(found.error[b == BLOCK], error, atol=1e-9)
         assert found.log_density[b] == pytest.approx(log_density)
-        rest = np.linalg.inv(np.linalg.inv(C)[np.ix_(BLOCK == b, BLOCK == b)])
-        np.testing.assert_allclose(found.sd[BLOCK == b] ** 2, np.diag(rest))
+        rest = np.linalg.inv(np.linalg.inv(C)[np.ix_(b == BLOCK, b == BLOCK)])
+        np.testing.assert_allclose(found.sd[b == BLOCK] ** 2, np.diag(rest))
 
 
 def test_free_strengths_are_fitted_to_the_other_blocks():
