@@ -48,13 +48,13 @@ def world_table(records: Sequence[Record]) -> dict[str, Any]:
 
 def _worse(r: Record) -> bool:
     """Whether an extension was offered that predicts held-out runs worse than the base model."""
-    gain = r["held_out"]
+    gain = r.get("held_out")
     return bool(gain) and gain["extended"] > gain["base"]
 
 
 def _share(r: Record) -> float:
     """The removable share R on held-out runs; 0 if nothing was offered or nothing can be removed."""
-    return (r["held_out"] or {}).get("removable_share") or 0.0
+    return (r.get("held_out") or {}).get("removable_share") or 0.0
 
 
 def _median(values: Sequence[float]) -> float | None:

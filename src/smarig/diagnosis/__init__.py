@@ -43,7 +43,7 @@ if TYPE_CHECKING:
     from smarig.diagnosis.explain.joint_density import (
         joint_density_from_best_start as joint_density_from_best_start,
     )
-    from smarig.diagnosis.explain.learned_term import LearnedTermFit as LearnedTermFit
+    from smarig.diagnosis.explain.learned_term_fit import LearnedTermFit as LearnedTermFit
     from smarig.diagnosis.explain.parameter_fit import ParameterFit as ParameterFit
     from smarig.diagnosis.explain.parameter_fit import fit_parameters as fit_parameters
     from smarig.diagnosis.held_out_gain import HeldOutGain as HeldOutGain

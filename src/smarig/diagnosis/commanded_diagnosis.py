@@ -18,7 +18,7 @@ from smarig.diagnosis.diagnosis_text import text_lines
 from smarig.diagnosis.diagnosis_verdict import DiagnosisVerdict, decide_verdict
 from smarig.diagnosis.explain.discrepancy import Discrepancy, likeliest_discrepancy, ranked_discrepancies
 from smarig.diagnosis.explain.joint_density import settled_rms, with_posterior_density
-from smarig.diagnosis.explain.learned_term import LearnedTermFit, learned_term
+from smarig.diagnosis.explain.learned_term_fit import LearnedTermFit, learned_term
 from smarig.diagnosis.explain.parameter_fit import ParameterFit
 from smarig.diagnosis.explain.search import SearchLevel
 from smarig.diagnosis.explain.signed_density import find_explanations
