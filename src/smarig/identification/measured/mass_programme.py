@@ -57,12 +57,12 @@ class CellRows:
     @cached_property
     def roughness_diagonal(self) -> Array:
         """Diagonal (unknowns,) of the roughness as a quadratic form of the triangle's unknowns."""
-        return self.triangle.roughness.diagonal()
+        return np.asarray(self.triangle.roughness.diagonal(), dtype=float)
 
 
 @lru_cache(maxsize=4)  # dense: a search keeps many hypotheses
 def _rows_of_masses(cells: CellRows) -> Array:
-    return np.asarray(cells.of_unknowns @ unknowns_of_masses(cells.triangle.nodes.size - 1))
+    return np.asarray(cells.of_unknowns @ unknowns_of_masses(cells.triangle.nodes.size - 1), dtype=float)
 
 
 @lru_cache(maxsize=4)
@@ -132,7 +132,8 @@ class MassProgramme:
         H[:n, :n] += ridge * _sum_of_squares(triangle.nodes.size - 1)
         free = np.arange(n, g.size)
         H[free, free] += ridge
-        found = solve_by_pivoting(H, g, bounded, None if start is None else start[:bounded] > 0)
+        similar = start is not None and start.size > bounded
+        found = solve_by_pivoting(H, g, bounded, start[:bounded] > 0 if similar else None)
         return _by_interior_point(H, g, bounded) if found is None else found
 
     def _ridge(self, smoothing: float, used: Mask) -> float:
