@@ -75,6 +75,6 @@ def test_less_smoothing_must_be_worth_it(problem, monkeypatch):
         )
         return measured_fit.chosen_smoothing(problem)
 
-    assert chosen((1.0, 1.0, 1.001)) == 1e-10
-    assert chosen((1.0, 1.001, 1.3)) == 1e-12
+    assert chosen((1.0, 1.0, 1.0005)) == 1e-10
+    assert chosen((1.0, 1.0005, 1.3)) == 1e-12
     assert chosen((1.0, 1.01, 1.02)) == 1e-14

@@ -25,6 +25,7 @@ from smarig.measurement import LEVEL, LearnedTerm, branch_directions, variable_o
 Array = NDArray[np.float64]
 STEPS = 5  # Gauss–Newton
 CONVERGED = 1e-3  # relative change of the error
+LEAST_SMOOTHING = 0.005  # of that of the plain model: a term permits one step less, not two
 LEARNED = "learned"
 
 
@@ -102,7 +103,11 @@ def refined(comparison: Comparison, start: MeasuredFit, terms: Sequence[LearnedT
             break
         best = error, at, terms
     return min(
-        (_finished(replace(comparison, smoothing=s), best[1], best[2]) for s in SMOOTHINGS),
+        (
+            _finished(replace(comparison, smoothing=s), best[1], best[2])
+            for s in SMOOTHINGS
+            if s >= LEAST_SMOOTHING * comparison.smoothing
+        ),
         key=lambda found: found.hypothesis.rms,
     )
 
