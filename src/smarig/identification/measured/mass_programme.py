@@ -132,8 +132,8 @@ class MassProgramme:
         H[:n, :n] += ridge * _sum_of_squares(triangle.nodes.size - 1)
         free = np.arange(n, g.size)
         H[free, free] += ridge
-        similar = start is not None and start.size > bounded
-        found = solve_by_pivoting(H, g, bounded, start[:bounded] > 0 if similar else None)
+        positive = None if start is None or start.size <= bounded else start[:bounded] > 0
+        found = solve_by_pivoting(H, g, bounded, positive)
         return _by_interior_point(H, g, bounded) if found is None else found
 
     def _ridge(self, smoothing: float, used: Mask) -> float:
