@@ -7,6 +7,7 @@ from scipy.optimize import nnls
 from scipy.sparse import csr_matrix, eye_array, random_array
 
 from smarig.identification.positive.interior_point import NewtonSystem, solve
+from smarig.identification.positive.principal_pivoting import solve_by_pivoting
 
 
 def problem(seed, m=30, n=24, border=0, coupling=3):
@@ -36,6 +37,28 @@ def test_it_agrees_with_an_active_set_method(seed, n, border):
     assert np.abs(ours.x - theirs).max() < 1e-7
     assert 0 < np.sum(theirs == 0) < n, "some constraints must hold, and some must not"
     assert NewtonSystem(csr_matrix(A.T @ A), D, border).banded == bool(border)
+
+
+@pytest.mark.parametrize("seed", range(8))
+@pytest.mark.parametrize("guess", ["all", "none", "wrong"])
+def test_pivoting_agrees_with_it_from_any_guess(seed, guess):
+    A, b = problem(seed, m=48, n=24)
+    stacked = np.vstack([A.toarray(), np.sqrt(1e-3) * np.eye(24)])
+    theirs, _ = nnls(stacked, np.concatenate([b, np.zeros(24)]))
+    positive = {"all": None, "none": np.zeros(24, dtype=bool), "wrong": theirs == 0}[guess]
+    ours = solve_by_pivoting(stacked.T @ stacked, A.T @ b, 24, positive)
+    assert ours is not None
+    assert np.abs(ours - theirs).max() < 1e-9
+
+
+def test_pivoting_leaves_free_unknowns_free_and_refuses_a_singular_problem():
+    A, b = problem(2, m=48, n=24)
+    H = (A.T @ A + 1e-3 * eye_array(24)).toarray()
+    found = solve_by_pivoting(H, A.T @ b, 0)
+    assert found is not None
+    assert found == pytest.approx(np.linalg.solve(H, A.T @ b))
+    assert found.min() < 0
+    assert solve_by_pivoting(np.zeros((2, 2)), np.ones(2), 2) is None
 
 
 def test_the_conditions_of_optimality_hold_with_constraints_on_differences():

@@ -25,6 +25,7 @@ from smarig.measurement import LEVEL, LearnedTerm, branch_directions, variable_o
 Array = NDArray[np.float64]
 STEPS = 5  # Gauss–Newton
 CONVERGED = 1e-3  # relative change of the error
+LEAST_SMOOTHING = 0.005  # of that of the plain model: a term permits one step less, not two
 LEARNED = "learned"
 
 
@@ -75,15 +76,17 @@ def linear(comparison: Comparison, at: MeasuredFit, terms: Sequence[LearnedTerm]
     input are free beyond their present values.
     """
     joined = np.hstack([columns(at, term) for term in terms])
-    fit = _fitted(comparison, terms, joined)
+    fit = _fitted(comparison, terms, joined, at)
     errors = held_out_errors(fit.problem, comparison.smoothing, comparison.train)
     return MeasuredHypothesis((), errors, fit, LEARNED)
 
 
-def _fitted(comparison: Comparison, terms: Sequence[LearnedTerm], joined: Array) -> MeasuredFit:
+def _fitted(
+    comparison: Comparison, terms: Sequence[LearnedTerm], joined: Array, near: MeasuredFit
+) -> MeasuredFit:
     present = [t for t in terms if any(t.values)]
     problem = measured_problem(comparison.plan, learned=present, extra_terms=joined, weight=comparison.weight)
-    return fit_measured(problem, comparison.smoothing, comparison.train)
+    return fit_measured(problem, comparison.smoothing, comparison.train, near=near)
 
 
 def refined(comparison: Comparison, start: MeasuredFit, terms: Sequence[LearnedTerm]) -> LearnedFit:
@@ -92,7 +95,7 @@ def refined(comparison: Comparison, start: MeasuredFit, terms: Sequence[LearnedT
     """
     at, best = start, (np.inf, start, terms)
     for _ in range(STEPS):
-        free = _fitted(comparison, terms, np.hstack([columns(at, t) for t in terms]))
+        free = _fitted(comparison, terms, np.hstack([columns(at, t) for t in terms]), at)
         terms = _moved(terms, free.amplitudes)
         at = _with_outputs(comparison, terms, free)
         error = _error(comparison, at)
@@ -100,7 +103,11 @@ def refined(comparison: Comparison, start: MeasuredFit, terms: Sequence[LearnedT
             break
         best = error, at, terms
     return min(
-        (_finished(replace(comparison, smoothing=s), best[1], best[2]) for s in SMOOTHINGS),
+        (
+            _finished(replace(comparison, smoothing=s), best[1], best[2])
+            for s in SMOOTHINGS
+            if s >= LEAST_SMOOTHING * comparison.smoothing
+        ),
         key=lambda found: found.hypothesis.rms,
     )
 
@@ -115,13 +122,13 @@ def _finished(comparison: Comparison, near: MeasuredFit, terms: Sequence[Learned
 
 def screened_error(comparison: Comparison, at: MeasuredFit, terms: Sequence[LearnedTerm]) -> float:
     """Weighted rms error (output units) of the fit itself, with free values of all terms, to first order."""
-    return _error(comparison, _fitted(comparison, terms, np.hstack([columns(at, t) for t in terms])))
+    return _error(comparison, _fitted(comparison, terms, np.hstack([columns(at, t) for t in terms]), at))
 
 
 def _with_outputs(comparison: Comparison, terms: Sequence[LearnedTerm], at: MeasuredFit) -> MeasuredFit:
     """The fit with the terms at the input as they are, and free values of those at the output."""
     joined = [columns(at, t) for t in terms if t.enters == "output"]
-    return _fitted(comparison, terms, np.hstack([np.empty((len(comparison.plan), 0)), *joined]))
+    return _fitted(comparison, terms, np.hstack([np.empty((len(comparison.plan), 0)), *joined]), at)
 
 
 def _error(comparison: Comparison, fit: MeasuredFit) -> float:

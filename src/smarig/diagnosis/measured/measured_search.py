@@ -70,7 +70,9 @@ def _round(
     current: MeasuredHypothesis,
 ) -> SearchStep:
     """Every effect that is not present yet, and every variable, added to the present hypothesis."""
-    variables = [comparison.evaluated(current.effects, t, n) for n, t in variable_terms(current.fit)]
+    variables = [
+        comparison.evaluated(current.effects, t, n, current.fit) for n, t in variable_terms(current.fit)
+    ]
     present = {e.kind.name for e in current.effects}
     tried = []
     for kind in kinds:

@@ -8,15 +8,15 @@ different conditions follow by alternation.
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import csr_matrix, diags_array, hstack
 
+from smarig.identification.measured.mass_programme import CellRows, MassProgramme
 from smarig.identification.measured.reading_plan import ReadingPlan
 from smarig.identification.positive.adapted_partition import adapted_nodes
 from smarig.identification.positive.observations import Observations, joined_observations
-from smarig.identification.positive.quadratic_programme import MeasureProblem
 from smarig.identification.positive.triangle import Triangle
 from smarig.measurement import (
     InputRecord,
@@ -36,8 +36,8 @@ Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 INTERVALS = 30
 SMOOTHINGS = (1e-14, 1e-12, 1e-10)
+EQUAL_ERROR = 1.001  # times the least error: less smoothing that gains less is not worth it
 MIN_SD_SHARE = 0.006  # of the output's range: no reading counts as more certain
-ACCURACY = 1e-5  # sufficient for comparisons
 MAX_ALTERNATIONS = 15
 GAIN_TOLERANCE = 2e-3
 
@@ -53,8 +53,7 @@ class MeasuredProblem:
 
     plan: ReadingPlan
     effects: tuple[MeasurementEffect, ...]
-    observations: Observations
-    triangle: Triangle
+    cells: CellRows
     sign: float
     scale: float
     terms: Array
@@ -63,25 +62,42 @@ class MeasuredProblem:
     centre: Array
 
     @property
+    def observations(self) -> Observations:
+        """The readings as sums over the FOD surface."""
+        return self.cells.observations
+
+    @property
+    def triangle(self) -> Triangle:
+        """The cells of the measure."""
+        return self.cells.triangle
+
+    @property
     def centred(self) -> Array:
         """Outputs (m,) minus the centre of their zero."""
         return self.plan.y - self.centre[self.observations.zero]
 
-    def programme(self, gains: Array) -> MeasureProblem:
-        """The convex programme for the gain of each record, with weighted rows."""
-        record = self.plan.record
-        of_term = self.sign * gains[record[self.observations.term]]
-        own = replace(self.observations, sign=self.observations.sign * of_term)
-        rows = hstack([own.matrix(self.triangle), csr_matrix(self.terms / self.term_scale)])
-        free = own.offsets + self.terms.shape[1]
-        weighted = csr_matrix(diags_array(self.weight) @ csr_matrix(rows))
-        return MeasureProblem(self.triangle, weighted, self.weight * self.centred / self.scale, free)
+    def programme(self, gains: Array) -> MassProgramme:
+        """The convex programme for the gain of each record, with weighted rows; the last ones are kept."""
+        return _programme(self, gains.tobytes())
+
+
+@lru_cache(maxsize=4)
+def _programme(problem: MeasuredProblem, gains: bytes) -> MassProgramme:
+    weight, zero = problem.weight, problem.observations.zero
+    zeros = np.equal(zero[:, None], np.arange(problem.observations.offsets)).astype(float)
+    return MassProgramme(
+        cells=problem.cells,
+        factor=weight * problem.sign * np.frombuffer(gains)[problem.plan.record],
+        columns=weight[:, None] * np.hstack([zeros, problem.terms / problem.term_scale]),
+        y=weight * problem.centred / problem.scale,
+    )
 
 
 @dataclass(frozen=True, eq=False)
 class MeasuredFit:
     """A solution: ``predicted`` (m,) for all readings, those not fitted included, in output units.
 
+    ``x`` are the masses of the cells, y₋, the zeros and the amplitudes, as in ``MassProgramme``.
     ``table`` is the hysteresis; ``zeros`` and ``gains`` of each record; ``amplitudes`` (k,) of the terms.
     """
 
@@ -114,15 +130,13 @@ class MeasuredFit:
     @property
     def shape(self) -> Array:
         """The hysteresis at all readings (m,), with gain 1 and without zero or terms, in output units."""
-        ones = np.ones(len(self.problem.plan.records))
-        rows = self.problem.programme(ones).rows[:, : self._unknowns]
-        return self.problem.scale * np.asarray(rows @ self.x[: self._unknowns]) / self.problem.weight
+        of_masses = self.problem.cells.of_masses @ self.x[: self._unknowns]
+        return self.problem.scale * self.problem.sign * of_masses
 
     @property
     def table(self) -> FodTable:
         """The hysteresis, with the sign of the output and gain 1."""
-        values = self.problem.triangle.masses @ self.x[: self._unknowns]
-        masses = self.problem.scale * np.maximum(values, 0.0)
+        masses = self.problem.scale * np.maximum(self.x[: self._unknowns - 1], 0.0)
         rising = self.problem.triangle.table(
             masses, self.problem.scale * float(self.x[self._unknowns - 1]), ""
         )
@@ -158,7 +172,30 @@ def measured_problem(
     """
     changes = [changed(record, effects) for record in plan.records]
     applied = [learned_input(record, c.input, learned) for record, c in zip(plan.records, changes)]
-    paths = [(u, reversals(u, c.noise)) for u, c in zip(applied, changes)]
+    cells = _cell_rows(plan, tuple(u.tobytes() for u in applied), tuple(c.noise for c in changes), intervals)
+    zero = cells.observations.zero
+    terms = plan.of([c.terms for c in changes])
+    terms = terms if extra_terms is None else np.hstack([terms, extra_terms])
+    size = np.sqrt(np.mean(terms**2, axis=0)) if terms.size else np.ones(terms.shape[1])
+    return MeasuredProblem(
+        plan=plan,
+        effects=tuple(effects),
+        cells=cells,
+        sign=output_sign(plan.records),
+        scale=float(np.ptp(plan.y)) or 1.0,
+        terms=terms,
+        term_scale=np.where(size > 0, size, 1.0),
+        weight=np.ones(len(plan)) if weight is None else weight,
+        centre=np.bincount(zero, plan.y) / np.bincount(zero),
+    )
+
+
+@lru_cache(maxsize=4)
+def _cell_rows(
+    plan: ReadingPlan, applied: tuple[bytes, ...], noise: tuple[float | None, ...], intervals: int
+) -> CellRows:
+    """The readings under applied inputs, one of each record; the last ones are kept: many fits share their inputs."""
+    paths = [(u, reversals(u, sd)) for u, sd in zip(map(np.frombuffer, applied), noise)]
     inputs = [monotone_branches(u, turns) for u, turns in paths]
     ends = min(float(u.min()) for u in inputs), max(float(u.max()) for u in inputs)
     parts: list[Observations] = []
@@ -168,21 +205,7 @@ def measured_problem(
         found, memory = _observations(u, turns, rows, record.y, start, ends, k)
         parts += [found] if rows.size else []
     joined = _joined(parts)
-    terms = plan.of([c.terms for c in changes])
-    terms = terms if extra_terms is None else np.hstack([terms, extra_terms])
-    size = np.sqrt(np.mean(terms**2, axis=0)) if terms.size else np.ones(terms.shape[1])
-    return MeasuredProblem(
-        plan=plan,
-        effects=tuple(effects),
-        observations=joined,
-        triangle=Triangle(adapted_nodes(joined, intervals)),
-        sign=output_sign(plan.records),
-        scale=float(np.ptp(plan.y)) or 1.0,
-        terms=terms,
-        term_scale=np.where(size > 0, size, 1.0),
-        weight=np.ones(len(plan)) if weight is None else weight,
-        centre=np.bincount(joined.zero, plan.y) / np.bincount(joined.zero),
-    )
+    return CellRows(joined, Triangle(adapted_nodes(joined, intervals)))
 
 
 def _observations(
@@ -221,8 +244,9 @@ def fit_measured(
     *,
     gains: Array | None = None,
     free_gains: bool = False,
+    near: MeasuredFit | None = None,
 ) -> MeasuredFit:
-    """The fit to the readings of a mask; all are predicted.
+    """The fit to the readings of a mask; all are predicted. ``near``: a similar fit, to find the solution faster.
 
     ``free_gains``: each record has a gain of its own; those of records without a fitted reading stay as given.
     """
@@ -231,30 +255,30 @@ def fit_measured(
         stroke = np.array([float(np.ptp(r.y)) for r in problem.plan.records])
         g = stroke / stroke.max()
     programme = problem.programme(g)
-    x = programme.solved(smoothing, mask, accuracy=ACCURACY).x
+    x = programme.solved(smoothing, mask, start=None if near is None else near.x)
     for _ in range(MAX_ALTERNATIONS if free_gains else 0):
         again = _gains(problem, programme, x, g, mask)
         change = float(np.abs(again / g - 1).max())
         g, programme = again, problem.programme(again)
-        x = programme.solved(smoothing, mask, accuracy=ACCURACY).x
+        x = programme.solved(smoothing, mask, start=x)
         if change < GAIN_TOLERANCE:
             break
     return MeasuredFit(problem, x, g, predicted_outputs(problem, programme, x))
 
 
-def predicted_outputs(problem: MeasuredProblem, programme: MeasureProblem, x: Array) -> Array:
+def predicted_outputs(problem: MeasuredProblem, programme: MassProgramme, x: Array) -> Array:
     """Outputs (m,) at all readings for the unknowns of a programme, in output units."""
     centre = problem.centre[problem.observations.zero]
-    return problem.scale * np.asarray(programme.rows @ x) / problem.weight + centre
+    return problem.scale * (programme.rows @ x) / problem.weight + centre
 
 
 def _gains(
-    problem: MeasuredProblem, programme: MeasureProblem, x: Array, g: Array, mask: Mask | None
+    problem: MeasuredProblem, programme: MassProgramme, x: Array, g: Array, mask: Mask | None
 ) -> Array:
     """Gains by least squares, given the shape: y = g · shape + zero + rest, for each record with a fitted reading."""
     n = problem.triangle.unknowns
     rest = (programme.rows[:, n:] @ x[n:]) / problem.weight
-    shape = np.asarray(programme.rows[:, :n] @ x[:n]) / g[problem.plan.record] / problem.weight
+    shape = problem.sign * (problem.cells.of_masses @ x[:n])
     found = g.copy()
     used = np.ones(len(problem.plan), dtype=bool) if mask is None else mask
     for k in np.unique(problem.plan.record[used]).tolist():
@@ -269,8 +293,9 @@ def _gains(
 def chosen_smoothing(
     problem: MeasuredProblem, mask: Mask | None = None, *, gains: Array | None = None
 ) -> float:
-    """The λ of ``SMOOTHINGS`` with the least error on held-out blocks."""
-    return min(SMOOTHINGS, key=lambda s: held_out_rms(problem, s, mask, gains=gains))
+    """The largest λ of ``SMOOTHINGS`` with about the least error on held-out blocks."""
+    errors = {s: held_out_rms(problem, s, mask, gains=gains) for s in SMOOTHINGS}
+    return max(s for s, error in errors.items() if error <= EQUAL_ERROR * min(errors.values()))
 
 
 def held_out_rms(
@@ -318,11 +343,13 @@ def held_out_errors(
     """
     within = np.ones(len(problem.plan), dtype=bool) if mask is None else mask
     error = np.full(len(problem.plan), np.nan)
+    programme = problem.programme(np.ones(len(problem.plan.records)) if gains is None else gains)
     for fold in problem.plan.folds(within):
         fitted = within & ~fold
         if not fitted.any():
             continue
-        e = fit_measured(problem, smoothing, fitted, gains=gains).error
+        x = programme.solved_without(smoothing, within, fold)
+        e = problem.plan.y - predicted_outputs(problem, programme, x)
         for zero in np.unique(problem.observations.zero[fold]):
             own = fold & (problem.observations.zero == zero)
             if not np.any(fitted & (problem.observations.zero == zero)):

@@ -98,12 +98,16 @@ class Comparison:
     weight: Array
 
     def evaluated(
-        self, effects: Sequence[MeasurementEffect], terms: Array | None = None, variable: str = ""
+        self,
+        effects: Sequence[MeasurementEffect],
+        terms: Array | None = None,
+        variable: str = "",
+        near: MeasuredFit | None = None,
     ) -> MeasuredHypothesis:
-        """A hypothesis with given values."""
+        """A hypothesis with given values; ``near``: a similar fit, to find this one faster."""
         problem = measured_problem(self.plan, effects, extra_terms=terms, weight=self.weight)
         by_condition = any(e.kind.by_condition for e in effects)
-        fit = fit_measured(problem, self.smoothing, self.train, free_gains=by_condition)
+        fit = fit_measured(problem, self.smoothing, self.train, free_gains=by_condition, near=near)
         errors = held_out_errors(problem, self.smoothing, self.train, gains=fit.gains)
         return MeasuredHypothesis(tuple(effects), errors, fit, variable)
 
@@ -123,9 +127,11 @@ class Comparison:
         values = dict(fixed) | {p.name: _neutral(p) for p in parameters}
 
         def at(changes: dict[str, float]) -> MeasuredHypothesis:
-            return self.evaluated([*present, kind(**(values | changes))])
+            near = None if start is None else start.fit
+            return self.evaluated([*present, kind(**(values | changes))], near=near)
 
-        best, intervals, bound = at({}), {}, []
+        best: MeasuredHypothesis | None = None
+        intervals, bound = {}, []
         for parameter in parameters:
             tries = parameter.tries
             if start is not None and kind.additive:
@@ -138,7 +144,7 @@ class Comparison:
             intervals[parameter.name] = (low, np.inf if unbounded else high)
             if found == min(parameter.tries) or (found == max(parameter.tries) and not parameter.open_above):
                 bound.append(parameter.name)
-        return replace(best, intervals=intervals, at_bound=tuple(bound))
+        return replace(best or at({}), intervals=intervals, at_bound=tuple(bound))
 
 
 def compared(

@@ -18,7 +18,7 @@ from smarig.identification.positive.triangle import Triangle
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
-_RIDGE = 1e-13  # regularises directions that neither data nor smoothness determine
+RIDGE = 1e-13  # regularises directions that neither data nor smoothness determine
 _BLOCK = 2000
 
 
@@ -53,7 +53,7 @@ class MeasureProblem:
     def _system(self, smoothing: float, mask: Mask | None) -> tuple[csr_matrix, Array]:
         normal, g = self._normal(mask)
         H = normal + smoothing * self._roughness
-        return csr_matrix(H + _RIDGE * float(H.diagonal().max()) * self._eye), g
+        return csr_matrix(H + RIDGE * float(H.diagonal().max()) * self._eye), g
 
     def _normal(self, mask: Mask | None) -> tuple[csr_matrix, Array]:
         """XᵀX/m and Xᵀy/m, cached: every λ uses the same folds."""

@@ -178,6 +178,12 @@ class Triangle:
         matrix = self._second_differences() @ self.masses
         return csr_matrix(matrix.T @ matrix)
 
+    @cached_property
+    def roughness_of_masses(self) -> csr_matrix:
+        """The same as a quadratic form of the masses, (cells, cells)."""
+        matrix = self._second_differences()
+        return csr_matrix(matrix.T @ matrix)
+
     def table(self, masses: Array, y_lower: float, unit: str = "") -> FodTable:
         """The hysteresis with these cell masses (cells,): y(u_i, u_j) = y₋ + Σ of the cells below."""
         n = self._x.size - 1
