@@ -23,9 +23,20 @@ def gain(base, extended, floor=0.1):
     return HeldOutGain(base * wave, extended * wave, BLOCKS, floor)
 
 
-def level(strength=2.0, sd=0.1):
-    (effect,) = effects_from_pairs([f"settling={strength}"])
-    best = SimpleNamespace(effects=(effect,), spread={("settling", "share_percent"): sd})
+def uneven_gain(base, extended, extended_elsewhere, base_elsewhere=1.0):
+    """Errors that are the same in all blocks but the first."""
+    one, others = gain(base, extended), gain(base_elsewhere, extended_elsewhere)
+    first = BLOCKS == 0
+    return replace(
+        others,
+        base_error=np.where(first, one.base_error, others.base_error),
+        extended_error=np.where(first, one.extended_error, others.extended_error),
+    )
+
+
+def level(strength=2.0, sd=0.1, name="settling"):
+    (effect,) = effects_from_pairs([f"{name}={strength}"])
+    best = SimpleNamespace(effects=(effect,), spread={(name, effect.kind.primary.name): sd})
     return SimpleNamespace(best=best)
 
 
@@ -52,6 +63,18 @@ def test_a_name_that_passes_every_gate_stands():
         ({"gain": gain(1.0, 0.7)}, ""),
         ({"gain": gain(1.0, 0.95), "fitted_ratio": 0.98}, ""),  # another channel shows it
         ({"before": replace(QUIET, variable="cycle", gain=395.0)}, "dependence on cycle explains more"),
+        ({"levels": (level(-3.0, name="walking"),)}, "bound of its search"),
+        # Less than noise alone reaches, though more than the effect less its lead:
+        ({"effect_nats": 20.0, "before": replace(QUIET, variable="cycle", gain=12.0)}, ""),
+        # What is left is little compared with the effect, or with noise:
+        ({"after": replace(QUIET, variable="level", gain=50.0)}, ""),
+        ({"effect_nats": 100.0, "before": QUIET, "after": replace(QUIET, variable="level", gain=20.0)}, ""),
+        # Slightly worse in every block; worse in one of them only; worse below the floor:
+        ({"gain": gain(1.0, 1.05)}, "predicts the held-out runs worse"),
+        ({"gain": uneven_gain(1.0, 2.0, 0.88), "fitted_ratio": 0.98}, ""),
+        ({"gain": gain(0.05, 0.08)}, ""),
+        # Most of the error is in one block, and the extended model is better in all others:
+        ({"gain": uneven_gain(20.0, 19.0, 0.2)}, ""),
     ],
 )
 def test_each_gate_alone_takes_the_name_away(change, words):
@@ -76,6 +99,29 @@ def test_a_variable_does_not_take_away_a_name_that_held_out_runs_bear_out():
 
 
 @pytest.mark.parametrize(
+    ("held_out", "share"),
+    [
+        (gain(1.0, 0.456), 0.8),  # certain, but too small
+        (uneven_gain(1.0, 1.2, 0.05), 0.89),  # large, but one block contradicts it
+        (gain(0.11, 0.1), 1.0),  # of an error that is hardly more than the floor
+    ],
+)
+def test_a_doubted_name_needs_a_large_and_certain_gain_above_the_floor(held_out, share):
+    doubted = DiagnosisVerdict("unknown", NAMED.explanations, "time")
+    assert held_out.removable_share == pytest.approx(share, abs=0.01)
+    assert gated(doubted, replace(GOOD, gain=held_out)).verdict == doubted
+
+
+def test_without_a_name_the_variable_is_that_of_a_clear_discrepancy():
+    """Else that of the first test."""
+    doubted = DiagnosisVerdict("unknown", NAMED.explanations, "level")
+    clear = replace(GOOD, before=replace(QUIET, variable="cycle", gain=900.0))
+    assert gated(doubted, clear).verdict.depends_on == "cycle"
+    weak = replace(GOOD, effect_nats=10.0, before=replace(QUIET, variable="cycle", gain=20.0))
+    assert gated(doubted, weak).verdict.depends_on == "level"
+
+
+@pytest.mark.parametrize(
     ("before", "depends_on"),
     [
         (replace(QUIET, variable="walk", gain=60.0), "history"),
@@ -93,7 +139,12 @@ def test_nothing_is_silent_while_a_discrepancy_stands_out(before, depends_on):
 
 @pytest.mark.parametrize(
     "before",
-    [QUIET, replace(QUIET, variable="rate", gain=15.0), replace(QUIET, room_K=0.3, correlation_s=30.0)],
+    [
+        QUIET,
+        replace(QUIET, variable="rate", gain=15.0),
+        replace(QUIET, room_K=0.3, correlation_s=30.0),
+        replace(QUIET, room_K=0.1, correlation_s=300.0),
+    ],
 )
 def test_noise_and_draughts_stay_silent(before):
     found = gated(SILENT, replace(GOOD, levels=(), before=before, after=None))
