@@ -96,11 +96,12 @@ def _shape(
 
 def _apart(z: Array) -> Array:
     """The values that lie apart from those before them by a share of the whole range, to nine decimals."""
-    kept = [z[0]]
-    for value in z[1:]:
+    first, *later = z.tolist()
+    kept = [first]
+    for value in later:
         if value - kept[-1] > LEAST_DISTANCE * (z[-1] - z[0]):
             kept.append(value)
-    return np.round(kept, 9)
+    return np.round(np.array(kept), 9)
 
 
 def _values(timeline: Timeline, base: PlantModel, prediction: Prediction, variable: str) -> Array:

@@ -14,7 +14,7 @@ from scipy.linalg import LinAlgError, cho_factor, cho_solve
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 MOST_EXCHANGES = 30
-PATIENCE = 3  # exchanges of all at once that may fail to reduce the violations
+MAX_FAILURES = 3  # exchanges of all at once that may fail to reduce the violations
 LEAST_VALUE, LEAST_MULTIPLIER = 1e-12, 1e-9  # for outputs of order 1: smaller violations are rounding
 
 
@@ -29,7 +29,7 @@ def solve_by_pivoting(H: Array, g: Array, bounded: int, positive: Mask | None = 
     free = np.arange(g.size) >= bounded
     inner = np.ones(g.size, dtype=bool)
     inner[:bounded] = True if positive is None else positive
-    fewest, patience = g.size + 1, PATIENCE
+    fewest, tries_left = g.size + 1, MAX_FAILURES
     for _ in range(MOST_EXCHANGES):
         at = np.flatnonzero(inner)
         x = np.zeros(g.size)
@@ -44,9 +44,9 @@ def solve_by_pivoting(H: Array, g: Array, bounded: int, positive: Mask | None = 
         if not count:
             return x
         if count < fewest:
-            fewest, patience = count, PATIENCE
-        elif patience:
-            patience -= 1
+            fewest, tries_left = count, MAX_FAILURES
+        elif tries_left:
+            tries_left -= 1
         else:
             violated[: np.flatnonzero(violated)[-1]] = False
         inner = inner ^ violated
