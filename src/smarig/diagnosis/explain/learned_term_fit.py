@@ -101,7 +101,7 @@ def _apart(z: Array) -> Array:
     for value in later:
         if value - kept[-1] > LEAST_DISTANCE * (z[-1] - z[0]):
             kept.append(value)
-    return np.round(np.array(kept), 9)
+    return np.array([round(value, 9) for value in kept])
 
 
 def _values(timeline: Timeline, base: PlantModel, prediction: Prediction, variable: str) -> Array:
