@@ -71,10 +71,17 @@ def test_a_model_file_keeps_the_law():
 @pytest.mark.parametrize(
     ("change_of_shape", "message"),
     [
-        ({"variable": "moon"}, "cannot depend on moon"),
-        ({"enters": "side"}, "at the side"),
+        ({"variable": "moon"}, "cannot depend on 'moon'"),
+        ({"enters": "side"}, "at the 'side'"),
         ({"knots": [0.0, 0.0, 1.0]}, "must increase"),
-        ({"knots": [0.0]}, "must increase"),
+        ({"knots": [0.0]}, "2 to 100 knots"),
+        ({"knots": [0.0, 1.0, float("inf")]}, "plausible size"),
+        ({"knots": [0.0, "1", 2.0]}, "plausible size"),
+        ({"knots": "012"}, "2 to 100 knots"),
+        ({"knots": [float(k) for k in range(1000)]}, "2 to 100 knots"),
+        ({"variable": "level", "enters": "input"}, "cannot depend on 'level'"),
+        ({"variable": ["time"]}, "cannot depend on"),
+        ({"unit": "\x1b[31m"}, "short text"),
     ],
 )
 def test_a_damaged_law_is_refused_in_a_sentence(change_of_shape, message):
@@ -82,3 +89,28 @@ def test_a_damaged_law_is_refused_in_a_sentence(change_of_shape, message):
     stored["shape"] |= change_of_shape
     with pytest.raises((DataError, UsageError), match=message):
         effects_from_json([stored])
+
+
+@pytest.mark.parametrize(
+    "change_of_effect",
+    [
+        {"parameters": {"value_1": 0.4}},
+        {"parameters": {"value_1": 0.4, "value_2": 0.1, "value_3": 0.1}},
+        {"parameters": {"value_1": float("nan"), "value_2": 0.1}},
+        {"parameters": {"value_1": 1e300, "value_2": 0.1}},
+        {"parameters": {"value_1": "0.4", "value_2": 0.1}},
+        {"parameters": None},
+        {"parameters": [1, 2]},
+        {"name": "creep"},
+        {"shape": None},
+    ],
+)
+def test_damaged_values_of_a_law_are_refused(change_of_effect):
+    stored = learned_effect_type(TIME, 10.0)(value_1=0.4, value_2=-0.2).to_json()
+    with pytest.raises((DataError, UsageError)):
+        effects_from_json([stored | change_of_effect])
+
+
+def test_a_law_that_is_zero_at_its_first_value_still_acts_beyond_it(timeline):
+    added = change(timeline, LearnedShape("time", "output", (0.0, 100.0, 500.0), "mm"), 0.0, 0.5)
+    assert np.ptp(added) > 0.1

@@ -201,7 +201,7 @@ class Effect:
 
     def hooks(self, context: EffectContext) -> Mapping[Stage, Hook]:
         """The changes by stage; none at zero strength. UsageError if it needs two wires and the rig has one."""
-        if not self.strength:
+        if not self.strength and self.kind.shape is None:  # a learned law may be 0 at its first value only
             return {}
         if self.kind.arrangement == TWO_WIRE and not context.actuator.two_wire:
             raise UsageError(f"{self.kind.name} needs two wires, but this rig has one.")

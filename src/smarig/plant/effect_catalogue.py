@@ -8,7 +8,14 @@ from typing import Any
 
 from smarig.core import DataError, UsageError, catalogue_entry, catalogue_names, own_entries, resolve_name
 from smarig.plant.effect import Effect, EffectType
-from smarig.plant.learned_effect import INPUT_BOUND, OUTPUT_BOUND, LearnedShape, learned_effect_type
+from smarig.plant.learned_effect import (
+    INPUT_BOUND,
+    LEARNED,
+    OUTPUT_BOUND,
+    LearnedShape,
+    finite_number,
+    learned_effect_type,
+)
 
 EFFECTS = "smarig.plant.effects"
 NO_EFFECT_SHARE = 0.15  # share of the mystery rigs without an effect
@@ -89,7 +96,7 @@ def effects_from_json(records: Iterable[Mapping[str, Any]]) -> tuple[Effect, ...
     """
     try:
         found_effects = tuple(_effect_from_record(**r) for r in records)
-    except (KeyError, TypeError, ValueError) as error:
+    except (AttributeError, KeyError, OverflowError, TypeError, ValueError) as error:
         raise DataError(f"an effect is not of the form {{name, parameters}}: {error}") from None
     except UsageError as error:
         hint = " (give your own effect again with --effect ./FILE.py)"
@@ -104,12 +111,19 @@ def effects_from_json(records: Iterable[Mapping[str, Any]]) -> tuple[Effect, ...
 def _effect_from_record(
     name: str, parameters: Mapping[str, float], shape: Mapping[str, Any] | None = None
 ) -> Effect:
-    if shape is None:
+    if shape is None and name != LEARNED:
         return catalogue_entry(EFFECTS, str(name))(**dict(parameters))
-    bound = max(abs(float(value)) for value in parameters.values())  # was checked when it was learned
-    return learned_effect_type(LearnedShape.from_json(shape), bound / OUTPUT_BOUND + bound / INPUT_BOUND)(
-        **dict(parameters)
-    )
+    if name != LEARNED or shape is None:
+        raise UsageError("a shape belongs to the effect 'learned', and to no other")
+    found = LearnedShape.from_json(shape)
+    names = [f"value_{k}" for k in range(1, len(found.knots))]
+    if not isinstance(parameters, Mapping) or sorted(parameters) != sorted(names):
+        raise UsageError(
+            f"a learned law with {len(found.knots)} knots has the parameters {names[0]} to {names[-1]}"
+        )
+    values = {name: finite_number(parameters[name], name) for name in names}
+    bound = max(abs(value) for value in values.values()) or 1.0  # was checked when it was learned
+    return learned_effect_type(found, bound / OUTPUT_BOUND + bound / INPUT_BOUND)(**values)
 
 
 def mystery_effects(seed: int, arrangement: str) -> tuple[Effect, ...]:

@@ -20,6 +20,8 @@ PLACES = ("output", "input")
 ANSWER_S = 10.0  # decay of ``rate`` after a step
 SHORTEST_HOLD_S = 1.0
 OUTPUT_BOUND, INPUT_BOUND = 0.5, 0.3  # of the ranges of output and input: bounds of f
+MOST_KNOTS, LONGEST_UNIT, LARGEST = 100, 40, 1e12  # in model files
+NOT_LEARNED = ("level", "input")  # a density has such a law anyway
 TYPICAL_SHARE = 0.01  # of the same ranges: expected size of f
 
 
@@ -86,15 +88,27 @@ class LearnedShape:
     @classmethod
     def from_json(cls, stored: Mapping[str, Any]) -> "LearnedShape":
         """The shape of a model file. Raises UsageError for a damaged one."""
-        shape = cls(
-            stored["variable"], stored["enters"], tuple(map(float, stored["knots"])), str(stored["unit"])
-        )
-        rising = all(a < b for a, b in zip(shape.knots, shape.knots[1:]))
-        if shape.variable not in LEARNED_FROM or shape.enters not in PLACES:
-            raise UsageError(f"a learned law cannot depend on {shape.variable} at the {shape.enters}")
-        if len(shape.knots) < 2 or not rising:
+        missing = sorted({"variable", "enters", "knots", "unit"} - set(stored))
+        if missing:
+            raise UsageError(f"the shape of a learned law has no {missing[0]}")
+        variable, enters, knots, unit = (stored[key] for key in ("variable", "enters", "knots", "unit"))
+        if variable not in tuple(LEARNED_FROM) or enters not in PLACES or (variable, enters) == NOT_LEARNED:
+            raise UsageError(f"a learned law cannot depend on {variable!r:.40} at the {enters!r:.40}")
+        if not isinstance(knots, list) or not 2 <= len(knots) <= MOST_KNOTS:
+            raise UsageError(f"a learned law has a list of 2 to {MOST_KNOTS} knots")
+        if not isinstance(unit, str) or len(unit) > LONGEST_UNIT or not unit.isprintable():
+            raise UsageError("the unit of a learned law is not a short text")
+        shape = cls(variable, enters, tuple(finite_number(z, "a knot") for z in knots), unit)
+        if any(a >= b for a, b in zip(shape.knots, shape.knots[1:])):
             raise UsageError("the knots of a learned law must increase")
         return shape
+
+
+def finite_number(value: Any, name: str) -> float:
+    """A number of a model file. Raises UsageError for anything else, and for sizes that nothing measured has."""
+    if isinstance(value, bool) or not isinstance(value, int | float) or not abs(value) <= LARGEST:
+        raise UsageError(f"{name} of a learned law is not a number of plausible size: {value!r:.40}")
+    return float(value)
 
 
 def learned_effect_type(shape: LearnedShape, range_of_place: float) -> EffectType:
