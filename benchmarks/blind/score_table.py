@@ -59,7 +59,7 @@ def score_table(records: Sequence[Record]) -> dict[str, Any]:
             "alarms": rate(left_out, _alarm),
         },
         "parameter": _parameters(right),
-        "removable_share": _median([s for r in right if (s := _share(r)) is not None]),
+        "removable_share": median([s for r in right if (s := removable_share(r)) is not None]),
         "two": {
             "both": rate([r for r in two if _both_visible(r)], _both),
             "both_of_all": rate(two, _both),
@@ -127,8 +127,9 @@ def _both(r: Record) -> bool:
     return set(_first(r)) == set(r["hidden"])
 
 
-def _share(r: Record) -> float | None:
-    return r["held_out"]["removable_share"] if r["held_out"] else None
+def removable_share(r: Record) -> float | None:
+    """R on held-out runs; None without them, or if nothing can be removed."""
+    return r["held_out"]["removable_share"] if r.get("held_out") else None
 
 
 def rate(records: Sequence[Record], condition: Callable[[Record], bool]) -> dict[str, Any]:
@@ -167,7 +168,7 @@ def _parameters(records: Sequence[Record]) -> dict[str, Any]:
         if p["ci95"]:
             half = (p["ci95"][1] - p["ci95"][0]) / 2 * 1.645 / 1.96
             covered.append({"inside": abs(p["value"] - true) <= half})
-    return {"median_error": _median(errors), "coverage90": rate(covered, lambda c: c["inside"])}
+    return {"median_error": median(errors), "coverage90": rate(covered, lambda c: c["inside"])}
 
 
 def _of_effect(records: Sequence[Record]) -> dict[str, Any]:
@@ -200,7 +201,8 @@ def _mean(values: Sequence[float]) -> float | None:
     return float(np.mean(values)) if values else None
 
 
-def _median(values: Sequence[float]) -> float | None:
+def median(values: Sequence[float]) -> float | None:
+    """The median, or None of nothing."""
     return float(np.median(values)) if values else None
 
 

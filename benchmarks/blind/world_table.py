@@ -7,9 +7,7 @@ right answer is "unknown", with a variable that the mechanism depends on.
 from collections.abc import Sequence
 from typing import Any
 
-import numpy as np
-
-from benchmarks.blind.score_table import NO_ALARM, Record, rate
+from benchmarks.blind.score_table import NO_ALARM, Record, median, rate, removable_share
 from benchmarks.boxes.label import KINETIC, UNLISTED_CATEGORY
 from benchmarks.boxes.unlisted_effects import HISTORY, UNLISTED
 
@@ -27,8 +25,8 @@ def world_table(records: Sequence[Record]) -> dict[str, Any]:
         "learned delta>=1": {
             "offered": rate(foreign, lambda r: bool(r.get("learned"))),
             "worse": rate(foreign, _worse),
-            "median_R": float(np.median([_share(r) for r in foreign])) if foreign else None,
-            "median_R_offered": _median([_share(r) for r in foreign if r.get("learned")]),
+            "median_R": median([removable_share(r) or 0.0 for r in foreign]),
+            "median_R_offered": median([removable_share(r) or 0.0 for r in foreign if r.get("learned")]),
         },
         "kinetic": {
             "named": rate(kinetic, _named),
@@ -50,15 +48,6 @@ def _worse(r: Record) -> bool:
     """Whether an extension was offered that predicts held-out runs worse than the base model."""
     gain = r.get("held_out")
     return bool(gain) and gain["extended"] > gain["base"]
-
-
-def _share(r: Record) -> float:
-    """The removable share R on held-out runs; 0 if nothing was offered or nothing can be removed."""
-    return (r.get("held_out") or {}).get("removable_share") or 0.0
-
-
-def _median(values: Sequence[float]) -> float | None:
-    return float(np.median(values)) if values else None
 
 
 def _delta(r: Record) -> float:

@@ -42,6 +42,7 @@ from smarig.replay import (
 )
 
 MIN_ALPHA = 1e-6
+MAX_NULL_DATA_SETS = 100_000  # a larger number is a typing error
 
 
 @dataclass(frozen=True, eq=False)
@@ -204,18 +205,10 @@ def diagnose_commanded(
     offered, learned, learned_reason = verdict.word in ("named", "ambiguous"), None, ""
     if verdict.word == "unknown":
         report_progress("learning the missing term")
-        learned = learned_term(timeline, searched, seen.plain, plant_model.hysteresis, ranked.places)
-        learned_reason = "" if learned else "no law of one variable predicts left-out blocks better"
-    if learned is not None:
-        with_term = with_posterior_density(
-            timeline, learned.explanation.plant_model, learned.explanation.refitted
-        )
-        gain_of_term = measured_gain(with_term)
-        learned_reason = _held_out_objection(learned, gain_of_term)
-        if learned_reason:
-            learned = None
-        else:
-            extended, gain, offered = with_term, gain_of_term, True
+        term = learned_term(timeline, searched, seen.plain, plant_model.hysteresis, ranked.places)
+        with_term, gain_of_term, learned_reason = _if_borne_out(timeline, term, measured_gain)
+        if with_term is not None:
+            extended, gain, offered, learned = with_term, gain_of_term, True, term
     return Diagnosis(
         verdict=verdict,
         reason=found.reason,
@@ -249,6 +242,8 @@ def _check(alpha: float, nulls: int, seed: int) -> None:
         raise UsageError(f"The false alarm probability must lie between 0 and 0.5, but is {alpha:g}.")
     if seed < 0:
         raise UsageError(f"Seed {seed} is negative. Give a whole number ≥ 0.")
+    if nulls > MAX_NULL_DATA_SETS:
+        raise UsageError(f"{nulls} null data sets are too many. Use at most {MAX_NULL_DATA_SETS}.")
     if nulls < 1 / alpha:
         raise UsageError(
             f"{nulls} null data sets cannot resolve a probability of {alpha:g}. Use at least {int(1 / alpha) + 1}."
@@ -301,12 +296,20 @@ def _visible_effect_types(
     return seen, [k.name for k in all_types if k not in seen]
 
 
-def _held_out_objection(learned: LearnedTermFit, gain: HeldOutGain | None) -> str:
-    """Why a law is not offered, as a clause: the base model or the given one predicts held-out runs better."""
+def _if_borne_out(
+    timeline: Timeline,
+    term: LearnedTermFit | None,
+    measured_gain: Callable[[PlantModel], HeldOutGain | None],
+) -> tuple[PlantModel | None, HeldOutGain | None, str]:
+    """The model with a law and its gain, or a clause on why it is not offered: base or given model predict better."""
+    if term is None:
+        return None, None, "no law of one variable predicts left-out blocks better"
+    extended = with_posterior_density(timeline, term.explanation.plant_model, term.explanation.refitted)
+    gain = measured_gain(extended)
     if gain is None or gain.extended <= min(gain.base, gain.original or np.inf):
-        return ""
-    variable = learned.shape.variable
-    return f"a law of the {variable} predicts left-out blocks better, but the held-out runs worse"
+        return extended, gain, ""
+    variable = term.shape.variable
+    return None, None, f"a law of the {variable} predicts left-out blocks better, but the held-out runs worse"
 
 
 def _floor(noise: np.ndarray) -> float:

@@ -1,13 +1,12 @@
 """The sentences of a diagnosis for a terminal, a notebook and the report."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from smarig.core import spaced
 from smarig.diagnosis.held_out_gain import HeldOutGain
-from smarig.diagnosis.looks_like import PLANT_EFFECTS
 
 if TYPE_CHECKING:
     from smarig.diagnosis.commanded_diagnosis import Diagnosis
@@ -47,7 +46,7 @@ def text_lines(d: "Diagnosis") -> Iterator[str]:
     yield (
         f"Settled points, rms error: {e.original:.4g} {e.unit} (given model), {e.base:.4g} {e.unit} (base model, "
         "refitted without effects)"
-        + ("" if best is None and not d.learned else f", {e.extended:.4g} {e.unit} (extended model)")
+        + (f", {e.extended:.4g} {e.unit} (extended model)" if d.extended else "")
         + f"; noise floor {e.noise_floor:.2g} {e.unit}."
     )
     if d.times_noise > INADEQUATE_RATIO:
@@ -67,8 +66,8 @@ def text_lines(d: "Diagnosis") -> Iterator[str]:
             f"{d.timeline.unrecorded_gap_s / 60:.0f} min between these runs are not recorded. If the wire was driven "
             "then, effects of time and of cycles are assessed wrongly. Give every run of the session."
         )
-    if gain is not None and d.extended:
-        yield gain_text(gain, e.unit)
+    if gain is not None:
+        yield gain_text(gain, e.unit) if d.extended else held_out_text(gain, e.unit)
     if d.separating_run:
         yield d.separating_run["why"]
     if d.visibility.invisible:
@@ -86,15 +85,23 @@ def _not_preisach(d: "Diagnosis") -> Iterator[str]:
 def _learned(d: "Diagnosis") -> Iterator[str]:
     """What was learned in place of a cause, or why nothing was."""
     if d.learned is None:
-        if d.learned_reason:
-            yield f"No extended model is offered: {d.learned_reason}."
+        yield from nothing_learned_text(d.learned_reason)
         return
-    shape, similar = d.learned.shape, ", ".join(PLANT_EFFECTS.get(d.learned.shape.variable, ()))
+    shape = d.learned.shape
     yield f"A term at the {shape.enters} that depends on {shape.variable} was learned."
-    yield (
-        f"It removes {d.learned.gain_blocks:.0%} of the error on blocks left out of the fit"
-        f"{f', and looks like {similar}' if similar else ''}."
-    )
+    yield learned_gain_text(d.learned.gain_blocks, d.learned.looks_like)
+
+
+def nothing_learned_text(reason: str) -> Iterator[str]:
+    """Why no term was learned, if there is a reason, as a sentence."""
+    if reason:
+        yield f"No extended model is offered: {reason}."
+
+
+def learned_gain_text(gain_blocks: float, similar: Sequence[str]) -> str:
+    """What a learned term removes, and the effects that it looks like."""
+    like = f", and looks like {', '.join(similar)}" if similar else ""
+    return f"It removes {gain_blocks:.0%} of the error on blocks left out of the fit{like}."
 
 
 def parameter_text(name: str, v: dict[str, Any]) -> str:
@@ -126,6 +133,12 @@ def gain_text(gain: HeldOutGain, unit: str) -> str:
     return words
 
 
+def held_out_text(gain: HeldOutGain, unit: str) -> str:
+    """The errors on held-out runs where no extended model is offered."""
+    given = f" (given model: {gain.original:.4g}{spaced(unit)})" if gain.original is not None else ""
+    return f"Held-out runs, {gain.blocks} blocks: rms error {gain.base:.4g}{spaced(unit)}{given}."
+
+
 def unknown_text(d: "Diagnosis") -> str:
     """The finding of the verdict "unknown", as a clause."""
     if d.verdict.depends_on is None:
@@ -134,8 +147,12 @@ def unknown_text(d: "Diagnosis") -> str:
 
 
 def capitalised(clause: str) -> str:
-    """A clause as the beginning of a sentence."""
-    return clause[:1].upper() + clause[1:]
+    """A clause as the beginning of a sentence; names with an underscore stay as they are.
+
+    >>> capitalised("nothing stands out"), capitalised("input_drift fits")
+    ('Nothing stands out', 'input_drift fits')
+    """
+    return clause if "_" in clause.split(" ")[0] else clause[:1].upper() + clause[1:]
 
 
 def share_text(share: float) -> str:

@@ -98,7 +98,7 @@ class LearnedTerm:
 
 def _damage(term: LearnedTerm) -> str:
     if term.form not in FORMS:
-        return f"its form '{term.form}' is none of {', '.join(FORMS)}"
+        return f"its form {term.form!r:.40} is none of {', '.join(FORMS)}"
     if len(term.knots) < 2 or len(term.knots) != len(term.values):
         return "it needs as many values as knots, and two or more"
     if not np.isfinite([*term.knots, *term.values, term.centre]).all() or min(np.diff(term.knots)) <= 0:

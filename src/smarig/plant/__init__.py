@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from smarig.plant.heating import JouleHeating as JouleHeating
     from smarig.plant.heating import temperature_along as temperature_along
     from smarig.plant.learned_effect import LEARNED_FROM as LEARNED_FROM
+    from smarig.plant.learned_effect import NOT_LEARNED as NOT_LEARNED
     from smarig.plant.learned_effect import LearnedShape as LearnedShape
     from smarig.plant.learned_effect import learned_effect_type as learned_effect_type
     from smarig.plant.measured_input import PassThroughActuator as PassThroughActuator

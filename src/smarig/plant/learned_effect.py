@@ -57,7 +57,13 @@ LEARNED_FROM: dict[str, Callable[[PlantState, _Drive], float]] = {
     "history": lambda _, drive: drive.before_K,
     "reversals": lambda _, drive: float(drive.reversals),
 }
-VARIABLE_UNITS = {"time": "s", "step": "K", "history": "K"}  # of the others: "1", "" for that of the output
+VARIABLE_UNITS = {  # of the others: "1"; "" is the unit of the output
+    "time": "s",
+    "level": "",
+    "step": "K",
+    "hold": "s",
+    "history": "K",
+}
 _OF_COMMANDS = ("step", "hold", "rate", "history", "reversals")
 _OF_OUTPUT = ("cycle", "level")
 
@@ -73,8 +79,13 @@ class LearnedShape:
 
     @property
     def variable_unit(self) -> str:
-        """Unit of the variable; that of ``level`` is the output's, which only the law's place at the output has."""
-        return VARIABLE_UNITS.get(self.variable, "" if self.variable == "level" else "1")
+        """Unit of the variable; that of ``hold`` belongs to the number whose logarithm it is."""
+        return VARIABLE_UNITS.get(self.variable, "1")
+
+    @property
+    def knots_in_unit(self) -> tuple[float, ...]:
+        """The knots in ``variable_unit``: holds as such, not their logarithms."""
+        return tuple(10.0**z for z in self.knots) if self.variable == "hold" else self.knots
 
     def to_json(self) -> dict[str, Any]:
         """Plain values, as stored in a model file."""

@@ -36,7 +36,16 @@ SATURATION_SHARE = (
 
 
 def simulate_measured(model: Model, runs: Sequence[Run]) -> list[Array]:
-    """Outputs at the rows of runs in which input and output are known, (k,) each; NaN where the memory is unknown."""
+    """Outputs at the rows of runs in which input and output are known, (k,) each; NaN where the memory is unknown.
+
+    Raises DataError for runs with settled steps, which a model of measured inputs does not describe.
+    """
+    for run in runs:
+        if run.settled:
+            raise DataError(
+                f"Model '{model.name}' describes runs that have only a measured input, but {run.name} has settled "
+                "steps. Identify a model from such runs."
+            )
     part = MeasurementPart.from_json(model.measurement)
     by_run: dict[int, Array] = {}
     memories: list[State] = []

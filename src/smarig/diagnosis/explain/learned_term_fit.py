@@ -16,7 +16,7 @@ from smarig.diagnosis.explain.explanation import Explanation, fit_explanation
 from smarig.diagnosis.explain.left_out_blocks import LeftOutBlocks, left_out_blocks
 from smarig.diagnosis.looks_like import PLANT_EFFECTS
 from smarig.diagnosis.refit.refit import Refit
-from smarig.plant import LEARNED_FROM, LearnedShape, learned_effect_type
+from smarig.plant import LEARNED_FROM, NOT_LEARNED, LearnedShape, learned_effect_type
 from smarig.preisach import Everett
 from smarig.replay import PlantModel, Prediction, Timeline, predict
 
@@ -51,15 +51,20 @@ class LearnedTermFit:
         """The object ``learned`` of the command line, as for measured inputs."""
         shape = self.shape
         term = {"variables": [shape.variable], "enters": shape.enters, "formula": None, "points": self.points}
-        whole = {"gain_blocks": self.gain_blocks, "looks_like": list(PLANT_EFFECTS.get(shape.variable, ()))}
+        whole = {"gain_blocks": self.gain_blocks, "looks_like": list(self.looks_like)}
         units = {"unit": shape.unit, "variable_unit": shape.variable_unit}
         return term | whole | {"terms": [term | {"form": shape.enters} | units]}
 
     @property
     def points(self) -> list[list[float]]:
-        """[variable, value] at each knot."""
+        """[variable, value] at each knot, in their units."""
         values = (0.0, *self.explanation.effects[0].values.values())
-        return [[z, value] for z, value in zip(self.shape.knots, values)]
+        return [[z, value] for z, value in zip(self.shape.knots_in_unit, values)]
+
+    @property
+    def looks_like(self) -> tuple[str, ...]:
+        """The effects that leave an error which depends on the same variable."""
+        return PLANT_EFFECTS.get(self.shape.variable, ())
 
 
 def learned_term(
@@ -86,7 +91,7 @@ def _shape(
     timeline: Timeline, base: PlantModel, prediction: Prediction, variable: str, place: str
 ) -> LearnedShape | None:
     """Knots at equal shares of a variable's values; None if it hardly varies, or if a density has the law anyway."""
-    if variable == "level" and place == "input":
+    if (variable, place) == NOT_LEARNED:
         return None
     z = _values(timeline, base, prediction, variable)
     knots = _apart(np.quantile(z, np.linspace(0, 1, KNOTS)))
@@ -133,7 +138,7 @@ def _fitted(
     extended = replace(base, effects=(*base.effects, start))
     found = fit_explanation(timeline, extended, original, plain, ROUNDS)
     free = len(kind.parameters)
-    gain = found.evidence - plain.log_evidence - 0.5 * free * np.log(plain.coupled)
+    gain = float(found.evidence - plain.log_evidence - 0.5 * free * np.log(plain.coupled))
     after = left_out_blocks(timeline, found.refitted, _traces(timeline, found))
     difference = after.log_density - before.log_density
     left_out = float(difference.sum())

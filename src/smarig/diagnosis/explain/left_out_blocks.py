@@ -2,7 +2,8 @@
 
     log p(y_b | y_rest) = − ½ v_bᵀ P_bb⁻¹ v_b + ½ log det P_bb − const,      y_b − E[y_b | y_rest] = P_bb⁻¹ v_b
 
-P = C⁻¹, without the free directions, and v = P y (Sundararajan and Keerthi, Neural Computation 13, 2001, eq. 5 to 7).
+P = C⁻¹, without the free directions, and v = P y (for single readings: Sundararajan and Keerthi, Neural Computation 13,
+2001).
 
 Free directions are traces whose strengths are unknown: each block is predicted with strengths fitted to the others.
 """

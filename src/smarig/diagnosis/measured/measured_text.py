@@ -6,7 +6,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from smarig.core import spaced
-from smarig.diagnosis.diagnosis_text import capitalised, gain_text, parameter_text
+from smarig.diagnosis.diagnosis_text import (
+    capitalised,
+    gain_text,
+    held_out_text,
+    learned_gain_text,
+    nothing_learned_text,
+    parameter_text,
+)
 from smarig.diagnosis.looks_like import looks_like
 from smarig.diagnosis.suspects import suspects
 from smarig.identification import assumed_starts, assumed_starts_text
@@ -69,8 +76,7 @@ def _verdict(d: "MeasuredDiagnosis") -> Iterator[str]:
 def _learned(d: "MeasuredDiagnosis") -> Iterator[str]:
     """What was learned in place of a cause, or why nothing was."""
     if d.learned is None:
-        if d.learned_reason:
-            yield f"No extended model is offered: {d.learned_reason}."
+        yield from nothing_learned_text(d.learned_reason)
         return
     law = d.learned
     for term in law.terms:
@@ -78,11 +84,7 @@ def _learned(d: "MeasuredDiagnosis") -> Iterator[str]:
         formula = law.formula(term)
         values = f": {formula}" if formula else ""
         yield f"A term at the {term.enters} that depends on {of} was learned{values}."
-    similar = ", ".join(looks_like(law.terms[0].variable))
-    yield (
-        f"It removes {law.gain_blocks:.0%} of the error on blocks left out of the fit"
-        f"{f', and looks like {similar}' if similar else ''}."
-    )
+    yield learned_gain_text(law.gain_blocks, looks_like(law.terms[0].variable))
 
 
 def adequacy_text(d: "MeasuredDiagnosis") -> str:
@@ -105,10 +107,7 @@ def _held_out(d: "MeasuredDiagnosis") -> Iterator[str]:
     if d.extended:
         yield gain_text(d.gain, d.unit)
     else:
-        given = (
-            f" (given model: {d.gain.original:.4g}{spaced(d.unit)})" if d.gain.original is not None else ""
-        )
-        yield f"Held-out runs, {d.gain.blocks} blocks: rms error {d.gain.base:.4g}{spaced(d.unit)}{given}."
+        yield held_out_text(d.gain, d.unit)
     if d.shift is not None:
         other = (
             "were recorded at another rate" if d.shift.variable == "rate" else "differ from the training runs"

@@ -50,7 +50,8 @@ def coupled_readings(timeline: Timeline, prediction: Prediction, plant_model: Pl
         timeline, prediction, plant_model, coupled, output_rate(prediction, path), contribution
     )
     encoder_error = encoder_error_traces(timeline, plant_model, coupled)
-    free += (encoder_error / scale[:, None]) @ (encoder_error / scale[:, None]).T
+    scaled_error = encoder_error / scale[:, None]
+    free += scaled_error @ scaled_error.T
     prior = density_prior(prediction, h, path, prediction.output)
     full_output = y + prediction.output_slope * (
         prediction.output - h.y_lower

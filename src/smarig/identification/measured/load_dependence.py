@@ -14,14 +14,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from smarig.core import DataError, UsageError, spaced, suggestion
-from smarig.identification.measured.measured_fit import (
-    MeasuredFit,
-    chosen_smoothing,
-    fit_measured,
-    measured_problem,
-    reading_weights,
-)
+from smarig.identification.measured.left_out_errors import chosen_smoothing
+from smarig.identification.measured.measured_fit import MeasuredFit, fit_measured, measured_problem
 from smarig.identification.measured.measured_hypothesis import Comparison, MeasuredHypothesis, compared
+from smarig.identification.measured.reading_weights import reading_weights
 from smarig.measurement import (
     SAME_SHARE,
     ConditionTable,

@@ -24,7 +24,6 @@ from smarig.measurement import (
     MeasurementEffect,
     Start,
     changed,
-    input_noise_sd,
     learned_input,
     monotone_branches,
     reversals,
@@ -36,8 +35,6 @@ Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 INTERVALS = 30
 SMOOTHINGS = (1e-14, 1e-12, 1e-10)
-EQUAL_ERROR = 1.001  # times the least error: less smoothing that gains less is not worth it
-MIN_SD_SHARE = 0.006  # of the output's range: no reading counts as more certain
 MAX_ALTERNATIONS = 15
 GAIN_TOLERANCE = 2e-3
 
@@ -288,71 +285,3 @@ def _gains(
         if square > 0:
             found[k] = max(float(s @ y) / square, 1e-3)
     return found
-
-
-def chosen_smoothing(
-    problem: MeasuredProblem, mask: Mask | None = None, *, gains: Array | None = None
-) -> float:
-    """The largest λ of ``SMOOTHINGS`` with about the least error on held-out blocks."""
-    errors = {s: held_out_rms(problem, s, mask, gains=gains) for s in SMOOTHINGS}
-    return max(s for s, error in errors.items() if error <= EQUAL_ERROR * min(errors.values()))
-
-
-def held_out_rms(
-    problem: MeasuredProblem, smoothing: float, mask: Mask | None = None, *, gains: Array | None = None
-) -> float:
-    """Weighted rms error (output units) at readings of blocks that were left out of the fit in turn."""
-    error = problem.weight * held_out_errors(problem, smoothing, mask, gains=gains)
-    return float(np.sqrt(np.nanmean(error**2)))
-
-
-def reading_weights(fit: MeasuredFit) -> Array:
-    """Roots of weights (m,), root mean square 1: 1/σ with σ² = (slope · scatter of the input)² + σ_y² + (0.6 % of the
-    output's range)².
-
-    The scatter is that of the recorded input about its monotone branches, so readings on a steep branch count less.
-    """
-    plan, slope = fit.problem.plan, local_slope(fit)
-    inputs = [(r.u, monotone_branches(r.u, reversals(r.u))) for r in plan.records]
-    scatter = plan.of([np.full(u.size, float(np.sqrt(np.mean((u - m) ** 2)))) for u, m in inputs])
-    of_output = plan.of([np.full(len(r), input_noise_sd(r.y)) for r in plan.records])
-    sigma = np.sqrt((slope * scatter) ** 2 + of_output**2 + (MIN_SD_SHARE * fit.problem.scale) ** 2)
-    return (1 / sigma) / float(np.sqrt(np.mean(1 / sigma**2)))
-
-
-def local_slope(fit: MeasuredFit) -> Array:
-    """∂y/∂u at each reading (m,), in output per input unit, from its neighbours in the same record."""
-    plan = fit.problem.plan
-    u = plan.of([r.u for r in plan.records])
-    slope = np.zeros(u.size)
-    for k in range(len(plan.records)):
-        own = np.flatnonzero(plan.record == k)
-        if own.size > 2:
-            du, dy = np.gradient(u[own]), np.gradient(fit.predicted[own])
-            least = 1e-3 * float(np.ptp(u[own]) or 1.0)
-            slope[own] = dy * du / (du**2 + least**2)
-    return slope
-
-
-def held_out_errors(
-    problem: MeasuredProblem, smoothing: float, mask: Mask | None = None, *, gains: Array | None = None
-) -> Array:
-    """Errors (m,) at readings of blocks that were left out of the fit in turn; NaN outside the mask.
-
-    A zero shared by no fitted reading is not known, so errors of such a reading are about their mean.
-    """
-    within = np.ones(len(problem.plan), dtype=bool) if mask is None else mask
-    error = np.full(len(problem.plan), np.nan)
-    programme = problem.programme(np.ones(len(problem.plan.records)) if gains is None else gains)
-    for fold in problem.plan.folds(within):
-        fitted = within & ~fold
-        if not fitted.any():
-            continue
-        x = programme.solved_without(smoothing, within, fold)
-        e = problem.plan.y - predicted_outputs(problem, programme, x)
-        for zero in np.unique(problem.observations.zero[fold]):
-            own = fold & (problem.observations.zero == zero)
-            if not np.any(fitted & (problem.observations.zero == zero)):
-                e[own] -= e[own].mean()
-        error[fold] = e[fold]
-    return error

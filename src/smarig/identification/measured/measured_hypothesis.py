@@ -6,15 +6,10 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.identification.measured.measured_fit import (
-    MeasuredFit,
-    chosen_smoothing,
-    fit_measured,
-    held_out_errors,
-    measured_problem,
-    reading_weights,
-)
+from smarig.identification.measured.left_out_errors import chosen_smoothing, held_out_errors
+from smarig.identification.measured.measured_fit import MeasuredFit, fit_measured, measured_problem
 from smarig.identification.measured.reading_plan import ReadingPlan, reading_plan
+from smarig.identification.measured.reading_weights import reading_weights
 from smarig.measurement import (
     ConditionTable,
     InputRecord,

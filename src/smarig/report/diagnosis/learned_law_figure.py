@@ -21,15 +21,15 @@ _QUANTITIES = {
     "input": "Input",
     "level": "Output of the hysteresis",
 }
-_COMMANDED = {  # variables of commanded runs, with their units
-    "time": "Time (s)",
-    "cycle": "Cycles travelled",
+_COMMANDED = {  # variables of commanded runs
+    "time": "Time since the start of the session",
+    "cycle": "Cycles: travel in units of two strokes",
     "level": "Output of the hysteresis",
-    "step": "Step of the steady-state temperature (K)",
-    "hold": "Duration of the hold (s, power of ten)",
-    "rate": "Nearness to the last step (sign: its direction)",
-    "history": "Steady-state temperature before the last step (K)",
-    "reversals": "Reversals so far",
+    "step": "Last step of the steady-state temperature",
+    "hold": "Time since the last step",
+    "rate": "exp(−time since the last step/10 s), negative in cooling steps",
+    "history": "Steady-state temperature before the last step",
+    "reversals": "Reversals since the start of the session",
 }
 _VALUES = {
     "output": "Added to the output",
@@ -53,9 +53,11 @@ def learned_term_figure(found: LearnedTermFit, label: str) -> Figure:
     """The law of commanded runs; ``label`` marks simulated data."""
     shape, (z, values) = found.shape, np.array(found.points).T
     unit = display_unit(shape.unit)
-    title = _COMMANDED[shape.variable] + (f" ({unit})" if shape.variable == "level" else "")
+    of_variable = display_unit(shape.variable_unit or shape.unit)
+    title = _COMMANDED[shape.variable] + ("" if of_variable == "1" else f" ({of_variable})")
     data = [line(z, values, "learned", MODEL), dots(z, values, "knots", INK)]
-    panel = Panel(data, {"xaxis": axis(title), "yaxis": axis(f"{_VALUES[shape.enters]} ({unit})")})
+    x = log_axis(title, 0.9 * float(z[0]), 1.1 * float(z[-1])) if shape.variable == "hold" else axis(title)
+    panel = Panel(data, {"xaxis": x, "yaxis": axis(f"{_VALUES[shape.enters]} ({unit})")})
     return Figure([panel], "The learned term.", _KNOTS, label)
 
 
