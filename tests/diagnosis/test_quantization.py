@@ -1,5 +1,6 @@
 """The error of whole counts, against readings that are rounded one by one."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
 
@@ -7,11 +8,14 @@ import numpy as np
 import pytest
 
 from diagnosis.made_memories import prediction_for_inputs
+from replay.sittings import LONG, session_runs, twin_plant_model
 from smarig.diagnosis.critique.critique import null_data
+from smarig.diagnosis.refit.coupled_readings import coupled_readings
 from smarig.diagnosis.refit.quantization import noise_before_rounding, quantization_traces
+from smarig.diagnosis.refit.reading_noise import FREE_ZERO_SD, _local_noise
 from smarig.diagnosis.refit.refit import NoiseEstimate
 from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface
-from smarig.replay import PlantModel
+from smarig.replay import PlantModel, build_timeline, predict
 
 READINGS = 40_000
 ACTUATOR: Any = None
@@ -35,6 +39,37 @@ def test_the_traces_span_the_error_of_rounded_means_and_have_its_size(noise_coun
     assert np.std(left) < 4 * chance + 0.1 * np.std(error)
     expected = np.mean(np.sum(traces**2, axis=1))  # variance over random phases
     assert np.var(error) == pytest.approx(expected, rel=0.25, abs=(4 * chance) ** 2)
+
+
+def test_the_error_of_a_mean_has_a_second_harmonic_as_large_as_its_trace():
+    """Little noise: the error is a steep function of the mean although it is a sine of the true position."""
+    true = np.linspace(10.0, 14.0, 161)[:-1]
+    mean = rounded(true, 0.2).mean(axis=1)
+    error = mean - true
+    traces = quantization_traces(mean, 0.2)
+    both = np.column_stack([np.ones(mean.size), traces])
+    strengths = np.linalg.lstsq(both, error, rcond=None)[0][1:]
+    second = float(np.hypot(*strengths[[1, 4]]))  # of cosine and sine, each ~ N(0, 1)
+    assert 0.7 < second / np.sqrt(2.0) < 1.4
+
+
+def test_the_readings_of_a_refit_share_the_error_of_the_encoder(tmp_path):
+    runs = session_runs(tmp_path, LONG)
+    wire, per_count = twin_plant_model()
+    model = replace(wire, per_count=per_count)
+    timeline = replace(build_timeline(runs, wire.actuator.tau_s), other_readings=())
+    readings = coupled_readings(timeline, predict(timeline, model), model)
+    error = readings.encoder_error / readings.scale[:, None]
+    assert np.abs(error).max() > 0
+    np.testing.assert_allclose(readings.free - error @ error.T, FREE_ZERO_SD**2)
+
+
+@pytest.mark.parametrize("outliers", [0, 30])
+def test_noise_is_found_from_differences_of_neighbours_without_jumps(outliers):
+    rng = np.random.default_rng(3)
+    y = 0.3 * rng.standard_normal(3000) + np.linspace(0.0, 50.0, 3000)
+    y[rng.choice(3000, outliers, replace=False)] += 40.0
+    assert _local_noise(y) == pytest.approx(0.3, rel=0.04)
 
 
 @pytest.mark.parametrize("noise_counts", [0.05, 0.2, 0.3, 0.45, 0.8])

@@ -22,7 +22,7 @@ def timeline(tmp_path_factory):
 def change(timeline, shape, *values):
     """What a law adds to the settled positions."""
     plant_model, _ = twin_plant_model()
-    kind = learned_effect_type(shape, 10.0)
+    kind = learned_effect_type(shape, 100.0)
     effect = kind(**dict(zip((p.name for p in kind.parameters), values, strict=True)))
     with_law = predict(timeline, plant_model, [effect]).values["settled"]
     return with_law - predict(timeline, plant_model).values["settled"]
@@ -58,6 +58,19 @@ def test_variables_of_the_commands_are_those_of_the_protocol(timeline, variable,
     added = change(timeline, LearnedShape(variable, "output", (low, high), "mm"), 0.01 * (high - low))
     assert timeline.settled.value.size == len(values)
     np.testing.assert_allclose(np.diff(added), 0.01 * np.diff(values), atol=2e-3)
+
+
+def test_variables_of_time_and_output_are_those_of_the_record(timeline):
+    """Laws that are the identity: the logarithm of the time since the step, its fading, and the output."""
+    elapsed = timeline.settled.t_s - np.concatenate([[0.0], timeline.drive.end_s[:-1]])
+    hold = change(timeline, LearnedShape("hold", "output", (0.0, 3.0), "mm"), 3.0)
+    np.testing.assert_allclose(hold, np.log10(elapsed), atol=0.01)
+    brief = LearnedShape("rate", "output", (-1.0, 1.0), "mm")
+    rate = (change(timeline, brief, 2.0) - 1.0)[1:]
+    rising = np.sign(np.diff(timeline.target_K))
+    np.testing.assert_allclose(rate, rising * np.exp(-elapsed[1:] / 10.0), rtol=0.1)
+    level = change(timeline, LearnedShape("level", "output", (-1.0, 20.0), "mm"), 21.0) - 1.0
+    np.testing.assert_allclose(level, predict(timeline, twin_plant_model()[0]).values["settled"], atol=1e-6)
 
 
 def test_a_model_file_keeps_the_law():

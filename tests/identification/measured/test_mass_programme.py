@@ -8,7 +8,7 @@ from scipy.sparse import csr_matrix, diags_array, hstack
 
 from diagnosis.measured.independent_wire import RelayWire, as_run, triangles
 from smarig.identification import measured_problem
-from smarig.identification.measured import mass_programme, measured_fit
+from smarig.identification.measured import left_out_errors, mass_programme
 from smarig.identification.measured.mass_programme import unknowns_of_masses
 from smarig.identification.measured.reading_plan import reading_plan
 from smarig.identification.positive.quadratic_programme import MeasureProblem
@@ -69,11 +69,11 @@ def test_it_is_solved_where_the_exchange_of_constraints_fails(problem, monkeypat
 
 def test_less_smoothing_must_be_worth_it(problem, monkeypatch):
     def chosen(errors):
-        of = dict(zip(measured_fit.SMOOTHINGS, errors))
+        of = dict(zip(left_out_errors.SMOOTHINGS, errors))
         monkeypatch.setattr(
-            measured_fit, "held_out_rms", lambda _problem, smoothing, _mask, gains: of[smoothing]
+            left_out_errors, "held_out_rms", lambda _problem, smoothing, _mask, gains: of[smoothing]
         )
-        return measured_fit.chosen_smoothing(problem)
+        return left_out_errors.chosen_smoothing(problem)
 
     assert chosen((1.0, 1.0, 1.0005)) == 1e-10
     assert chosen((1.0, 1.0005, 1.3)) == 1e-12
