@@ -34,10 +34,10 @@ def uneven_gain(base, extended, extended_elsewhere, base_elsewhere=1.0):
     )
 
 
-def level(strength=2.0, sd=0.1, name="settling"):
+def level(strength=2.0, sd=0.1, name="settling", others=(), gain=400.0):
     (effect,) = effects_from_pairs([f"{name}={strength}"])
-    best = SimpleNamespace(effects=(effect,), spread={(name, effect.kind.primary.name): sd})
-    return SimpleNamespace(best=best)
+    spread = {(name, p): sd for p in (effect.kind.primary.name, *others)}
+    return SimpleNamespace(best=SimpleNamespace(effects=(effect,), spread=spread), gain=gain)
 
 
 GOOD = NameEvidence(
@@ -56,6 +56,15 @@ def test_a_name_that_passes_every_gate_stands():
     [
         ({"levels": (level(strength=10.0),)}, "bound of its search"),
         ({"levels": (level(strength=0.1, sd=0.2),)}, "contains no effect"),
+        # A swing may be made up for by its period and phase; without all three the likelihood falls, or hardly:
+        ({"levels": (level(1.0, 0.8, "ambient_drift", ("period_h", "phase"), gain=100.0),)}, ""),
+        (
+            {"levels": (level(1.0, 0.8, "ambient_drift", ("period_h", "phase"), gain=20.0),)},
+            "contains no effect",
+        ),
+        ({"levels": (level(1.0, 0.8, "ambient_drift", gain=100.0),)}, "contains no effect"),
+        ({"fitted_ratio": 1.15}, "training runs are predicted worse with settling"),
+        ({"fitted_ratio": 1.05}, ""),
         ({"before": replace(QUIET, variable="cycle", gain=900.0)}, "dependence on cycle explains more"),
         ({"after": replace(QUIET, variable="level", gain=90.0)}, "still depend on level"),
         ({"gain": gain(1.0, 1.2)}, "predicts the held-out runs worse"),

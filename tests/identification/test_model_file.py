@@ -88,6 +88,12 @@ def test_nothing_is_overwritten_without_force(tmp_path, model):
             lambda d: d.update(effects=[{"name": "creep", "parameters": {"a": 1}}]),
             "creep has no parameter .a.",
         ),
+        (
+            lambda d: d.update(
+                effects=[{"name": "creep", "parameters": {}}], measurement={"effects": [], "amplitudes": []}
+            ),
+            "effects of the wire or of a measured input, not both",
+        ),
         (lambda d: d["hysteresis"].pop("upper"), "'upper' is missing"),
         (lambda d: d["hysteresis"].update(upper=-1.0), "range is empty"),
         (lambda d: d["hysteresis"]["x"].update(x4=0.0), "give no output range"),

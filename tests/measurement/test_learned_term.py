@@ -81,6 +81,8 @@ def test_a_term_survives_its_file_and_a_damaged_one_is_refused():
         {"knots": [0.0, 0.0, 1.0]},
         {"values": [1.0]},
         {"values": [0.0, float("nan"), 1.0]},
+        {"values": [0.0, 1e308, 1.0]},
+        {"centre": "0"},
         {"variable": "level"},
     ):
         with pytest.raises(DataError, match="damaged"):

@@ -88,6 +88,8 @@ def test_a_table_continues_linearly_and_survives_its_file():
     assert ConditionTable.from_json(table.to_json()) == table
     with pytest.raises(DataError, match="damaged"):
         ConditionTable.from_json({"condition": "stress", "values": [1], "gains": [1, 2], "zeros": [0]})
+    with pytest.raises(DataError, match="damaged: one of its gains is not a number of plausible size: 1e"):
+        ConditionTable.from_json({"condition": "stress", "values": [1], "gains": [1e300], "zeros": [0]})
 
 
 def test_a_damaged_effect_of_a_model_file_is_refused():

@@ -288,3 +288,23 @@ def test_in_a_notebook_it_shows_the_result_and_draws_both_models(named):
     for which in ("base", "extended"):
         name = f"measured − {which} model"
         np.testing.assert_allclose(drawn[name], unpacked(page.traces(name)[0]["y"]))
+
+
+def test_the_interval_of_a_parameter_stays_within_its_bounds(named):
+    spread = dict.fromkeys(named.levels[-1].best.spread, 20.0)
+    level = named.levels[-1]
+    wide = SimpleNamespace(**vars(level) | {"best": replace(level.best, spread=spread)})
+    page = Page(diagnosis_page(replace(named, levels=(wide,))))
+    (cell,) = [row[0] for table in page.tables for row in table if row[0].startswith("ambient_drift: swing")]
+    assert "(95 %: −5 to 5)" in cell
+    assert "(95 %: 0.1 to 48)" in cell
+
+
+def test_without_an_extended_model_the_text_states_the_base_model_only(named):
+    gain = named.gain.without_extension()
+    text = replace(nearest(named, "unknown"), gain=gain).text()
+    assert "(extended model)" not in text
+    assert f"Held-out runs, {gain.blocks} blocks: rms error {gain.base:.4g} mm" in text
+    assert "→" not in text
+    assert "(extended model)" in named.text()
+    assert "→" in named.text()

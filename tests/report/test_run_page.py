@@ -109,6 +109,13 @@ def test_the_page_of_a_run_that_ended_early_states_the_cause_at_the_top(end, wor
     assert "Incomplete" not in Page(run_page(run_of())).visible
 
 
+def test_conditions_are_values_with_units():
+    stress = {"mean": 51.25, "unit": "MPa", "min": 49.9, "max": 50.0}
+    page = Page(run_page(run_of(conditions={"stress": stress, "specimen": {"text": "A3"}})))
+    assert page.row("Stress")[1:3] == ["51.2", "MPa"]
+    assert page.row("Specimen")[1] == "A3"
+
+
 def test_what_is_not_as_it_should_be_is_marked_and_counted():
     n = 400
     quality = np.zeros(n)

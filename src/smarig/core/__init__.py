@@ -50,6 +50,7 @@ if TYPE_CHECKING:
     from smarig.core.sample import NAN as NAN
     from smarig.core.sample import Quality as Quality
     from smarig.core.sample import Sample as Sample
+    from smarig.core.stored_number import stored_number as stored_number
     from smarig.core.toml_file import Number as Number
     from smarig.core.toml_file import TomlTable as TomlTable
     from smarig.core.toml_file import check_table as check_table

@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from smarig.diagnosis.diagnosis_files import prepare_folder as prepare_folder
     from smarig.diagnosis.diagnosis_files import write_diagnosis as write_diagnosis
     from smarig.diagnosis.diagnosis_files import write_transient as write_transient
+    from smarig.diagnosis.diagnosis_json import parameter_interval as parameter_interval
     from smarig.diagnosis.diagnosis_text import AT_FLOOR as AT_FLOOR
     from smarig.diagnosis.diagnosis_text import DOUBT as DOUBT
     from smarig.diagnosis.diagnosis_text import capitalised as capitalised
@@ -50,7 +51,6 @@ if TYPE_CHECKING:
     from smarig.diagnosis.measured.learned_law import LearnedLaw as LearnedLaw
     from smarig.diagnosis.measured.measured_diagnosis import MeasuredDiagnosis as MeasuredDiagnosis
     from smarig.diagnosis.measured.measured_diagnosis import diagnose_measured as diagnose_measured
-    from smarig.diagnosis.name_gates import NORMAL_95 as NORMAL_95
     from smarig.diagnosis.refit.memory_noise import memory_covariance as memory_covariance
     from smarig.diagnosis.refit.memory_noise import memory_slopes as memory_slopes
     from smarig.diagnosis.refit.refit import Refit as Refit

@@ -7,7 +7,7 @@ from smarig.diagnosis.error_parts import error_parts
 from smarig.diagnosis.explain.discrepancy import Discrepancy
 from smarig.diagnosis.explain.parameter_fit import ParameterFit
 from smarig.diagnosis.name_gates import DISCREPANCY_NATS, NORMAL_95, slow_room
-from smarig.plant import EffectType
+from smarig.plant import EffectType, Parameter
 from smarig.replay import predict
 
 if TYPE_CHECKING:
@@ -65,7 +65,7 @@ def _effect(effect: Any, best: ParameterFit, verdict: DiagnosisVerdict) -> dict[
         "parameters": {
             p.name: {
                 "value": effect.values[p.name],
-                "ci95": _interval(effect.values[p.name], fitted.get(p.name), (p.lower, p.upper)),
+                "ci95": parameter_interval(p, effect.values[p.name], fitted.get(p.name)),
                 "unit": p.unit,
             }
             for p in kind.parameters
@@ -73,11 +73,12 @@ def _effect(effect: Any, best: ParameterFit, verdict: DiagnosisVerdict) -> dict[
     }
 
 
-def _interval(value: float, spread: float | None, bounds: tuple[float, float]) -> list[float] | None:
-    if spread is None:
+def parameter_interval(parameter: Parameter, value: float, sd: float | None) -> list[float] | None:
+    """The 95 % interval of a parameter within its bounds, or None if its standard deviation is not known."""
+    if sd is None:
         return None
-    half = NORMAL_95 * spread
-    return [max(value - half, bounds[0]), min(value + half, bounds[1])]
+    half = NORMAL_95 * sd
+    return [max(value - half, parameter.lower), min(value + half, parameter.upper)]
 
 
 def _adequacy(d: "Diagnosis") -> dict[str, Any]:

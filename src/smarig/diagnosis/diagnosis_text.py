@@ -28,7 +28,7 @@ def text_lines(d: "Diagnosis") -> Iterator[str]:
         else:
             yield f"{capitalised(DOUBT)} ({p})."
     if d.verdict.word == "unknown":
-        size = f"gain {d.discrepancy.gain:.0f} nats" if d.first.silent else p
+        size = f"log likelihood higher by {d.discrepancy.gain:.0f}" if d.first.silent else p
         yield f"{capitalised(unknown_text(d))} ({size})."
         if d.reason:
             yield f"Why no effect is named: {d.reason}."
@@ -50,7 +50,8 @@ def text_lines(d: "Diagnosis") -> Iterator[str]:
         + f"; noise floor {e.noise_floor:.2g} {e.unit}."
     )
     if d.times_noise > INADEQUATE_RATIO:
-        yield f"Without effects, the model misses these runs by {d.times_noise:.0f} × their noise."
+        noise = f" of {d.discrepancy.noise:.2g} {e.unit}"
+        yield f"Without effects, the model misses these runs by {d.times_noise:.0f} × their noise{noise}."
     unsettled = [step for run in d.timeline.runs for step in run.settled if step.verdict == "timed_out"]
     if unsettled:
         yield f"{len(unsettled)} of {len(d.timeline.settled)} settled points had not settled by their time limit."

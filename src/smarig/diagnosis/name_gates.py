@@ -8,10 +8,14 @@ variable on which the errors depend.
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
+from scipy.stats import chi2
+
 from smarig.diagnosis.diagnosis_verdict import DiagnosisVerdict, VerdictWord
 from smarig.diagnosis.explain.discrepancy import Discrepancy
+from smarig.diagnosis.explain.explanation import SD_INFLATION
 from smarig.diagnosis.explain.search import SearchLevel
 from smarig.diagnosis.held_out_gain import HeldOutGain
+from smarig.plant import Effect
 
 DISCREPANCY_NATS = 25.0  # gain of a discrepancy that noise alone does not reach
 LEAD_NATS = 10.0  # by which effects must be likelier than a discrepancy, which fits anything
@@ -23,7 +27,7 @@ CLEAR_NATS = 100.0  # the same if the room moves: both vanish in saturation, and
 ROOM_K, ROOM_S = 0.22, 300.0  # larger and slower fluctuations are no draught
 AT_BOUND_SHARE = 1e-3  # of the range between a parameter's bounds
 NORMAL_95 = 1.96
-WORSE = 1.1  # times the base model's error on held-out runs: worse whatever the choice of blocks
+WORSE = 1.1  # times the base model's error: worse whatever the choice of blocks
 REMOVABLE = 1.2  # times the floor: a smaller error on held-out runs leaves nothing to remove
 LEAST_SHARE, POSSIBLE_SHARE = 0.3, 0.7  # R on held-out runs and its upper limit: both below, R is too small
 BORNE_OUT = (
@@ -102,10 +106,12 @@ def _failures(names: str, evidence: NameEvidence) -> Iterator[str]:
 
 
 def _held_out_failures(names: str, evidence: NameEvidence) -> Iterator[str]:
-    """Held-out runs that the effects predict worse, or hardly better although they fit the training runs better.
+    """Runs that the effects predict worse, or held-out runs hardly better although they fit the training runs better.
 
     Effects that another channel shows need not change the error of positions.
     """
+    if evidence.fitted_ratio > WORSE:
+        yield f"the positions of the training runs are predicted worse with {names}"
     gain = evidence.gain
     if gain is None:
         return
@@ -127,9 +133,22 @@ def _parameter_failures(level: SearchLevel) -> Iterator[str]:
         near = AT_BOUND_SHARE * (p.upper - p.lower)
         if p.upper - strength < near or (p.lower != 0 and strength - p.lower < near):
             yield f"the {p.name} of {kind.name} lies at the bound of its search"
-        spread = level.best.spread.get((kind.name, p.name))
-        if spread is not None and abs(strength) <= NORMAL_95 * spread:
+        if _may_be_absent(effect, level):
             yield f"the interval of {kind.name} contains no effect"
+
+
+def _may_be_absent(effect: Effect, level: SearchLevel) -> bool:
+    """Whether the 95 % region of an effect's parameters contains no effect.
+
+    Of one parameter, its interval decides. Of several, that of the strength may be wide only because another could make
+    up for it (a swing with a longer period has the same slope): then the likelihood without any effect decides.
+    """
+    kind = effect.kind
+    spread = level.best.spread.get((kind.name, kind.primary.name))
+    if spread is None or abs(effect.strength) > NORMAL_95 * spread:
+        return False
+    parameters = sum(name == kind.name for name, _ in level.best.spread)
+    return parameters < 2 or 2 * level.gain / SD_INFLATION**2 <= chi2.ppf(0.95, parameters)
 
 
 def _borne_out(gain: HeldOutGain | None) -> bool:

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.core import DataError
+from smarig.core import DataError, stored_number
 
 Array = NDArray[np.float64]
 SAME_SHARE = 0.02  # of the range of a condition: closer runs are of one value
@@ -72,9 +72,12 @@ class ConditionTable:
     def from_json(cls, stored: Mapping[str, Any]) -> "ConditionTable":
         """The table of a model file. Raises DataError for a damaged one."""
         try:
-            columns = [tuple(float(v) for v in stored[key]) for key in ("values", "gains", "zeros")]
+            columns = [
+                tuple(stored_number(v, f"one of its {key}") for v in stored[key])
+                for key in ("values", "gains", "zeros")
+            ]
             table = cls(str(stored["condition"]), *columns)
-        except (KeyError, TypeError, ValueError) as error:
+        except (DataError, KeyError, TypeError, ValueError) as error:
             raise DataError(f"a condition table of the model is damaged: {error}") from None
         if not columns[0] or len({len(c) for c in columns}) != 1:
             raise DataError("a condition table of the model is damaged: its columns differ in length")

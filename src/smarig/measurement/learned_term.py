@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.core import DataError
+from smarig.core import DataError, stored_number
 from smarig.measurement.input_record import InputRecord
 from smarig.measurement.learned_variables import LEVEL, branch_directions, variable_of
 
@@ -86,9 +86,13 @@ class LearnedTerm:
     def from_json(cls, stored: Mapping[str, Any]) -> "LearnedTerm":
         """The term of a model file. Raises DataError for a damaged one."""
         try:
-            knots, values = (tuple(float(v) for v in stored[key]) for key in ("knots", "values"))
-            term = cls(str(stored["variable"]), str(stored["form"]), knots, values, float(stored["centre"]))
-        except (KeyError, TypeError, ValueError) as error:
+            knots, values = (
+                tuple(stored_number(v, f"one of its {key}") for v in stored[key])
+                for key in ("knots", "values")
+            )
+            centre = stored_number(stored["centre"], "its centre")
+            term = cls(str(stored["variable"]), str(stored["form"]), knots, values, centre)
+        except (DataError, KeyError, TypeError, ValueError) as error:
             raise DataError(f"a learned term of the model is damaged: {error}") from None
         damage = _damage(term)
         if damage:
@@ -101,8 +105,8 @@ def _damage(term: LearnedTerm) -> str:
         return f"its form {term.form!r:.40} is none of {', '.join(FORMS)}"
     if len(term.knots) < 2 or len(term.knots) != len(term.values):
         return "it needs as many values as knots, and two or more"
-    if not np.isfinite([*term.knots, *term.values, term.centre]).all() or min(np.diff(term.knots)) <= 0:
-        return "its knots do not increase, or a number is not finite"
+    if min(np.diff(term.knots)) <= 0:
+        return "its knots do not increase"
     if term.variable == LEVEL and term.form != "output":
         return "only an output can depend on the level"
     return ""

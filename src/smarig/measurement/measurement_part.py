@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from smarig.core import DataError
+from smarig.core import DataError, stored_number
 from smarig.measurement.condition_table import ConditionTable
 from smarig.measurement.learned_term import LearnedTerm
 from smarig.measurement.measurement_effect import MeasurementEffect, measurement_effects
@@ -44,7 +44,7 @@ class MeasurementPart:
     def from_json(cls, stored: Mapping[str, Any]) -> "MeasurementPart":
         """The measurement effects of a model file. Raises DataError for damaged ones."""
         try:
-            amplitudes = tuple(float(v) for v in stored.get("amplitudes", ()))
+            amplitudes = tuple(stored_number(v, "an amplitude") for v in stored.get("amplitudes", ()))
             effects = measurement_effects(stored["effects"])
             learned = tuple(LearnedTerm.from_json(entry) for entry in stored.get("learned", ()))
         except (AttributeError, KeyError, TypeError, ValueError) as error:

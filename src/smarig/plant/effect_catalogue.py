@@ -6,14 +6,21 @@ from collections import Counter
 from collections.abc import Iterable, Mapping
 from typing import Any
 
-from smarig.core import DataError, UsageError, catalogue_entry, catalogue_names, own_entries, resolve_name
+from smarig.core import (
+    DataError,
+    UsageError,
+    catalogue_entry,
+    catalogue_names,
+    own_entries,
+    resolve_name,
+    stored_number,
+)
 from smarig.plant.effect import Effect, EffectType
 from smarig.plant.learned_effect import (
     INPUT_BOUND,
     LEARNED,
     OUTPUT_BOUND,
     LearnedShape,
-    finite_number,
     learned_effect_type,
 )
 
@@ -121,7 +128,7 @@ def _effect_from_record(
         raise UsageError(
             f"a learned law with {len(found.knots)} knots has the parameters {names[0]} to {names[-1]}"
         )
-    values = {name: finite_number(parameters[name], name) for name in names}
+    values = {name: stored_number(parameters[name], f"{name} of a learned law") for name in names}
     bound = max(abs(value) for value in values.values()) or 1.0  # was checked when it was learned
     return learned_effect_type(found, bound / OUTPUT_BOUND + bound / INPUT_BOUND)(**values)
 

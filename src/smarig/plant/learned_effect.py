@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from math import exp, log10
 from typing import Any
 
-from smarig.core import UsageError
+from smarig.core import UsageError, stored_number
 from smarig.plant.effect import EffectContext, EffectType, Hook, Parameter, PlantState, Stage, Values
 
 LEARNED = "learned"
@@ -20,7 +20,7 @@ PLACES = ("output", "input")
 ANSWER_S = 10.0  # decay of ``rate`` after a step
 SHORTEST_HOLD_S = 1.0
 OUTPUT_BOUND, INPUT_BOUND = 0.5, 0.3  # of the ranges of output and input: bounds of f
-MOST_KNOTS, LONGEST_UNIT, LARGEST = 100, 40, 1e12  # in model files
+MOST_KNOTS, LONGEST_UNIT = 100, 40  # in model files
 NOT_LEARNED = ("level", "input")  # a density has such a law anyway
 TYPICAL_SHARE = 0.01  # of the same ranges: expected size of f
 
@@ -98,7 +98,7 @@ class LearnedShape:
 
     @classmethod
     def from_json(cls, stored: Mapping[str, Any]) -> "LearnedShape":
-        """The shape of a model file. Raises UsageError for a damaged one."""
+        """The shape of a model file. Raises UsageError or DataError for a damaged one."""
         missing = sorted({"variable", "enters", "knots", "unit"} - set(stored))
         if missing:
             raise UsageError(f"the shape of a learned law has no {missing[0]}")
@@ -109,17 +109,10 @@ class LearnedShape:
             raise UsageError(f"a learned law has a list of 2 to {MOST_KNOTS} knots")
         if not isinstance(unit, str) or len(unit) > LONGEST_UNIT or not unit.isprintable():
             raise UsageError("the unit of a learned law is not a short text")
-        shape = cls(variable, enters, tuple(finite_number(z, "a knot") for z in knots), unit)
+        shape = cls(variable, enters, tuple(stored_number(z, "a knot of a learned law") for z in knots), unit)
         if any(a >= b for a, b in zip(shape.knots, shape.knots[1:])):
             raise UsageError("the knots of a learned law must increase")
         return shape
-
-
-def finite_number(value: Any, name: str) -> float:
-    """A number of a model file. Raises UsageError for anything else, and for sizes that nothing measured has."""
-    if isinstance(value, bool) or not isinstance(value, int | float) or not abs(value) <= LARGEST:
-        raise UsageError(f"{name} of a learned law is not a number of plausible size: {value!r:.40}")
-    return float(value)
 
 
 def learned_effect_type(shape: LearnedShape, range_of_place: float) -> EffectType:

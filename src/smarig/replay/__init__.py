@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 from smarig.core.lazy_exports import lazy_exports
 
 if TYPE_CHECKING:
+    from smarig.replay.conditions import condition_text as condition_text
     from smarig.replay.conditions import foreign_conditions as foreign_conditions
     from smarig.replay.conditions import pooled_conditions as pooled_conditions
     from smarig.replay.conditions import recorded_conditions as recorded_conditions

@@ -36,6 +36,11 @@ def recorded_conditions(run: Run) -> dict[str, ConditionRecord]:
     return found
 
 
+def condition_text(condition: ConditionRecord) -> str:
+    """The value of a condition, without its unit."""
+    return condition.value if isinstance(condition.value, str) else f"{condition.value:.3g}"
+
+
 def same_condition(a: Value, b: Value, unit: str) -> bool:
     """Whether two values count as one condition.
 
@@ -105,7 +110,7 @@ def _phrase(name: str, values: Sequence[ConditionRecord]) -> str:
     >>> _phrase("stress", [ConditionRecord(value=v, unit="MPa") for v in (50.0, 99.9, 150.0)])
     'under 50, 99.9 and 150 MPa'
     """
-    shown = [v.value if isinstance(v.value, str) else f"{v.value:.3g}" for v in values]
+    shown = [condition_text(v) for v in values]
     listed = " and ".join([", ".join(shown[:-1]), shown[-1]]) if len(shown) > 1 else shown[0]
     unit = values[0].unit.replace("degC", "°C")
     default = f"at {name.replace('_', ' ')} {{}}"

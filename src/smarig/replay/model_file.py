@@ -247,6 +247,8 @@ def _from_file(file: _ModelFileSchema) -> Model:
     }
     if file.measurement:
         MeasurementPart.from_json(file.measurement)  # raises if invalid
+        if file.effects:
+            raise DataError("a model has effects of the wire or of a measured input, not both")
     if file.extension:
         extended_operator(file.extension, rest["hysteresis"])  # raises if invalid
     return Model(**rest)

@@ -17,6 +17,7 @@ from smarig.diagnosis.measured.preisach_properties import preisach_properties
 from smarig.identification import identify, verify
 from smarig.measurement import input_records
 from smarig.plant import effect_types
+from smarig.record import Step
 from smarig.replay import load_model
 from smarig.report.measured_diagnosis_page import measured_diagnosis_page
 
@@ -53,6 +54,13 @@ def test_the_law_of_a_loop_that_widens_with_the_rate_is_learned(wider):
     assert per_decade == pytest.approx(true, rel=0.2)
     assert "was learned" in found.text()
     assert answer["held_out"]["removable_share"] > 0.7
+
+
+def test_its_model_refuses_runs_with_settled_steps(wider):
+    found, runs = wider
+    settled = Step(0, 0, False, "hold", 70.0, 0.0, 10.0, "settled", 0.5, 50)
+    with pytest.raises(DataError, match="has settled steps. Identify a model from such runs"):
+        verify(found.model, replace(runs[2], steps=(settled,)))
 
 
 def test_the_saved_model_predicts_a_run_that_the_diagnosis_never_had(wider, tmp_path):

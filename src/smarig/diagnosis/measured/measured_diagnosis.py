@@ -174,6 +174,7 @@ class MeasuredDiagnosis(NotebookDisplay):
             "learned": self.learned and self.learned.to_json(),
             "preisach_properties": {t.name: t.to_json() for t in self.properties},
             "held_out": gain and gain.to_json(),
+            "held_out_shift": self.shift and {"depends_on": self.shift.variable, "ratio": self.shift.ratio},
             "run_offsets": [
                 {
                     "run": o.run,

@@ -30,8 +30,9 @@ FAR_OFF_RATIO = 10.0  # times the error of a refitted model: the given model is 
 
 
 def measured_lines(d: "MeasuredDiagnosis") -> Iterator[str]:
-    """The findings, one or two sentences per line; the verdict first."""
+    """The findings, one or two sentences per line; the verdict first, then conditions that could cause it."""
     yield from _verdict(d)
+    yield from d.conditions
     yield from _learned(d)
     yield adequacy_text(d)
     yield from _properties(d)
@@ -47,7 +48,6 @@ def measured_lines(d: "MeasuredDiagnosis") -> Iterator[str]:
     lost = sum(r.dropouts for r in d.records)
     if lost:
         yield f"{lost} rows in which the input reads exactly 0 are drop-outs of the instrument and were left out."
-    yield from d.conditions
     yield from (s.text(d.not_testable) for s in suspects(d.runs))
     if d.not_testable:
         yield f"Effects that these data cannot show: {', '.join(d.not_testable)}."

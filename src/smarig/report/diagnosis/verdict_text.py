@@ -6,10 +6,10 @@ from collections.abc import Iterable, Iterator, Mapping
 from smarig.diagnosis import (
     AT_FLOOR,
     DOUBT,
-    NORMAL_95,
     Diagnosis,
     HeldOutGain,
     ParameterFit,
+    parameter_interval,
     share_text,
     unknown_text,
 )
@@ -63,10 +63,9 @@ def _effect_text(effect: Effect, spread: ParameterSigmas) -> str:
 def _value_text(effect: Effect, parameter: Parameter, spread: ParameterSigmas) -> str:
     """A parameter, with its 95 % interval where its standard deviation is known."""
     value, unit = effect.values[parameter.name], unit_suffix(parameter.unit)
-    sd = spread.get((effect.kind.name, parameter.name))
-    half = None if sd is None else NORMAL_95 * sd
-    ends = "" if half is None else f" (95 %: {number(value - half)} to {number(value + half)})"
-    return f"{_plain_name(parameter)} {number(value)}{unit}{ends}"
+    ends = parameter_interval(parameter, value, spread.get((effect.kind.name, parameter.name)))
+    between = f" (95 %: {number(ends[0])} to {number(ends[1])})" if ends else ""
+    return f"{_plain_name(parameter)} {number(value)}{unit}{between}"
 
 
 def _plain_name(parameter: Parameter) -> str:

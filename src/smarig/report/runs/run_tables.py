@@ -11,6 +11,7 @@ import numpy as np
 from smarig.core import SmarigError
 from smarig.plant import Actuator
 from smarig.record import Run
+from smarig.replay import condition_text, recorded_conditions
 from smarig.report.components.html import Html, joined, paragraph, table, tag
 from smarig.report.components.numbers import duration, number, thousands
 from smarig.report.components.run_description import (
@@ -59,8 +60,8 @@ def _run_rows(run: Run) -> Iterable[Row]:
     for key in ("initial", "encoder_zero", "seed", "notes"):
         if (value := getattr(info, key)) not in (None, ""):
             yield key.replace("_", " ").capitalize(), value, "", "run file"
-    for key, value in info.conditions.items():
-        yield str(key).replace("_", " ").capitalize(), value, "", "imported file"
+    for key, own in recorded_conditions(run).items():
+        yield key.replace("_", " ").capitalize(), condition_text(own), display_unit(own.unit), "imported file"
 
 
 def _rig_rows(run: Run) -> Iterable[Row]:
