@@ -129,7 +129,8 @@ def test_a_page_and_the_object_are_written(found, session_folder):
 @pytest.mark.parametrize(
     ("more", "status", "sentence"),
     [
-        (["--alpha", "0.7"], 2, "between 0 and 0.5"),
+        (["--alpha", "0.7"], 2, "between 0.005 and 0.5"),
+        (["--alpha", "0.001"], 2, "between 0.005 and 0.5"),
         (["--nulls", "3"], 2, "at least"),
         (["--nulls", "99999999999"], 2, "at most"),
         (["--without", "wobble"], 2, "wobble"),

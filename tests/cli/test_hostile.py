@@ -260,7 +260,7 @@ def test_a_preview_can_be_interrupted():
 
 @pytest.mark.skipif(os.name == "nt", reason="POSIX signals")
 def test_an_import_does_not_replace_a_run_being_recorded_either(tmp_path):
-    from smarig.record.recorder import write_run
+    from smarig.record.new_run_file import write_run
 
     out = tmp_path / "r.run.sqlite"
     recording_one = [

@@ -10,7 +10,8 @@ from smarig.core.errors import UsageError
 from smarig.core.file_content import JSON, MODEL, PAGE, RUN, TABLE, TOML, content_kind
 from smarig.diagnosis.diagnosis_files import DIAGNOSIS_FILES, prepare_folder
 from smarig.exchange import export_run
-from smarig.record.recorder import Recorder, write_run
+from smarig.record.new_run_file import write_run
+from smarig.record.recorder import Recorder
 from smarig.report.components.page import page, write_page
 
 COLUMNS = {"tick": [0, 1, 2], "t_s": [0.0, 0.1, 0.2], "position": [0.0, 1.0, 2.0]}

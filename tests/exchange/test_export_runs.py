@@ -10,7 +10,7 @@ import pytest
 from smarig.core.errors import StorageError, UsageError
 from smarig.exchange import export_run, import_file
 from smarig.record import load_run
-from smarig.record.recorder import write_run
+from smarig.record.new_run_file import write_run
 
 PERIOD_S = 0.5
 

@@ -197,15 +197,15 @@ def test_a_place_that_cannot_be_is_one_sentence(tmp_path):
 @pytest.fixture
 def small_disk(monkeypatch):
     """Databases that may not grow beyond so many pages of 4 KiB; returns a function that enlarges them."""
-    create, made = recorder._create, []
+    opened, made = recorder.opened_for_recording, []
 
     def limited(*args):
-        db = create(*args)
+        db = opened(*args)
         db.execute("PRAGMA max_page_count=24")
         made.append(db)
         return db
 
-    monkeypatch.setattr(recorder, "_create", limited)
+    monkeypatch.setattr(recorder, "opened_for_recording", limited)
     return lambda: made[-1].execute("PRAGMA max_page_count=100000")
 
 

@@ -6,7 +6,7 @@ import pytest
 from record.runs import META, beside
 from smarig.core.errors import StorageError, UsageError
 from smarig.record import load_run
-from smarig.record.recorder import write_run
+from smarig.record.new_run_file import write_run
 
 COLUMNS = {"tick": np.arange(4), "input": [0.0, 1.0, np.nan, 3.0], "position": np.linspace(0, 1, 4)}
 STEPS = [(0, 0, 0, "rise", 43.5, 0.0, 9.9, "settled", 1.5, 250)]
@@ -73,5 +73,5 @@ def test_a_place_that_cannot_be_is_one_sentence(tmp_path):
     (tmp_path / "file").write_text("in the way")
     with pytest.raises(StorageError, match=r"a\.run\.sqlite\S* cannot be created: "):
         write_run(tmp_path / "file" / "a.run.sqlite", META, COLUMNS, STEPS, force=False)
-    with pytest.raises(StorageError, match="cannot be written: "):
+    with pytest.raises(StorageError, match="cannot be created: "):
         write_run(tmp_path, META, COLUMNS, STEPS, force=True)

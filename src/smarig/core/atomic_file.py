@@ -10,6 +10,7 @@ from pathlib import Path
 
 from smarig.core.errors import StorageError, UsageError
 from smarig.core.file_content import content_kind
+from smarig.core.new_file import check_regular, publish, temporary_beside
 
 
 @contextlib.contextmanager
@@ -23,16 +24,18 @@ def atomic_file(path: Path, *, force: bool) -> Iterator[Path]:
     ...     _ = part.write_text("all of it")
     """
     check_writable(path, force=force)
-    part = path.with_name(path.name + ".part")
+    part: Path | None = None
     try:
+        part = temporary_beside(path)
         yield part
         check_replaceable(path, content_kind(part, path.name))
-        part.replace(path)
+        publish(part, path, force=force)
     except OSError as error:
         raise StorageError(f"{path} cannot be written: {error.strerror or error}.") from None
     finally:
-        with contextlib.suppress(OSError):
-            part.unlink(missing_ok=True)
+        if part is not None:
+            with contextlib.suppress(OSError):
+                part.unlink(missing_ok=True)
 
 
 def check_writable(path: Path, *, force: bool, kind: str = "") -> None:
@@ -45,6 +48,7 @@ def check_writable(path: Path, *, force: bool, kind: str = "") -> None:
         raise UsageError(f"{path} is a folder; name a file in it.")
     if path.exists() and not force:
         raise UsageError(f"{path} exists; give another name or --force to replace it.")
+    check_regular(path)
     check_replaceable(path, kind)
     try:
         path.parent.mkdir(parents=True, exist_ok=True)

@@ -13,6 +13,8 @@ from smarig.core.lazy_exports import lazy_exports
 if TYPE_CHECKING:
     from smarig.diagnosis.commanded_diagnosis import Diagnosis as Diagnosis
     from smarig.diagnosis.commanded_diagnosis import diagnose_commanded as diagnose_commanded
+    from smarig.diagnosis.critique.calibration import BOXES as BOXES
+    from smarig.diagnosis.critique.calibration import p_text as p_text
     from smarig.diagnosis.critique.candidates import DETECTION_SD as DETECTION_SD
     from smarig.diagnosis.critique.critique import MIN_SPREAD_NATS as MIN_SPREAD_NATS
     from smarig.diagnosis.critique.critique import NULL_DATA_SETS as NULL_DATA_SETS
@@ -51,6 +53,7 @@ if TYPE_CHECKING:
     from smarig.diagnosis.measured.learned_law import LearnedLaw as LearnedLaw
     from smarig.diagnosis.measured.measured_diagnosis import MeasuredDiagnosis as MeasuredDiagnosis
     from smarig.diagnosis.measured.measured_diagnosis import diagnose_measured as diagnose_measured
+    from smarig.diagnosis.name_gates import NORMAL_95 as NORMAL_95
     from smarig.diagnosis.refit.memory_noise import memory_covariance as memory_covariance
     from smarig.diagnosis.refit.memory_noise import memory_slopes as memory_slopes
     from smarig.diagnosis.refit.refit import Refit as Refit

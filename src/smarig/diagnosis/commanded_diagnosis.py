@@ -11,6 +11,7 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from smarig.core import NotebookDisplay, UsageError
+from smarig.diagnosis.critique.calibration import LEAST_P
 from smarig.diagnosis.critique.critique import ALPHA, NULL_DATA_SETS, Critique, critique
 from smarig.diagnosis.critique.visibility import VisibilityTable, visibility
 from smarig.diagnosis.diagnosis_json import diagnosis_json, effects_json
@@ -41,7 +42,6 @@ from smarig.replay import (
     provenance,
 )
 
-MIN_ALPHA = 1e-6
 MAX_NULL_DATA_SETS = 100_000  # a larger number is a typing error
 
 
@@ -169,7 +169,9 @@ def diagnose_commanded(
     report_progress(
         f"{len(timeline.settled)} settled points, {sum(len(r) for r in timeline.other_readings)} other readings"
     )
-    criticise = partial(critique, timeline, effect_types=catalogue, count=nulls, alpha=alpha, seed=seed)
+    criticise = partial(
+        critique, timeline, effect_types=catalogue, count=nulls, alpha=alpha, seed=seed, calibrated=True
+    )
     seen = find_explanations(timeline, plant_model, criticise, report_progress)
     base, first, levels = seen.base, seen.first, seen.levels
     decided = decide_verdict(first, levels)
@@ -238,8 +240,10 @@ def diagnose_commanded(
 
 
 def _check(alpha: float, nulls: int, seed: int) -> None:
-    if not MIN_ALPHA <= alpha < 0.5:
-        raise UsageError(f"The false alarm probability must lie between 0 and 0.5, but is {alpha:g}.")
+    if not LEAST_P <= alpha < 0.5:
+        raise UsageError(
+            f"The false alarm probability must lie between {LEAST_P:g} and 0.5, but is {alpha:g}."
+        )
     if seed < 0:
         raise UsageError(f"Seed {seed} is negative. Give a whole number ≥ 0.")
     if nulls > MAX_NULL_DATA_SETS:

@@ -10,8 +10,8 @@ if TYPE_CHECKING:
     from smarig.record.continuation import Continuation as Continuation
     from smarig.record.continued_run import continues_run as continues_run
     from smarig.record.metadata import is_timestamp as is_timestamp
+    from smarig.record.new_run_file import write_run as write_run
     from smarig.record.recorder import Recorder as Recorder
-    from smarig.record.recorder import write_run as write_run
     from smarig.record.run import CONTINUED as CONTINUED
     from smarig.record.run import FORC_PROTOCOL as FORC_PROTOCOL
     from smarig.record.run import OWN_ZERO as OWN_ZERO

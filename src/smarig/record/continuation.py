@@ -29,10 +29,7 @@ def reopened(path: Path, meta: dict[str, Any], continuation_: Continuation) -> s
     """
     db = None
     try:
-        db = sqlite3.connect(f"{path.resolve().as_uri()}?mode=rw", uri=True, check_same_thread=False)
-        db.execute("PRAGMA journal_mode=WAL")
-        db.execute("PRAGMA synchronous=FULL")
-        db.execute(f"PRAGMA wal_autocheckpoint={schema.WAL_PAGES}")
+        db = opened_for_recording(path)
         with db:
             if continuation_.void_all:
                 db.execute(schema.VOID_STEPS)
@@ -43,4 +40,19 @@ def reopened(path: Path, meta: dict[str, Any], continuation_: Continuation) -> s
         if db is not None:
             db.close()
         raise StorageError(f"Run file {path} cannot be continued: {error}.") from None
+    return db
+
+
+def opened_for_recording(path: Path) -> sqlite3.Connection:
+    """The database of a run file, such that every commit survives a power cut. Raises StorageError if it cannot be."""
+    db = None
+    try:
+        db = sqlite3.connect(f"{path.resolve().as_uri()}?mode=rw", uri=True, check_same_thread=False)
+        db.execute("PRAGMA journal_mode=WAL")
+        db.execute("PRAGMA synchronous=FULL")
+        db.execute(f"PRAGMA wal_autocheckpoint={schema.WAL_PAGES}")
+    except sqlite3.Error as error:
+        if db is not None:
+            db.close()
+        raise StorageError(f"Run file {path} cannot be opened for recording: {error}.") from None
     return db

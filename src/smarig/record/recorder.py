@@ -1,7 +1,8 @@
 """Writes a run while it is made: samples are appended in the tick, and a thread commits them at least every second.
 
-A committed sample survives kill -9 and power cuts (SQLite WAL, synchronous=FULL). The recorder is a listener: the
-runner calls ``sample``, ``step`` and ``event``.
+A committed sample survives kill -9 and power cuts (SQLite WAL, synchronous=FULL). No sample waits longer than a few
+seconds: a disk that does not answer ends the run. The recorder is a listener: the runner calls ``sample``, ``step``
+and ``event``.
 """
 
 import contextlib
@@ -12,15 +13,21 @@ import sqlite3
 import threading
 import time
 from collections import deque
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from smarig.core import RUN, Sample, StepResult, StorageError, UsageError, check_replaceable
+from smarig.core import Sample, StepResult, StorageError
 from smarig.record import schema
 from smarig.record.clock_watch import ClockWatch
-from smarig.record.continuation import Continuation, reopened
+from smarig.record.continuation import Continuation, opened_for_recording, reopened
+from smarig.record.new_run_file import new_run_file
 
 COMMIT_INTERVAL_S = 0.5
+STALL_S = 3.0  # a sample that waits longer for the disk ends the run
+TWIN_STALL_S = 30.0  # the same where no wire is heated
+RESUMED_S = 0.2  # how long a writer that was stopped with the process needs to go on
+CLOSE_LIMIT_S = 10.0  # how long closing waits for a disk that stores nothing
 RESERVE_BYTES = 8_000_000  # stop while there is still space to close the run
 
 
@@ -42,24 +49,52 @@ class Recorder:
         self._statements: list[tuple[str, tuple]] = []
         self._lock = threading.Lock()
         self._wake = threading.Event()
-        self._closing = False
+        self._closing = threading.Event()
         self._failure: str | None = None
         self._loss_text: str | None = None
+        self._stall_s = TWIN_STALL_S if meta.get("source") == "twin" else STALL_S
+        self._waiting_since: float | None = (
+            None  # host time of the oldest sample that no commit has begun to store
+        )
+        self._stored = _Stored()
+        self._steps_given = 0
         meta = {"schema_version": schema.VERSION, "recorder_pid": os.getpid(), **meta}
-        self._db = _create(path, meta, force) if continuation is None else reopened(path, meta, continuation)
-        self._thread = threading.Thread(target=self._write_until_closed, name="recorder", daemon=True)
+        if continuation is None:
+            with new_run_file(path, meta, force=force):
+                pass
+            self._db = opened_for_recording(path)
+        else:
+            self._db = reopened(path, meta, continuation)
+        self._thread = threading.Thread(target=self._write, name="recorder", daemon=True)
         self._thread.start()
 
     # --- called in the tick ----------------------------------------------------------------------
 
     def sample(self, s: Sample, step: int | None, input_value: float) -> None:
-        """Record a sample, within a few microseconds. Raises StorageError after writing has failed."""
+        """Record a sample, within a few microseconds.
+
+        Raises StorageError after writing has failed, or if the disk has stored nothing for too long.
+        """
         if self._failure is not None:
             self._loss_text = None
             raise StorageError(self._failure)
         self._rows.append(
             (s[0], s[1], step, s[2], s[3], s[4], s[5], input_value, s[6], s[7], s[8], int(s[9]))
         )
+        now = time.monotonic()
+        if self._waiting_since is None:
+            self._waiting_since = now
+        elif now - self._waiting_since > self._stall_s and not self._stores_again():
+            raise StorageError(
+                f"Run {self.path}: the disk has stored nothing for {self._stall_s:g} s. The current is at zero."
+            )
+
+    def _stores_again(self) -> bool:
+        """Whether the writer goes on after the whole process had been stopped (a suspended machine)."""
+        before = self._waiting_since
+        self._wake.set()
+        time.sleep(RESUMED_S)
+        return self._waiting_since != before
 
     def step(
         self,
@@ -83,6 +118,7 @@ class Recorder:
             result.position,
             result.n,
         )
+        self._steps_given += 1
         self._execute(schema.INSERT_STEP, row)
         self._wake.set()
 
@@ -105,8 +141,22 @@ class Recorder:
 
     # --- the writer thread -------------------------------------------------------------------------
 
+    def _write(self) -> None:
+        """The whole life of the thread; only it uses the database, so a disk that hangs blocks nothing else."""
+        self._write_until_closed()
+        self._closing.wait()
+        try:
+            self._commit()
+        except StorageError as error:
+            self._loss_text = str(error)
+        except Exception as error:  # any failure must reach close
+            self._loss_text = f"The end of run {self.path} could not be written: {error}."
+        finally:
+            _leave_one_file(self._db)
+            self._db.close()
+
     def _write_until_closed(self) -> None:
-        while not self._closing:
+        while not self._closing.is_set():
             self._wake.wait(COMMIT_INTERVAL_S)
             self._wake.clear()
             try:
@@ -120,6 +170,7 @@ class Recorder:
                 return
 
     def _commit(self) -> None:
+        self._waiting_since = None  # samples from here on wait for the next commit
         with self._lock:  # statements first: a step in the file then has all its samples
             statements, self._statements = self._statements, []
         rows = [self._rows.popleft() for _ in range(len(self._rows))]
@@ -135,6 +186,9 @@ class Recorder:
             with self._lock:
                 self._statements[:0] = statements
             raise
+        self._stored = self._stored.after(rows, statements)
+        if not self._rows:
+            self._waiting_since = None
         if rejected:
             raise StorageError(
                 f"Run {self.path}: {len(rejected)} samples were not recorded; the first has tick {rejected[0][0]}, "
@@ -172,26 +226,48 @@ class Recorder:
     def close(self, cause: str = "done", *, t_s: float = 0.0) -> None:
         """Write the rest, record the cause, and leave one file (its -wal is removed with the last reader).
 
-        Raises StorageError if the rest could not be written; committed samples stay readable.
+        Raises StorageError if the rest could not be written, or not in time; committed samples stay readable.
         """
-        if self._closing:
+        if self._closing.is_set():
             return
         self.event(
             t_s, "end", f"Run ended: {cause.rstrip('.')}.", level="info" if cause == "done" else "warning"
         )
         self.describe("end", {"cause": cause, "epoch": time.time()})
-        self._closing = True
+        self._closing.set()
         self._wake.set()
-        self._thread.join()
-        try:
-            self._commit()
-        except (sqlite3.Error, OverflowError) as error:
-            raise StorageError(f"The end of run {self.path} could not be written: {error}.") from None
-        finally:
-            _leave_one_file(self._db)
-            self._db.close()
+        self._wait_for_writer()
+        if self._thread.is_alive():
+            raise StorageError(self._stalled_text())
         if self._loss_text is not None:
             raise StorageError(self._loss_text)
+
+    def _wait_for_writer(self) -> None:
+        """Wait as long as something is stored every few seconds."""
+        before = None
+        while self._thread.is_alive() and self._stored is not before:
+            before = self._stored
+            self._thread.join(CLOSE_LIMIT_S)
+
+    def _stalled_text(self) -> str:
+        stored = self._stored
+        return (
+            f"Run {self.path} is not closed: the disk does not answer. It holds the samples up to "
+            f"{stored.t_s:.1f} s and {stored.steps} of {self._steps_given} steps; the later ones may be lost. The "
+            "current is at zero."
+        )
+
+
+@dataclass(frozen=True)
+class _Stored:
+    """What the commits of a recorder have stored: time of the last sample, number of steps."""
+
+    t_s: float = 0.0
+    steps: int = 0
+
+    def after(self, rows: list[tuple], statements: list[tuple[str, tuple]]) -> "_Stored":
+        steps = sum(sql == schema.INSERT_STEP for sql, _ in statements)
+        return _Stored(rows[-1][1] if rows else self.t_s, self.steps + steps)
 
 
 def _leave_one_file(db: sqlite3.Connection) -> None:
@@ -200,88 +276,3 @@ def _leave_one_file(db: sqlite3.Connection) -> None:
         db.execute("PRAGMA busy_timeout=200")
         db.execute("PRAGMA wal_checkpoint(TRUNCATE)")
         db.execute("PRAGMA journal_mode=DELETE")
-
-
-def _create(path: Path, meta: dict[str, Any], force: bool) -> sqlite3.Connection:
-    if path.exists() and not force:
-        raise UsageError(f"{path} exists. Give another name, or --force to replace it.")
-    check_replaceable(path, RUN)
-    _refuse_if_recording(path)
-    try:
-        for suffix in ("", "-wal", "-shm"):
-            path.with_name(path.name + suffix).unlink(missing_ok=True)
-        path.parent.mkdir(parents=True, exist_ok=True)
-        db = sqlite3.connect(path, check_same_thread=False)
-        db.execute("PRAGMA journal_mode=WAL")
-        db.execute("PRAGMA synchronous=FULL")
-        db.execute(f"PRAGMA wal_autocheckpoint={schema.WAL_PAGES}")
-        with db:
-            db.executescript(schema.CREATE)
-            db.executemany(schema.UPSERT_KEY, [(k, json.dumps(v)) for k, v in meta.items()])
-        db.execute("PRAGMA wal_checkpoint(PASSIVE)")  # the file alone then lacks only the last minute
-    except (OSError, sqlite3.Error) as error:
-        raise StorageError(f"Run file {path} cannot be created: {error}.") from None
-    return db
-
-
-def _refuse_if_recording(path: Path) -> None:
-    """Raise UsageError if another running process still writes that run."""
-    if not path.is_file() or os.name == "nt":
-        return
-    try:
-        with contextlib.closing(sqlite3.connect(f"{path.resolve().as_uri()}?mode=ro", uri=True)) as db:
-            meta = dict(db.execute("SELECT key, value FROM run WHERE key IN ('recorder_pid', 'end')"))
-        writer = int(meta.get("recorder_pid", 0))
-        if "end" in meta or writer in (0, os.getpid()):
-            return
-        os.kill(writer, 0)
-    except (sqlite3.Error, OSError, ValueError):
-        return  # not a run, or its recorder has ended
-    raise UsageError(f"Process {writer} is recording {path}. Stop that run, or give another name.")
-
-
-def write_run(
-    path: Path, meta: dict[str, Any], columns: dict[str, Any], steps: list[tuple], *, force: bool
-) -> None:
-    """Write a complete run at once (imports, simulations), or nothing.
-
-    ``columns`` maps names of SAMPLE_COLUMNS to sequences of one length (absent ones are NULL);
-    ``steps`` are rows in STEP_COLUMNS order.
-    """
-    part_path = path.with_name(path.name + ".part")
-    if path.exists() and not force:
-        raise UsageError(f"{path} exists. Give another name, or --force to replace it.")
-    check_replaceable(path, RUN)
-    _refuse_if_recording(path)
-    try:
-        db = _create(
-            part_path,
-            {"schema_version": schema.VERSION, **meta, "end": {"cause": "done", "epoch": time.time()}},
-            True,
-        )
-        try:
-            n = len(columns["tick"])
-            provided = [columns.get(name) for name in schema.SAMPLE_COLUMNS]
-            provided[-1] = provided[-1] if provided[-1] is not None else [0] * n
-            with db:
-                db.executemany(
-                    schema.INSERT_SAMPLE,
-                    zip(*[[None] * n if c is None else _as_list(c) for c in provided], strict=True),
-                )
-                db.executemany(schema.INSERT_STEP, steps)
-            db.execute("PRAGMA journal_mode=DELETE")
-        finally:
-            db.close()
-        for suffix in ("-wal", "-shm"):
-            path.with_name(path.name + suffix).unlink(missing_ok=True)
-        part_path.replace(path)
-    except (OSError, sqlite3.Error, OverflowError) as error:
-        raise StorageError(f"Run file {path} cannot be written: {error}.") from None
-    finally:
-        for suffix in ("", "-wal", "-shm"):
-            with contextlib.suppress(OSError):
-                part_path.with_name(part_path.name + suffix).unlink()
-
-
-def _as_list(column: Any) -> list:
-    return column.tolist() if hasattr(column, "tolist") else list(column)

@@ -1,8 +1,7 @@
 """A run as data: columns with units, steps and events, read from a finished or unfinished run file."""
 
 import sqlite3
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
@@ -13,6 +12,7 @@ from numpy.typing import NDArray
 
 from smarig.core import DataError, NotebookDisplay, UsageError
 from smarig.record.metadata import check_metadata, decode_json
+from smarig.record.opened_run import opened_for_reading
 from smarig.record.run_info import RunInfo
 from smarig.record.schema import SAMPLE_COLUMNS, VERSION
 
@@ -187,7 +187,7 @@ def load_run(path: str | Path) -> Run:
     if not file.is_file():
         raise UsageError(f"There is no run file {file}.")
     try:
-        with _connect(file) as db:
+        with opened_for_reading(file) as db:
             return _read(file, db)
     except (sqlite3.Error, ValueError, TypeError, IndexError, OverflowError) as error:
         raise DataError(f"{file} is not a run file, or is damaged: {error}.") from None
@@ -244,15 +244,6 @@ def _step(index, attempt, void, branch, target, t_start_s, t_end_s, verdict, pos
         position=_number(position),
         n=int(n or 0),
     )
-
-
-@contextmanager
-def _connect(file: Path) -> Iterator[sqlite3.Connection]:
-    db = sqlite3.connect(f"{file.resolve().as_uri()}?mode=ro", uri=True, timeout=10.0)
-    try:
-        yield db
-    finally:
-        db.close()
 
 
 def _check_version(file: Path, meta: dict[str, Any]) -> None:

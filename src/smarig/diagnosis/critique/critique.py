@@ -2,7 +2,7 @@
 
 The gain of every candidate is scaled by the spread of its gains on null data, (g − q50)/(q95 − q50). The largest is
 compared with the largest of each null data set (maximum statistic of Westfall and Young). So the probability of any
-false alarm is α for any number of candidates.
+false alarm is α for any number of candidates. ``calibration`` takes into account that real residuals exceed null data.
 """
 
 from collections.abc import Sequence
@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import solve_triangular
 
+from smarig.diagnosis.critique.calibration import calibrated_p, calibrated_threshold
 from smarig.diagnosis.critique.candidates import Candidate, generic, named, whitened
 from smarig.diagnosis.refit.refit import Refit, refit
 from smarig.plant import EffectType
@@ -87,11 +88,13 @@ def critique(
     warm_start: Critique | None = None,
     all_nuisances: bool = False,
     noise_of: Critique | None = None,
+    calibrated: bool = False,
 ) -> Critique:
     """Compare a plant model with a timeline and with ``count`` null data sets at the level α.
 
     ``warm_start``: refine the noise of another critique. ``noise_of``: use the noise of another critique.
-    ``all_nuisances``: use the least noise, by allowing all nuisance terms at once.
+    ``all_nuisances``: use the least noise, by allowing all nuisance terms at once. ``calibrated``: p and threshold are
+    those of boxes without an effect, not of null data alone.
     """
     present = {effect.kind.name for effect in plant_model.catalogue_effects}
     absent = tuple(kind for kind in effect_types if kind.name not in present)
@@ -115,9 +118,12 @@ def critique(
         scores.append(score)
         standard.append((by_chance - median) / max(high - median, MIN_SPREAD_NATS))
     largest = np.sort(np.max(standard, axis=0))
-    threshold = float(largest[min(int(np.ceil((count + 1) * (1 - alpha))), count) - 1])
     observed_largest = max(s.standard for s in scores)
-    p = (1 + int(np.sum(largest >= observed_largest))) / (count + 1)
+    if calibrated:
+        threshold, p = calibrated_threshold(alpha, largest), calibrated_p(observed_largest, largest)
+    else:
+        threshold = float(largest[min(int(np.ceil((count + 1) * (1 - alpha))), count) - 1])
+        p = (1 + int(np.sum(largest >= observed_largest))) / (count + 1)
     return Critique(
         timeline=timeline,
         plant_model=plant_model,

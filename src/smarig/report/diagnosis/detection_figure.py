@@ -6,7 +6,15 @@ import numpy as np
 from scipy.cluster.hierarchy import leaves_list, linkage
 from scipy.spatial.distance import squareform
 
-from smarig.diagnosis import IMITATION_THRESHOLD, MIN_SPREAD_NATS, CandidateScore, Diagnosis, VisibilityTable
+from smarig.diagnosis import (
+    BOXES,
+    IMITATION_THRESHOLD,
+    MIN_SPREAD_NATS,
+    CandidateScore,
+    Diagnosis,
+    VisibilityTable,
+    p_text,
+)
 from smarig.report.components.figure import Figure, Panel, Trace, axis, dots, line, packed
 from smarig.report.components.run_description import source_label
 from smarig.report.components.style import GREY, INK, SEQUENCE
@@ -50,10 +58,10 @@ def detection_figure(d: Diagnosis) -> Figure:
             "simulated from the base model with noise and without effects. "
             f"Band: from the median (0) to the 95 % point (1; at least {MIN_SPREAD_NATS:g} nats, units of log "
             "likelihood).",
-            f"Dashed: {top:.3g}, the threshold that the largest gain exceeds in {100 * d.alpha:g} % of null data sets. "
+            f"Dashed: {top:.3g}, the threshold that the largest gain exceeds in {100 * d.alpha:g} % of {BOXES} "
+            "simulated wires without an effect, whose density is misfitted as well. "
             "The rate of false alarms therefore does not depend on the number of candidates. "
-            f"Above it: {above}. p = {d.first.p_value:.2g}; the smallest value that {d.nulls} null data sets can "
-            f"resolve is {1 / (d.nulls + 1):.2g}.",
+            f"Above it: {above}. p {p_text(d.first.p_value)}.",
             "Axis: linear near 0, logarithmic beyond.",
             *diagnosis_caption(d),
         ],

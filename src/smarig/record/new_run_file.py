@@ -1,0 +1,97 @@
+"""Makes run files. A file gets its name when it holds its tables, so every file with that name can be read."""
+
+import contextlib
+import json
+import os
+import sqlite3
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+from smarig.core import (
+    RUN,
+    StorageError,
+    UsageError,
+    check_regular,
+    check_replaceable,
+    publish,
+    temporary_beside,
+)
+from smarig.record import schema
+
+SIDECARS = ("-wal", "-shm", "-journal")
+
+
+@contextlib.contextmanager
+def new_run_file(path: Path, meta: dict[str, Any], *, force: bool) -> Iterator[sqlite3.Connection]:
+    """Yield the database of a new run, with its tables and description; it is at ``path`` when the block succeeds.
+
+    Raises UsageError if the name is taken, and StorageError if the disk refuses.
+    """
+    if path.exists() and not force:
+        raise UsageError(f"{path} exists. Give another name, or --force to replace it.")
+    check_regular(path)
+    check_replaceable(path, RUN)
+    _refuse_if_recording(path)
+    part: Path | None = None
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        part = temporary_beside(path)
+        with contextlib.closing(sqlite3.connect(part)) as db:
+            db.execute("PRAGMA synchronous=FULL")
+            with db:
+                db.executescript(f"BEGIN; {schema.CREATE}")
+                db.executemany(schema.UPSERT_KEY, [(k, json.dumps(v)) for k, v in meta.items()])
+            yield db
+        _remove(path, SIDECARS)  # those of the replaced run, which would be applied to the new one
+        publish(part, path, force=force)
+    except (OSError, sqlite3.Error, OverflowError) as error:
+        raise StorageError(f"Run file {path} cannot be created: {error}.") from None
+    finally:
+        if part is not None:
+            with contextlib.suppress(OSError):
+                _remove(part, ("", *SIDECARS))
+
+
+def write_run(
+    path: Path, meta: dict[str, Any], columns: dict[str, Any], steps: list[tuple], *, force: bool
+) -> None:
+    """Write a complete run at once (imports, simulations), or nothing.
+
+    ``columns`` maps names of SAMPLE_COLUMNS to sequences of one length (absent ones are NULL);
+    ``steps`` are rows in STEP_COLUMNS order.
+    """
+    meta = {"schema_version": schema.VERSION, **meta, "end": {"cause": "done", "epoch": time.time()}}
+    n = len(columns["tick"])
+    given = [columns.get(name) for name in schema.SAMPLE_COLUMNS]
+    given[-1] = given[-1] if given[-1] is not None else [0] * n
+    rows = zip(*[[None] * n if c is None else _as_list(c) for c in given], strict=True)
+    with new_run_file(path, meta, force=force) as db, db:
+        db.executemany(schema.INSERT_SAMPLE, rows)
+        db.executemany(schema.INSERT_STEP, steps)
+
+
+def _as_list(column: Any) -> list:
+    return column.tolist() if hasattr(column, "tolist") else list(column)
+
+
+def _remove(path: Path, suffixes: tuple[str, ...]) -> None:
+    for suffix in suffixes:
+        path.with_name(path.name + suffix).unlink(missing_ok=True)
+
+
+def _refuse_if_recording(path: Path) -> None:
+    """Raise UsageError if another running process still writes that run."""
+    if not path.is_file() or os.name == "nt":
+        return
+    try:
+        with contextlib.closing(sqlite3.connect(f"{path.resolve().as_uri()}?mode=ro", uri=True)) as db:
+            meta = dict(db.execute("SELECT key, value FROM run WHERE key IN ('recorder_pid', 'end')"))
+        writer = int(meta.get("recorder_pid", 0))
+        if "end" in meta or writer in (0, os.getpid()):
+            return
+        os.kill(writer, 0)
+    except (sqlite3.Error, OSError, ValueError):
+        return  # not a run, or its recorder has ended
+    raise UsageError(f"Process {writer} is recording {path}. Stop that run, or give another name.")

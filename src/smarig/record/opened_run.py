@@ -1,0 +1,54 @@
+"""Opens run files to read them, as a killed recorder or a power cut left them, on media that cannot be written too.
+
+What is not yet in the file stands beside it: in a write-ahead log (-wal) while recording, in a journal (-journal) for
+an instant at closing. SQLite applies both when it opens the file for writing. If that is not possible, it is done in a
+temporary copy, and nothing in the folder changes.
+"""
+
+import contextlib
+import shutil
+import sqlite3
+import tempfile
+from collections.abc import Iterator
+from pathlib import Path
+
+from smarig.record.new_run_file import SIDECARS
+
+_BUSY_S = 10.0
+
+
+@contextlib.contextmanager
+def opened_for_reading(file: Path) -> Iterator[sqlite3.Connection]:
+    """Yield the database of a run file, whole. Raises sqlite3.Error for other files."""
+    db = _connect(file, "ro")
+    try:
+        try:
+            db.execute("SELECT 1 FROM sqlite_master").fetchone()
+        except sqlite3.OperationalError:
+            if not _has_sidecar(file):
+                raise
+            with _recovered_copy(file) as copy:
+                yield copy
+        else:
+            yield db
+    finally:
+        db.close()
+
+
+@contextlib.contextmanager
+def _recovered_copy(file: Path) -> Iterator[sqlite3.Connection]:
+    with tempfile.TemporaryDirectory(prefix="smarig-") as folder:
+        target = Path(folder) / file.name
+        for suffix in ("", "-wal", "-journal"):  # not -shm: it is made again from the log
+            with contextlib.suppress(FileNotFoundError):
+                shutil.copyfile(file.with_name(file.name + suffix), target.with_name(target.name + suffix))
+        with contextlib.closing(_connect(target, "rw")) as db:
+            yield db
+
+
+def _connect(file: Path, mode: str) -> sqlite3.Connection:
+    return sqlite3.connect(f"{file.resolve().as_uri()}?mode={mode}", uri=True, timeout=_BUSY_S)
+
+
+def _has_sidecar(file: Path) -> bool:
+    return any(file.with_name(file.name + suffix).exists() for suffix in SIDECARS)
