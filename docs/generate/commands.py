@@ -23,8 +23,8 @@ everything else to stderr ([JSON](json_objects.md)).
 | 4 | data error, or a file that cannot be written |
 | 130 | interrupted; the rig is safe |
 
-`SMARIG_LOCK_DIR` names the folder of the locks of wires in use, `SMARIG_HISTORY_DIR` the folder of the wires'
-histories.
+`SMARIG_LOCK_DIR` names the folder of the locks of wires in use (else each user has one; users who share a rig give the
+same folder), `SMARIG_HISTORY_DIR` the folder of the wires' histories.
 """
 
 

@@ -148,7 +148,7 @@ def _may_be_absent(effect: Effect, level: SearchLevel) -> bool:
     if spread is None or abs(effect.strength) > NORMAL_95 * spread:
         return False
     parameters = sum(name == kind.name for name, _ in level.best.spread)
-    return parameters < 2 or 2 * level.gain / SD_INFLATION**2 <= chi2.ppf(0.95, parameters)
+    return parameters < 2 or 2 * level.gain / SD_INFLATION**2 <= float(chi2.ppf(0.95, parameters))
 
 
 def _borne_out(gain: HeldOutGain | None) -> bool:

@@ -1,10 +1,11 @@
 """One runner per wire: a lock file held by the operating system, which releases it when the process ends.
 
-The lock belongs to the name of the wire. Twins lock the wire name of their rig file, as hardware does.
+The lock belongs to the name of the wire. Twins lock the wire name of their rig file, as hardware does. Links are not
+followed, and another user's file is locked without changing it.
 """
 
-import contextlib
 import os
+import stat
 import tempfile
 import zlib
 from collections.abc import Iterator
@@ -16,8 +17,13 @@ from smarig.core import RigFault, UsageError
 
 
 def lock_folder() -> Path:
-    """The folder of the locks: $SMARIG_LOCK_DIR, or one in the system's temporary folder."""
-    return Path(os.environ.get("SMARIG_LOCK_DIR") or Path(tempfile.gettempdir()) / "smarig-locks")
+    """The folder of the locks: $SMARIG_LOCK_DIR, or the user's own in the runtime or temporary folder."""
+    if given := os.environ.get("SMARIG_LOCK_DIR"):
+        return Path(given)
+    if runtime := os.environ.get("XDG_RUNTIME_DIR"):
+        return Path(runtime) / "smarig-locks"
+    user = getattr(os, "getuid", lambda: "")()
+    return Path(tempfile.gettempdir()) / f"smarig-locks-{user}"
 
 
 @contextmanager
@@ -30,30 +36,46 @@ def wire_lock(wire: str) -> Iterator[None]:
             raise RigFault(
                 f"Wire '{wire}' is in use by {holder}. Wait for it, or give another wire with --wire."
             )
-        file.seek(0)
-        file.truncate()
-        file.write(f"process {os.getpid()}")
-        file.flush()
+        _note(file, f"process {os.getpid()}")
         yield
+        _note(file, "")
+
+
+def _note(file: IO, holder: str) -> None:
+    """Write who holds the lock, if the file is one's own."""
+    if file.writable():
         file.seek(0)
         file.truncate()
+        file.write(holder)
+        file.flush()
 
 
 def _opened(wire: str) -> IO:
     readable = "".join(c if c.isalnum() or c in "-_" else "_" for c in wire)[:60]
     path = lock_folder() / f"{readable}-{zlib.crc32(wire.encode()):08x}.lock"
     try:
-        if not path.parent.is_dir():
-            path.parent.mkdir(parents=True, exist_ok=True)
-            path.parent.chmod(0o1777)  # all users share the lock of a wire
-        file = path.open("a+")
-        with contextlib.suppress(OSError):  # another user's file: its mode cannot be changed
-            path.chmod(0o666)
+        path.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
+        file = _opened_or_created(path)
     except OSError as error:
         raise UsageError(
             f"Lock {path} cannot be created: {error.strerror}. Set SMARIG_LOCK_DIR to a folder."
         ) from None
+    found = os.fstat(file.fileno())
+    if not stat.S_ISREG(found.st_mode) or found.st_nlink != 1:
+        file.close()
+        raise UsageError(
+            f"Lock {path} is not a file of its own. Remove it, or set SMARIG_LOCK_DIR to a folder."
+        )
     return file
+
+
+def _opened_or_created(path: Path) -> IO:
+    """The file, for reading only if it is another user's: such a file can be locked, but not changed."""
+    no_link = getattr(os, "O_NOFOLLOW", 0)
+    try:
+        return os.fdopen(os.open(path, os.O_RDWR | os.O_CREAT | no_link, 0o644), "r+")
+    except PermissionError:
+        return os.fdopen(os.open(path, os.O_RDONLY | no_link), "r")
 
 
 def _try_lock(file: IO) -> bool:
