@@ -5,6 +5,7 @@ from collections.abc import Callable
 from typing import Protocol
 
 from simulators.layout import RegisterLayout
+from simulators.register_device import is_new
 from simulators.simulated_bench import DAQ, SimulatedBench
 from smarig.device import Exchange, Refusal, load_register_map
 
@@ -102,7 +103,7 @@ class LockStep:
         if not exchange.words or self._layout.refuses(exchange):
             return None
         values = self._layout.values(exchange)
-        if isinstance(values, Refusal) or values.get("sequence") in (None, self._world.daq.echo):
+        if isinstance(values, Refusal) or not is_new(values.get("sequence", 0), self._world.daq.echo):
             return None
         most = values.get("ring_want", 0)
         return values.get("ring_next", 0) + most - 1, most

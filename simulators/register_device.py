@@ -6,6 +6,8 @@ from typing import NamedTuple
 from simulators.layout import RegisterLayout
 from smarig.device import Exchange, RawValues, Refusal, RegisterMap, load_register_map, to_words
 
+SEQUENCE_AHEAD = 256  # commands that may have been lost on the line
+
 
 class RegisterDevice:
     """A device with a register map and a ring. ``accept`` answers; subclasses define the commands."""
@@ -56,7 +58,9 @@ class RegisterDevice:
         return refusal
 
     def _command(self, values: RawValues) -> Refusal | None:
-        if values["sequence"] == self.echo:  # a repeated command: only its window may differ
+        if not is_new(
+            values["sequence"], self.echo
+        ):  # a repeated or late command: only its window may differ
             values = RawValues(
                 (name, raw) for name, raw in values.items() if name in ("ring_next", "ring_want")
             )
@@ -66,9 +70,9 @@ class RegisterDevice:
                 return refusal
             self.carry_out(values)
             self.echo = values["sequence"]
+            self.on_command()
         self.stored.update(values)
         self.stored["order"] = self.map["order"].safe or 0  # executed; reads as none
-        self.on_command()
         self._window = self.ring.window(self.stored["ring_next"], self.stored["ring_want"])
         return None
 
@@ -116,7 +120,16 @@ class RegisterDevice:
         raise NotImplementedError
 
     def on_command(self) -> None:
-        """Called when a sequence word, new or repeated, was accepted."""
+        """Called when a new command was executed."""
+
+
+def is_new(sequence: int, last: int) -> bool:
+    """Whether a sequence word is one of the next after the last accepted one; 1 follows 65535.
+
+    >>> is_new(1, 0), is_new(1, 65535), is_new(7, 7), is_new(6, 7), is_new(300, 7)
+    (True, True, False, False, False)
+    """
+    return 1 <= (sequence - last) % 0xFFFF <= SEQUENCE_AHEAD
 
 
 class RingWindow(NamedTuple):

@@ -4,9 +4,9 @@
 
 /* amplifier: Current amplifier: drives the wire, monitors it, and switches off when the host stops communicating. */
 #define AMP_DEVICE_KIND 21313u
-#define AMP_DEVICE_VERSION 1u
+#define AMP_DEVICE_VERSION 2u
 #define AMP_DEVICE_DEFAULT_ADDRESS 65u
-#define AMP_DEVICE_MAP_HASH 0xBF8EAA4Aul
+#define AMP_DEVICE_MAP_HASH 0xE8514CDEul
 #define AMP_STATUS_FIRST 0x0000u
 #define AMP_STATUS_WORDS 114u
 #define AMP_COMMAND_FIRST 0x0100u
@@ -106,9 +106,9 @@
 
 /* encoder_daq: Encoder DAQ: samples counts, index pulse and ambient temperature by its own clock into a ring. */
 #define DAQ_DEVICE_KIND 21316u
-#define DAQ_DEVICE_VERSION 1u
+#define DAQ_DEVICE_VERSION 2u
 #define DAQ_DEVICE_DEFAULT_ADDRESS 100u
-#define DAQ_DEVICE_MAP_HASH 0x8BB46D75ul
+#define DAQ_DEVICE_MAP_HASH 0x21C04310ul
 #define DAQ_STATUS_FIRST 0x0000u
 #define DAQ_STATUS_WORDS 111u
 #define DAQ_COMMAND_FIRST 0x0100u

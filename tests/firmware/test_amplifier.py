@@ -29,7 +29,7 @@ def in_state(amp, state):
 def test_it_boots_off_with_safe_settings(library):
     amp = Device(library, "amplifier", boot_count=65535)
     status = amp.status()
-    known = {"kind": 0x5341, "version": 1, "map_hash": amp.map.hash, "boot_count": 65535}
+    known = {"kind": 0x5341, "version": 2, "map_hash": amp.map.hash, "boot_count": 65535}
     assert {name: value for name, value in status.items() if value} == known
     safe = {r.name: r.safe for block in ("command", "settings") for r in amp.map.blocks[block]}
     assert {name: amp.read(name) for name in safe} == safe

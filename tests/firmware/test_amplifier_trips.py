@@ -1,5 +1,7 @@
 """The amplifier's trips: lease timing to the tick, each cause at its limit, their order, and the latch."""
 
+import itertools
+
 import pytest
 
 from firmware.codes import (
@@ -61,21 +63,56 @@ def test_the_lease_trips_in_its_tick(amp, period, lease, ticks):
     assert (status["state"], status["trip"]) == (TRIPPED, LEASE)
 
 
-def test_only_accepted_sequence_words_feed_the_lease(amp):
+def test_only_new_sequence_words_feed_the_lease(amp):
+    words = itertools.count(1)
+
     def after(feed):
-        amp.command(sequence=1, order=OFF)
-        amp.command(sequence=2, order=ARM)
+        amp.command(sequence=next(words), order=OFF)
+        last = next(words)
+        amp.command(sequence=last, order=ARM)
         amp.tick(0, 0, 0, 0, times=5)
-        feed()
+        feed(last)
         return trip_tick(amp, 0, 0, 0, 0)
 
-    assert after(lambda: None) == (1, LEASE)
-    assert after(lambda: amp.command(sequence=3)) == (6, LEASE)
-    assert after(lambda: amp.command(sequence=2)) == (6, LEASE)  # a repeat, too
-    assert after(amp.status) == (1, LEASE)
-    assert after(lambda: amp.command(sequence=3, order=ARM)) == (1, LEASE)  # refused
-    assert after(amp.settings) == (1, LEASE)  # refused
-    assert after(lambda: amp.line("w 100 3 *0000")) == (1, LEASE)
+    assert after(lambda last: None) == (1, LEASE)
+    assert after(lambda last: amp.command(sequence=next(words))) == (6, LEASE)
+    assert after(lambda last: amp.command(sequence=last)) == (1, LEASE)  # a repetition
+    assert after(lambda last: amp.command(sequence=last - 1, order=ARM)) == (
+        1,
+        LEASE,
+    )  # a frame delivered late
+    assert after(lambda last: amp.command(sequence=last + 257)) == (1, LEASE)  # no host is so far ahead
+    assert after(lambda last: amp.status()) == (1, LEASE)
+    assert after(lambda last: amp.command(sequence=last + 1, order=ARM)) == (1, LEASE)  # refused
+    assert after(lambda last: amp.settings()) == (1, LEASE)  # refused
+    assert after(lambda last: amp.line("w 100 3 *0000")) == (1, LEASE)
+
+
+def test_an_old_arm_frame_after_off_lets_no_current_flow(amp):
+    amp.command(sequence=1, order=ARM, current=500_000)
+    amp.command(sequence=2, order=OFF)
+    assert amp.command(sequence=1, order=ARM, current=500_000) == 0  # answered
+    status = amp.status()
+    assert (status["state"], status["output"], status["echo"]) == (IS_OFF, 0, 2)
+
+
+@pytest.mark.parametrize(
+    ("last", "word", "new"),
+    [
+        (65535, 1, True),
+        (65535, 256, True),
+        (65535, 257, False),
+        (65300, 21, True),
+        (65300, 22, False),
+        (3, 65535, False),
+    ],
+)
+def test_sequence_words_wrap_round(amp, last, word, new):
+    for between in range(256, last, 256):
+        amp.command(sequence=between)
+    amp.command(sequence=last)
+    amp.command(sequence=word)
+    assert amp.status()["echo"] == (word if new else last)
 
 
 @pytest.mark.parametrize(

@@ -7,7 +7,7 @@ INDEX, ILLEGAL_STEP, NO_SUPPLY = 1, 2, 4
 
 
 def test_it_boots(daq):
-    known = {"kind": 0x5344, "version": 1, "map_hash": daq.map.hash, "boot_count": 7}
+    known = {"kind": 0x5344, "version": 2, "map_hash": daq.map.hash, "boot_count": 7}
     assert {name: value for name, value in daq.status().items() if value} == known
     assert daq.read("period") == 100
 

@@ -98,8 +98,8 @@ def test_the_lines_of_the_contract(amp):
         "! 4"
     )  # understood: it is not armed
     assert amp.line(sealed("w 100 0")) == "! 3 *1F78"
-    assert amp.line("r 0 12").startswith("= 0000 5341 0001 ")
-    assert amp.line(sealed("w 0100 0001 0001 000F 4240 r 0000 000C")).startswith("= 0001 5341 0001 ")
+    assert amp.line("r 0 12").startswith("= 0000 5341 0002 ")
+    assert amp.line(sealed("w 0100 0001 0001 000F 4240 r 0000 000C")).startswith("= 0001 5341 0002 ")
     assert amp.output_uA == 1_000_000
     assert amp.line(sealed("w 100 2")) == sealed("=")
     assert amp.line(sealed("w 100 3") + "\r") == sealed("=")

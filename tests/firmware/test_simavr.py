@@ -33,7 +33,7 @@ def silent_until_tripped(chip, sequence):
 def test_the_amplifier_on_its_chip(start):
     chip = start("amplifier_lines", lambda driven_uA: f"in {driven_uA} {driven_uA} 2150 0")  # 1 ohm
     hello = chip.line("r 1 5").words
-    assert hello[:4] == [0x5341, 1, *to_words(MAP.hash, 2)]
+    assert hello[:4] == [0x5341, 2, *to_words(MAP.hash, 2)]
     limits = {r.name: r.safe for r in MAP.blocks["settings"]}
     limits |= {"current_max": 10**6, "slew_max": 10**5, "heat_max": 10**7}
     settings = MAP.encode("settings", limits)

@@ -54,7 +54,12 @@ class Script:
         self.steps: list[dict[str, Any]] = []
         self._device = made(self.head)
         self._framing = framing
-        self._sequence = 0
+        self.word = 0  # the last sequence word given
+
+    def next_word(self) -> int:
+        """A new sequence word."""
+        self.word += 1
+        return self.word
 
     def raw(self, why: str, request: str, reply: str | None) -> None:
         """Bytes or text as they are, and the reply that the contract gives them."""
@@ -83,8 +88,8 @@ class Script:
         written = {name.lower(): raw for name, raw in values.items() if name.isupper()}
         says = {name: raw for name, raw in values.items() if not name.isupper()}
         if not again:
-            self._sequence += 1
-        written = {"sequence": self._sequence, **written}
+            self.next_word()
+        written = {"sequence": self.word, **written}
         words = tuple(self._map.encode("command", written))
         head = self._map["ring"].address
         self.ask(why, Exchange(0, read or head, self._map.start("command"), words), refused, **says)

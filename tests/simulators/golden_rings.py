@@ -21,7 +21,9 @@ def ring() -> Script:
     s.command("the far future", RING_NEXT=2**32 - 1, RING_WANT=16, ring_first=2**32 - 1, ring_count=0)
     s.command("the two words before the window keep it", RING_NEXT=2, RING_WANT=1, ring_first=2, ring_count=1)
     s.ask(
-        "sequence alone: chosen anew, by what was asked last", Exchange(0, 0x12, 0x100, (77,)), ring_first=2
+        "sequence alone: chosen anew, by what was asked last",
+        Exchange(0, 0x12, 0x100, (s.next_word(),)),
+        ring_first=2,
     )
     for k in range(4, 258):
         s.tick(k, -k, NO_SENSOR, 0)
@@ -40,7 +42,7 @@ def ring() -> Script:
 
 def daq_work() -> Script:
     s = Script("daq_work", "encoder_daq", "lines", "Handshake, zero, index, supply, settings.")
-    who = {"kind": 0x5344, "version": 1, "map_hash": s.map_hash, "boot_count": 7}
+    who = {"kind": 0x5344, "version": 2, "map_hash": s.map_hash, "boot_count": 7}
     s.ask("kind … boot_count", Exchange(1, 5), **who)
     s.ask("all of the status block", Exchange(0, 111), tick=0, fault=0, counts=0, index_count=0, ring_count=0)
     s.ask("safe", Exchange(0x200, 1), period=100)

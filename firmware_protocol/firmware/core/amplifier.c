@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "block.h"
+#include "sequence.h"
 #include "words.h"
 
 static const struct value COMMAND[] = {
@@ -73,9 +74,9 @@ void amplifier_tick(struct amplifier *a, const struct amplifier_inputs *in)
 
 /* --- checking an exchange --- */
 
-static bool repeated(const struct amplifier *a, const struct exchange *asked)
+static bool is_new(const struct amplifier *a, const struct exchange *asked)
 {
-    return asked->words[AT(AMP_SEQUENCE)] == a->command[AT(AMP_SEQUENCE)];
+    return sequence_is_new(a->command[AT(AMP_SEQUENCE)], asked->words[AT(AMP_SEQUENCE)]);
 }
 
 static uint16_t order_of(const struct exchange *asked)
@@ -105,7 +106,7 @@ static uint8_t check_command(const struct amplifier *a, const struct exchange *a
 {
     const uint16_t order = order_of(asked);
     const bool drives = asked->write_count > AT(AMP_CURRENT) && words_i32(asked->words + AT(AMP_CURRENT)) != 0;
-    if (repeated(a, asked))
+    if (!is_new(a, asked))
         return ACCEPTED; /* a repetition is not executed, so its content cannot conflict with the state */
     if (!order_fits(order, a->state) || (drives && a->state != AMP_STATE_ARMED && !arms(order)))
         return REFUSED_NOW;
@@ -177,11 +178,11 @@ static void write(void *device, const struct exchange *asked)
         memcpy(a->settings, asked->words, asked->write_count * sizeof a->settings[0]);
         return;
     }
-    a->ticks_unfed = 0;
-    if (repeated(a, asked))
-        take(a, asked, AT(AMP_RING_NEXT));
-    else
+    if (is_new(a, asked)) {
+        a->ticks_unfed = 0; /* only a new command proves that the host lives */
         carry_out(a, asked);
+    } else
+        take(a, asked, AT(AMP_RING_NEXT));
     choose_window(a);
 }
 

@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "block.h"
+#include "sequence.h"
 #include "words.h"
 
 static const struct value COMMAND[] = {
@@ -68,9 +69,9 @@ static uint8_t check(const void *device, const struct exchange *asked)
     return map_check(&MAP, asked);
 }
 
-static bool repeated(const struct encoder_daq *d, const struct exchange *asked)
+static bool is_new(const struct encoder_daq *d, const struct exchange *asked)
 {
-    return asked->words[AT(DAQ_SEQUENCE)] == d->command[AT(DAQ_SEQUENCE)];
+    return sequence_is_new(d->command[AT(DAQ_SEQUENCE)], asked->words[AT(DAQ_SEQUENCE)]);
 }
 
 /* Copies the words from `at` on, as many as the exchange contains. */
@@ -104,10 +105,10 @@ static void write(void *device, const struct exchange *asked)
         memcpy(d->settings, asked->words, asked->write_count * sizeof d->settings[0]);
         return;
     }
-    if (repeated(d, asked))
-        take(d, asked, AT(DAQ_RING_NEXT));
-    else
+    if (is_new(d, asked))
         carry_out(d, asked);
+    else
+        take(d, asked, AT(DAQ_RING_NEXT));
     choose_window(d);
 }
 

@@ -53,6 +53,8 @@ static void plan(struct exchange *e, bool is_amp)
     e->read_count = chance(2) ? whole[chance(6)] : (uint16_t)chance(130);
     for (uint16_t i = 0; i < e->write_count && i < WRITE_MOST; i++)
         e->words[i] = i == 1 ? (uint16_t)chance(4) : random_word();
+    if (e->write_at == AMP_COMMAND_FIRST && chance(16)) /* else hardly any command would be new */
+        e->words[0] = (uint16_t)((is_amp ? pair.amp.command[0] : pair.daq.command[0]) + 1 + chance(2));
     if (is_amp && e->write_at == AMP_COMMAND_FIRST && chance(2))
         words_put32(e->words + 2, chance(10000) - 5000);
     if (is_amp && e->write_at == AMP_SETTINGS_FIRST && chance(2)) {
@@ -196,12 +198,14 @@ static void tick(void)
     const struct amplifier_inputs seen = {chance(2) ? pair.amp.output_uA : extremes[chance(6)], extremes[chance(6)],
                                           (int16_t)random_word(), (uint16_t)(chance(20) ? 0 : chance(4))};
     const struct encoder_daq_inputs counted = {extremes[chance(6)], (int16_t)random_word(), (uint16_t)chance(8)};
-    ticks_with_current += pair.amp.output_uA != 0;
-    amplifier_tick(&pair.amp, &seen);
-    trips[pair.amp.trip]++;
-    encoder_daq_tick(&pair.daq, &counted);
-    encoder_daq_now(&pair.daq, extremes[chance(6)]);
-    promised_safe(&pair);
+    for (uint32_t left = chance(8) ? 1 : 4; left--;) { /* some causes trip after three ticks in a row */
+        ticks_with_current += pair.amp.output_uA != 0;
+        amplifier_tick(&pair.amp, &seen);
+        trips[pair.amp.trip]++;
+        encoder_daq_tick(&pair.daq, &counted);
+        encoder_daq_now(&pair.daq, extremes[chance(6)]);
+        promised_safe(&pair);
+    }
 }
 
 int main(int argc, char **argv)
