@@ -1,5 +1,6 @@
 """A run file opens whatever instant its recorder was killed at, and where nothing can be written."""
 
+import contextlib
 import os
 import signal
 import sqlite3
@@ -12,6 +13,8 @@ import pytest
 from record.runs import META, beside, sample
 from smarig.core import DataError, UsageError
 from smarig.record import Recorder, load_run
+from smarig.record.continuation import opened_for_recording
+from smarig.record.new_run_file import new_run_file
 
 ROOT = Path(__file__).resolve().parents[2]
 ENV = {**os.environ, "PYTHONPATH": os.pathsep.join([str(ROOT / "src"), str(ROOT / "tests")])}
@@ -134,3 +137,20 @@ def test_a_name_taken_meanwhile_is_not_replaced(tmp_path, monkeypatch):
         Recorder(path, META)
     assert path.read_bytes() == b"another run"
     assert beside(path) == ["a.run.sqlite"]
+
+
+def test_a_recorder_whose_file_was_replaced_never_writes_into_the_new_one(tmp_path):
+    """Even if it has not stored anything before."""
+    path = tmp_path / "a.run.sqlite"
+    description = {"schema_version": 1, **META}
+    with new_run_file(path, description, force=False):
+        pass
+    old = opened_for_recording(path)
+    with new_run_file(path, description, force=True):
+        pass
+    new = opened_for_recording(path)
+    with contextlib.closing(old), contextlib.closing(new):
+        for db, tick in ((new, 1), (old, 77)):
+            with db:
+                db.execute("INSERT INTO sample (tick) VALUES (?)", (tick,))
+        assert new.execute("SELECT tick FROM sample").fetchall() == [(1,)]

@@ -10,7 +10,7 @@ from pathlib import Path
 
 from smarig.core.errors import StorageError, UsageError
 from smarig.core.file_content import content_kind
-from smarig.core.new_file import check_regular, publish, temporary_beside
+from smarig.core.new_file import check_regular, new_part_file, publish
 
 
 @contextlib.contextmanager
@@ -26,7 +26,7 @@ def atomic_file(path: Path, *, force: bool) -> Iterator[Path]:
     check_writable(path, force=force)
     part: Path | None = None
     try:
-        part = temporary_beside(path)
+        part = new_part_file(path)
         yield part
         check_replaceable(path, content_kind(part, path.name))
         publish(part, path, force=force)

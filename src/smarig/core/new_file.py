@@ -10,7 +10,7 @@ from smarig.core.errors import UsageError
 _LONGEST = 120  # characters of the name that a temporary one repeats
 
 
-def temporary_beside(path: Path) -> Path:
+def new_part_file(path: Path) -> Path:
     """Create an empty file in the folder of ``path``, under a name that cannot be guessed."""
     part = path.with_name(f".{path.name[:_LONGEST]}.{secrets.token_hex(8)}.part")
     os.close(os.open(part, os.O_CREAT | os.O_EXCL | os.O_RDWR | getattr(os, "O_NOFOLLOW", 0), 0o666))

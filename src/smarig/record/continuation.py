@@ -51,6 +51,8 @@ def opened_for_recording(path: Path) -> sqlite3.Connection:
         db.execute("PRAGMA journal_mode=WAL")
         db.execute("PRAGMA synchronous=FULL")
         db.execute(f"PRAGMA wal_autocheckpoint={schema.WAL_PAGES}")
+        db.execute("BEGIN IMMEDIATE")  # opens the log now: later, its name may belong to another run
+        db.execute("COMMIT")
     except sqlite3.Error as error:
         if db is not None:
             db.close()

@@ -15,8 +15,8 @@ from smarig.core import (
     UsageError,
     check_regular,
     check_replaceable,
+    new_part_file,
     publish,
-    temporary_beside,
 )
 from smarig.record import schema
 
@@ -37,7 +37,7 @@ def new_run_file(path: Path, meta: dict[str, Any], *, force: bool) -> Iterator[s
     part: Path | None = None
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
-        part = temporary_beside(path)
+        part = new_part_file(path)
         with contextlib.closing(sqlite3.connect(part)) as db:
             db.execute("PRAGMA synchronous=FULL")
             with db:
