@@ -52,10 +52,8 @@ class Recorder:
         self._closing = threading.Event()
         self._failure: str | None = None
         self._loss_text: str | None = None
-        self._stall_s = TWIN_STALL_S if meta.get("source") == "twin" else STALL_S
-        self._waiting_since: float | None = (
-            None  # host time of the oldest sample that no commit has begun to store
-        )
+        self._stall_s = TWIN_STALL_S if meta.get("source") in ("twin", "simulation") else STALL_S
+        self._waiting_since: float | None = None  # host time of the oldest sample not yet taken by a commit
         self._stored = _Stored()
         self._steps_given = 0
         meta = {"schema_version": schema.VERSION, "recorder_pid": os.getpid(), **meta}
