@@ -216,8 +216,8 @@ def _first_order_curves(runs: Sequence[Run], surface: str) -> FodData:
             fod_data(runs)
         except DataError as error:
             raise DataError(
-                f"{error} Without such curves, only the {POSITIVE_KIND} surface can be identified: it uses "
-                "every point whose memory is known."
+                f"{error} Without such curves, only the {POSITIVE_KIND} surface (--surface {POSITIVE_KIND}) can be "
+                "identified: it uses every point whose memory is known."
             ) from None
     _check_usable(data.y, data.alpha, data.unit)
     return data
