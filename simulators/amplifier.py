@@ -71,7 +71,8 @@ class Amplifier(RegisterDevice):
         return Refusal(NOT_NOW) if self.state == "armed" else None
 
     def carry_out(self, values: dict[str, int]) -> None:
-        """Carry out the order, then set the current."""
+        """Restart the lease, carry out the order, then set the current."""
+        self._silent_ticks = 0
         order = _ORDER[values.get("order", 0)]
         if order == "off":
             self._switch_off("off")
@@ -84,10 +85,6 @@ class Amplifier(RegisterDevice):
             self._trip("slew")
         else:
             self.output_uA = values["current"]
-
-    def on_command(self) -> None:
-        """Restart the lease."""
-        self._silent_ticks = 0
 
     def _switch_off(self, state: str) -> None:
         self.state, self.trip, self.output_uA = state, "", 0

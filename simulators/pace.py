@@ -103,7 +103,9 @@ class LockStep:
         if not exchange.words or self._layout.refuses(exchange):
             return None
         values = self._layout.values(exchange)
-        if isinstance(values, Refusal) or not is_new(values.get("sequence", 0), self._world.daq.echo):
+        if isinstance(values, Refusal) or "sequence" not in values:
+            return None
+        if not is_new(values["sequence"], self._world.daq.echo):
             return None
         most = values.get("ring_want", 0)
         return values.get("ring_next", 0) + most - 1, most

@@ -58,9 +58,7 @@ class RegisterDevice:
         return refusal
 
     def _command(self, values: RawValues) -> Refusal | None:
-        if not is_new(
-            values["sequence"], self.echo
-        ):  # a repeated or late command: only its window may differ
+        if not is_new(values["sequence"], self.echo):  # repeated or late: only its window may differ
             values = RawValues(
                 (name, raw) for name, raw in values.items() if name in ("ring_next", "ring_want")
             )
@@ -70,7 +68,6 @@ class RegisterDevice:
                 return refusal
             self.carry_out(values)
             self.echo = values["sequence"]
-            self.on_command()
         self.stored.update(values)
         self.stored["order"] = self.map["order"].safe or 0  # executed; reads as none
         self._window = self.ring.window(self.stored["ring_next"], self.stored["ring_want"])
@@ -118,9 +115,6 @@ class RegisterDevice:
     def carry_out(self, values: dict[str, int]) -> None:
         """Execute a new command."""
         raise NotImplementedError
-
-    def on_command(self) -> None:
-        """Called when a new command was executed."""
 
 
 def is_new(sequence: int, last: int) -> bool:

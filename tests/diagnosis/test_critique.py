@@ -60,6 +60,7 @@ def critique_of(monkeypatch):
         candidates = [Gains(*those) for those in zip(NAMES, np.atleast_1d(data).tolist(), nulls)]
         monkeypatch.setattr(module, "named", lambda *args: candidates)
         plant_model = PlantModel(NOTHING, NOTHING, "negative")
+        settings = {"calibrated": False, **settings}  # properties of the comparison with null data alone
         return critique(TIMELINE, plant_model, [], count=nulls.shape[1], alpha=alpha, **settings)
 
     return of

@@ -63,7 +63,7 @@ def test_a_name_that_passes_every_gate_stands():
             "contains no effect",
         ),
         ({"levels": (level(1.0, 0.8, "ambient_drift", gain=100.0),)}, "contains no effect"),
-        ({"fitted_ratio": 1.15}, "training runs are predicted worse with settling"),
+        ({"fitted_ratio": 1.15}, "with settling, the positions of the training runs are predicted worse"),
         ({"fitted_ratio": 1.05}, ""),
         ({"before": replace(QUIET, variable="cycle", gain=900.0)}, "dependence on cycle explains more"),
         ({"after": replace(QUIET, variable="level", gain=90.0)}, "still depend on level"),

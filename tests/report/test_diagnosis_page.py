@@ -15,7 +15,7 @@ import pytest
 import smarig
 from report.pages import LOADING, Page, unpacked
 from smarig.diagnosis.commanded_diagnosis import Diagnosis, ErrorSummary
-from smarig.diagnosis.critique.calibration import BOXES
+from smarig.diagnosis.critique.calibration import CALIBRATION_BOXES
 from smarig.diagnosis.critique.critique import critique
 from smarig.diagnosis.critique.visibility import visibility
 from smarig.diagnosis.diagnosis_verdict import DiagnosisVerdict
@@ -59,9 +59,7 @@ def named(tmp_path_factory) -> Diagnosis:
     extended = replace(model, name=f"{model.name} + ambient_drift", effects=(DRIFT.to_json(),))
     timeline = build_timeline(runs[:1], actuator_of(model).tau_s)
     base, with_drift = (plant_model_of(m, timeline.runs[0]) for m in (model, extended))
-    first = critique(
-        timeline, base, [k for k in effect_types() if k.name in COMPETE], count=40, alpha=0.1, calibrated=True
-    )
+    first = critique(timeline, base, [k for k in effect_types() if k.name in COMPETE], count=40, alpha=0.1)
     spread = {("ambient_drift", p.name): 0.1 for p in DRIFT.kind.parameters}
     best = ParameterFit((DRIFT,), spread, spread, np.zeros(1), base, moved=0.0)
     rival = SimpleNamespace(effects=(SLIP,), names=("slip",))
@@ -113,7 +111,7 @@ def test_a_named_effect_stands_first_with_its_strength_interval_p_and_gain(named
     assert words.startswith(f"Named: ambient_drift, swing {found['value']:.3g} K (95 %: ".replace("-", "−"))
     assert f"{found['ci95'][0]:.3g} to {found['ci95'][1]:.3g}".replace("-", "−") in words
     assert "p ≤ 0.005" in page.card("Probability by chance")
-    assert f"{BOXES} simulated wires without an effect" in page.card("Probability by chance")
+    assert f"{CALIBRATION_BOXES} simulated wires without an effect" in page.card("Probability by chance")
     e = named.error
     assert f"{e.base:.3g} → {e.extended:.3g}" in page.card("Settled points, rms (mm)")
     assert f"R = {named.gain.removable_share:.2f}".replace("-", "−") in page.card("Removable share")

@@ -48,10 +48,11 @@ def test_a_link_is_refused_and_what_it_points_to_stays(folder, tmp_path, link):
     assert victim.stat().st_mode & 0o777 == 0o600
 
 
-def test_a_folder_or_a_pipe_is_refused(folder):
+@pytest.mark.parametrize("make", [os.mkdir, os.mkfifo])
+def test_a_folder_or_a_pipe_is_refused(folder, make):
     file = only_file(folder)
     file.unlink()
-    file.mkdir()
+    make(file)
     with pytest.raises(UsageError, match="SMARIG_LOCK_DIR"), wire_lock("w"):
         pass
 
@@ -62,6 +63,17 @@ def test_each_user_has_a_folder(monkeypatch, tmp_path):
     assert lock_folder() == tmp_path / "smarig-locks"
     monkeypatch.delenv("XDG_RUNTIME_DIR")
     assert str(os.getuid()) in lock_folder().name
+
+
+def test_a_folder_that_another_user_made_is_refused(monkeypatch, tmp_path):
+    """Who owns it could take the locks away."""
+    monkeypatch.delenv("SMARIG_LOCK_DIR")
+    monkeypatch.setenv("XDG_RUNTIME_DIR", str(tmp_path))
+    (tmp_path / "elsewhere").mkdir()
+    (tmp_path / "smarig-locks").symlink_to(tmp_path / "elsewhere")
+    with pytest.raises(UsageError, match="belongs to another user"), wire_lock("w"):
+        pass
+    assert not list((tmp_path / "elsewhere").iterdir())
 
 
 AS_NOBODY = """

@@ -45,8 +45,7 @@ if TYPE_CHECKING:
     from smarig.core.file_content import RUN as RUN
     from smarig.core.file_content import TOML as TOML
     from smarig.core.new_file import check_regular as check_regular
-    from smarig.core.new_file import new_part_file as new_part_file
-    from smarig.core.new_file import publish as publish
+    from smarig.core.new_file import new_file as new_file
     from smarig.core.notebook_display import NotebookDisplay as NotebookDisplay
     from smarig.core.resources import make_importable as make_importable
     from smarig.core.resources import shipped as shipped

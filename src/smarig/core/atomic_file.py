@@ -10,7 +10,7 @@ from pathlib import Path
 
 from smarig.core.errors import StorageError, UsageError
 from smarig.core.file_content import content_kind
-from smarig.core.new_file import check_regular, new_part_file, publish
+from smarig.core.new_file import check_regular, new_file
 
 
 @contextlib.contextmanager
@@ -24,18 +24,12 @@ def atomic_file(path: Path, *, force: bool) -> Iterator[Path]:
     ...     _ = part.write_text("all of it")
     """
     check_writable(path, force=force)
-    part: Path | None = None
     try:
-        part = new_part_file(path)
-        yield part
-        check_replaceable(path, content_kind(part, path.name))
-        publish(part, path, force=force)
+        with new_file(path, force=force) as part:
+            yield part
+            check_replaceable(path, content_kind(part, path.name))
     except OSError as error:
         raise StorageError(f"{path} cannot be written: {error.strerror or error}.") from None
-    finally:
-        if part is not None:
-            with contextlib.suppress(OSError):
-                part.unlink(missing_ok=True)
 
 
 def check_writable(path: Path, *, force: bool, kind: str = "") -> None:

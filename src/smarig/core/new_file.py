@@ -3,31 +3,32 @@
 import contextlib
 import os
 import secrets
+from collections.abc import Iterator
 from pathlib import Path
 
 from smarig.core.errors import UsageError
 
-_LONGEST = 120  # characters of the name that a temporary one repeats
+_LONGEST = 120  # characters of the name that the one beside it repeats
 
 
-def new_part_file(path: Path) -> Path:
-    """Create an empty file in the folder of ``path``, under a name that cannot be guessed."""
-    part = path.with_name(f".{path.name[:_LONGEST]}.{secrets.token_hex(8)}.part")
-    os.close(os.open(part, os.O_CREAT | os.O_EXCL | os.O_RDWR | getattr(os, "O_NOFOLLOW", 0), 0o666))
-    return part
+@contextlib.contextmanager
+def new_file(path: Path, *, force: bool) -> Iterator[Path]:
+    """Yield an empty file beside ``path``; it becomes ``path`` if the block succeeds, and is deleted otherwise.
 
-
-def publish(part: Path, path: Path, *, force: bool) -> None:
-    """Give the file ``part`` its name ``path``, and make the name survive a power cut.
-
-    Raises UsageError if the name was taken meanwhile (without ``force``), or belongs to something that is no file.
+    Its name cannot be guessed, and the name ``path`` survives a power cut. Raises UsageError if ``path`` is taken
+    meanwhile (without ``force``) or is no file, and OSError.
     """
     check_regular(path)
-    if force:
-        part.replace(path)
-    else:
-        _link(part, path)
-    _sync_folder(path.parent)
+    part = path.with_name(f".{path.name[:_LONGEST]}.{secrets.token_hex(8)}.part")
+    os.close(os.open(part, os.O_CREAT | os.O_EXCL | os.O_RDWR, 0o666))  # O_EXCL follows no link
+    try:
+        yield part
+        check_regular(path)
+        _rename(part, path, replace=force)
+        _sync_folder(path.parent)
+    finally:
+        with contextlib.suppress(OSError):
+            part.unlink(missing_ok=True)
 
 
 def check_regular(path: Path) -> None:
@@ -36,18 +37,18 @@ def check_regular(path: Path) -> None:
         raise UsageError(f"{path} is not a regular file, so it is not replaced. Give another name.")
 
 
-def _link(part: Path, path: Path) -> None:
-    """Rename without replacing."""
+def _rename(part: Path, path: Path, *, replace: bool) -> None:
+    taken = UsageError(f"{path} exists. Give another name, or --force to replace it.")
     try:
-        os.link(part, path)
+        if not replace:
+            os.link(part, path)  # refuses a name that exists, unlike a renaming
+            return
     except FileExistsError:
-        raise UsageError(f"{path} exists. Give another name, or --force to replace it.") from None
+        raise taken from None
     except OSError:  # a file system without hard links
         if path.exists():
-            raise UsageError(f"{path} exists. Give another name, or --force to replace it.") from None
-        part.replace(path)
-    else:
-        part.unlink()
+            raise taken from None
+    part.replace(path)
 
 
 def _sync_folder(folder: Path) -> None:

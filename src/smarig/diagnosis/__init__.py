@@ -13,7 +13,7 @@ from smarig.core.lazy_exports import lazy_exports
 if TYPE_CHECKING:
     from smarig.diagnosis.commanded_diagnosis import Diagnosis as Diagnosis
     from smarig.diagnosis.commanded_diagnosis import diagnose_commanded as diagnose_commanded
-    from smarig.diagnosis.critique.calibration import BOXES as BOXES
+    from smarig.diagnosis.critique.calibration import CALIBRATION_BOXES as CALIBRATION_BOXES
     from smarig.diagnosis.critique.calibration import p_text as p_text
     from smarig.diagnosis.critique.candidates import DETECTION_SD as DETECTION_SD
     from smarig.diagnosis.critique.critique import MIN_SPREAD_NATS as MIN_SPREAD_NATS

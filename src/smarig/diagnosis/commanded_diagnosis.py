@@ -169,9 +169,7 @@ def diagnose_commanded(
     report_progress(
         f"{len(timeline.settled)} settled points, {sum(len(r) for r in timeline.other_readings)} other readings"
     )
-    criticise = partial(
-        critique, timeline, effect_types=catalogue, count=nulls, alpha=alpha, seed=seed, calibrated=True
-    )
+    criticise = partial(critique, timeline, effect_types=catalogue, count=nulls, alpha=alpha, seed=seed)
     seen = find_explanations(timeline, plant_model, criticise, report_progress)
     base, first, levels = seen.base, seen.first, seen.levels
     decided = decide_verdict(first, levels)

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from smarig.core import spaced
-from smarig.diagnosis.critique.calibration import BOXES, p_text
+from smarig.diagnosis.critique.calibration import CALIBRATION_BOXES, p_text
 from smarig.diagnosis.held_out_gain import HeldOutGain
 
 if TYPE_CHECKING:
@@ -22,7 +22,7 @@ AT_FLOOR = "The base model already reaches the floor of what can be predicted."
 def text_lines(d: "Diagnosis") -> Iterator[str]:
     """The findings of a diagnosis, one or two sentences per line."""
     e, gain, best = d.error, d.gain, d.best
-    p = f"p {p_text(d.first.p_value)}, calibrated on {BOXES} simulated wires without an effect"
+    p = f"p {p_text(d.first.p_value)}, calibrated on {CALIBRATION_BOXES} simulated wires without an effect"
     if d.verdict.word in ("silent", "not_identifiable"):
         if d.first.silent:
             yield f"Nothing stands out ({p}; an alarm needs p ≤ {d.alpha:g})."

@@ -102,16 +102,16 @@ def _failures(names: str, evidence: NameEvidence) -> Iterator[str]:
         yield f"a dependence on {before.depends_on} explains more than {names}"
     if after is not None and after.gain > max(DISCREPANCY_NATS, REMAINING_SHARE * evidence.effect_nats):
         yield f"with {names}, the errors still depend on {after.depends_on}"
+    if evidence.fitted_ratio > WORSE:
+        yield f"with {names}, the positions of the training runs are predicted worse"
     yield from _held_out_failures(names, evidence)
 
 
 def _held_out_failures(names: str, evidence: NameEvidence) -> Iterator[str]:
-    """Runs that the effects predict worse, or held-out runs hardly better although they fit the training runs better.
+    """Held-out runs that the effects predict worse, or hardly better although they fit the training runs better.
 
     Effects that another channel shows need not change the error of positions.
     """
-    if evidence.fitted_ratio > WORSE:
-        yield f"the positions of the training runs are predicted worse with {names}"
     gain = evidence.gain
     if gain is None:
         return

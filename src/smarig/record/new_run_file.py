@@ -13,10 +13,8 @@ from smarig.core import (
     RUN,
     StorageError,
     UsageError,
-    check_regular,
     check_replaceable,
-    new_part_file,
-    publish,
+    new_file,
 )
 from smarig.record import schema
 
@@ -31,27 +29,23 @@ def new_run_file(path: Path, meta: dict[str, Any], *, force: bool) -> Iterator[s
     """
     if path.exists() and not force:
         raise UsageError(f"{path} exists. Give another name, or --force to replace it.")
-    check_regular(path)
     check_replaceable(path, RUN)
     _refuse_if_recording(path)
-    part: Path | None = None
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
-        part = new_part_file(path)
-        with contextlib.closing(sqlite3.connect(part)) as db:
-            db.execute("PRAGMA synchronous=FULL")
-            with db:
-                db.executescript(f"BEGIN; {schema.CREATE}")
-                db.executemany(schema.UPSERT_KEY, [(k, json.dumps(v)) for k, v in meta.items()])
-            yield db
-        _remove(path, SIDECARS)  # those of the replaced run, which would be applied to the new one
-        publish(part, path, force=force)
+        with new_file(path, force=force) as part:
+            try:
+                with contextlib.closing(sqlite3.connect(part)) as db:
+                    db.execute("PRAGMA synchronous=FULL")
+                    with db:
+                        db.executescript(f"BEGIN; {schema.CREATE}")
+                        db.executemany(schema.UPSERT_KEY, [(k, json.dumps(v)) for k, v in meta.items()])
+                    yield db
+            finally:
+                _remove_sidecars(part)
+            _remove_sidecars(path)  # of the replaced run: they would be applied to the new one
     except (OSError, sqlite3.Error, OverflowError) as error:
         raise StorageError(f"Run file {path} cannot be created: {error}.") from None
-    finally:
-        if part is not None:
-            with contextlib.suppress(OSError):
-                _remove(part, ("", *SIDECARS))
 
 
 def write_run(
@@ -76,8 +70,8 @@ def _as_list(column: Any) -> list:
     return column.tolist() if hasattr(column, "tolist") else list(column)
 
 
-def _remove(path: Path, suffixes: tuple[str, ...]) -> None:
-    for suffix in suffixes:
+def _remove_sidecars(path: Path) -> None:
+    for suffix in SIDECARS:
         path.with_name(path.name + suffix).unlink(missing_ok=True)
 
 

@@ -55,6 +55,7 @@ def _opened(wire: str) -> IO:
     path = lock_folder() / f"{readable}-{zlib.crc32(wire.encode()):08x}.lock"
     try:
         path.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
+        _check_own(path.parent)
         file = _opened_or_created(path)
     except OSError as error:
         raise UsageError(
@@ -67,6 +68,17 @@ def _opened(wire: str) -> IO:
             f"Lock {path} is not a file of its own. Remove it, or set SMARIG_LOCK_DIR to a folder."
         )
     return file
+
+
+def _check_own(folder: Path) -> None:
+    """Raise UsageError if another user made the folder that belongs to this one; $SMARIG_LOCK_DIR may be anybody's."""
+    if os.environ.get("SMARIG_LOCK_DIR") or not hasattr(os, "getuid"):
+        return
+    found = folder.lstat()
+    if not stat.S_ISDIR(found.st_mode) or found.st_uid != os.getuid():
+        raise UsageError(
+            f"The folder of locks {folder} belongs to another user. Set SMARIG_LOCK_DIR to a folder."
+        )
 
 
 def _opened_or_created(path: Path) -> IO:

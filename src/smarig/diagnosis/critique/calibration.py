@@ -12,7 +12,7 @@ excess as large (a conformal p-value; Vovk, Gammerman and Shafer 2005, §2.2).
 import numpy as np
 from numpy.typing import NDArray
 
-BOXES = 350  # seed 78 of benchmarks/boxes, 200 null data sets each
+CALIBRATION_BOXES = 350  # seed 78 of benchmarks/boxes, 200 null data sets each
 CALIBRATED_P = (1.0, 0.9, 0.8, 0.7, 0.6, 0.5, 0.4, 0.3, 0.2, 0.1, 0.05, 0.03, 0.02, 0.01, 0.005)
 EXCESS = (-2.05, -1.32, -0.94, -0.74, -0.49, -0.23, 0.02, 0.37, 0.87, 2.01, 3.84, 4.7, 5.11, 6.37, 7.12)
 LEAST_P = CALIBRATED_P[-1]

@@ -88,13 +88,13 @@ def critique(
     warm_start: Critique | None = None,
     all_nuisances: bool = False,
     noise_of: Critique | None = None,
-    calibrated: bool = False,
+    calibrated: bool = True,
 ) -> Critique:
     """Compare a plant model with a timeline and with ``count`` null data sets at the level α.
 
     ``warm_start``: refine the noise of another critique. ``noise_of``: use the noise of another critique.
-    ``all_nuisances``: use the least noise, by allowing all nuisance terms at once. ``calibrated``: p and threshold are
-    those of boxes without an effect, not of null data alone.
+    ``all_nuisances``: use the least noise, by allowing all nuisance terms at once. If not ``calibrated``,
+    p and threshold are those of null data alone.
     """
     present = {effect.kind.name for effect in plant_model.catalogue_effects}
     absent = tuple(kind for kind in effect_types if kind.name not in present)

@@ -7,7 +7,7 @@ from scipy.cluster.hierarchy import leaves_list, linkage
 from scipy.spatial.distance import squareform
 
 from smarig.diagnosis import (
-    BOXES,
+    CALIBRATION_BOXES,
     IMITATION_THRESHOLD,
     MIN_SPREAD_NATS,
     CandidateScore,
@@ -58,8 +58,8 @@ def detection_figure(d: Diagnosis) -> Figure:
             "simulated from the base model with noise and without effects. "
             f"Band: from the median (0) to the 95 % point (1; at least {MIN_SPREAD_NATS:g} nats, units of log "
             "likelihood).",
-            f"Dashed: {top:.3g}, the threshold that the largest gain exceeds in {100 * d.alpha:g} % of {BOXES} "
-            "simulated wires without an effect, whose density is misfitted as well. "
+            f"Dashed: {top:.3g}, the threshold that the largest gain exceeds in {100 * d.alpha:g} % of "
+            f"{CALIBRATION_BOXES} simulated wires without an effect, whose density is misfitted as well. "
             "The rate of false alarms therefore does not depend on the number of candidates. "
             f"Above it: {above}. p {p_text(d.first.p_value)}.",
             "Axis: linear near 0, logarithmic beyond.",

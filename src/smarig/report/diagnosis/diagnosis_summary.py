@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 
-from smarig.diagnosis import BOXES, Diagnosis, p_text, share_text
+from smarig.diagnosis import CALIBRATION_BOXES, Diagnosis, p_text, share_text
 from smarig.report.components.html import Html, bullets, cards, notice, paragraph, tag
 from smarig.report.components.run_description import display_unit
 from smarig.report.diagnosis.verdict_text import findings, verdict_sentence
@@ -41,7 +41,9 @@ def _held_out_worse(d: Diagnosis) -> bool:
 
 
 def _detection_card(d: Diagnosis) -> _Card:
-    note = f"calibrated on {BOXES} simulated wires without an effect; an alarm needs p ≤ {d.alpha:g}"
+    note = (
+        f"calibrated on {CALIBRATION_BOXES} simulated wires without an effect; an alarm needs p ≤ {d.alpha:g}"
+    )
     return "Probability by chance", f"p {p_text(d.first.p_value)}", note
 
 
