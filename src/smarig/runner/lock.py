@@ -61,8 +61,7 @@ def _opened(wire: str) -> IO:
         raise UsageError(
             f"Lock {path} cannot be created: {error.strerror}. Set SMARIG_LOCK_DIR to a folder."
         ) from None
-    found = os.fstat(file.fileno())
-    if not stat.S_ISREG(found.st_mode) or found.st_nlink != 1:
+    if os.fstat(file.fileno()).st_nlink != 1:  # a second name of another file
         file.close()
         raise UsageError(
             f"Lock {path} is not a file of its own. Remove it, or set SMARIG_LOCK_DIR to a folder."
