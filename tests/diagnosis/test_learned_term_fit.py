@@ -55,7 +55,7 @@ def fit(shape, **values) -> Any:
     effect = SimpleNamespace(kind=SimpleNamespace(shape=shape), values=values)
     return LearnedTermFit(
         SimpleNamespace(effects=(effect,), plant_model="with law", refitted=None), 20.0, 9.0, 0.5
-    )  # pyright: ignore[reportArgumentType]
+    )
 
 
 def test_the_json_gives_holds_in_seconds():

@@ -78,7 +78,7 @@ def named(tmp_path_factory) -> Diagnosis:
         remaining=Discrepancy("", "", 0.0, 0.1, 300.0, 0.01),
         timeline=timeline,
         first=first,
-        levels=(level,),  # pyright: ignore[reportArgumentType]
+        levels=(level,),
         base=base,
         visibility=visibility(first),
         error=error,

@@ -57,14 +57,14 @@ def test_an_extension_must_beat_the_given_model_unless_that_knew_the_held_out_ru
     monkeypatch.setattr(where, lambda _: "abc")
     stranger, maker = (SimpleNamespace(provenance=[SimpleNamespace(sha256=h)]) for h in ("xyz", "abc"))
     base, given = np.full(4, 2.0), np.full(4, 1.0)
-    assert _error_to_beat(base, given, stranger, [run]) == pytest.approx(1.0)  # pyright: ignore[reportArgumentType]
-    assert _error_to_beat(base, given, maker, [run]) == pytest.approx(2.0)  # pyright: ignore[reportArgumentType]
-    assert _error_to_beat(base, np.full(4, np.nan), stranger, [run]) == pytest.approx(2.0)  # pyright: ignore[reportArgumentType]
+    assert _error_to_beat(base, given, stranger, [run]) == pytest.approx(1.0)
+    assert _error_to_beat(base, given, maker, [run]) == pytest.approx(2.0)
+    assert _error_to_beat(base, np.full(4, np.nan), stranger, [run]) == pytest.approx(2.0)
 
 
 def test_drifts_of_input_and_output_are_told_apart_by_a_large_difference_only():
     def of(kind):
         return SimpleNamespace(effects=(SimpleNamespace(kind=kind),))
 
-    assert _equal_ratio(of(input_drift), of(output_drift)) == CONFUSED  # pyright: ignore[reportArgumentType]
-    assert _equal_ratio(of(input_drift), of(output_jump)) == EQUAL  # pyright: ignore[reportArgumentType]
+    assert _equal_ratio(of(input_drift), of(output_drift)) == CONFUSED
+    assert _equal_ratio(of(input_drift), of(output_jump)) == EQUAL
