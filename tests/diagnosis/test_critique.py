@@ -60,7 +60,6 @@ def critique_of(monkeypatch):
         candidates = [Gains(*those) for those in zip(NAMES, np.atleast_1d(data).tolist(), nulls)]
         monkeypatch.setattr(module, "named", lambda *args: candidates)
         plant_model = PlantModel(NOTHING, NOTHING, "negative")
-        settings = {"calibrated": False, **settings}  # properties of the comparison with null data alone
         return critique(TIMELINE, plant_model, [], count=nulls.shape[1], alpha=alpha, **settings)
 
     return of
@@ -170,7 +169,18 @@ def test_the_best_are_by_turns_those_that_gain_most_and_those_that_stand_out_mos
         score("d", -1.0, 2.0),
         score("?", 99.0, 2.0, generic=True),
     )
-    found = Critique(NOTHING, NOTHING, NOTHING, NOTHING, scores, 3.0, 0.5)
+    found = Critique(NOTHING, NOTHING, NOTHING, NOTHING, scores, 3.0, 0.5, 0.5, 3.0)
     assert [s.candidate.name for s in found.best(9)] == ["a", "b", "c"]
     assert [s.candidate.name for s in found.best(1)] == ["a"]
     assert [s.candidate.name for s in found.best(9, generic=True)] == ["?"]
+
+
+@pytest.mark.parametrize(
+    ("gain", "searched", "alarm"), [(60.0, False, False), (120.0, True, False), (900.0, True, True)]
+)
+def test_what_exceeds_null_data_is_searched_and_what_exceeds_other_wires_is_an_alarm(
+    critique_of, gain, searched, alarm
+):
+    found = critique_of(gain, np.random.default_rng(4).gamma(1.0, 20.0, 400), 0.03)
+    assert (not found.silent, found.alarm) == (searched, alarm)
+    assert found.alarm is (found.calibrated_p < 0.03)

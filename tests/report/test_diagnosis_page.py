@@ -94,7 +94,7 @@ def named(tmp_path_factory) -> Diagnosis:
 @pytest.fixture(scope="session")
 def silent(named) -> Diagnosis:
     """The same evidence where nothing exceeds the threshold."""
-    quiet = replace(named.first, threshold=1e6, p_value=0.5)
+    quiet = replace(named.first, threshold=1e6, alarm_threshold=1e6, calibrated_p=0.5)
     return replace(named, verdict=DiagnosisVerdict("silent"), first=quiet, levels=(), gain=None)
 
 
@@ -195,7 +195,7 @@ def test_every_candidate_is_on_the_detection_figure_on_its_side_of_the_threshold
     seen = [s.standard for s in named.first.scores if s.candidate.traces.shape[1]]
     np.testing.assert_allclose(np.sort(values), np.sort(seen), atol=1e-9)
     edge = np.sinh(unpacked(page.traces("threshold")[0]["x"]))
-    np.testing.assert_allclose(edge, named.first.threshold)
+    np.testing.assert_allclose(edge, named.first.alarm_threshold)
 
 
 def test_visibility_is_reported_for_every_effect(named):

@@ -22,9 +22,9 @@ AT_FLOOR = "The base model already reaches the floor of what can be predicted."
 def text_lines(d: "Diagnosis") -> Iterator[str]:
     """The findings of a diagnosis, one or two sentences per line."""
     e, gain, best = d.error, d.gain, d.best
-    p = f"p {p_text(d.first.p_value)}, calibrated on {CALIBRATION_BOXES} simulated wires without an effect"
+    p = f"p {p_text(d.first.calibrated_p)}, calibrated on {CALIBRATION_BOXES} simulated wires without an effect"
     if d.verdict.word in ("silent", "not_identifiable"):
-        if d.first.silent:
+        if not d.first.alarm:
             yield f"Nothing stands out ({p}; an alarm needs p ≤ {d.alpha:g})."
         else:
             yield f"{capitalised(DOUBT)} ({p})."

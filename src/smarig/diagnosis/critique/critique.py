@@ -2,7 +2,8 @@
 
 The gain of every candidate is scaled by the spread of its gains on null data, (g − q50)/(q95 − q50). The largest is
 compared with the largest of each null data set (maximum statistic of Westfall and Young). So the probability of any
-false alarm is α for any number of candidates. ``calibration`` takes into account that real residuals exceed null data.
+false alarm is α for any number of candidates, as far as null data resemble real residuals. They lack the misfit of a
+density, so what exceeds them is searched for effects, but is an alarm only by the calibrated p (``calibration``).
 """
 
 from collections.abc import Sequence
@@ -48,7 +49,11 @@ class CandidateScore:
 
 @dataclass(frozen=True, eq=False)
 class Critique:
-    """The critique of a plant model with its present effects: scores, and the threshold of the largest score."""
+    """The critique of a plant model with its present effects: scores, and thresholds of the largest score.
+
+    ``threshold`` and ``p_value`` compare it with null data, ``alarm_threshold`` and ``calibrated_p`` with wires without
+    an effect.
+    """
 
     timeline: Timeline
     plant_model: PlantModel
@@ -57,11 +62,18 @@ class Critique:
     scores: tuple[CandidateScore, ...]
     threshold: float
     p_value: float
+    calibrated_p: float
+    alarm_threshold: float
 
     @property
     def silent(self) -> bool:
-        """Whether nothing stands out."""
+        """Whether nothing exceeds null data, so that no effect is searched for."""
         return self.largest.standard <= self.threshold
+
+    @property
+    def alarm(self) -> bool:
+        """Whether so much stands out that hardly any wire without an effect shows it."""
+        return self.largest.standard > self.alarm_threshold
 
     @property
     def largest(self) -> CandidateScore:
@@ -88,13 +100,11 @@ def critique(
     warm_start: Critique | None = None,
     all_nuisances: bool = False,
     noise_of: Critique | None = None,
-    calibrated: bool = True,
 ) -> Critique:
     """Compare a plant model with a timeline and with ``count`` null data sets at the level α.
 
     ``warm_start``: refine the noise of another critique. ``noise_of``: use the noise of another critique.
-    ``all_nuisances``: use the least noise, by allowing all nuisance terms at once. If not ``calibrated``,
-    p and threshold are those of null data alone.
+    ``all_nuisances``: use the least noise, by allowing all nuisance terms at once.
     """
     present = {effect.kind.name for effect in plant_model.catalogue_effects}
     absent = tuple(kind for kind in effect_types if kind.name not in present)
@@ -119,11 +129,8 @@ def critique(
         standard.append((by_chance - median) / max(high - median, MIN_SPREAD_NATS))
     largest = np.sort(np.max(standard, axis=0))
     observed_largest = max(s.standard for s in scores)
-    if calibrated:
-        threshold, p = calibrated_threshold(alpha, largest), calibrated_p(observed_largest, largest)
-    else:
-        threshold = float(largest[min(int(np.ceil((count + 1) * (1 - alpha))), count) - 1])
-        p = (1 + int(np.sum(largest >= observed_largest))) / (count + 1)
+    threshold = float(largest[min(int(np.ceil((count + 1) * (1 - alpha))), count) - 1])
+    p = (1 + int(np.sum(largest >= observed_largest))) / (count + 1)
     return Critique(
         timeline=timeline,
         plant_model=plant_model,
@@ -132,6 +139,8 @@ def critique(
         scores=tuple(scores),
         threshold=threshold,
         p_value=p,
+        calibrated_p=calibrated_p(observed_largest, largest),
+        alarm_threshold=calibrated_threshold(alpha, largest),
     )
 
 

@@ -27,7 +27,7 @@ _MARK_PX = 24  # height of the label of simulated data; the legend is above it
 def detection_figure(d: Diagnosis) -> Figure:
     """The gain of each candidate, standardised by its null data, with the threshold for the largest gain."""
     testable = sorted((s for s in d.first.scores if s.candidate.traces.shape[1]), key=lambda s: s.standard)
-    top, rows = d.first.threshold, np.arange(float(len(testable)))
+    top, rows = d.first.alarm_threshold, np.arange(float(len(testable)))
     data: list[Trace] = [
         _vertical_band(0, 1, len(testable)),
         line(
@@ -61,7 +61,7 @@ def detection_figure(d: Diagnosis) -> Figure:
             f"Dashed: {top:.3g}, the threshold that the largest gain exceeds in {100 * d.alpha:g} % of "
             f"{CALIBRATION_BOXES} simulated wires without an effect, whose density is misfitted as well. "
             "The rate of false alarms therefore does not depend on the number of candidates. "
-            f"Above it: {above}. p {p_text(d.first.p_value)}.",
+            f"Above it: {above}. p {p_text(d.first.calibrated_p)}.",
             "Axis: linear near 0, logarithmic beyond.",
             *diagnosis_caption(d),
         ],

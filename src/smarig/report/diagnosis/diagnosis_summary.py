@@ -20,7 +20,7 @@ _BOX_STYLES = {
 
 def summary(d: Diagnosis) -> Iterator[Html]:
     """The box, the cards and the sentences."""
-    doubt = d.verdict.word == "silent" and not d.first.silent
+    doubt = d.verdict.word == "silent" and d.first.alarm
     yield notice(
         "warning" if doubt or _held_out_worse(d) else _BOX_STYLES[d.verdict.word],
         paragraph(tag("b", verdict_sentence(d))),
@@ -44,7 +44,7 @@ def _detection_card(d: Diagnosis) -> _Card:
     note = (
         f"calibrated on {CALIBRATION_BOXES} simulated wires without an effect; an alarm needs p ≤ {d.alpha:g}"
     )
-    return "Probability by chance", f"p {p_text(d.first.p_value)}", note
+    return "Probability by chance", f"p {p_text(d.first.calibrated_p)}", note
 
 
 def _error_card(d: Diagnosis) -> _Card:

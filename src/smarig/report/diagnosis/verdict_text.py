@@ -24,7 +24,7 @@ ParameterSigmas = Mapping[tuple[str, str], float]
 def verdict_sentence(d: Diagnosis) -> str:
     """The verdict in one or two sentences."""
     word, best = d.verdict.word, d.best
-    if word == "silent" and not d.first.silent:
+    if word == "silent" and d.first.alarm:
         return f"No finding, with a doubt: {DOUBT}."
     if word == "silent":
         return "No finding: the model explains these data as well as it explains data without any effect."
@@ -124,7 +124,7 @@ def _advice(d: Diagnosis) -> Iterator[Html]:
             f"Change {d.verdict.depends_on} alone and keep everything else constant. The change of the residuals "
             "then shows the effect alone."
         )
-    elif word == "silent" and not d.first.silent:
+    elif word == "silent" and d.first.alarm:
         yield paragraph("Repeat the same run. A real effect appears again; noise does not.")
     elif word == "silent":
         yield paragraph(
