@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from smarig.diagnosis.diagnosis_verdict import DiagnosisVerdict
+from smarig.diagnosis.explain.channel_misfit import ChannelMisfit
 from smarig.diagnosis.explain.discrepancy import Discrepancy
 from smarig.diagnosis.held_out_gain import HeldOutGain
 from smarig.diagnosis.name_gates import NameEvidence, gated
@@ -39,6 +40,8 @@ def level(strength=2.0, sd=0.1, name="settling", others=(), gain=400.0):
     spread = {(name, p): sd for p in (effect.kind.primary.name, *others)}
     return SimpleNamespace(best=SimpleNamespace(effects=(effect,), spread=spread), gain=gain)
 
+
+CURRENT = ChannelMisfit("current", 100, before=3.0, after=1.5)
 
 GOOD = NameEvidence(
     (level(),), 400.0, replace(QUIET, variable="time", gain=200.0), QUIET, gain(1.0, 0.2), 0.3
@@ -79,8 +82,14 @@ def test_a_name_that_passes_every_gate_stands():
         ({"effect_nats": 100.0, "before": QUIET, "after": replace(QUIET, variable="level", gain=20.0)}, ""),
         # Slightly worse in every block; worse in one of them only; worse below the floor:
         ({"gain": gain(1.0, 1.05)}, "predicts the held-out runs worse"),
+        ({"gain": gain(1.0, 1.01), "fitted_ratio": 1.0}, ""),  # no worse than another density would be
         ({"gain": uneven_gain(1.0, 2.0, 0.88), "fitted_ratio": 0.98}, ""),
         ({"gain": gain(0.05, 0.08)}, ""),
+        # A channel that carries the name, and still misses by more than its noise:
+        ({"channels": (CURRENT,)}, "with settling, the current still misses by 1.5 × its noise"),
+        ({"channels": (replace(CURRENT, after=1.2),)}, ""),
+        ({"channels": (replace(CURRENT, expected=1.4),)}, ""),  # equations are approximations
+        ({"channels": (replace(CURRENT, readings=30),)}, ""),  # the positions carry the name
         # Most of the error is in one block, and the extended model is better in all others:
         ({"gain": uneven_gain(20.0, 19.0, 0.2)}, ""),
     ],

@@ -17,8 +17,13 @@ from smarig.diagnosis.critique.visibility import VisibilityTable, visibility
 from smarig.diagnosis.diagnosis_json import diagnosis_json, effects_json
 from smarig.diagnosis.diagnosis_text import text_lines
 from smarig.diagnosis.diagnosis_verdict import DiagnosisVerdict, decide_verdict
+from smarig.diagnosis.explain.channel_misfit import channel_misfits
 from smarig.diagnosis.explain.discrepancy import Discrepancy, likeliest_discrepancy, ranked_discrepancies
-from smarig.diagnosis.explain.joint_density import settled_rms, with_posterior_density
+from smarig.diagnosis.explain.joint_density import (
+    settled_rms,
+    with_density_for_effects,
+    with_posterior_density,
+)
 from smarig.diagnosis.explain.learned_term_fit import LearnedTermFit, learned_term
 from smarig.diagnosis.explain.parameter_fit import ParameterFit
 from smarig.diagnosis.explain.search import SearchLevel
@@ -176,10 +181,14 @@ def diagnose_commanded(
     ranked = ranked_discrepancies(timeline, base, seen.plain)
     before, after, searched = ranked.likeliest, None, base
     base = with_posterior_density(timeline, base, seen.plain, plant_model)
-    extended = base
+    extended, channels = base, ()
     if levels and decided.explanations:
         best_explanation = levels[-1].explanations[0]
-        extended = with_posterior_density(timeline, best_explanation.plant_model, best_explanation.refitted)
+        extended = with_density_for_effects(
+            timeline, best_explanation.plant_model, best_explanation.refitted, base
+        )
+        explained = best_explanation.plant_model, best_explanation.refitted
+        channels = channel_misfits(timeline, (searched, seen.plain), explained)
         after = likeliest_discrepancy(timeline, best_explanation.plant_model, best_explanation.refitted)
     final_refit = (levels[-1].critique if levels else first).refitted
     noise, open_density = final_refit.noise, final_refit.posterior.variances
@@ -200,7 +209,7 @@ def diagnose_commanded(
     gain = measured_gain(extended)
     effect_nats = levels[-1].explanations[0].evidence - seen.plain.log_evidence if levels else 0.0
     ratio = settled_rms(timeline, extended) / settled_rms(timeline, base)
-    found = gated(decided, NameEvidence(tuple(levels), effect_nats, before, after, gain, ratio))
+    found = gated(decided, NameEvidence(tuple(levels), effect_nats, before, after, gain, ratio, channels))
     verdict = found.verdict
     offered, learned, learned_reason = verdict.word in ("named", "ambiguous"), None, ""
     if verdict.word == "unknown":

@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 from scipy.stats import chi2
 
 from smarig.diagnosis.diagnosis_verdict import DiagnosisVerdict, VerdictWord
+from smarig.diagnosis.explain.channel_misfit import ChannelMisfit
 from smarig.diagnosis.explain.discrepancy import Discrepancy
 from smarig.diagnosis.explain.explanation import SD_INFLATION
 from smarig.diagnosis.explain.search import SearchLevel
@@ -25,9 +26,14 @@ FITTED_RATIO = (
 REMAINING_SHARE = 0.15  # of the effects' gain: a discrepancy that explains more of what is left refutes them
 CLEAR_NATS = 100.0  # the same if the room moves: both vanish in saturation, and imitate each other
 ROOM_K, ROOM_S = 0.22, 300.0  # larger and slower fluctuations are no draught
+CHANNEL_MISFIT = (
+    1.3  # rms in units of a channel's noise: more is left than noise, whatever the estimate of it
+)
+DECISIVE_SHARE = 0.5  # of the effects' gain: a channel that gives more carries the name
 AT_BOUND_SHARE = 1e-3  # of the range between a parameter's bounds
 NORMAL_95 = 1.96
 WORSE = 1.1  # times the base model's error on held-out runs: worse whatever the choice of blocks
+CERTAINLY_WORSE = 1.02  # the same if no choice of blocks is better: less is a density's chance
 REMOVABLE = 1.2  # times the floor: a smaller error on held-out runs leaves nothing to remove
 LEAST_SHARE, POSSIBLE_SHARE = 0.3, 0.7  # R on held-out runs and its upper limit: both below, R is too small
 BORNE_OUT = (
@@ -50,7 +56,8 @@ class NameEvidence:
 
     ``levels`` are those of the search, ``effect_nats`` the gain of the best effects over none. ``before`` and ``after``
     are the likeliest discrepancies without and with them; ``gain`` is that on held-out runs. ``fitted_ratio`` is the
-    rms error of the training runs' settled positions with the effects over that without.
+    rms error of the training runs' settled positions with the effects over that without. ``channels`` are the
+    misfits of the channels besides the position.
     """
 
     levels: tuple[SearchLevel, ...]
@@ -59,6 +66,13 @@ class NameEvidence:
     after: Discrepancy | None
     gain: HeldOutGain | None
     fitted_ratio: float
+    channels: tuple[ChannelMisfit, ...] = ()
+
+    @property
+    def decisive_channel(self) -> ChannelMisfit | None:
+        """The channel besides the position from which most of the gain comes, or None."""
+        largest = max(self.channels, key=lambda c: c.nats, default=None)
+        return largest if largest and largest.nats > DECISIVE_SHARE * self.effect_nats else None
 
 
 def gated(verdict: DiagnosisVerdict, evidence: NameEvidence) -> GatedVerdict:
@@ -102,6 +116,9 @@ def _failures(names: str, evidence: NameEvidence) -> Iterator[str]:
         yield f"a dependence on {before.depends_on} explains more than {names}"
     if after is not None and after.gain > max(DISCREPANCY_NATS, REMAINING_SHARE * evidence.effect_nats):
         yield f"with {names}, the errors still depend on {after.depends_on}"
+    channel = evidence.decisive_channel
+    if channel and channel.after > CHANNEL_MISFIT * channel.expected:
+        yield f"with {names}, the {channel.channel} still misses by {channel.after:.1f} × its noise"
     yield from _held_out_failures(names, evidence)
 
 
@@ -115,7 +132,7 @@ def _held_out_failures(names: str, evidence: NameEvidence) -> Iterator[str]:
         return
     share, interval = gain.removable_share, gain.interval()
     beyond_chance = interval is not None and interval[1] < 0
-    if gain.extended > (1 if beyond_chance else WORSE) * max(gain.base, gain.floor):
+    if gain.extended > (CERTAINLY_WORSE if beyond_chance else WORSE) * max(gain.base, gain.floor):
         yield f"{names} fits the training runs but predicts the held-out runs worse"
     may_be_large = interval is None or interval[1] >= POSSIBLE_SHARE
     expected = evidence.fitted_ratio < FITTED_RATIO and gain.base > REMOVABLE * gain.floor

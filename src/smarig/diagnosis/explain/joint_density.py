@@ -10,6 +10,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from smarig.diagnosis.explain.moved_density import with_moved_density
 from smarig.diagnosis.refit.refit import Refit, refit
 from smarig.identification import Observations, fit_table
 from smarig.preisach import Everett, FodTable
@@ -17,6 +18,7 @@ from smarig.replay import PlantModel, Prediction, Timeline, predict
 
 START_SMOOTHING = 1e-14  # λ of the initial measure
 MAX_ROUNDS = 5
+AS_GOOD = 1.05  # times the error of another density: chance of the fit
 MIN_ROUND_GAIN = 10.0  # nats: a round that gains less is the last; the next would gain a tenth of it
 
 
@@ -36,11 +38,12 @@ def joint_density_from_best_start(
 ) -> tuple[PlantModel, Refit]:
     """``joint_density``, started from the given model's density or from a positive measure of settled positions.
 
-    The likelier start is used. The given model may be negative somewhere (Prop. 4.6); the measure is not affected
-    by errors of the model.
+    The likelier start is used. The given density is moved to where effects move the input. It may be negative
+    somewhere (Prop. 4.6); the measure is not affected by errors of the model.
     """
     fitted = _positive_fit(timeline, predict(timeline, plant_model), plant_model, START_SMOOTHING)
-    starts = [_start(timeline, replace(plant_model, hysteresis=h), warm_start) for h in (original, fitted)]
+    models = with_moved_density(timeline, plant_model, original), replace(plant_model, hysteresis=fitted)
+    starts = [_start(timeline, one, warm_start) for one in models]
     return _alternated(timeline, max(starts, key=lambda start: start[2].log_evidence))
 
 
@@ -54,6 +57,18 @@ def with_posterior_density(
     posterior = replace(plant_model, hysteresis=refitted.posterior.table(signed=plant_model.signed))
     candidates = (plant_model, posterior, *([given] if given else []))
     return min(candidates, key=lambda s: settled_rms(timeline, s))
+
+
+def with_density_for_effects(
+    timeline: Timeline, plant_model: PlantModel, refitted: Refit, base: PlantModel
+) -> PlantModel:
+    """A plant model with effects and the density that fits best, or that of the base model, moved with the input.
+
+    The latter if it fits as well: effects that only another channel shows leave the positions as they were.
+    """
+    own = with_posterior_density(timeline, plant_model, refitted)
+    moved = with_moved_density(timeline, plant_model, base.hysteresis)
+    return moved if settled_rms(timeline, moved) < AS_GOOD * settled_rms(timeline, own) else own
 
 
 def settled_rms(timeline: Timeline, plant_model: PlantModel) -> float:

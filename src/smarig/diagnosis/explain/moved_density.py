@@ -1,0 +1,69 @@
+"""A density moved to where effects move the input, so that a fit with these effects starts where it belongs.
+
+    F(f(α), f(β)) = F₀(α, β),    f: the input with effects as a rising function of the input without
+
+A density was identified along the input without effects. An amplifier with a gain of 1 + g scales the temperatures by
+(1 + g)², and so every relay's switching input. With the density left in place, the effects would have to pay for it.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import isotonic_regression
+
+from smarig.preisach import Everett, FodTable
+from smarig.replay import PlantModel, Prediction, Timeline, predict
+
+Array = NDArray[np.float64]
+NODES = 160  # of the moved density if its own has no nodes
+LEAST_MOVE = 1e-3  # of the input range: less moves no relay past a measured level
+
+
+def with_moved_density(timeline: Timeline, plant_model: PlantModel, density: Everett) -> PlantModel:
+    """The plant model with ``density``, identified without effects, moved to where its effects move the input."""
+    unmoved = replace(plant_model, hysteresis=density)
+    if not plant_model.effects:
+        return unmoved
+    before = _settled_inputs(predict(timeline, replace(unmoved, effects=())))
+    after = _settled_inputs(predict(timeline, plant_model))
+    if not np.any((before > density.lower) & (before < density.upper)):
+        return unmoved
+    at, moved = _rising(before, after, density.lower, density.upper)
+    if np.max(np.abs(moved - at)) < LEAST_MOVE * (density.upper - density.lower):
+        return unmoved
+    return replace(plant_model, hysteresis=_moved(density, at, moved))
+
+
+def _settled_inputs(prediction: Prediction) -> Array:
+    """The input of the hysteresis at settled points, K: on the way, one input is no function of the other."""
+    return prediction.hysteresis_input_K[prediction.tick_index[prediction.of("settled")]]
+
+
+def _rising(before: Array, after: Array, lower: float, upper: float) -> tuple[Array, Array]:
+    """(inputs without, with effects): the rising function nearest to the values at settled points, from end to end.
+
+    Beyond saturation the input is not known, only that it is beyond.
+    """
+    inside = (before > lower) & (before < upper)
+    at, where, count = np.unique(before[inside], return_inverse=True, return_counts=True)
+    moved = isotonic_regression(np.bincount(where, after[inside]) / count, weights=count).x
+    below, above = after[before <= lower], after[before >= upper]
+    first = min(below.max() if below.size else moved[0] - (at[0] - lower), moved[0])
+    last = max(above.min() if above.size else moved[-1] + (upper - at[-1]), moved[-1])
+    return np.concatenate([[lower], at, [upper]]), np.concatenate([[first], moved, [last]])
+
+
+def _moved(density: Everett, at: Array, moved: Array) -> FodTable:
+    """The table of a density with its inputs ``at`` moved; what lies beyond the range switches at its end."""
+    lower, upper = density.lower, density.upper
+    own = np.asarray(getattr(density, "kinks", np.linspace(lower, upper, NODES + 1)))
+    inner = np.interp(own, at, moved)
+    nodes = np.unique(np.concatenate([[lower], inner[(inner > lower) & (inner < upper)], [upper]]))
+    rises = np.concatenate([[True], np.diff(moved) > 0])
+    sources = np.interp(nodes, moved[rises], at[rises])
+    sources[0], sources[-1] = lower, upper
+    a, b = np.meshgrid(sources, sources, indexing="ij")
+    since_lower = np.asarray(density.swept(sources, np.full(sources.size, lower)))
+    values = density.y_lower + since_lower[:, None] - np.asarray(density.swept(a, np.minimum(a, b)))
+    return FodTable(nodes, np.where(np.tri(nodes.size, dtype=bool), values, np.nan))

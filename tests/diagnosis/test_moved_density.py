@@ -1,0 +1,66 @@
+"""A density moved with the input: along the moved input it gives the outputs that it gave along the other."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from replay.sittings import LISTED, LONG, session_runs, twin_plant_model
+from smarig.diagnosis.explain.joint_density import AS_GOOD, settled_rms, with_density_for_effects
+from smarig.diagnosis.explain.moved_density import with_moved_density
+from smarig.diagnosis.refit.refit import refit
+from smarig.plant import effects_from_pairs
+from smarig.replay import build_timeline, predict
+
+
+@pytest.fixture(scope="module")
+def timeline(tmp_path_factory):
+    runs = session_runs(tmp_path_factory.mktemp("moved"), LONG, LISTED)
+    return replace(build_timeline(runs, twin_plant_model()[0].actuator.tau_s), other_readings=())
+
+
+@pytest.fixture(scope="module")
+def plain(timeline):
+    """The twin's wire with a density from its own readings, as a table."""
+    wire, _ = twin_plant_model()
+    fitted = refit(timeline, predict(timeline, wire), wire)
+    return replace(wire, hysteresis=fitted.posterior.table())
+
+
+def with_effects(plain, *pairs):
+    return replace(plain, effects=effects_from_pairs(pairs))
+
+
+def error(timeline, model, reference):
+    """Largest difference of settled positions, in strokes."""
+    there, here = (predict(timeline, m).values["settled"] for m in (reference, model))
+    return float(np.abs(there - here).max() / reference.stroke)
+
+
+@pytest.mark.parametrize("pair", ["amplifier_gain=-4", "amplifier_gain=2", "dead_zone=0.02"])
+def test_along_the_moved_input_the_outputs_are_the_same(timeline, plain, pair):
+    extended = with_effects(plain, pair)
+    left_in_place = error(timeline, extended, plain)
+    moved = with_moved_density(timeline, extended, plain.hysteresis)
+    assert moved.effects == extended.effects
+    assert (moved.hysteresis.lower, moved.hysteresis.upper) == (
+        plain.hysteresis.lower,
+        plain.hysteresis.upper,
+    )
+    assert error(timeline, moved, plain) < 0.2 * left_in_place
+
+
+@pytest.mark.parametrize("pairs", [(), ("walking=0.5",), ("amplifier_gain=0.01",)])
+def test_a_density_stays_where_the_input_does(timeline, plain, pairs):
+    assert (
+        with_moved_density(timeline, with_effects(plain, *pairs), plain.hysteresis).hysteresis
+        is plain.hysteresis
+    )
+
+
+def test_effects_that_only_another_channel_shows_leave_the_positions_as_they_were(timeline, plain):
+    """The density fitted with the effects is worse here: it stayed where the input was."""
+    extended = with_effects(plain, "amplifier_gain=-4")
+    fitted = refit(timeline, predict(timeline, extended), extended)
+    found = with_density_for_effects(timeline, extended, fitted, plain)
+    assert settled_rms(timeline, found) < AS_GOOD * settled_rms(timeline, plain)
