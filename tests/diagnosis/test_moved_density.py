@@ -7,7 +7,7 @@ import pytest
 
 from replay.sittings import LISTED, LONG, session_runs, twin_plant_model
 from smarig.diagnosis.explain.joint_density import AS_GOOD, settled_rms, with_density_for_effects
-from smarig.diagnosis.explain.moved_density import with_moved_density
+from smarig.diagnosis.explain.moved_density import rising_map, with_moved_density
 from smarig.diagnosis.refit.refit import refit
 from smarig.plant import effects_from_pairs
 from smarig.replay import build_timeline, predict
@@ -64,3 +64,23 @@ def test_effects_that_only_another_channel_shows_leave_the_positions_as_they_wer
     fitted = refit(timeline, predict(timeline, extended), extended)
     found = with_density_for_effects(timeline, extended, fitted, plain)
     assert settled_rms(timeline, found) < AS_GOOD * settled_rms(timeline, plain)
+
+
+def test_the_ends_of_the_range_move_as_far_as_is_known():
+    """Beyond saturation inputs are only known to be beyond: the nearest of them is the end."""
+    before = np.array([0.0, 0.0, 20.0, 40.0, 100.0, 100.0])
+    after = np.array([-3.0, 2.0, 21.0, 41.0, 93.0, 120.0])
+    at, moved = rising_map(before, after, 0.0, 100.0)
+    np.testing.assert_allclose(at, [0.0, 20.0, 40.0, 100.0])
+    np.testing.assert_allclose(moved, [2.0, 21.0, 41.0, 93.0])
+
+
+def test_without_readings_in_saturation_the_ends_move_like_their_neighbours():
+    at, moved = rising_map(np.array([40.0, 20.0, 40.0]), np.array([30.0, 18.0, 32.0]), 0.0, 100.0)
+    np.testing.assert_allclose(at, [0.0, 20.0, 40.0, 100.0])
+    np.testing.assert_allclose(moved, [-2.0, 18.0, 31.0, 91.0])
+
+
+def test_inputs_that_change_their_order_share_their_mean():
+    _, moved = rising_map(np.array([10.0, 20.0, 30.0]), np.array([12.0, 25.0, 15.0]), 0.0, 40.0)
+    np.testing.assert_allclose(moved, [2.0, 12.0, 20.0, 20.0, 30.0])

@@ -29,7 +29,7 @@ def with_moved_density(timeline: Timeline, plant_model: PlantModel, density: Eve
     after = _settled_inputs(predict(timeline, plant_model))
     if not np.any((before > density.lower) & (before < density.upper)):
         return unmoved
-    at, moved = _rising(before, after, density.lower, density.upper)
+    at, moved = rising_map(before, after, density.lower, density.upper)
     if np.max(np.abs(moved - at)) < LEAST_MOVE * (density.upper - density.lower):
         return unmoved
     return replace(plant_model, hysteresis=_moved(density, at, moved))
@@ -40,7 +40,7 @@ def _settled_inputs(prediction: Prediction) -> Array:
     return prediction.hysteresis_input_K[prediction.tick_index[prediction.of("settled")]]
 
 
-def _rising(before: Array, after: Array, lower: float, upper: float) -> tuple[Array, Array]:
+def rising_map(before: Array, after: Array, lower: float, upper: float) -> tuple[Array, Array]:
     """(inputs without, with effects): the rising function nearest to the values at settled points, from end to end.
 
     Beyond saturation the input is not known, only that it is beyond.
@@ -60,8 +60,8 @@ def _moved(density: Everett, at: Array, moved: Array) -> FodTable:
     own = np.asarray(getattr(density, "kinks", np.linspace(lower, upper, NODES + 1)))
     inner = np.interp(own, at, moved)
     nodes = np.unique(np.concatenate([[lower], inner[(inner > lower) & (inner < upper)], [upper]]))
-    rises = np.concatenate([[True], np.diff(moved) > 0])
-    sources = np.interp(nodes, moved[rises], at[rises])
+    last = np.append(np.diff(moved) > 0, True)  # of inputs that move to the same: what is below has switched
+    sources = np.interp(nodes, moved[last], at[last])
     sources[0], sources[-1] = lower, upper
     a, b = np.meshgrid(sources, sources, indexing="ij")
     since_lower = np.asarray(density.swept(sources, np.full(sources.size, lower)))
