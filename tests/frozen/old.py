@@ -26,6 +26,9 @@ def names(folder: str, ending: str) -> list[str]:
     return sorted(name.removesuffix(ending) for name in found if name.endswith(ending))
 
 
+WRITTEN_IN = "/lab/box5"  # where the box lay when its model was written
+
+
 def unpacked(folder: str, to: Path) -> Path:
     """A folder of old files as it was: a copy, whose files may be written on."""
     for path in sorted((FILES / folder).rglob("*")):
@@ -120,6 +123,10 @@ def box(folder: Path) -> Answer:
     train = sorted((folder / "train").glob("*.run.sqlite"))
     given, kept = folder / "positive.model.json", folder / "again.model.json"
     extended, out = folder / "diagnosis/extended.model.json", folder / "simulated.run.sqlite"
+    whole = extended.read_text(encoding="utf-8").replace(WRITTEN_IN, folder.as_posix())
+    extended.write_text(
+        whole, encoding="utf-8"
+    )  # the runs that the model was made from are found by their paths
     return {
         "given": ask("verify", given, *held_out),
         "extended": ask("verify", extended, *held_out),
