@@ -67,7 +67,6 @@ TAKEN_UP: dict[str, Case] = {  # by a classical density, so no record of settled
     "end_conduction": (ONE, {"share_percent": 6}, ()),
     "r_phase": (ONE, {"share_percent": 8}, ()),
 }
-OF_TWENTY = 1.32  # 2.58 / 1.96: of twenty intervals of 95 %, one may miss; of 99 %, hardly one
 NO_BOX = {"training"}  # a measured input of an untrained wire, which no box is
 SAME_THREE_TIMES = ("wiping_out",) * 3  # separates the clock from the level
 MECHANISMS: dict[str, tuple[int, dict[str, float], tuple[str, ...]]] = {  # box, parameters, runs
@@ -148,7 +147,7 @@ def test_its_strength_lies_in_the_interval_of_the_fit(tested, request):
     if tested.name in BIASED:
         request.applymarker(pytest.mark.xfail(reason=BIASED[tested.name]))
     (effect,) = tested.fit.effects
-    assert abs(effect.strength - tested.strength) <= OF_TWENTY * tested.half_width
+    assert abs(effect.strength - tested.strength) <= tested.half_width
     assert tested.name in OTHERS_FREE or abs(effect.strength) > tested.half_width
 
 
