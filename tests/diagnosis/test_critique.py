@@ -29,6 +29,7 @@ class Gains:
     nulls: np.ndarray
     generic: bool = False
     typical: tuple = ()
+    kind: Any = walking
 
     def gain(self, data):
         return self.nulls if data == "null_data" else np.array([self.data])
@@ -60,7 +61,7 @@ def critique_of(monkeypatch):
         candidates = [Gains(*those) for those in zip(NAMES, np.atleast_1d(data).tolist(), nulls)]
         monkeypatch.setattr(module, "named", lambda *args: candidates)
         plant_model = PlantModel(NOTHING, NOTHING, "negative")
-        return critique(TIMELINE, plant_model, [], count=nulls.shape[1], alpha=alpha, **settings)
+        return critique(TIMELINE, plant_model, [walking], count=nulls.shape[1], alpha=alpha, **settings)
 
     return of
 
@@ -157,6 +158,14 @@ def test_noise_is_as_in_another_critique_where_one_is_given(critique_of):
     assert critique_of(0.0, nulls, all_nuisances=True).refitted.all_nuisances
 
 
+def test_a_critique_with_effects_keeps_the_traces_of_the_first(critique_of):
+    """Traces hardly depend on the effects that are present, and simulating them again takes most of the time."""
+    first = critique_of(80.0, np.arange(50.0))
+    again = critique_of([1.0, 2.0], np.ones((2, 50)), warm_start=first)
+    assert again.named_traces == first.named_traces
+    assert [s.gain for s in again.scores] == [80.0]
+
+
 def test_the_best_are_by_turns_those_that_gain_most_and_those_that_stand_out_most():
     def score(name, net, spread, generic=False):
         candidate: Any = Gains(name, 0.0, np.empty(0), generic)
@@ -169,7 +178,7 @@ def test_the_best_are_by_turns_those_that_gain_most_and_those_that_stand_out_mos
         score("d", -1.0, 2.0),
         score("?", 99.0, 2.0, generic=True),
     )
-    found = Critique(NOTHING, NOTHING, NOTHING, NOTHING, scores, 3.0, 0.5, 0.5, 3.0)
+    found = Critique(NOTHING, NOTHING, NOTHING, NOTHING, scores, (), 3.0, 0.5, 0.5, 3.0)
     assert [s.candidate.name for s in found.best(9)] == ["a", "b", "c"]
     assert [s.candidate.name for s in found.best(1)] == ["a"]
     assert [s.candidate.name for s in found.best(9, generic=True)] == ["?"]

@@ -9,7 +9,6 @@ import pytest
 from diagnosis.short_boxes import given_model, recorded, short_box
 from smarig.diagnosis import commanded_diagnosis, joint_density_from_best_start
 from smarig.diagnosis.commanded_diagnosis import _if_borne_out
-from smarig.diagnosis.explain.discrepancy import ranked_discrepancies
 from smarig.diagnosis.explain.learned_term_fit import LearnedTermFit, learned_term
 from smarig.plant import LearnedShape
 
@@ -22,8 +21,7 @@ def learned(number, hidden, **settings):
     given = given_model(number)
     timeline = recorded(short_box(number, hidden, **settings))
     base, plain = joint_density_from_best_start(timeline, given, given.hysteresis)
-    places = ranked_discrepancies(timeline, base, plain).places
-    return learned_term(timeline, base, plain, given.hysteresis, places)
+    return learned_term(timeline, base, plain, given.hysteresis)
 
 
 def test_a_strain_that_each_cycle_leaves_is_learned_as_a_straight_law_of_the_cycle():
@@ -44,6 +42,22 @@ def test_an_amplifier_that_warms_up_is_learned_at_the_input_and_levels_off():
     assert found.shape.variable in ("time", "cycle", "reversals")
     added = np.array(found.points)[:, 1]
     assert added[1] > 0.5 * added[-1] > 0.4
+    assert found.gain_blocks > 0.4
+
+
+@pytest.mark.parametrize(
+    ("hidden", "variable", "enters"),
+    [
+        ({"warm_frame": {"share": 0.05, "tau_min": 8.0}}, "power_over_15_min", "output"),
+        ({"stretching_cord": {"share": 0.08, "tau_min": 3.0}}, "level_over_2_min", "output"),
+    ],
+)
+def test_what_fades_within_minutes_is_learned_as_a_law_of_a_mean(hidden, variable, enters):
+    found = learned(WIDE, hidden)
+    assert found is not None
+    assert (found.shape.variable, found.shape.enters) == (variable, enters)
+    added = np.array(found.points)[:, 1]
+    assert np.all(np.diff(added) > 0)
     assert found.gain_blocks > 0.4
 
 

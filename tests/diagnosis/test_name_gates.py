@@ -90,6 +90,10 @@ def test_a_name_that_passes_every_gate_stands():
         ({"channels": (replace(CURRENT, after=1.2),)}, ""),
         ({"channels": (replace(CURRENT, expected=1.4),)}, ""),  # equations are approximations
         ({"channels": (replace(CURRENT, readings=30),)}, ""),  # the positions carry the name
+        # Positions that a density makes up for decide nothing about a name that another channel carries:
+        ({"gain": gain(1.0, 0.95), "channels": (replace(CURRENT, after=1.2),)}, ""),
+        ({"gain": gain(1.0, 0.95), "channels": (replace(CURRENT, readings=30),)}, "do not bear out"),
+        ({"gain": gain(1.0, 1.2), "channels": (replace(CURRENT, after=1.2),)}, "held-out runs worse"),
         # Most of the error is in one block, and the extended model is better in all others:
         ({"gain": uneven_gain(20.0, 19.0, 0.2)}, ""),
     ],

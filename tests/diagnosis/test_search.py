@@ -35,11 +35,13 @@ class World:
 
     ``worth``: nats by names, in order, with a blank between; what is not there is worth nothing. ``left``: nats of
     what is left of an explanation without one of its effects, beside the density of all; ``enough``: names beside
-    which nothing stands out. Straight lines see just that, fits stay where they are.
+    which nothing stands out. ``of_channel``: strengths that a channel of its own shows. Straight lines see just that,
+    fits stay where they are.
     """
 
-    def __init__(self, monkeypatch, worth, left=(), enough=(), starts=tuple(KINDS)):
+    def __init__(self, monkeypatch, worth, left=(), enough=(), starts=tuple(KINDS), of_channel=()):
         self.worth, self.left, self.enough, self.starts = worth, dict(left), enough, starts
+        self.of_channel = dict(of_channel)
         self.judged = []
         for name in (
             "fit_parameters",
@@ -54,9 +56,12 @@ class World:
     def nats(self, effects):
         return self.worth.get(" ".join(sorted(e.kind.name for e in effects)), 0.0)
 
-    def fit_parameters(self, start, timeline, plant_model, refitted, centre):
+    def fit_parameters(self, start, timeline, plant_model, refitted, centre, independent=False):
+        if independent:
+            start = [e.at(self.of_channel.get(e.kind.name, e.strength)) for e in start]
         extended = PlantModel(WIRE, ORIGINAL, "negative", tuple(start))
-        misfit = float(DATA @ DATA) - 2 * self.nats(start)
+        data = DATA[refitted.coupled :] if independent else DATA
+        misfit = float(data @ data) - 2 * self.nats(start)
         return SimpleNamespace(effects=extended.catalogue_effects, extended=extended, misfit=misfit)
 
     def joint_density_from_best_start(self, timeline, plant_model, original, warm_start):
@@ -85,7 +90,7 @@ class World:
             timeline=None,
             plant_model=plant_model,
             silent=self.judged[-1] in self.enough,
-            refitted=SimpleNamespace(data=DATA),
+            refitted=SimpleNamespace(data=DATA, coupled=1 if self.of_channel else DATA.size),
             best=lambda count: scores[:count],
         )
 
@@ -191,3 +196,32 @@ def test_a_candidate_that_stood_out_is_tried_together_with_an_effect_that_hides_
 def test_effects_that_are_known_are_part_of_every_start(monkeypatch):
     world = World(monkeypatch, {"fatigue walking": 50.0, "walking": 500.0}, starts=("walking", "slip"))
     assert world.search_explanations(known=(fatigue(),)) == [("fatigue walking", 50.0)]
+
+
+class OneStrength(World):
+    """Only the true strength, 0.5, explains anything; a fit to all readings does not reach it."""
+
+    def nats(self, effects):
+        return 400.0 if any(e.strength == 0.5 for e in effects) else 3.0 * bool(effects)
+
+
+def test_a_strength_that_a_channel_shows_by_itself_is_a_start(monkeypatch):
+    """A density that was identified without the effect keeps the positions from showing it."""
+    found = OneStrength(monkeypatch, {}, of_channel={"walking": 0.5}).search_explanations()
+    assert found[0] == ("walking", 400.0)
+    assert OneStrength(monkeypatch, {}).search_explanations() == []
+
+
+def test_of_several_fits_of_the_same_effects_the_likeliest_stays(monkeypatch):
+    world = OneStrength(monkeypatch, {}, of_channel={"walking": 0.5, "slip": 0.5}, starts=("walking", "slip"))
+    first = world.critique(PlantModel(WIRE, ORIGINAL, "negative"))
+    (level, *_) = search_explanations(first, ORIGINAL, world.critique, 0.0, most=1)
+    assert sorted(e.names for e in level.explanations) == [("slip",), ("walking",)]
+    assert {e.evidence for e in level.explanations} == {400.0}
+
+
+@pytest.mark.parametrize(("first", "more", "levels"), [(1e7, 90.0, 1), (1e7, 110.0, 2)])
+def test_beside_a_huge_gain_a_further_effect_must_exceed_its_numerics(monkeypatch, first, more, levels):
+    """A hundred-thousandth of the first one's gain."""
+    world = World(monkeypatch, {"walking": first, "settling walking": first + more})
+    assert len(world.search_explanations()) == levels

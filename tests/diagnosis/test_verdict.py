@@ -34,7 +34,7 @@ def variable(depends_on, nats, share=0.0):
 
 def critique(*scores):
     refitted = SimpleNamespace(data=DATA)
-    return Critique(None, None, None, refitted, scores, THRESHOLD, 0.01, 0.01, THRESHOLD)
+    return Critique(None, None, None, refitted, scores, (), THRESHOLD, 0.01, 0.01, THRESHOLD)
 
 
 QUIET = critique(name(walking, 0.5), variable("time", 1.0))

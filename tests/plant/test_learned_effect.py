@@ -5,7 +5,8 @@ import pytest
 
 from replay.sittings import LISTED, session_runs, twin_plant_model
 from smarig.core import DataError, UsageError
-from smarig.plant import LearnedShape, learned_effect_type
+from smarig.diagnosis.explain.means_of_minutes import means_of_minutes
+from smarig.plant import MEAN_LEVELS, MEAN_POWERS, LearnedShape, learned_effect_type
 from smarig.plant.effect_catalogue import effects_from_json
 from smarig.replay import build_timeline, predict
 
@@ -71,6 +72,38 @@ def test_variables_of_time_and_output_are_those_of_the_record(timeline):
     np.testing.assert_allclose(rate, rising * np.exp(-elapsed[1:] / 10.0), rtol=0.1)
     level = change(timeline, LearnedShape("level", "output", (-1.0, 20.0), "mm"), 21.0) - 1.0
     np.testing.assert_allclose(level, predict(timeline, twin_plant_model()[0]).values["settled"], atol=1e-6)
+
+
+@pytest.mark.parametrize(("name", "tau_s"), [("power_over_2_min", 120.0), ("power_over_15_min", 900.0)])
+def test_a_mean_power_is_the_step_response_of_a_first_order_lag(timeline, name, tau_s):
+    """A law that is the identity, against the closed form: z ← T_ss + (z − T_ss) e^(−Δt/τ) in each hold."""
+    mean = 10 * change(timeline, LearnedShape(name, "output", (0.0, 200.0), "mm"), 20.0)
+    z, expected, ends_s = 0.0, [], timeline.drive.end_s
+    for target, begin, read, end in zip(timeline.target_K, [0.0, *ends_s], timeline.settled.t_s, ends_s):
+        expected.append(target + (z - target) * np.exp(-(read - begin) / tau_s))
+        z = target + (z - target) * np.exp(-(end - begin) / tau_s)
+    np.testing.assert_allclose(mean, expected, rtol=2e-3, atol=0.02)
+
+
+def test_a_mean_level_follows_the_output_late(timeline):
+    """Its error obeys the same equation: z' = (y − z)/τ, integrated from the output at every tick."""
+    plant_model, _ = twin_plant_model()
+    base = predict(timeline, plant_model)
+    y = base.outputs_along(plant_model.hysteresis, plant_model.initial, base.hysteresis_input_K)
+    mean = change(timeline, LearnedShape("level_over_2_min", "output", (-5.0, 45.0), "mm"), 50.0) - 5.0
+    z, at = y[0], []
+    for late, dt_s in zip(y, np.diff(base.t_s, prepend=base.t_s[0])):
+        z += (late - z) * (1 - np.exp(-dt_s / 120.0))
+        at.append(z)
+    np.testing.assert_allclose(mean, np.array(at)[base.tick_index[:8]], atol=0.02)
+
+
+@pytest.mark.parametrize("name", [*MEAN_POWERS, *MEAN_LEVELS])
+def test_the_search_and_the_plant_have_the_same_means(timeline, name):
+    plant_model, _ = twin_plant_model()
+    found = means_of_minutes(timeline, plant_model, predict(timeline, plant_model))[name]
+    of_plant = 10 * change(timeline, LearnedShape(name, "output", (-50.0, 250.0), "mm"), 30.0) - 50.0
+    np.testing.assert_allclose(of_plant, found[: len(timeline.settled)], atol=0.02)
 
 
 def test_a_model_file_keeps_the_law():

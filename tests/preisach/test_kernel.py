@@ -109,6 +109,20 @@ def test_a_run_is_its_steps_bit_for_bit(name: str, initial, path):
     assert at_once.state == op.state
 
 
+@given(st.sampled_from(sorted(ALL)), initials, paths, st.integers(1, 4))
+@example("two_e", "anhysteretic", [50.0, -50.0, 50.0, -50.5, 60.0, -190.0, 20.0], 1)
+@example("two_e", "anhysteretic", [50.0, -190.0, 40.0, 30.0], 2)  # leaves B* between two requested points
+@example("two_e", "anhysteretic", [190.0, 250.0, -50.0], 3)
+def test_outputs_and_memories_along_a_path_are_those_of_its_steps(name: str, initial, path, every):
+    op, along = Preisach(ALL[name], initial), Preisach(ALL[name], initial)
+    steps = [(op.step(u), op.state) for u in path]
+    at = list(range(0, len(path), every))
+    y, states = along.follow_with_states(path, at)
+    np.testing.assert_allclose(y, [steps[k][0] for k in at], rtol=0, atol=1e-13 * np.abs(op.y).max() + 1e-12)
+    assert [s.extrema for s in states] == [steps[k][1].extrema for k in at]
+    assert [s.diagonal for s in states] == [steps[k][1].diagonal for k in at]
+
+
 @needs_numba
 @pytest.mark.parametrize("initial", ["negative", "positive", "anhysteretic"])
 @pytest.mark.parametrize("name", KINDS)

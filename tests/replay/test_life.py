@@ -60,6 +60,34 @@ def test_both_methods_give_the_same_to_the_last_bit(cases, wire, kind):
         assert_the_same(*by_parts_and_by_ticks(timeline, plant_model, effects))
 
 
+@pytest.mark.parametrize("shift_K", [-20.0, 3.0, 25.0])
+@pytest.mark.parametrize("others", [[], ["ambient_drift=2", "noncongruency=10"]])
+@pytest.mark.parametrize("wire", WIRES)
+def test_a_feedback_is_solved_where_the_input_turns_or_is_read(cases, wire, others, shift_K, monkeypatch):
+    """The same as tick by tick, to the tolerance of the solver, without simulating the ticks between."""
+    timeline, plant_model = cases[wire]
+    effects = tuple(effects_from_pairs([f"stress_coupling={shift_K}", *others]))
+    b = life._by_ticks(timeline, plant_model, effects)
+    monkeypatch.setattr(life, "_by_ticks", None)
+    a = life.simulate_timeline(timeline, plant_model, effects)
+    plain = life.simulate_timeline(timeline, plant_model, effects[1:])
+    np.testing.assert_allclose(a.columns, b.columns, atol=1e-3)  # counts
+    np.testing.assert_allclose(a["output"], b["output"], atol=1e-5)
+    assert np.abs(a["output"] - plain["output"]).max() > 0.1  # ten thousand times the difference above
+    read = timeline.ticks[2]
+    np.testing.assert_allclose(a.hysteresis_input_K[read], b.hysteresis_input_K[read], atol=1e-4)
+    assert [len(s.extrema) for s in a.states] == [len(s.extrema) for s in b.states]
+
+
+def test_a_feedback_beside_a_memory_of_the_output_is_simulated_tick_by_tick(cases):
+    timeline, plant_model = cases["one_wire"]
+    effects = tuple(effects_from_pairs(["stress_coupling", "backlash"]))
+    assert_the_same(
+        life.simulate_timeline(timeline, plant_model, effects),
+        life._by_ticks(timeline, plant_model, effects),
+    )
+
+
 @pytest.mark.parametrize("heat", ["wire_lag", "convection"])
 @pytest.mark.parametrize("wire", WIRES)
 def test_a_late_sensor_is_late_by_whole_ticks_however_these_are_cut(cases, wire, heat):

@@ -18,7 +18,7 @@ from smarig.diagnosis.diagnosis_json import diagnosis_json, effects_json
 from smarig.diagnosis.diagnosis_text import text_lines
 from smarig.diagnosis.diagnosis_verdict import DiagnosisVerdict, decide_verdict
 from smarig.diagnosis.explain.channel_misfit import channel_misfits
-from smarig.diagnosis.explain.discrepancy import Discrepancy, likeliest_discrepancy, ranked_discrepancies
+from smarig.diagnosis.explain.discrepancy import Discrepancy, likeliest_discrepancy
 from smarig.diagnosis.explain.joint_density import (
     settled_rms,
     with_density_for_effects,
@@ -178,8 +178,7 @@ def diagnose_commanded(
     seen = find_explanations(timeline, plant_model, criticise, report_progress)
     base, first, levels = seen.base, seen.first, seen.levels
     decided = decide_verdict(first, levels)
-    ranked = ranked_discrepancies(timeline, base, seen.plain)
-    before, after, searched = ranked.likeliest, None, base
+    before, after, searched = likeliest_discrepancy(timeline, base, seen.plain), None, base
     base = with_posterior_density(timeline, base, seen.plain, plant_model)
     extended, channels = base, ()
     if levels and decided.explanations:
@@ -214,7 +213,7 @@ def diagnose_commanded(
     offered, learned, learned_reason = verdict.word in ("named", "ambiguous"), None, ""
     if verdict.word == "unknown":
         report_progress("learning the missing term")
-        term = learned_term(timeline, searched, seen.plain, plant_model.hysteresis, ranked.places)
+        term = learned_term(timeline, searched, seen.plain, plant_model.hysteresis)
         with_term, gain_of_term, learned_reason = _if_borne_out(timeline, term, measured_gain)
         if with_term is not None:
             extended, gain, offered, learned = with_term, gain_of_term, True, term

@@ -1,6 +1,7 @@
 """The effects of both catalogues that leave an error which depends on a variable."""
 
 from smarig.measurement import measurement_effect_types
+from smarig.plant import MEAN_LEVELS, MEAN_POWERS
 
 PLANT_EFFECTS = {
     "rate": ("latent_heat", "sensor_lag", "wire_lag"),
@@ -11,6 +12,8 @@ PLANT_EFFECTS = {
     "level": ("eccentricity", "noncongruency", "resistance_phase", "saturation", "slack"),
     "input": ("r_phase", "thermal_expansion"),
     "stress": ("stress_coupling",),
+    **dict.fromkeys(MEAN_POWERS, ("settling",)),
+    **dict.fromkeys(MEAN_LEVELS, ("accommodation", "creep")),
 }
 
 

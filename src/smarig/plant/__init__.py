@@ -29,12 +29,15 @@ if TYPE_CHECKING:
     from smarig.plant.heating import JouleHeating as JouleHeating
     from smarig.plant.heating import temperature_along as temperature_along
     from smarig.plant.learned_effect import LEARNED_FROM as LEARNED_FROM
+    from smarig.plant.learned_effect import MEAN_LEVELS as MEAN_LEVELS
+    from smarig.plant.learned_effect import MEAN_POWERS as MEAN_POWERS
     from smarig.plant.learned_effect import NOT_LEARNED as NOT_LEARNED
     from smarig.plant.learned_effect import LearnedShape as LearnedShape
     from smarig.plant.learned_effect import learned_effect_type as learned_effect_type
     from smarig.plant.measured_input import PassThroughActuator as PassThroughActuator
     from smarig.plant.measured_input import is_testable as is_testable
     from smarig.plant.plant import Plant as Plant
+    from smarig.plant.plant import step_with_feedback as step_with_feedback
     from smarig.plant.stress import differential_stress as differential_stress
     from smarig.plant.thermal_stages import EARLY_STAGES as EARLY_STAGES
     from smarig.plant.thermal_stages import ThermalStages as ThermalStages

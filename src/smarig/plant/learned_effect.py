@@ -2,8 +2,11 @@
 
     output:   position = P[u] + f(z)            input:   u = T + f(z)
 
-z follows from the commands, the clock and the travel (``LEARNED_FROM``). f is 0 at its first knot, and constant
-beyond its end knots: the hysteresis contains every constant.
+z follows from the commands, the clock and the travel (``LEARNED_FROM``), or is a mean of the last minutes:
+
+    dz/dt = (x − z)/τ,    x: steady temperature of the present current ("power"), or output of the hysteresis ("level")
+
+f is 0 at its first knot, and constant beyond its end knots: the hysteresis contains every constant.
 """
 
 from bisect import bisect_right
@@ -47,15 +50,55 @@ class _Drive:
         return self.last_s - self.began_s
 
 
-LEARNED_FROM: dict[str, Callable[[PlantState, _Drive], float]] = {
-    "time": lambda now, _: now.t_s,
-    "cycle": lambda now, _: now.cycles,
-    "level": lambda now, _: now.output,
-    "step": lambda _, drive: drive.target_K - drive.before_K,
-    "hold": lambda _, drive: log10(max(drive.elapsed_s, SHORTEST_HOLD_S)),
-    "rate": lambda _, drive: drive.direction * exp(-drive.elapsed_s / ANSWER_S),
-    "history": lambda _, drive: drive.before_K,
-    "reversals": lambda _, drive: float(drive.reversals),
+Variable = Callable[[PlantState], float]
+
+
+def _of_commands(value: Callable[[_Drive], float]) -> Callable[[], Variable]:
+    """A variable of the commands so far; every call starts a new record of them."""
+
+    def start() -> Variable:
+        drive = _Drive()
+
+        def variable(now: PlantState) -> float:
+            drive.follow(now)
+            return value(drive)
+
+        return variable
+
+    return start
+
+
+def _mean(value: Variable, tau_s: float, start_value: float | None) -> Callable[[], Variable]:
+    """A mean of the last minutes, from a start or from the first value."""
+
+    def start() -> Variable:
+        mean = start_value
+
+        def variable(now: PlantState) -> float:
+            nonlocal mean
+            x = value(now)
+            mean = x if mean is None else x + (mean - x) * exp(-now.dt_s / tau_s)
+            return mean
+
+        return variable
+
+    return start
+
+
+MEANS_S = {"2_min": 120.0, "15_min": 900.0}  # time constants of means of the last minutes
+MEAN_POWERS = {f"power_over_{name}": tau_s for name, tau_s in MEANS_S.items()}
+MEAN_LEVELS = {f"level_over_{name}": tau_s for name, tau_s in MEANS_S.items()}
+LEARNED_FROM: dict[str, Callable[[], Variable]] = {
+    "time": lambda: lambda now: now.t_s,
+    "cycle": lambda: lambda now: now.cycles,
+    "level": lambda: lambda now: now.output,
+    "step": _of_commands(lambda drive: drive.target_K - drive.before_K),
+    "hold": _of_commands(lambda drive: log10(max(drive.elapsed_s, SHORTEST_HOLD_S))),
+    "rate": _of_commands(lambda drive: drive.direction * exp(-drive.elapsed_s / ANSWER_S)),
+    "history": _of_commands(lambda drive: drive.before_K),
+    "reversals": _of_commands(lambda drive: float(drive.reversals)),
+    **{name: _mean(lambda now: now.source_K, tau_s, 0.0) for name, tau_s in MEAN_POWERS.items()},
+    **{name: _mean(lambda now: now.output, tau_s, None) for name, tau_s in MEAN_LEVELS.items()},
 }
 VARIABLE_UNITS = {  # of the others: "1"; "" is the unit of the output
     "time": "s",
@@ -63,9 +106,11 @@ VARIABLE_UNITS = {  # of the others: "1"; "" is the unit of the output
     "step": "K",
     "hold": "s",
     "history": "K",
+    **dict.fromkeys(MEAN_POWERS, "K"),
+    **dict.fromkeys(MEAN_LEVELS, ""),
 }
-_OF_COMMANDS = ("step", "hold", "rate", "history", "reversals")
-_OF_OUTPUT = ("cycle", "level")
+_OF_PRESENT = ("time", "cycle", "level")  # the others have a memory
+_OF_OUTPUT = ("cycle", "level", *MEAN_LEVELS)
 
 
 @dataclass(frozen=True)
@@ -138,7 +183,7 @@ def learned_effect_type(shape: LearnedShape, range_of_place: float) -> EffectTyp
         separated_by="",
         parameters=parameters,
         act=_Law(shape),
-        memoryless=at_output and shape.variable not in _OF_COMMANDS,
+        memoryless=at_output and shape.variable in _OF_PRESENT,
         output_independent=not at_output and shape.variable not in _OF_OUTPUT,
         shape=shape,
     )
@@ -152,13 +197,10 @@ class _Law:
 
     def __call__(self, p: Values, _context: EffectContext) -> Mapping[Stage, Hook]:
         shape = self.shape
-        z_of, follows = LEARNED_FROM[shape.variable], shape.variable in _OF_COMMANDS
-        law, drive = _interpolation(shape.knots, (0.0, *p.values())), _Drive()
+        z_of, law = LEARNED_FROM[shape.variable](), _interpolation(shape.knots, (0.0, *p.values()))
 
         def added(value: float, now: PlantState) -> float:
-            if follows:
-                drive.follow(now)
-            return value + law(z_of(now, drive))
+            return value + law(z_of(now))
 
         return {Stage.ADDITIVE if shape.enters == "output" else Stage.INPUT: added}
 

@@ -6,7 +6,7 @@ One step is one tick at constant current. Instruments and their noise are not pa
 from collections.abc import Callable, Sequence
 
 from smarig.plant.actuator import Actuator
-from smarig.plant.effect import EffectContext, PlantState, Stage, SupportsHooks, hook_chains
+from smarig.plant.effect import EffectContext, Hook, PlantState, Stage, SupportsHooks, hook_chains
 from smarig.plant.thermal_stages import ThermalStages, apply_hooks
 from smarig.preisach import Everett, Initial, Preisach
 
@@ -58,6 +58,7 @@ class Plant:
         if self._no_effects:
             self.heating.tick(dt_s)
             return self.step(current_A, disturbance_K)
+        self._thermal_stages.ahead = True  # ticks may be long
         parts = self._thermal_stages.parts(current_A, dt_s)
         self.now.dt_s = dt_s / parts
         start_s = self.now.t_s
@@ -78,21 +79,11 @@ class Plant:
 
     def _output_with_feedback(self) -> float:
         """The output at the hysteresis input. If that depends on the output, at the first self-consistent input."""
-        hooks, now, operator = self._chains[Stage.FEEDBACK], self.now, self.operator
-        if not hooks:
-            return operator.step(now.hysteresis_input_K)
-        before_feedback_K = now.hysteresis_input_K
-
-        def hysteresis_input(u: float, *, y: float) -> float:
-            now.austenite = (y - self._y_lower) * self._per_stroke
-            return apply_hooks(hooks, before_feedback_K, now) - u
-
-        now.hysteresis_input_K = self_consistent_input(
-            lambda u: hysteresis_input(u, y=operator.peek(u)),
-            operator.u,
-            hysteresis_input(operator.u, y=operator.y),
-        )
-        return operator.step(now.hysteresis_input_K)
+        hooks = self._chains[Stage.FEEDBACK]
+        if hooks:
+            step_with_feedback(hooks, self.now, self.operator, self._y_lower, self._per_stroke)
+            return self.operator.y
+        return self.operator.step(self.now.hysteresis_input_K)
 
     def sensed(self, counts: float) -> float:
         """Counts that the sensor indicates, before quantisation."""
@@ -128,6 +119,24 @@ class Plant:
     def austenite(self) -> float:
         """Austenite fraction ξ of wire 1, from the output: 0 at y₋, 1 at y₊."""
         return (self.operator.y - self._y_lower) * self._per_stroke
+
+
+def step_with_feedback(
+    hooks: tuple[Hook, ...], now: PlantState, operator: Preisach, y_lower: float, per_stroke: float
+) -> None:
+    """Move the operator, and ``now.hysteresis_input_K``, to the first input that agrees with the output it causes."""
+    before_feedback_K = now.hysteresis_input_K
+
+    def hysteresis_input(u: float, *, y: float) -> float:
+        now.austenite = (y - y_lower) * per_stroke
+        return apply_hooks(hooks, before_feedback_K, now) - u
+
+    now.hysteresis_input_K = self_consistent_input(
+        lambda u: hysteresis_input(u, y=operator.peek(u)),
+        operator.u,
+        hysteresis_input(operator.u, y=operator.y),
+    )
+    operator.step(now.hysteresis_input_K)
 
 
 def self_consistent_input(drive: Callable[[float], float], u: float, drive_at_u: float) -> float:

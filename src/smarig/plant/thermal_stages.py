@@ -11,6 +11,7 @@ from smarig.plant.effect import Hook, PlantState, Stage
 from smarig.plant.measured_input import heating_for
 
 MAX_PART_K, MAX_PARTS = 1.0, 50  # limits for the subdivision of a tick if heating depends on the output
+MAX_GROWTH = 1.5  # of ticks: limit of extrapolation
 EARLY_STAGES = (Stage.AMBIENT, Stage.CURRENT, Stage.RESISTANCE, Stage.SOURCE, Stage.LAG, Stage.INPUT)
 
 
@@ -24,6 +25,8 @@ class ThermalStages:
             chains[stage] for stage in EARLY_STAGES
         )
         self.lags: tuple[float, ...] = ()
+        self.ahead = False  # whether the resistance is that of the middle of the tick
+        self._last_austenite = (now.austenite if isinstance(now, PlantState) else 0.0, now.dt_s)
         self._output_dependent = any(chains[stage] for stage in (Stage.RESISTANCE, Stage.LAG, Stage.SOURCE))
 
     def parts(self, current_A: float, dt_s: float) -> int:
@@ -50,8 +53,8 @@ class ThermalStages:
         for hook in self._current:
             current_A = hook(current_A, now)
         now.current_A = current_A
-        for hook in self._resistance:
-            resistance = hook(resistance, now)
+        if self._resistance:
+            resistance = self._resistance_ahead() if self.ahead else apply_hooks(self._resistance, 1.0, now)
         now.resistance = resistance
         now.input_K = heating.input_K  # before the tick, above ambient: determines heat loss and stored heat
         source_K = heating.source(current_A) * resistance
@@ -69,6 +72,21 @@ class ThermalStages:
             hysteresis_input_K = hook(hysteresis_input_K, now)
         now.hysteresis_input_K = hysteresis_input_K
         return hysteresis_input_K
+
+    def _resistance_ahead(self) -> float:
+        """The resistance at the austenite expected in the middle of the tick.
+
+        The heating of a tick is constant, so that of its start would be late by half a tick, and a wire whose
+        resistance falls overshoots by it. The expectation goes on as in the last tick, which was as long or shorter.
+        """
+        now = self.now
+        assert isinstance(now, PlantState)  # noqa: S101 - ``ahead`` is set with an output only
+        austenite, (before, before_s) = now.austenite, self._last_austenite
+        expected = austenite + 0.5 * (austenite - before) * min(now.dt_s / before_s, MAX_GROWTH)
+        now.austenite = min(max(expected, 0.0), 1.0)
+        resistance = apply_hooks(self._resistance, 1.0, now)
+        now.austenite, self._last_austenite = austenite, (austenite, now.dt_s)
+        return resistance
 
     def _lags(self) -> tuple[float, ...]:
         """The lag of each wire.

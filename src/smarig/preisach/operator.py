@@ -215,17 +215,38 @@ class Preisach:
         """Outputs for inputs u, shape (n,), from the present state: many steps in one call."""
         return self._follow(input_array(u))
 
-    def _follow(self, inputs: Array) -> Array:
+    def follow_with_states(
+        self, u: Sequence[float] | ArrayLike, at: Sequence[int]
+    ) -> tuple[Array, tuple[State, ...]]:
+        """Outputs (m,) and memories at the indices ``at`` (m,), ascending, of inputs u (n,), from the present state."""
+        inputs = input_array(u)
+        # from a diagonal state, all moves are integrated at once
+        released = self._released(np.clip(inputs, self._lower, self._upper)) if self._diagonal else inputs
+        begin, path, outputs, states = 0, inputs.tolist(), [], []
+        for end in (np.asarray(at) + 1).tolist():
+            if self._diagonal:
+                self._follow(inputs[begin:end], released[begin:end])
+            else:
+                for v in path[begin:end]:
+                    self.step(v)
+            begin = end
+            outputs.append(self.y)
+            states.append(self.state)
+        return np.array(outputs), tuple(states)
+
+    def _follow(self, inputs: Array, released: Array | None = None) -> Array:
         y = np.empty(inputs.size)
-        done = self._leave_diagonal(inputs, y) if self._diagonal else 0
+        done = self._leave_diagonal(inputs, y, released) if self._diagonal else 0
         self._run_loop(inputs[done:], y[done:])
         return y
 
-    def _leave_diagonal(self, inputs: Array, y: Array) -> int:
+    def _leave_diagonal(self, inputs: Array, y: Array, released: Array | None) -> int:
         """Follow the inputs up to the first that saturates and so ends a diagonal state. Returns their number."""
         saturated = np.flatnonzero((inputs <= self._lower) | (inputs >= self._upper))[:1]
         end = int(saturated[0]) if saturated.size else inputs.size
-        self._run_loop(inputs[:end], y[:end], self._released(inputs[:end]))
+        self._run_loop(
+            inputs[:end], y[:end], self._released(inputs[:end]) if released is None else released[:end]
+        )
         if end < inputs.size:
             y[end] = self._saturate(self._lower if inputs[end] <= self._lower else self._upper)
         return end + 1

@@ -1,8 +1,9 @@
 """A model simulated along a timeline: its state at each time of a reading.
 
 If the input of the hysteresis does not depend on its output, it is computed once for all densities
-(``hysteresis_input``), and the outputs are computed along it. Otherwise the whole plant is simulated tick by tick. Both
-give the same numbers.
+(``hysteresis_input``), and the outputs are computed along it. A feedback without memory then changes the input at
+turning points and readings (``_with_feedback``). Otherwise the whole plant is simulated tick by tick. All give the same
+numbers.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -28,6 +29,7 @@ from smarig.plant import (
     ThermalState,
     apply_hooks,
     hook_chains,
+    step_with_feedback,
 )
 from smarig.preisach import Everett, Initial, Preisach, State
 from smarig.replay.plant_model import PlantModel
@@ -86,12 +88,15 @@ def simulate_timeline(
     timeline: Timeline, plant_model: PlantModel, effects: Sequence[SupportsHooks]
 ) -> Trajectory:
     """A plant with these effects along one session."""
-    inputs = hysteresis_input(timeline, plant_model, effects)
-    return (
-        _by_ticks(timeline, plant_model, effects)
-        if inputs is None
-        else _by_parts(timeline, plant_model, effects, inputs)
-    )
+    context = EffectContext(plant_model.actuator, plant_model.hysteresis, plant_model.initial)
+    feedback = [e for e in effects if _is_feedback_without_memory(e, context)]
+    others = [e for e in effects if e not in feedback]
+    inputs = hysteresis_input(timeline, plant_model, others)
+    if inputs is None or (feedback and not _late_effects_memoryless(others, context)):
+        return _by_ticks(timeline, plant_model, effects)
+    if feedback:
+        inputs = _with_feedback(timeline, plant_model, feedback, inputs)
+    return _by_parts(timeline, plant_model, others, inputs)
 
 
 def _by_ticks(timeline: Timeline, plant_model: PlantModel, effects: Sequence[SupportsHooks]) -> Trajectory:
@@ -138,20 +143,51 @@ def _outputs_and_states(
 ) -> tuple[Array, tuple[State, ...]]:
     """Outputs (n,) and memories at the parts that end at a reading; only the turning points of a path are simulated."""
     operator = Preisach(hysteresis, initial, compiled=False)
-    hysteresis_input_K, at = inputs["hysteresis_input_K"], inputs.ends[timeline.ticks[2]]
-    move = np.diff(hysteresis_input_K, prepend=hysteresis_input_K[0], append=hysteresis_input_K[-1])
+    kept, at = _turns_and_readings(timeline, inputs)
+    return operator.follow_with_states(inputs["hysteresis_input_K"][kept], np.searchsorted(kept, at).tolist())
+
+
+def _turns_and_readings(
+    timeline: Timeline, inputs: InputTrajectory
+) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """(parts at which a path turns or a reading is taken, the latter of them)."""
+    path, at = inputs["hysteresis_input_K"], inputs.ends[timeline.ticks[2]]
+    move = np.diff(path, prepend=path[0], append=path[-1])
     turns = move[:-1] * move[1:] <= 0
     turns[at] = True
-    kept = np.flatnonzero(turns)
-    output, states = [], []
-    begin, path = 0, hysteresis_input_K[kept].tolist()
-    for end in (np.searchsorted(kept, at) + 1).tolist():
-        for u in path[begin:end]:
-            operator.step(u)
-        begin = end
-        output.append(operator.y)
-        states.append(operator.state)
-    return np.array(output), tuple(states)
+    return np.flatnonzero(turns), at
+
+
+def _is_feedback_without_memory(effect: SupportsHooks, context: EffectContext) -> bool:
+    """Whether an effect changes the hysteresis input by the present output alone."""
+    return (
+        isinstance(effect, Effect)
+        and effect.kind.memoryless
+        and set(effect.hooks(context)) == {Stage.FEEDBACK}
+    )
+
+
+def _with_feedback(
+    timeline: Timeline, plant_model: PlantModel, feedback: Sequence[SupportsHooks], inputs: InputTrajectory
+) -> InputTrajectory:
+    """Inputs of the hysteresis with a feedback of its output: solved where a path turns or is read.
+
+    In between both inputs move one way. There the input with feedback is interpolated, which changes no output.
+    """
+    h, now = plant_model.hysteresis, PlantState()
+    hooks = hook_chains(feedback, EffectContext(plant_model.actuator, h, plant_model.initial))[Stage.FEEDBACK]
+    operator, span = Preisach(h, plant_model.initial, compiled=False), h.everett(h.upper, h.lower)
+    per_span, path = 1.0 / span if span else 0.0, inputs["hysteresis_input_K"]
+    kept, _ = _turns_and_readings(timeline, inputs)
+    solved = []
+    for u in path[kept].tolist():
+        now.hysteresis_input_K = u
+        step_with_feedback(hooks, now, operator, h.y_lower, per_span)
+        solved.append(now.hysteresis_input_K)
+    way = np.cumsum(np.abs(np.diff(path, prepend=path[0])))
+    columns = inputs.columns.copy()
+    columns[INPUT_COLUMNS.index("hysteresis_input_K")] = np.interp(way, way[kept], solved)
+    return InputTrajectory(columns, inputs.ends)
 
 
 def _late_effects_memoryless(effects: Sequence[SupportsHooks], context: EffectContext) -> bool:

@@ -189,7 +189,7 @@ def test_it_acts_at_the_stages_it_names_only(name):
 
 def test_a_memoryless_effect_does_not_depend_on_earlier_calls():
     """Asked for many moments and for the last alone it answers the same, to the bit; the others do not."""
-    late = (Stage.OUTPUT, Stage.ADDITIVE, Stage.SENSOR)
+    late = (Stage.FEEDBACK, Stage.OUTPUT, Stage.ADDITIVE, Stage.SENSOR)
     rng = np.random.default_rng(5)
     forgetful = set()
     for name in NAMES:

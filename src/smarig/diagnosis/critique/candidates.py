@@ -12,6 +12,7 @@ from itertools import product
 import numpy as np
 from numpy.typing import NDArray
 
+from smarig.diagnosis.critique.recorded_period import recorded_period_h
 from smarig.diagnosis.drive_statistics import DriveStatistics
 from smarig.diagnosis.refit.refit import Refit
 from smarig.plant import Effect, EffectType, Parameter
@@ -131,17 +132,18 @@ def whitened(candidate: Candidate, refitted: Refit) -> Candidate:
 
 
 def _variants(kind: EffectType, timeline: Timeline) -> Iterator[Effect]:
-    duration_h = timeline.duration_h
     others = kind.parameters[1:]
     for strength in kind.primary.tries or (WEAK_SHARE * kind.primary.typical,):
-        for values in product(*[_tries(p, duration_h) for p in others]):
+        for values in product(*[_tries(p, timeline) for p in others]):
             yield kind(strength, **{p.name: v for p, v in zip(others, values)})
 
 
-def _tries(parameter: Parameter, duration_h: float) -> tuple[float, ...]:
-    unit = duration_h if parameter.of_record else 1.0
-    tries = parameter.tries or (parameter.typical,)
-    return tuple(float(np.clip(t * unit, parameter.lower, parameter.upper)) for t in tries)
+def _tries(parameter: Parameter, timeline: Timeline) -> tuple[float, ...]:
+    unit = timeline.duration_h if parameter.of_record else 1.0
+    tries = [t * unit for t in parameter.tries or (parameter.typical,)]
+    period_h = recorded_period_h(timeline, parameter.period_of) if parameter.period_of else None
+    tries += [period_h] if period_h else []
+    return tuple(float(np.clip(t, parameter.lower, parameter.upper)) for t in tries)
 
 
 def generic(

@@ -52,7 +52,7 @@ class Critique:
     """The critique of a plant model with its present effects: scores, and thresholds of the largest score.
 
     ``threshold`` and ``p_value`` compare it with null data, ``alarm_threshold`` and ``calibrated_p`` with wires without
-    an effect.
+    an effect. ``named_traces`` are the named candidates with raw traces.
     """
 
     timeline: Timeline
@@ -60,6 +60,7 @@ class Critique:
     prediction: Prediction
     refitted: Refit
     scores: tuple[CandidateScore, ...]
+    named_traces: tuple[Candidate, ...]
     threshold: float
     p_value: float
     calibrated_p: float
@@ -103,12 +104,23 @@ def critique(
 ) -> Critique:
     """Compare a plant model with a timeline and with ``count`` null data sets at the level α.
 
-    ``warm_start``: refine the noise of another critique. ``noise_of``: use the noise of another critique.
-    ``all_nuisances``: use the least noise, by allowing all nuisance terms at once.
+    ``warm_start``: refine the noise of another critique of the same wire, without the present effects, and use its
+    traces, which hardly depend on them. ``noise_of``: use the noise of another critique. ``all_nuisances``: use the
+    least noise, by allowing all nuisance terms at once.
     """
     present = {effect.kind.name for effect in plant_model.catalogue_effects}
     absent = tuple(kind for kind in effect_types if kind.name not in present)
-    prediction, raw_candidates = _raw_candidates(timeline, plant_model, absent)
+    prediction = predict(timeline, plant_model)
+    named_traces = (
+        _named_traces(timeline, plant_model, absent)
+        if warm_start is None
+        else tuple(c for c in warm_start.named_traces if c.kind in absent)
+    )
+    slope = (
+        np.array([s[-1] for s in sensitivities(plant_model.hysteresis, prediction.states)])
+        * prediction.output_slope
+    )
+    raw_candidates = [*named_traces, *generic(timeline, plant_model, prediction, slope)]
     nuisance_terms = [traces for c in raw_candidates for traces in c.typical]
     refitted = refit(
         timeline,
@@ -137,6 +149,7 @@ def critique(
         prediction=prediction,
         refitted=refitted,
         scores=tuple(scores),
+        named_traces=named_traces,
         threshold=threshold,
         p_value=p,
         calibrated_p=calibrated_p(observed_largest, largest),
@@ -145,19 +158,11 @@ def critique(
 
 
 @lru_cache(maxsize=2)  # the second pass of a diagnosis criticises the same plant model with other noise
-def _raw_candidates(
+def _named_traces(
     timeline: Timeline, plant_model: PlantModel, effect_types: tuple[EffectType, ...]
-) -> tuple[Prediction, list[Candidate]]:
-    """The prediction of a plant model, and all candidates with raw traces."""
-    prediction = predict(timeline, plant_model)
-    slope = (
-        np.array([s[-1] for s in sensitivities(plant_model.hysteresis, prediction.states)])
-        * prediction.output_slope
-    )
-    return prediction, [
-        *named(timeline, plant_model, prediction, effect_types),
-        *generic(timeline, plant_model, prediction, slope),
-    ]
+) -> tuple[Candidate, ...]:
+    """The candidates of effects, with raw traces."""
+    return tuple(named(timeline, plant_model, predict(timeline, plant_model), effect_types))
 
 
 def null_data(

@@ -58,65 +58,89 @@ class Discrepancy:
         return {WALK: "history", "branch": "history"}.get(self.variable, self.variable)
 
 
-@dataclass(frozen=True)
-class RankedDiscrepancies:
-    """The ``likeliest`` discrepancy, and (variable, place) of all, by their gain while they were screened."""
+@dataclass(frozen=True, eq=False)
+class _Problem:
+    """Positions with the likeliest noise that explains them without a discrepancy.
 
-    likeliest: Discrepancy
-    places: tuple[tuple[str, str], ...]
+    ``cost`` is − log likelihood with it, ``components`` log₁₀ of its sds, and ``memory`` the remembered noise per K².
+    """
+
+    positions: Timeline
+    plant_model: PlantModel
+    prediction: Prediction
+    readings: CoupledReadings
+    cost: float
+    components: Array
+    correlation_s: float
+    memory: Array
+
+    @property
+    def screening_components(self) -> Array:
+        """The same sds without an implausible fluctuation of the room, which could hide a discrepancy."""
+        most = min(self.components[-1], np.log10(PLAUSIBLE_ROOM_K))
+        return np.append(self.components[:-1], most)
+
+    def described(self, variable: str, place: str, gain: float, components: Array) -> Discrepancy:
+        """A discrepancy with the noise beside it."""
+        settled, scale = len(self.positions.settled), self.readings.scale
+        square = np.diag(self.readings.covariance.noise_covariance(self.memory, components)) * scale**2
+        noise = float(np.sqrt(np.mean(square[:settled])))
+        room_K = float(10.0 ** self.components[-1])
+        return Discrepancy(variable, place, gain, room_K, self.correlation_s, noise)
 
 
 def likeliest_discrepancy(timeline: Timeline, plant_model: PlantModel, refitted: Refit) -> Discrepancy:
     """The discrepancy that makes the positions likeliest, against noise alone; ``refitted`` gives where to start."""
-    return ranked_discrepancies(timeline, plant_model, refitted).likeliest
+    problem = _problem(timeline, plant_model, refitted)
+    found, start = problem.readings.covariance, problem.screening_components
+    variables = DriveStatistics(timeline).variables(problem.prediction)
+    kernels = list(_kernels(problem, variables))
+    screened = _screened(problem, [k for _, _, k in kernels])
+    best = problem.described("", "", 0.0, problem.components)
+    for j in sorted(range(len(kernels)), key=lambda j: -screened[j][0])[:JOINTLY_TRIED]:
+        variable, place, kernel = kernels[j]
+        with_kernel, components = found.with_shape(kernel).likeliest_near(
+            problem.memory, np.insert(start, len(found.shapes), np.log10(screened[j][1]))
+        )
+        if problem.cost - with_kernel > best.gain:
+            best = problem.described(variable, place, problem.cost - with_kernel, components)
+    return best
 
 
-def ranked_discrepancies(timeline: Timeline, plant_model: PlantModel, refitted: Refit) -> RankedDiscrepancies:
-    """``likeliest_discrepancy``, and the order of all others."""
+def ranked_places(
+    timeline: Timeline, plant_model: PlantModel, refitted: Refit, means: dict[str, Array]
+) -> tuple[tuple[str, str], ...]:
+    """(variable, place) of all discrepancies, the most promising first; ``means`` are further variables."""
+    problem = _problem(timeline, plant_model, refitted)
+    kernels = list(_kernels(problem, DriveStatistics(timeline).variables(problem.prediction) | means))
+    screened = _screened(problem, [k for _, _, k in kernels])
+    order = sorted(range(len(kernels)), key=lambda j: -screened[j][0])
+    return tuple(dict.fromkeys(kernels[j][:2] for j in order))
+
+
+def _problem(timeline: Timeline, plant_model: PlantModel, refitted: Refit) -> _Problem:
     positions = timeline.positions_only
     prediction = predict(timeline, plant_model).positions_only
     readings = coupled_readings(positions, prediction, plant_model)
-    span, found = plant_model.stroke, readings.covariance
-    cost, start, seconds = np.inf, refitted.log_components, 0.0
-    memory = np.empty((0, 0))
+    cost, components, seconds, memory = np.inf, refitted.log_components, 0.0, np.empty((0, 0))
     for trial_s in DriveStatistics(timeline).correlations_s():
-        trial = memory_covariance(readings.slopes, readings.times, trial_s) / span**2
-        trial_cost, components = found.likeliest(trial, refitted.log_components)
+        trial = memory_covariance(readings.slopes, readings.times, trial_s) / plant_model.stroke**2
+        trial_cost, trial_components = readings.covariance.likeliest(trial, refitted.log_components)
         if trial_cost < cost:
-            cost, start, seconds, memory = trial_cost, components, trial_s, trial
-    kernels = list(_kernels(positions, prediction, plant_model, readings))
-    settled = len(positions.settled)
-
-    def described(variable: str, place: str, gain: float, components: Array) -> Discrepancy:
-        square = np.diag(found.noise_covariance(memory, components))[:settled] * readings.scale[:settled] ** 2
-        noise = float(np.sqrt(np.mean(square)))
-        return Discrepancy(variable, place, gain, room_K, seconds, noise)
-
-    room_K = float(10.0 ** start[-1])
-    best = described("", "", 0.0, start)
-    start = np.append(start[:-1], min(start[-1], np.log10(PLAUSIBLE_ROOM_K)))
-    screened = _screened(readings, memory, start, [k for _, _, k in kernels])
-    order = sorted(range(len(kernels)), key=lambda j: -screened[j][0])
-    for j in order[:JOINTLY_TRIED]:
-        variable, place, kernel = kernels[j]
-        with_kernel, components = found.with_shape(kernel).likeliest_near(
-            memory, np.insert(start, len(found.shapes), np.log10(screened[j][1]))
-        )
-        if cost - with_kernel > best.gain:
-            best = described(variable, place, cost - with_kernel, components)
-    return RankedDiscrepancies(best, tuple(dict.fromkeys(kernels[j][:2] for j in order)))
+            cost, components, seconds, memory = trial_cost, trial_components, trial_s, trial
+    return _Problem(positions, plant_model, prediction, readings, cost, components, seconds, memory)
 
 
-def _screened(
-    readings: CoupledReadings, memory: Array, components: Array, kernels: list[Array]
-) -> list[tuple[float, float]]:
-    """(gain in nats, size s²) of each kernel, added to given variances: closed form in its eigenvalues."""
-    factor = cholesky(readings.covariance.covariance(memory, components), lower=True, check_finite=False)
+def _screened(problem: _Problem, kernels: list[Array]) -> list[tuple[float, float]]:
+    """(gain in nats, size s²) of each kernel, added to the noise: closed form in its eigenvalues."""
+    covariance = problem.readings.covariance
+    C = covariance.covariance(problem.memory, problem.screening_components)
+    factor = cholesky(C, lower=True, check_finite=False)
 
     def whitened(x: Array) -> Array:
         return solve_triangular(factor, x, lower=True, check_finite=False)
 
-    data = whitened(readings.covariance.y)
+    data = whitened(covariance.y)
     found = []
     for kernel in kernels:
         values, vectors = eigh(whitened(whitened(kernel).T), check_finite=False)
@@ -128,11 +152,10 @@ def _screened(
     return found
 
 
-def _kernels(
-    timeline: Timeline, prediction: Prediction, plant_model: PlantModel, readings: CoupledReadings
-) -> Iterator[tuple[str, str, Array]]:
+def _kernels(problem: _Problem, variables: dict[str, Array]) -> Iterator[tuple[str, str, Array]]:
     """(variable, place, kernel (n, n)) of every discrepancy, in strokes² or per K²."""
-    positions = timeline.all_readings
+    timeline, prediction, readings = problem.positions, problem.prediction, problem.readings
+    plant_model, positions = problem.plant_model, timeline.all_readings
     step = np.concatenate([r.step for r in positions])
     t_s = np.concatenate([r.t_s for r in positions])
     same_session = np.equal.outer(timeline.session[step], timeline.session[step])
@@ -147,7 +170,7 @@ def _kernels(
         yield variable, "output", kernel
         yield variable, "input", slope[:, None] * kernel * slope
 
-    for name, z in DriveStatistics(timeline).variables(prediction).items():
+    for name, z in variables.items():
         if name != "time":
             yield from both(name, _falling(_ranks(z), RANK_LENGTH))
     same_branch = np.equal.outer(timeline.block[step], timeline.block[step])

@@ -4,7 +4,6 @@ The variables are tried in the order in which flexible discrepancies explain the
 no law by more than its values are free to gain, and must predict blocks left out of the fit better.
 """
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -12,8 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from smarig.diagnosis.drive_statistics import DriveStatistics
+from smarig.diagnosis.explain.discrepancy import ranked_places
 from smarig.diagnosis.explain.explanation import Explanation, fit_explanation
 from smarig.diagnosis.explain.left_out_blocks import LeftOutBlocks, left_out_blocks
+from smarig.diagnosis.explain.means_of_minutes import means_of_minutes
 from smarig.diagnosis.looks_like import PLANT_EFFECTS
 from smarig.diagnosis.refit.refit import Refit
 from smarig.plant import LEARNED_FROM, NOT_LEARNED, LearnedShape, learned_effect_type
@@ -21,7 +22,7 @@ from smarig.preisach import Everett
 from smarig.replay import PlantModel, Prediction, Timeline, predict
 
 Array = NDArray[np.float64]
-TRIED = 3  # laws fitted
+TRIED = 4  # laws fitted
 KNOTS = 5
 LEAST_DISTANCE = 0.05  # of knots, in ranges of the variable
 ROUNDS = 3  # of values, then density
@@ -72,15 +73,15 @@ def learned_term(
     base: PlantModel,
     plain: Refit,
     original: Everett,
-    places: Sequence[tuple[str, str]],
 ) -> LearnedTermFit | None:
     """The law that gains most on blocks left out, or None if no law passes.
 
-    ``base`` and ``plain`` are the model without effects and its refit. ``places`` are (variable, "output" or
-    "input"), the most promising first.
+    ``base`` and ``plain`` are the model without effects and its refit.
     """
     prediction = predict(timeline, base)
-    shapes = [_shape(timeline, base, prediction, *p) for p in places if p[0] in LEARNED_FROM]
+    means = means_of_minutes(timeline, base, prediction)
+    places = ranked_places(timeline, base, plain, means)
+    shapes = [_shape(timeline, base, prediction, means, *p) for p in places if p[0] in LEARNED_FROM]
     tried = [shape for shape in shapes if shape is not None][:TRIED]
     before = left_out_blocks(timeline, plain)
     found = [_fitted(timeline, base, plain, original, shape, before) for shape in tried]
@@ -88,12 +89,17 @@ def learned_term(
 
 
 def _shape(
-    timeline: Timeline, base: PlantModel, prediction: Prediction, variable: str, place: str
+    timeline: Timeline,
+    base: PlantModel,
+    prediction: Prediction,
+    means: dict[str, Array],
+    variable: str,
+    place: str,
 ) -> LearnedShape | None:
     """Knots at equal shares of a variable's values; None if it hardly varies, or if a density has the law anyway."""
     if (variable, place) == NOT_LEARNED:
         return None
-    z = _values(timeline, base, prediction, variable)
+    z = means[variable] if variable in means else _values(timeline, base, prediction, variable)
     knots = _apart(np.quantile(z, np.linspace(0, 1, KNOTS)))
     unit = timeline.unit if place == "output" else "K"
     return LearnedShape(variable, place, tuple(knots.tolist()), unit) if knots.size > 1 else None

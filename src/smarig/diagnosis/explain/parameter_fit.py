@@ -75,21 +75,29 @@ def _extrapolated_effect(start: Effect, end: Effect, far: float) -> Effect:
 
 
 def fit_parameters(
-    start: Sequence[Effect], timeline: Timeline, plant_model: PlantModel, refitted: Refit, centre: Everett
+    start: Sequence[Effect],
+    timeline: Timeline,
+    plant_model: PlantModel,
+    refitted: Refit,
+    centre: Everett,
+    *,
+    independent: bool = False,
 ) -> ParameterFit:
     """Fit the parameters of effects by least squares, from a start and within bounds.
 
     The density of the plant model determines the prediction. ``centre`` is the output from which density deviations
-    in C are counted; it is the same for all explanations that are compared.
+    in C are counted; it is the same for all explanations that are compared. ``independent``: fit only readings that
+    do not depend on the output, such as the current, so that no density resists.
     """
     fit = _FreeParameters(tuple(start), timeline.duration_h)
     data = np.concatenate([r.value for r in timeline.all_readings])
+    rows = slice(refitted.coupled if independent else 0, None)
 
     def residual(x: Array) -> Array:
         prediction = predict(timeline, replace(plant_model, effects=()), fit.at(x))
         return refitted.centred(
             data - with_hysteresis(prediction, plant_model, centre).stacked(timeline), timeline
-        )
+        )[rows]
 
     x, r, J = _levenberg_marquardt(residual, fit)
     for _ in range(_MAX_SCANS):

@@ -6,7 +6,7 @@ of another explanation. The search stops when nothing stands out any more, or wh
 ``diagnosis_verdict`` decides.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 
 from smarig.diagnosis.critique.critique import Critique
@@ -20,6 +20,7 @@ from smarig.diagnosis.explain.explanation import (
 )
 from smarig.diagnosis.explain.joint_density import joint_density_from_best_start
 from smarig.diagnosis.explain.parameter_fit import ParameterFit, fit_parameters
+from smarig.diagnosis.refit.refit import Refit
 from smarig.plant import Effect
 from smarig.preisach import Everett
 from smarig.replay import PlantModel, Timeline
@@ -39,7 +40,8 @@ MIN_GAIN_FURTHER_NATS = (
     25.0  # nats: least gain of a further effect, which could otherwise be an artefact of the first
 )
 MIN_GAIN_FURTHER_SHARE = 0.05  # of the first effect's gain, for the same reason
-MIN_GAIN_FURTHER_CAP_NATS = 60.0  # nats: a sufficient gain in any case
+MIN_GAIN_FURTHER_CAP_NATS = 60.0  # nats: a sufficient gain, unless the first effect's is beyond all measure
+NUMERICAL_SHARE = 1e-5  # of the first effect's gain: what the numerics of its fit can leave to another
 MAX_DEFICIT_NATS = 60.0  # nats behind the best: explanations farther behind are not evaluated
 MAX_DEFICIT_SHARE = 0.25  # of the gain of the best: the same limit, if it is larger
 LINEAR_DEFICIT_SHARE = 0.5  # of the gain of the best: the accuracy of linearisation for large effects
@@ -113,9 +115,37 @@ def search_explanations(
     return levels
 
 
+def _fits_to_channels(current: Critique, starts: Sequence[EffectSet], centre: Everett) -> list[ParameterFit]:
+    """Sets of effects fitted to the readings that do not depend on the output, if these alone show them.
+
+    With a density identified without it, an effect on the input disturbs the positions, and a fit to all readings
+    stops early. The measured current knows no density.
+    """
+    timeline, refitted = current.timeline, current.refitted
+    own = refitted.data[refitted.coupled :]
+    if not own.size:
+        return []
+    fits = [
+        fit_parameters(p, timeline, current.plant_model, refitted, centre, independent=True) for p in starts
+    ]
+    return [f for f in fits if float(own @ own) - f.misfit > 2 * MIN_GAIN_NATS]
+
+
+def _best_of_each_set(found: Iterable[tuple[PlantModel, Refit]]) -> list[tuple[PlantModel, Refit]]:
+    """The likeliest model of each set of effects, likeliest first."""
+    best: dict[tuple[str, ...], tuple[PlantModel, Refit]] = {}
+    for model, refitted in found:
+        names = tuple(sorted(e.kind.name for e in model.catalogue_effects))
+        if names not in best or refitted.log_evidence > best[names][1].log_evidence:
+            best[names] = model, refitted
+    return sorted(best.values(), key=lambda pair: -pair[1].log_evidence)
+
+
 def _required_gain_nats(levels: Sequence[SearchLevel]) -> float:
     """Least gain (nats) of one more effect."""
-    return max(MIN_GAIN_FURTHER_NATS, min(MIN_GAIN_FURTHER_SHARE * levels[0].gain, MIN_GAIN_FURTHER_CAP_NATS))
+    first = levels[0].gain
+    share = min(MIN_GAIN_FURTHER_SHARE * first, MIN_GAIN_FURTHER_CAP_NATS)
+    return max(MIN_GAIN_FURTHER_NATS, share, NUMERICAL_SHARE * first)
 
 
 def _starts(critique: Critique, count: int) -> list[Effect]:
@@ -170,10 +200,10 @@ def _evaluated(
         < max(2 * MAX_DEFICIT_NATS, LINEAR_DEFICIT_SHARE * (whole - linear_gain[0].misfit))
     ]
     retained = (retained if len(retained) > 1 else linear_gain)[:EVALUATED_MAX]
-    start_fits = [
-        joint_density_from_best_start(timeline, r.extended, original, current.refitted) for r in retained
-    ]
-    start_fits.sort(key=lambda found: -found[1].log_evidence)
+    start_fits = _best_of_each_set(
+        joint_density_from_best_start(timeline, r.extended, original, current.refitted)
+        for r in (*retained, *_fits_to_channels(current, starts, centre))
+    )
     start_fits[:DOUBLING_TRIED] = [
         doubled_strength_start(timeline, *start_fit, original, current.refitted)
         for start_fit in start_fits[:DOUBLING_TRIED]

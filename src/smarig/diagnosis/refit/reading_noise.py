@@ -46,7 +46,8 @@ def reading_scales(
         zero.append(np.full(len(r), -1 - k) if known_noise is None else session_zero)
     own_zero, scales = np.concatenate(zero), np.concatenate(scale)
     same = own_zero[:, None] == own_zero[None, :]
-    size = np.where(own_zero >= 0, FREE_ZERO_SD, _FREE_BLOCK_ZERO_SD)
+    # a constant in ohms (leads, contacts): one in units of the noise would be a voltage, and hide a missing current
+    size = np.where(own_zero >= 0, FREE_ZERO_SD, _FREE_BLOCK_ZERO_SD * _constant_in_own_unit(own_zero, scales))
     slope = prediction.output_slope * span / scales
     free = np.where(same, np.outer(size, size), 0.0)
     unobserved = np.where(
@@ -55,6 +56,14 @@ def reading_scales(
         UNOBSERVED_SHARE * slope * (prediction.output - plant_model.hysteresis.y_lower) / span,
     )
     return np.concatenate(white), free + np.outer(unobserved, unobserved), scales, slope
+
+
+def _constant_in_own_unit(block: NDArray[np.int64], scales: Array) -> Array:
+    """A constant of each block in the readings' unit, divided by their scales (n,); typically 1."""
+    typical = np.ones(scales.size)
+    for one in np.unique(block):
+        typical[block == one] = np.median(scales[block == one])
+    return typical / scales
 
 
 def encoder_error_traces(timeline: Timeline, plant_model: PlantModel, coupled: list[ReadingSeries]) -> Array:
@@ -71,11 +80,12 @@ def encoder_error_traces(timeline: Timeline, plant_model: PlantModel, coupled: l
 def _resistance_noise(y: Array, target_K: Array) -> Array:
     """Standard deviation (n,) of resistances V/i, from residuals (n,): that of the voltage over the current.
 
-    The steady temperature is proportional to i², so its root is the current in relative units.
+    The steady temperature is proportional to i², so its root is the current in relative units. The constant of leads
+    is taken off first: times a current that steps, it would count as noise.
     """
     current = np.sqrt(np.maximum(np.abs(target_K), 1e-12))
     current = np.maximum(current / float(np.median(current)), MIN_CURRENT_SHARE)
-    return np.maximum(_local_noise(y * current) / current, _MIN_NOISE["resistance"])
+    return np.maximum(_local_noise((y - np.median(y)) * current) / current, _MIN_NOISE["resistance"])
 
 
 def output_rate(prediction: Prediction, path: Array) -> Array:

@@ -41,6 +41,7 @@ ambient_drift = EffectType(
             "air conditioning 10–30 min, day 24 h",
             tries=(0.3, 0.7, 2.0),
             of_record=True,
+            period_of="room",
         ),
         Parameter(
             "phase", "turn", 0.0, 1.0, 0.0, "phase of the period at the start of the run", tries=(0.0, 0.25)

@@ -31,4 +31,5 @@ stress_coupling = EffectType(
         Parameter("shift_K", "K", -25.0, 25.0, 8.0, "1 N on a 0.2 mm wire is 32 MPa, 4.5 K at C = 7 MPa/K"),
     ),
     act=_act,
+    memoryless=True,
 )

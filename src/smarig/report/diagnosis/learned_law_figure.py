@@ -30,6 +30,10 @@ _COMMANDED = {  # variables of commanded runs
     "rate": "exp(−time since the last step/10 s), negative in cooling steps",
     "history": "Steady-state temperature before the last step",
     "reversals": "Reversals since the start of the session",
+    "power_over_2_min": "Steady-state temperature, mean of the last 2 min",
+    "power_over_15_min": "Steady-state temperature, mean of the last 15 min",
+    "level_over_2_min": "Output of the hysteresis, mean of the last 2 min",
+    "level_over_15_min": "Output of the hysteresis, mean of the last 15 min",
 }
 _VALUES = {
     "output": "Added to the output",
