@@ -44,7 +44,7 @@ def level(strength=2.0, sd=0.1, name="settling", others=(), gain=400.0):
 CURRENT = ChannelMisfit("current", 100, before=3.0, after=1.5)
 
 GOOD = NameEvidence(
-    (level(),), 400.0, replace(QUIET, variable="time", gain=200.0), QUIET, gain(1.0, 0.2), 0.3
+    (level(),), 400.0, replace(QUIET, variable="time", gain=200.0), QUIET, gain(1.0, 0.2), 0.3, alarm=True
 )
 
 
@@ -73,6 +73,7 @@ def test_a_name_that_passes_every_gate_stands():
         ({"gain": gain(1.0, 0.95)}, "do not bear out settling (R = 0.10)"),
         ({"gain": gain(1.0, 0.7)}, ""),
         ({"gain": gain(1.0, 0.95), "fitted_ratio": 0.98}, ""),  # another channel shows it
+        ({"gain": gain(1.0, 1.01), "fitted_ratio": 0.98}, "do not bear out settling (R = -0.02)"),
         ({"before": replace(QUIET, variable="cycle", gain=395.0)}, "dependence on cycle explains more"),
         ({"levels": (level(-3.0, name="walking"),)}, "bound of its search"),
         # Less than noise alone reaches, though more than the effect less its lead:
@@ -82,8 +83,10 @@ def test_a_name_that_passes_every_gate_stands():
         ({"effect_nats": 100.0, "before": QUIET, "after": replace(QUIET, variable="level", gain=20.0)}, ""),
         # Slightly worse in every block; worse in one of them only; worse below the floor:
         ({"gain": gain(1.0, 1.05)}, "predicts the held-out runs worse"),
-        ({"gain": gain(1.0, 1.01), "fitted_ratio": 1.0}, ""),  # no worse than another density would be
-        ({"gain": uneven_gain(1.0, 2.0, 0.88), "fitted_ratio": 0.98}, ""),
+        # No worse than another density would be, of a name that another channel carries:
+        ({"gain": gain(1.0, 1.01), "channels": (replace(CURRENT, after=1.2),)}, ""),
+        ({"gain": uneven_gain(1.0, 2.0, 0.88), "channels": (replace(CURRENT, after=1.2),)}, ""),
+        ({"gain": uneven_gain(1.0, 2.0, 0.88), "fitted_ratio": 0.98}, "do not bear out"),  # never at R ≤ 0
         ({"gain": gain(0.05, 0.08)}, ""),
         # A channel that carries the name, and still misses by more than its noise:
         ({"channels": (CURRENT,)}, "with settling, the current still misses by 1.5 × its noise"),
@@ -170,3 +173,22 @@ def test_nothing_is_silent_while_a_discrepancy_stands_out(before, depends_on):
 def test_noise_and_draughts_stay_silent(before):
     found = gated(SILENT, replace(GOOD, levels=(), before=before, after=None))
     assert found.verdict is SILENT
+
+
+@pytest.mark.parametrize(
+    ("change", "word", "variable"),
+    [
+        ({}, "silent", None),
+        ({"before": QUIET}, "silent", None),
+        ({"before": replace(QUIET, variable="level", gain=40.0)}, "unknown", "level"),
+        ({"gain": gain(1.0, 0.15)}, "named", None),  # borne out beyond doubt
+        ({"alarm": True}, "named", None),
+    ],
+)
+def test_a_name_that_wires_without_an_effect_get_as_well_is_none(change, word, variable):
+    """Unless held-out runs bear it out beyond doubt; a discrepancy is a finding by itself."""
+    small = replace(GOOD, alarm=False, gain=gain(1.0, 0.7), before=replace(QUIET, gain=12.0))
+    found = gated(NAMED, replace(small, **change))
+    assert (found.verdict.word, found.verdict.depends_on) == (word, variable)
+    assert ("wires without an effect" in found.reason) == (word != "named")
+    assert bool(found.verdict.explanations) == (word != "silent")

@@ -28,6 +28,8 @@ def text_lines(d: "Diagnosis") -> Iterator[str]:
             yield f"Nothing stands out ({p}; an alarm needs p ≤ {d.alpha:g})."
         else:
             yield f"{capitalised(DOUBT)} ({p})."
+        if d.reason:
+            yield f"{capitalised(d.reason)}."
     if d.verdict.word == "unknown":
         size = f"log likelihood higher by {d.discrepancy.gain:.0f}" if d.first.silent else p
         yield f"{capitalised(unknown_text(d))} ({size})."

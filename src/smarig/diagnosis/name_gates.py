@@ -56,8 +56,8 @@ class NameEvidence:
 
     ``levels`` are those of the search, ``effect_nats`` the gain of the best effects over none. ``before`` and ``after``
     are the likeliest discrepancies without and with them; ``gain`` is that on held-out runs. ``fitted_ratio`` is the
-    rms error of the training runs' settled positions with the effects over that without. ``channels`` are the
-    misfits of the channels besides the position.
+    rms error of the training runs' settled positions with the effects over that without. ``alarm``: whether hardly any
+    wire without an effect shows as much. ``channels`` are the misfits of the channels besides the position.
     """
 
     levels: tuple[SearchLevel, ...]
@@ -66,6 +66,7 @@ class NameEvidence:
     after: Discrepancy | None
     gain: HeldOutGain | None
     fitted_ratio: float
+    alarm: bool
     channels: tuple[ChannelMisfit, ...] = ()
 
     @property
@@ -82,6 +83,11 @@ def gated(verdict: DiagnosisVerdict, evidence: NameEvidence) -> GatedVerdict:
     if not verdict.explanations:
         return GatedVerdict(verdict)
     names = " + ".join(verdict.explanations[0][0])
+    if not evidence.alarm and not _borne_out(evidence.gain):
+        reason = f"{names} explains more than null data do, but not more than wires without an effect show"
+        quiet = _if_adequate(DiagnosisVerdict("silent"), evidence.before).verdict
+        unknown = quiet.word == "unknown"
+        return GatedVerdict(_unknown(verdict, quiet.depends_on) if unknown else quiet, reason)
     reason = next(_failures(names, evidence), "")
     if reason:
         return GatedVerdict(_unknown(verdict, _variable(verdict, evidence)), reason)
@@ -134,13 +140,11 @@ def _held_out_failures(names: str, evidence: NameEvidence) -> Iterator[str]:
     beyond_chance = interval is not None and interval[1] < 0
     if gain.extended > (CERTAINLY_WORSE if beyond_chance else WORSE) * max(gain.base, gain.floor):
         yield f"{names} fits the training runs but predicts the held-out runs worse"
+    if share is None or evidence.decisive_channel or gain.base <= REMOVABLE * gain.floor:
+        return
     may_be_large = interval is None or interval[1] >= POSSIBLE_SHARE
-    expected = (
-        evidence.decisive_channel is None
-        and evidence.fitted_ratio < FITTED_RATIO
-        and gain.base > REMOVABLE * gain.floor
-    )
-    if expected and share is not None and share < LEAST_SHARE and not may_be_large:
+    too_small = evidence.fitted_ratio < FITTED_RATIO and share < LEAST_SHARE and not may_be_large
+    if too_small or share <= 0:
         yield f"the held-out runs do not bear out {names} (R = {share:.2f})"
 
 
