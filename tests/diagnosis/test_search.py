@@ -35,13 +35,13 @@ class World:
 
     ``worth``: nats by names, in order, with a blank between; what is not there is worth nothing. ``left``: nats of
     what is left of an explanation without one of its effects, beside the density of all; ``enough``: names beside
-    which nothing stands out. ``of_channel``: strengths that a channel of its own shows. Straight lines see just that,
-    fits stay where they are.
+    which nothing stands out. ``of_channel``: strengths that a channel of its own shows. ``fits``: nats that
+    fits with the present density gain, where they differ. Straight lines see just that, fits stay where they are.
     """
 
-    def __init__(self, monkeypatch, worth, left=(), enough=(), starts=tuple(KINDS), of_channel=()):
+    def __init__(self, monkeypatch, worth, left=(), enough=(), starts=tuple(KINDS), of_channel=(), fits=()):
         self.worth, self.left, self.enough, self.starts = worth, dict(left), enough, starts
-        self.of_channel = dict(of_channel)
+        self.of_channel, self.fits = dict(of_channel), dict(fits)
         self.judged = []
         for name in (
             "fit_parameters",
@@ -61,7 +61,8 @@ class World:
             start = [e.at(self.of_channel.get(e.kind.name, e.strength)) for e in start]
         extended = PlantModel(WIRE, ORIGINAL, "negative", tuple(start))
         data = DATA[refitted.coupled :] if independent else DATA
-        misfit = float(data @ data) - 2 * self.nats(start)
+        names = " ".join(sorted(e.kind.name for e in start))
+        misfit = float(data @ data) - 2 * self.fits.get(names, self.nats(start))
         return SimpleNamespace(effects=extended.catalogue_effects, extended=extended, misfit=misfit)
 
     def joint_density_from_best_start(self, timeline, plant_model, original, warm_start):
@@ -83,7 +84,9 @@ class World:
         self.judged.append(" ".join(sorted(e.kind.name for e in plant_model.catalogue_effects)))
         kinds = [KINDS[name] for name in self.starts]
         scores = [
-            SimpleNamespace(candidate=SimpleNamespace(best=lambda data, kind=kind: (kind(), 1.0)))
+            SimpleNamespace(
+                candidate=SimpleNamespace(best=lambda data, kind=kind: (kind(), 1.0)),
+            )
             for kind in kinds
         ]
         return SimpleNamespace(
@@ -225,3 +228,9 @@ def test_beside_a_huge_gain_a_further_effect_must_exceed_its_numerics(monkeypatc
     """A hundred-thousandth of the first one's gain."""
     world = World(monkeypatch, {"walking": first, "settling walking": first + more})
     assert len(world.search_explanations()) == levels
+
+
+@pytest.mark.parametrize(("more", "levels"), [(5.0, 1), (7.0, 2)])
+def test_a_further_effect_that_fits_hardly_better_is_not_evaluated(monkeypatch, more, levels):
+    worth, fits = {"walking": 100.0, "settling walking": 160.0}, {"settling walking": 100.0 + more}
+    assert len(World(monkeypatch, worth, fits=fits).search_explanations()) == levels

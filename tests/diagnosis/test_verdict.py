@@ -175,7 +175,5 @@ def test_an_effects_probability_is_the_sum_over_the_explanations_it_is_part_of()
 @pytest.mark.parametrize(("gain", "word"), [(40.0, "named"), (300.0, "named"), (1400.0, "ambiguous")])
 def test_of_a_large_gain_a_hundredth_decides_nothing(gain, word):
     """Twelve nats are much by chance, and little for equations that are approximations."""
-    found = decide_verdict(
-        loud(), [level((("latent_heat",), 0.0), (("resistance_phase",), 12.0), gain=gain)]
-    )
+    found = decide_verdict(loud(), [level((("latent_heat",), 0.0), (("resistance_phase",), 12.0), gain=gain)])
     assert found.word == word

@@ -208,7 +208,9 @@ def diagnose_commanded(
     gain = measured_gain(extended)
     effect_nats = levels[-1].explanations[0].evidence - seen.plain.log_evidence if levels else 0.0
     ratio = settled_rms(timeline, extended) / settled_rms(timeline, base)
-    found = gated(decided, NameEvidence(tuple(levels), effect_nats, before, after, gain, ratio, first.alarm, channels))
+    found = gated(
+        decided, NameEvidence(tuple(levels), effect_nats, before, after, gain, ratio, first.alarm, channels)
+    )
     verdict = found.verdict
     offered, learned, learned_reason = verdict.word in ("named", "ambiguous"), None, ""
     if verdict.word == "unknown":

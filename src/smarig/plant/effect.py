@@ -109,8 +109,8 @@ class SupportsHooks(Protocol):
 class Parameter:
     """A parameter of an effect: unit, bounds, typical value (used to inject it), and source of these values.
 
-    ``tries`` are the values from which a fit starts; with ``of_record`` they are shares of a record's length. A fit of a
-    period also starts from that of the readings of kind ``period_of``.
+    ``tries`` are the values from which a fit starts; with ``of_record`` they are shares of a record's length. A fit of
+    a period also starts from that of the readings of kind ``period_of``.
     """
 
     name: str
@@ -146,9 +146,10 @@ class EffectType:
     ``parameters``: the first is the strength; at 0 the plant is unchanged bit for bit. ``act`` returns the hooks. The
     texts describe for the reader how the effect enters, what it looks like, what it is confused with, and what
     distinguishes it. ``memoryless``: the effect on the position (for a feedback, on the input) follows from the present
-    state alone, so a replay needs it only at readings (a feedback also at turning points); an effect with memory is computed at every step. ``output_independent``: changes before the
-    hysteresis follow from the ``ThermalState`` and the input range alone, so the hysteresis input of a record is
-    computed once for all densities. Other effects are simulated tick by tick, with the same numbers.
+    state alone, so a replay needs it only at readings (a feedback also at turning points); an effect with memory is
+    computed at every step. ``output_independent``: changes before the hysteresis follow from the ``ThermalState`` and
+    the input range alone, so the hysteresis input of a record is computed once for all densities. Other effects are
+    simulated tick by tick, with the same numbers.
 
     >>> from smarig.plant.effects.walking import walking
     >>> walking(0.2)

@@ -30,6 +30,7 @@ EffectSet = tuple[Effect, ...]
 SINGLE_TRIED = 6  # single effects refined
 SINGLE_TRIED_IF_SILENT = 3  # the same if nothing stands out when all effects are allowed as noise
 FURTHER_TRIED = 3  # further effects tried with an accepted one, of those that stand out now and at first
+MIN_FURTHER_FIT_NATS = 6.0  # nats of a fit with the present density: less does not become a gain of 25
 RIVALS_KEPT = 3  # explanations kept from size to size
 DOUBLING_TRIED = 2  # of the evaluated, likeliest first: those tried at double strength
 EVALUATED_MAX = 4  # explanations whose likelihood is computed
@@ -95,7 +96,10 @@ def search_explanations(
     levels: list[SearchLevel] = []
     current = first
     while starts and len(levels) < most:
-        linear_gain, found = _evaluated(first, original, current, starts, evidence)
+        fewer = levels[-1].best.effects if levels else ()
+        linear_gain, found = _evaluated(first, original, current, starts, fewer, evidence)
+        if not found:
+            break
         best, reduced_evidence = found[0], evidence
         if best.evidence > evidence:
             reduced_evidence = max(evidence, evidence_without_one(first.timeline, best, current.refitted))
@@ -182,16 +186,27 @@ def _with_strengths_maximised(
 
 
 def _evaluated(
-    first: Critique, original: Everett, current: Critique, starts: Sequence[EffectSet], evidence: float
+    first: Critique,
+    original: Everett,
+    current: Critique,
+    starts: Sequence[EffectSet],
+    fewer: EffectSet,
+    evidence: float,
 ) -> tuple[float, tuple[Explanation, ...]]:
     """Refine all explanations with the present covariance, evaluate the best by likelihood; also the best linear
     gain.
 
-    ``evidence`` is the log likelihood with one effect less.
+    ``fewer`` are the best effects so far, and ``evidence`` is their log likelihood. There are no explanations if
+    none fits better than these.
     """
     timeline, centre = first.timeline, first.plant_model.hysteresis
     linear_gain = [fit_parameters(p, timeline, current.plant_model, current.refitted, centre) for p in starts]
     linear_gain.sort(key=lambda r: r.misfit)
+    if fewer:
+        now = fit_parameters(fewer, timeline, current.plant_model, current.refitted, centre)
+        linear_gain = [r for r in linear_gain if now.misfit - r.misfit >= 2 * MIN_FURTHER_FIT_NATS]
+        if not linear_gain:
+            return 0.0, ()
     whole = float(current.refitted.data @ current.refitted.data)
     retained = [
         r

@@ -47,7 +47,9 @@ def reading_scales(
     own_zero, scales = np.concatenate(zero), np.concatenate(scale)
     same = own_zero[:, None] == own_zero[None, :]
     # a constant in ohms (leads, contacts): one in units of the noise would be a voltage, and hide a missing current
-    size = np.where(own_zero >= 0, FREE_ZERO_SD, _FREE_BLOCK_ZERO_SD * _constant_in_own_unit(own_zero, scales))
+    size = np.where(
+        own_zero >= 0, FREE_ZERO_SD, _FREE_BLOCK_ZERO_SD * _constant_in_own_unit(own_zero, scales)
+    )
     slope = prediction.output_slope * span / scales
     free = np.where(same, np.outer(size, size), 0.0)
     unobserved = np.where(
