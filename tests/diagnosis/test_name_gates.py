@@ -58,6 +58,8 @@ def test_a_name_that_passes_every_gate_stands():
     ("change", "words"),
     [
         ({"levels": (level(strength=10.0),)}, "bound of its search"),
+        ({"levels": (level(strength=9.7, sd=0.4),)}, "bound of its search"),
+        ({"levels": (level(strength=9.5, sd=0.4),)}, ""),
         ({"levels": (level(strength=0.1, sd=0.2),)}, "contains no effect"),
         # A swing may be made up for by its period and phase; without all three the likelihood falls, or hardly:
         ({"levels": (level(1.0, 0.8, "ambient_drift", ("period_h", "phase"), gain=100.0),)}, ""),

@@ -98,6 +98,15 @@ def test_a_mean_level_follows_the_output_late(timeline):
     np.testing.assert_allclose(mean, np.array(at)[base.tick_index[:8]], atol=0.02)
 
 
+def test_variables_have_words():
+    def words(variable):
+        return LearnedShape(variable, "output", (0.0, 1.0), "mm").variable_text
+
+    assert words("power_over_2_min") == "mean power of the last 2 min"
+    assert words("level_over_15_min") == "mean output of the last 15 min"
+    assert words("history") == "history"
+
+
 @pytest.mark.parametrize("name", [*MEAN_POWERS, *MEAN_LEVELS])
 def test_the_search_and_the_plant_have_the_same_means(timeline, name):
     plant_model, _ = twin_plant_model()

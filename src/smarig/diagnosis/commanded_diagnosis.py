@@ -320,7 +320,7 @@ def _if_borne_out(
     gain = measured_gain(extended)
     if gain is None or gain.extended <= min(gain.base, gain.original or np.inf):
         return extended, gain, ""
-    variable = term.shape.variable
+    variable = term.shape.variable_text
     return None, None, f"a law of the {variable} predicts left-out blocks better, but the held-out runs worse"
 
 

@@ -30,7 +30,7 @@ CHANNEL_MISFIT = (
     1.3  # rms in units of a channel's noise: more is left than noise, whatever the estimate of it
 )
 DECISIVE_SHARE = 0.3  # of the effects' gain: a channel that gives more carries the name
-AT_BOUND_SHARE = 1e-3  # of the range between a parameter's bounds
+AT_BOUND_SHARE = 1e-3  # of the range between a parameter's bounds: at least this far from them
 NORMAL_95 = 1.96
 WORSE = 1.1  # times the base model's error on held-out runs: worse whatever the choice of blocks
 CERTAINLY_WORSE = 1.02  # the same if no choice of blocks is better: less is a density's chance
@@ -149,11 +149,11 @@ def _held_out_failures(names: str, evidence: NameEvidence) -> Iterator[str]:
 
 
 def _parameter_failures(level: SearchLevel) -> Iterator[str]:
-    """Strengths at a bound, or with an interval that contains no effect."""
+    """Strengths within a standard deviation of a bound, or with an interval that contains no effect."""
     for effect in level.best.effects:
         kind, strength = effect.kind, effect.strength
         p = kind.primary
-        near = AT_BOUND_SHARE * (p.upper - p.lower)
+        near = max(AT_BOUND_SHARE * (p.upper - p.lower), level.best.spread.get((kind.name, p.name), 0.0))
         if p.upper - strength < near or (p.lower != 0 and strength - p.lower < near):
             yield f"the {p.name} of {kind.name} lies at the bound of its search"
         if _may_be_absent(effect, level):

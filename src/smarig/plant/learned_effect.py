@@ -128,6 +128,15 @@ class LearnedShape:
         return VARIABLE_UNITS.get(self.variable, "1")
 
     @property
+    def variable_text(self) -> str:
+        """The variable in words."""
+        quantity, over, minutes = self.variable.partition("_over_")
+        if not over:
+            return self.variable
+        mean_of = "power" if quantity == "power" else "output"
+        return f"mean {mean_of} of the last {minutes.replace('_', ' ')}"
+
+    @property
     def knots_in_unit(self) -> tuple[float, ...]:
         """The knots in ``variable_unit``: holds as such, not their logarithms."""
         return tuple(10.0**z for z in self.knots) if self.variable == "hold" else self.knots
@@ -175,7 +184,7 @@ def learned_effect_type(shape: LearnedShape, range_of_place: float) -> EffectTyp
     )  # fmt: skip
     return EffectType(
         name=LEARNED,
-        summary=f"A term that depends on {shape.variable}, learned from runs.",
+        summary=f"A term that depends on {shape.variable_text}, learned from runs.",
         number="",
         enters=shape.enters,
         looks_like="",

@@ -80,7 +80,7 @@ def _explanations(predictions: DiagnosisPredictions) -> Parts:
 def _learned(predictions: DiagnosisPredictions) -> Parts:
     d = predictions.d
     if d.learned is not None:
-        yield learned_term_figure(d.learned, source_label(*d.timeline.runs))
+        yield learned_term_figure(d.learned, d.timeline.unit, source_label(*d.timeline.runs))
 
 
 def _detection(predictions: DiagnosisPredictions) -> Parts:
