@@ -73,6 +73,7 @@ def test_a_name_that_passes_every_gate_stands():
         ({"after": replace(QUIET, variable="level", gain=90.0)}, "still depend on level"),
         ({"gain": gain(1.0, 1.2)}, "predicts the held-out runs worse"),
         ({"gain": gain(1.0, 0.95)}, "do not bear out settling (R = 0.10)"),
+        ({"gain": gain(1.0, 0.77)}, "do not bear out settling (R = 0.41)"),
         ({"gain": gain(1.0, 0.7)}, ""),
         ({"gain": gain(1.0, 0.95), "fitted_ratio": 0.98}, ""),  # another channel shows it
         ({"gain": gain(1.0, 1.01), "fitted_ratio": 0.98}, "do not bear out settling (R = -0.02)"),

@@ -172,8 +172,17 @@ def test_an_effects_probability_is_the_sum_over_the_explanations_it_is_part_of()
     assert set(found.names) == {"a", "b", "c"}
 
 
-@pytest.mark.parametrize(("gain", "word"), [(40.0, "named"), (300.0, "named"), (1400.0, "ambiguous")])
-def test_of_a_large_gain_a_hundredth_decides_nothing(gain, word):
-    """Twelve nats are much by chance, and little for equations that are approximations."""
-    found = decide_verdict(loud(), [level((("latent_heat",), 0.0), (("resistance_phase",), 12.0), gain=gain)])
+@pytest.mark.parametrize(
+    ("lead", "gain", "word"),
+    [
+        (12.0, 40.0, "named"),
+        (12.0, 300.0, "named"),
+        (12.0, 1400.0, "ambiguous"),
+        (20.0, 1e7, "ambiguous"),
+        (30.0, 1e7, "named"),
+    ],
+)
+def test_of_a_large_gain_a_few_nats_decide_nothing(lead, gain, word):
+    """Twelve nats are much by chance, and little for equations that are approximations; thirty always decide."""
+    found = decide_verdict(loud(), [level((("latent_heat",), 0.0), (("resistance_phase",), lead), gain=gain)])
     assert found.word == word

@@ -1,9 +1,9 @@
 """The verdict of a diagnosis: silent, named, ambiguous, unknown or not identifiable.
 
-P(explanation) ∝ exp(−lead / T),    T² = T₀² + (ε · gain)²        lead: nats behind the best;  gain: that of the best
+P(explanation) ∝ exp(−lead / T),    T² = T₀² + T_e²,    T_e: a hundredth of the gain of the best, at most 10 nats
 
-T₀ is chosen, to be tuned on sealed boxes. Equations and time steps are approximations: of a gain of a thousand nats, a
-hundredth decides nothing.
+``lead``: nats behind the best. T₀ is chosen, to be tuned on sealed boxes. Equations and time steps are approximations:
+of a gain of a thousand nats, a dozen decides nothing.
 """
 
 from dataclasses import dataclass
@@ -15,7 +15,7 @@ from smarig.diagnosis.explain.search import SearchLevel
 
 VerdictWord = Literal["silent", "named", "ambiguous", "unknown", "not_identifiable"]
 LEAD_SCALE_NATS = 4.0  # nats: T₀
-EQUATION_SHARE = 0.01  # of the gain: ε
+EQUATION_SHARE, MOST_EQUATION_NATS = 0.01, 10.0  # of the gain, and at most: T_e
 SET_PROBABILITY = 0.9  # least probability of the set
 GENERIC_ADVANTAGE = 1.5  # factor by which a variable must explain more than any effect
 MIN_GENERIC_NATS = 30.0  # nats beyond chance for the verdict "unknown"
@@ -113,7 +113,7 @@ def _probabilities(level: SearchLevel) -> tuple[tuple[tuple[str, ...], float], .
     best: dict[tuple[str, ...], float] = {}
     for k, found in enumerate(level.explanations):
         best[found.names] = min(best.get(found.names, inf), level.lead(k))
-    scale = hypot(LEAD_SCALE_NATS, EQUATION_SHARE * level.gain)
+    scale = hypot(LEAD_SCALE_NATS, min(EQUATION_SHARE * level.gain, MOST_EQUATION_NATS))
     weights = {names: exp(-lead / scale) for names, lead in best.items()}
     total = sum(weights.values())
     return tuple(sorted(((n, w / total) for n, w in weights.items()), key=lambda item: -item[1]))

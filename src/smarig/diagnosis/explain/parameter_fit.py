@@ -173,7 +173,7 @@ def _levenberg_marquardt(
     r = residual(x)
     J, is_fresh_jacobian, damping = _jacobian(residual, x, r, fit), True, 1e-3
     smooth = ~fit.jumps
-    for _ in range(MAX_ITERATIONS):
+    for _ in range(MAX_ITERATIONS if J.any() else 0):  # else no parameter changes these readings
         normal = J.T @ J
         step = np.zeros(x.size)
         damped = normal + damping * np.diag(np.diag(normal) + 1e-12)

@@ -62,8 +62,8 @@ def candidates_table(d: Diagnosis) -> Html:
             "Standardised gain",
         ),
         rows,
-        "The single candidates with the largest gains in the first critique. If a generic candidate gains much more "
-        "than any named effect, the cause is probably not in the catalogue.",
+        "The single candidates with the largest gains in the first critique. If a dependence of the position on a "
+        "variable gains much more than any named effect, the cause is probably not in the catalogue.",
     )
 
 

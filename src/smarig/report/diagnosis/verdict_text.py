@@ -46,8 +46,16 @@ def findings(d: Diagnosis) -> list[str]:
 
 
 def strengths_text(found: ParameterFit) -> str:
-    """The effects, each with its strength only."""
-    return " + ".join(f"{p.kind.name}, {_value_text(p, p.kind.primary, found.spread)}" for p in found.effects)
+    """The effects, each with its strength and what else was fitted: a swing has no sign without its phase."""
+    return " + ".join(
+        f"{p.kind.name}, {'; '.join(_value_text(p, q, found.spread) for q in _fitted(p, found))}"
+        for p in found.effects
+    )
+
+
+def _fitted(effect: Effect, found: ParameterFit) -> list[Parameter]:
+    primary, *others = effect.kind.parameters
+    return [primary, *(p for p in others if (effect.kind.name, p.name) in found.spread)]
 
 
 def explanation_text(effects: Iterable[Effect], spread: ParameterSigmas) -> str:
