@@ -62,6 +62,8 @@ def test_several_wires_are_refused(recorded, edited):
         ("update sample set position = 1e300", "values of position are larger than any rig can measure"),
         ("update sample set position = 9e999", "values of position are larger than any rig can measure"),
         ("update sample set current_A = -1e10", "values of current_A are larger"),
+        ("update sample set ambient_degC = 1e300", "values of ambient_degC are no room temperatures"),
+        ("update sample set ambient_degC = -300", "values of ambient_degC are no room temperatures"),
         ("update step set t_end_s = 9e999", "lies outside the times of the samples or has"),
         ("update step set t_end_s = t_start_s", "lies outside the times of the samples or has"),
         ("update step set t_start_s = -1e9", "lies outside the times of the samples or has"),

@@ -120,6 +120,17 @@ def test_the_encoders_zero_is_met_on_the_training_runs(walked):
     assert one.base > 10 * per_count
 
 
+def test_moving_positions_of_another_session_are_left_out_if_their_noise_is_unknown(tmp_path, walked):
+    """The training runs hold none, so nothing is known of their noise."""
+    (train, _), base, extended, _ = walked
+    (judged,) = session_runs(tmp_path, LISTED, effects=("walking=1",), fine=True)
+    timeline = build_timeline([train, judged], base.actuator.tau_s)
+    assert timeline.sessions
+    assert any(r.kind == "moving" for r in timeline.other_readings)
+    g = held_out_gain([train], [judged], base, extended, NoiseEstimate(np.empty(0), 0.1, 60.0, 0.01))
+    assert g.base_error.size == len(judged.settled)
+
+
 def test_ambient_fluctuation_in_the_memory_is_part_of_the_floor(walked):
     (train, judged), base, extended, _ = walked
     floors = [

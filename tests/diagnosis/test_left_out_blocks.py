@@ -55,3 +55,12 @@ def test_free_strengths_are_fitted_to_the_other_blocks():
         error, _ = conditional(C + FREE_SD**2 * trace @ trace.T, y, b == BLOCK)
         np.testing.assert_allclose(found.error[b == BLOCK], error, atol=1e-5)
     assert np.abs(found.error).max() < np.abs(left_out_blocks(timeline, refitted).error).max()
+
+
+def test_a_block_that_alone_determines_a_strength_is_predicted_by_nothing():
+    """A law whose knot only one excursion reaches."""
+    timeline, refitted, C, y = made()
+    trace = np.where(BLOCK == 3, 1.0, 0.0)[:, None]  # a block of one reading
+    found = left_out_blocks(timeline, refitted, trace)
+    assert found.log_density[3] == -np.inf
+    assert np.all(np.isfinite(found.log_density[:3]))

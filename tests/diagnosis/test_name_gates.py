@@ -68,6 +68,9 @@ def test_a_name_that_passes_every_gate_stands():
             "contains no effect",
         ),
         ({"levels": (level(1.0, 0.8, "ambient_drift", gain=100.0),)}, "contains no effect"),
+        ({"gain": None, "fitted_ratio": 1.05}, ""),
+        ({"gain": None, "fitted_ratio": 1.15}, "the training runs are missed by more than without"),
+        ({"gain": None, "fitted_ratio": 1.15, "channels": (replace(CURRENT, after=1.2),)}, ""),
         ({"fitted_ratio": 1.15}, ""),  # another channel shows it, and the positions pay for it
         ({"before": replace(QUIET, variable="cycle", gain=900.0)}, "dependence on cycle explains more"),
         ({"after": replace(QUIET, variable="level", gain=90.0)}, "still depend on level"),

@@ -119,7 +119,8 @@ def held_out_gain(
     """
     timeline = build_timeline([*train, *held_out], base.actuator.tau_s).positions_only
     if not noise.moving:  # the uncertainty of moving positions is unknown
-        timeline = replace(timeline, other_readings=())
+        sessions = tuple(replace(session, other_readings=()) for session in timeline.sessions)
+        timeline = replace(timeline, other_readings=(), sessions=sessions)
     held_out_ids = {id(run) for run in held_out}
     step = np.concatenate([r.step for r in timeline.all_readings])
     is_held_out = np.isin(

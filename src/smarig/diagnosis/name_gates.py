@@ -23,6 +23,7 @@ LEAD_NATS = 10.0  # by which effects must be likelier than a discrepancy, which 
 FITTED_RATIO = (
     0.9  # of the error of settled positions without the effects: less promises a gain on held-out runs
 )
+FITTED_WORSE = 1.1  # of the same error: without held-out runs, nothing bears such a name out
 REMAINING_SHARE = 0.15  # of the effects' gain: a discrepancy that explains more of what is left refutes them
 CLEAR_NATS = 100.0  # the same if the room moves: both vanish in saturation, and imitate each other
 ROOM_K, ROOM_S = 0.22, 300.0  # larger and slower fluctuations are no draught
@@ -135,6 +136,8 @@ def _held_out_failures(names: str, evidence: NameEvidence) -> Iterator[str]:
     """
     gain = evidence.gain
     if gain is None:
+        if evidence.fitted_ratio > FITTED_WORSE and not evidence.decisive_channel:
+            yield f"with {names}, the training runs are missed by more than without"
         return
     share, interval = gain.removable_share, gain.interval()
     beyond_chance = interval is not None and interval[1] < 0

@@ -10,6 +10,7 @@ from smarig.replay import Model, check_output
 
 MAX_DURATION_S = 3.2e8  # ten years
 MAX_READING = 1e9  # a position in any unit, a current, a target
+ROOM_DEGC = (-273.15, 1000.0)  # absolute zero, and what no rig survives
 COLUMNS = ("current_command_A", "current_A", "voltage_V", "position", "input")
 
 
@@ -33,6 +34,10 @@ def _readings(run: Run) -> None:
         absurd = int(np.sum(np.abs(x[~np.isnan(x)]) > MAX_READING))
         if absurd:
             raise DataError(f"{run.path}: {absurd} values of {name} are larger than any rig can measure.")
+    room = run["ambient_degC"]
+    absurd = int(np.sum((room < ROOM_DEGC[0]) | (room > ROOM_DEGC[1])))
+    if absurd:
+        raise DataError(f"{run.path}: {absurd} values of ambient_degC are no room temperatures. Check the unit.")
 
 
 def _clock(run: Run) -> None:

@@ -192,12 +192,13 @@ def _ranks(z: Array) -> Array:
 def _walk(session: NDArray[np.int64], t_s: Array, output: Array) -> Array:
     """A random walk along the travel since the last saturation, (n, n)."""
     low, high = float(output.min()), float(output.max())
-    near = SATURATED_SHARE * (high - low)
+    span = (high - low) or 1.0
+    near = SATURATED_SHARE * span
     saturated = (output < low + near) | (output > high - near)
     travel, section = np.zeros(output.size), np.zeros(output.size, dtype=np.int64)
     order = np.lexsort((t_s, session))
     for before, k in zip(order[:-1].tolist(), order[1:].tolist()):
         begins = saturated[k] or session[k] != session[before]
         section[k] = section[before] + int(begins)
-        travel[k] = 0.0 if begins else travel[before] + abs(output[k] - output[before]) / (high - low)
+        travel[k] = 0.0 if begins else travel[before] + abs(output[k] - output[before]) / span
     return np.equal.outer(section, section) * np.minimum.outer(travel, travel)

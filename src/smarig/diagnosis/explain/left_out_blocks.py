@@ -5,14 +5,15 @@
 P = C⁻¹, without the free directions, and v = P y (for single readings: Sundararajan and Keerthi, Neural Computation 13,
 2001).
 
-Free directions are traces whose strengths are unknown: each block is predicted with strengths fitted to the others.
+Free directions are traces whose strengths are unknown: each block is predicted with strengths fitted to the others. If
+these do not determine a strength, nothing predicts the block: its log density is −∞.
 """
 
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import cho_factor, cho_solve, solve_triangular
+from scipy.linalg import LinAlgError, cho_factor, cho_solve, solve_triangular
 
 from smarig.diagnosis.refit.refit import Refit
 from smarig.replay import Timeline
@@ -41,7 +42,12 @@ def left_out_blocks(timeline: Timeline, refitted: Refit, traces: Array | None = 
     found, error, sd = [], np.empty(size), np.empty(size)
     for b in np.unique(block):
         own = inverse[:, block == b]
-        v, precision = own.T @ data, cho_factor(own.T @ own, lower=True, check_finite=False)
+        try:
+            v, precision = own.T @ data, cho_factor(own.T @ own, lower=True, check_finite=False)
+        except LinAlgError:  # no other block determines a trace
+            found.append(-np.inf)
+            error[block == b], sd[block == b] = 0.0, np.inf
+            continue
         error[block == b] = cho_solve(precision, v, check_finite=False)
         sd[block == b] = np.sqrt(np.diag(cho_solve(precision, np.eye(v.size), check_finite=False)))
         log_determinant = float(np.log(np.diag(precision[0])).sum())
