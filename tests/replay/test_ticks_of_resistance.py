@@ -26,8 +26,8 @@ def test_long_ticks_agree_with_short_ones(percent, dt_s):
     np.testing.assert_allclose(positions(percent, dt_s), positions(percent, 0.02), atol=1e-3)
 
 
-def test_the_ticks_of_a_twin_are_as_before():
-    """A step at constant resistance, against the closed form of heating."""
+def test_the_first_tick_has_the_resistance_of_its_start():
+    """Against the closed form of heating: what was before is not known."""
     wire, hysteresis, initial = WIRES["one_wire"]
     plant = Plant(wire, hysteresis, initial, 0.1, [kind("resistance_phase")(-10.0)])
     plant.step(0.7)

@@ -37,7 +37,9 @@ def _readings(run: Run) -> None:
     room = run["ambient_degC"]
     absurd = int(np.sum((room < ROOM_DEGC[0]) | (room > ROOM_DEGC[1])))
     if absurd:
-        raise DataError(f"{run.path}: {absurd} values of ambient_degC are no room temperatures. Check the unit.")
+        raise DataError(
+            f"{run.path}: {absurd} values of ambient_degC are no room temperatures. Check the unit."
+        )
 
 
 def _clock(run: Run) -> None:

@@ -120,8 +120,10 @@ def _effect_from_record(
 ) -> Effect:
     if shape is None and name != LEARNED:
         return catalogue_entry(EFFECTS, str(name))(**dict(parameters))
-    if name != LEARNED or shape is None:
-        raise UsageError("a shape belongs to the effect 'learned', and to no other")
+    if name != LEARNED:
+        raise UsageError(f"a shape belongs to the effect '{LEARNED}', not to '{name}'")
+    if not isinstance(shape, Mapping):
+        raise UsageError("a learned law has an object 'shape' with variable, enters, knots and unit")
     found = LearnedShape.from_json(shape)
     names = [f"value_{k}" for k in range(1, len(found.knots))]
     if not isinstance(parameters, Mapping) or sorted(parameters) != sorted(names):

@@ -158,7 +158,10 @@ class LearnedShape:
             raise UsageError(f"the shape of a learned law has no {missing[0]}")
         variable, enters, knots, unit = (stored[key] for key in ("variable", "enters", "knots", "unit"))
         if variable not in tuple(LEARNED_FROM) or enters not in PLACES or (variable, enters) == NOT_LEARNED:
-            raise UsageError(f"a learned law cannot depend on {variable!r:.40} at the {enters!r:.40}")
+            raise UsageError(
+                f"a learned law cannot depend on {variable!r:.40} at the {enters!r:.40}; variables are "
+                f"{', '.join(LEARNED_FROM)}, places output and input"
+            )
         if not isinstance(knots, list) or not 2 <= len(knots) <= MOST_KNOTS:
             raise UsageError(f"a learned law has a list of 2 to {MOST_KNOTS} knots")
         if not isinstance(unit, str) or len(unit) > LONGEST_UNIT or not unit.isprintable():

@@ -58,7 +58,6 @@ class Plant:
         if self._no_effects:
             self.heating.tick(dt_s)
             return self.step(current_A, disturbance_K)
-        self._thermal_stages.ahead = True  # ticks may be long
         parts = self._thermal_stages.parts(current_A, dt_s)
         self.now.dt_s = dt_s / parts
         start_s = self.now.t_s

@@ -25,7 +25,6 @@ class ThermalStages:
             chains[stage] for stage in EARLY_STAGES
         )
         self.lags: tuple[float, ...] = ()
-        self.ahead = False  # whether the resistance is that of the middle of the tick
         self._last_austenite = (now.austenite if isinstance(now, PlantState) else 0.0, now.dt_s)
         self._output_dependent = any(chains[stage] for stage in (Stage.RESISTANCE, Stage.LAG, Stage.SOURCE))
 
@@ -54,7 +53,7 @@ class ThermalStages:
             current_A = hook(current_A, now)
         now.current_A = current_A
         if self._resistance:
-            resistance = self._resistance_ahead() if self.ahead else apply_hooks(self._resistance, 1.0, now)
+            resistance = self._resistance_of_tick()
         now.resistance = resistance
         now.input_K = heating.input_K  # before the tick, above ambient: determines heat loss and stored heat
         source_K = heating.source(current_A) * resistance
@@ -73,14 +72,15 @@ class ThermalStages:
         now.hysteresis_input_K = hysteresis_input_K
         return hysteresis_input_K
 
-    def _resistance_ahead(self) -> float:
+    def _resistance_of_tick(self) -> float:
         """The resistance at the austenite expected in the middle of the tick.
 
         The heating of a tick is constant, so that of its start would be late by half a tick, and a wire whose
         resistance falls overshoots by it. The expectation goes on as in the last tick, which was as long or shorter.
         """
         now = self.now
-        assert isinstance(now, PlantState)  # noqa: S101 - ``ahead`` is set with an output only
+        if not isinstance(now, PlantState):  # without a hysteresis there is no austenite
+            return apply_hooks(self._resistance, 1.0, now)
         austenite, (before, before_s) = now.austenite, self._last_austenite
         expected = austenite + 0.5 * (austenite - before) * min(now.dt_s / before_s, MAX_GROWTH)
         now.austenite = min(max(expected, 0.0), 1.0)

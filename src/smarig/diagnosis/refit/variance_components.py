@@ -79,7 +79,7 @@ class ReadingCovariance:
         N(0, 1).
 
         If a search ends at a bound of s_T, another starts from the other side: ambient fluctuations and other noise
-        imitate each other. Not if it started at that bound, where a similar refit ended.
+        imitate each other.
         """
         fixed = self.free if nuisance is None else self.free + nuisance @ nuisance.T
         parts, bounds = self._parts(memory), self.bounds
@@ -88,19 +88,13 @@ class ReadingCovariance:
             return _minimised(lambda x: self._cost(x, parts, fixed), start, bounds)
 
         found = minimised(start)
-        near = self._bound_near(found.x[-1])
-        if near and near != self._bound_near(start[-1]):
+        if min(found.x[-1] - bounds[0][-1], bounds[1][-1] - found.x[-1]) < AT_BOUND:
             fluctuating = found.x[-1] > LOG_FLUCTUATION_START
             second = minimised(
                 np.append(START[:-1], LOG_FLUCTUATION_STILL if fluctuating else LOG_FLUCTUATION_START)
             )
             found = min(found, second, key=lambda f: float(f.fun))
         return float(found.fun), found.x
-
-    def _bound_near(self, log_fluctuation: float) -> int:
-        """−1 or 1 if s_T lies at its lower or upper bound, else 0."""
-        low, high = (b[-1] for b in self.bounds)
-        return int(high - log_fluctuation < AT_BOUND) - int(log_fluctuation - low < AT_BOUND)
 
     def with_shape(self, shape: Array) -> "ReadingCovariance":
         """The same with one more part (n, n) of the outputs' covariance, of a variance between 1e-9 and 100."""
