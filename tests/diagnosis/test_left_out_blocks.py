@@ -59,7 +59,7 @@ def test_free_strengths_are_fitted_to_the_other_blocks():
 
 def test_a_block_that_alone_determines_a_strength_is_predicted_by_nothing():
     """A law whose knot only one excursion reaches."""
-    timeline, refitted, C, y = made()
+    timeline, refitted, *_ = made()
     trace = np.where(BLOCK == 3, 1.0, 0.0)[:, None]  # a block of one reading
     found = left_out_blocks(timeline, refitted, trace)
     assert found.log_density[3] == -np.inf
