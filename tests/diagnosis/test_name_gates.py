@@ -198,3 +198,13 @@ def test_a_name_that_wires_without_an_effect_get_as_well_is_none(change, word, v
     assert (found.verdict.word, found.verdict.depends_on) == (word, variable)
     assert ("wires without an effect" in found.reason) == (word != "named")
     assert bool(found.verdict.explanations) == (word != "silent")
+
+
+@pytest.mark.parametrize(("times_noise", "word"), [(1.3, "silent"), (4.5, "silent"), (31.0, "unknown")])
+def test_nothing_is_silent_while_the_error_is_many_times_the_noise(times_noise, word):
+    """No positive density follows a wire that is no Preisach operator, though each candidate gains little."""
+    before = replace(QUIET, variable="step", gain=22.9)
+    found = gated(SILENT, replace(GOOD, levels=(), before=before, times_noise=times_noise))
+    assert found.verdict.word == word
+    assert found.verdict.depends_on == ("step" if word == "unknown" else None)
+    assert ("31 × their noise" in found.reason) == (word == "unknown")

@@ -207,9 +207,13 @@ def diagnose_commanded(
 
     gain = measured_gain(extended)
     effect_nats = levels[-1].explanations[0].evidence - seen.plain.log_evidence if levels else 0.0
-    ratio = settled_rms(timeline, extended) / settled_rms(timeline, base)
+    base_rms = settled_rms(timeline, base)
+    ratio, times_noise = settled_rms(timeline, extended) / base_rms, base_rms / before.noise
     found = gated(
-        decided, NameEvidence(tuple(levels), effect_nats, before, after, gain, ratio, first.alarm, channels)
+        decided,
+        NameEvidence(
+            tuple(levels), effect_nats, before, after, gain, ratio, first.alarm, times_noise, channels
+        ),
     )
     verdict = found.verdict
     offered, learned, learned_reason = verdict.word in ("named", "ambiguous"), None, ""

@@ -27,6 +27,7 @@ FITTED_WORSE = 1.1  # of the same error: without held-out runs, nothing bears su
 REMAINING_SHARE = 0.15  # of the effects' gain: a discrepancy that explains more of what is left refutes them
 CLEAR_NATS = 100.0  # the same if the room moves: both vanish in saturation, and imitate each other
 ROOM_K, ROOM_S = 0.22, 300.0  # larger and slower fluctuations are no draught
+INADEQUATE_RATIO = 5.0  # of the error to all noise: up to 2 on fifty boxes without a visible effect
 CHANNEL_MISFIT = (
     1.3  # rms in units of a channel's noise: more is left than noise, whatever the estimate of it
 )
@@ -58,7 +59,8 @@ class NameEvidence:
     ``levels`` are those of the search, ``effect_nats`` the gain of the best effects over none. ``before`` and ``after``
     are the likeliest discrepancies without and with them; ``gain`` is that on held-out runs. ``fitted_ratio`` is the
     rms error of the training runs' settled positions with the effects over that without. ``alarm``: whether hardly any
-    wire without an effect shows as much. ``channels`` are the misfits of the channels besides the position.
+    wire without an effect shows as much. ``times_noise`` is the rms error without effects, in units of all noise.
+    ``channels`` are the misfits of the channels besides the position.
     """
 
     levels: tuple[SearchLevel, ...]
@@ -68,6 +70,7 @@ class NameEvidence:
     gain: HeldOutGain | None
     fitted_ratio: float
     alarm: bool
+    times_noise: float = 1.0
     channels: tuple[ChannelMisfit, ...] = ()
 
     @property
@@ -80,13 +83,13 @@ class NameEvidence:
 def gated(verdict: DiagnosisVerdict, evidence: NameEvidence) -> GatedVerdict:
     """The verdict with names that passed all gates only."""
     if verdict.word in ("silent", "not_identifiable"):
-        return _if_adequate(verdict, evidence.before)
+        return _if_adequate(verdict, evidence)
     if not verdict.explanations:
         return GatedVerdict(verdict)
     names = " + ".join(verdict.explanations[0][0])
     if not evidence.alarm and not _borne_out(evidence.gain):
         reason = f"{names} explains more than null data do, but not more than wires without an effect show"
-        quiet = _if_adequate(DiagnosisVerdict("silent"), evidence.before).verdict
+        quiet = _if_adequate(DiagnosisVerdict("silent"), evidence).verdict
         unknown = quiet.word == "unknown"
         return GatedVerdict(_unknown(verdict, quiet.depends_on) if unknown else quiet, reason)
     reason = next(_failures(names, evidence), "")
@@ -102,8 +105,9 @@ def slow_room(found: Discrepancy) -> bool:
     return found.room_K >= ROOM_K and found.correlation_s >= ROOM_S
 
 
-def _if_adequate(verdict: DiagnosisVerdict, before: Discrepancy) -> GatedVerdict:
-    """Silence, unless a discrepancy stands out or the room moves too much."""
+def _if_adequate(verdict: DiagnosisVerdict, evidence: NameEvidence) -> GatedVerdict:
+    """Silence, unless a discrepancy stands out, the room moves too much, or the error is many times the noise."""
+    before = evidence.before
     if before.gain >= (CLEAR_NATS if slow_room(before) else DISCREPANCY_NATS):
         return GatedVerdict(_unknown(verdict, before.depends_on))
     if slow_room(before):
@@ -112,6 +116,9 @@ def _if_adequate(verdict: DiagnosisVerdict, before: Discrepancy) -> GatedVerdict
             f"{before.correlation_s:.0f} s and longer, more than a draught"
         )
         return GatedVerdict(_unknown(verdict, "time"), reason)
+    if evidence.times_noise >= INADEQUATE_RATIO:
+        reason = f"the model misses these runs by {evidence.times_noise:.0f} × their noise"
+        return GatedVerdict(_unknown(verdict, before.depends_on or None), reason)
     return GatedVerdict(verdict)
 
 
