@@ -11,8 +11,8 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from smarig.core import NotebookDisplay, UsageError
-from smarig.diagnosis.critique.calibration import LEAST_P
 from smarig.diagnosis.critique.critique import ALPHA, NULL_DATA_SETS, Critique, critique
+from smarig.diagnosis.critique.settings import check_settings
 from smarig.diagnosis.critique.visibility import VisibilityTable, visibility
 from smarig.diagnosis.diagnosis_json import diagnosis_json, effects_json
 from smarig.diagnosis.diagnosis_text import text_lines
@@ -46,8 +46,6 @@ from smarig.replay import (
     plant_model_of,
     provenance,
 )
-
-MAX_NULL_DATA_SETS = 100_000  # a larger number is a typing error
 
 
 @dataclass(frozen=True, eq=False)
@@ -161,7 +159,7 @@ def diagnose_commanded(
     sets. Raises DataError if the runs hold no settled steps or overlap, and UsageError for invalid settings.
     """
     started, report_progress = time.monotonic(), progress or (lambda _: None)
-    _check(alpha, nulls, seed)
+    check_settings(alpha, nulls, seed)
     original = model if isinstance(model, Model) else load_model(model)
     train_runs, held_out_runs = _runs(train), _runs(held_out)
     check_comparable(original, [*train_runs, *held_out_runs])
@@ -249,21 +247,6 @@ def diagnose_commanded(
         nulls=nulls,
         seconds=time.monotonic() - started,
     )
-
-
-def _check(alpha: float, nulls: int, seed: int) -> None:
-    if not LEAST_P <= alpha < 0.5:
-        raise UsageError(
-            f"The false alarm probability must lie between {LEAST_P:g} and 0.5, but is {alpha:g}."
-        )
-    if seed < 0:
-        raise UsageError(f"Seed {seed} is negative. Give a whole number ≥ 0.")
-    if nulls > MAX_NULL_DATA_SETS:
-        raise UsageError(f"{nulls} null data sets are too many. Use at most {MAX_NULL_DATA_SETS}.")
-    if nulls < 1 / alpha:
-        raise UsageError(
-            f"{nulls} null data sets cannot resolve a probability of {alpha:g}. Use at least {int(1 / alpha) + 1}."
-        )
 
 
 def _runs(original: Any) -> list[Run]:
