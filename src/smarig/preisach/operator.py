@@ -215,9 +215,7 @@ class Preisach:
         """Outputs for inputs u, shape (n,), from the present state: many steps in one call."""
         return self._follow(input_array(u))
 
-    def follow_with_states(
-        self, u: Sequence[float] | ArrayLike, at: Sequence[int]
-    ) -> tuple[Array, tuple[State, ...]]:
+    def follow_with_states(self, u: ArrayLike, at: Sequence[int]) -> tuple[Array, tuple[State, ...]]:
         """Outputs (m,) and memories at the indices ``at`` (m,), ascending, of inputs u (n,), from the present state."""
         inputs = input_array(u)
         # from a diagonal state, all moves are integrated at once
@@ -244,9 +242,8 @@ class Preisach:
         """Follow the inputs up to the first that saturates and so ends a diagonal state. Returns their number."""
         saturated = np.flatnonzero((inputs <= self._lower) | (inputs >= self._upper))[:1]
         end = int(saturated[0]) if saturated.size else inputs.size
-        self._run_loop(
-            inputs[:end], y[:end], self._released(inputs[:end]) if released is None else released[:end]
-        )
+        own = self._released(inputs[:end]) if released is None else released[:end]
+        self._run_loop(inputs[:end], y[:end], own)
         if end < inputs.size:
             y[end] = self._saturate(self._lower if inputs[end] <= self._lower else self._upper)
         return end + 1
