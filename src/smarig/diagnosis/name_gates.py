@@ -27,7 +27,7 @@ FITTED_WORSE = 1.1  # of the same error: without held-out runs, nothing bears su
 REMAINING_SHARE = 0.15  # of the effects' gain: a discrepancy that explains more of what is left refutes them
 CLEAR_NATS = 100.0  # the same if the room moves: both vanish in saturation, and imitate each other
 ROOM_K, ROOM_S = 0.22, 300.0  # larger and slower fluctuations are no draught
-INADEQUATE_RATIO = 5.0  # of the error to all noise: up to 2 on fifty boxes without a visible effect
+SILENT_RATIO = 5.0  # of the error to all noise: up to 2.3 on sealed boxes without a visible effect
 CHANNEL_MISFIT = (
     1.3  # rms in units of a channel's noise: more is left than noise, whatever the estimate of it
 )
@@ -116,7 +116,7 @@ def _if_adequate(verdict: DiagnosisVerdict, evidence: NameEvidence) -> GatedVerd
             f"{before.correlation_s:.0f} s and longer, more than a draught"
         )
         return GatedVerdict(_unknown(verdict, "time"), reason)
-    if evidence.times_noise >= INADEQUATE_RATIO:
+    if evidence.times_noise >= SILENT_RATIO:
         reason = f"the model misses these runs by {evidence.times_noise:.0f} × their noise"
         return GatedVerdict(_unknown(verdict, before.depends_on or None), reason)
     return GatedVerdict(verdict)
