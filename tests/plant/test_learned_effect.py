@@ -102,8 +102,8 @@ def test_variables_have_words():
     def words(variable):
         return LearnedShape(variable, "output", (0.0, 1.0), "mm").variable_text
 
-    assert words("power_over_2_min") == "mean power of the last 2 min"
-    assert words("level_over_15_min") == "mean output of the last 15 min"
+    assert words("power_over_2_min") == "the mean power of the last 2 min"
+    assert words("level_over_15_min") == "the mean output of the last 15 min"
     assert words("history") == "history"
 
 

@@ -39,6 +39,7 @@ if TYPE_CHECKING:
     from smarig.diagnosis.diagnosis_text import share_text as share_text
     from smarig.diagnosis.diagnosis_text import unknown_text as unknown_text
     from smarig.diagnosis.diagnosis_verdict import LEAD_SCALE_NATS as LEAD_SCALE_NATS
+    from smarig.diagnosis.diagnosis_verdict import lead_scale_nats as lead_scale_nats
     from smarig.diagnosis.drive_statistics import MIN_COUNT_SD as MIN_COUNT_SD
     from smarig.diagnosis.drive_statistics import DriveStatistics as DriveStatistics
     from smarig.diagnosis.explain.explanation import Explanation as Explanation

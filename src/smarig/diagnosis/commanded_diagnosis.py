@@ -308,7 +308,7 @@ def _if_borne_out(
     if gain is None or gain.extended <= min(gain.base, gain.original or np.inf):
         return extended, gain, ""
     variable = term.shape.variable_text
-    return None, None, f"a law of the {variable} predicts left-out blocks better, but the held-out runs worse"
+    return None, None, f"a law of {variable} predicts left-out blocks better, but the held-out runs worse"
 
 
 def _floor(noise: np.ndarray) -> float:

@@ -75,6 +75,11 @@ def decide_verdict(first: Critique, levels: list[SearchLevel]) -> DiagnosisVerdi
     )
 
 
+def lead_scale_nats(gain: float) -> float:
+    """T, the nats that are a factor e in the score, for a gain (nats) of the best explanation."""
+    return hypot(LEAD_SCALE_NATS, min(EQUATION_SHARE * gain, MOST_EQUATION_NATS))
+
+
 def _anything_visible(critique: Critique) -> bool:
     return any(s.candidate.traces.shape[1] for s in critique.scores if not s.candidate.generic)
 
@@ -113,7 +118,7 @@ def _probabilities(level: SearchLevel) -> tuple[tuple[tuple[str, ...], float], .
     best: dict[tuple[str, ...], float] = {}
     for k, found in enumerate(level.explanations):
         best[found.names] = min(best.get(found.names, inf), level.lead(k))
-    scale = hypot(LEAD_SCALE_NATS, min(EQUATION_SHARE * level.gain, MOST_EQUATION_NATS))
+    scale = lead_scale_nats(level.gain)
     weights = {names: exp(-lead / scale) for names, lead in best.items()}
     total = sum(weights.values())
     return tuple(sorted(((n, w / total) for n, w in weights.items()), key=lambda item: -item[1]))

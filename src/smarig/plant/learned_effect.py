@@ -134,7 +134,7 @@ class LearnedShape:
         if not over:
             return self.variable
         mean_of = "power" if quantity == "power" else "output"
-        return f"mean {mean_of} of the last {minutes.replace('_', ' ')}"
+        return f"the mean {mean_of} of the last {minutes.replace('_', ' ')}"
 
     @property
     def knots_in_unit(self) -> tuple[float, ...]:

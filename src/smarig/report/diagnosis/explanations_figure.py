@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from smarig.diagnosis import LEAD_SCALE_NATS, CandidateScore, Diagnosis
+from smarig.diagnosis import CandidateScore, Diagnosis, lead_scale_nats
 from smarig.report.components.figure import Figure, Panel, Trace, packed
 from smarig.report.components.run_description import source_label
 from smarig.report.diagnosis.candidate_rows import (
@@ -29,8 +29,8 @@ def explanations_figure(d: Diagnosis) -> Figure:
         panels.insert(0, _explanations_panel([" + ".join(r.names) for r in level.explanations], lead))
         explanations_text = (
             "First panel: the explanations of the last level with all parameters fitted, and how many nats (units of "
-            f"log likelihood) they fit worse than the best one; {LEAD_SCALE_NATS:g} nats are a factor e in "
-            "the score. Second panel (with the noise estimated without effects):"
+            f"log likelihood) they fit worse than the best one; {lead_scale_nats(level.gain):.2g} nats are a factor e "
+            "in the score. Second panel (with the noise estimated without effects):"
         )
     each = "each single candidate" if explanations_text else "Each single candidate"
     return Figure(
