@@ -4,9 +4,10 @@ registers."""
 from simulators.layout import BAD_VALUE, NOT_NOW
 from simulators.protection import Protection, lease_ticks
 from simulators.register_device import RegisterDevice
-from smarig.device import Refusal, load_register_map, to_words
+from smarig.device import Refusal, crc16, load_register_map, to_words
 
 RING_SAMPLES = 256
+BOARD_MAX_uA = 2_000_000  # of the simulated board, as the firmware is built
 SATURATED, STOP = 1, 2  # bits of a tick's ``hardware``
 
 _MAP = load_register_map("amplifier")
@@ -28,11 +29,13 @@ class Amplifier(RegisterDevice):
         super().boot(boot_count)
         self.state, self.trip = "off", ""
         self.output_uA = 0
+        self._orders = 0  # executed since boot
         self._silent_ticks = 0
         self._protection = Protection()
 
     def tick(self, current_uA: int, voltage_uV: int, temperature: int, hardware: int) -> None:
         """Process the readings of a period in which the output flowed."""
+        driven_uA = self.output_uA  # during this tick, also if it ends with a trip
         self._protection.add_heat(self.stored, current_uA)
         self._silent_ticks += 1
         if self.state == "armed":
@@ -43,10 +46,16 @@ class Amplifier(RegisterDevice):
                 self._trip(cause)
         marks = _MARK["saturated"] if hardware & SATURATED else 0
         marks |= _MARK["tripped"] if self.state == "tripped" else 0
-        self.ring.put([*to_words(current_uA, 2), *to_words(voltage_uV, 2), temperature & 0xFFFF, marks])
+        measured_words = [word for value in (current_uA, voltage_uV, driven_uA) for word in to_words(value, 2)]
+        self.ring.put([*measured_words, temperature & 0xFFFF, marks])
+
+    @property
+    def arm_nonce(self) -> int:
+        """What the next arm or rearm must carry: never the same twice."""
+        return self.boot_count << 16 | self._orders & 0xFFFF
 
     def status(self) -> dict[str, int]:
-        """State, trip, output, lease and heat."""
+        """State, trip, output, lease, heat, settings and the nonce."""
         left = lease_ticks(self.stored) - self._silent_ticks if self.state == "armed" else 0
         return {
             "state": _STATE[self.state],
@@ -54,7 +63,14 @@ class Amplifier(RegisterDevice):
             "output": self.output_uA,
             "lease_left": left * self.stored["period"],
             "heat": self._protection.heat,
+            "settings_crc": self._settings_crc(),
+            "arm_nonce": self.arm_nonce,
+            "board_max": BOARD_MAX_uA,
         }
+
+    def _settings_crc(self) -> int:
+        words = self.map.encode("settings", {name: self.stored[name] for name in self.map.names["settings"]})
+        return crc16(b"".join(word.to_bytes(2, "big") for word in words))
 
     def refuses_command(self, values: dict[str, int]) -> Refusal | None:
         """Refuse an order that is not allowed in this state, and a current that must not flow."""
@@ -63,12 +79,18 @@ class Amplifier(RegisterDevice):
         drives = self.state == "armed" or order in _MAY_FOLLOW
         if not follows or (current_uA and not drives):
             return Refusal(NOT_NOW)
+        if order in _MAY_FOLLOW and values.get("nonce") != self.arm_nonce:
+            return Refusal(NOT_NOW)
         within = self.stored["current_min"] <= current_uA <= self.stored["current_max"]
         return None if within else Refusal(BAD_VALUE)
 
-    def refuses_settings(self) -> Refusal | None:
-        """Refuse settings while current may flow."""
-        return Refusal(NOT_NOW) if self.state == "armed" else None
+    def refuses_settings(self, values: dict[str, int]) -> Refusal | None:
+        """Refuse settings while current may flow, beyond the board, or with ticks that are too long for the lease."""
+        if self.state == "armed":
+            return Refusal(NOT_NOW)
+        s = {**self.stored, **values}
+        within_board = s["current_max"] <= BOARD_MAX_uA and s["current_min"] >= -BOARD_MAX_uA
+        return None if within_board and 2 * s["period"] <= s["lease"] else Refusal(BAD_VALUE)
 
     def carry_out(self, values: dict[str, int]) -> None:
         """Restart the lease, carry out the order, then set the current."""
@@ -87,6 +109,7 @@ class Amplifier(RegisterDevice):
             self.output_uA = values["current"]
 
     def _switch_off(self, state: str) -> None:
+        self._orders += 1
         self.state, self.trip, self.output_uA = state, "", 0
         self._protection.reset_counts()
 

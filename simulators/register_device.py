@@ -19,6 +19,7 @@ class RegisterDevice:
         status = self.map.blocks["status"]
         self._header = tuple((r.name, r.words) for r in status if not r.field)
         self._window_words = status[-1].words
+        self._read_as_safe = {"order", "nonce"} & self.map.registers.keys()
         device = self.map.device
         self._always = {"kind": device.kind, "version": device.version, "map_hash": self.map.hash}
         self.boot(boot_count)
@@ -52,7 +53,7 @@ class RegisterDevice:
         return self._command(values) if "sequence" in values else self._settings(values)
 
     def _settings(self, values: RawValues) -> Refusal | None:
-        refusal = self.refuses_settings()
+        refusal = self.refuses_settings(values)
         if refusal is None:
             self.stored.update(values)
         return refusal
@@ -69,7 +70,8 @@ class RegisterDevice:
             self.carry_out(values)
             self.echo = values["sequence"]
         self.stored.update(values)
-        self.stored["order"] = self.map["order"].safe or 0  # executed; reads as none
+        for name in self._read_as_safe:  # executed or used up
+            self.stored[name] = self.map[name].safe or 0
         self._window = self.ring.window(self.stored["ring_next"], self.stored["ring_want"])
         return None
 
@@ -108,7 +110,7 @@ class RegisterDevice:
         """Why the command cannot be executed now, or None."""
         raise NotImplementedError
 
-    def refuses_settings(self) -> Refusal | None:
+    def refuses_settings(self, values: dict[str, int]) -> Refusal | None:
         """Why settings cannot be written now, or None."""
         return None
 

@@ -4,13 +4,13 @@
 
 /* amplifier: Current amplifier: drives the wire, monitors it, and switches off when the host stops communicating. */
 #define AMP_DEVICE_KIND 21313u
-#define AMP_DEVICE_VERSION 2u
+#define AMP_DEVICE_VERSION 3u
 #define AMP_DEVICE_DEFAULT_ADDRESS 65u
-#define AMP_DEVICE_MAP_HASH 0xE8514CDEul
+#define AMP_DEVICE_MAP_HASH 0xE44E5D0Cul
 #define AMP_STATUS_FIRST 0x0000u
-#define AMP_STATUS_WORDS 114u
+#define AMP_STATUS_WORDS 119u
 #define AMP_COMMAND_FIRST 0x0100u
-#define AMP_COMMAND_WORDS 7u
+#define AMP_COMMAND_WORDS 9u
 #define AMP_SETTINGS_FIRST 0x0200u
 #define AMP_SETTINGS_WORDS 15u
 #define AMP_ECHO 0x0000u
@@ -29,9 +29,12 @@
 #define AMP_HEAT 0x000Du
 #define AMP_RING_FIRST 0x000Fu
 #define AMP_RING_COUNT 0x0011u
-#define AMP_RING 0x0012u
-#define AMP_RING_RECORDS 16u
-#define AMP_RING_RECORD_WORDS 6u
+#define AMP_SETTINGS_CRC 0x0012u
+#define AMP_ARM_NONCE 0x0013u
+#define AMP_BOARD_MAX 0x0015u
+#define AMP_RING 0x0017u
+#define AMP_RING_RECORDS 12u
+#define AMP_RING_RECORD_WORDS 8u
 #define AMP_RING_TEMPERATURE_NONE (-32768)
 #define AMP_RING_MARKS_SATURATED 1u
 #define AMP_RING_MARKS_TRIPPED 2u
@@ -57,8 +60,12 @@
 #define AMP_RING_NEXT_SAFE 0l
 #define AMP_RING_WANT 0x0106u
 #define AMP_RING_WANT_LEAST 0l
-#define AMP_RING_WANT_MOST 16l
+#define AMP_RING_WANT_MOST 12l
 #define AMP_RING_WANT_SAFE 0l
+#define AMP_NONCE 0x0107u
+#define AMP_NONCE_LEAST 0l
+#define AMP_NONCE_MOST 4294967295ul
+#define AMP_NONCE_SAFE 0l
 #define AMP_PERIOD 0x0200u
 #define AMP_PERIOD_LEAST 1l
 #define AMP_PERIOD_MOST 60000l

@@ -3,12 +3,13 @@
 #include <string.h>
 
 #include "block.h"
+#include "crc.h"
 #include "sequence.h"
 #include "words.h"
 
 static const struct value COMMAND[] = {
     VALUE(AMP_SEQUENCE, 1),  VALUE(AMP_ORDER, 1),     VALUE(AMP_CURRENT, 2),
-    VALUE(AMP_RING_NEXT, 2), VALUE(AMP_RING_WANT, 1),
+    VALUE(AMP_RING_NEXT, 2), VALUE(AMP_RING_WANT, 1), VALUE(AMP_NONCE, 2),
 };
 
 static const struct value SETTINGS[] = {
@@ -17,8 +18,8 @@ static const struct value SETTINGS[] = {
     VALUE(AMP_RESISTANCE_MAX, 2), VALUE(AMP_HEAT_MAX, 2),       VALUE(AMP_HEAT_SETTLE, 1),
 };
 
-/* A record of the ring: current (2 words), voltage (2), temperature, marks. */
-enum { RECORD_CURRENT = 0, RECORD_VOLTAGE = 2, RECORD_TEMPERATURE = 4, RECORD_MARKS = 5 };
+/* A record of the ring: current (2 words), voltage (2), output (2), temperature, marks. */
+enum { RECORD_CURRENT = 0, RECORD_VOLTAGE = 2, RECORD_OUTPUT = 4, RECORD_TEMPERATURE = 6, RECORD_MARKS = 7 };
 
 /* Offsets in the command block. */
 #define AT(name) ((name)-AMP_COMMAND_FIRST)
@@ -27,13 +28,25 @@ static bool inside_value(uint16_t address)
 {
     if (address >= AMP_RING) {
         const uint16_t at = (uint16_t)((address - AMP_RING) % AMP_RING_RECORD_WORDS);
-        return at == RECORD_CURRENT + 1 || at == RECORD_VOLTAGE + 1;
+        return at == RECORD_CURRENT + 1 || at == RECORD_VOLTAGE + 1 || at == RECORD_OUTPUT + 1;
     }
     return address == AMP_MAP_HASH + 1 || address == AMP_TICK + 1 || address == AMP_OUTPUT + 1 ||
-           address == AMP_HEAT + 1 || address == AMP_RING_FIRST + 1;
+           address == AMP_HEAT + 1 || address == AMP_RING_FIRST + 1 || address == AMP_ARM_NONCE + 1 ||
+           address == AMP_BOARD_MAX + 1;
 }
 
 static const struct map MAP = {BLOCK(COMMAND), BLOCK(SETTINGS), AMP_STATUS_FIRST, AMP_STATUS_WORDS, inside_value};
+
+/* The settings as bytes on the line, which is what the host can repeat. */
+static void update_settings_crc(struct amplifier *a)
+{
+    uint8_t bytes[2 * AMP_SETTINGS_WORDS];
+    for (uint16_t i = 0; i < AMP_SETTINGS_WORDS; i++) {
+        bytes[2 * i] = (uint8_t)(a->settings[i] >> 8);
+        bytes[2 * i + 1] = (uint8_t)a->settings[i];
+    }
+    a->settings_crc = crc_modbus(bytes, sizeof bytes);
+}
 
 void amplifier_boot(struct amplifier *a, uint16_t boot_count)
 {
@@ -41,6 +54,7 @@ void amplifier_boot(struct amplifier *a, uint16_t boot_count)
     a->boot_count = boot_count;
     block_boot(&MAP.command, a->command);
     block_boot(&MAP.settings, a->settings);
+    update_settings_crc(a);
 }
 
 static void trip(struct amplifier *a, uint16_t cause)
@@ -52,11 +66,12 @@ static void trip(struct amplifier *a, uint16_t cause)
 
 /* --- ticks --- */
 
-static void keep_sample(struct amplifier *a, const struct amplifier_inputs *in)
+static void keep_sample(struct amplifier *a, const struct amplifier_inputs *in, int32_t driven_uA)
 {
     uint16_t *record = a->ring[(a->tick + 1) % AMPLIFIER_RING_SIZE];
     words_put32(record + RECORD_CURRENT, (uint32_t)in->current_uA);
     words_put32(record + RECORD_VOLTAGE, (uint32_t)in->voltage_uV);
+    words_put32(record + RECORD_OUTPUT, (uint32_t)driven_uA);
     record[RECORD_TEMPERATURE] = (uint16_t)in->temperature;
     record[RECORD_MARKS] = (uint16_t)((in->hardware & AMPLIFIER_SATURATED ? AMP_RING_MARKS_SATURATED : 0u) |
                                       (a->state == AMP_STATE_TRIPPED ? AMP_RING_MARKS_TRIPPED : 0u));
@@ -64,11 +79,12 @@ static void keep_sample(struct amplifier *a, const struct amplifier_inputs *in)
 
 void amplifier_tick(struct amplifier *a, const struct amplifier_inputs *in)
 {
+    const int32_t driven_uA = a->output_uA; /* during this tick, also if it ends with a trip */
     guard_warm(a, in->current_uA);
     const uint16_t cause = a->state == AMP_STATE_ARMED ? guard_tick(a, in) : 0;
     if (cause)
         trip(a, cause);
-    keep_sample(a, in);
+    keep_sample(a, in, driven_uA);
     a->tick++;
 }
 
@@ -96,6 +112,17 @@ static bool order_fits(uint16_t order, uint16_t state)
     return order != AMP_ORDER_REARM || state != AMP_STATE_ARMED;
 }
 
+/* Never the same twice: the boot, then the number of orders since. */
+static uint32_t arm_nonce(const struct amplifier *a)
+{
+    return (uint32_t)a->boot_count << 16 | a->orders;
+}
+
+static bool nonce_fits(const struct amplifier *a, const struct exchange *asked)
+{
+    return asked->write_count > AT(AMP_NONCE) && words_u32(asked->words + AT(AMP_NONCE)) == arm_nonce(a);
+}
+
 static bool current_fits(const struct amplifier *a, int32_t current_uA)
 {
     return current_uA >= words_i32(AMPLIFIER_SETTING(a, AMP_CURRENT_MIN)) &&
@@ -110,7 +137,23 @@ static uint8_t check_command(const struct amplifier *a, const struct exchange *a
         return ACCEPTED; /* a repetition is not executed, so its content cannot conflict with the state */
     if (!order_fits(order, a->state) || (drives && a->state != AMP_STATE_ARMED && !arms(order)))
         return REFUSED_NOW;
+    if (arms(order) && !nonce_fits(a, asked))
+        return REFUSED_NOW;
     return drives && !current_fits(a, words_i32(asked->words + AT(AMP_CURRENT))) ? REFUSED_WORD : ACCEPTED;
+}
+
+/* Settings that this board accepts: its largest current, and a period that fits the lease. */
+static uint8_t check_settings(const struct amplifier *a, const struct exchange *asked)
+{
+    uint16_t next[AMP_SETTINGS_WORDS];
+    memcpy(next, a->settings, sizeof next);
+    memcpy(next, asked->words, asked->write_count * sizeof next[0]);
+#define NEXT(name) (next + (name)-AMP_SETTINGS_FIRST)
+    if (words_i32(NEXT(AMP_CURRENT_MAX)) > AMPLIFIER_BOARD_MAX_uA ||
+        words_i32(NEXT(AMP_CURRENT_MIN)) < -AMPLIFIER_BOARD_MAX_uA)
+        return REFUSED_WORD;
+    return 2ul * *NEXT(AMP_PERIOD) > *NEXT(AMP_LEASE) ? REFUSED_WORD : ACCEPTED;
+#undef NEXT
 }
 
 static uint8_t check(const void *device, const struct exchange *asked)
@@ -121,7 +164,7 @@ static uint8_t check(const void *device, const struct exchange *asked)
         return refusal;
     if (block_is(&MAP.command, asked->write_at))
         return check_command(a, asked);
-    return a->state == AMP_STATE_ARMED ? REFUSED_NOW : ACCEPTED;
+    return a->state == AMP_STATE_ARMED ? REFUSED_NOW : check_settings(a, asked);
 }
 
 /* --- executing an exchange --- */
@@ -130,6 +173,7 @@ static void obey(struct amplifier *a, uint16_t order)
 {
     if (order == AMP_ORDER_NONE)
         return;
+    a->orders++;
     a->state = arms(order) ? AMP_STATE_ARMED : AMP_STATE_OFF;
     a->trip = 0;
     a->output_uA = 0;
@@ -146,11 +190,12 @@ static void drive(struct amplifier *a, int32_t current_uA)
         a->output_uA = current_uA;
 }
 
-/* Copies the words from `at` on, as many as the exchange contains. */
+/* Copies the words from `at` on, as many as the exchange contains, but not the nonce. */
 static void take(struct amplifier *a, const struct exchange *asked, uint16_t at)
 {
-    if (asked->write_count > at)
-        memcpy(a->command + at, asked->words + at, (asked->write_count - at) * sizeof a->command[0]);
+    const uint16_t end = asked->write_count < AT(AMP_NONCE) ? asked->write_count : AT(AMP_NONCE);
+    if (end > at)
+        memcpy(a->command + at, asked->words + at, (end - at) * sizeof a->command[0]);
 }
 
 static void carry_out(struct amplifier *a, const struct exchange *asked)
@@ -176,6 +221,7 @@ static void write(void *device, const struct exchange *asked)
     struct amplifier *a = device;
     if (!block_is(&MAP.command, asked->write_at)) {
         memcpy(a->settings, asked->words, asked->write_count * sizeof a->settings[0]);
+        update_settings_crc(a);
         return;
     }
     if (is_new(a, asked)) {
@@ -210,6 +256,9 @@ static void status(const struct amplifier *a, uint16_t *words)
     words_put32(words + AMP_HEAT, a->heat);
     words_put32(words + AMP_RING_FIRST, a->window.first);
     words[AMP_RING_COUNT] = a->window.count;
+    words[AMP_SETTINGS_CRC] = a->settings_crc;
+    words_put32(words + AMP_ARM_NONCE, arm_nonce(a));
+    words_put32(words + AMP_BOARD_MAX, AMPLIFIER_BOARD_MAX_uA);
     memcpy(words + AMP_RING, a->window_words, sizeof a->window_words);
 }
 

@@ -12,6 +12,10 @@
 #define AMPLIFIER_RING_SIZE 256u /* a power of two, so that the index stays valid when the tick wraps */
 #endif
 
+#ifndef AMPLIFIER_BOARD_MAX_uA
+#define AMPLIFIER_BOARD_MAX_uA 2000000l /* no file of a host may ask for more; set it to what wire and supply bear */
+#endif
+
 enum { AMPLIFIER_SATURATED = 1, AMPLIFIER_STOP_OPEN = 2 }; /* bits of `hardware` */
 
 /* Consecutive bad ticks of the checks that trip after three. */
@@ -21,8 +25,10 @@ struct amplifier_spells {
 
 struct amplifier {
     uint16_t boot_count;
-    uint16_t command[AMP_COMMAND_WORDS]; /* as last accepted; `order` reads 0 */
+    uint16_t command[AMP_COMMAND_WORDS]; /* as last accepted; `order` and `nonce` read 0 */
     uint16_t settings[AMP_SETTINGS_WORDS];
+    uint16_t settings_crc;
+    uint16_t orders; /* executed since boot, for the nonce */
     uint16_t state, trip;
     uint16_t ticks_unfed; /* since the lease was renewed or the amplifier armed */
     struct amplifier_spells spells;

@@ -57,12 +57,14 @@ static void plan(struct exchange *e, bool is_amp)
         e->words[0] = (uint16_t)((is_amp ? pair.amp.command[0] : pair.daq.command[0]) + 1 + chance(2));
     if (is_amp && e->write_at == AMP_COMMAND_FIRST && chance(2))
         words_put32(e->words + 2, chance(10000) - 5000);
+    if (is_amp && e->write_at == AMP_COMMAND_FIRST && chance(4)) /* else nothing would ever be armed */
+        words_put32(e->words + AMP_NONCE - AMP_COMMAND_FIRST, (uint32_t)pair.amp.boot_count << 16 | pair.amp.orders);
     if (is_amp && e->write_at == AMP_SETTINGS_FIRST && chance(2)) {
         e->words[0] = (uint16_t)(1 + chance(300));
         e->words[1] = (uint16_t)(500 + chance(1501));
         words_put32(e->words + 8, chance(100));
-        words_put32(e->words + 2, (uint32_t) - (int32_t)chance(5000001));
-        words_put32(e->words + 4, chance(5000001));
+        words_put32(e->words + 2, (uint32_t) - (int32_t)chance(2100001));
+        words_put32(e->words + 4, chance(2100001));
         words_put32(e->words + 6, 1 + chance(1000000));
         words_put32(e->words + 10, 1 + chance(1000000));
         words_put32(e->words + 12, UINT32_MAX - chance(1000));

@@ -42,6 +42,7 @@ void promised_safe(const struct devices *pair)
     const int32_t most = words_i32(AMPLIFIER_SETTING(amp, AMP_CURRENT_MAX));
     promise(armed || amp->output_uA == 0, "current flows though not armed");
     promise(amp->output_uA >= least && amp->output_uA <= most, "the output is outside its limits");
+    promise(most <= AMPLIFIER_BOARD_MAX_uA && least >= -AMPLIFIER_BOARD_MAX_uA, "the settings exceed the board");
     promise((amp->trip != 0) == (amp->state == AMP_STATE_TRIPPED), "trip and state disagree");
     promise(amp->window.count <= AMP_RING_RECORDS && daq->window.count <= DAQ_RING_RECORDS, "a window is too large");
 }

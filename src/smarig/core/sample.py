@@ -7,13 +7,18 @@ NAN = float("nan")
 
 
 class Quality(IntFlag):
-    """Marks on a sample; 0 means good. Stored in the run as an integer."""
+    """Marks on a sample; 0 means good. Stored in the run as an integer.
+
+    RETRIED: it took several requests. STALE: no new current reading. SATURATED: the amplifier could not drive the
+    command. TRIPPED: the amplifier had tripped. SUSPECT: the readings contradict the command, each other or the wire.
+    """
 
     GOOD = 0
     RETRIED = 1
     STALE = 2
     SATURATED = 4
     TRIPPED = 8
+    SUSPECT = 16
 
 
 class Sample(NamedTuple):

@@ -5,21 +5,22 @@
 In lock-step (simulated devices) a request lets time pass; on hardware the bench waits for the next tick.
 """
 
+import contextlib
 import time
-from collections import deque
 from collections.abc import Callable
 
 from smarig.config import RigFile
-from smarig.core import LeaseExpired, Quality, Sample
+from smarig.core import LeaseExpired, Quality, RigFault, Sample
 from smarig.device import CurrentReading, CurrentSource, Garbled, PositionReading, PositionSensor, Silent
 from smarig.plant import Actuator
+from smarig.rig.order_record import OrderRecord
 from smarig.rig.rig import Alarm
 
 CLOCK_CHECK_TICKS = 300  # ticks between two comparisons of both clocks
-MAX_BLOCK_TICKS = 16  # largest number of samples of one request
+MAX_BLOCK_TICKS = 12  # largest number of samples of one request: one window of the amplifier
 MAX_TICK_GAP = 1_000_000  # a larger gap means wrong ticks, not a late host
-COMMAND_HISTORY = 256  # number of past currents that are kept
 SENSOR_TIMEOUT_S = 2.0  # without a sample; after that the sensor counts as lost
+_OVER = int(Quality.TRIPPED | Quality.STALE | Quality.SUSPECT)
 
 
 class Bench:
@@ -52,13 +53,11 @@ class Bench:
         self._next_clock_check = self.tick + CLOCK_CHECK_TICKS
         self._due_s = clock()
         self._command_A = 0.0
-        self._past_commands: deque[tuple[int, float]] = deque(
-            maxlen=COMMAND_HISTORY
-        )  # last source tick of a current, and that current
+        self._orders = OrderRecord()
         self._last: CurrentReading | None = None
         self._alarms: list[Alarm] = []
         self._pending_readings: list[PositionReading] = []  # read before a zero and not yet returned
-        self._tripped = ""
+        self._fault: RigFault | None = None  # after a trip
         self.shutdown_unconfirmed = ""  # why the source may still be on
 
     @property
@@ -73,8 +72,8 @@ class Bench:
 
     def step(self, current_A: float, at_most: int = 1) -> tuple[Sample, ...]:
         """Apply a current from the next tick on. Returns the samples since the last call, at least one."""
-        if self._tripped:
-            raise LeaseExpired(self._tripped)
+        if self._fault is not None:
+            raise self._fault
         if current_A != self._command_A:
             self._set(current_A)
         positions = self._read_positions(min(at_most, self._block))
@@ -83,28 +82,19 @@ class Bench:
         if self._tick_s and self.tick >= self._next_clock_check:
             self._update_offset()
         samples = tuple(self._join(p, c) for p, c in zip(positions, currents))
-        over = samples[-1].quality & (
-            Quality.TRIPPED | Quality.STALE
-        )  # all samples before the trip are returned
-        if self.source.tripped and over:
-            self._tripped = self.source.tripped
+        if self._orders.contradiction:
+            self._fault = RigFault(f"{self._orders.contradiction} The current is at zero.")
+            self.safe()
+        elif self.source.tripped and samples[-1].quality & _OVER:  # all samples before the trip are returned
+            self._fault = LeaseExpired(self.source.tripped)
         return samples
 
     def _set(self, current_A: float) -> None:
         """Send a current and keep the one before: samples that are still to be read belong to it."""
         last = self.source.set(current_A)
         if last is not None:
-            self._past_commands.append((last, self._command_A))
+            self._orders.changed(self._command_A, last)
         self._command_A = current_A
-
-    def _command_at(self, tick: int) -> float:
-        """The current that was set in a tick of the source."""
-        current_A = self._command_A
-        for last, before_A in reversed(self._past_commands):
-            if last < tick:
-                break
-            current_A = before_A
-        return current_A
 
     def _read_positions(self, at_most: int) -> list[PositionReading]:
         """Readings of the encoder since the last call; on hardware, waits for its next tick."""
@@ -161,6 +151,7 @@ class Bench:
                 self._offset = min(self.source.tick() - p.tick, self._offset)  # the source's clock is slower
             self._last = reading
             found.append(reading)
+        self._orders.read_until(found[-1].tick)
         return found
 
     def _update_offset(self) -> None:
@@ -171,17 +162,18 @@ class Bench:
             self._offset += ahead - (1 if ahead > 0 else -1)
 
     def _join(self, p: PositionReading, c: CurrentReading) -> Sample:
+        command_A, agrees = self._orders.at(c, self._command_A)
         return Sample(
             tick=p.tick,
             t_s=p.tick * self.file.period_s,
-            current_command_A=self._command_at(c.tick),
+            current_command_A=command_A,
             current_A=c.current_A,
             voltage_V=c.voltage_V,
             temperature_degC=c.temperature_degC,
             counts=p.counts,
             position=p.counts * self.position_per_count,
             ambient_degC=p.ambient_degC,
-            quality=int(p.quality | c.quality),
+            quality=int(p.quality | c.quality) | (0 if agrees else int(Quality.SUSPECT)),
         )
 
     def alarms(self) -> list[Alarm]:
@@ -220,12 +212,16 @@ class Bench:
     def arm(self) -> None:
         """Clear a trip; the output stays at zero until the next step."""
         self.source.arm()
-        self._command_A, self._tripped = 0.0, ""
+        self._orders.changed(self._command_A, self.source.tick())
+        self._command_A, self._fault, self._orders.contradiction = 0.0, None, ""
 
     def safe(self) -> None:
         """Set the current to zero. Never raises; without a connection the lease does it."""
-        self._command_A = 0.0
+        before_A, self._command_A = self._command_A, 0.0
         self.shutdown_unconfirmed = self.source.off()
+        if not self.shutdown_unconfirmed:
+            with contextlib.suppress(Exception):
+                self._orders.changed(before_A, self.source.tick())
 
     def close(self) -> None:
         """Close both lines."""

@@ -6,13 +6,17 @@ from smarig.core import Quality
 
 
 class CurrentReading(NamedTuple):
-    """Measured values of a current source at one of its ticks."""
+    """Measured values of a current source at one of its ticks.
+
+    ``output_A`` is the current that the device was ordered to drive in that tick; None if it does not tell.
+    """
 
     tick: int
     current_A: float
     voltage_V: float
     temperature_degC: float
     quality: Quality
+    output_A: float | None = None
 
 
 class PositionReading(NamedTuple):

@@ -1,4 +1,8 @@
-"""The current amplifier of firmware_protocol/amplifier.toml, which has its own lease, limits and trips."""
+"""The current amplifier of firmware_protocol/amplifier.toml, which has its own lease, limits and trips.
+
+Every reply says what the amplifier drives, in which state, with which settings. Each is compared with what was ordered:
+after a difference the amplifier is switched off and counts as tripped.
+"""
 
 from collections.abc import Mapping
 
@@ -6,6 +10,7 @@ from smarig.config import LinkFile, RigFile
 from smarig.core import ConfigError, Quality, SmarigError
 from smarig.device.drivers._conversation import Conversation, Status
 from smarig.device.drivers._roles import CurrentReading
+from smarig.device.encoding.crc import crc16
 from smarig.device.encoding.link_faults import Rebooted, Refused
 from smarig.device.encoding.register import load_register_map
 from smarig.device.links.link import Link, let_go_on_failure
@@ -48,28 +53,41 @@ class SmarigAmplifier:
         self._orders = {name: int(code) for code, name in self.map["order"].values.items()}
         self._states = {name: int(code) for code, name in self.map["state"].values.items()}
         self._current = self.map["current"].value
-        self._fields = self.map.fields("current", "voltage", "temperature", "marks")
+        self._fields = self.map.fields("current", "voltage", "output", "temperature", "marks")
         self._marks = {name: 1 << int(bit) for bit, name in self._fields[-1].flags.items()}
-        self._raw, self._armed = 0, False
+        words = self.map.encode("settings", self._settings)
+        self._settings_crc = crc16(b"".join(word.to_bytes(2, "big") for word in words))
+        self._raw, self._armed, self._nonce = 0, False, 0
+        self._contradiction = ""  # how a reply contradicted the order
         self.tripped = ""
         self.has_lease = True
         self.arm()
 
     def arm(self) -> None:
         """Check the device, switch off, clear a trip and write the settings."""
-        self.talk.handshake()
-        self._raw = 0
+        self._check_board(self.talk.handshake()["board_max"])
+        self._raw, self._armed, self._contradiction = 0, False, ""
         self._look(self.talk.command({"order": self._orders["off"]}))
         self.talk.settings(self._settings)
+
+    def _check_board(self, most: int) -> None:
+        """Raise ConfigError if the rig file asks for more current than the board is built for."""
+        asked = max(self._settings["current_max"], -self._settings["current_min"])
+        if asked > most:
+            raise ConfigError(
+                f"The {self.talk.name} is built for at most {self._current.decode(most):g} A; the rig file allows "
+                f"{self._current.decode(asked):g} A. Lower limits.current_max_A and current_min_A."
+            )
 
     def set(self, current_A: float) -> int:
         """Apply the current from the next tick on; nothing after a trip, whose cause is in ``tripped``."""
         if self.tripped:
             return self.tick()
         raw = self._current.encode(current_A)
-        order = "none" if self._armed else "arm"
-        status = self._command_or_trip_status({"order": self._orders[order], "current": raw})
-        self._look(status)
+        order = {"order": self._orders["none"]}
+        if not self._armed:
+            order = {"order": self._orders["arm"], "nonce": self._nonce}
+        status = self._ordered({**order, "current": raw}, armed=True)
         self._raw = 0 if self.tripped else raw
         return status.values["tick"]
 
@@ -80,43 +98,76 @@ class SmarigAmplifier:
 
     def since(self, tick: int, at_most: int) -> list[CurrentReading]:
         """Readings from a tick on. The exchange renews the lease."""
-        status = self._command_or_trip_status({"current": self._raw, "ring_next": tick}, at_most)
-        self._look(status)
+        status = self._ordered({"current": self._raw, "ring_next": tick}, at_most, armed=self._armed)
         first = self.talk.first_tick(status, tick)
         mark = Quality.RETRIED if status.retried else Quality.GOOD
+        mark |= Quality.SUSPECT if self._contradiction else Quality.GOOD
         return [self._reading(first + k, record, mark) for k, record in enumerate(status.records)]
 
     def _reading(self, tick: int, record: tuple[int, ...], mark: Quality) -> CurrentReading:
-        current, voltage, temperature, marks = (f.decode(raw) for f, raw in zip(self._fields, record))
+        current, voltage, output, temperature, marks = (f.decode(raw) for f, raw in zip(self._fields, record))
         quality = int(mark)
         quality |= Quality.SATURATED if int(marks) & self._marks["saturated"] else 0
         quality |= Quality.TRIPPED if int(marks) & self._marks["tripped"] else 0
-        return CurrentReading(tick, current, voltage, temperature, Quality(quality))
+        return CurrentReading(tick, current, voltage, temperature, Quality(quality), output)
 
     def tick(self) -> int:
         """The last tick of the device."""
-        return self.talk.command({"current": self._raw}).values["tick"]
+        return self._ordered({"current": self._raw}, armed=self._armed).values["tick"]
+
+    def _ordered(self, values: Mapping[str, int], records: int = 0, *, armed: bool) -> Status:
+        """Send a command and compare the reply with it. ``armed``: whether the amplifier must be armed afterwards."""
+        status = self._command_or_trip_status(values, records)
+        self._look(status)
+        if not self.tripped:
+            self._contradict(self._difference(status, values["current"] if armed else 0, armed))
+        return status
 
     def _command_or_trip_status(self, values: Mapping[str, int], records: int = 0) -> Status:
-        """Send a command. If a trip is the reason for its refusal, return the status at zero current."""
+        """Send a command. If it is refused after a trip or by another state, return the status at zero current."""
         try:
             return self.talk.command(values, records)
         except Refused as refused:
-            status = self.talk.command({**values, "order": self._orders["none"], "current": 0}, records)
-            if not status.values["trip"]:
+            at_zero = {**values, "order": self._orders["none"], "current": 0, "nonce": 0}
+            status = self.talk.command(at_zero, records)
+            changed = self._armed and status.values["state"] != self._states["armed"]
+            if not status.values["trip"] and not changed:
                 raise refused
             return status
 
     def _look(self, status: Status) -> None:
         """Read from the status whether the amplifier is armed or has tripped. After a trip the command is 0."""
         self._armed = status.values["state"] == self._states["armed"]
+        self._nonce = status.values["arm_nonce"]
         code = status.values["trip"]
         if code:
             fault = self.map.faults.get(code)
             what = f"{fault.name}. {fault.cause} {fault.remedy}" if fault else f"cause {code}."
             self._raw, self.tripped = 0, f"The {self.talk.name} has switched its output off: {what}"
         else:
-            self.tripped = ""
+            self.tripped = self._contradiction
+
+    def _difference(self, status: Status, raw: int, armed: bool) -> str:
+        """How the reply differs from what was ordered; "" if it does not."""
+        drives, decoded = status.values["output"], self._current.decode
+        if drives != raw:
+            return f"it drives {decoded(drives):.6g} A, but {decoded(raw):.6g} A is ordered"
+        if (status.values["state"] == self._states["armed"]) != armed:
+            return f"it is {'not ' if armed else ''}armed, against its order"
+        if status.values["settings_crc"] != self._settings_crc:
+            return "its settings are not those that were written"
+        return ""
+
+    def _contradict(self, difference: str) -> None:
+        """After a difference, switch the output off and keep the reason."""
+        if not difference:
+            return
+        self._contradiction = self.tripped = (
+            f"The {self.talk.name} contradicts its order: {difference}. Another program may use it, or its line "
+            "changes words."
+        )
+        self._raw = 0
+        self.off()  # if the line fails, the lease does it
 
     def off(self) -> str:
         """Set the output to zero and disarm. Returns "" after confirmation, else a sentence that names the lease."""
