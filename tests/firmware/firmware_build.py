@@ -8,6 +8,7 @@ from typing import NamedTuple
 
 import pytest
 
+from firmware.codes import ARM, REARM
 from smarig.device.encoding.crc import crc16
 from smarig.device.encoding.register import RegisterMap, load_register_map, to_words
 
@@ -17,12 +18,12 @@ _ROOM = 640
 _SHORT = {"amplifier": "amp", "encoder_daq": "daq"}
 
 
-def make(folder: Path, target: str, needs: tuple[str, ...]) -> Path:
-    """One product of the Makefile; skips where a program or a header for it is missing."""
+def make(folder: Path, target: str, needs: tuple[str, ...], *variables: str) -> Path:
+    """One product of the Makefile, with variables of it; skips where a program or a header for it is missing."""
     for need in ("make", *needs):
         if not (Path(need).exists() if need.startswith("/") else shutil.which(need)):
             pytest.skip(f"{need} is not installed")
-    command = ["make", "-C", str(FIRMWARE), f"OUT={folder}", str(folder / target)]
+    command = ["make", "-C", str(FIRMWARE), f"OUT={folder}", *variables, str(folder / target)]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
     return folder / target
@@ -92,6 +93,10 @@ class Device:
         self._library, self._short = library, _SHORT[name]
         self._memory = ctypes.create_string_buffer(self._call("size"))
         self._reply = ctypes.create_string_buffer(_ROOM)
+        self.boot(boot_count)
+
+    def boot(self, boot_count: int) -> None:
+        """A start, after which sequence words begin anew."""
         self._sequence = 0
         self._call("boot", self._memory, boot_count)
 
@@ -146,9 +151,14 @@ class Device:
         return self.ask(_write(self.map.start("settings"), self.map.encode("settings", safe | values))).code
 
     def command(self, **values: int) -> int:
-        """Writes the command block up to the last value that is given, with a new sequence word unless one is given."""
+        """Writes the command block up to the last value that is given, with a new sequence word unless one is given.
+
+        An order that arms carries the nonce of the status, unless another one is given.
+        """
         self._sequence += 1
-        values = {"sequence": self._sequence, **values}
+        arms = "nonce" in self.map.names["command"] and values.get("order") in (ARM, REARM)
+        nonce = {"nonce": self.read("arm_nonce")} if arms else {}  # as a host does
+        values = {"sequence": self._sequence, **nonce, **values}
         words, length = [], 0
         for r in self.map.blocks["command"]:
             words += to_words(values.get(r.name, 0), r.words)

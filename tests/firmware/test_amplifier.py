@@ -16,6 +16,11 @@ from firmware.codes import (
     TRIPPED,
 )
 from firmware.firmware_build import Device
+from smarig.device.encoding.crc import crc16
+
+SAFE_CRC = crc16(
+    bytes.fromhex("0064 01F4 0000 0000 0000 0000 0000 03E8 0000 0000 000F 4240 0000 0001 03E8")
+)  # of the safe settings, word for word
 
 
 def in_state(amp, state):
@@ -29,7 +34,8 @@ def in_state(amp, state):
 def test_it_boots_off_with_safe_settings(library):
     amp = Device(library, "amplifier", boot_count=65535)
     status = amp.status()
-    known = {"kind": 0x5341, "version": 2, "map_hash": amp.map.hash, "boot_count": 65535}
+    known = {"kind": 0x5341, "version": 3, "map_hash": amp.map.hash, "boot_count": 65535}
+    known |= {"board_max": 2_000_000, "settings_crc": SAFE_CRC, "arm_nonce": 0xFFFF0000}
     assert {name: value for name, value in status.items() if value} == known
     safe = {r.name: r.safe for block in ("command", "settings") for r in amp.map.blocks[block]}
     assert {name: amp.read(name) for name in safe} == safe
@@ -104,18 +110,22 @@ def test_a_short_write_leaves_the_current_as_it_is(amp):
     [
         ("w 100 0", BAD_WORD),  # sequence is never 0
         ("w 100 63 4", BAD_WORD),
-        ("w 100 63 1 0 1 0 0 11", BAD_WORD),
+        ("w 100 63 1 0 1 0 0 d", BAD_WORD),
         ("w 100 63 2 1 r 0 1", NO_REGISTER),  # half a current
-        ("w 100 63 1 0 1 0 0 0 0", NO_REGISTER),  # beyond the block
+        ("w 100 63 1 0 1 0 0 0 0", NO_REGISTER),  # half a nonce
+        ("w 100 63 1 0 1 0 0 0 0 0 0", NO_REGISTER),  # beyond the block
         ("w 101 1", NO_REGISTER),  # not from its first register on
         ("w 102 0 0", NO_REGISTER),
         ("w 0 1", NO_REGISTER),  # not writable
         ("w ffff 1 1", NO_REGISTER),
-        ("w 100 63 1 r 72 1", NO_REGISTER),
-        ("w 100 63 1 r 0 73", NO_REGISTER),
+        ("w 100 63 1 r 77 1", NO_REGISTER),
+        ("w 100 63 1 r 0 78", NO_REGISTER),
         ("w 100 63 1 r 4 1", NO_REGISTER),  # half a value, from the middle on
         ("w 100 63 1 r 0 4", NO_REGISTER),  # and up to the middle
-        ("w 100 63 1 r 12 1", NO_REGISTER),  # of a sample, too
+        ("w 100 63 1 r 13 1", NO_REGISTER),  # of the nonce
+        ("w 100 63 1 r 16 1", NO_REGISTER),  # of board_max
+        ("w 100 63 1 r 17 1", NO_REGISTER),  # of a sample, too
+        ("w 100 63 1 r 0 1c", NO_REGISTER),  # up to the middle of its output
         ("w 100 63 1 r 205 1", NO_REGISTER),
         ("w 100 63 1 r ffff 2", NO_REGISTER),
         ("w 100 63 1 r 0 0", BAD_WORD),
@@ -139,7 +149,20 @@ def test_a_refused_request_changes_nothing(amp, body, code):
 
 
 @pytest.mark.parametrize(
-    "body", ["r 0 12", "r 3 2", "r 5 1", "r 12 2", "r 14 4", "r 18 6", "r 102 2", "r 200 f", "r 71 1"]
+    "body",
+    [
+        "r 0 12",
+        "r 3 2",
+        "r 5 1",
+        "r 13 2",
+        "r 17 2",
+        "r 19 4",
+        "r 1f 8",
+        "r 102 2",
+        "r 107 2",
+        "r 200 f",
+        "r 76 1",
+    ],
 )
 def test_whole_values_can_be_read_from_anywhere(amp, body):
     reply = amp.ask(body)
@@ -179,7 +202,7 @@ def test_a_repeated_exchange_is_answered_after_a_trip(amp):
 def test_a_repeated_exchange_chooses_its_window(amp):
     amp.tick(1, 2, 3, 0, times=4)
     amp.command(sequence=9, ring_next=1, ring_want=1)
-    assert amp.command(sequence=9, ring_next=2, ring_want=16) == 0
+    assert amp.command(sequence=9, ring_next=2, ring_want=12) == 0
     status = amp.status()
     assert (status["ring_first"], status["ring_count"]) == (2, 3)
 
@@ -187,19 +210,19 @@ def test_a_repeated_exchange_chooses_its_window(amp):
 @pytest.mark.parametrize(
     ("ticks", "ring_next", "ring_want", "first", "count"),
     [
-        (0, 0, 16, 0, 0),
-        (0, 1, 16, 1, 0),
-        (5, 0, 16, 1, 5),
-        (5, 3, 16, 3, 3),
+        (0, 0, 12, 0, 0),
+        (0, 1, 12, 1, 0),
+        (5, 0, 12, 1, 5),
+        (5, 3, 12, 3, 3),
         (5, 3, 2, 3, 2),
         (5, 3, 0, 3, 0),
-        (5, 5, 16, 5, 1),
-        (5, 6, 16, 6, 0),
-        (5, 2**32 - 1, 16, 2**32 - 1, 0),
-        (256, 1, 16, 1, 16),
-        (257, 1, 16, 2, 16),
-        (300, 0, 16, 45, 16),
-        (300, 290, 16, 290, 11),
+        (5, 5, 12, 5, 1),
+        (5, 6, 12, 6, 0),
+        (5, 2**32 - 1, 12, 2**32 - 1, 0),
+        (256, 1, 12, 1, 12),
+        (257, 1, 12, 2, 12),
+        (300, 0, 12, 45, 12),
+        (300, 290, 12, 290, 11),
     ],
 )
 def test_the_ring_window_is_the_one_requested(amp, ticks, ring_next, ring_want, first, count):
@@ -208,24 +231,24 @@ def test_the_ring_window_is_the_one_requested(amp, ticks, ring_next, ring_want, 
     amp.command(ring_next=ring_next, ring_want=ring_want)
     status = amp.status()
     assert (status["tick"], status["ring_first"], status["ring_count"]) == (ticks, first, count)
-    assert status.samples == [(-t, 2 * t, t % 100, 0) for t in range(first, first + count)]
+    assert status.samples == [(-t, 2 * t, 0, t % 100, 0) for t in range(first, first + count)]
 
 
 def test_the_window_stays_until_the_next_command(amp):
     amp.tick(1, 2, -32768, 0, times=3)
-    amp.command(ring_next=1, ring_want=16)
-    amp.command(ring_next=2, ring_want=16)  # nothing is left over from the one before
+    amp.command(ring_next=1, ring_want=12)
+    amp.command(ring_next=2, ring_want=12)  # nothing is left over from the one before
     before = amp.status()
     amp.tick(7, 8, 9, 0, times=600)  # twice round
     after = amp.status()
-    assert after.samples == before.samples == [(1, 2, -32768, 0)] * 2
+    assert after.samples == before.samples == [(1, 2, 0, -32768, 0)] * 2
     assert after["tick"] == 603
-    assert amp.ask("r 1e 54").words == [0] * 84  # beyond the window
+    assert amp.ask("r 27 50").words == [0] * 80  # beyond the window
 
 
 def test_marks(amp):
     amp.command(order=ARM)
     for hardware in (0, 1, STOP_IS_OPEN, 0, 1):
         amp.tick(0, 0, 0, hardware)
-    amp.command(ring_next=1, ring_want=16)
+    amp.command(ring_next=1, ring_want=12)
     assert [marks for *_, marks in amp.status().samples] == [0, 1, 2, 2, 3]

@@ -5,7 +5,8 @@ import pytest
 from firmware.firmware_build import LINES, RTU, frame, read_line, sealed
 
 READ_STATE = bytes.fromhex("41 03 0008 0001")
-WRITE = bytes.fromhex("41 10 0100 0002 04 0007 0001")
+ARMING = "0007 0001 0000 0000 0000 0000 0000 0007 0000"  # sequence 7, arm, and the nonce of boot 7
+WRITE = bytes.fromhex(f"41 10 0100 0009 12 {ARMING}")
 BOTH = bytes.fromhex("41 17 0000 0001 0100 0002 04 0007 0001")
 
 
@@ -25,7 +26,7 @@ def test_a_frame_that_others_have_published(amp):
 
 def test_functions(amp):
     assert rtu(amp, READ_STATE) == "4103020000"
-    assert rtu(amp, WRITE) == "411001000002"
+    assert rtu(amp, WRITE) == "411001000009"
     assert rtu(amp, READ_STATE) == "4103020001"
     assert rtu(amp, BOTH) == "4117020007"
 
@@ -35,7 +36,7 @@ def test_functions(amp):
     [
         ("41 06 0100 0001", "418601"),
         ("41 83", "418301"),
-        ("41 03 0072 0001", "418302"),
+        ("41 03 0077 0001", "418302"),
         ("41 03 0000 0000", "418303"),
         ("41 03 0000 007E", "418303"),
         ("41 03 0008", "418303"),
@@ -51,6 +52,7 @@ def test_functions(amp):
         ("41 17 0000 0000 0100 0001 02 0007", "419703"),
         ("41 17 0000 0001 0100 0000 00", "419703"),
         ("41 17 0000 0001 0100 0004 08 0007 0000 0000 0001", "419704"),
+        ("41 17 0000 0001 0100 0002 04 0007 0001", "419704"),  # arm without a nonce
     ],
 )
 def test_exceptions_change_nothing(amp, body, reply):
@@ -64,7 +66,7 @@ def test_the_most_words_of_a_frame(amp):
         rtu(amp, bytes.fromhex("41 10 0100 0079 F2") + bytes(242)) == "419002"
     )  # 121 fit, the block does not
     assert rtu(amp, bytes.fromhex("41 10 0100 007A F4") + bytes(244)) == "419003"
-    assert rtu(amp, bytes.fromhex("41 03 0000 0072"))[:6] == "4103e4"
+    assert rtu(amp, bytes.fromhex("41 03 0000 0077"))[:6] == "4103ee"
 
 
 def test_what_is_not_answered(amp):
@@ -98,8 +100,9 @@ def test_the_lines_of_the_contract(amp):
         "! 4"
     )  # understood: it is not armed
     assert amp.line(sealed("w 100 0")) == "! 3 *1F78"
-    assert amp.line("r 0 12").startswith("= 0000 5341 0002 ")
-    assert amp.line(sealed("w 0100 0001 0001 000F 4240 r 0000 000C")).startswith("= 0001 5341 0002 ")
+    assert amp.line("r 0 12").startswith("= 0000 5341 0003 ")
+    arm = "w 0100 0001 0001 000F 4240 0000 0000 0000 0007 0000 r 0000 000C"
+    assert amp.line(sealed(arm)).startswith("= 0001 5341 0003 ")
     assert amp.output_uA == 1_000_000
     assert amp.line(sealed("w 100 2")) == sealed("=")
     assert amp.line(sealed("w 100 3") + "\r") == sealed("=")

@@ -16,15 +16,20 @@ LONG = bool(os.environ.get("SMARIG_LONG"))  # and a machine that keeps real time
 PATIENCE_S = 60.0  # ends a test that has failed
 
 
-def command(sequence, order, current, ring_next=0):
-    words = [sequence, order, *to_words(current, 2), *to_words(ring_next, 2), 16]
+def command(sequence, order, current, ring_next=0, nonce=0):
+    words = [sequence, order, *to_words(current, 2), *to_words(ring_next, 2), 12, *to_words(nonce, 2)]
     return f"w 100 {' '.join(f'{word:x}' for word in words)} r 0 {WORDS:x}"
+
+
+def nonce_of(chip):
+    high, low = chip.line("r 13 2").words
+    return high << 16 | low
 
 
 def silent_until_tripped(chip, sequence):
     """Arms with 0.5 A, then only reads; the status when armed and the seconds until it tripped."""
     asked_s = time.monotonic()
-    armed = status_of(MAP, chip.line(command(sequence, REARM, 500_000)).words)
+    armed = status_of(MAP, chip.line(command(sequence, REARM, 500_000, nonce=nonce_of(chip))).words)
     assert (armed["echo"], armed["state"], armed["output"]) == (sequence, ARMED, 500_000)
     _until(lambda: chip.line("r 8 1").words != [ARMED])
     return armed, time.monotonic() - asked_s
@@ -33,7 +38,7 @@ def silent_until_tripped(chip, sequence):
 def test_the_amplifier_on_its_chip(start):
     chip = start("amplifier_lines", lambda driven_uA: f"in {driven_uA} {driven_uA} 2150 0")  # 1 ohm
     hello = chip.line("r 1 5").words
-    assert hello[:4] == [0x5341, 2, *to_words(MAP.hash, 2)]
+    assert hello[:4] == [0x5341, 3, *to_words(MAP.hash, 2)]
     limits = {r.name: r.safe for r in MAP.blocks["settings"]}
     limits |= {"current_max": 10**6, "slew_max": 10**5, "heat_max": 10**7}
     settings = MAP.encode("settings", limits)
@@ -48,7 +53,7 @@ def test_the_amplifier_on_its_chip(start):
 
     ended = status_of(MAP, chip.line(command(4, NONE, 0, ring_next=armed["tick"] + 1)).words)
     assert [marks for *_, marks in ended.samples[:6]] == [0] * 5 + [2]  # the lease lasts five ticks
-    assert ended.samples[5][:3] == (500_000, 500_000, 2150)
+    assert ended.samples[5][:4] == (500_000, 500_000, 500_000, 2150)
 
     boots = hello[4]
     chip.tell("hang")  # with interrupts still running: only the watchdog helps

@@ -67,4 +67,5 @@ class Bench:
         wire = {"resistance_max": 20_000, "heat_max": 4_000_000_000, "heat_settle": 1000}
         words = tuple(self.amplifier.map.encode("settings", {**limits, **wire}))
         assert self.ask("amplifier", Exchange(write_at=0x200, words=words)) == []
-        assert not isinstance(self.command(1, order=1, current=current_uA), Refusal | None)
+        first = {"order": 1, "nonce": 1 << 16}  # boot 1, no order yet
+        assert not isinstance(self.command(1, **first, current=current_uA), Refusal | None)

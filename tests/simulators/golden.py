@@ -17,6 +17,8 @@ from smarig.device.encoding.exchange import Exchange, Refusal
 from smarig.device.encoding.register import from_words, load_register_map
 
 FOLDER = shipped("firmware_protocol") / "golden"
+Samples = tuple[tuple[int, ...], ...]
+ARMING = (1, 3)  # orders of an amplifier: arm, rearm
 MAKERS = {"amplifier": PythonAmplifier, "encoder_daq": PythonDaq}
 
 
@@ -55,6 +57,12 @@ class Script:
         self._device = made(self.head)
         self._framing = framing
         self.word = 0  # the last sequence word given
+        self.orders = 0  # that were executed
+
+    @property
+    def nonce(self) -> int:
+        """What an amplifier asks of the next order that arms: its boot, then the orders since."""
+        return self.head["boot_count"] << 16 | self.orders & 0xFFFF
 
     def next_word(self) -> int:
         """A new sequence word."""
@@ -67,8 +75,10 @@ class Script:
         assert heard == reply, (self.name, why, heard, reply)
         self.steps.append({"why": why, "request": request, "reply": reply})
 
-    def ask(self, why: str, exchange: Exchange, refused: int = 0, **says: int) -> None:
-        """An exchange: refused with a code, or accepted with these values in the reply."""
+    def ask(
+        self, why: str, exchange: Exchange, refused: int = 0, samples: Samples | None = None, **says: int
+    ) -> None:
+        """An exchange: refused with a code, or accepted with these values and records of the ring in the reply."""
         request = self._request(exchange)
         reply = asked(self._device, self._framing, request)
         assert reply is not None
@@ -78,21 +88,27 @@ class Script:
         else:
             found = {name: self._value(name, exchange, answer) for name in says}
             assert (refused, found) == (0, says), (self.name, why, found)
+            shown = tuple(self._map.records(answer, len(samples or ())))
+            assert samples is None or shown == samples, (self.name, why, shown)
         self.steps.append({"why": why, "request": request, "reply": reply})
 
     def command(self, why: str, refused: int = 0, again: bool = False, read: int = 0, **values: Any) -> None:
         """The command block with a new sequence word (or the last one, ``again``), then the status block's head.
 
-        Values in capital letters are written, others are what is said.
+        Values in capital letters are written, others are what is said. An order that arms carries the nonce, unless
+        another one is given.
         """
         written = {name.lower(): raw for name, raw in values.items() if name.isupper()}
         says = {name: raw for name, raw in values.items() if not name.isupper()}
         if not again:
             self.next_word()
-        written = {"sequence": self.word, **written}
+        order = written.get("order", 0) if self.head["device"] == "amplifier" else 0
+        nonce = {"nonce": self.nonce} if order in ARMING else {}
+        written = {"sequence": self.word, **nonce, **written}
         words = tuple(self._map.encode("command", written))
         head = self._map["ring"].address
         self.ask(why, Exchange(0, read or head, self._map.start("command"), words), refused, **says)
+        self.orders += bool(order and not again and not refused)
 
     def settings(self, why: str, refused: int = 0, **values: int) -> None:
         """The whole settings block; what is not given is what is safe."""

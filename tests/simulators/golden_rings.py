@@ -7,18 +7,18 @@ from smarig.device.encoding.exchange import Exchange
 
 
 def ring() -> Script:
-    s = Script("amplifier_ring", "amplifier", "rtu", "Windows of the ring: 256 samples, 16 in one reply.")
-    s.command("nothing is there yet", RING_NEXT=0, RING_WANT=16, ring_first=0, ring_count=0)
-    s.command("nor from tick 1 on", RING_NEXT=1, RING_WANT=16, ring_first=1, ring_count=0)
+    s = Script("amplifier_ring", "amplifier", "rtu", "Windows of the ring: 256 samples, 12 in one reply.")
+    s.command("nothing is there yet", RING_NEXT=0, RING_WANT=12, ring_first=0, ring_count=0)
+    s.command("nor from tick 1 on", RING_NEXT=1, RING_WANT=12, ring_first=1, ring_count=0)
     for k in range(1, 4):
         s.tick(k, -k, 2000 + k, k & 1)
     s.ask("a window stays as it was chosen", Exchange(0, 0x12), tick=3, ring_first=1, ring_count=0)
-    s.command("all that is there", RING_NEXT=1, RING_WANT=16, read=114, ring_first=1, ring_count=3)
-    s.command("as old as there is", RING_NEXT=0, RING_WANT=2, read=114, ring_first=1, ring_count=2)
-    s.command("the newest", RING_NEXT=3, RING_WANT=16, read=0x1E, ring_first=3, ring_count=1)
+    s.command("all that is there", RING_NEXT=1, RING_WANT=12, read=119, ring_first=1, ring_count=3)
+    s.command("as old as there is", RING_NEXT=0, RING_WANT=2, read=119, ring_first=1, ring_count=2)
+    s.command("the newest", RING_NEXT=3, RING_WANT=12, read=0x1F, ring_first=3, ring_count=1)
     s.command("none wanted", RING_NEXT=2, RING_WANT=0, ring_first=2, ring_count=0)
-    s.command("the future", RING_NEXT=4, RING_WANT=16, ring_first=4, ring_count=0)
-    s.command("the far future", RING_NEXT=2**32 - 1, RING_WANT=16, ring_first=2**32 - 1, ring_count=0)
+    s.command("the future", RING_NEXT=4, RING_WANT=12, ring_first=4, ring_count=0)
+    s.command("the far future", RING_NEXT=2**32 - 1, RING_WANT=12, ring_first=2**32 - 1, ring_count=0)
     s.command("the two words before the window keep it", RING_NEXT=2, RING_WANT=1, ring_first=2, ring_count=1)
     s.ask(
         "sequence alone: chosen anew, by what was asked last",
@@ -29,14 +29,14 @@ def ring() -> Script:
         s.tick(k, -k, NO_SENSOR, 0)
     s.ask(
         "a window keeps samples that the ring has lost",
-        Exchange(0, 0x18),
+        Exchange(0, 0x1F),
         tick=257,
         ring_first=2,
         ring_count=1,
     )
-    s.command("tick 1 is lost", RING_NEXT=1, RING_WANT=1, read=0x18, ring_first=2, ring_count=1)
-    s.command("tick 2 is the oldest", RING_NEXT=2, RING_WANT=16, read=114, ring_first=2, ring_count=16)
-    s.command("up to the newest", RING_NEXT=250, RING_WANT=16, read=114, ring_first=250, ring_count=8)
+    s.command("tick 1 is lost", RING_NEXT=1, RING_WANT=1, read=0x1F, ring_first=2, ring_count=1)
+    s.command("tick 2 is the oldest", RING_NEXT=2, RING_WANT=12, read=119, ring_first=2, ring_count=12)
+    s.command("up to the newest", RING_NEXT=250, RING_WANT=12, read=119, ring_first=250, ring_count=8)
     return s
 
 

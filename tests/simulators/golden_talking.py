@@ -1,28 +1,38 @@
 """Golden scripts of communication: handshake, valid and invalid frames and lines, a session, repeated words."""
 
 from golden import Script
-from golden_words import AMPERE, ARM, ARMED, OFF, REARM, SWITCH_OFF, WIRE, armed, frame, good, line
+from golden_words import AMPERE, ARM, ARMED, OFF, REARM, SAFE_CRC, SWITCH_OFF, WIRE, armed, frame, good, line
 
 from smarig.device.encoding.exchange import Exchange
 
 
 def handshake() -> Script:
     s = Script("amplifier_handshake", "amplifier", "rtu", "Who are you, and what do you begin with?")
-    who = {"kind": 0x5341, "version": 2, "map_hash": s.map_hash, "boot_count": 7}
+    who = {"kind": 0x5341, "version": 3, "map_hash": s.map_hash, "boot_count": 7}
     s.ask("kind … boot_count", Exchange(1, 5), **who)
     s.ask(
         "the head of the status block", Exchange(0, 0x12), echo=0, tick=0, state=OFF, output=0, lease_left=0
     )
-    s.ask("all of it, ring and all", Exchange(0, 114), ring_first=0, ring_count=0)
-    s.ask("the command block is safe", Exchange(0x100, 7), sequence=0, order=0, current=0, ring_want=0)
+    s.ask("all of it, ring and all", Exchange(0, 119), ring_first=0, ring_count=0)
+    s.ask(
+        "what boot and build decide",
+        Exchange(0x12, 5),
+        settings_crc=SAFE_CRC,
+        arm_nonce=7 << 16,
+        board_max=2 * AMPERE,
+    )
+    s.ask(
+        "the command block is safe", Exchange(0x100, 9), sequence=0, order=0, current=0, ring_want=0, nonce=0
+    )
     safe = {"period": 100, "lease": 500, "current_min": 0, "current_max": 0, "slew_max": 1000, "heat_max": 1}
     s.ask("the settings are safe", Exchange(0x200, 15), resistance_max=1_000_000, heat_settle=1000, **safe)
     s.ask("one word", Exchange(1, 1), kind=0x5341)
-    s.ask("one field of a record", Exchange(0x12, 2))
+    s.ask("one field of a record", Exchange(0x17, 2))
     s.ask("part of a 32-bit value", Exchange(3, 1), refused=2)
     s.ask("from within a 32-bit value", Exchange(4, 1), refused=2)
-    s.ask("part of a field", Exchange(0, 0x13), refused=2)
-    s.ask("beyond the status block", Exchange(0, 115), refused=2)
+    s.ask("part of the nonce", Exchange(0, 0x14), refused=2)
+    s.ask("part of a field", Exchange(0, 0x18), refused=2)
+    s.ask("beyond the status block", Exchange(0, 120), refused=2)
     s.ask("between blocks", Exchange(0x80, 1), refused=2)
     s.ask("over the end of the addresses", Exchange(0xFFFF, 2), refused=2)
     return s
@@ -123,7 +133,7 @@ def work() -> Script:
     s.settings("settings, with a lease of 1 s", **(WIRE | {"lease": 1000}))
     s.command("sequence 0", SEQUENCE=0, refused=3)
     s.command("an order that is none", ORDER=4, refused=3)
-    s.command("more samples than a reply holds", RING_WANT=17, refused=3)
+    s.command("more samples than a reply holds", RING_WANT=13, refused=3)
     s.command("rearm is also allowed from off", ORDER=REARM, state=ARMED, trip=0, output=0, lease_left=1000)
     s.command("arm while armed", ORDER=ARM, refused=4)
     s.command("rearm while armed", ORDER=REARM, refused=4)
@@ -143,7 +153,7 @@ def work() -> Script:
     s.command(
         "off; the current beside it does not matter", ORDER=SWITCH_OFF, CURRENT=AMPERE, state=OFF, output=0
     )
-    s.ask("order reads 0, current as written", Exchange(0x100, 7), order=0, current=AMPERE)
+    s.ask("order and nonce read 0, current as written", Exchange(0x100, 9), order=0, current=AMPERE, nonce=0)
     s.command("a current after off", CURRENT=1, refused=4)
     s.command("a current beside off, when off", ORDER=SWITCH_OFF, CURRENT=1, refused=4)
     s.command("arm and a current at once", ORDER=ARM, CURRENT=250_000, state=ARMED, output=250_000)
@@ -175,13 +185,18 @@ def repeats() -> Script:
     s.command("a repeated word does not feed the lease", lease_left=0, **again)
     s.command("a new word does", CURRENT=400_000, output=400_000, state=ARMED, lease_left=500)
     s.command("off", ORDER=SWITCH_OFF, output=0, state=OFF)
-    s.ask("an old arm frame is answered and does nothing", old(1, ARM), state=OFF, output=0)
-    s.ask("nor does a word too far ahead", old(s.word + 257, ARM), state=OFF, output=0)
-    s.ask("the last of the next 256 is new", old(s.word + 256, ARM), state=ARMED, echo=s.word + 256)
-    s.ask("after it, the word before it is old", old(s.word + 255, SWITCH_OFF), state=ARMED)
+    s.ask("an old arm frame is answered and does nothing", with_word(1, ARM, 7 << 16), state=OFF, output=0)
+    s.ask("nor does a word too far ahead", with_word(s.word + 257, ARM, s.nonce), state=OFF, output=0)
+    s.ask(
+        "the last of the next 256 is new",
+        with_word(s.word + 256, ARM, s.nonce),
+        state=ARMED,
+        echo=s.word + 256,
+    )
+    s.ask("after it, the word before it is old", with_word(s.word + 255, SWITCH_OFF), state=ARMED)
     return s
 
 
-def old(word: int, order: int) -> Exchange:
+def with_word(word: int, order: int, nonce: int = 0) -> Exchange:
     """A command with a sequence word of its own."""
-    return Exchange(0, 0x12, 0x100, (word, order, 0, 0))
+    return Exchange(0, 0x12, 0x100, (word, order, 0, 0, 0, 0, 0, nonce >> 16, nonce & 0xFFFF))

@@ -9,6 +9,9 @@ NONE, ARM, SWITCH_OFF, REARM = 0, 1, 2, 3
 LEASE, OVER_CURRENT, SLEW, HEAT, SHORT, RESISTANCE, OPEN, STOP = 1, 2, 3, 4, 5, 6, 7, 8
 NO_SENSOR = -32768
 AMPERE = 1_000_000
+SAFE_CRC = crc16(  # of the settings at boot, word for word
+    bytes.fromhex("0064 01F4 0000 0000 0000 0000 0000 03E8 0000 0000 000F 4240 0000 0001 03E8")
+)
 WIRE = {  # one tick of 0.1 s, lease of five ticks, 0 … 1 A, 2.5 A per tick, 1 … 20 ohm, 2 A²s that settle in 10 s
     "period": 100,
     "lease": 500,

@@ -20,7 +20,8 @@ from smarig.device.encoding.register import load_register_map
 
 AMPLIFIER = load_register_map("amplifier")
 DAQ = load_register_map("encoder_daq")
-STATUS = 18  # words of the amplifier's status block before its ring
+STATUS = 23  # words of the amplifier's status block before its ring
+ARM = {"order": 1, "nonce": 1 << 16}  # boot 1, no order yet
 LONG = bool(os.environ.get("SMARIG_LONG"))  # and a machine that keeps real time
 
 
@@ -66,7 +67,7 @@ def test_lock_step_then_the_host_dies_and_the_lease_trips(devices, tmp_path):
     assert amplifier.line("r 1 1").startswith("= 5341 *")
     assert amplifier.line("rubbish").startswith("! 9 *")
     assert amplifier.ask(settings()) == []
-    assert not isinstance(amplifier.ask(command(1, order=1, current=900_000)), Refusal)
+    assert not isinstance(amplifier.ask(command(1, **ARM, current=900_000)), Refusal)
     for tick in range(1, 6):
         amplifier.ask(command(1 + tick, current=900_000))  # fed before the tick, last of all before tick 5
         words = daq.ask(sample(tick, tick))
@@ -89,7 +90,7 @@ def test_a_host_that_sends_nothing_trips_the_lease_while_its_ports_are_open(devi
     trace = tmp_path / "trace.csv"
     amplifier = Talk(devices("--lock-step", "--gone-after", "1", "--trace", str(trace)).url("amplifier"))
     amplifier.ask(settings())
-    amplifier.ask(command(1, order=1, current=900_000))
+    amplifier.ask(command(1, **ARM, current=900_000))
     _wait(lambda: any(row["trip"] == "lease" for row in rows(trace)))
     seen = status(amplifier)
     assert (seen["state"], seen["trip"], seen["output"]) == (2, 1, 0)
@@ -155,7 +156,7 @@ def test_late_and_lost_replies_over_a_real_line(devices, tmp_path):
         return [line.rpartition(" *")[0] for line in heard.decode().splitlines()]
 
     assert amplifier.ask(Exchange(1, 1)) == [0x5341]
-    assert asked(Exchange(1, 1), Exchange(2, 1), replies=2) == ["= 5341", "= 0002"]
+    assert asked(Exchange(1, 1), Exchange(2, 1), replies=2) == ["= 5341", "= 0003"]
     assert asked(command(9), Exchange(0, 1), replies=1) == ["= 0009"]
 
 
@@ -189,7 +190,7 @@ def test_the_c_firmware_in_place_of_the_python_devices(devices, tmp_path):
         started = devices("--lock-step", "--framing", "modbus_rtu", *options)
         amplifier = Talk(started.url("amplifier"), AMPLIFIER.device.default_address)
         daq = Talk(started.url("encoder_daq"), DAQ.device.default_address)
-        heard = [amplifier.ask(settings()), amplifier.ask(command(1, order=1, current=900_000))]
+        heard = [amplifier.ask(settings()), amplifier.ask(command(1, **ARM, current=900_000))]
         for tick in range(1, 200):
             heard.append(amplifier.ask(command(1 + tick, current=900_000, ring_next=tick - 1, ring_want=1)))
             heard.append(daq.ask(sample(tick, tick)))

@@ -21,5 +21,5 @@ def test_the_documented_session_matches_the_device():
             said = answer(device, framing, line[2:].encode())
         else:
             assert said == f"{line[2:]}\n".encode()
-    assert len(session) == 13
+    assert len(session) == 17
     assert device.output_uA == 0

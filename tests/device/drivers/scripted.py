@@ -1,12 +1,16 @@
 """A device behind the Link interface that sends what the test prescribes."""
 
+from smarig.device.encoding.crc import crc16
 from smarig.device.encoding.exchange import Exchange, Refusal
 from smarig.device.encoding.link_faults import Silent
 from smarig.device.encoding.register import RegisterMap, to_words
 
 
 class Scripted:
-    """Answers exchanges like a device, unless ``next_replies`` holds something else to say or raise."""
+    """Answers exchanges like a device, unless ``next_replies`` holds something else to say or raise.
+
+    ``status`` holds registers that have this value whatever was ordered.
+    """
 
     where = "/dev/scripted"
 
@@ -21,6 +25,7 @@ class Scripted:
             "echo": 41,
         }
         self.status |= status
+        self._follows = {"state": 0, "output": 0}  # what an amplifier was ordered
         self.settings: list[int] = [0] * map_.size("settings")
         self.asked: list[Exchange] = []
         self.next_replies: list[object] = []
@@ -57,11 +62,27 @@ class Scripted:
             if values["sequence"] != self.status["echo"]:
                 self.done.append(values)
                 self.status["echo"] = values["sequence"]
+                self._follow(values)
         if e.words and e.write_at == self.map.start("settings"):
             self.settings = list(e.words)
         if e.read_at == self.map.start("settings"):
             return self.settings[: e.count]
         words: list[int] = []
         for r in self.map.blocks["status"]:
-            words += [0] * r.words if r.field else to_words(self.status.get(r.name, 0), r.words)
+            words += [0] * r.words if r.field else to_words(self._register(r.name), r.words)
         return words[: e.count]
+
+    def _follow(self, values: dict[str, int]) -> None:
+        if values["order"]:
+            self._follows = {"state": int(values["order"] in (1, 3)), "output": 0}
+        if self._follows["state"]:
+            self._follows["output"] = values.get("current", 0)
+
+    def _register(self, name: str) -> int:
+        made = {
+            **self._follows,
+            "settings_crc": crc16(b"".join(word.to_bytes(2, "big") for word in self.settings)),
+            "arm_nonce": 3 << 16 | len(self.done),
+            "board_max": 2_000_000,
+        }
+        return self.status.get(name, made.get(name, 0))

@@ -16,7 +16,7 @@ from smarig.device.encoding.exchange import Refusal
 from smarig.device.encoding.link_faults import Garbled, Refused, Silent, WrongDevice
 from smarig.device.encoding.register import load_register_map
 
-SETTINGS = {"period": 0.1, "lease": 1.0, "current_max": 1.0, "resistance_max": 20.0}
+SETTINGS = {"period": 0.1, "lease": 1.0, "current_min": 0.0, "current_max": 1.0, "resistance_max": 20.0}
 OFF, ARM = 2, 1
 
 

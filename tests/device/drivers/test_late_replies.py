@@ -38,6 +38,7 @@ NEVER_S = 30.0  # time-out that only the test ends
 FRAMINGS = {"lines": (TextFraming(), TEXT), "modbus_rtu": (Rtu(65), rtu_framing(65))}
 SAFE = {r.name: r.safe for r in MAP.blocks["settings"]} | {"current_max": 1_000_000, "slew_max": 100_000}
 NONE, ARM, OFF = 0, 1, 2
+ARMING = {"order": ARM, "nonce": 1 << 16}  # of boot 1, before any order
 
 
 class Device(PythonAmplifier):
@@ -90,7 +91,7 @@ def operations(talk):
         partial(talk.settings, SAFE | {"lease": 900}),
         partial(talk.command, {"current": 1}),  # refused: not armed
         settings,
-        partial(talk.command, {"order": ARM}),
+        partial(talk.command, ARMING),
         partial(talk.command, {"current": 5_000_000}),  # refused: too much
         partial(talk.command, {"current": 70_000}),
         settings,  # refused: armed
@@ -180,7 +181,7 @@ def test_switching_off_does_not_wait_for_a_line_to_be_resynchronised(late, frami
     talk, device, port = late(framing, ())
     talk.handshake()
     talk.settings(SAFE)
-    talk.command({"order": ARM})
+    talk.command(ARMING)
     talk.command({"current": 70_000})
     port.will_delay([LOST] * 1000)
     for _ in range(2):
@@ -268,7 +269,7 @@ def test_a_late_refusal_is_not_the_next_commands_over_a_real_line(held, framing)
     with pytest.raises(Refused):
         talk.command({"current": 1})
     there.script = [1]  # the next request gets that refusal, and its own reply only with a later request
-    status = talk.command({"order": ARM})
+    status = talk.command(ARMING)
     assert status.values["state"] == 1
     assert there.device.done.count(status.values["echo"]) == 1
 
@@ -280,7 +281,7 @@ def test_a_late_status_is_not_the_next_handshakes_over_a_real_line(held, framing
     talk, there = held(framing)
     there.script = [False, 1]
     talk.handshake()  # by the late reply to its first attempt
-    talk.command({"order": ARM})
+    talk.command(ARMING)
     assert talk.handshake()["state"] == 1
     assert talk.command({"order": OFF}).values["state"] == 0
 
