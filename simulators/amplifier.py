@@ -46,7 +46,9 @@ class Amplifier(RegisterDevice):
                 self._trip(cause)
         marks = _MARK["saturated"] if hardware & SATURATED else 0
         marks |= _MARK["tripped"] if self.state == "tripped" else 0
-        measured_words = [word for value in (current_uA, voltage_uV, driven_uA) for word in to_words(value, 2)]
+        measured_words = [
+            word for value in (current_uA, voltage_uV, driven_uA) for word in to_words(value, 2)
+        ]
         self.ring.put([*measured_words, temperature & 0xFFFF, marks])
 
     @property

@@ -156,6 +156,13 @@ class DriftingShunt(_AmplifierFault):
     gain_per_s: Number = Field(ge=-1, le=1)
 
 
+class LowShunt(_AmplifierFault):
+    """The shunt reads low: the amplifier regulates its reading, so ``factor`` times the ordered current flows."""
+
+    kind: Literal["low_shunt"]
+    factor: Number = Field(ge=1, le=10)
+
+
 AnyFault = Annotated[
     Dropped
     | GarbledBytes
@@ -171,7 +178,8 @@ AnyFault = Annotated[
     | SlippingEncoder
     | JumpingEncoder
     | OpenWire
-    | DriftingShunt,
+    | DriftingShunt
+    | LowShunt,
     Field(discriminator="kind"),
 ]
 

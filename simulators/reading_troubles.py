@@ -5,6 +5,7 @@ from collections.abc import Iterable
 from simulators.faults import (
     DriftingShunt,
     JumpingEncoder,
+    LowShunt,
     OpenWire,
     SimulatedFault,
     SlippingEncoder,
@@ -17,15 +18,20 @@ _FIELDS = {f.name: f for f in load_register_map("amplifier")["ring"].field}
 
 
 class WireFaults:
-    """An open wire and a drifting shunt."""
+    """An open wire, a drifting shunt, a shunt that reads low."""
 
     def __init__(self, faults: Iterable[SimulatedFault]) -> None:
         self._open = tuple(f for f in faults if isinstance(f, OpenWire))
         self._shunt = tuple(f for f in faults if isinstance(f, DriftingShunt))
+        self._low = tuple(f for f in faults if isinstance(f, LowShunt))
 
     def interrupted(self, time_s: float, exchange: int) -> OpenWire | None:
         """The break in the wire, if there is one now."""
         return next((f for f in self._open if f.active(time_s, exchange)), None)
+
+    def low_factor(self, time_s: float, exchange: int) -> float:
+        """The true current over the reading of the shunt."""
+        return next((f.factor for f in self._low if f.active(time_s, exchange)), 1.0)
 
     def measured(self, reading: RawReading, output_uA: int, time_s: float, exchange: int) -> RawReading:
         """The reading as the amplifier measures it."""
@@ -33,6 +39,9 @@ class WireFaults:
         if broken and output_uA:
             volts = broken.supply_V if output_uA > 0 else -broken.supply_V
             reading = reading._replace(voltage=_FIELDS["voltage"].encode(volts), saturated=True)
+        low_factor = self.low_factor(time_s, exchange)
+        if low_factor != 1.0:
+            reading = reading._replace(current=round(reading.current / low_factor))
         for f in self._shunt:
             if f.active(time_s, exchange):
                 gain = 1 + f.gain_per_s * (time_s - f.from_s)

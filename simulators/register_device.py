@@ -111,7 +111,8 @@ class RegisterDevice:
         raise NotImplementedError
 
     def refuses_settings(self, values: dict[str, int]) -> Refusal | None:
-        """Why settings cannot be written now, or None."""
+        """Why these settings cannot be written now, or None."""
+        del values
         return None
 
     def carry_out(self, values: dict[str, int]) -> None:

@@ -113,7 +113,8 @@ class SimulatedBench:
             self._update_power(name)
         output_uA = self.amplifier.output_uA if self._power[AMPLIFIER].on else 0
         broken = self._wire_faults.interrupted(*self._now(AMPLIFIER))
-        self.flowed_uA = 0 if broken else output_uA
+        factor = self._wire_faults.low_factor(*self._now(AMPLIFIER))
+        self.flowed_uA = 0 if broken else round(output_uA * factor)
         reading = self._wire.advance(self._amperes.decode(self.flowed_uA))
         self._tick_amplifier(reading, output_uA)
         self._tick_daq(reading)

@@ -30,7 +30,8 @@ def from_tick(tick, **changes):
 
 LIES = [
     ("read_back", from_tick(50, current_A=lambda x: x * 0.8), "is set. Check amplifier and shunt"),
-    ("resistance", from_tick(50, voltage_V=lambda x: 5 * x), "ohm is outside"),
+    ("voltage", from_tick(50, voltage_V=lambda x: 5 * x), "which no allowed current needs"),
+    ("resistance", from_tick(50, voltage_V=lambda x: 1.2 * x), "ohm is outside"),
     ("resistance", from_tick(50, voltage_V=lambda x: 0.1 * x), "ohm is outside"),
     ("jump", lambda s: s._replace(counts=s.counts + 120) if s.tick == 60 else s, "jumped by 1"),
     ("still", from_tick(0, counts=lambda _: 3), "fully heated and did not move"),
@@ -67,9 +68,9 @@ def test_motion_without_heating_trips():
     assert twin.output_A == 0.0
 
 
-@pytest.mark.parametrize("lie", [LIES[0][1], LIES[1][1], LIES[3][1]])
+@pytest.mark.parametrize("lie", [LIES[0][1], LIES[1][1], LIES[4][1]])
 def test_one_or_two_samples_do_not_trip_and_stale_ones_do_not_count(lie):
-    few = guarded(lambda s: lie(s) if 60 <= s.tick < 62 and lie is not LIES[3][1] else s)[0]
+    few = guarded(lambda s: lie(s) if 60 <= s.tick < 62 and lie is not LIES[4][1] else s)[0]
     stale = guarded(
         lambda s: lie(s)._replace(quality=int(Quality.STALE)) if s.tick % MAX_STALE_SAMPLES else s
     )[0]

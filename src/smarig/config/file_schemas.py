@@ -97,7 +97,16 @@ class LimitsFile(TomlTable):
     current_min_A: Number  # smallest current; negative for two wires only
     current_max_A: Number  # largest current
     current_rate_A_per_s: Number = Field(gt=0)  # largest rate of change
-    temperature_max_K: Number = Field(gt=0)  # largest predicted wire temperature above ambient
+    temperature_max_K: Number = Field(gt=0)  # largest predicted or measured wire temperature above ambient
+    resistance_tolerance: Number = Field(
+        default=0.1, gt=0, le=1
+    )  # share by which V/I may differ from the wire's
+    voltage_max_V: Number | None = Field(
+        default=None, gt=0
+    )  # across the wire; else what the largest current needs
+    stress_max_MPa: Number | None = Field(
+        default=None, gt=0
+    )  # two wires: largest predicted stress, both wires hot
     cycles_max: int | None = Field(default=None, strict=True, gt=0)  # cycles of the wire over all its runs
 
     @model_validator(mode="after")
@@ -209,6 +218,15 @@ class RigFile(TomlTable):
                         f"links.{device}.url gives a device's address, but [simulator] starts simulated devices; "
                         "remove one of them, or set simulator.start = false"
                     )
+        return self
+
+    @model_validator(mode="after")
+    def _period_fits_lease(self) -> "RigFile":
+        if 2 * self.period_s > self.lease_s:
+            raise ValueError(
+                f"period_s = {self.period_s:g} is too long for lease_s = {self.lease_s:g}: the lease must last for at "
+                "least two ticks, or the current stays on for longer than it says"
+            )
         return self
 
     @model_validator(mode="after")

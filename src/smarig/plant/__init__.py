@@ -6,6 +6,7 @@ from smarig.core.lazy_exports import lazy_exports
 
 if TYPE_CHECKING:
     from smarig.plant.actuator import Actuator as Actuator
+    from smarig.plant.antagonist_stress import AntagonistStress as AntagonistStress
     from smarig.plant.effect import Effect as Effect
     from smarig.plant.effect import EffectContext as EffectContext
     from smarig.plant.effect import EffectType as EffectType
@@ -28,6 +29,7 @@ if TYPE_CHECKING:
     from smarig.plant.effect_catalogue import mystery_effects as mystery_effects
     from smarig.plant.heating import JouleHeating as JouleHeating
     from smarig.plant.heating import temperature_along as temperature_along
+    from smarig.plant.largest_voltage import largest_voltage_V as largest_voltage_V
     from smarig.plant.learned_effect import LEARNED_FROM as LEARNED_FROM
     from smarig.plant.learned_effect import MEAN_LEVELS as MEAN_LEVELS
     from smarig.plant.learned_effect import MEAN_POWERS as MEAN_POWERS

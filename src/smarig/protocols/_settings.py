@@ -13,6 +13,7 @@ from pydantic import TypeAdapter, ValidationError
 from smarig.config import CampaignFile
 from smarig.core import Protocol, UsageError, catalogue_entry, catalogue_names, resolve_name, suggestion
 from smarig.protocols._setup import Setup
+from smarig.protocols._through_cold import through_cold
 from smarig.protocols.adaptive_fod import Chooser
 
 PROTOCOLS = "smarig.protocols"
@@ -44,7 +45,7 @@ def build_protocol(
     generator = function(setup, **arguments)
     if not isinstance(generator, Generator):
         raise UsageError(f"Protocol '{name}' yields nothing. It must be a generator of commands.")
-    return generator
+    return through_cold(generator, setup) if setup.limits.stress_max_MPa is not None else generator
 
 
 def refuse_closed_loops(name: str) -> None:

@@ -15,8 +15,9 @@ from smarig.config import RigFile
 from smarig.core import Quality, RigFault, Sample
 from smarig.plant import Actuator
 from smarig.preisach import Preisach, thesis_surface
+from smarig.rig.electrical_plausibility import MIN_CURRENT_A, READ_BACK_TOLERANCE
+from smarig.rig.expected_resistance import ExpectedResistance
 from smarig.rig.guard import Guard
-from smarig.rig.plausibility import MIN_CURRENT_A, READ_BACK_TOLERANCE, RESISTANCE_FACTORS
 from smarig.rig.rig import Rig
 
 MIN_MOTION_COUNTS = 5  # more than noise
@@ -77,7 +78,7 @@ def _checks(rig: SupportsIdle, file: RigFile, on_progress: ProgressCallback) -> 
     """A rig that does not follow its command, or does not move when heated, is not heated further."""
     yield Check("devices", True, "; ".join(rig.identity()))
     actuator = Actuator.named(file.actuator)
-    guard = Guard(rig, file.limits, actuator)
+    guard = Guard(rig, file.limits, actuator, ambient_degC=file.ambient_degC)
     pulses = [_heating_checks(guard, file, actuator, +1, on_progress)]
     if file.limits.current_min_A < 0:  # the second wire
         pulses.append(_heating_checks(guard, file, actuator, -1, on_progress))
@@ -124,7 +125,8 @@ def _heating_checks(
     wire = ", wire 2" if sign < 0 else ""
     comparison = f"{sample.current_A:.4f} A {how} at {command_A:.4f} A"
     yield Check(f"read-back{wire}", _follows_command(sample, command_A, file), comparison)
-    yield _resistance(sample, actuator)._replace(name=f"resistance{wire}")
+    expected = ExpectedResistance(actuator, file.limits.resistance_tolerance)
+    yield _resistance(sample, expected, guard.input_K)._replace(name=f"resistance{wire}")
     where = f"{moved:+d} counts at {command_A:.2f} A, {guard.input_K:.0f} K (heating model)"
     rule = f"heating must {'decrease' if sign < 0 else 'increase'} the counts"
     yield Check(f"encoder direction{wire}", sign * moved >= MIN_MOTION_COUNTS, f"{where}; {rule}")
@@ -150,14 +152,14 @@ def _follows_command(sample: Sample, command_A: float, file: RigFile) -> bool:
     return near and not sample.quality & Quality.STALE
 
 
-def _resistance(sample: Sample, actuator: Actuator) -> Check:
-    heating = actuator.file.heating
-    low = RESISTANCE_FACTORS[0] * heating.resistance_austenite.value
-    high = RESISTANCE_FACTORS[1] * heating.resistance_martensite.value
+def _resistance(sample: Sample, expected: ExpectedResistance, input_K: float) -> Check:
     if abs(sample.current_A) < MIN_CURRENT_A:
         return Check("resistance", False, "the current was too small to measure it")
     ohm = sample.voltage_V / sample.current_A
-    return Check("resistance", low <= ohm <= high, f"{ohm:.2f} ohm, expected {low:.2f} to {high:.2f}")
+    low, high = expected.band_ohm(input_K, sample.current_A)
+    passed = low <= ohm <= high
+    remedy = "" if passed else "; check clamps, wire and shunt, or calibrate the wire"
+    return Check("resistance", passed, f"{ohm:.2f} ohm, expected {low:.2f} to {high:.2f}{remedy}")
 
 
 def _check_lease(rig: SupportsIdle, file: RigFile) -> Iterator[Check]:

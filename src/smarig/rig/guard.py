@@ -1,4 +1,4 @@
-"""Limits on the host around any rig, checked at every tick: current, its rate, predicted temperature.
+"""Limits on the host around any rig, checked at every tick: current, its rate, predicted and measured temperature.
 
 The prediction is the heating model (5.1) driven by the measured current; the record calls it ``input``. These limits
 are the second layer after the device's own. The guard never changes a command: it refuses a forbidden command and
@@ -12,16 +12,23 @@ from smarig.core import LimitExceeded, Quality, Sample
 from smarig.plant import Actuator, JouleHeating
 from smarig.rig.plausibility import Plausibility
 from smarig.rig.rig import Alarm, Rig
+from smarig.rig.stress_limit import StressLimit
 
 _ROUNDING = 1e-9
-_STALE = int(Quality.STALE)  # a plain integer: the & of an enum costs 1 µs per tick
+_STALE, _SUSPECT = int(Quality.STALE), int(Quality.SUSPECT)  # plain: the & of an enum costs 1 µs per tick
 
 
 class Guard:
     """A rig that refuses forbidden commands. ``input_K`` is the predicted hysteresis input."""
 
     def __init__(
-        self, rig: Rig, limits: LimitsFile, actuator: Actuator, plausibility: Plausibility | None = None
+        self,
+        rig: Rig,
+        limits: LimitsFile,
+        actuator: Actuator,
+        plausibility: Plausibility | None = None,
+        *,
+        ambient_degC: float = 22.0,
     ) -> None:
         self.rig, self.limits, self._plausibility = rig, limits, plausibility
         self._alarms: list[Alarm] = []
@@ -30,6 +37,9 @@ class Guard:
         self.tripped = ""
         self._last_A = 0.0
         self._step_A = limits.current_rate_A_per_s * rig.period_s + _ROUNDING
+        self._stress = (
+            StressLimit(limits.stress_max_MPa, actuator, ambient_degC) if limits.stress_max_MPa else None
+        )
 
     @property
     def period_s(self) -> float:
@@ -53,6 +63,8 @@ class Guard:
         """
         self.raise_if_tripped()
         self._check_command(current_A)
+        if self._stress is not None:
+            self._check_stress(current_A, at_most)
         self._last_A = current_A
         heat, limit = self.heating, self.limits.temperature_max_K
         answer = []
@@ -63,17 +75,42 @@ class Guard:
             ):  # lost samples: the wire was heated nevertheless
                 heat.step(heating_A)
             self._last_tick = sample.tick
-            answer.append((sample, heat.step(heating_A)))
-            self._check_plausibility(sample)
-            if not (heat.wire_K[0] <= limit and heat.wire_K[1] <= limit):  # also trips on NaN
-                self.tripped = (
-                    f"Predicted wire temperature {max(heat.wire_K):.1f} K above ambient exceeds the limit "
-                    f"temperature_max_K = {limit:g}. The current is at zero."
-                    if heat.wire_K[0] + heat.wire_K[1] < math.inf
-                    else f"The measured current reads {sample.current_A} A. The current is at zero."
+            input_K = heat.step(heating_A)
+            answer.append((self._marked(sample), input_K))
+            if self._stress is not None:
+                self._stress.update(heat.wire_K)
+            hottest_K = max(heat.wire_K)
+            if not hottest_K <= limit or heat.wire_K[1] != heat.wire_K[1]:  # also trips on NaN
+                self._trip_on_prediction(hottest_K, sample.current_A)
+            elif sample.temperature_degC - sample.ambient_degC > limit:
+                self._trip(
+                    f"The measured wire temperature {sample.temperature_degC:.1f} °C is "
+                    f"{sample.temperature_degC - sample.ambient_degC:.1f} K above ambient and exceeds the limit "
+                    f"temperature_max_K = {limit:g}."
                 )
-                self.safe()
         return answer
+
+    def _check_stress(self, current_A: float, at_most: int) -> None:
+        """Refuse a current that would raise the stress above its limit before it can be changed again."""
+        assert self._stress is not None  # noqa: S101 - asked by the caller
+        reason = self._stress.refusal(self.heating, current_A, at_most)
+        if reason:
+            self._trip(reason)
+            self.raise_if_tripped()
+
+    def _trip_on_prediction(self, hottest_K: float, current_A: float) -> None:
+        if hottest_K < math.inf:
+            self._trip(
+                f"Predicted wire temperature {hottest_K:.1f} K above ambient exceeds the limit "
+                f"temperature_max_K = {self.limits.temperature_max_K:g}."
+            )
+        else:
+            self._trip(f"The measured current reads {current_A} A.")
+
+    def _trip(self, text: str) -> None:
+        """Make the rig safe at once and keep the reason."""
+        self.tripped = f"{text} The current is at zero."
+        self.safe()
 
     def _heating_current_A(self, sample: Sample) -> float:
         """The measured current. If it is stale, the larger of the commanded and the last measured current."""
@@ -81,13 +118,15 @@ class Guard:
             return sample.current_A
         return max(self._last_A, sample.current_A, key=abs)
 
-    def _check_plausibility(self, sample: Sample) -> None:
-        """Trip on implausible readings."""
-        for alarm in self._plausibility.check(sample, self.heating.input_K) if self._plausibility else ():
+    def _marked(self, sample: Sample) -> Sample:
+        """The sample, marked if it is implausible; trips on errors."""
+        if self._plausibility is None:
+            return sample
+        for alarm in self._plausibility.check(sample, self.heating.input_K):
             self._alarms.append(alarm)
             if alarm.level == "error" and not self.tripped:
-                self.tripped = f"{alarm.text} The current is at zero."
-                self.safe()
+                self._trip(alarm.text)
+        return sample._replace(quality=sample.quality | _SUSPECT) if self._plausibility.suspect else sample
 
     def alarms(self) -> list[Alarm]:
         """Alarms of the rig and of the plausibility checks since the last call."""

@@ -18,7 +18,9 @@ class OrderRecord:
     """
 
     def __init__(self) -> None:
-        self._past: deque[tuple[int, int, float]] = deque(maxlen=KEPT)  # sent after, valid after, current before
+        self._past: deque[tuple[int, int, float]] = deque(
+            maxlen=KEPT
+        )  # sent after, valid after, current before
         self._read_until = 0
         self.contradiction = ""
 

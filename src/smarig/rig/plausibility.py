@@ -9,38 +9,33 @@ from smarig.config import RigFile
 from smarig.core import Quality, Sample
 from smarig.plant import Actuator
 from smarig.preisach import thesis_surface
+from smarig.rig.electrical_plausibility import ElectricalPlausibility
 from smarig.rig.rig import Alarm
 
 REST_TAUS = 12.0  # until the wire is at rest, from any state and including sensor lags
-IN_A_ROW = 3  # consecutive samples: a single one may be wrong
-MIN_CURRENT_A = 0.05  # a smaller current does not determine a resistance
-READ_BACK_TOLERANCE = 0.05  # of the largest current: set-point against read-back
-RESISTANCE_FACTORS = (0.5, 2.0)  # times the smallest and the largest resistance of the wire
 MAX_JUMP = 0.25  # of the travel within one tick: no wire is faster,
 MAX_JUMP_TAUS = 3.0  # unless the tick is long: factor on the relative change of temperature in one tick
 MIN_TRAVEL = 0.03  # of the travel: less is no motion
 SLIP_LIMIT = 0.25  # of the travel, at constant input
 STEADY_INPUT_BAND = 0.05  # of the range
 COLD, HOT = 0.2, 0.8  # of the range: fully cooled, fully heated
+TEMPERATURE_TOLERANCE = 0.25  # of the range: measured against predicted temperature,
+TEMPERATURE_TAUS = 3.0  # once it has lasted for so long
 
 MAX_STALE_SAMPLES = 20  # samples without a current reading: more than a late host causes
 
-_STALE, _SATURATED = (
-    int(Quality.STALE),
-    int(Quality.SATURATED),
-)  # plain integers, because they are used every tick
+_STALE = int(Quality.STALE)  # plain integers, because they are used every tick
 _UNRELIABLE = _STALE | int(Quality.TRIPPED)
 
 
 class Plausibility:
-    """``check(sample, input_K)`` returns alarms, the worst first; errors are reasons to trip."""
+    """``check(sample, input_K)`` returns alarms, the worst first; errors are reasons to trip.
+
+    ``suspect``: whether the last sample contradicts the command, the wire, or the sample before.
+    """
 
     def __init__(self, rig: RigFile, actuator: Actuator) -> None:
-        limits, heating = rig.limits, actuator.file.heating
-        self._largest_A = max(limits.current_max_A, -limits.current_min_A)
-        self._saturation_A = rig.amplifier.saturation_A
-        low, high = heating.resistance_austenite.value, heating.resistance_martensite.value
-        self._ohm = RESISTANCE_FACTORS[0] * min(low, high), RESISTANCE_FACTORS[1] * max(low, high)
+        self._electrical = ElectricalPlausibility(rig.limits, rig.amplifier.saturation_A, actuator)
         h = thesis_surface(actuator.file.hysteresis.surface)
         self._range_K = h.upper - h.lower
         self._lower_K = h.lower
@@ -48,7 +43,10 @@ class Plausibility:
         self._travel = travel / actuator.position_per_count(rig.encoder.counts_per_rev)
         self._jump = max(MAX_JUMP, -MAX_JUMP_TAUS * math.expm1(-rig.period_s / actuator.tau_s)) * self._travel
         self._last: int | None = None
-        self._ticks_in_a_row = {"read_back": 0, "resistance": 0, "blind": 0}
+        self._ticks_in_a_row = {"blind": 0, "temperature": 0}
+        self._temperature_ticks = round(TEMPERATURE_TAUS * actuator.tau_s / rig.period_s)
+        self._two_wire = actuator.two_wire
+        self.suspect = False
         self._max_stale = max(MAX_STALE_SAMPLES, round(rig.lease_s / rig.period_s))
         self._last_end = ""  # last end reached, cold or hot; below: extent of the position since then
         self._extent = (0, 0)
@@ -62,40 +60,42 @@ class Plausibility:
     def rearmed(self) -> None:
         """A trip was cleared: a fault that persists must trip again."""
         self._ticks_in_a_row = dict.fromkeys(self._ticks_in_a_row, 0)
+        self._electrical.rearmed()
         self.zeroed()
 
     def check(self, sample: Sample, input_K: float) -> list[Alarm]:
         """Errors and warnings that this sample is the first to show."""
+        self.suspect = False
         if self._persists("blind", bool(sample.quality & _STALE), self._max_stale):
             text = f"The amplifier returned no current reading for {self._max_stale} samples. Check its converter."
             return [Alarm("error", "blind", text)]
         if sample.quality & _UNRELIABLE or math.isnan(sample.current_A):
             self._last = sample.counts
             return []
-        found = [*self._check_electrical(sample), *self._check_motion(sample.counts, input_K)]
+        found = [
+            *self._electrical.check(sample, input_K),
+            *self._check_temperature(sample, input_K),
+            *self._check_motion(sample.counts, input_K),
+        ]
+        self.suspect = self._electrical.suspect or any(alarm.level == "error" for alarm in found)
         self._last = sample.counts
         return found
 
-    def _check_electrical(self, s: Sample) -> list[Alarm]:
-        command_A = min(max(s.current_command_A, -self._saturation_A), self._saturation_A)
-        off = (
-            abs(s.current_A - command_A) > READ_BACK_TOLERANCE * self._largest_A
-            and not s.quality & _SATURATED
+    def _check_temperature(self, s: Sample, input_K: float) -> list[Alarm]:
+        """A thermometer on the wire, where there is one, must follow the predicted temperature."""
+        measured_K = s.temperature_degC - s.ambient_degC
+        if self._two_wire or math.isnan(measured_K):
+            return []
+        off = abs(measured_K - input_K) > TEMPERATURE_TOLERANCE * self._range_K
+        if not self._persists("temperature", off, self._temperature_ticks):
+            return []
+        text = (
+            f"The wire is measured at {measured_K:.0f} K above ambient; its current gives {input_K:.0f} K. Check "
+            "thermometer, shunt and cooling."
         )
-        ohm = s.voltage_V / s.current_A if abs(s.current_A) >= MIN_CURRENT_A else math.nan
-        found = []
-        if self._persists("read_back", off):
-            text = f"{s.current_A:.3g} A is measured, {command_A:.3g} A is set. Check amplifier and shunt."
-            found.append(Alarm("error", "read_back", text))
-        if self._persists("resistance", not (math.isnan(ohm) or self._ohm[0] <= ohm <= self._ohm[1])):
-            low, high = self._ohm
-            text = (
-                f"The wire's resistance {ohm:.3g} ohm is outside {low:.3g}…{high:.3g}. Check clamps and wire."
-            )
-            found.append(Alarm("error", "resistance", text))
-        return found
+        return [Alarm("error", "temperature", text)]
 
-    def _persists(self, name: str, wrong: bool, often: int = IN_A_ROW) -> bool:
+    def _persists(self, name: str, wrong: bool, often: int) -> bool:
         """Whether a condition has just lasted for ``often`` consecutive samples."""
         self._ticks_in_a_row[name] = self._ticks_in_a_row[name] + 1 if wrong else 0
         return self._ticks_in_a_row[name] == often

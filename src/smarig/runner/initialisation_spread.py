@@ -66,7 +66,9 @@ def _major_loop(
     extremes = _InputExtremes()
     ends: list[StepResult] = []
     watch = CallbackListener(extremes.sample, ends.append)
-    runner = Runner(Guard(twin, file.limits, actuator), twin.position_per_count, [watch])
+    runner = Runner(
+        Guard(twin, file.limits, actuator, ambient_degC=file.ambient_degC), twin.position_per_count, [watch]
+    )
     setup = Setup(actuator, file.limits, file.period_s)
     runner.run(_history(setup, history))
     extremes.max_K = extremes.min_K = 0.0

@@ -81,7 +81,7 @@ def preview(
     twin = Twin(nothing_hidden, actuator, TwinSettings(noise=False))
     peaks = _Peaks()
     runner = Runner(
-        Guard(twin, rig.limits, actuator),
+        Guard(twin, rig.limits, actuator, ambient_degC=rig.ambient_degC),
         twin.position_per_count,
         [CallbackListener(peaks.sample, peaks.step)],
         control,

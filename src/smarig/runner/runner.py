@@ -13,6 +13,7 @@ from smarig.core import (
     Hold,
     Mark,
     Protocol,
+    Quality,
     Sample,
     Settled,
     StepResult,
@@ -27,6 +28,7 @@ from smarig.runner.restart_shift import Shift
 from smarig.runner.run_control import RunControl
 from smarig.runner.settling_detection import Approach, SettleWindow
 
+_SUSPECT = int(Quality.SUSPECT)
 BACKLOG = 2000  # samples of an earlier current that a ring may still contain
 
 
@@ -167,7 +169,7 @@ class Runner:
             is_current = sample.current_command_A == current_A or self._stale_samples >= BACKLOG
             self._stale_samples = 0 if is_current else self._stale_samples + 1
             counted += is_current
-            if window is not None and is_current:
+            if window is not None and is_current and not sample.quality & _SUSPECT:
                 window.add(sample.counts, heated)
             for listener in self.listeners:
                 listener.sample(sample, self._step, input_K)

@@ -81,7 +81,13 @@ class Session:
         except BaseException:
             self._open.close()
             raise
-        self.guard = Guard(self.rig, self.file.limits, self.actuator, Plausibility(self.file, self.actuator))
+        self.guard = Guard(
+            self.rig,
+            self.file.limits,
+            self.actuator,
+            Plausibility(self.file, self.actuator),
+            ambient_degC=self.file.ambient_degC,
+        )
         return self
 
     def __exit__(

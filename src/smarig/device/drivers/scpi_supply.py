@@ -10,9 +10,7 @@ from smarig.core import NAN, ConfigError, Quality
 from smarig.device.drivers._roles import CurrentReading
 from smarig.device.encoding.link_faults import Garbled, Silent, WrongDevice
 from smarig.device.links.text_line import TextLine
-from smarig.plant import Actuator
-
-HEADROOM = 1.2  # factor on the voltage that the largest current needs at the largest resistance
+from smarig.plant import Actuator, largest_voltage_V
 
 
 def scpi_supply(where: LinkFile, rig: RigFile) -> "ScpiSupply":
@@ -22,10 +20,7 @@ def scpi_supply(where: LinkFile, rig: RigFile) -> "ScpiSupply":
             f"Rig '{rig.name}' has current_min_A = {rig.limits.current_min_A:g} A. A supply gives current of one "
             "sign only."
         )
-    heating = Actuator.named(rig.actuator).file.heating
-    ohm = max(heating.resistance_martensite.value, heating.resistance_austenite.value)
-    volts = HEADROOM * rig.limits.current_max_A * ohm
-    return ScpiSupply(where, volts)
+    return ScpiSupply(where, largest_voltage_V(rig.limits, Actuator.named(rig.actuator)))
 
 
 class ScpiSupply:

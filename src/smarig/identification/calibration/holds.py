@@ -13,7 +13,9 @@ Array = NDArray[np.float64]
 _STEP = 0.02  # of the drive's range: a larger change between two samples is a step
 _FEWEST = 10  # readings
 _GAP_S = 2.0  # a run whose clock jumps by more was interrupted there
-_INVALID = Quality.STALE | Quality.TRIPPED  # a saturated command still has a measured current
+_INVALID = (
+    Quality.STALE | Quality.TRIPPED | Quality.SUSPECT
+)  # a saturated command still has a measured current
 
 
 @dataclass(frozen=True)

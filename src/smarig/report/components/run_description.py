@@ -96,6 +96,7 @@ class QualityCounts:
     stale: int
     saturated: int
     tripped: int
+    suspect: int
 
     @property
     def clean(self) -> bool:
@@ -103,7 +104,7 @@ class QualityCounts:
         return not any(getattr(self, name) for name in FLAG_NAMES)
 
 
-FLAG_NAMES = ("timed_out", "interrupted", "void", "retried", "stale", "saturated", "tripped")
+FLAG_NAMES = ("timed_out", "interrupted", "void", "retried", "stale", "saturated", "tripped", "suspect")
 
 
 def quality_counts(run: Run) -> QualityCounts:

@@ -127,7 +127,7 @@ def quality_table(runs: Mapping[str, Run]) -> Html:
         )
     header = ("Run", "Duration", "Samples", "Steps", "Settled", "Timed out", "Interrupted", "Void")
     return table(
-        (*header, "Retried", "Stale", "Saturated", "Tripped", "Ended"),
+        (*header, "Retried", "Stale", "Saturated", "Tripped", "Suspect", "Ended"),
         rows,
         "Data quality: steps by verdict, samples by quality mark. Initialisation holds for a fixed time, so its "
         "steps need not settle.",

@@ -35,6 +35,7 @@ _QUALITY_MARKERS = (
     (Quality.RETRIED, "retried", "x"),
     (Quality.STALE, "stale", "diamond-open"),
     (Quality.TRIPPED, "tripped", "star"),
+    (Quality.SUSPECT, "suspect", "hexagram-open"),
 )
 
 

@@ -1,0 +1,91 @@
+"""Electrical plausibility of a reading: measured against ordered current, resistance, voltage.
+
+Every other limit rests on the measured current. The voltage is the second witness: whatever the shunt reads, V/I must
+be a resistance of this wire in its phase, and V no more than the largest current needs.
+"""
+
+import math
+from typing import NamedTuple
+
+from smarig.config import LimitsFile
+from smarig.core import Quality, Sample
+from smarig.plant import Actuator, largest_voltage_V
+from smarig.rig.expected_resistance import ExpectedResistance
+from smarig.rig.rig import Alarm
+
+IN_A_ROW = 3  # consecutive samples: a single one may be wrong
+GROSS = 1.3  # times an upper limit: a wire heats too fast to wait for a third sample
+MIN_CURRENT_A = 0.05  # a smaller current does not determine a resistance
+READ_BACK_TOLERANCE = 0.05  # of the largest current: set-point against read-back
+
+_SATURATED = int(Quality.SATURATED)  # a plain integer, because it is used every tick
+
+
+class ElectricalPlausibility:
+    """``check`` returns an alarm when a fault has lasted; ``suspect`` tells whether the last sample shows one."""
+
+    def __init__(self, limits: LimitsFile, saturation_A: float, actuator: Actuator) -> None:
+        largest_A = max(limits.current_max_A, -limits.current_min_A)
+        self._tolerance_A = READ_BACK_TOLERANCE * largest_A
+        self._saturation_A = saturation_A
+        self._resistance = ExpectedResistance(actuator, limits.resistance_tolerance)
+        self._largest_V = largest_voltage_V(limits, actuator)
+        self._ticks_in_a_row = {"read_back": 0, "voltage": 0, "resistance": 0}
+        self.suspect = False
+
+    def rearmed(self) -> None:
+        """A trip was cleared: a fault that persists must trip again."""
+        self._ticks_in_a_row = dict.fromkeys(self._ticks_in_a_row, 0)
+
+    def check(self, s: Sample, input_K: float) -> list[Alarm]:
+        """The alarm that this sample is the first to justify, as a list."""
+        fault = self._fault(s, input_K)
+        self.suspect = fault is not None
+        alarms = []
+        for name, before in self._ticks_in_a_row.items():
+            now = before + fault.weight if fault is not None and name == fault.kind else 0
+            self._ticks_in_a_row[name] = now
+            if fault is not None and before < IN_A_ROW <= now:
+                alarms.append(Alarm("error", name, fault.text))
+        return alarms
+
+    def _fault(self, s: Sample, input_K: float) -> "_Fault | None":
+        """The first contradiction. A wrong current makes the resistance meaningless."""
+        command_A = min(max(s.current_command_A, -self._saturation_A), self._saturation_A)
+        if self._differs(s.current_A, command_A, saturated=bool(s.quality & _SATURATED)):
+            text = f"{s.current_A:.3g} A is measured, {command_A:.3g} A is set. Check amplifier and shunt."
+            return _Fault("read_back", text)
+        if abs(s.voltage_V) > self._largest_V:
+            text = (
+                f"The voltage {s.voltage_V:.3g} V exceeds {self._largest_V:.3g} V, which no allowed current needs. "
+                "Check shunt, amplifier and clamps."
+            )
+            return _Fault("voltage", text, _weight(abs(s.voltage_V) / self._largest_V))
+        if abs(s.current_A) < MIN_CURRENT_A:
+            return None
+        ohm, (low, high) = s.voltage_V / s.current_A, self._resistance.band_ohm(input_K, s.current_A)
+        if low <= ohm <= high or math.isnan(ohm):
+            return None
+        text = (
+            f"The wire's resistance {ohm:.3g} ohm is outside {low:.3g}…{high:.3g}. Check clamps, wire and shunt; "
+            "if they are in order, calibrate the wire, or widen limits.resistance_tolerance."
+        )
+        return _Fault("resistance", text, _weight(ohm / high))
+
+    def _differs(self, current_A: float, command_A: float, *, saturated: bool) -> bool:
+        """Whether the measured current is not the ordered one. Saturation explains too little current, never more."""
+        if saturated and abs(current_A) < abs(command_A) and current_A * command_A >= 0:
+            return False
+        return abs(current_A - command_A) > self._tolerance_A
+
+
+class _Fault(NamedTuple):
+    """A contradiction in one sample: its kind, a sentence, and as how many samples it counts."""
+
+    kind: str
+    text: str
+    weight: int = 1
+
+
+def _weight(excess: float) -> int:
+    return 2 if excess > GROSS else 1

@@ -1,0 +1,44 @@
+"""The limit of stress in two wires that pull against each other: what both being hot would do is refused beforehand."""
+
+import math
+
+from smarig.core import ConfigError
+from smarig.plant import Actuator, AntagonistStress, JouleHeating
+
+TICKS_AHEAD = 2  # a command flows from the next tick on, and its first reading comes after that
+
+
+class StressLimit:
+    """``refusal`` says why a current must not flow, ``update`` follows both wires."""
+
+    def __init__(self, limit_MPa: float, actuator: Actuator, ambient_degC: float) -> None:
+        if not actuator.two_wire:
+            raise ConfigError("limits.stress_max_MPa applies to two wires; this actuator has one. Remove it.")
+        self._limit_MPa, self._wires = limit_MPa, AntagonistStress(ambient_degC)
+        at_rest = self._wires.step((0.0, 0.0))
+        if limit_MPa < at_rest:
+            raise ConfigError(
+                f"limits.stress_max_MPa = {limit_MPa:g} is below the stress of the cold wires, {at_rest:.0f} MPa."
+            )
+
+    def update(self, wire_K: list[float]) -> None:
+        """Follow both wires for one tick."""
+        self._wires.step(wire_K)
+
+    def refusal(self, heating: JouleHeating, current_A: float, ticks: int) -> str:
+        """Why this current must not flow for so many ticks; "" if it may."""
+        if not current_A:
+            return ""
+        decay = math.exp(-(ticks + TICKS_AHEAD) * heating.dt_s / heating.tau_s)
+        heated = 0 if current_A > 0 else 1
+        ahead = list(heating.wire_K)
+        steady_K = abs(heating.source(current_A))
+        ahead[heated] = max(ahead[heated], steady_K + (ahead[heated] - steady_K) * decay)
+        stress_MPa = self._wires.stress_at(ahead)
+        if stress_MPa <= self._limit_MPa:
+            return ""
+        return (
+            f"Both wires would be hot ({ahead[0]:.0f} K and {ahead[1]:.0f} K above ambient), with a stress of up to "
+            f"{stress_MPa:.0f} MPa; the limit is stress_max_MPa = {self._limit_MPa:g}. Let one wire cool before the "
+            "other is heated."
+        )
