@@ -64,6 +64,12 @@ MISTAKES = {
         'diameter = { value = 0.3, units = "mm"',
         r"unknown key 'wire.diameter.units'; did you mean unit\?",
     ),
+    "a lease shorter than two ticks": (
+        RIG,
+        "lease_s = 1.0",
+        "lease_s = 0.15",
+        r"period_s = 0.1 is too long for lease_s = 0.15",
+    ),
     "missing key": (RIG, "lease_s = 1.0", "", r"key 'lease_s' is missing\."),
     "missing limit": (RIG, "current_max_A = 1.0", "", r"key 'limits.current_max_A' is missing\."),
     "missing source": (

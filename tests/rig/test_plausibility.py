@@ -6,7 +6,7 @@ from rig.lying import TamperedRig
 from smarig.config import load_rig
 from smarig.core.errors import LimitExceeded
 from smarig.core.sample import Quality
-from smarig.plant.actuator import Actuator
+from smarig.plant import Actuator, JouleHeating
 from smarig.rig.guard import Guard
 from smarig.rig.plausibility import MAX_STALE_SAMPLES, Plausibility
 
@@ -68,7 +68,7 @@ def test_motion_without_heating_trips():
     assert twin.output_A == 0.0
 
 
-@pytest.mark.parametrize("lie", [LIES[0][1], LIES[1][1], LIES[4][1]])
+@pytest.mark.parametrize("lie", [LIES[0][1], LIES[2][1], LIES[4][1]])
 def test_one_or_two_samples_do_not_trip_and_stale_ones_do_not_count(lie):
     few = guarded(lambda s: lie(s) if 60 <= s.tick < 62 and lie is not LIES[4][1] else s)[0]
     stale = guarded(
@@ -137,3 +137,85 @@ def test_lost_samples_have_heated_the_wire_all_the_same():
     few = Guard(lying, lying.file.limits, Actuator.named(lying.file.actuator))
     heated(few, 10)
     assert few.input_K == pytest.approx(whole.input_K, rel=1e-3)
+
+
+# --- samples that contradict themselves -------------------------------------------------------------------------
+
+
+def marks_of(change, ticks, current_A=0.9):
+    """The ticks whose samples the guard marks as suspect, until it trips."""
+    guard, _ = guarded(change)
+    found = []
+    try:
+        for _ in range(ticks):
+            found += [s.tick for s, _ in guard.step(current_A) if s.quality & Quality.SUSPECT]
+    except LimitExceeded:
+        pass
+    return found
+
+
+@pytest.mark.parametrize(
+    "lie", [LIES[0][1], LIES[1][1], LIES[2][1]], ids=["read_back", "voltage", "resistance"]
+)
+def test_implausible_samples_are_marked_from_the_first_on(lie):
+    found = marks_of(lie, 200)
+    assert found[0] == 50
+    assert found in ([50, 51], [50, 51, 52])
+
+
+def test_the_sample_of_a_jump_is_marked():
+    assert marks_of(LIES[4][1], 100) == [60]
+
+
+@pytest.mark.parametrize("rig", ["one_wire_twin", "two_wire_twin"])
+def test_good_samples_are_not_marked(rig):
+    limits = load_rig(rig).limits
+    guard, _ = guarded(lambda s: s, rig)
+    for current_A in (limits.current_max_A, 0.0, limits.current_min_A, 0.06, 0.0):
+        for _ in range(400):
+            assert not any(s.quality & Quality.SUSPECT for s, _ in guard.step(current_A))
+
+
+@pytest.mark.parametrize(("factor", "trips"), [(0.7, False), (1.2, True), (-0.5, True)])
+def test_saturation_explains_too_little_current_and_never_more(factor, trips):
+    """The voltage follows the current, so that only the read-back can tell."""
+
+    def change(s):
+        flows = {"current_A": s.current_A * factor, "voltage_V": s.voltage_V * factor}
+        return s._replace(**flows, quality=int(Quality.SATURATED)) if s.tick > 50 else s
+
+    found = marks_of(change, 80)
+    assert bool(found) == trips
+
+
+# --- a thermometer on the wire ----------------------------------------------------------------------------------
+
+
+def thermometer(temperature_of):
+    """Samples with a measured wire temperature, from tick and heating model."""
+    model = JouleHeating(Actuator.named("gorbet_one_wire"), 0.1)
+
+    def change(s):
+        return s._replace(temperature_degC=s.ambient_degC + temperature_of(s.tick, model.step(s.current_A)))
+
+    return change
+
+
+def test_a_thermometer_that_follows_is_plausible():
+    guard, _ = guarded(thermometer(lambda _, predicted_K: 0.9 * predicted_K + 3.0))
+    heated(guard, 800)
+    assert guard.alarms() == []
+
+
+def test_a_thermometer_that_does_not_rise_trips():
+    guard, twin = guarded(thermometer(lambda _, __: 0.0))
+    with pytest.raises(LimitExceeded, match="measured at 0 K above ambient; its current gives"):
+        heated(guard, 800)
+    assert twin.output_A == 0.0
+
+
+def test_a_measured_temperature_above_the_limit_trips_at_once():
+    guard, twin = guarded(thermometer(lambda tick, predicted_K: 185.5 if tick == 300 else predicted_K))
+    with pytest.raises(LimitExceeded, match=r"207.5 °C is 185.5 K above ambient and exceeds the limit"):
+        heated(guard, 302)
+    assert (twin.tick, twin.output_A) == (300, 0.0)

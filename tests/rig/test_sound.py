@@ -17,6 +17,7 @@ def test_shipped_rigs_are_sound(name):
     [
         ('links.amplifier.driver = "smarig_amp"', "no driver 'smarig_amp'; did you mean smarig_amplifier?"),
         ('links.encoder_daq.url = ""', "links.encoder_daq.url is missing"),
+        ("links.amplifier.timeout_s = 0.5", "3 attempts take 1.5 s, longer than lease_s = 1"),
         ("lease_s = 5.0", "lease_s = 5 is outside 0.5…2 s"),
         ("protection.slew_max_A_per_s = 1.0", "is below limits.current_rate_A_per_s = 25"),
         ("protection.resistance_max_ohm = 3.0", "contain the wire's 4.5 … 5 ohm"),

@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 from smarig.core.lazy_exports import lazy_exports
 
 if TYPE_CHECKING:
+    from smarig.device.drivers._conversation import ATTEMPTS as ATTEMPTS
     from smarig.device.drivers._roles import CurrentReading as CurrentReading
     from smarig.device.drivers._roles import CurrentSource as CurrentSource
     from smarig.device.drivers._roles import PositionReading as PositionReading

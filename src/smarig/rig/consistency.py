@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 from smarig.config import LinksFile, ProtectionFile, RigFile
 from smarig.core import UsageError, catalogue_names, resolve_name, suggestion
-from smarig.device import load_register_map
+from smarig.device import ATTEMPTS, load_register_map
 from smarig.plant import Actuator
 
 DRIVERS = "smarig.device.drivers"
@@ -30,6 +30,12 @@ def _links(file: RigFile, links: LinksFile) -> Iterator[str]:
             yield f"links.{device}.driver: no driver '{driver}'{suggestion(driver, catalogue_names(DRIVERS))}."
         if not link.url and not simulated:
             yield f"links.{device}.url is missing. Give the port or address of the device."
+    tries_s = ATTEMPTS * links.amplifier.timeout_s
+    if file.simulator is None and tries_s > file.lease_s:
+        yield (
+            f"links.amplifier.timeout_s = {links.amplifier.timeout_s:g}: {ATTEMPTS} attempts take {tries_s:g} s, longer "
+            f"than lease_s = {file.lease_s:g}, so the amplifier would trip before a lost reply is repeated."
+        )
     if links.amplifier.driver == "smarig_amplifier":
         lease = load_register_map("amplifier")["lease"]
         low, high = (lease.value.decode(raw) for raw in lease.limits)
