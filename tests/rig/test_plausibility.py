@@ -219,3 +219,8 @@ def test_a_measured_temperature_above_the_limit_trips_at_once():
     with pytest.raises(LimitExceeded, match=r"207.5 °C is 185.5 K above ambient and exceeds the limit"):
         heated(guard, 302)
     assert (twin.tick, twin.output_A) == (300, 0.0)
+
+
+@pytest.mark.parametrize(("factor", "samples"), [(1.2, 3), (1.9, 2)])
+def test_a_gross_excess_trips_at_its_second_sample(factor, samples):
+    assert len(marks_of(from_tick(500, voltage_V=lambda x: factor * x), 600)) == samples
