@@ -45,12 +45,15 @@ static uint16_t random_word(void)
 static void plan(struct exchange *e, bool is_amp)
 {
     static const uint16_t at[] = {AMP_COMMAND_FIRST, AMP_COMMAND_FIRST, AMP_SETTINGS_FIRST, AMP_STATUS_FIRST};
-    static const uint16_t whole[] = {1, 2, 4, AMP_COMMAND_WORDS, DAQ_COMMAND_WORDS, AMP_SETTINGS_WORDS};
+    static const uint16_t whole[] = {
+        1, 2, 4, DAQ_COMMAND_WORDS, AMP_COMMAND_WORDS, AMP_COMMAND_WORDS, AMP_SETTINGS_WORDS,
+    };
+    enum { WHOLE = sizeof whole / sizeof whole[0] };
     memset(e, 0, sizeof *e);
     e->write_at = chance(8) ? at[chance(4)] : random_word();
-    e->write_count = chance(8) ? whole[chance(6)] : (uint16_t)chance(130);
+    e->write_count = chance(8) ? whole[chance(WHOLE)] : (uint16_t)chance(130);
     e->read_at = chance(4) ? at[chance(4)] : (uint16_t)chance(0x70);
-    e->read_count = chance(2) ? whole[chance(6)] : (uint16_t)chance(130);
+    e->read_count = chance(2) ? whole[chance(WHOLE)] : (uint16_t)chance(130);
     for (uint16_t i = 0; i < e->write_count && i < WRITE_MOST; i++)
         e->words[i] = i == 1 ? (uint16_t)chance(4) : random_word();
     if (e->write_at == AMP_COMMAND_FIRST && chance(16)) /* else hardly any command would be new */
@@ -67,7 +70,7 @@ static void plan(struct exchange *e, bool is_amp)
         words_put32(e->words + 4, chance(2100001));
         words_put32(e->words + 6, 1 + chance(1000000));
         words_put32(e->words + 10, 1 + chance(1000000));
-        words_put32(e->words + 12, UINT32_MAX - chance(1000));
+        words_put32(e->words + 12, chance(4) ? UINT32_MAX - chance(1000) : 1 + chance(1000));
         e->words[14] = (uint16_t)(100 + chance(1000));
     }
     if (chance(2)) /* few words of the ring, otherwise every write is refused */
@@ -202,11 +205,9 @@ static void tick(void)
     const struct encoder_daq_inputs counted = {extremes[chance(6)], (int16_t)random_word(), (uint16_t)chance(8)};
     for (uint32_t left = chance(8) ? 1 : 4; left--;) { /* some causes trip after three ticks in a row */
         ticks_with_current += pair.amp.output_uA != 0;
-        amplifier_tick(&pair.amp, &seen);
+        promised_tick(&pair, &seen, &counted);
         trips[pair.amp.trip]++;
-        encoder_daq_tick(&pair.daq, &counted);
         encoder_daq_now(&pair.daq, extremes[chance(6)]);
-        promised_safe(&pair);
     }
 }
 

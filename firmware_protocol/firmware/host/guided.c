@@ -63,9 +63,7 @@ static void tick(struct devices *pair, struct script *s, uint8_t how)
     const struct amplifier_inputs seen = {current_uA, next_word(s), (int16_t)next_word(s), how >> 6};
     const struct encoder_daq_inputs counted = {next_word(s), 2100, (uint16_t)(how >> 5)};
     for (int n = 1 + (how >> 4 & 1) * next(s); n--;) {
-        amplifier_tick(&pair->amp, &seen);
-        encoder_daq_tick(&pair->daq, &counted);
-        promised_safe(pair);
+        promised_tick(pair, &seen, &counted);
     }
     encoder_daq_now(&pair->daq, next_word(s));
 }

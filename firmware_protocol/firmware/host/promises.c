@@ -33,6 +33,32 @@ static int outcome(uint8_t framing, const uint8_t *reply, uint16_t n)
     return reply[0] == '!' ? reply[2] - '0' : 0;
 }
 
+/* The settings as they are, and a CRC that is theirs. */
+static void promised_settings(const struct amplifier *amp)
+{
+    uint8_t bytes[2 * AMP_SETTINGS_WORDS];
+    for (unsigned i = 0; i < AMP_SETTINGS_WORDS; i++) {
+        bytes[2 * i] = (uint8_t)(amp->settings[i] >> 8);
+        bytes[2 * i + 1] = (uint8_t)(amp->settings[i] & 0xFFu);
+    }
+    promise(amp->settings_crc == crc_modbus(bytes, sizeof bytes), "the CRC of the settings is not theirs");
+    promise(2ul * *AMPLIFIER_SETTING(amp, AMP_PERIOD) <= *AMPLIFIER_SETTING(amp, AMP_LEASE), "a tick is too long");
+}
+
+/* Between two moments: whoever was armed meanwhile was so by one order, which carried the nonce of before. */
+static void promised_arming(const struct amplifier *was, const struct amplifier *is, const uint8_t *rtu, uint16_t size)
+{
+    if (was->state == AMP_STATE_ARMED || is->state == AMP_STATE_OFF || (is->state == was->state && is->trip == was->trip))
+        return;
+    promise(is->orders == (uint16_t)(was->orders + 1), "an exchange is one order at most");
+    if (!rtu)
+        return;
+    promise(size > 6, "an order that arms is longer");
+    const uint8_t *nonce = rtu + size - 6; /* the last words before the check word */
+    promise((nonce[0] << 8 | nonce[1]) == was->boot_count && (nonce[2] << 8 | nonce[3]) == was->orders,
+            "armed without the nonce");
+}
+
 void promised_safe(const struct devices *pair)
 {
     const struct amplifier *amp = &pair->amp;
@@ -43,8 +69,19 @@ void promised_safe(const struct devices *pair)
     promise(armed || amp->output_uA == 0, "current flows though not armed");
     promise(amp->output_uA >= least && amp->output_uA <= most, "the output is outside its limits");
     promise(most <= AMPLIFIER_BOARD_MAX_uA && least >= -AMPLIFIER_BOARD_MAX_uA, "the settings exceed the board");
+    promised_settings(amp);
     promise((amp->trip != 0) == (amp->state == AMP_STATE_TRIPPED), "trip and state disagree");
     promise(amp->window.count <= AMP_RING_RECORDS && daq->window.count <= DAQ_RING_RECORDS, "a window is too large");
+}
+
+void promised_tick(struct devices *pair, const struct amplifier_inputs *seen, const struct encoder_daq_inputs *counted)
+{
+    const int32_t driven_uA = pair->amp.output_uA;
+    amplifier_tick(&pair->amp, seen);
+    encoder_daq_tick(&pair->daq, counted);
+    const uint16_t *record = pair->amp.ring[pair->amp.tick % AMPLIFIER_RING_SIZE];
+    promise(words_i32(record + 4) == driven_uA, "the ring has another output than the one that was ordered");
+    promised_safe(pair);
 }
 
 int promised_answer(struct devices *pair, bool is_amp, uint8_t framing, const uint8_t *bytes, uint16_t size)
@@ -63,6 +100,8 @@ int promised_answer(struct devices *pair, bool is_amp, uint8_t framing, const ui
     promise(n <= room, "a reply is too long");
     const int code = outcome(framing, reply, n);
     promise(!code || !memcmp(pair, &before, sizeof before), "a request that was not accepted changed something");
+    if (is_amp)
+        promised_arming(&before.amp, &pair->amp, framing == FRAMING_RTU ? request : NULL, size);
     promised_safe(pair);
     free(request);
     free(reply);
