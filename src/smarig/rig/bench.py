@@ -17,6 +17,7 @@ from smarig.rig.order_record import OrderRecord
 from smarig.rig.rig import Alarm
 
 CLOCK_CHECK_TICKS = 300  # ticks between two comparisons of both clocks
+CLOCK_READS = 4  # attempts to read both clocks within one tick; a bad line takes longer
 MAX_BLOCK_TICKS = 12  # largest number of samples of one request: one window of the amplifier
 MAX_TICK_GAP = 1_000_000  # a larger gap means wrong ticks, not a late host
 SENSOR_TIMEOUT_S = 2.0  # without a sample; after that the sensor counts as lost
@@ -49,7 +50,7 @@ class Bench:
         self._block = max(1, min(MAX_BLOCK_TICKS, lease - 1))  # ticks that may pass without a command
         self._clock, self._sleep = clock, sleep
         self.tick = sensor.tick()
-        self._offset = source.tick() - self.tick
+        self._offset = self._ticks_apart()
         self._next_clock_check = self.tick + CLOCK_CHECK_TICKS
         self._due_s = clock()
         self._command_A = 0.0
@@ -154,10 +155,18 @@ class Bench:
         self._orders.read_until(found[-1].tick)
         return found
 
+    def _ticks_apart(self) -> int:
+        """The source's tick minus the encoder's, both of one moment: a late reply would join different ticks."""
+        for _ in range(CLOCK_READS):
+            before, sensor, after = self.source.tick(), self.sensor.tick(), self.source.tick()
+            if before == after:
+                break
+        return after - sensor
+
     def _update_offset(self) -> None:
         """Adjust the offset when the clocks drift; one tick of difference comes from the two reads."""
         self._next_clock_check = self.tick + CLOCK_CHECK_TICKS
-        ahead = self.source.tick() - self.sensor.tick() - self._offset
+        ahead = self._ticks_apart() - self._offset
         if abs(ahead) > 1:
             self._offset += ahead - (1 if ahead > 0 else -1)
 
