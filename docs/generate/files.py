@@ -62,6 +62,7 @@ QUALITY = {
     "STALE": "the value is an older one",
     "SATURATED": "the amplifier was at its limit",
     "TRIPPED": "the device had switched itself off",
+    "SUSPECT": "the reading contradicts the order, the wire or another reading",
 }
 MODEL = """# Model file
 

@@ -33,7 +33,8 @@ def test_a_sound_bench_passes_every_check(name, tmp_path, capsys):
     [
         ('kind = "open_wire"\n', "rig"),
         ('kind = "stuck_encoder"\n', "encoder direction"),
-        ('kind = "drifting_shunt"\ngain_per_s = 0.02\n', "read-back"),
+        ('kind = "drifting_shunt"\ngain_per_s = 0.02\n', "rig"),
+        ('kind = "low_shunt"\nfactor = 1.2\n', "rig"),
     ],
 )
 def test_a_bench_that_is_not_fails_the_check_that_sees_it(fault, check, tmp_path, capsys):

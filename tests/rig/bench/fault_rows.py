@@ -134,6 +134,19 @@ READINGS = (
         phases={"zeroing": DONE, "end": DONE},
     ),
     Fault(
+        "low shunt",
+        "regulates a reading that is too low, so half again the current flows; the resistance is too large",
+        "compares voltage and current; whichever detects the fault first sets 0 A",
+        Outcome(
+            3,
+            "… Check shunt, amplifier and clamps. …|… Check clamps, wire and shunt; …|"
+            + TRIP.format("resistance"),
+        ),
+        on("low_shunt", AMPLIFIER, factor=1.5),
+        by_time=True,
+        phases={"zeroing": DONE, "end": DONE},
+    ),
+    Fault(
         "clock drift",
         "the encoder's clock is 1 % fast",
         "joins ticks by their times; marks the sample in which they diverge as stale",
@@ -164,7 +177,7 @@ WIRING = (
         "compares the hashes of the maps and does not start",
         Outcome(
             3,
-            "The amplifier at … has register map version 99, hash …; this smarig has version 2, "
+            "The amplifier at … has register map version 99, hash …; this smarig has version 3, "
             "hash …. Update smarig; firmware is built from firmware_protocol/.",
         ),
         wiring="other firmware",

@@ -72,11 +72,11 @@ class SmarigAmplifier:
 
     def _check_board(self, most: int) -> None:
         """Raise ConfigError if the rig file asks for more current than the board is built for."""
-        asked = max(self._settings["current_max"], -self._settings["current_min"])
-        if asked > most:
+        largest = max(self._settings["current_max"], -self._settings["current_min"])
+        if largest > most:
             raise ConfigError(
                 f"The {self.talk.name} is built for at most {self._current.decode(most):g} A; the rig file allows "
-                f"{self._current.decode(asked):g} A. Lower limits.current_max_A and current_min_A."
+                f"{self._current.decode(largest):g} A. Lower limits.current_max_A and current_min_A."
             )
 
     def set(self, current_A: float) -> int:
