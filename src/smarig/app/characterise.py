@@ -25,7 +25,7 @@ from smarig.identification import (
 )
 from smarig.plant import Actuator
 from smarig.protocols import with_loaded_protocols
-from smarig.record import Run, load_run
+from smarig.record import Run, check_not_recording, load_run
 from smarig.replay import Model
 from smarig.report import Evidence, characterisation_page, diagnosis_page, write_page
 from smarig.runner import Listener, Preview, Session, initialisation_spread, preview, run_or_resume
@@ -127,6 +127,8 @@ def _check_folder(out: Path, plan: CampaignFile, force: bool, go_on: bool) -> No
         out / "report.html",
         *(out / DIAGNOSIS / name for name in (DIAGNOSIS_JSON, DIAGNOSIS_PAGE, EXTENDED)),
     ]
+    for run_file in plan.run_files(out / "runs"):
+        check_not_recording(run_file)
     existing = [t for t in targets if t.exists()]
     if existing and not force:
         raise UsageError(

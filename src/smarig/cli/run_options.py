@@ -16,7 +16,7 @@ from smarig.cli.parameter_types import RIG, SEED, FiniteNumber
 from smarig.cli.progress import progress
 from smarig.core import RUN, Quality, UsageError, check_replaceable
 from smarig.plant import effects_from_arguments
-from smarig.record import Run
+from smarig.record import Run, check_not_recording
 from smarig.rig import TwinSettings
 from smarig.runner import Listener, Preview, Session
 
@@ -107,7 +107,8 @@ _OPTIONS = (
 
 
 def check_target(target: Path, *, force: bool, remedy: str = "") -> None:
-    """Raise UsageError if a file exists that the run must not replace."""
+    """Raise UsageError if a file exists that the run must not replace, InUse if it is being recorded."""
+    check_not_recording(target)
     if target.exists() and not force:
         raise UsageError(f"{target} exists. Give another name,{remedy} or --force to replace it.")
     check_replaceable(target, RUN)

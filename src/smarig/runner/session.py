@@ -17,10 +17,20 @@ from smarig.config import LimitsFile, RigFile, load_rig, rig_text
 from smarig.core import LimitExceeded, Protocol, Sample, SmarigError, StorageError, resolve_name
 from smarig.plant import Actuator
 from smarig.protocols import PROTOCOLS, Chooser, Setup, build_protocol
-from smarig.record import CONTINUED, ClockWatch, Recorder, Run, Wear, WireHistory, load_run, load_wire_history
+from smarig.record import (
+    CONTINUED,
+    ClockWatch,
+    Recorder,
+    Run,
+    Wear,
+    WireHistory,
+    load_run,
+    load_wire_history,
+    recording,
+)
 from smarig.rig import Guard, Plausibility, Rig, TwinSettings, open_rig
 from smarig.runner.listener import CallbackListener, Listener
-from smarig.runner.lock import wire_lock
+from smarig.runner.lock import rig_locks
 from smarig.runner.own_files import OWN_FILES, used_own_files
 from smarig.runner.preview import Preview, ProtocolFactory, preview
 from smarig.runner.restart_shift import Shift
@@ -65,8 +75,9 @@ class Session:
         self._open = ExitStack()
 
     def __enter__(self) -> Self:
-        self._open.enter_context(wire_lock(self.wire))
         try:
+            if self.settings.hysteresis is None:  # a model replaces the hardware
+                self._open.enter_context(rig_locks(self.file, self.wire))
             self._open.enter_context(stop_on_signals(self.control))
             self.rig: Rig = self._open.enter_context(
                 open_rig(
@@ -122,10 +133,11 @@ class Session:
         meta |= {CLOSED_LOOP: True} if protocol_factory else {}
         if before is not None:
             meta["wire_history"] = before.sentence()
-        recorder = Recorder(out, meta, force=force, clock=self.clock())
-        runner = self.runner([recorder, *listeners])
-        recorder.event(runner.t_s, "start", f"Run of {protocol} started.", epoch=time.time())
-        self.carry_out(recorder, runner, generator, new_run=True)
+        with recording(out):
+            recorder = Recorder(out, meta, force=force, clock=self.clock())
+            runner = self.runner([recorder, *listeners])
+            recorder.event(runner.t_s, "start", f"Run of {protocol} started.", epoch=time.time())
+            self.carry_out(recorder, runner, generator, new_run=True)
         return out
 
     def runner(self, listeners: Sequence[Listener], shift: Shift | None = None) -> Runner:
@@ -155,8 +167,8 @@ class Session:
         return ClockWatch(real_time=self.source == "bench")
 
     def history(self) -> WireHistory | None:
-        """The history of the wire; None for a simulation, which has no wire."""
-        if self.source == "simulation":
+        """The history of the wire; None if it does not outlive the session: twins and simulations."""
+        if self.source == "simulation" or not outlives_session(self.file):
             return None
         return load_wire_history(self.wire, twin=self.source == "twin")
 

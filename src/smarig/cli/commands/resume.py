@@ -13,7 +13,7 @@ from smarig.cli.parameter_types import FILE, PROTOCOL, RIG, FiniteNumber, own_ef
 from smarig.cli.progress import STREAMS, progress
 from smarig.cli.run_options import print_warnings, run_summary
 from smarig.core import UsageError
-from smarig.record import load_run
+from smarig.record import check_not_recording, load_run
 
 EPILOG = f"""{STREAMS}
 
@@ -59,6 +59,7 @@ def command(
     from smarig.identification import informed_choice
     from smarig.runner import preview, read_launch_args, resume_in, session_for
 
+    check_not_recording(run)
     before = load_run(run)
     if protocol not in ("", before.info.protocol):
         raise UsageError(f"{run.name} is a run of protocol '{before.info.protocol}', not of '{protocol}'.")
