@@ -142,5 +142,6 @@ def run_summary(run: Run) -> dict:
         "void": sum(s.void for s in run.steps),
         "timed_out": sum(s.verdict == "timed_out" for s in run.steps),
         "warnings": run_warnings(run),
+        "severity": run.severity,
         "cause": run.cause,
     }

@@ -55,6 +55,9 @@ if TYPE_CHECKING:
     from smarig.core.sample import NAN as NAN
     from smarig.core.sample import Quality as Quality
     from smarig.core.sample import Sample as Sample
+    from smarig.core.severity import Severity as Severity
+    from smarig.core.severity import highest_severity as highest_severity
+    from smarig.core.severity import severity_of as severity_of
     from smarig.core.stored_number import stored_number as stored_number
     from smarig.core.toml_file import Number as Number
     from smarig.core.toml_file import TomlTable as TomlTable

@@ -29,6 +29,7 @@ from smarig.record import (
     recording,
 )
 from smarig.rig import Guard, Plausibility, Rig, TwinSettings, open_rig
+from smarig.runner.end_severity import end_severity
 from smarig.runner.listener import CallbackListener, Listener
 from smarig.runner.lock import rig_locks
 from smarig.runner.own_files import OWN_FILES, used_own_files
@@ -150,17 +151,17 @@ class Session:
 
     def carry_out(self, recorder: Recorder, runner: Runner, protocol: Protocol, *, new_run: bool) -> None:
         """Run to the end, however it ends, and close the record with its cause."""
-        cause = "done"
+        cause, severity = "done", end_severity(None)
         try:
             runner.run(protocol)
         except BaseException as error:
-            cause = cause_of(error)
+            cause, severity = cause_of(error), end_severity(error)
             raise
         finally:
             recorder.describe("encoder_zero", self._zero)
             recorder.describe("shift", asdict(runner.shift))
             self._save_history(recorder, runner.t_s, new_run)
-            recorder.close(cause, t_s=runner.t_s)
+            recorder.close(cause, t_s=runner.t_s, severity=severity)
 
     def clock(self) -> ClockWatch:
         """The clock comparison for recorders; the seconds of hardware are host seconds."""
