@@ -140,6 +140,8 @@ class _ResumeExecution:
         runner = session.runner([record, *self.listeners], plan.shift)
         runner.steps_done = first
         self._record_resumption(recorder, runner.t_s, first)
+        for listener in self.listeners:
+            listener.event(runner.t_s, "resumed", plan.sentence())
         first_tick = session.rig.tick + plan.shift.ticks + 1
 
         def on_reference(result: StepResult) -> None:
