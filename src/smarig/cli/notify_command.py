@@ -11,7 +11,7 @@ import shlex
 import shutil
 import signal
 import subprocess
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from smarig.core import Severity, UsageError
 
@@ -75,16 +75,15 @@ class NotifyCommand:
     def deliver(self, message: Notification) -> str:
         """Run the command with a message. Returns why it failed, "" if it did not."""
         self._stopped = False
-        options: dict[str, Any] = {"start_new_session": True} if os.name != "nt" else {}
         try:
-            process: subprocess.Popen[bytes] = subprocess.Popen(
+            process = subprocess.Popen(
                 self._line,
                 shell=self.uses_shell,  # the user wrote this command line
                 env={**os.environ, **message.variables()},
                 stdin=subprocess.PIPE,
                 stdout=subprocess.DEVNULL,  # stdout is for results
                 stderr=subprocess.DEVNULL,
-                **options,
+                start_new_session=os.name != "nt",  # so that all that it starts can be ended
             )
         except OSError as error:
             return str(error.strerror or error)
