@@ -21,10 +21,12 @@ everything else to stderr ([JSON](json_objects.md)).
 | 2 | usage or configuration error |
 | 3 | the rig tripped, refused, or could not be reached |
 | 4 | data error, or a file that cannot be written |
+| 5 | another process uses the wire, a line of the rig, or the run file |
 | 130 | interrupted; the rig is safe |
 
-`SMARIG_LOCK_DIR` names the folder of the locks of wires in use (else each user has one; users who share a rig give the
-same folder), `SMARIG_HISTORY_DIR` the folder of the wires' histories.
+`SMARIG_LOCK_DIR` names the folder of the locks of wires, lines and run files in use (else each user has one; users who
+share a rig give the same folder), `SMARIG_HISTORY_DIR` the folder of the wires' histories. A twin locks no wire and has
+no history.
 """
 
 

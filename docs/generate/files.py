@@ -98,7 +98,8 @@ def _run_file() -> str:
     lead = {
         "sample": "One row a tick. A channel that was not measured is NULL.",
         "step": "One row a step of the protocol.",
-        "event": "What happened, with a sentence.",
+        "event": "What happened, with a sentence. The level implies a severity (none, minor, major); another one is in "
+        "`data` under `severity`, and that may be `invalid`: values are missing, or cannot be trusted.",
     }
     for name, comments_by_name in columns().items():
         rows = [(code(c), kind, unit_of(c), plain(comments_by_name.get(c, ""))) for c, kind in _created(name)]

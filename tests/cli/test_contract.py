@@ -133,6 +133,35 @@ def test_errors_are_json_too(capsys):
     assert json.loads(out)["exit_status"] == status == 2
 
 
+def test_what_is_in_use_is_exit_status_5(capsys, tmp_path):
+    """Whatever is asked of a run file that somebody records: one sentence, the same status, and nothing changed."""
+    out = tmp_path / "v.run.sqlite"
+    arguments = ["run", "validation", "--rig", "one_wire_twin", "-o", out, "--set", "points=2"]
+    assert call(capsys, *arguments)[0] == 0
+    before = out.read_bytes()
+    code = "import sys; from pathlib import Path; from smarig.record import recording\n"
+    code += "with recording(Path(sys.argv[1])): print('held', flush=True); sys.stdin.read()"
+    pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE}
+    with subprocess.Popen([sys.executable, "-c", code, str(out)], **pipes) as holder:
+        holder.stdout.readline()
+        table = tmp_path / "t.csv"
+        table.write_text("time_s,current_A,position_mm\n" + "".join(f"{k},0.1,{k / 10}\n" for k in range(20)))
+        for command in (
+            arguments,
+            [*arguments, "--force"],
+            ["resume", out],
+            ["import", table, "--format", "csv", "-o", out, "--force"],
+        ):
+            status, _, err = call(capsys, *command)
+            assert status == 5, err
+            assert f"v.run.sqlite is being recorded by process {holder.pid} since " in err
+            assert err.strip().count("\n") == 0
+        status, text, _ = call(capsys, "resume", out, "--json")
+        assert json.loads(text)["exit_status"] == status == 5
+        holder.stdin.close()
+    assert out.read_bytes() == before
+
+
 def test_existing_runs_are_not_overwritten(capsys, tmp_path):
     out = tmp_path / "v.run.sqlite"
     arguments = ["run", "validation", "--rig", "one_wire_twin", "-o", out, "--set", "points=2"]

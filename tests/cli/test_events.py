@@ -109,7 +109,7 @@ def test_events_that_repeat_are_counted_not_repeated():
         listener.event(60.0, "retried", "Asked again.", level="warning")
 
     lines = spoken(LogLines, happen)
-    assert sum("WARNING retried: Asked again." in line for line in lines) == 2
+    assert sum("MINOR retried: Asked again." in line for line in lines) == 2
     assert sum("499 more 'retried'" in line for line in lines) == 1
     assert len(lines) == 6
     assert len(spoken(JsonLogLines, happen)) == 505
@@ -131,6 +131,22 @@ def test_a_fault_ends_the_lines_with_its_sentence():
     with os.fdopen(read, encoding="utf-8") as lines:
         last = json.loads(lines.read().splitlines()[-1])["event"]
     assert (last["kind"], last["level"], last["text"]) == ("end", "error", "Run ended: Too hot.")
+    assert (last["severity"], last["data"]["highest_severity"]) == ("major", "major")
+
+
+def test_every_event_has_its_severity():
+    def happen(listener):
+        listener.event(1.0, "mark", "Here.")
+        listener.event(2.0, "lost", "3 samples were lost.", level="warning")
+        listener.event(3.0, "history", "Not kept.", level="warning")
+
+    events = [json.loads(line)["event"] for line in spoken(JsonLogLines, happen)]
+    assert [e["severity"] for e in events] == ["none", "none", "invalid", "minor", "none"]
+    assert events[-1]["data"]["highest_severity"] == "invalid"
+    assert json.loads(dropped_lines_json(3))["event"]["severity"] == "minor", "the record lacks nothing"
+    lines = spoken(LogLines, happen)
+    assert any("INVALID lost: 3 samples" in line for line in lines)
+    assert lines[-1].endswith("highest severity invalid: v.run.sqlite")
 
 
 def test_nan_is_null_in_json_lines():

@@ -13,7 +13,7 @@ import pytest
 
 from smarig.cli import run
 from smarig.config import load_rig
-from smarig.core.errors import LimitExceeded, UsageError
+from smarig.core.errors import InUse, LimitExceeded, UsageError
 from smarig.plant.actuator import Actuator
 from smarig.rig.guard import Guard
 from smarig.rig.paced_rig import PacedRig
@@ -108,8 +108,9 @@ def test_a_run_being_recorded_is_not_replaced(tmp_path):
     finally:
         first.send_signal(signal.SIGTERM)
         first.communicate(timeout=60)
-    assert second.returncode == 2
-    assert "is recording" in second.stderr
+    assert second.returncode == 5
+    assert f"is being recorded by process {first.pid} since" in second.stderr
+    assert "(smarig run validation). Wait until it has ended" in second.stderr
     assert first.returncode == 130
 
 
@@ -242,10 +243,11 @@ def test_a_tampered_model_is_a_data_error(capsys, tmp_path):
     assert call(capsys, "verify", model, fod)[0] == 4
 
 
-def test_locks_that_cannot_be_created_are_reported(monkeypatch):
+def test_locks_that_cannot_be_created_are_reported(monkeypatch, tmp_path):
     monkeypatch.setenv("SMARIG_LOCK_DIR", os.devnull)
-    with pytest.raises(UsageError, match="SMARIG_LOCK_DIR"), Session("one_wire_twin"):
-        pass
+    with Session("one_wire_twin") as session, pytest.raises(UsageError, match="SMARIG_LOCK_DIR"):
+        session.run("validation", {"points": "2"}, tmp_path / "a.run.sqlite")
+    assert not list(tmp_path.iterdir())
 
 
 def test_a_preview_can_be_interrupted():
@@ -280,7 +282,7 @@ def test_an_import_does_not_replace_a_run_being_recorded_either(tmp_path):
     try:
         while process.poll() is None and not recording(out):
             pass
-        with pytest.raises(UsageError, match="is recording"):
+        with pytest.raises(InUse, match=f"being recorded by process {process.pid} since"):
             write_run(out, {}, {"tick": [0]}, [], force=True)
     finally:
         process.send_signal(signal.SIGTERM)

@@ -115,14 +115,35 @@ def test_a_trip_is_a_sign_and_a_word_and_the_step_it_came_in():
     assert text.count("So") == 20
     assert "2 of 21" in text
     assert "s stops safely" not in text
-    assert summary(status).plain == "✖ TRIP validation (BENCH): 1 of 21 steps in 0:00:01: v.run.sqlite"
+    line = "✖ TRIP validation (BENCH): 1 of 21 steps in 0:00:01, highest severity major: v.run.sqlite"
+    assert summary(status).plain == line
 
 
 def test_a_warning_is_a_sign_and_a_word_too():
     status = fed([264] * 10)
     status.event(61.0, "history", "Not kept.", level="warning")
-    assert "▲ WARNING 0:00:01 history: Not kept." in shown(status)
+    assert "▲ MINOR 0:00:01 history: Not kept." in shown(status)
     assert "running" in shown(status)
+
+
+def test_the_highest_severity_stays_while_lesser_events_come_and_go():
+    status = fed([264] * 10)
+    assert "severity" not in shown(status)
+    status.event(61.0, "lost", "3 samples were lost.", level="warning")
+    status.event(62.0, "history", "Not kept.", level="warning")
+    status.event(63.0, "mark", "branch 3")
+    assert "running   highest severity ◆ INVALID" in shown(status)
+    assert "running   highest severity ? INVALID" in shown(status, plain=True)
+    assert "0:00:03 mark: branch 3" in shown(status)
+    status.end(None)
+    assert summary(status).plain.endswith(", highest severity invalid: v.run.sqlite")
+
+
+def test_a_lost_device_is_invalid_and_a_stop_is_minor():
+    for error, severity in ((Silent("Nobody answers."), "invalid"), (Interrupted("enough"), "minor")):
+        status = fed([264] * 10)
+        status.end(error)
+        assert f", highest severity {severity}: " in summary(status).plain
 
 
 @pytest.mark.parametrize(

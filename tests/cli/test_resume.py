@@ -3,6 +3,7 @@
 import json
 import os
 import select
+import sqlite3
 import subprocess
 import sys
 import time
@@ -14,7 +15,7 @@ import smarig
 from runner.interrupted import cut
 from smarig.cli import run as cli
 from smarig.cli.panel.keyboard import press
-from smarig.record import load_run
+from smarig.record import WireHistory, load_run
 from smarig.runner.run_control import RunControl
 
 PATIENCE_S = 120.0  # ends a test that has failed
@@ -74,18 +75,27 @@ def test_an_imported_run_is_refused(capsys, tmp_path):
 
 
 def test_reports_and_exports_read_a_resumed_run(capsys, tmp_path, killed):
+    with sqlite3.connect(killed) as db:  # of a wire that outlives its runs
+        db.execute("INSERT INTO run VALUES ('wire_history', '\"3 runs\"')")
+    db.close()
     assert call(capsys, "resume", killed)[0] == 0
     assert call(capsys, "report", killed, "-o", tmp_path / "r.html")[0] == 0
     page = (tmp_path / "r.html").read_text(encoding="utf-8")
     assert "re-establish" in page
     assert "Wire before this run" in page
+    assert "3 runs" in page
     assert call(capsys, "export", killed, "--to", "csv", "-o", tmp_path / "r.csv")[0] == 0
 
 
-def test_wires_are_listed(capsys, killed):
+def test_wires_are_listed(capsys, tmp_path, monkeypatch):
+    monkeypatch.setenv("SMARIG_HISTORY_DIR", str(tmp_path))
+    WireHistory("A7", runs=2, cycles=20, largest_input_K=174.0).save()
+    WireHistory("old", twin=True, runs=1).save()
     status, out, _ = call(capsys, "list", "wires", "--json")
     assert status == 0
-    assert "K above ambient" in json.loads(out)["wires"]["twin-one-wire (twin)"]
+    listed = json.loads(out)["wires"]
+    assert list(listed) == ["A7", "old (twin)"]
+    assert listed["A7"].startswith("2 runs, 20 cycles, ")
 
 
 # --- --notify --------------------------------------------------------------------------------------------------

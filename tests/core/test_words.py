@@ -10,7 +10,7 @@ from smarig.core.errors import UsageError
 
 
 def test_exit_statuses_are_the_contract():
-    """Design §4.1: 2 usage or configuration, 3 rig, 4 data, 130 interrupted."""
+    """Design §4.1: 2 usage or configuration, 3 rig, 4 data, 5 in use, 130 interrupted."""
     status = {
         errors.UsageError: 2,
         errors.ConfigError: 2,
@@ -19,6 +19,7 @@ def test_exit_statuses_are_the_contract():
         errors.LeaseExpired: 3,
         errors.DataError: 4,
         errors.StorageError: 4,
+        errors.InUse: 5,
         errors.Interrupted: 130,
     }
     assert {kind: kind("x").exit_status for kind in status} == status

@@ -114,6 +114,8 @@ def same_rows(got, kept):
                 assert np.isnan(row[name])
             else:
                 assert row[name] == value, name
+        if hasattr(was, "severity"):
+            assert row["severity"] == was.severity
 
 
 def test_these_runs_are_worth_exporting(runs):
@@ -291,6 +293,7 @@ def test_parquet_in_pyarrow_and_pandas(run, tmp_path):
     steps, events = (json.loads(facts[f"smarig.{name}"]) for name in ("steps", "events"))
     assert steps == [{k: getattr(s, k) for k in s.__dataclass_fields__} for s in run.steps]
     assert [e["text"] for e in events] == [e.text for e in run.events]
+    assert [e["severity"] for e in events] == [e.severity for e in run.events]
     pandas = pytest.importorskip("pandas")
     frame = pandas.read_parquet(path)
     for name, values in measured(run).items():

@@ -28,15 +28,17 @@ ADDED = {
     "remaining",
     "repairs",
     "rows",
+    "severity",
     "suspects",
 }  # keys that came later, on purpose
+ENDED = {"wire_history", "history_until_tick"}  # keys that runs of twins no longer have, on purpose
 
 
 def differences(before: Any, now: Any, where: str, *, exact: bool) -> Iterator[str]:
     """One sentence for each."""
     if isinstance(before, dict) and isinstance(now, dict):
         for key in sorted({*before, *now}):
-            if key in ADDED and key not in before:
+            if key in ENDED or (key in ADDED and key not in before):
                 continue
             if key not in now or key not in before:
                 yield f"{where}.{key}: {'is gone' if key in before else 'is new'}"

@@ -4,6 +4,7 @@ import threading
 
 from smarig.core.command import StepResult, StepVerdict
 from smarig.core.sample import NAN, Sample
+from smarig.core.severity import Severity
 from smarig.live.draw_queue import DrawQueue
 from smarig.live.live_items import EventItem, QueueListener, SampleItem, StepItem
 
@@ -107,5 +108,5 @@ def test_the_listener_queues_what_it_receives():
     assert items == [
         SampleItem(s, 4, 20.0),
         StepItem(0.1, 0.3, 4, "settled", "heating", 20.0, 0.5),
-        EventItem(0.3, "warning", "mark", "a word"),
+        EventItem(0.3, "warning", "mark", "a word", Severity.MINOR),
     ]

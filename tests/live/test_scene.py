@@ -8,6 +8,7 @@ import pytest
 
 from live.made import RecordingOutput, planned_run_info
 from smarig.core.sample import Sample
+from smarig.core.severity import Severity
 from smarig.live import colours
 from smarig.live.display_info import run_display_info
 from smarig.live.live_items import EventItem, SampleItem
@@ -204,12 +205,12 @@ def test_lanes_show_steps_and_how_they_ended(one_wire):
     assert ended == [(s.t_start_s, s.verdict) for s in one_wire.steps]
 
 
-def test_events_are_shown_with_their_levels(one_wire):
+def test_events_are_shown_with_their_severities(one_wire):
     screen = RecordingOutput()
     scene_renderer = SceneRenderer(run_display_info(one_wire), screen.show)
-    scene_renderer.draw([EventItem(1.0, "error", "trip", "too hot")])
+    scene_renderer.draw([EventItem(1.0, "error", "trip", "too hot", Severity.MAJOR)])
     (log_lines,) = [m for m in screen.primitives if isinstance(m, TextLog)]
-    assert (log_lines.texts, log_lines.levels) == (("trip: too hot",), ("error",))
+    assert (log_lines.texts, log_lines.severities) == (("trip: too hot",), (Severity.MAJOR,))
     (lane,) = [m for m in screen.primitives if isinstance(m, StateLane)]
     assert lane.states == ("trouble",)
 
@@ -245,7 +246,7 @@ def test_a_zeroed_encoder_does_not_look_like_a_wrong_model():
     )
     before = [ticked(k, 10.0, 0.0) for k in range(60)]
     after = [ticked(k, 10.0, 5.0) for k in range(60, 120)]
-    scene_renderer.draw([*before, EventItem(6.0, "info", "zero", "Encoder zeroed."), *after])
+    scene_renderer.draw([*before, EventItem(6.0, "info", "zero", "Encoder zeroed.", Severity.NONE), *after])
     assert np.abs(column(screen, "residual")[1]).max() < 1e-12
 
 

@@ -16,11 +16,10 @@ from pathlib import Path
 import pytest
 
 import smarig
-from smarig.core.errors import Interrupted, RigFault, StorageError
+from smarig.core.errors import Interrupted, StorageError
 from smarig.record import recorder as recorder_module
 from smarig.runner import signal_handling
 from smarig.runner.listener import CallbackListener
-from smarig.runner.lock import wire_lock
 from smarig.runner.run_control import RunControl
 from smarig.runner.session import Session
 
@@ -255,23 +254,6 @@ def test_an_exception_in_a_listener_closes_the_run_with_its_cause(tmp_path):
     assert run.cause == "failed: ZeroDivisionError: viewer bug"
     assert len(run) == 50
     assert session.rig.output_A == 0.0
-
-
-def test_one_runner_per_wire():
-    with wire_lock("w"), pytest.raises(RigFault, match=rf"in use by process {os.getpid()}"), wire_lock("w"):
-        pytest.fail("two runners on one wire")
-    with wire_lock("w"):
-        pass
-
-
-def test_a_second_run_on_the_wire_is_refused_with_status_3(tmp_path):
-    out = tmp_path / "a.run.sqlite"
-    with Session("one_wire_twin"):
-        process = start(out)
-        _, stderr = process.communicate(timeout=60)
-    assert process.returncode == 3
-    assert "in use" in stderr
-    assert not out.exists()
 
 
 def test_a_disk_that_fails_at_the_very_end_is_not_passed_over(tmp_path, monkeypatch):

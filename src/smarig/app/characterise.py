@@ -25,10 +25,18 @@ from smarig.identification import (
 )
 from smarig.plant import Actuator
 from smarig.protocols import with_loaded_protocols
-from smarig.record import Run, load_run
+from smarig.record import Run, check_not_recording, load_run
 from smarig.replay import Model
 from smarig.report import Evidence, characterisation_page, diagnosis_page, write_page
-from smarig.runner import Listener, Preview, Session, initialisation_spread, preview, run_or_resume
+from smarig.runner import (
+    Listener,
+    Preview,
+    RunControl,
+    Session,
+    initialisation_spread,
+    preview,
+    run_or_resume,
+)
 
 DIAGNOSIS = "diagnosis"  # name of its folder
 ListenerFactory = Callable[[Preview], AbstractContextManager[Listener | None]]
@@ -70,6 +78,7 @@ def characterise(
     wire: str = "",
     force: bool = False,
     go_on: bool = False,
+    control: RunControl | None = None,
     listener_factory: ListenerFactory | None = None,
     progress: Callable[[str], None] | None = None,
 ) -> Characterisation:
@@ -94,6 +103,7 @@ def characterise(
         seed=seed,
         wire=wire,
         force=force,
+        control=control,
         listener_factory=listener_factory or (lambda _: nullcontext()),
     )
     evidence = _analyse(
@@ -127,6 +137,8 @@ def _check_folder(out: Path, plan: CampaignFile, force: bool, go_on: bool) -> No
         out / "report.html",
         *(out / DIAGNOSIS / name for name in (DIAGNOSIS_JSON, DIAGNOSIS_PAGE, EXTENDED)),
     ]
+    for run_file in plan.run_files(out / "runs"):
+        check_not_recording(run_file)
     existing = [t for t in targets if t.exists()]
     if existing and not force:
         raise UsageError(
@@ -141,12 +153,13 @@ def _run_all(
     seed: int,
     wire: str,
     force: bool,
+    control: RunControl | None,
     listener_factory: ListenerFactory,
 ) -> dict[str, Run]:
     file = load_rig(rig)
     costs = [preview(step.protocol, file, step.set) for step in plan.step]  # before any current flows
     runs = {}
-    with Session(rig, seed=seed, wire=wire) as session:
+    with Session(rig, seed=seed, wire=wire, control=control) as session:
         for step, cost, target in zip(plan.step, costs, plan.run_files(out / "runs"), strict=True):
             with listener_factory(cost) as listener:
                 run_or_resume(

@@ -45,7 +45,7 @@ def cli() -> None:
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
-    """Run a command and exit with its status (0, 2, 3, 4 or 130; 1 for an internal error)."""
+    """Run a command and exit with its status (0, 2, 3, 4, 5 or 130; 1 for an internal error)."""
     status = run(arguments)
     for number in _signals("SIGINT", "SIGTERM", "SIGHUP"):  # the command is finished and its status is final
         with contextlib.suppress(ValueError):

@@ -1,80 +1,119 @@
-"""``--notify COMMAND``: run a shell command when a run has ended, for any cause.
+"""``--notify COMMAND``: run a command for alarms, stalls and recoveries during a run, and at its end for any cause."""
 
-A notification that fails is reported and has no other consequence.
-"""
-
-import os
-import subprocess
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from pathlib import Path
+from typing import Any, NamedTuple
 
 import click
 
+from smarig.cli.notifier import NotificationListener, Notifier, Subject, message_of, report_to
+from smarig.cli.notify_command import Notification, NotifyCommand
 from smarig.cli.output import show_message
-from smarig.core import Interrupted, SmarigError
+from smarig.cli.panel.run_status import PanelRunInfo
+from smarig.core import Interrupted, Severity, SmarigError, highest_severity
+from smarig.runner import Listener, RunControl, end_severity
 
-_COMMAND_TIMEOUT_S = 60.0
 
-notify_option: Callable = click.option(
-    "--notify",
-    default="",
-    metavar="COMMAND",
-    help="Shell command to run at the end or after a trip; $SMARIG_RUN, $SMARIG_CAUSE and $SMARIG_STATUS are set.",
+class NotifyOptions(NamedTuple):
+    """The values of the options: a command, or "", and the least severity of the events that it reports."""
+
+    command: str
+    least: str = Severity.MAJOR
+
+
+def notify_option(command: Callable) -> Callable:
+    """Add ``--notify`` and ``--notify-level`` to a command and pass them as one argument ``notify``."""
+
+    def gathered(*args: Any, notify: str, notify_level: str, **rest: Any) -> Any:
+        return command(*args, notify=NotifyOptions(notify, notify_level), **rest)
+
+    gathered.__doc__, gathered.__name__ = command.__doc__, command.__name__
+    gathered.__click_params__ = getattr(command, "__click_params__", [])  # type: ignore[attr-defined]
+    for option in _OPTIONS:
+        gathered = option(gathered)
+    return gathered
+
+
+_OPTIONS = (
+    click.option(
+        "--notify-level",
+        type=click.Choice([str(s) for s in Severity if s != Severity.NONE]),
+        default=str(Severity.MAJOR),
+        show_default=True,
+        help="Least severity of the events that --notify reports during a run.",
+    ),
+    click.option(
+        "--notify",
+        default="",
+        metavar="COMMAND",
+        help="Command to run at alarms, stalls, recoveries and the end, with a JSON object on its stdin; $SMARIG_TEXT, "
+        "$SMARIG_SEVERITY, $SMARIG_KIND, $SMARIG_RUN, $SMARIG_CAUSE and $SMARIG_STATUS are set.",
+    ),
 )
 
 
-class NotificationTarget:
-    """The run that the notification names. The caller sets ``run`` for each run."""
+class Watch:
+    """What the runs of a command report. ``subject`` is the present run, or the command before its first."""
 
-    def __init__(self, run: Path | None) -> None:
-        self.run = run
+    def __init__(self, subject: Subject, notifier: Notifier | None, least: Severity) -> None:
+        self.subject, self._notifier, self._least = subject, notifier, least
+        self._listeners: list[NotificationListener] = []
+
+    def listeners(self, run: PanelRunInfo) -> list[Listener]:
+        """The listener of a run that starts: one, or none without ``--notify``."""
+        self.subject = Subject(run.wire, run.rig, run.protocol, str(run.out), run.unit)
+        if self._notifier is None:
+            return []
+        self._listeners.append(NotificationListener(self._notifier, self.subject, self._least))
+        return [self._listeners[-1]]
+
+    def end_message(self, error: BaseException | None) -> Notification:
+        """The message at the end of the command."""
+        cause, status = _outcome(error)
+        noted = highest_severity(listener.highest for listener in self._listeners)
+        remark = "" if noted == Severity.NONE else f" Highest severity before: {noted}."
+        what = f"Run of {self.subject.protocol}" if self.subject.protocol else "The command"
+        text = f"{what} ended: {cause.rstrip('.')}.{remark}"
+        message = message_of(self.subject, "end", end_severity(error), text)
+        return message._replace(cause=cause, exit_status=status)
 
 
 @contextmanager
-def notified(command: str, run: Path | None = None) -> Iterator[NotificationTarget]:
-    """Run the command after the body, with the cause and the exit status of the body."""
-    notification = NotificationTarget(run)
+def notified(options: NotifyOptions, control: RunControl, subject: Subject) -> Iterator[Watch]:
+    """Run the command for what the body reports, and after the body with its cause and exit status."""
+    if not options.command:
+        yield Watch(subject, None, Severity.MAJOR)
+        return
+    command = NotifyCommand(options.command)
+    if command.missing:
+        show_message(f"Warning: --notify: there is no command '{command.text}'. The run starts nevertheless.")
+    notifier = Notifier(command, report_to(control))
+    watch = Watch(subject, notifier, Severity(options.least))
     try:
-        yield notification
+        yield watch
     except BaseException as error:
-        _notify(command, notification, *_outcome(error))
+        _end(notifier, watch.end_message(error))
         raise
-    _notify(command, notification, "done", 0)
+    _end(notifier, watch.end_message(None))
 
 
-def _outcome(error: BaseException) -> tuple[str, int]:
+def _end(notifier: Notifier, message: Notification) -> None:
+    """Deliver what waits, then the end; print what failed."""
+    notifier.close()
+    notifier.deliver(message)
+    failures, name = notifier.failures, notifier.command.text
+    if failures:
+        often = f" {len(failures)} times; the last time" if len(failures) > 1 else ""
+        show_message(f"--notify: '{name}' failed{often}: {failures[-1]}.")
+    if notifier.undelivered:
+        show_message(f"--notify: '{name}' was too slow: {notifier.undelivered} messages were dropped.")
+
+
+def _outcome(error: BaseException | None) -> tuple[str, int]:
+    if error is None:
+        return "done", 0
     if isinstance(error, SmarigError):
         return str(error), error.exit_status
     if isinstance(error, KeyboardInterrupt):
         return "interrupted by the keyboard", Interrupted.exit_status
     return f"{type(error).__name__}: {error}", 1
-
-
-def _notify(command: str, notification: NotificationTarget, cause: str, status: int) -> None:
-    """Run the command. Values in environment variables need no quoting, since no shell parses them."""
-    if not command:
-        return
-    variables = {
-        "SMARIG_RUN": str(notification.run or ""),
-        "SMARIG_CAUSE": cause,
-        "SMARIG_STATUS": str(status),
-    }
-    try:
-        done = subprocess.run(
-            command,
-            shell=True,  # the user wrote this command line
-            env={**os.environ, **{key: value.replace("\0", "") for key, value in variables.items()}},
-            stdin=subprocess.DEVNULL,
-            stdout=subprocess.DEVNULL,  # stdout is for results
-            stderr=subprocess.DEVNULL,
-            timeout=_COMMAND_TIMEOUT_S,
-            check=False,
-        )
-        failure = f"exit status {done.returncode}" if done.returncode else ""
-    except subprocess.TimeoutExpired:
-        failure = f"it took longer than {_COMMAND_TIMEOUT_S:g} s"
-    except OSError as error:
-        failure = str(error.strerror or error)
-    if failure:
-        show_message(f"--notify: '{command}' failed: {failure}.")

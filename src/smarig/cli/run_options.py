@@ -8,7 +8,8 @@ from typing import Any, NamedTuple
 import click
 
 from smarig.cli.live_options import LiveOptions, live_options, live_view, with_watchers
-from smarig.cli.notify import notified, notify_option
+from smarig.cli.notifier import Subject
+from smarig.cli.notify import NotifyOptions, notified, notify_option
 from smarig.cli.output import show_message
 from smarig.cli.panel.keyboard import keys
 from smarig.cli.panel.run_status import run_info
@@ -16,7 +17,7 @@ from smarig.cli.parameter_types import RIG, SEED, FiniteNumber
 from smarig.cli.progress import progress
 from smarig.core import RUN, Quality, UsageError, check_replaceable
 from smarig.plant import effects_from_arguments
-from smarig.record import Run
+from smarig.record import Run, check_not_recording
 from smarig.rig import TwinSettings
 from smarig.runner import Listener, Preview, Session
 
@@ -35,7 +36,7 @@ class RunOptions(NamedTuple):
     dry_run: bool
     force: bool
     quiet: bool
-    notify: str
+    notify: NotifyOptions
     live: LiveOptions
 
     def session(self) -> Session:
@@ -49,20 +50,20 @@ class RunOptions(NamedTuple):
     ) -> Iterator[DisplayFactory]:
         """Open the session, the keys and the live view. Yields a function that opens the display of one run."""
         title = f"{what} on {session.file.name}"
+        subject = Subject(session.wire, session.file.name, "", "")
         live_context = live_view(self.live, session.file, session.source, settings, title)
         with (
             live_context as watchers,
-            notified(self.notify) as notification,
+            notified(self.notify, session.control, subject) as watch,
             session,
             keys(session.control) as listening,
         ):
 
             def display(target: Path, cost: Preview, place: str = "") -> AbstractContextManager[Listener]:
-                notification.run = target
                 wire, source = session.wire, session.source
-                subject = run_info(session.file, cost, target, wire=wire, source=source, place=place)
-                run_display = progress(subject, session.control, quiet=self.quiet, keys=listening)
-                return with_watchers(run_display, watchers)
+                what_runs = run_info(session.file, cost, target, wire=wire, source=source, place=place)
+                run_display = progress(what_runs, session.control, quiet=self.quiet, keys=listening)
+                return with_watchers(run_display, [*watchers, *watch.listeners(what_runs)])
 
             yield display
 
@@ -107,7 +108,8 @@ _OPTIONS = (
 
 
 def check_target(target: Path, *, force: bool, remedy: str = "") -> None:
-    """Raise UsageError if a file exists that the run must not replace."""
+    """Raise UsageError if a file exists that the run must not replace, InUse if it is being recorded."""
+    check_not_recording(target)
     if target.exists() and not force:
         raise UsageError(f"{target} exists. Give another name,{remedy} or --force to replace it.")
     check_replaceable(target, RUN)
@@ -141,5 +143,6 @@ def run_summary(run: Run) -> dict:
         "void": sum(s.void for s in run.steps),
         "timed_out": sum(s.verdict == "timed_out" for s in run.steps),
         "warnings": run_warnings(run),
+        "severity": run.severity,
         "cause": run.cause,
     }

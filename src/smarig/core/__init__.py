@@ -34,6 +34,7 @@ if TYPE_CHECKING:
     from smarig.core.errors import ConfigError as ConfigError
     from smarig.core.errors import DataError as DataError
     from smarig.core.errors import Interrupted as Interrupted
+    from smarig.core.errors import InUse as InUse
     from smarig.core.errors import LeaseExpired as LeaseExpired
     from smarig.core.errors import LimitExceeded as LimitExceeded
     from smarig.core.errors import RigFault as RigFault
@@ -47,11 +48,16 @@ if TYPE_CHECKING:
     from smarig.core.new_file import check_regular as check_regular
     from smarig.core.new_file import new_file as new_file
     from smarig.core.notebook_display import NotebookDisplay as NotebookDisplay
+    from smarig.core.process_lock import check_free as check_free
+    from smarig.core.process_lock import process_lock as process_lock
     from smarig.core.resources import make_importable as make_importable
     from smarig.core.resources import shipped as shipped
     from smarig.core.sample import NAN as NAN
     from smarig.core.sample import Quality as Quality
     from smarig.core.sample import Sample as Sample
+    from smarig.core.severity import Severity as Severity
+    from smarig.core.severity import highest_severity as highest_severity
+    from smarig.core.severity import severity_of as severity_of
     from smarig.core.stored_number import stored_number as stored_number
     from smarig.core.toml_file import Number as Number
     from smarig.core.toml_file import TomlTable as TomlTable

@@ -41,6 +41,12 @@ class StorageError(DataError):
     """A run could not be written: the disk is full, or the folder is missing or not writable (exit 4)."""
 
 
+class InUse(SmarigError):
+    """Another process uses the wire, the line of a device, or the run file (exit 5)."""
+
+    exit_status = 5
+
+
 class Interrupted(SmarigError):
     """A user or the system requested a stop; the rig is safe (exit 130). ``remedy`` states how to continue."""
 

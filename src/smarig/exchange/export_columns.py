@@ -45,6 +45,7 @@ _EVENTS = {
     "kind": ("", "kind of event"),
     "text": ("", "text of the event"),
     "data": ("", "figures of the event, JSON"),
+    "severity": ("", "none, minor, major or invalid"),
 }
 
 
@@ -104,7 +105,7 @@ def _column(name: str, unit: str, what: str, rows: Iterable[Step | Event]) -> Ex
         return ExportColumn(
             name, unit, what, np.array([json.dumps(v, ensure_ascii=False) for v in values], dtype=np.str_)
         )
-    if name in ("branch", "verdict", "level", "kind", "text"):
+    if name in ("branch", "verdict", "level", "kind", "text", "severity"):
         return ExportColumn(name, unit, what, np.array(values, dtype=np.str_))
     whole = name in ("index", "attempt", "void", "n")
     return ExportColumn(

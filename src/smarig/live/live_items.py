@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
-from smarig.core import Sample, StepResult
+from smarig.core import Sample, Severity, StepResult, severity_of
 from smarig.live.draw_queue import DrawQueue
 
 
@@ -36,6 +36,7 @@ class EventItem:
     level: str
     kind: str
     text: str
+    severity: Severity
 
 
 LiveItem = SampleItem | StepItem | EventItem
@@ -68,5 +69,4 @@ class QueueListener:
 
     def event(self, t_s: float, kind: str, text: str, *, level: str = "info", **data: Any) -> None:
         """Queue an event."""
-        del data
-        self._put(EventItem(t_s, level, kind, text))
+        self._put(EventItem(t_s, level, kind, text, severity_of(kind, level, data)))

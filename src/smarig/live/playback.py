@@ -21,9 +21,8 @@ def playback_items(run: Run) -> Iterator[LiveItem]:
     ticks = ((t, 1, item) for t, item in _sample_items(run, timed))
     steps = sorted((s.end_s, 2, k) for k, s in enumerate(run.steps) if s.t_end_s is not None)
     ended = ((t, 2, _step_item(run, k)) for t, _, k in steps)
-    events = (
-        (e.t_s, 0, EventItem(e.t_s, e.level, e.kind, e.text)) for e in sorted(run.events, key=lambda e: e.t_s)
-    )
+    in_order = sorted(run.events, key=lambda e: e.t_s)
+    events = ((e.t_s, 0, EventItem(e.t_s, e.level, e.kind, e.text, e.severity)) for e in in_order)
     return (item for *_, item in heapq.merge(ticks, ended, events, key=lambda found: found[:2]))
 
 

@@ -10,6 +10,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from smarig.core import Severity
 from smarig.live.colours import Colour
 
 Array = NDArray[np.float64]
@@ -120,12 +121,12 @@ class StateLegend:
 
 @dataclass(frozen=True)
 class TextLog:
-    """Lines of text with their levels (info, warning, error)."""
+    """Lines of text with their severities."""
 
     path: str
     times_s: Array
     texts: tuple[str, ...]
-    levels: tuple[str, ...]
+    severities: tuple[Severity, ...]
 
 
 @dataclass(frozen=True)

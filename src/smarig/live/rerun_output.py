@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from smarig.core import StorageError, UsageError
+from smarig.core import Severity, StorageError, UsageError
 from smarig.live import primitives as m
 from smarig.live.colours import GROUND
 from smarig.live.view_layout import Split, View
@@ -26,7 +26,12 @@ APPLICATION = "smarig"
 TIMELINE = "device_time"
 TRAIL_S = 1200.0
 SCROLL_S = 300.0
-_LEVELS = {"info": "INFO", "warning": "WARN", "error": "ERROR"}
+_LEVELS = {  # of Rerun's text log, by severity
+    Severity.NONE: "INFO",
+    Severity.MINOR: "WARN",
+    Severity.MAJOR: "ERROR",
+    Severity.INVALID: "CRITICAL",
+}
 
 
 class RerunOutput:
@@ -192,7 +197,7 @@ class RerunOutput:
 
     @_draw.register
     def _(self, primitive: m.TextLog) -> None:
-        levels = [_LEVELS.get(level, "INFO") for level in primitive.levels]
+        levels = [_LEVELS[severity] for severity in primitive.severities]
         self._columns(
             primitive.path, primitive.times_s, rr.TextLog.columns(text=list(primitive.texts), level=levels)
         )

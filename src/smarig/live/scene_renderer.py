@@ -9,6 +9,7 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
+from smarig.core import Severity
 from smarig.live import colours
 from smarig.live.display_info import DisplayInfo, description_markdown, widened_axis
 from smarig.live.live_items import EventItem, LiveItem, SampleItem, StepItem
@@ -164,7 +165,7 @@ class SceneRenderer:
                 predictor.invalidate()
             first = _time_of(items[0])
             text = f"{lost} items were too many for the viewer and are not shown. The record is complete."
-            primitives.append(TextLog("log", np.array([first]), (text,), ("warning",)))
+            primitives.append(TextLog("log", np.array([first]), (text,), (Severity.MINOR,)))
         run: list[SampleItem] = []
         for item in items:
             if isinstance(item, SampleItem):
@@ -179,7 +180,7 @@ class SceneRenderer:
         if events:
             texts = tuple(f"{i.kind}: {i.text}" for i in events)
             primitives.append(
-                TextLog("log", np.array([i.t_s for i in events]), texts, tuple(i.level for i in events))
+                TextLog("log", np.array([i.t_s for i in events]), texts, tuple(i.severity for i in events))
             )
         primitives += self._states.after(items)
         points = [

@@ -12,6 +12,8 @@ if TYPE_CHECKING:
     from smarig.record.metadata import is_timestamp as is_timestamp
     from smarig.record.new_run_file import write_run as write_run
     from smarig.record.recorder import Recorder as Recorder
+    from smarig.record.recording_lock import check_not_recording as check_not_recording
+    from smarig.record.recording_lock import recording as recording
     from smarig.record.run import CONTINUED as CONTINUED
     from smarig.record.run import FORC_PROTOCOL as FORC_PROTOCOL
     from smarig.record.run import OWN_ZERO as OWN_ZERO

@@ -24,7 +24,7 @@ class Continuation:
 def reopened(path: Path, meta: dict[str, Any], continuation_: Continuation) -> sqlite3.Connection:
     """The run's database with its end removed, in one transaction.
 
-    The caller holds the lock of the wire, so no other process writes. The recorder's process number is not checked,
+    The caller holds the lock of the run, so no other process writes. The recorder's process number is not checked,
     because another process may have it after a reboot.
     """
     db = None

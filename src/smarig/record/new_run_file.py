@@ -11,12 +11,14 @@ from typing import Any
 
 from smarig.core import (
     RUN,
+    InUse,
     StorageError,
     UsageError,
     check_replaceable,
     new_file,
 )
 from smarig.record import schema
+from smarig.record.recording_lock import REMEDY, check_not_recording
 
 SIDECARS = ("-wal", "-shm", "-journal")
 
@@ -25,12 +27,12 @@ SIDECARS = ("-wal", "-shm", "-journal")
 def new_run_file(path: Path, meta: dict[str, Any], *, force: bool) -> Iterator[sqlite3.Connection]:
     """Yield the database of a new run, with its tables and description; it is at ``path`` when the block succeeds.
 
-    Raises UsageError if the name is taken, and StorageError if the disk refuses.
+    Raises UsageError if the name is taken, InUse if it is being recorded, and StorageError if the disk refuses.
     """
+    _refuse_if_recording(path)
     if path.exists() and not force:
         raise UsageError(f"{path} exists. Give another name, or --force to replace it.")
     check_replaceable(path, RUN)
-    _refuse_if_recording(path)
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         with new_file(path, force=force) as part:
@@ -76,7 +78,8 @@ def _remove_sidecars(path: Path) -> None:
 
 
 def _refuse_if_recording(path: Path) -> None:
-    """Raise UsageError if another running process still writes that run."""
+    """Raise InUse if another running process still writes that run, even one with another folder of locks."""
+    check_not_recording(path)
     if not path.is_file() or os.name == "nt":
         return
     try:
@@ -88,4 +91,4 @@ def _refuse_if_recording(path: Path) -> None:
         os.kill(writer, 0)
     except (sqlite3.Error, OSError, ValueError):
         return  # not a run, or its recorder has ended
-    raise UsageError(f"Process {writer} is recording {path}. Stop that run, or give another name.")
+    raise InUse(f"Run {path} is being recorded by process {writer}. {REMEDY}")

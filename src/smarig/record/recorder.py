@@ -17,7 +17,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from smarig.core import Sample, StepResult, StorageError
+from smarig.core import Sample, Severity, StepResult, StorageError, severity_of
 from smarig.record import schema
 from smarig.record.clock_watch import ClockWatch
 from smarig.record.continuation import Continuation, opened_for_recording, reopened
@@ -121,7 +121,10 @@ class Recorder:
         self._wake.set()
 
     def event(self, t_s: float, kind: str, text: str, *, level: str = "info", **data: Any) -> None:
-        """Record an event."""
+        """Record an event; its severity is stored if its level does not imply it."""
+        severity = severity_of(kind, level, data)
+        if severity != severity_of("", level):
+            data["severity"] = severity
         self._execute(schema.INSERT_EVENT, (t_s, level, kind, text, json.dumps(data)))
 
     def describe(self, key: str, value: Any) -> None:
@@ -221,16 +224,17 @@ class Recorder:
 
     # --- the end ---------------------------------------------------------------------------------
 
-    def close(self, cause: str = "done", *, t_s: float = 0.0) -> None:
+    def close(self, cause: str = "done", *, t_s: float = 0.0, severity: Severity | None = None) -> None:
         """Write the rest, record the cause, and leave one file (its -wal is removed with the last reader).
 
         Raises StorageError if the rest could not be written, or not in time; committed samples stay readable.
         """
         if self._closing.is_set():
             return
-        self.event(
-            t_s, "end", f"Run ended: {cause.rstrip('.')}.", level="info" if cause == "done" else "warning"
-        )
+        level = "info" if cause == "done" else "warning"
+        implied = severity is None or severity == severity_of("end", level)
+        data: dict[str, Any] = {} if implied else {"severity": severity}
+        self.event(t_s, "end", f"Run ended: {cause.rstrip('.')}.", level=level, **data)
         self.describe("end", {"cause": cause, "epoch": time.time()})
         self._closing.set()
         self._wake.set()

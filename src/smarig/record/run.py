@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.core import DataError, NotebookDisplay, UsageError
+from smarig.core import DataError, NotebookDisplay, Severity, UsageError, highest_severity, severity_of
 from smarig.record.metadata import check_metadata, decode_json
 from smarig.record.opened_run import opened_for_reading
 from smarig.record.run_info import RunInfo
@@ -60,6 +60,11 @@ class Event:
     text: str
     data: dict[str, Any]
 
+    @property
+    def severity(self) -> Severity:
+        """None, minor, major or invalid."""
+        return severity_of(self.kind, self.level, self.data)
+
 
 @dataclass(frozen=True)
 class Run(NotebookDisplay):
@@ -108,6 +113,11 @@ class Run(NotebookDisplay):
         """Why the run ended: 'done', what interrupted it, or that it was never closed."""
         end = self.info.end
         return "incomplete: the run was never closed" if end is None or end.cause is None else end.cause
+
+    @property
+    def severity(self) -> Severity:
+        """The highest severity of its events."""
+        return highest_severity(e.severity for e in self.events)
 
     @property
     def twin(self) -> bool:

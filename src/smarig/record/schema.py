@@ -33,7 +33,7 @@ STEP_COLUMNS = (
 )
 EVENT_COLUMNS = (
     "t_s",  # time
-    "level",  # info, warning, error
+    "level",  # info, warning, error; implies the severity none, minor, major
     "kind",  # one word
     "text",  # one sentence
     "data",  # its data, JSON

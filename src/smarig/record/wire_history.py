@@ -5,7 +5,8 @@
     thermal dose ∫ input dt over that time, in kelvin above ambient times hours
 
 For two wires the input is |T₁ − T₂|: heating either wire wears the pair. All figures come from the heating model, none
-is measured. Twins have histories of their own.
+is measured. Only wires that outlive a session have a history: those of hardware, and of simulated devices that were
+started elsewhere (``twin``). A twin is a new wire in every session.
 """
 
 import json

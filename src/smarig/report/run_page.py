@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterator
 
 import numpy as np
 
-from smarig.core import DataError, spaced
+from smarig.core import DataError, Severity, spaced
 from smarig.identification import Representation, congruency, wiping_out
 from smarig.record import Run
 from smarig.replay import Model
@@ -23,6 +23,7 @@ from smarig.report.components.run_description import (
     quality_counts,
     source_label,
 )
+from smarig.report.components.severity_mark import severity_mark
 from smarig.report.runs.hysteresis_figure import hysteresis_figure
 from smarig.report.runs.representation_figure import representation_figure
 from smarig.report.runs.run_tables import (
@@ -57,7 +58,14 @@ def run_page(run: Run, *, library: str = "", certified: tuple[Model, str, str] |
     ]
     title = f"{capitalised(protocol_name(run))} run"
     notices = [*ending_notices([run]), *_warnings(run)]
-    return page(title, run_lead(run), sections, label=source_label(run), notices=notices, library=library)
+    return page(title, _lead(run), sections, label=source_label(run), notices=notices, library=library)
+
+
+def _lead(run: Run) -> Html:
+    """The lead with the highest severity of the run's events, if it is not none."""
+    if run.severity == Severity.NONE:
+        return joined([run_lead(run)])
+    return joined([run_lead(run), ". Highest severity of its events: ", severity_mark(run.severity), "."])
 
 
 def _figure_parts(run: Run) -> Iterator[Figure | Html]:

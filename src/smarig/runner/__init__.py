@@ -6,11 +6,12 @@ from smarig.core.lazy_exports import lazy_exports
 
 if TYPE_CHECKING:
     from smarig.runner.bounded_listener import BoundedListener as BoundedListener
+    from smarig.runner.end_severity import end_severity as end_severity
     from smarig.runner.initialisation_spread import initialisation_spread as initialisation_spread
     from smarig.runner.listener import CallbackListener as CallbackListener
     from smarig.runner.listener import Listener as Listener
     from smarig.runner.listener import StepStartListener as StepStartListener
-    from smarig.runner.lock import wire_lock as wire_lock
+    from smarig.runner.lock import rig_locks as rig_locks
     from smarig.runner.own_files import check_drivers as check_drivers
     from smarig.runner.preview import Preview as Preview
     from smarig.runner.preview import ProtocolFactory as ProtocolFactory

@@ -1,105 +1,108 @@
-"""One runner per wire: a lock file held by the operating system, which releases it when the process ends.
+"""One runner per wire and per line: a session at real devices locks the wire's name and the address of each link.
 
-The lock belongs to the name of the wire. Twins lock the wire name of their rig file, as hardware does. Links are not
-followed, and another user's file is locked without changing it.
+Twins and simulated devices that a session starts itself are locked by nobody: each session has its own. The locks
+exclude processes of one computer. Two computers that reach the same device over a network cannot be kept apart by a
+file: only give one of them the address.
 """
 
+import ipaddress
 import os
+import socket
 import stat
-import tempfile
-import zlib
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, ExitStack, contextmanager
 from pathlib import Path
-from typing import IO
+from urllib.parse import urlsplit
 
-from smarig.core import RigFault, UsageError
+from smarig.config import RigFile
+from smarig.core import process_lock
+from smarig.runner.run_metadata import outlives_session
 
-
-def lock_folder() -> Path:
-    """The folder of the locks: $SMARIG_LOCK_DIR, or the user's own in the runtime or temporary folder."""
-    if given := os.environ.get("SMARIG_LOCK_DIR"):
-        return Path(given)
-    if runtime := os.environ.get("XDG_RUNTIME_DIR"):
-        return Path(runtime) / "smarig-locks"
-    user = getattr(os, "getuid", lambda: "")()
-    return Path(tempfile.gettempdir()) / f"smarig-locks-{user}"
+MODBUS_PORT = 502  # of an address without a port
+_THIS_COMPUTER = "localhost"
 
 
 @contextmanager
-def wire_lock(wire: str) -> Iterator[None]:
-    """Hold the lock of a wire. Raises RigFault with the holder if another process has it."""
-    with _opened(wire) as file:
-        if not _try_lock(file):
-            file.seek(0)
-            holder = file.read().strip() or "another process"
-            raise RigFault(
-                f"Wire '{wire}' is in use by {holder}. Wait for it, or give another wire with --wire."
-            )
-        _note(file, f"process {os.getpid()}")
+def rig_locks(file: RigFile, wire: str) -> Iterator[None]:
+    """Hold the locks of a rig: none, or that of the wire and those of each line. Raises InUse with the holder."""
+    with ExitStack() as held:
+        if outlives_session(file):
+            held.enter_context(wire_lock(wire))
+            urls = [file.links.amplifier.url, file.links.encoder_daq.url] if file.links else []
+            lines = {key: url for url in urls for key in line_keys(url)}
+            for key in sorted(lines):
+                held.enter_context(_line_lock(key, lines[key]))
         yield
-        _note(file, "")
 
 
-def _note(file: IO, holder: str) -> None:
-    """Write who holds the lock, if the file is one's own."""
-    if file.writable():
-        file.seek(0)
-        file.truncate()
-        file.write(holder)
-        file.flush()
+def wire_lock(wire: str) -> AbstractContextManager[None]:
+    """Hold the lock of a wire."""
+    return process_lock(
+        wire,
+        f"Wire '{wire}' is in use",
+        "Wait until it has ended, or stop it. A rig with another wire gives that wire its own name (--wire).",
+    )
 
 
-def _opened(wire: str) -> IO:
-    readable = "".join(c if c.isalnum() or c in "-_" else "_" for c in wire)[:60]
-    path = lock_folder() / f"{readable}-{zlib.crc32(wire.encode()):08x}.lock"
+def _line_lock(key: str, url: str) -> AbstractContextManager[None]:
+    return process_lock(
+        key,
+        f"The line {url} is in use",
+        "Wait until it has ended, stop it, or correct links in the rig file.",
+    )
+
+
+def line_keys(url: str) -> set[str]:
+    """What identifies the line of a link. Two links on one line have a key in common, however they are written.
+
+    Units of Modbus share their line, so the unit's address is no part of it.
+
+    >>> line_keys("tcp://127.0.0.1") == line_keys("socket://LOCALHOST:502")
+    True
+    """
+    if not url:
+        return set()
+    kind, network, rest = url.partition("://")
+    if not network:
+        return _port_keys(url)
+    if kind in ("spy", "alt"):  # pyserial's wrappings of a local port
+        return _port_keys(rest.partition("?")[0])
+    place = _place(rest) if kind in ("tcp", "socket", "rfc2217") else None
+    return {f"line {place or url}"}
+
+
+def _port_keys(name: str) -> set[str]:
+    """A serial port by its name, its real path and its device number. Replugged, it may keep only the first."""
+    if os.name == "nt":
+        return {"line " + name.removeprefix("\\\\.\\").upper()}
+    path = Path(name).absolute()
+    found = {f"line {path}", f"line {os.path.realpath(path)}"}
     try:
-        path.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
-        _check_own(path.parent)
-        file = _opened_or_created(path)
-    except OSError as error:
-        raise UsageError(
-            f"Lock {path} cannot be created: {error.strerror}. Set SMARIG_LOCK_DIR to a folder."
-        ) from None
-    if os.fstat(file.fileno()).st_nlink != 1:  # a second name of another file
-        file.close()
-        raise UsageError(
-            f"Lock {path} is not a file of its own. Remove it, or set SMARIG_LOCK_DIR to a folder."
-        )
-    return file
+        about = path.stat()
+    except (OSError, ValueError):
+        return found
+    if stat.S_ISCHR(about.st_mode):
+        found.add(f"line device {os.major(about.st_rdev)}:{os.minor(about.st_rdev)}")
+    return found
 
 
-def _check_own(folder: Path) -> None:
-    """Raise UsageError if another user made the folder that belongs to this one; $SMARIG_LOCK_DIR may be anybody's."""
-    if os.environ.get("SMARIG_LOCK_DIR") or not hasattr(os, "getuid"):
-        return
-    found = folder.lstat()
-    if not stat.S_ISDIR(found.st_mode) or found.st_uid != os.getuid():
-        raise UsageError(
-            f"The folder of locks {folder} belongs to another user. Set SMARIG_LOCK_DIR to a folder."
-        )
-
-
-def _opened_or_created(path: Path) -> IO:
-    """The file, for reading only if it is another user's: such a file can be locked, but not changed."""
-    no_link = getattr(os, "O_NOFOLLOW", 0)
+def _place(rest: str) -> str | None:
+    """HOST:PORT, the same for all names of this computer; None if it is none. Names are not looked up."""
     try:
-        return os.fdopen(os.open(path, os.O_RDWR | os.O_CREAT | no_link, 0o644), "r+")
-    except PermissionError:
-        return os.fdopen(os.open(path, os.O_RDONLY | no_link), "r")
+        parts = urlsplit(f"tcp://{rest}")
+        host, port = parts.hostname or "", MODBUS_PORT if parts.port is None else parts.port
+    except ValueError:
+        return None
+    return f"{_host(host)}:{port}" if host else None
 
 
-def _try_lock(file: IO) -> bool:
+def _host(name: str) -> str:
+    name = name.rstrip(".").lower()
     try:
-        if os.name == "nt":
-            import msvcrt
-
-            file.seek(1 << 30)
-            msvcrt.locking(file.fileno(), msvcrt.LK_NBLCK, 1)
-        else:
-            import fcntl
-
-            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except OSError:
-        return False
-    return True
+        address = ipaddress.ip_address(name)
+    except ValueError:
+        own = name.endswith(".localhost") or name == socket.gethostname().lower()
+        return _THIS_COMPUTER if own else name
+    mapped = getattr(address, "ipv4_mapped", None)
+    address = mapped or address
+    return _THIS_COMPUTER if address.is_loopback or address.is_unspecified else str(address)

@@ -1,4 +1,6 @@
-"""Requests to a running experiment: pause, resume, stop. The runner reads them at every tick."""
+"""Requests to a running experiment: pause, resume, stop, record an event. The runner reads them at every tick."""
+
+from collections import deque
 
 from smarig.core import Interrupted
 
@@ -10,6 +12,15 @@ class RunControl:
         self.paused = False
         self.waiting_since_s: float | None = None  # monotonic, while a protocol computes its next command
         self._stop_cause = ""
+        self._reports: deque[tuple[str, str, str]] = deque()
+
+    def report(self, kind: str, text: str, *, level: str) -> None:
+        """Have an event recorded at the next tick, from any thread."""
+        self._reports.append((kind, text, level))
+
+    def reports(self) -> list[tuple[str, str, str]]:
+        """Kind, text and level of the events since the last call."""
+        return [self._reports.popleft() for _ in range(len(self._reports))]
 
     def stop(self, cause: str) -> None:
         """Request a safe end of the run; the first cause is kept."""

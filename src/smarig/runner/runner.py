@@ -175,6 +175,8 @@ class Runner:
                 listener.sample(sample, self._step, input_K)
         for alarm in self.rig.alarms():
             self._notify(alarm.kind, alarm.text, level=alarm.level)
+        for kind, text, level in self.control.reports():
+            self._notify(kind, text, level=level)
         self.rig.raise_if_tripped()
         return counted
 

@@ -17,10 +17,21 @@ from smarig.config import LimitsFile, RigFile, load_rig, rig_text
 from smarig.core import LimitExceeded, Protocol, Sample, SmarigError, StorageError, resolve_name
 from smarig.plant import Actuator
 from smarig.protocols import PROTOCOLS, Chooser, Setup, build_protocol
-from smarig.record import CONTINUED, ClockWatch, Recorder, Run, Wear, WireHistory, load_run, load_wire_history
+from smarig.record import (
+    CONTINUED,
+    ClockWatch,
+    Recorder,
+    Run,
+    Wear,
+    WireHistory,
+    load_run,
+    load_wire_history,
+    recording,
+)
 from smarig.rig import Guard, Plausibility, Rig, TwinSettings, open_rig
+from smarig.runner.end_severity import end_severity
 from smarig.runner.listener import CallbackListener, Listener
-from smarig.runner.lock import wire_lock
+from smarig.runner.lock import rig_locks
 from smarig.runner.own_files import OWN_FILES, used_own_files
 from smarig.runner.preview import Preview, ProtocolFactory, preview
 from smarig.runner.restart_shift import Shift
@@ -65,8 +76,9 @@ class Session:
         self._open = ExitStack()
 
     def __enter__(self) -> Self:
-        self._open.enter_context(wire_lock(self.wire))
         try:
+            if self.settings.hysteresis is None:  # a model replaces the hardware
+                self._open.enter_context(rig_locks(self.file, self.wire))
             self._open.enter_context(stop_on_signals(self.control))
             self.rig: Rig = self._open.enter_context(
                 open_rig(
@@ -128,10 +140,11 @@ class Session:
         meta |= {CLOSED_LOOP: True} if protocol_factory else {}
         if before is not None:
             meta["wire_history"] = before.sentence()
-        recorder = Recorder(out, meta, force=force, clock=self.clock())
-        runner = self.runner([recorder, *listeners])
-        recorder.event(runner.t_s, "start", f"Run of {protocol} started.", epoch=time.time())
-        self.carry_out(recorder, runner, generator, new_run=True)
+        with recording(out):
+            recorder = Recorder(out, meta, force=force, clock=self.clock())
+            runner = self.runner([recorder, *listeners])
+            recorder.event(runner.t_s, "start", f"Run of {protocol} started.", epoch=time.time())
+            self.carry_out(recorder, runner, generator, new_run=True)
         return out
 
     def runner(self, listeners: Sequence[Listener], shift: Shift | None = None) -> Runner:
@@ -144,25 +157,25 @@ class Session:
 
     def carry_out(self, recorder: Recorder, runner: Runner, protocol: Protocol, *, new_run: bool) -> None:
         """Run to the end, however it ends, and close the record with its cause."""
-        cause = "done"
+        cause, severity = "done", end_severity(None)
         try:
             runner.run(protocol)
         except BaseException as error:
-            cause = cause_of(error)
+            cause, severity = cause_of(error), end_severity(error)
             raise
         finally:
             recorder.describe("encoder_zero", self._zero)
             recorder.describe("shift", asdict(runner.shift))
             self._save_history(recorder, runner.t_s, new_run)
-            recorder.close(cause, t_s=runner.t_s)
+            recorder.close(cause, t_s=runner.t_s, severity=severity)
 
     def clock(self) -> ClockWatch:
         """The clock comparison for recorders; the seconds of hardware are host seconds."""
         return ClockWatch(real_time=self.source == "bench")
 
     def history(self) -> WireHistory | None:
-        """The history of the wire; None for a simulation, which has no wire."""
-        if self.source == "simulation":
+        """The history of the wire; None if it does not outlive the session: twins and simulations."""
+        if self.source == "simulation" or not outlives_session(self.file):
             return None
         return load_wire_history(self.wire, twin=self.source == "twin")
 

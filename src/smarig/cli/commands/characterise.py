@@ -7,14 +7,15 @@ from pathlib import Path
 import click
 
 from smarig.cli.live_options import LiveOptions, live_options, live_view, with_watchers
-from smarig.cli.notify import notified, notify_option
+from smarig.cli.notifier import Subject
+from smarig.cli.notify import NotifyOptions, notified, notify_option
 from smarig.cli.output import emit, json_option, show_message
 from smarig.cli.panel.run_status import run_info
 from smarig.cli.parameter_types import FOLDER, RIG, SEED, CatalogueName
 from smarig.cli.progress import STREAMS, progress
 from smarig.config import load_campaign, load_rig
 from smarig.rig import TwinSettings
-from smarig.runner import Listener, Preview, twin_source
+from smarig.runner import Listener, Preview, RunControl, twin_source
 
 
 @click.command(
@@ -51,23 +52,23 @@ def command(
     wire: str,
     force: bool,
     go_on: bool,
-    notify: str,
+    notify: NotifyOptions,
     live: LiveOptions,
 ) -> None:
     """Initialise, test, identify, verify, diagnose and report: everything about one wire, in one folder."""
     from smarig.app import characterise
 
-    run_number = count(1)
-
+    run_number, control = count(1), RunControl()
     file = load_rig(rig)
     source = twin_source(file, TwinSettings(seed))
 
     def listener_factory(cost: Preview) -> AbstractContextManager[Listener]:
         place = f"run {next(run_number)} of {len(load_campaign(campaign).step)}"
-        display = progress(run_info(file, cost, out, wire=wire or file.wire, source=source, place=place))
-        return with_watchers(display, watchers)
+        what_runs = run_info(file, cost, out, wire=wire or file.wire, source=source, place=place)
+        return with_watchers(progress(what_runs), [*watchers, *watch.listeners(what_runs)])
 
-    with live_view(live, file, source, {}, f"{campaign} on {file.name}") as watchers, notified(notify, out):
+    title, subject = f"{campaign} on {file.name}", Subject(wire or file.wire, file.name, campaign, str(out))
+    with live_view(live, file, source, {}, title) as watchers, notified(notify, control, subject) as watch:
         done = characterise(
             rig,
             out,
@@ -76,6 +77,7 @@ def command(
             wire=wire,
             force=force,
             go_on=go_on,
+            control=control,
             listener_factory=listener_factory,
             progress=show_message,
         )

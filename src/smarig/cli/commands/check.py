@@ -12,7 +12,7 @@ from smarig.core import ConfigError, LeaseExpired, RigFault, UsageError
 from smarig.plant import Actuator
 from smarig.protocols import Setup, parse_pairs
 from smarig.rig import Bench, Check, Twin, TwinSettings, bring_up, inconsistencies, open_rig
-from smarig.runner import preview, wire_lock
+from smarig.runner import preview, rig_locks
 
 _LABELS = {"lease_trips": "Lease test passed"}  # of the values that are no quantities
 
@@ -84,7 +84,7 @@ def _confirm_heating(file: RigFile, yes: bool) -> None:
 
 
 def _bring_up_checks(rig: str, file: RigFile, actuator: Actuator) -> list[Check]:
-    with wire_lock(file.wire), open_rig(rig, file, actuator, TwinSettings()) as bench:
+    with rig_locks(file, file.wire), open_rig(rig, file, actuator, TwinSettings()) as bench:
         assert isinstance(bench, Bench)  # noqa: S101 - of kind "bench"
         return bring_up(bench, file, show_message)
 

@@ -5,7 +5,8 @@ from pathlib import Path
 import click
 
 from smarig.cli.live_options import LiveOptions, live_options, live_view, with_watchers
-from smarig.cli.notify import notified, notify_option
+from smarig.cli.notifier import Subject
+from smarig.cli.notify import NotifyOptions, notified, notify_option
 from smarig.cli.output import emit, json_option, show_message
 from smarig.cli.panel.keyboard import keys
 from smarig.cli.panel.run_status import run_info
@@ -13,7 +14,7 @@ from smarig.cli.parameter_types import FILE, PROTOCOL, RIG, FiniteNumber, own_ef
 from smarig.cli.progress import STREAMS, progress
 from smarig.cli.run_options import print_warnings, run_summary
 from smarig.core import UsageError
-from smarig.record import load_run
+from smarig.record import check_not_recording, load_run
 
 EPILOG = f"""{STREAMS}
 
@@ -21,7 +22,7 @@ EPILOG = f"""{STREAMS}
 Examples:
   smarig resume fod.run.sqlite
   smarig resume mine.run.sqlite --protocol ./my_protocol.py
-  smarig resume fod.run.sqlite --rig my_rig.toml --notify 'mail -s "$SMARIG_CAUSE" me < /dev/null'
+  smarig resume fod.run.sqlite --rig my_rig.toml --notify 'mail -s "$SMARIG_TEXT" me'
 """
 
 
@@ -47,7 +48,7 @@ def command(
     wire: str,
     speed: float | None,
     quiet: bool,
-    notify: str,
+    notify: NotifyOptions,
     live: LiveOptions,
 ) -> None:
     """Continue a run that was killed, stopped or tripped, in the same file.
@@ -59,6 +60,7 @@ def command(
     from smarig.identification import informed_choice
     from smarig.runner import preview, read_launch_args, resume_in, session_for
 
+    check_not_recording(run)
     before = load_run(run)
     if protocol not in ("", before.info.protocol):
         raise UsageError(f"{run.name} is a run of protocol '{before.info.protocol}', not of '{protocol}'.")
@@ -71,12 +73,19 @@ def command(
     live_context = live_view(
         live, session.file, session.source, settings, f"{run.name}, resumed", resumed=True
     )
-    with live_context as watchers, notified(notify, run), session, keys(session.control) as listening:
+    subject = Subject(session.wire, session.file.name, str(before.info.protocol), str(run))
+    with (
+        live_context as watchers,
+        notified(notify, session.control, subject) as watch,
+        session,
+        keys(session.control) as listening,
+    ):
         show_message("The rig was re-armed.")
         identity = {"wire": session.wire, "source": session.source}
         what = run_info(session.file, cost, run, **identity, done_steps=len(done), done_s=done_s)
         with with_watchers(
-            progress(what, session.control, quiet=quiet, keys=listening), watchers
+            progress(what, session.control, quiet=quiet, keys=listening),
+            [*watchers, *watch.listeners(what)],
         ) as listener:
             plan = resume_in(session, before, listeners=[listener], expected=cost, chooser=informed_choice)
     after = load_run(run)

@@ -13,8 +13,8 @@ from smarig.cli.panel.keyboard import KEYS_HELP
 from smarig.cli.panel.panel_layout import clock_text, summary
 from smarig.cli.panel.run_status import RunStatus
 from smarig.cli.panel.terminal import LineWriter, Terminal
-from smarig.core import Hold, Sample, StepResult, Waveform
-from smarig.runner import SettleWindow
+from smarig.core import Hold, Sample, Severity, StepResult, Waveform, severity_of
+from smarig.runner import SettleWindow, end_severity
 
 
 class _StatusUpdates:
@@ -76,7 +76,8 @@ class LogLines(_StatusUpdates):
         self._status.event(t_s, kind, text, level=level, **data)
         self._event_counts[kind] = self._event_counts.get(kind, 0) + 1
         if self._event_counts[kind] == 1:
-            word = f"{level.upper()} " if level != "info" else ""
+            severity = severity_of(kind, level, data)
+            word = f"{severity.upper()} " if severity != Severity.NONE else ""
             self._writer.put(f"{self._at(t_s)} {word}{kind}: {text}")
 
     def _at(self, t_s: float) -> str:
@@ -107,7 +108,8 @@ class JsonLogLines(_StatusUpdates):
         ending = self._status.ending
         cause = (ending.text or ending.word) if ending else ""
         level = "info" if error is None else "error" if ending and ending.kind == "fault" else "warning"
-        facts = {"out": self._status.run_info.out, "steps": self._status.finished}
+        facts: dict[str, Any] = {"out": self._status.run_info.out, "steps": self._status.finished}
+        facts |= {"severity": end_severity(error), "highest_severity": self._status.severity}
         self._event(self._t_s, "end", level, f"Run ended: {cause}", facts)
         self._writer.close()
 
@@ -134,11 +136,17 @@ class JsonLogLines(_StatusUpdates):
 
 
 def _event_line(t_s: float, kind: str, level: str, text: str, data: dict[str, Any]) -> str:
-    return as_json({"event": {"t_s": t_s, "kind": kind, "level": level, "text": text, "data": data}})
+    severity = severity_of(kind, level, data)
+    event = {"t_s": t_s, "kind": kind, "level": level, "severity": severity, "text": text, "data": data}
+    return as_json({"event": event})
 
 
 def dropped_lines_json(n: int) -> str:
     """The JSON line that reports how many lines were dropped."""
     return _event_line(
-        0.0, "lost", "warning", f"{n} lines were dropped because they were not read in time.", {"lines": n}
+        0.0,
+        "lost",
+        "warning",
+        f"{n} lines were dropped because they were not read in time.",
+        {"lines": n, "severity": Severity.MINOR},  # the record has them
     )

@@ -10,6 +10,7 @@ from rich.table import Table
 from rich.text import Text
 
 from smarig.cli.panel.run_status import RunStatus, SettlingProgress
+from smarig.core import Severity
 
 NARROW = 96  # columns; below it the rows are shortened
 _LABEL = 13  # columns of the labels
@@ -22,7 +23,9 @@ _SIGNS = {
     "paused": ("▮▮", "||", "bold yellow"),
     "stopped": ("■", "#", "bold magenta"),
     "fault": ("✖", "X", "bold red"),
-    "warning": ("▲", "!", "yellow"),
+    "minor": ("▲", "!", "yellow"),
+    "major": ("✖", "X", "bold red"),
+    "invalid": ("◆", "?", "bold red reverse"),
     "done": ("✔", "+", "bold cyan"),
 }
 _DROP_ORDER = (
@@ -80,6 +83,8 @@ def summary(status: RunStatus, *, plain: bool = False) -> Text:
     )
     if ending and kind == "stopped":
         text.append(f", {ending.text}", style="none")
+    if status.severity != Severity.NONE:
+        text.append(f", highest severity {status.severity}", style="none")
     text.append(f": {run_info.out}", style="none")
     return text
 
@@ -124,7 +129,14 @@ def _state(status: RunStatus, plain: bool) -> Text:
         return _with_sign("stopped", "STOPPING:", plain).append("the current goes to zero")
     if status.paused:
         return _with_sign("paused", "PAUSED:", plain).append("the current stays on, sampling continues")
-    return _with_sign("running", "running" if status.last_sample else "starting", plain)
+    text = _with_sign("running", "running" if status.last_sample else "starting", plain)
+    if status.severity == Severity.NONE:
+        return text
+    return text.append_text(Text("  highest severity ")).append_text(_severity(status.severity, plain))
+
+
+def _severity(severity: Severity, plain: bool) -> Text:
+    return _with_sign(severity, severity.upper(), plain)
 
 
 def _with_sign(kind: str, word: str, plain: bool) -> Text:
@@ -178,11 +190,7 @@ def _event(status: RunStatus, plain: bool) -> Text:
     entry = status.last_event
     assert entry is not None  # noqa: S101 - the caller checks it
     text = Text(f"{clock_text(status.since_s(entry.t_s))} {entry.kind}: {entry.text}")
-    if entry.level not in ("warning", "error"):
-        return text
-    return _with_sign("fault" if entry.level == "error" else "warning", entry.level.upper(), plain).append(
-        text
-    )
+    return text if entry.severity == Severity.NONE else _severity(entry.severity, plain).append(text)
 
 
 def _bar(share: float, width: int, plain: bool) -> str:

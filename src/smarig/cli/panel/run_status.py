@@ -10,10 +10,21 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from smarig.config import RigFile
-from smarig.core import Hold, Interrupted, RigFault, Sample, Settled, StepResult, Waveform
+from smarig.core import (
+    Hold,
+    Interrupted,
+    RigFault,
+    Sample,
+    Settled,
+    Severity,
+    StepResult,
+    Waveform,
+    highest_severity,
+    severity_of,
+)
 from smarig.device import LinkFault
 from smarig.plant import Actuator
-from smarig.runner import RE_ESTABLISH, Preview, RunControl, SettleWindow
+from smarig.runner import RE_ESTABLISH, Preview, RunControl, SettleWindow, end_severity
 
 _MIN_OBSERVED_S = 2.0  # of observation, before the speed factor is computed
 
@@ -49,6 +60,7 @@ class LogEntry(NamedTuple):
     level: str
     kind: str
     text: str
+    severity: Severity
 
 
 class SettlingProgress(NamedTuple):
@@ -108,6 +120,7 @@ class RunStatus:
         self.finished = 0
         self.last_event: LogEntry | None = None
         self.error: LogEntry | None = None
+        self.severity = Severity.NONE  # the highest so far
         self.ending: RunEnding | None = None
         self._window: SettleWindow | None = None
         self._first_s: float | None = None
@@ -138,15 +151,17 @@ class RunStatus:
         self.command = None
 
     def event(self, t_s: float, kind: str, text: str, *, level: str = "info", **data: Any) -> None:
-        """Store the last event, and the last error."""
-        del data
-        self.last_event = entry = LogEntry(t_s, level, kind, text)
+        """Store the last event, the last error, and the highest severity."""
+        severity = severity_of(kind, level, data)
+        self.last_event = entry = LogEntry(t_s, level, kind, text, severity)
+        self.severity = highest_severity((self.severity, severity))
         if level == "error":
             self.error = entry
 
     def end(self, error: BaseException | None) -> None:
         """Store how the run ended."""
         self.ending = _ending(error)
+        self.severity = highest_severity((self.severity, end_severity(error)))
 
     # --- read by displays ---------------------------------------------------------------------------
 

@@ -33,7 +33,7 @@ def parquet(run: Run, path: Path) -> None:
         "smarig.ended": run.cause,
         "smarig.run": json.dumps(run.meta),
         "smarig.steps": json.dumps([asdict(s) for s in run.steps]),
-        "smarig.events": json.dumps([asdict(e) for e in run.events]),
+        "smarig.events": json.dumps([asdict(e) | {"severity": e.severity} for e in run.events]),
     }
     arrays = [
         pa.array(np.nan_to_num(c.values), type=pa.float64(), mask=np.isnan(c.values)).cast(f.type)

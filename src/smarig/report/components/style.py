@@ -152,6 +152,9 @@ figcaption{font-size:14px;line-height:1.5;color:#333a44;max-width:100ch;margin-t
 figcaption::before{content:"Figure " counter(figure) ". ";font-weight:700}
 .twin{display:inline-block;background:var(--amber);color:#111;font-weight:700;font-size:12px;padding:0 6px;
  border-radius:2px;letter-spacing:.03em;white-space:nowrap}
+.severity{padding:0 6px;border-radius:2px;white-space:nowrap}.severity.minor{background:#fff0c2;color:#111}
+.severity.major{background:#fdf0e8;color:#111;font-weight:700;outline:1px solid #D55E00}
+.severity.invalid{background:#1b1f24;color:#fff;font-weight:700}
 .table{overflow-x:auto;margin:16px 0 22px}
 table{border-collapse:collapse;font-size:14px;line-height:1.4;min-width:min(100%,420px)}
 caption{text-align:left;font-size:14px;color:#333a44;padding-bottom:6px;max-width:100ch}
@@ -184,5 +187,5 @@ body.printing{width:700px;font-size:10pt}.printing .sticky{position:static}.prin
 .printing .choices,.printing .search{display:none}
 .printing .columns td{white-space:normal}.printing td{min-width:2.5em}.printing .table{overflow:visible}
 @media print{@page{size:A4;margin:14mm 12mm}h2,h3{break-after:avoid}tr,.card,.notice{break-inside:avoid}
- .twinbar,.notice,.card,.twin{-webkit-print-color-adjust:exact;print-color-adjust:exact}}
+ .twinbar,.notice,.card,.twin,.severity{-webkit-print-color-adjust:exact;print-color-adjust:exact}}
 """.replace("FONT", FONT)

@@ -21,6 +21,7 @@ from smarig.report.components.run_description import (
     protocol_name,
     quality_counts,
 )
+from smarig.report.components.severity_mark import severity_mark
 
 Row = Sequence[Any]
 
@@ -177,9 +178,9 @@ def sha256(run: Run) -> str:
 
 def events_table(run: Run, most: int = 60) -> Html:
     """The first ``most`` events of a run."""
-    rows = [(f"{e.t_s:g}", e.level, e.kind, e.text) for e in run.events[:most]]
+    rows = [(f"{e.t_s:g}", severity_mark(e.severity), e.kind, e.text) for e in run.events[:most]]
     more = f" The first {most} of {len(run.events)}." if len(run.events) > most else ""
-    return table(("t (s)", "Level", "Kind", "Event"), rows, f"Events.{more}") if rows else Html("")
+    return table(("t (s)", "Severity", "Kind", "Event"), rows, f"Events.{more}") if rows else Html("")
 
 
 def steps_table(run: Run, most: int = 400) -> Html:

@@ -15,7 +15,7 @@ from smarig.config import RigFile, load_rig
 from smarig.core import DataError, Elapsed, Hold, Protocol, StepResult, UsageError, Waveform
 from smarig.plant import Actuator, effects_from_pairs
 from smarig.protocols import Chooser, build_protocol
-from smarig.record import Continuation, Recorder, Run, load_run
+from smarig.record import Continuation, Recorder, Run, load_run, recording
 from smarig.rig import TwinSettings
 from smarig.runner.listener import Listener
 from smarig.runner.own_files import check_drivers, check_own_files
@@ -74,10 +74,22 @@ def resume_in(
     chooser: Chooser | None = None,
 ) -> ResumePlan:
     """Resume a run in an open session and return its plan. Closes the run before it raises the error that ended it.
+    Raises InUse if another process records it.
 
     Nothing is moved or written before the protocol is known to agree with the record.
     """
-    run = load_run(run.path)  # again, under the lock of the wire: it may have ended meanwhile
+    with recording(run.path):
+        return _resume_recording(session, run.path, listeners, expected, chooser)
+
+
+def _resume_recording(
+    session: Session,
+    path: Path,
+    listeners: Sequence[Listener],
+    expected: Preview | None,
+    chooser: Chooser | None,
+) -> ResumePlan:
+    run = load_run(path)  # again, under the lock of the run: it may have ended meanwhile
     launch = read_launch_args(run)
     protocol, settings = str(run.info.protocol), launch["settings"]
     fresh_twin = session.source == "twin" and session.rig.tick == 0
@@ -128,6 +140,8 @@ class _ResumeExecution:
         runner = session.runner([record, *self.listeners], plan.shift)
         runner.steps_done = first
         self._record_resumption(recorder, runner.t_s, first)
+        for listener in self.listeners:
+            listener.event(runner.t_s, "resumed", plan.sentence())
         first_tick = session.rig.tick + plan.shift.ticks + 1
 
         def on_reference(result: StepResult) -> None:

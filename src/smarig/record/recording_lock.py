@@ -1,0 +1,22 @@
+"""The lock of a run file: one process at a time records a run, whatever drives it."""
+
+from contextlib import AbstractContextManager
+from pathlib import Path
+
+from smarig.core import check_free, process_lock
+
+REMEDY = "Wait until it has ended, stop it, or give another name."
+
+
+def recording(path: Path) -> AbstractContextManager[None]:
+    """Hold the lock of a run file while it is recorded. Raises InUse if another process has it."""
+    return process_lock(_key(path), f"Run {path} is being recorded", REMEDY, lasting=False)
+
+
+def check_not_recording(path: Path) -> None:
+    """Raise InUse if another process records that run."""
+    check_free(_key(path), f"Run {path} is being recorded", REMEDY)
+
+
+def _key(path: Path) -> str:
+    return f"run {path.resolve()}"
