@@ -4,8 +4,7 @@ The wire is cooled and its memory restored, then the interrupted step is made as
 back are recorded as void.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -20,6 +19,7 @@ from smarig.runner.listener import Listener
 from smarig.runner.own_files import check_drivers, check_own_files
 from smarig.runner.preview import Preview, preview
 from smarig.runner.resume.attempts import AttemptRecorder, attempts, interrupted_rows
+from smarig.runner.resume.damaged_record import damaged_record_as_data_error
 from smarig.runner.resume.replay_protocol import replay_protocol
 from smarig.runner.resume.resume_plan import COLD_TAUS, RE_ESTABLISH, ResumePlan, RigState, plan_resume
 from smarig.runner.resume.same_rig import Reach, RigChange, check_names, check_same_rig
@@ -46,7 +46,7 @@ def session_for(
         raise UsageError(
             f"{run.path.name} belongs to wire '{run_wire}', not to '{wire or expected_wire}'. It cannot continue there."
         )
-    with _damaged_record_as_data_error(run):
+    with damaged_record_as_data_error(run):
         seed, noise = int(run.info.seed or 0), bool(launch["noise"])
         twin = TwinSettings(seed, noise, effects=effects_from_pairs(launch["effects"]))
         session = Session(name, twin=twin, speed=speed or launch["speed"], wire=run_wire, control=control)
@@ -87,7 +87,7 @@ def resume_in(
     same = check_same_rig(run, session)
     fresh_twin = session.source == "twin" and session.rig.tick == 0
     now = RigState(session.device, session.rig.tick, fresh_twin, session.initial)
-    with _damaged_record_as_data_error(run):
+    with damaged_record_as_data_error(run):
         replayed = replay_protocol(build_protocol(protocol, session.setup, settings, chooser), run)
         plan = replace(plan_resume(run, replayed, session.setup, now), remarks=same.remarks)
         heat = recorded_heat(run, session.actuator, session.file.lease_s)
@@ -100,17 +100,6 @@ def resume_in(
     )
     execution.execute(remaining_protocol)
     return plan
-
-
-@contextmanager
-def _damaged_record_as_data_error(run: Run) -> Iterator[None]:
-    """Raise DataError for values of a record that cannot be interpreted."""
-    try:
-        yield
-    except (KeyError, TypeError, ValueError, IndexError, AttributeError) as error:
-        raise DataError(
-            f"{run.path.name} cannot be resumed: its record is damaged ({type(error).__name__}: {error})."
-        ) from None
 
 
 @dataclass(frozen=True)

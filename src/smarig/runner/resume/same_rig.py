@@ -1,13 +1,11 @@
 """Compares the rig and the actuator of a run with those of today, value by value, before the run is resumed.
 
 A run has one scale, one heating model and one tick. A value that reaches its numbers must therefore be the same; the
-others may differ, and each difference is told and recorded. ``REACH`` says which is which. A key that it does not list
-counts as one that reaches the numbers.
+others may differ, and each difference is told and recorded.
 """
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from enum import Enum, auto
 from pathlib import PurePath
 from typing import Any
 
@@ -15,6 +13,8 @@ from smarig.config import ActuatorFile, RigFile, rig_from_text
 from smarig.core import DataError, TomlTable, UsageError, is_path
 from smarig.record import Run
 from smarig.runner.own_files import own_file_entries
+from smarig.runner.resume.damaged_record import damaged_record_as_data_error
+from smarig.runner.resume.reach import SOURCE, Reach, reach_of
 from smarig.runner.rig_description import (
     ACTUATOR_TEXT,
     ACTUATOR_VALUES,
@@ -27,82 +27,6 @@ from smarig.runner.rig_description import (
 )
 from smarig.runner.session import Session
 
-
-class Reach(Enum):
-    """How far a value reaches."""
-
-    NUMBERS = auto()  # the recorded numbers: a difference is refused
-    TWIN = auto()  # the numbers of a twin; on hardware only previews and checks: refused on a twin
-    SAFETY = auto()  # what the rig permits: told as a warning
-    NOTHING = auto()  # how a device is reached, and words: told
-
-
-_LINK = {
-    "driver": Reach.NUMBERS,  # an own driver with the hash of its code
-    "framing": Reach.NOTHING,
-    "url": Reach.NOTHING,  # the device itself is recognised by its identity
-    "baud": Reach.NOTHING,
-    "address": Reach.NOTHING,
-    "timeout_s": Reach.NOTHING,
-}
-REACH: dict[str, dict[str, Reach]] = {
-    RIG_VALUES: {
-        "name": Reach.NUMBERS,
-        "kind": Reach.NUMBERS,
-        "base": Reach.NOTHING,  # its values are compared
-        "actuator": Reach.NOTHING,  # its values are compared
-        "wire": Reach.NOTHING,  # the wire of the session is compared, which may have been given
-        "period_s": Reach.NUMBERS,
-        "ambient_degC": Reach.TWIN,
-        "lease_s": Reach.SAFETY,
-        "temperature_noise_K": Reach.TWIN,
-        "temperature_noise_time_s": Reach.TWIN,
-        "hidden_effect": Reach.TWIN,
-        # A limit also scales many protocols. Their commands are compared with the record when they are replayed.
-        "limits.current_min_A": Reach.SAFETY,
-        "limits.current_max_A": Reach.SAFETY,
-        "limits.current_rate_A_per_s": Reach.SAFETY,
-        "limits.temperature_max_K": Reach.SAFETY,
-        "limits.cycles_max": Reach.SAFETY,
-        "amplifier.saturation_A": Reach.TWIN,
-        "amplifier.current_noise_A": Reach.TWIN,
-        "amplifier.voltage_noise_V": Reach.TWIN,
-        "encoder.counts_per_rev": Reach.NUMBERS,
-        "encoder.noise_counts": Reach.TWIN,
-        **{f"links.amplifier.{key}": reach for key, reach in _LINK.items()},
-        **{f"links.encoder_daq.{key}": reach for key, reach in _LINK.items()},
-        "protection.slew_max_A_per_s": Reach.SAFETY,
-        "protection.resistance_min_ohm": Reach.SAFETY,
-        "protection.resistance_max_ohm": Reach.SAFETY,
-        "protection.heat_max_A2s": Reach.SAFETY,
-        "protection.heat_settle_s": Reach.SAFETY,
-        "simulator.start": Reach.NUMBERS,  # other devices, with a wire of their own
-        "simulator.speed": Reach.NOTHING,
-        "simulator.faults": Reach.NUMBERS,
-        "simulator.library": Reach.NUMBERS,
-        "simulator.trace": Reach.NOTHING,
-    },
-    ACTUATOR_VALUES: {
-        "name": Reach.NUMBERS,
-        "arrangement": Reach.NUMBERS,
-        "source": Reach.NOTHING,
-        "notes": Reach.NOTHING,
-        "wire.material": Reach.NOTHING,
-        "wire.diameter": Reach.NUMBERS,
-        "wire.active_length": Reach.NUMBERS,
-        "wire.density": Reach.NUMBERS,
-        "wire.specific_heat": Reach.NUMBERS,
-        "heating.resistance_martensite": Reach.NUMBERS,
-        "heating.resistance_austenite": Reach.NUMBERS,
-        "heating.reference_current": Reach.NUMBERS,
-        "heating.reference_temperature": Reach.NUMBERS,
-        "transmission.unit": Reach.NUMBERS,
-        "transmission.radius": Reach.NUMBERS,
-        "hysteresis.surface": Reach.TWIN,
-        "hysteresis.initial": Reach.TWIN,
-    },
-}
-_SOURCE = ".source"  # of a quantity: words
 _FILES = {RIG_VALUES: ("rig file", RIG_TEXT), ACTUATOR_VALUES: ("actuator file", ACTUATOR_TEXT)}
 _MOST_SHOWN = 3
 
@@ -148,13 +72,9 @@ def check_same_rig(run: Run, session: Session) -> RigComparison:
     """Compare the rig of a run with that of a session. Raises UsageError if a value that reaches numbers differs."""
     _check_hashes(run)
     check_names(run, session.file, session.actuator.file)
-    recorded, not_compared = _recorded(run)
-    present = dict(session.description)
-    codes = {PurePath(path).name: code for kind, _, path, code in own_file_entries(run) if kind == "driver"}
-    for side, hashes in ((recorded, codes), (present, driver_hashes(session.file))):
-        side |= {RIG_VALUES: _with_code(side[RIG_VALUES], hashes)} if RIG_VALUES in side else {}
+    with damaged_record_as_data_error(run):
+        found, not_compared = _all_changes(run, session)
     twin = run.info.source != "bench"
-    found = [c for table in _FILES for c in _file_changes(table, recorded, present)]
     refused = [c for c in found if c.reach is Reach.NUMBERS or (twin and c.reach is Reach.TWIN)]
     refused = refused or _scale_change(run, session)
     if refused:
@@ -202,6 +122,16 @@ def _recorded(run: Run) -> tuple[dict[str, Any], str]:
     )
 
 
+def _all_changes(run: Run, session: Session) -> tuple[list[RigChange], str]:
+    """The differences of both files and of own drivers, and what could not be compared."""
+    recorded, not_compared = _recorded(run)
+    present = dict(session.description)
+    codes = {PurePath(path).name: code for kind, _, path, code in own_file_entries(run) if kind == "driver"}
+    for side, hashes in ((recorded, codes), (present, driver_hashes(session.file))):
+        side |= {RIG_VALUES: _with_code(side[RIG_VALUES], hashes)} if RIG_VALUES in side else {}
+    return [c for table in _FILES for c in _file_changes(table, recorded, present)], not_compared
+
+
 def _completed(schema: type[TomlTable], values: Mapping[str, Any]) -> Mapping[str, Any]:
     """Recorded values with the defaults of keys that files have only since then; others stay as they are."""
     try:
@@ -240,7 +170,7 @@ def _file_changes(table: str, recorded: Mapping[str, Any], present: Mapping[str,
         return []
     was, now = dict(_values(recorded[table])), dict(_values(present[table]))
     found = [
-        RigChange(key, was.get(key, "not given"), now.get(key, "not given"), _reach(table, key))
+        RigChange(key, was.get(key, "not given"), now.get(key, "not given"), reach_of(table, key))
         for key in sorted({*was, *now})
         if was.get(key) != now.get(key)
     ]
@@ -255,12 +185,6 @@ def _file_changes(table: str, recorded: Mapping[str, Any], present: Mapping[str,
     ]
 
 
-def _reach(table: str, key: str) -> Reach:
-    if key.endswith(_SOURCE):
-        return Reach.NOTHING
-    return REACH[table].get(key, Reach.NUMBERS)
-
-
 def _values(table: Mapping[str, Any], place: str = "") -> Iterator[tuple[str, str]]:
     """(key, value as text) of a table and of those in it; a quantity is its value with its unit, and its source."""
     for name, value in table.items():
@@ -269,7 +193,7 @@ def _values(table: Mapping[str, Any], place: str = "") -> Iterator[tuple[str, st
             yield key, _text(value)
         elif value.keys() == {"value", "unit", "source"}:
             yield key, f"{_text(value['value'])} {value['unit']}"
-            yield key + _SOURCE, _text(value["source"])
+            yield key + SOURCE, _text(value["source"])
         else:
             yield from _values(value, f"{key}.")
 
