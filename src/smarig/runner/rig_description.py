@@ -31,8 +31,9 @@ def rig_description(
 
 
 def rig_values(file: RigFile) -> dict[str, Any]:
-    """Every value of a rig file. An own driver is the name of its file, so that it may move."""
+    """Every value of a rig file. Other files are named without their folder, so that they may move together."""
     values = file.model_dump(mode="json")
+    values["actuator"] = Path(values["actuator"]).name
     for link in (values["links"] or {}).values():
         link["driver"] = Path(link["driver"]).name
     return values
