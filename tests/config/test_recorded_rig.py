@@ -27,8 +27,11 @@ def test_a_chain_of_bases_gives_its_values(tmp_path):
 
 @pytest.mark.parametrize(
     "text",
-    ["", "name = 3", '{"a": 1}', 'base = "x"\n' * 3000, 'base = "x"\n#\n' * 3000, "a = " + "[" * 100_000, "#\n" * 150_000],
-)  # fmt: skip
+    [
+        *("", "name = 3", '{"a": 1}', "a = " + "[" * 100_000),
+        *('base = "x"\n' * 3000, 'base = "x"\n#\n' * 3000, "#\n" * 150_000),
+    ],
+)
 def test_another_text_is_no_rig(text):
     """Also one that has a great many divisions, in a bounded time."""
     assert rig_from_text(text) is None

@@ -110,9 +110,9 @@ def test_an_unlisted_key_is_refused():
 @pytest.mark.parametrize(
     ("file", "old", "new", "says"),
     [
-        ("wire.toml", "radius = { value = 15.0", "radius = { value = 18.0", "transmission.radius was 15 mm, is now 18 mm"),
-        ("wire.toml", "reference_current = { value = 1.0", "reference_current = { value = 1.1", "was 1 A, is now 1.1 A"),
-        ("wire.toml", "{ value = 840.0", "{ value = 840.0000001", "wire.specific_heat was 840 J/(kg K), is now 840.0000001"),
+        ("wire.toml", "radius = { value = 15.0", "radius = { value = 18.0", "radius was 15 mm, is now 18 mm"),
+        ("wire.toml", "current = { value = 1.0", "current = { value = 1.1", "was 1 A, is now 1.1 A"),
+        ("wire.toml", "{ value = 840.0", "{ value = 840.0000001", "was 840 J/(kg K), is now 840.0000001"),
         ("wire.toml", "{ value = 4.5", "{ value = 4.6", "heating.resistance_austenite was 4.5 ohm"),
         ("wire.toml", 'surface = "one_e"', 'surface = "one_c"', "hysteresis.surface was 'one_e', is now 'one_c'"),
         ("base.toml", "counts_per_rev = 2000", "counts_per_rev = 4000", "encoder.counts_per_rev was 2000, is now 4000"),

@@ -20,7 +20,7 @@ from smarig.record import LastHeat, Run
 from smarig.rig import Guard
 
 COLD_TAUS = 10.0  # after this time without a current the wire is cold
-UNRECORDED_S = 1.0  # the last samples of a killed process may be missing
+UNRECORDED_S = 1.0  # of the host's time: the last samples of a killed process may be missing
 LONGEST_S = 3e8  # ten years: a clock that says more has been set
 _MEMORY_TAUS = 40.0  # an earlier temperature is forgotten to the last bit
 
@@ -61,7 +61,9 @@ def elapsed_s(
 def recorded_heat(run: Run, actuator: Actuator, lease_s: float) -> LastHeat | None:
     """What the record of an interrupted run tells last of the heat of its wire; None without samples.
 
-    The lease is the present one, or that of the record if it was longer.
+    The current may have flowed on for the time whose samples are missing and for the lease: the present one, or that of
+    the record if it was longer. Simulated devices may run at any speed, so there the missing time has no bound. A
+    command that was set in that time is not known; this is why a resumed run first cools its wire at zero current.
     """
     if not len(run):
         return None
@@ -70,7 +72,7 @@ def recorded_heat(run: Run, actuator: Actuator, lease_s: float) -> LastHeat | No
     return LastHeat(
         wire_K=_wire_K_at_the_end(run, actuator),
         current_A=_larger(float(run["current_command_A"][-1]), float(run["current_A"][-1])),
-        flows_s=lease_s + (0.0 if run.complete else UNRECORDED_S),
+        flows_s=lease_s + (0.0 if run.complete else math.inf if run.twin else UNRECORDED_S),
         device=run.info.device or "",
         tick=int(run["tick"][-1]) - int(run.info.shift.get("ticks", 0)),
         epoch=_epoch_at_the_end(run),
