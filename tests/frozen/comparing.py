@@ -12,6 +12,8 @@ from typing import Any
 RELATIVE, ABSOLUTE = 1e-6, 1e-9
 HASH = "hash"
 ADDED = {
+    "actuator_text",
+    "actuator_values",
     "adequacy",
     "conditions",
     "discrepancy",
@@ -27,8 +29,11 @@ ADDED = {
     "reason",
     "remaining",
     "repairs",
+    "rig_sha256",
+    "rig_values",
     "rows",
     "suspects",
+    "wire_K",
 }  # keys that came later, on purpose
 
 
