@@ -341,19 +341,21 @@ def test_resuming_with_another_experiment_is_refused(capsys, tmp_path, killed):
     assert killed.read_bytes() == before
 
 
-def test_a_campaign_is_not_continued_on_another_scale(capsys, tmp_path, killed_on_own_files):
-    """Not even where its finished runs are only skipped: they belong together."""
+@pytest.mark.parametrize("second_run", ["interrupted", "missing"])
+def test_a_campaign_is_not_continued_on_another_scale(capsys, tmp_path, killed_on_own_files, second_run):
+    """Not even where its finished runs are only skipped: the runs of a campaign belong together."""
     plan, out = tmp_path / "two.toml", tmp_path / "runs"
     plan.write_text(CAMPAIGN, encoding="utf-8")
     command_line = ("run", plan, "--rig", "mine.toml", "-o", out, "--quiet")
     assert call(capsys, *command_line)[0] == 0
     first, second, third = sorted(out.glob("*.run.sqlite"))
     whole = second.rename(tmp_path / "second.run.sqlite")
-    cut(whole, second, 1700)
     third.unlink()
-    before = [path.read_bytes() for path in (first, second)]
+    if second_run == "interrupted":
+        cut(whole, second, 1700)
+    before = {path: path.read_bytes() for path in out.iterdir()}
     edit(*RADIUS)
     status, _, err = call(capsys, *command_line, "--continue")
     assert (status, "transmission.radius was 15 mm, is now 18 mm" in err) == (2, True)
-    assert [path.read_bytes() for path in (first, second)] == before
-    assert not third.exists()
+    assert f"{first.name} was made with other values" in err
+    assert {path: path.read_bytes() for path in out.iterdir()} == before
