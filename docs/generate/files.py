@@ -23,8 +23,12 @@ from it.
 RUN_KEYS = {
     "schema_version": "of these tables",
     "rig": "name of the rig",
-    "config": "text of the rig file and the actuator file",
+    "config": "text of the rig file, followed by those of its base files",
     "actuator": "name of the actuator",
+    "actuator_text": "text of the actuator file",
+    "rig_values": "every value of the rig, with those of its base files and defaults",
+    "actuator_values": "every value of the actuator",
+    "rig_sha256": "SHA-256 hashes of the four keys above; of values, as JSON with sorted keys and no spaces",
     "wire": "identity of the wire",
     "wire_history": "history of the wire before the run",
     "source": "origin of the data: bench, twin, simulation or import",

@@ -199,6 +199,21 @@ def test_a_rig_file_may_bring_its_driver(capsys, here, monkeypatch):
     assert session_for(load_run(killed), rig="../mine.toml").file.name == "mine"
 
 
+def test_an_own_driver_that_was_edited_is_refused_before_it_is_executed(capsys, here):
+    arguments = ["run", "validation", "--rig", "mine.toml", "-o", "d.run.sqlite", "--set", "points=2"]
+    assert call(capsys, *arguments, "--quiet")[0] == 0
+    killed = cut(load_run("d.run.sqlite").path, here / "k.run.sqlite", 1500)
+    before = killed.read_bytes()
+    (here / "shunted.py").write_text(DRIVER.replace("1.01", "1.02") + "open('executed', 'w').close()\n")
+    status, _, err = call(capsys, "resume", killed, "--rig", "mine.toml", "--quiet")
+    assert status == 2
+    assert "links.amplifier.driver was 'shunted.py (sha256 " in err
+    assert killed.read_bytes() == before
+    assert not (here / "executed").exists()
+    (here / "shunted.py").write_text(DRIVER)
+    assert call(capsys, "resume", killed, "--rig", "mine.toml", "--quiet")[0] == 0
+
+
 @pytest.mark.parametrize(
     ("text", "says"),
     [

@@ -3,11 +3,13 @@
 import json
 import os
 import select
+import shutil
 import sqlite3
 import subprocess
 import sys
 import time
 from contextlib import suppress
+from pathlib import Path
 
 import pytest
 
@@ -15,6 +17,7 @@ import smarig
 from runner.interrupted import cut
 from smarig.cli import run as cli
 from smarig.cli.panel.keyboard import press
+from smarig.config import locate
 from smarig.record import WireHistory, load_run
 from smarig.runner.run_control import RunControl
 
@@ -96,6 +99,73 @@ def test_wires_are_listed(capsys, tmp_path, monkeypatch):
     listed = json.loads(out)["wires"]
     assert list(listed) == ["A7", "old (twin)"]
     assert listed["A7"].startswith("2 runs, 20 cycles, ")
+
+
+# --- a rig that was edited meanwhile ---------------------------------------------------------------------------
+
+
+@pytest.fixture
+def killed_on_own_files(tmp_path, monkeypatch):
+    """A killed run on a rig file with a base and an actuator beside it."""
+    monkeypatch.chdir(tmp_path)
+    base = locate("rigs", "one_wire_twin").read_text("utf-8")
+    Path("base.toml").write_text(base.replace('"gorbet_one_wire"', '"wire.toml"'), "utf-8")
+    Path("mine.toml").write_text('name = "mine"\nbase = "base.toml"\n', "utf-8")
+    shutil.copy(locate("actuators", "gorbet_one_wire"), "wire.toml")
+    whole = smarig.run("validation", rig="mine.toml", out="whole.run.sqlite", points=2)
+    return cut(whole.path, Path("killed.run.sqlite"), 900)
+
+
+def edit(name, old, new):
+    text = Path(name).read_text("utf-8")
+    assert text.count(old) == 1
+    Path(name).write_text(text.replace(old, new), "utf-8")
+
+
+RADIUS = ("wire.toml", "radius = { value = 15.0", "radius = { value = 18.0")
+COUNTS = ("base.toml", "counts_per_rev = 2000", "counts_per_rev = 4000")
+COMMENT = ("wire.toml", "[transmission]", "[transmission]  # of the pulley")
+
+
+@pytest.mark.parametrize(
+    ("change", "says"),
+    [
+        (RADIUS, "transmission.radius was 15 mm, is now 18 mm"),
+        (COUNTS, "encoder.counts_per_rev was 2000, is now 4000"),
+    ],
+)
+def test_another_scale_is_refused_before_anything_moves(capsys, killed_on_own_files, change, says):
+    """One position column has one scale."""
+    before = killed_on_own_files.read_bytes()
+    edit(*change)
+    arguments = ("run", "validation", "--set", "points=2", "--rig", "mine.toml", "-o", killed_on_own_files)
+    for words in (("resume", killed_on_own_files), (*arguments, "--continue", "--quiet")):
+        status, _, err = call(capsys, *words)
+        assert status == 2
+        assert says in err
+        assert err.strip().count("\n") == 0
+        assert killed_on_own_files.read_bytes() == before
+
+
+def test_a_comment_is_told_in_a_line(capsys, killed_on_own_files):
+    edit(*COMMENT)
+    status, out, err = call(capsys, "resume", killed_on_own_files, "--quiet", "--json")
+    assert status == 0
+    assert "the actuator file has another text, but the same values" in json.loads(out)["how"]
+    assert err.splitlines()[-1].endswith("the actuator file has another text, but the same values.")
+    assert [e.data["key"] for e in load_run(killed_on_own_files).events if e.kind == "rig"] == [
+        "actuator_text"
+    ]
+
+
+def test_a_raised_limit_is_told_in_the_log_before_the_run_goes_on(capsys, killed_on_own_files):
+    edit("base.toml", "temperature_max_K = 185.0", "temperature_max_K = 190.0")
+    status, _, err = call(capsys, "resume", killed_on_own_files)
+    assert status == 0
+    lines = err.splitlines()
+    told = next(k for k, line in enumerate(lines) if "WARNING rig: Since the interruption: limits" in line)
+    assert "limits.temperature_max_K was 185, is now 190" in lines[told]
+    assert told < next(k for k, line in enumerate(lines) if " step " in line)
 
 
 # --- --notify --------------------------------------------------------------------------------------------------
@@ -279,3 +349,23 @@ def test_resuming_with_another_experiment_is_refused(capsys, tmp_path, killed):
         status, _, err = call(capsys, "run", *other, "--rig", "one_wire_twin", "-o", killed, "--continue")
         assert (status, "Give another folder" in err) == (2, True)
     assert killed.read_bytes() == before
+
+
+@pytest.mark.parametrize("second_run", ["interrupted", "missing"])
+def test_a_campaign_is_not_continued_on_another_scale(capsys, tmp_path, killed_on_own_files, second_run):
+    """Not even where its finished runs are only skipped: the runs of a campaign belong together."""
+    plan, out = tmp_path / "two.toml", tmp_path / "runs"
+    plan.write_text(CAMPAIGN, encoding="utf-8")
+    command_line = ("run", plan, "--rig", "mine.toml", "-o", out, "--quiet")
+    assert call(capsys, *command_line)[0] == 0
+    first, second, third = sorted(out.glob("*.run.sqlite"))
+    whole = second.rename(tmp_path / "second.run.sqlite")
+    third.unlink()
+    if second_run == "interrupted":
+        cut(whole, second, 1700)
+    before = {path: path.read_bytes() for path in out.iterdir()}
+    edit(*RADIUS)
+    status, _, err = call(capsys, *command_line, "--continue")
+    assert (status, "transmission.radius was 15 mm, is now 18 mm" in err) == (2, True)
+    assert f"{first.name} was made with other values" in err
+    assert {path: path.read_bytes() for path in out.iterdir()} == before

@@ -12,6 +12,8 @@ from typing import Any
 RELATIVE, ABSOLUTE = 1e-6, 1e-9
 HASH = "hash"
 ADDED = {
+    "actuator_text",
+    "actuator_values",
     "adequacy",
     "conditions",
     "discrepancy",
@@ -27,9 +29,12 @@ ADDED = {
     "reason",
     "remaining",
     "repairs",
+    "rig_sha256",
+    "rig_values",
     "rows",
     "severity",
     "suspects",
+    "wire_K",
 }  # keys that came later, on purpose
 ENDED = {"wire_history", "history_until_tick"}  # keys that runs of twins no longer have, on purpose
 

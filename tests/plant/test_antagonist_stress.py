@@ -56,3 +56,9 @@ def test_stress_lies_between_cold_and_both_hot(temperatures):
         stress = wires.step(pair)
         assert foreseen == stress
         assert 241.9 < stress < 1077.6
+
+
+def test_a_warm_wire_of_unknown_history_may_still_be_austenite():
+    wires = AntagonistStress(22.0)
+    wires.start((25.0, 11.0))  # M_s, and halfway to M_f
+    assert wires.austenite == pytest.approx([1.0, 0.5])

@@ -11,6 +11,7 @@ import smarig
 from runner.interrupted import cut
 from runner.lasting_devices import rig_file, started
 from smarig.core.errors import DataError, Interrupted, LimitExceeded
+from smarig.record.last_heat import LastHeat
 from smarig.record.wire_history import Wear, WireHistory, load_wire_history, wire_histories
 from smarig.runner.listener import CallbackListener
 from smarig.runner.resume.resume_run import resume
@@ -140,6 +141,54 @@ def test_a_figure_of_the_wrong_kind_is_damage(tmp_path):
         path.write_text(json.dumps(data | {key: value}), encoding="utf-8")
         with pytest.raises(DataError):
             of("a")
+
+
+def test_the_heat_at_the_end_is_kept():
+    heat = LastHeat((120.5, 3.0), current_A=-0.5, flows_s=2.0, device="encoder, boot 3", tick=77, epoch=1.8e9)
+    WireHistory("a", runs=1, heat=heat).save()
+    assert load_wire_history("a", twin=False).heat == heat
+
+
+def test_a_history_of_an_earlier_version_has_no_heat(tmp_path):
+    WireHistory("a", twin=True, runs=7).save()
+    path = next((tmp_path / "wires").iterdir())
+    data = json.loads(path.read_text(encoding="utf-8"))
+    del data["heat"]
+    path.write_text(json.dumps(data), encoding="utf-8")
+    assert (of("a").runs, of("a").heat) == (7, None)
+
+
+@pytest.mark.parametrize(
+    "damage",
+    [
+        {"wire_K": [1.0]},
+        {"wire_K": 3},
+        {"wire_K": [float("nan"), 0.0]},
+        {"wire_K": [-1.0, 0.0]},
+        {"current_A": None},
+        {"flows_s": float("inf")},
+        {"epoch": "noon"},
+        {"tick": []},
+    ],
+)
+def test_a_heat_of_no_wire_is_damage(tmp_path, damage):
+    WireHistory("a", twin=True, heat=LastHeat((1.0, 0.0))).save()
+    path = next((tmp_path / "wires").iterdir())
+    data = json.loads(path.read_text(encoding="utf-8"))
+    path.write_text(json.dumps(data | {"heat": data["heat"] | damage}), encoding="utf-8")
+    with pytest.raises(DataError, match="Repair it, or remove it"):
+        of("a")
+
+
+def test_a_twin_in_process_leaves_no_heat_because_its_wire_ends_with_it(tmp_path):
+    """Stopped at its hottest; the next twin has a new, cold wire."""
+    control = RunControl()
+    stop = CallbackListener(on_sample=lambda s, step, u: control.stop("enough") if u > 100.0 else None)
+    with Session("one_wire_twin", control=control) as session, pytest.raises(Interrupted):
+        session.run("congruency", {}, tmp_path / "stopped.run.sqlite", listeners=[stop])
+    assert of().heat is None
+    with Session("one_wire_twin") as session:
+        assert session.guard.input_K == 0.0
 
 
 def test_a_history_that_cannot_be_written_is_reported_and_ends_nothing(tmp_path, monkeypatch, rig):

@@ -47,6 +47,37 @@ def test_predicted_temperature_trips_to_zero_and_the_samples_that_show_it_are_ke
         guard.step(0.0)
 
 
+def test_a_guard_that_starts_hot_trips_when_a_hot_wire_would():
+    """A cold start would let a current heat a wire of 95 K for four seconds more before it exceeds 100 K."""
+    _, cold = guarded(temperature_max_K=100.0)
+    _, hot = guarded(temperature_max_K=100.0)
+    hot.start_hot((95.0, 0.0))
+    for _ in range(5):
+        for guard in (cold, hot):
+            if not guard.tripped:
+                guard.step(1.0)
+    assert "exceeds the limit temperature_max_K = 100" in hot.tripped
+    assert not cold.tripped
+
+
+def test_a_start_above_the_limit_allows_the_zero_current_and_nothing_that_heats():
+    for current_A, tripped in ((0.0, False), (0.5, False), (1.0, True)):
+        _, guard = guarded(temperature_max_K=100.0)
+        guard.start_hot((250.0, 0.0))
+        guard.step(current_A)
+        assert bool(guard.tripped) is tripped, current_A
+
+
+def test_a_guard_that_has_stepped_knows_better_than_any_assumption():
+    _, guard = guarded()
+    guard.start_hot((50.0, 0.0))
+    guard.start_hot((30.0, 0.0))
+    assert guard.input_K == 50.0, "the hottest of what is known"
+    guard.step(0.0)
+    guard.start_hot((150.0, 0.0))
+    assert guard.input_K < 50.0
+
+
 def test_each_wire_of_the_differential_rig_is_watched():
     twin = Twin.named("two_wire_twin", noise=False)
     guard = Guard(twin, twin.file.limits.model_copy(update={"temperature_max_K": 100.0}), twin.actuator)

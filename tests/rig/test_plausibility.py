@@ -47,6 +47,17 @@ def test_what_cannot_be_trips_to_zero_with_its_cause(kind, lie, words):
     assert [a.kind for a in guard.alarms() if a.level == "error"] == [kind]
 
 
+def test_a_hot_start_that_was_only_assumed_is_no_reason_to_trip():
+    """The wire is cold and does not move while the prediction cools; once that is forgotten, a still encoder trips."""
+    guard, _ = guarded(from_tick(1000, counts=lambda _: 3))
+    guard.start_hot((174.0, 0.0))
+    heated(guard, 999, 0.0)
+    assert not guard.tripped
+    assert guard.input_K < 1e-3
+    with pytest.raises(LimitExceeded, match="fully heated and did not move"):
+        heated(guard)
+
+
 def test_an_encoder_that_sticks_on_a_hot_wire_trips_as_it_cools():
     observed = []
 

@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 from smarig.core.lazy_exports import lazy_exports
 
 if TYPE_CHECKING:
+    from smarig.config.config_files import actuator_text as actuator_text
     from smarig.config.config_files import load_actuator as load_actuator
     from smarig.config.config_files import load_campaign as load_campaign
     from smarig.config.config_files import load_rig as load_rig
@@ -23,5 +24,6 @@ if TYPE_CHECKING:
     from smarig.config.file_schemas import Quantity as Quantity
     from smarig.config.file_schemas import RigFile as RigFile
     from smarig.config.file_schemas import SimulatorFile as SimulatorFile
+    from smarig.config.recorded_rig import rig_from_text as rig_from_text
 else:
     __getattr__, __dir__, __all__ = lazy_exports(__name__)

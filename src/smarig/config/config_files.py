@@ -42,19 +42,24 @@ def load_actuator(name: str) -> ActuatorFile:
     return load_toml(ActuatorFile, locate("actuators", name))
 
 
+def actuator_text(name: str) -> str:
+    """The text of an actuator's file."""
+    return locate("actuators", name).read_text(encoding="utf-8")
+
+
 def load_rig(name: str) -> RigFile:
     """A rig by name or path."""
     files = _rig_files(name)
     raw: dict[str, Any] = {}
     for path, table in files:
-        raw = _merge(_with_resolved_paths(table, path.parent), raw)
+        raw = merged_tables(_with_resolved_paths(table, path.parent), raw)
     return check_table(RigFile, raw, str(files[0][0]))
 
 
-def _merge(base: dict[str, Any], mine: dict[str, Any]) -> dict[str, Any]:
+def merged_tables(base: dict[str, Any], mine: dict[str, Any]) -> dict[str, Any]:
     """Merge two tables key by key. Values that are not tables are replaced."""
     both = {
-        key: _merge(base[key], mine[key])
+        key: merged_tables(base[key], mine[key])
         for key in base.keys() & mine.keys()
         if _all_tables(base[key], mine[key])
     }
@@ -94,7 +99,7 @@ def _all_tables(*values: Any) -> bool:
 
 
 def rig_text(name: str) -> str:
-    """The text of all files that define a rig."""
+    """The texts of all files that define a rig: its file, then its base, and so on."""
     return "\n".join(path.read_text(encoding="utf-8") for path, _ in _rig_files(name))
 
 

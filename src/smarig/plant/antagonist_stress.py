@@ -44,6 +44,10 @@ class AntagonistStress:
         self._cooling = t.martensite_finish - ambient_degC, t.martensite_start - ambient_degC
         self.austenite = [0.0, 0.0]
 
+    def start(self, wire_K: tuple[float, float] | list[float]) -> None:
+        """Start with wires that may be this hot: as much austenite as any history leaves."""
+        self.austenite = [self._phase(1.0, hot_K) for hot_K in wire_K]
+
     def step(self, wire_K: tuple[float, float] | list[float]) -> float:
         """Advance both phases to these temperatures and return the stress."""
         for k in (0, 1):

@@ -98,7 +98,7 @@ _TYPE_TEXTS: dict[Callable[[Any], bool], str] = {
     is_timestamp: "a date (seconds since 1970)",
 }
 _TEXTS = (
-    *("protocol", "rig", "wire", "source", "initial", "encoder_zero", "notes", "config"),
+    *("protocol", "rig", "wire", "source", "initial", "encoder_zero", "notes", "config", "actuator_text"),
     *("device", "wire_history", "model", "along"),
 )
 KEY_TYPES = {
@@ -106,7 +106,7 @@ KEY_TYPES = {
     **dict.fromkeys(
         ("input", "output", "end", "settings", "versions", "imported", "conditions", "repairs"), is_table
     ),
-    **dict.fromkeys(("begun_with", "shift"), is_table),
+    **dict.fromkeys(("begun_with", "shift", "rig_values", "actuator_values", "rig_sha256"), is_table),
     **dict.fromkeys(("effects", "warnings", "own_files"), _list),
     **dict.fromkeys(("seed", "history_until_tick"), is_integer),
     "actuator": _name,

@@ -110,8 +110,9 @@ class RunInfo(StoredTable):
     """The description of a run; None or empty if not recorded.
 
     Experiment: ``protocol`` with its ``settings``, ``seed`` and injected ``effects`` of a twin; ``source`` is "bench",
-    "twin", "simulation" or "import". Rig: names of ``rig``, ``wire`` and ``actuator``, text of the rig file
-    (``config``), ``period_s`` of a tick, ``input`` and ``output``. Session: ``start_epoch`` (seconds since 1970),
+    "twin", "simulation" or "import". Rig: names of ``rig``, ``wire`` and ``actuator``, texts of their files
+    (``config``, ``actuator_text``), their values (``rig_values``, ``actuator_values``), the hashes of these
+    (``rig_sha256``), ``period_s`` of a tick, ``input`` and ``output``. Session: ``start_epoch`` (seconds since 1970),
     ``encoder_zero``, ``initial`` state of the wire. Resuming: ``device``, ``shift`` of its ticks and counts,
     ``launch_args``, ``own_files``, ``closed_loop``, ``history_until_tick``. Imports: ``imported``, ``conditions``,
     ``warnings``, ``repairs``, ``t0_s``, ``header``, ``companions``, ``forc``. Simulations: ``model`` and the run
@@ -129,6 +130,10 @@ class RunInfo(StoredTable):
     wire: str | None = None
     actuator: str | None = None
     config: str | None = None
+    actuator_text: str | None = None
+    rig_values: Mapping[str, Any] = field(default_factory=dict)
+    actuator_values: Mapping[str, Any] = field(default_factory=dict)
+    rig_sha256: Mapping[str, Any] = field(default_factory=dict)
     period_s: float | None = None
     input: SignalInfo = field(default_factory=SignalInfo)
     output: SignalInfo = field(default_factory=SignalInfo)

@@ -7,6 +7,9 @@
 For two wires the input is |T₁ − T₂|: heating either wire wears the pair. All figures come from the heating model, none
 is measured. Only wires that outlive a session have a history: those of hardware, and of simulated devices that were
 started elsewhere (``twin``). A twin is a new wire in every session.
+
+``heat`` is the heat of the wire at the end of the last run, from which the next session starts. A process that is
+killed writes none: only ``smarig resume`` knows the heat that it left.
 """
 
 import json
@@ -19,6 +22,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 
 from smarig.core import DataError, atomic_file
+from smarig.record.last_heat import LastHeat
 
 _HOT, _COLD = 0.5, 0.25  # shares of the range
 
@@ -67,8 +71,16 @@ class WireHistory:
     largest_input_K: float = 0.0
     first_use: str = ""
     last_use: str = ""
+    heat: LastHeat | None = None
 
-    def after(self, wear: Wear, *, new_run: bool, now: Callable[[], datetime] | None = None) -> "WireHistory":
+    def after(
+        self,
+        wear: Wear,
+        *,
+        new_run: bool,
+        heat: LastHeat | None = None,
+        now: Callable[[], datetime] | None = None,
+    ) -> "WireHistory":
         """The history after a run, or after the rest of a continued run."""
         now_text = (now() if now else datetime.now(UTC)).strftime("%Y-%m-%dT%H:%M:%SZ")
         return replace(
@@ -80,6 +92,7 @@ class WireHistory:
             largest_input_K=max(self.largest_input_K, wear.largest_input_K),
             first_use=self.first_use or now_text,
             last_use=now_text,
+            heat=heat,
         )
 
     def sentence(self) -> str:
@@ -117,13 +130,14 @@ def _path(wire: str, twin: bool) -> Path:
 
 
 def _read(path: Path) -> WireHistory:
-    kinds = {f.name: f.type for f in fields(WireHistory)}
+    kinds = {f.name: f.type for f in fields(WireHistory) if f.name != "heat"}
     try:
         data = json.loads(path.read_text(encoding="utf-8"))
+        heat = data.pop("heat", None)  # files of earlier versions have none
         if set(data) != set(kinds) or not all(_is(data[name], str(kind)) for name, kind in kinds.items()):
             raise ValueError("its keys are not those of a history")
-        return WireHistory(**data)
-    except (OSError, ValueError, TypeError, AttributeError) as error:
+        return WireHistory(**data, heat=None if heat is None else LastHeat.of(heat))
+    except (OSError, ValueError, TypeError, AttributeError, KeyError) as error:
         raise DataError(
             f"Wire history {path} cannot be read: {error}. Repair it, or remove it to start a new history."
         ) from None

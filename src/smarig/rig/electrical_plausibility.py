@@ -31,15 +31,21 @@ class ElectricalPlausibility:
         self._resistance = ExpectedResistance(actuator, limits.resistance_tolerance)
         self._largest_V = largest_voltage_V(limits, actuator)
         self._ticks_in_a_row = {"read_back": 0, "voltage": 0, "resistance": 0}
+        self._phase_known = True
         self.suspect = False
 
     def rearmed(self) -> None:
         """A trip was cleared: a fault that persists must trip again."""
         self._ticks_in_a_row = dict.fromkeys(self._ticks_in_a_row, 0)
 
+    def input_unsure(self) -> None:
+        """The wire may be colder than the next input says: any phase is possible."""
+        self._phase_known = False
+
     def check(self, s: Sample, input_K: float) -> list[Alarm]:
         """The alarm that this sample is the first to justify, as a list."""
         fault = self._fault(s, input_K)
+        self._phase_known = True
         self.suspect = fault is not None
         alarms = []
         for name, before in self._ticks_in_a_row.items():
@@ -63,7 +69,9 @@ class ElectricalPlausibility:
             return _Fault("voltage", text, _weight(abs(s.voltage_V) / self._largest_V))
         if abs(s.current_A) < MIN_CURRENT_A:
             return None
-        ohm, (low, high) = s.voltage_V / s.current_A, self._resistance.band_ohm(input_K, s.current_A)
+        ohm = s.voltage_V / s.current_A
+        expected = self._resistance
+        low, high = expected.band_ohm(input_K, s.current_A) if self._phase_known else expected.any_phase_ohm
         if low <= ohm <= high or math.isnan(ohm):
             return None
         text = (

@@ -35,6 +35,8 @@ class ExpectedResistance:
         self._first = self._bands(actuator, tolerance, least, most)
         self._second = self._bands(actuator, tolerance, 1 - most, 1 - least)
         self._two_wire = actuator.two_wire
+        lows, highs = zip(*self._first, *self._second)
+        self.any_phase_ohm = min(lows), max(highs)
 
     @staticmethod
     def _bands(

@@ -6,11 +6,12 @@ makes the rig safe.
 """
 
 import math
+from collections.abc import Sequence
 
 from smarig.config import LimitsFile
 from smarig.core import LimitExceeded, Quality, Sample
 from smarig.plant import Actuator, JouleHeating
-from smarig.rig.plausibility import Plausibility
+from smarig.rig.plausibility import REST_TAUS, Plausibility
 from smarig.rig.rig import Alarm, Rig
 from smarig.rig.stress_limit import StressLimit
 
@@ -32,7 +33,8 @@ class Guard:
     ) -> None:
         self.rig, self.limits, self._plausibility = rig, limits, plausibility
         self._alarms: list[Alarm] = []
-        self._last_tick = rig.tick
+        self._first_tick = self._last_tick = rig.tick
+        self._unsure_until = rig.tick  # the assumed start of the prediction is forgotten at this tick
         self.heating = JouleHeating(actuator, rig.period_s)
         self.tripped = ""
         self._last_A = 0.0
@@ -40,6 +42,20 @@ class Guard:
         self._stress = (
             StressLimit(limits.stress_max_MPa, actuator, ambient_degC) if limits.stress_max_MPa else None
         )
+
+    def start_hot(self, wire_K: Sequence[float]) -> None:
+        """Start the prediction with wires that may be this hot, in place of cold ones. After the first step it is known
+        better, and nothing changes.
+
+        At most at the limit: from there, whatever heats a wire trips at once, and the current that cools it is allowed.
+        """
+        if self._last_tick != self._first_tick or not any(hot > 0 for hot in wire_K):
+            return
+        limit, heat = self.limits.temperature_max_K, self.heating
+        heat.wire_K = [min(max(before, hot), limit) for before, hot in zip(heat.wire_K, wire_K)]
+        if self._stress is not None:
+            self._stress.start_hot(heat.wire_K)
+        self._unsure_until = self._last_tick + math.ceil(REST_TAUS * heat.tau_s / self.period_s)
 
     @property
     def period_s(self) -> float:
@@ -126,7 +142,10 @@ class Guard:
             self._alarms.append(alarm)
             if alarm.level == "error" and not self.tripped:
                 self._trip(alarm.text)
-        return sample._replace(quality=sample.quality | _SUSPECT) if self._plausibility.suspect else sample
+        suspect = self._plausibility.suspect
+        if self._last_tick < self._unsure_until:
+            self._plausibility.input_unsure()
+        return sample._replace(quality=sample.quality | _SUSPECT) if suspect else sample
 
     def alarms(self) -> list[Alarm]:
         """Alarms of the rig and of the plausibility checks since the last call."""

@@ -57,6 +57,11 @@ class Plausibility:
         """The encoder was zeroed: discard earlier counts."""
         self._last, self._last_end = None, ""
 
+    def input_unsure(self) -> None:
+        """The wire may be colder than the input says: from a hot start that is assumed, it need not move."""
+        self._last_end = ""
+        self._electrical.input_unsure()
+
     def rearmed(self) -> None:
         """A trip was cleared: a fault that persists must trip again."""
         self._ticks_in_a_row = dict.fromkeys(self._ticks_in_a_row, 0)

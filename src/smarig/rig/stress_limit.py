@@ -21,6 +21,10 @@ class StressLimit:
                 f"limits.stress_max_MPa = {limit_MPa:g} is below the stress of the cold wires, {at_rest:.0f} MPa."
             )
 
+    def start_hot(self, wire_K: list[float]) -> None:
+        """Start with wires that may be this hot."""
+        self._wires.start(wire_K)
+
     def update(self, wire_K: list[float]) -> None:
         """Follow both wires for one tick."""
         self._wires.step(wire_K)

@@ -46,7 +46,7 @@ def used_own_files(
 
 def check_own_files(run: Run) -> None:
     """Raise UsageError if an own protocol or effect of a run was not given again, or has changed."""
-    for kind, name, path, sha256 in _entries(run):
+    for kind, name, path, sha256 in own_file_entries(run):
         package = {"protocol": PROTOCOLS, "effect": EFFECTS}.get(kind)
         if (
             package is None
@@ -73,7 +73,8 @@ def check_drivers(file: RigFile, where: str, remedy: str) -> None:
         )
 
 
-def _entries(run: Run) -> list[tuple[str, str, str, str]]:
+def own_file_entries(run: Run) -> list[tuple[str, str, str, str]]:
+    """Kind, name, path and hash of each own file of a run. Raises DataError if they are damaged."""
     try:
         return [
             (str(e["kind"]), str(e["name"]), str(e["path"]), str(e["sha256"])) for e in run.info.own_files

@@ -7,19 +7,20 @@ its cause.
 import shutil
 import time
 from collections.abc import Mapping, Sequence
-from contextlib import ExitStack
+from contextlib import ExitStack, suppress
 from dataclasses import asdict
 from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
 
-from smarig.config import LimitsFile, RigFile, load_rig, rig_text
+from smarig.config import LimitsFile, RigFile, actuator_text, load_rig, rig_text
 from smarig.core import LimitExceeded, Protocol, Sample, SmarigError, StorageError, resolve_name
 from smarig.plant import Actuator
 from smarig.protocols import PROTOCOLS, Chooser, Setup, build_protocol
 from smarig.record import (
     CONTINUED,
     ClockWatch,
+    LastHeat,
     Recorder,
     Run,
     Wear,
@@ -35,6 +36,7 @@ from smarig.runner.lock import rig_locks
 from smarig.runner.own_files import OWN_FILES, used_own_files
 from smarig.runner.preview import Preview, ProtocolFactory, preview
 from smarig.runner.restart_shift import Shift
+from smarig.runner.rig_description import rig_description
 from smarig.runner.run_control import RunControl
 from smarig.runner.run_metadata import (
     CLOSED_LOOP,
@@ -47,6 +49,7 @@ from smarig.runner.run_metadata import (
 )
 from smarig.runner.runner import Runner
 from smarig.runner.signal_handling import stop_on_signals
+from smarig.runner.wire_heat import elapsed_s, heat_at_the_end, heat_left
 
 
 class Session:
@@ -63,14 +66,18 @@ class Session:
         control: RunControl | None = None,
     ) -> None:
         self.file: RigFile = load_rig(rig)
-        self._name, self._config_text = rig, rig_text(rig)
+        self._name = rig
         self.actuator = Actuator.named(self.file.actuator)
+        self.description = rig_description(
+            rig_text(rig), actuator_text(self.file.actuator), self.file, self.actuator.file
+        )
         self.wire = wire or self.file.wire
         self.settings = twin or TwinSettings(seed=seed)
         self._speed = speed
         self.control = control or RunControl()
         self.setup = Setup(self.actuator, self.file.limits, self.file.period_s)
         self._zero = "power-up"
+        self._last: Sample | None = None
         self._epoch = time.time()
         self.wear = self.new_wear()
         self._open = ExitStack()
@@ -100,7 +107,18 @@ class Session:
             Plausibility(self.file, self.actuator),
             ambient_degC=self.file.ambient_degC,
         )
+        with suppress(SmarigError):  # a damaged history: a run reports it
+            history = self.history()
+            self.start_hot(history.heat if history else None)
         return self
+
+    def start_hot(self, last: LastHeat | None) -> None:
+        """Start the heating model where the wires may be, from what is last known of them. A new twin's are cold."""
+        if last is None or not outlives_session(self.file):
+            return
+        since_s = elapsed_s(last, self.device, self.rig.tick, self.file.period_s, twin=self.source == "twin")
+        has_lease = bool(getattr(self.rig, "has_lease", True))
+        self.guard.start_hot(heat_left(last, self.actuator, since_s, has_lease=has_lease))
 
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
@@ -143,7 +161,7 @@ class Session:
         with recording(out):
             recorder = Recorder(out, meta, force=force, clock=self.clock())
             runner = self.runner([recorder, *listeners])
-            recorder.event(runner.t_s, "start", f"Run of {protocol} started.", epoch=time.time())
+            recorder.event(runner.t_s, "start", f"Run of {protocol} started.", **self.moment())
             self.carry_out(recorder, runner, generator, new_run=True)
         return out
 
@@ -169,6 +187,10 @@ class Session:
             self._save_history(recorder, runner.t_s, new_run)
             recorder.close(cause, t_s=runner.t_s, severity=severity)
 
+    def moment(self) -> dict[str, Any]:
+        """Data of the event at which a recording begins: the time of day, and the predicted heat of both wires."""
+        return {"epoch": time.time(), "wire_K": list(self.guard.heating.wire_K)}
+
     def clock(self) -> ClockWatch:
         """The clock comparison for recorders; the seconds of hardware are host seconds."""
         return ClockWatch(real_time=self.source == "bench")
@@ -181,6 +203,7 @@ class Session:
 
     def _count_wear(self, s: Sample, _step: int | None, input_K: float) -> None:
         self.wear.add(s.tick, input_K)
+        self._last = s
 
     def _save_history(self, recorder: Recorder, t_s: float, new_run: bool) -> None:
         """Add the wear of the run to the wire's history. A failure to write is recorded and ends nothing."""
@@ -188,11 +211,18 @@ class Session:
         try:
             history = self.history()
             if history is not None:
-                history.after(wear, new_run=new_run).save()
+                history.after(wear, new_run=new_run, heat=self._heat()).save()
                 if wear.last_tick:
                     recorder.describe("history_until_tick", wear.last_tick)
         except SmarigError as error:
             recorder.event(t_s, "history", f"The wire's history was not written: {error}", level="warning")
+
+    def _heat(self) -> LastHeat | None:
+        """The heat of the wires at the end of a run; None if their devices end with the session."""
+        if not outlives_session(self.file):
+            return None
+        unconfirmed = self._last if self.rig.shutdown_unconfirmed else None
+        return heat_at_the_end(self.guard, self.device, unconfirmed, self.file.lease_s)
 
     def count_unsaved_wear(self, run: Run) -> None:
         """Start with the wear that a killed process did not add to the wire's history."""
@@ -236,7 +266,7 @@ class Session:
             "period_s": self.file.period_s,
             "initial": self.initial,
             "encoder_zero": self._zero,
-            "config": self._config_text,
+            **self.description,
             "notes": notes,
             "device": self.device,
             OWN_FILES: used_own_files(

@@ -16,9 +16,9 @@ from smarig.protocols import Setup
 from smarig.record import Run, Step
 from smarig.runner.restart_shift import Shift
 from smarig.runner.resume.replay_protocol import FinishedStep, ReplayedProtocol
+from smarig.runner.wire_heat import COLD_TAUS
 
 RE_ESTABLISH = "re-establish"
-COLD_TAUS = 10.0  # at zero current, for any initial temperature of the wire
 STEADY_TOLERANCE_K = 0.5  # a hold that ended further from its steady input did not settle there
 _COLD_SHARE = 1e-2  # of the range: the wire is cold below this input
 
@@ -93,7 +93,8 @@ class RigState:
 @dataclass(frozen=True)
 class ResumePlan:
     """How to resume. ``reason`` is why the protocol restarts, "" if it continues. ``currents_A`` is the path back.
-    ``reference`` is the step whose position restores the encoder's zero, None if the zero is known.
+    ``reference`` is the step whose position restores the encoder's zero, None if the zero is known. ``remarks``
+    tell what has changed about the rig.
     """
 
     replayed: ReplayedProtocol
@@ -103,6 +104,7 @@ class ResumePlan:
     currents_A: tuple[float, ...] = ()
     inputs_K: tuple[float, ...] = ()
     reference: Step | None = None
+    remarks: tuple[str, ...] = ()
 
     @property
     def start_over(self) -> bool:
@@ -120,7 +122,10 @@ class ResumePlan:
         return self.currents_A[:1] == (0.0,)
 
     def sentence(self) -> str:
-        """The plan in one line."""
+        """The plan in one line, with the remarks."""
+        return " ".join((self._how(), *self.remarks))
+
+    def _how(self) -> str:
         if self.start_over:
             return f"Restarted: {self.reason}. All earlier steps are void; the wire is cooled first."
         if self.replayed.pending is None:

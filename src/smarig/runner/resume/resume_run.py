@@ -4,26 +4,28 @@ The wire is cooled and its memory restored, then the interrupted step is made as
 back are recorded as void.
 """
 
-import time
-from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
-from dataclasses import asdict, dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from smarig.config import RigFile, load_rig
-from smarig.core import DataError, Elapsed, Hold, Protocol, StepResult, UsageError, Waveform
-from smarig.plant import Actuator, effects_from_pairs
+from smarig.config import load_actuator, load_rig
+from smarig.core import DataError, Elapsed, Hold, Protocol, StepResult, UsageError
+from smarig.plant import effects_from_pairs
 from smarig.protocols import Chooser, build_protocol
 from smarig.record import Continuation, Recorder, Run, load_run, recording
 from smarig.rig import TwinSettings
 from smarig.runner.listener import Listener
 from smarig.runner.own_files import check_drivers, check_own_files
 from smarig.runner.preview import Preview, preview
+from smarig.runner.resume.attempts import AttemptRecorder, attempts, interrupted_rows
+from smarig.runner.resume.damaged_record import damaged_record_as_data_error
 from smarig.runner.resume.replay_protocol import replay_protocol
 from smarig.runner.resume.resume_plan import COLD_TAUS, RE_ESTABLISH, ResumePlan, RigState, plan_resume
+from smarig.runner.resume.same_rig import Reach, RigChange, check_names, check_same_rig
 from smarig.runner.run_control import RunControl
 from smarig.runner.session import Session, check_free_space
+from smarig.runner.wire_heat import recorded_heat
 
 
 def session_for(
@@ -33,7 +35,7 @@ def session_for(
     launch = read_launch_args(run)
     name = rig or str(launch["rig"])
     file = load_rig(name)
-    check_rig(run, file)
+    check_names(run, file, load_actuator(file.actuator))
     if not rig:
         check_drivers(file, run.path.name, f"To allow this, give --rig {name}")
     run_wire = str(run.info.wire)
@@ -44,10 +46,12 @@ def session_for(
         raise UsageError(
             f"{run.path.name} belongs to wire '{run_wire}', not to '{wire or expected_wire}'. It cannot continue there."
         )
-    with _damaged_record_as_data_error(run):
+    with damaged_record_as_data_error(run):
         seed, noise = int(run.info.seed or 0), bool(launch["noise"])
         twin = TwinSettings(seed, noise, effects=effects_from_pairs(launch["effects"]))
-    return Session(name, twin=twin, speed=speed or launch["speed"], wire=run_wire, control=control)
+        session = Session(name, twin=twin, speed=speed or launch["speed"], wire=run_wire, control=control)
+    check_same_rig(run, session)
+    return session
 
 
 def resume(
@@ -92,12 +96,15 @@ def _resume_recording(
     run = load_run(path)  # again, under the lock of the run: it may have ended meanwhile
     launch = read_launch_args(run)
     protocol, settings = str(run.info.protocol), launch["settings"]
+    same = check_same_rig(run, session)
     fresh_twin = session.source == "twin" and session.rig.tick == 0
     now = RigState(session.device, session.rig.tick, fresh_twin, session.initial)
-    with _damaged_record_as_data_error(run):
+    with damaged_record_as_data_error(run):
         replayed = replay_protocol(build_protocol(protocol, session.setup, settings, chooser), run)
-        plan = plan_resume(run, replayed, session.setup, now)
-        execution = _ResumeExecution(session, run, plan, listeners, _interrupted_rows(run, plan))
+        plan = replace(plan_resume(run, replayed, session.setup, now), remarks=same.remarks)
+        heat = recorded_heat(run, session.actuator, session.file.lease_s)
+        execution = _ResumeExecution(session, run, plan, listeners, same.changes, interrupted_rows(run, plan))
+    session.start_hot(heat)
     cost = expected or preview(protocol, session.file, settings, session.control, chooser)
     check_free_space(run.path, cost.bytes)
     remaining_protocol = (
@@ -105,17 +112,6 @@ def _resume_recording(
     )
     execution.execute(remaining_protocol)
     return plan
-
-
-@contextmanager
-def _damaged_record_as_data_error(run: Run) -> Iterator[None]:
-    """Raise DataError for values of a record that cannot be interpreted."""
-    try:
-        yield
-    except (KeyError, TypeError, ValueError, IndexError, AttributeError) as error:
-        raise DataError(
-            f"{run.path.name} cannot be resumed: its record is damaged ({type(error).__name__}: {error})."
-        ) from None
 
 
 @dataclass(frozen=True)
@@ -126,6 +122,7 @@ class _ResumeExecution:
     run: Run
     plan: ResumePlan
     listeners: Sequence[Listener]
+    changes: Sequence[RigChange]
     interrupted: list[tuple]
 
     def execute(self, rest: Protocol) -> None:
@@ -136,7 +133,7 @@ class _ResumeExecution:
         first = 1 + max((*run.step_rows, *(s.index for s in run.steps)), default=-1)
         change = Continuation(tuple(self.interrupted), plan.start_over)
         recorder = Recorder(run.path, self._meta(), continuation=change, clock=session.clock())
-        record = _AttemptRecorder(recorder, _attempts(run, plan, self.interrupted))
+        record = AttemptRecorder(recorder, attempts(run, plan, self.interrupted))
         runner = session.runner([record, *self.listeners], plan.shift)
         runner.steps_done = first
         self._record_resumption(recorder, runner.t_s, first)
@@ -182,13 +179,20 @@ class _ResumeExecution:
             t_s,
             "resumed",
             plan.sentence(),
-            epoch=time.time(),
+            **self.session.moment(),
             start_over=plan.start_over,
             first_step=first,
             holds=plan.holds,
             inputs_K=list(plan.inputs_K),
             ticks=plan.shift.ticks,
         )
+        for change in self.changes:
+            level = "warning" if change.reach is Reach.SAFETY else "info"
+            data = {"key": change.key, "was": change.was, "now": change.now}
+            for listener in (recorder, *self.listeners):
+                listener.event(
+                    t_s, "rig", f"Since the interruption: {change.sentence()}.", level=level, **data
+                )
 
 
 def _restore_then(plan: ResumePlan, rest: Protocol, tau_s: float, on_reference: Any) -> Protocol:
@@ -207,71 +211,6 @@ def _restore_then(plan: ResumePlan, rest: Protocol, tau_s: float, on_reference: 
         yield from rest
     finally:
         rest.close()
-
-
-# --- what was interrupted ------------------------------------------------------------------------------------
-
-
-def _interrupted_rows(run: Run, plan: ResumePlan) -> list[tuple]:
-    """Rows of steps that have samples but no row because the process was killed. They have no settled position."""
-    recorded_indices = {s.index for s in run.steps}
-    pending = plan.replayed.pending
-    rows = []
-    for index, where in run.step_rows.items():
-        if index < 0 or index in recorded_indices:
-            continue
-        t_s = run["t_s"][where]
-        begin_s, end_s = float(t_s[0]) - float(run.info.period_s or 0.0), float(t_s[-1])
-        in_restore_path = _in_restore_path(run, index)
-        branch = (
-            RE_ESTABLISH
-            if in_restore_path
-            else pending.branch
-            if isinstance(pending, Hold | Waveform)
-            else ""
-        )
-        target = pending.target if isinstance(pending, Hold) and not in_restore_path else None
-        attempt = 0 if in_restore_path else _next_attempt(run)
-        rows.append((index, attempt, 1, branch, target, begin_s, end_s, "interrupted", None, t_s.size))
-    return rows
-
-
-def _in_restore_path(run: Run, index: int) -> bool:
-    """Whether a step belonged to an earlier path back."""
-    restores = [(int(e.data["first_step"]), int(e.data["holds"])) for e in run.events if e.kind == "resumed"]
-    return any(first <= index < first + holds for first, holds in restores)
-
-
-def _next_attempt(run: Run) -> int:
-    """Number of attempts of the step after the last valid one."""
-    last = max((s.index for s in run.steps if not s.void), default=-1)
-    after = [s for s in run.steps if s.index > last and s.branch != RE_ESTABLISH]
-    return 1 + max((s.attempt for s in after), default=-1)
-
-
-def _attempts(run: Run, plan: ResumePlan, interrupted: list[tuple]) -> dict[int, int]:
-    """The next attempt by number of the step in its protocol, if it is not the first."""
-    valid = [s for s in run.steps if not s.void]
-    attempt_number = _next_attempt(run) + any(row[3] != RE_ESTABLISH for row in interrupted)
-    before = {k: s.attempt + 1 for k, s in enumerate(valid)} if plan.start_over else {}
-    return {**before, len(valid): attempt_number} if plan.start_over else {0: attempt_number}
-
-
-class _AttemptRecorder:
-    """The recorder of a resumed run: numbers attempts and marks the path back as void."""
-
-    def __init__(self, recorder: Recorder, attempts: dict[int, int]) -> None:
-        self.sample, self.event = recorder.sample, recorder.event
-        self._recorder, self._attempts, self._done = recorder, attempts, 0
-
-    def step(self, result: StepResult, *, branch: str, target: float | None) -> None:
-        """Record a finished step."""
-        if branch == RE_ESTABLISH:
-            self._recorder.step(result, branch=branch, target=None, void=True)
-            return
-        attempt = self._attempts.get(self._done, 0)
-        self._done += 1
-        self._recorder.step(result, branch=branch, target=target, attempt=attempt)
 
 
 # --- refusals ---------------------------------------------------------------------------------------------------
@@ -297,16 +236,3 @@ def read_launch_args(run: Run) -> Mapping[str, Any]:
         raise DataError(f"{name} was run with effects that are not in its record, so it cannot be resumed.")
     check_own_files(run)
     return launch
-
-
-def check_rig(run: Run, file: RigFile) -> None:
-    """Raise UsageError if a run was made on another rig."""
-    for what, then, now in (
-        ("rig", run.info.rig, file.name),
-        ("actuator", run.info.actuator, Actuator.named(file.actuator).name),
-        ("period_s", run.info.period_s, file.period_s),
-    ):
-        if then != now:
-            raise UsageError(
-                f"{run.path.name} was run on {what} '{then}', not on '{now}'. It cannot continue there."
-            )

@@ -9,13 +9,14 @@ from smarig.protocols import Chooser
 from smarig.record import Run, load_run
 from smarig.runner.listener import Listener
 from smarig.runner.preview import Preview
-from smarig.runner.resume.resume_run import check_rig, resume_in
+from smarig.runner.resume.resume_run import resume_in
+from smarig.runner.resume.same_rig import check_same_rig
 from smarig.runner.session import Session
 
 
 def check_same_experiment(run: Run, session: Session, protocol: str, settings: Mapping[str, Any]) -> None:
     """Raise UsageError if a run is another experiment or belongs to another rig or wire."""
-    check_rig(run, session.file)
+    check_same_rig(run, session)
     requested = {key: str(value) for key, value in settings.items()}
     for what, then, now in (
         ("protocol", run.info.protocol, protocol),

@@ -1,0 +1,51 @@
+"""Rig and actuator of a run, for its record: the texts of their files, every value, and the hashes of both.
+
+The values include those that a file does not give, and those of its base. The code of an own driver is in the record
+as an own file.
+"""
+
+import hashlib
+import json
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from smarig.config import ActuatorFile, RigFile, own_drivers
+
+RIG_TEXT, ACTUATOR_TEXT = "config", "actuator_text"  # keys of the run table
+RIG_VALUES, ACTUATOR_VALUES = "rig_values", "actuator_values"
+HASHES = "rig_sha256"
+
+
+def rig_description(
+    rig_text: str, actuator_text: str, file: RigFile, actuator: ActuatorFile
+) -> dict[str, Any]:
+    """The keys of the run table that describe rig and actuator."""
+    described = {
+        RIG_TEXT: rig_text,
+        ACTUATOR_TEXT: actuator_text,
+        RIG_VALUES: rig_values(file),
+        ACTUATOR_VALUES: actuator.model_dump(mode="json"),
+    }
+    return described | {HASHES: {key: sha256(value) for key, value in described.items()}}
+
+
+def rig_values(file: RigFile) -> dict[str, Any]:
+    """Every value of a rig file. Other files are named without their folder, so that they may move together."""
+    values = file.model_dump(mode="json")
+    values["actuator"] = Path(values["actuator"]).name
+    for link in (values["links"] or {}).values():
+        link["driver"] = Path(link["driver"]).name
+    return values
+
+
+def driver_hashes(file: RigFile) -> dict[str, str]:
+    """The hashes of the own drivers that a rig file names, by the names of their files; "" where there is none."""
+    paths = [Path(driver) for driver in own_drivers(file)]
+    return {p.name: hashlib.sha256(p.read_bytes()).hexdigest() if p.is_file() else "" for p in paths}
+
+
+def sha256(value: str | Mapping[str, Any]) -> str:
+    """The hash of a text, or of values as JSON with sorted keys."""
+    text = value if isinstance(value, str) else json.dumps(value, sort_keys=True, separators=(",", ":"))
+    return hashlib.sha256(text.encode("utf-8")).hexdigest()
