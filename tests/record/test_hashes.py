@@ -8,7 +8,7 @@ import struct
 import numpy as np
 import pytest
 
-from record.runs import META, edited, result, sample
+from record.runs import META, edited, result, sample, until
 from smarig.core import DataError
 from smarig.record import Continuation, Recorder, load_run
 from smarig.record.new_run_file import write_run
@@ -111,6 +111,43 @@ def test_a_run_that_was_written_at_once_has_hashes_of_its_own(tmp_path, whole):
     change(path, "UPDATE sample SET position = 2.0 WHERE tick = 2")
     with pytest.raises(DataError, match="'sample'"):
         load_run(path)
+
+
+LATE = {
+    "an earlier sample": lambda own: own.sample(sample(3), 0, 0.0),
+    "another zero": lambda own: own.shift((0, 2499), 0, 5, 0.047),
+    "nothing": lambda own: None,
+}
+
+
+@pytest.mark.parametrize("kind", LATE)
+def test_samples_that_change_after_they_were_hashed(tmp_path, kind):
+    """Blocks are hashed while the run is recorded; what was hashed too early is hashed again."""
+    own = Recorder(tmp_path / "a.run.sqlite", META)
+    for tick in range(10, 2500):
+        own.sample(sample(tick), 0, 0.0)
+    own.step(result(0), branch="rise", target=1.0)
+    until(lambda: bool(own._hashes._hashes))
+    LATE[kind](own)
+    own.step(result(1), branch="rise", target=2.0)
+    own.close()
+    run = load_run(own.path)
+    assert len(run.meta["hashes"]["sample"]) == 3
+    change(own.path, CHANGES["a value"].replace("tick = 7", "tick = 999"))
+    with pytest.raises(DataError, match="'sample'"):
+        load_run(own.path)
+
+
+def test_a_resumed_run_is_hashed_while_it_goes_on(path):
+    own = Recorder(path, {}, continuation=Continuation())
+    for tick in range(2500, 2503):
+        own.sample(sample(tick), 0, 0.0)
+        own._wake.set()
+        until(lambda: not own._rows)
+    own._wake.set()
+    until(lambda: len(own._hashes._hashes) == 2)
+    own.close()
+    assert len(load_run(path)) == 2503
 
 
 def test_rejected_samples_leave_right_hashes(tmp_path):

@@ -22,6 +22,7 @@ from smarig.record.clock_watch import ClockWatch
 from smarig.record.continuation import Continuation, opened_for_recording, reopened
 from smarig.record.new_run_file import new_run_file
 from smarig.record.run_end import end_event, leave_one_file, store_end
+from smarig.record.table_hashes import SampleHashes
 
 COMMIT_INTERVAL_S = 0.5
 STALL_S = 3.0  # a sample that waits longer for the disk ends the run
@@ -51,7 +52,8 @@ class Recorder:
         self._wake = threading.Event()
         self._closing = threading.Event()
         self._end: tuple[float, str] = (0.0, "done")  # time and cause
-        self._hashed_blocks = 0
+        self._hashes = SampleHashes()
+        self._hashed_blocks = 0  # while closing
         self._failure: str | None = None
         self._loss_text: str | None = None
         self._stall_s = TWIN_STALL_S if meta.get("source") in ("twin", "simulation") else STALL_S
@@ -165,7 +167,7 @@ class Recorder:
     def _store_end(self) -> None:
         with self._db:
             self._db.execute(schema.INSERT_EVENT, end_event(*self._end))
-            store_end(self._db, self._end[1], self._count_hashed_block)
+            store_end(self._db, self._end[1], self._count_hashed_block, self._hashes)
 
     def _count_hashed_block(self) -> None:
         self._hashed_blocks += 1
@@ -176,6 +178,7 @@ class Recorder:
             self._wake.clear()
             try:
                 self._commit()
+                self._hashes.hash_block(self._db)
                 self._check_space()
             except StorageError as error:  # samples are lost: reported at the next sample or at the end
                 self._failure = self._loss_text = f"{error} The current is at zero."
@@ -213,6 +216,7 @@ class Recorder:
     def _write_batch(self, rows: list[tuple], statements: list[tuple[str, tuple]]) -> list[tuple]:
         """Write all in one transaction. Returns the samples that cannot be stored, so that the others are kept."""
         rejected: list[tuple] = []
+        self._hashes.will_write(rows, statements)
         with self._db:
             self._db.execute("SAVEPOINT batch")
             try:

@@ -9,11 +9,19 @@ from collections.abc import Callable
 from smarig.record import schema, table_hashes
 
 
-def store_end(db: sqlite3.Connection, cause: str, progress: Callable[[], object] = lambda: None) -> None:
-    """Store cause and time of the end, and the hashes of all tables. Nothing may be written afterwards."""
+def store_end(
+    db: sqlite3.Connection,
+    cause: str,
+    progress: Callable[[], object] = lambda: None,
+    samples: table_hashes.SampleHashes | None = None,
+) -> None:
+    """Store cause and time of the end, and the hashes of all tables. Nothing may be written afterwards.
+
+    ``samples`` have been hashed in part; ``progress`` is called for each block that is hashed.
+    """
     end = {"cause": cause, "epoch": time.time(), "hashed": True}
     db.execute(schema.UPSERT_KEY, ("end", json.dumps(end)))
-    hashes = table_hashes.hashes_of(db, progress)
+    hashes = table_hashes.hashes_of(db, progress, samples)
     db.execute(schema.UPSERT_KEY, (table_hashes.KEY, json.dumps(hashes)))
 
 

@@ -13,7 +13,7 @@ digits of 15 bits (2 bytes each) stand for larger integers.
 import hashlib
 import marshal
 import sqlite3
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import islice
 from typing import Any
@@ -23,6 +23,9 @@ from smarig.record import schema
 KEY = "hashes"  # of table run
 BLOCK_ROWS = 1000
 _HEX_DIGITS = 16  # 64 bits: chance makes no other block with the same hash
+_FIRST_TICK = -(2**63)
+_UNKNOWN = 2**63
+_OF_OTHER_TABLES = (schema.INSERT_STEP, schema.INSERT_EVENT, schema.UPSERT_KEY)
 _LIST_HEAD = 5  # bytes of marshal before the rows of a list
 
 
@@ -52,12 +55,52 @@ def _hashed(block: list[tuple], progress: Callable[[], object]) -> str:
     return digest
 
 
-def hashes_of(db: sqlite3.Connection, progress: Callable[[], object] = lambda: None) -> dict[str, list[str]]:
+class SampleHashes:
+    """Hashes of the samples of a run that is being written: one block at a time, so that closing has little left."""
+
+    def __init__(self) -> None:
+        self._hashes: list[str] = []
+        self._next_tick = _FIRST_TICK
+        self._waiting = _UNKNOWN  # rows that are not hashed: at least as many as there are
+
+    def will_write(self, rows: Sequence[tuple], statements: Sequence[tuple[str, tuple]]) -> None:
+        """Start again if these change samples that are hashed."""
+        if any(sql not in _OF_OTHER_TABLES for sql, _ in statements) or any(
+            not isinstance(row[0], int) or row[0] < self._next_tick for row in rows
+        ):
+            self._hashes, self._next_tick, self._waiting = [], _FIRST_TICK, _UNKNOWN
+        self._waiting += len(rows)
+
+    def hash_block(self, db: sqlite3.Connection) -> None:
+        """Hash the next block, if it is full."""
+        if self._waiting < BLOCK_ROWS:
+            return
+        rows = self._rows(db).fetchmany(BLOCK_ROWS)
+        if len(rows) < BLOCK_ROWS:
+            self._waiting = len(rows)
+            return
+        self._waiting -= BLOCK_ROWS
+        self._hashes += block_hashes(rows)
+        self._next_tick = rows[-1][0] + 1
+
+    def finished(self, db: sqlite3.Connection, progress: Callable[[], object] = lambda: None) -> list[str]:
+        """The hashes of all samples."""
+        return self._hashes + block_hashes(self._rows(db), progress)
+
+    def _rows(self, db: sqlite3.Connection) -> sqlite3.Cursor:
+        return db.execute(schema.READ_SAMPLES_FROM, (self._next_tick,))
+
+
+def hashes_of(
+    db: sqlite3.Connection, progress: Callable[[], object] = lambda: None, samples: SampleHashes | None = None
+) -> dict[str, list[str]]:
     """The hashes of all tables, as they are read, without the key that holds the hashes."""
-    return {
-        table: block_hashes((row for row in db.execute(query) if table != "run" or row[0] != KEY), progress)
+    hashes = {
+        table: block_hashes(row for row in db.execute(query) if table != "run" or row[0] != KEY)
         for table, query in schema.READ.items()
+        if table != "sample"
     }
+    return hashes | {"sample": (samples or SampleHashes()).finished(db, progress)}
 
 
 def damaged_rows(meta: Mapping[str, Any], tables: Mapping[str, Iterable[tuple]]) -> list[DamagedRows]:
