@@ -22,7 +22,7 @@ from smarig.record.clock_watch import ClockWatch
 from smarig.record.continuation import Continuation, opened_for_recording, reopened
 from smarig.record.new_run_file import new_run_file
 from smarig.record.run_end import end_event, leave_one_file, store_end
-from smarig.record.table_hashes import SampleHashes
+from smarig.record.sample_hashes import SampleHashes
 
 COMMIT_INTERVAL_S = 0.5
 STALL_S = 3.0  # a sample that waits longer for the disk ends the run
@@ -167,7 +167,7 @@ class Recorder:
     def _store_end(self) -> None:
         with self._db:
             self._db.execute(schema.INSERT_EVENT, end_event(*self._end))
-            store_end(self._db, self._end[1], self._count_hashed_block, self._hashes)
+            store_end(self._db, self._end[1], self._hashes, self._count_hashed_block)
 
     def _count_hashed_block(self) -> None:
         self._hashed_blocks += 1

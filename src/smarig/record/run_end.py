@@ -6,23 +6,38 @@ import sqlite3
 import time
 from collections.abc import Callable
 
-from smarig.record import schema, table_hashes
+from smarig.record import schema
+from smarig.record.sample_hashes import SampleHashes
+from smarig.record.table_hashes import KEY, TICKS, block_hash, blocks
 
 
 def store_end(
     db: sqlite3.Connection,
     cause: str,
+    samples: SampleHashes | None = None,
     progress: Callable[[], object] = lambda: None,
-    samples: table_hashes.SampleHashes | None = None,
 ) -> None:
     """Store cause and time of the end, and the hashes of all tables. Nothing may be written afterwards.
 
-    ``samples`` have been hashed in part; ``progress`` is called for each block that is hashed.
+    ``samples`` may have been hashed in part; ``progress`` is called for each block of the rest.
     """
     end = {"cause": cause, "epoch": time.time(), "hashed": True}
     db.execute(schema.UPSERT_KEY, ("end", json.dumps(end)))
-    hashes = table_hashes.hashes_of(db, progress, samples)
-    db.execute(schema.UPSERT_KEY, (table_hashes.KEY, json.dumps(hashes)))
+    hashes = _hashes_of(db, samples or SampleHashes(), progress)
+    db.execute(schema.UPSERT_KEY, (KEY, json.dumps(hashes)))
+
+
+def _hashes_of(
+    db: sqlite3.Connection, samples: SampleHashes, progress: Callable[[], object]
+) -> dict[str, list]:
+    """The hashes of all tables, as they are read, without the key that holds the hashes."""
+    samples.hash_rest(db, progress)
+    others = {
+        table: [block_hash(b) for b in blocks(r for r in db.execute(query) if table != "run" or r[0] != KEY)]
+        for table, query in schema.READ.items()
+        if table != "sample"
+    }
+    return {"sample": samples.hashes, TICKS: samples.ticks, **others}
 
 
 def end_event(t_s: float, cause: str) -> tuple:

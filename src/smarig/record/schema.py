@@ -61,7 +61,7 @@ READ = {  # how the tables are read, and hashed
     "event": "SELECT * FROM event ORDER BY rowid",
 }
 
-READ_SAMPLES_FROM = f"SELECT {','.join(SAMPLE_COLUMNS)} FROM sample WHERE tick >= ? ORDER BY tick"
+READ_SAMPLES_AFTER = f"SELECT {','.join(SAMPLE_COLUMNS)} FROM sample WHERE tick > ? ORDER BY tick"
 INSERT_SAMPLE = f"INSERT INTO sample VALUES ({','.join('?' * len(SAMPLE_COLUMNS))})"
 INSERT_STEP = f"INSERT OR REPLACE INTO step VALUES ({','.join('?' * len(STEP_COLUMNS))})"
 INSERT_EVENT = f"INSERT INTO event VALUES ({','.join('?' * len(EVENT_COLUMNS))})"
