@@ -37,13 +37,30 @@ def opened_for_reading(file: Path) -> Iterator[sqlite3.Connection]:
 
 @contextlib.contextmanager
 def _recovered_copy(file: Path) -> Iterator[sqlite3.Connection]:
+    with _copied(file) as target, contextlib.closing(_connect(target, "rw")) as db:
+        yield db
+
+
+@contextlib.contextmanager
+def recovered_file(file: Path) -> Iterator[Path]:
+    """Yield a file with what stands beside it, as far as SQLite can apply it. The original stays as it is."""
+    if not _has_sidecar(file):
+        yield file
+        return
+    with _copied(file) as target:
+        with contextlib.suppress(sqlite3.Error), contextlib.closing(_connect(target, "rw")) as db:
+            db.execute("PRAGMA wal_checkpoint(TRUNCATE)").fetchall()
+        yield target
+
+
+@contextlib.contextmanager
+def _copied(file: Path) -> Iterator[Path]:
     with tempfile.TemporaryDirectory(prefix="smarig-") as folder:
         target = Path(folder) / file.name
         for suffix in ("", "-wal", "-journal"):  # not -shm: it is made again from the log
             with contextlib.suppress(FileNotFoundError):
                 shutil.copyfile(file.with_name(file.name + suffix), target.with_name(target.name + suffix))
-        with contextlib.closing(_connect(target, "rw")) as db:
-            yield db
+        yield target
 
 
 def _connect(file: Path, mode: str) -> sqlite3.Connection:

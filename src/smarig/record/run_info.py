@@ -113,9 +113,9 @@ class RunInfo(StoredTable):
     "twin", "simulation" or "import". Rig: names of ``rig``, ``wire`` and ``actuator``, text of the rig file
     (``config``), ``period_s`` of a tick, ``input`` and ``output``. Session: ``start_epoch`` (seconds since 1970),
     ``encoder_zero``, ``initial`` state of the wire. Resuming: ``device``, ``shift`` of its ticks and counts,
-    ``launch_args``, ``own_files``, ``closed_loop``, ``history_until_tick``. Closing: ``end``, ``hashes``. Imports:
-    ``imported``, ``conditions``, ``warnings``, ``repairs``, ``t0_s``, ``header``, ``companions``, ``forc``.
-    Simulations: ``model`` and the run it was simulated ``along``.
+    ``launch_args``, ``own_files``, ``closed_loop``, ``history_until_tick``. Closing: ``end``, ``hashes``.
+    ``salvaged``: what is known to be missing. Imports: ``imported``, ``conditions``, ``warnings``, ``repairs``,
+    ``t0_s``, ``header``, ``companions``, ``forc``. Simulations: ``model`` and the run it was simulated ``along``.
     """
 
     schema_version: int | None = None
@@ -146,6 +146,7 @@ class RunInfo(StoredTable):
     closed_loop: bool = False
     end: EndInfo | None = None
     hashes: Mapping[str, Any] = field(default_factory=dict)
+    salvaged: Mapping[str, Any] = field(default_factory=dict)
     imported: ImportInfo | None = None
     conditions: Mapping[str, Any] = field(default_factory=dict)
     warnings: tuple[str, ...] = ()
