@@ -48,8 +48,8 @@ def opened_for_recording(path: Path) -> sqlite3.Connection:
     db = None
     try:
         db = sqlite3.connect(f"{path.resolve().as_uri()}?mode=rw", uri=True, check_same_thread=False)
-        db.execute("PRAGMA journal_mode=WAL")
-        db.execute("PRAGMA synchronous=FULL")
+        db.execute("PRAGMA journal_mode=WAL")  # stays as it is where the file system or an error prevents it
+        db.execute("PRAGMA synchronous=EXTRA")  # as FULL, and without WAL also the folder is synced
         db.execute(f"PRAGMA wal_autocheckpoint={schema.WAL_PAGES}")
         db.execute("BEGIN IMMEDIATE")  # opens the log now: later, its name may belong to another run
         db.execute("COMMIT")

@@ -25,14 +25,17 @@ def opened_for_reading(file: Path) -> Iterator[sqlite3.Connection]:
         try:
             db.execute("SELECT 1 FROM sqlite_master").fetchone()
         except sqlite3.OperationalError:
-            if not _has_sidecar(file):
-                raise
-            with _recovered_copy(file) as copy:
-                yield copy
+            with _recovered_copy(file) if _has_sidecar(file) else _whole(file) as other:
+                yield other
         else:
             yield db
     finally:
         db.close()
+
+
+def _whole(file: Path) -> contextlib.closing[sqlite3.Connection]:
+    """A file beside which nothing stands: not even what SQLite would make there if it could write."""
+    return contextlib.closing(_connect(file, "ro&immutable=1"))
 
 
 @contextlib.contextmanager

@@ -1,6 +1,6 @@
 """Writes a run while it is made: samples are appended in the tick, and a thread commits them at least every second.
 
-A committed sample survives kill -9 and power cuts (SQLite WAL, synchronous=FULL). No sample waits longer than a few
+A committed sample survives kill -9 and power cuts (SQLite WAL, synchronous=EXTRA). No sample waits longer than a few
 seconds: a disk that does not answer ends the run. The recorder is a listener: the runner calls ``sample``, ``step``
 and ``event``.
 """
@@ -52,6 +52,7 @@ class Recorder:
         self._wake = threading.Event()
         self._closing = threading.Event()
         self._end: tuple[float, str] = (0.0, "done")  # time and cause
+        self._ended = False  # the end is stored; only the merging into one file is left
         self._hashes = SampleHashes()
         self._hashed_blocks = 0  # while closing
         self._failure: str | None = None
@@ -168,6 +169,7 @@ class Recorder:
         with self._db:
             self._db.execute(schema.INSERT_EVENT, end_event(*self._end))
             store_end(self._db, self._end[1], self._hashes, self._count_hashed_block)
+        self._ended = True
 
     def _count_hashed_block(self) -> None:
         self._hashed_blocks += 1
@@ -253,7 +255,7 @@ class Recorder:
         self._closing.set()
         self._wake.set()
         self._wait_for_writer()
-        if self._thread.is_alive():
+        if self._thread.is_alive() and not self._ended:
             raise StorageError(self._stalled_text())
         if self._loss_text is not None:
             raise StorageError(self._loss_text)
@@ -266,15 +268,17 @@ class Recorder:
             self._thread.join(CLOSE_LIMIT_S)
 
     def _stalled_text(self) -> str:
-        return f"Run {self.path} is not closed: the disk does not answer. {self._stored_text()} The current is at zero."
+        return (
+            f"Run {self.path} could not be closed in time: the disk does not answer. {self._stored_text()} "
+            "The current is at zero."
+        )
 
     def _stored_text(self) -> str:
         """What is stored for certain."""
         stored = self._stored
         samples = "no new samples" if stored.t_s is None else f"the samples up to {stored.t_s:.1f} s"
-        return (
-            f"It holds {samples} and {stored.steps} of {self._steps_given} steps; the later ones may be lost."
-        )
+        steps = f"{stored.steps} of {self._steps_given} steps"
+        return f"It holds at least {samples} and {steps}; the later ones may be lost."
 
 
 @dataclass(frozen=True)
