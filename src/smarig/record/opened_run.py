@@ -6,6 +6,7 @@ temporary copy, and nothing in the folder changes.
 """
 
 import contextlib
+import os
 import shutil
 import sqlite3
 import tempfile
@@ -15,11 +16,16 @@ from pathlib import Path
 from smarig.record.new_run_file import SIDECARS
 
 _BUSY_S = 10.0
+_COPIES = 5  # attempts, while somebody else writes the file
 
 
 @contextlib.contextmanager
 def opened_for_reading(file: Path) -> Iterator[sqlite3.Connection]:
     """Yield the database of a run file, whole. Raises sqlite3.Error for other files."""
+    if _has_sidecar(file) and not os.access(file.parent, os.W_OK):  # SQLite would try for 10 s, and give up
+        with _recovered_copy(file) as copy:
+            yield copy
+        return
     db = _connect(file, "ro")
     try:
         try:
@@ -41,6 +47,7 @@ def _whole(file: Path) -> contextlib.closing[sqlite3.Connection]:
 @contextlib.contextmanager
 def _recovered_copy(file: Path) -> Iterator[sqlite3.Connection]:
     with _copied(file) as target, contextlib.closing(_connect(target, "rw")) as db:
+        db.execute("PRAGMA synchronous=OFF")  # nobody needs the copy after a power cut
         yield db
 
 
@@ -52,6 +59,7 @@ def recovered_file(file: Path) -> Iterator[Path]:
         return
     with _copied(file) as target:
         with contextlib.suppress(sqlite3.Error), contextlib.closing(_connect(target, "rw")) as db:
+            db.execute("PRAGMA synchronous=OFF")
             db.execute("PRAGMA wal_checkpoint(TRUNCATE)").fetchall()
         yield target
 
@@ -59,11 +67,26 @@ def recovered_file(file: Path) -> Iterator[Path]:
 @contextlib.contextmanager
 def _copied(file: Path) -> Iterator[Path]:
     with tempfile.TemporaryDirectory(prefix="smarig-") as folder:
-        target = Path(folder) / file.name
-        for suffix in ("", "-wal", "-journal"):  # not -shm: it is made again from the log
-            with contextlib.suppress(FileNotFoundError):
-                shutil.copyfile(file.with_name(file.name + suffix), target.with_name(target.name + suffix))
-        yield target
+        for _ in range(_COPIES):
+            before = _state(file)
+            for copied in Path(folder).iterdir():
+                copied.unlink()
+            for suffix in before:
+                with contextlib.suppress(FileNotFoundError):
+                    shutil.copyfile(file.with_name(file.name + suffix), Path(folder) / (file.name + suffix))
+            if _state(file) == before:
+                break
+        yield Path(folder) / file.name
+
+
+def _state(file: Path) -> dict[str, tuple[int, int]]:
+    """Size and time of the last change of a file and of what stands beside it."""
+    found = {}
+    for suffix in ("", "-wal", "-journal"):  # not -shm: it is made again from the log
+        with contextlib.suppress(FileNotFoundError):
+            status = file.with_name(file.name + suffix).stat()
+            found[suffix] = (status.st_size, status.st_mtime_ns)
+    return found
 
 
 def _connect(file: Path, mode: str) -> sqlite3.Connection:

@@ -75,7 +75,8 @@ def found_wrong(folder: Path, told: list[list], resume: bool) -> list[str]:
         wrong += [f"{text} (read-only)" for text in judged(path, promises)]
     wrong += judged(path, promises)
     if resume and not wrong and path.exists():
-        wrong += goes_on(path)
+        with armed(folder, 0, NONE):  # syncs cost no time
+            wrong += goes_on(path)
     return wrong
 
 
