@@ -72,7 +72,8 @@ def _untrue(run: Run, promises: Promises):
         r"It holds at least (no new samples|the samples up to ([\d.]+) s) and (\d+) of (\d+) steps", said
     )
     if held:
-        if held[2] and run["t_s"][-1] < float(held[2]) - 0.051:
+        last_s = run["t_s"][-1] if len(run) else -1.0
+        if held[2] and last_s < float(held[2]) - 0.051:  # rounded
             yield f"untrue: {held[0]}"
         if len(run.steps) - promises.before < int(held[3]):
             yield f"untrue: {held[0]}"
