@@ -19,6 +19,11 @@ RUN = """# Run file
 A run is one SQLite file, `*.run.sqlite`. It is written during the run; a power cut loses at most a second of samples.
 `smarig.load_run` reads it, and so does any program that reads SQLite. All other formats (CSV, NetCDF, …) are derived
 from it.
+
+When a run is closed, a hash of each table is stored, and `load_run` compares it: a file in which a value has changed is
+refused. `smarig check RUN` says what such a file holds, and with `-o FILE` saves what can be saved to a new file. A hash
+is the first 16 digits of the SHA-256 of up to 1000 rows; `smarig.record.table_hashes` documents their bytes. A program
+that changes a run file must also remove the key `hashes`, and `hashed` from `end`.
 """
 RUN_KEYS = {
     "schema_version": "of these tables",
@@ -50,7 +55,10 @@ RUN_KEYS = {
     "versions": "versions of smarig and of its numerical libraries",
     "notes": "a remark",
     "begun_with": "what `smarig resume` needs to build the same run",
-    "end": "cause and time; missing if the run was never closed",
+    "end": "cause and time, and whether hashes were stored; missing if the run was never closed",
+    "hashes": "of each table, a hash of every 1000 rows as they were when the run was closed, and the first tick of "
+    "each block of samples",
+    "salvaged": "in a file that `smarig check RUN -o FILE` wrote: from which file, and the missing and doubtful ticks",
     "model": "simulation: name of the model",
     "along": "simulation: the run whose inputs the model followed",
     "imported": "import: the file, its hash, its mapping",

@@ -11,6 +11,7 @@ import sys
 
 import pytest
 
+from record.runs import edited
 from smarig.cli import run
 from smarig.config import load_rig
 from smarig.core.errors import InUse, LimitExceeded, UsageError
@@ -201,7 +202,7 @@ def test_damaged_runs_are_data_errors(capsys, recorded, damage):
 
 
 def test_events_without_words_do_not_stop_a_report(capsys, recorded):
-    with sqlite3.connect(recorded) as db:
+    with edited(recorded) as db:
         db.execute("UPDATE event SET text = NULL, kind = NULL, t_s = NULL")
     assert call(capsys, "report", recorded)[0] == 0
 
@@ -209,7 +210,7 @@ def test_events_without_words_do_not_stop_a_report(capsys, recorded):
 @pytest.mark.parametrize("value", ["1e999", "1e40"])
 def test_positions_beyond_all_measure_are_not_identified(capsys, tmp_path, value):
     fod = small_fod(capsys, tmp_path)
-    with sqlite3.connect(fod) as db:
+    with edited(fod) as db:
         db.execute(f'UPDATE step SET position = {value} WHERE "index" = 6')
     status, _, err = call(capsys, "identify", fod, "-o", tmp_path / "m.json")
     assert status == 4

@@ -1,11 +1,11 @@
 """Runs that cannot be compared with a model are refused with a sentence that names the file."""
 
-import sqlite3
 from types import SimpleNamespace
 from typing import Any
 
 import pytest
 
+from record import runs
 from smarig.core.errors import DataError
 from smarig.diagnosis.run_checks import check_comparable
 from smarig.record import load_run
@@ -30,9 +30,8 @@ def edited(recorded, tmp_path):
     def edit(statement):
         path = tmp_path / "edited.run.sqlite"
         path.write_bytes(recorded.read_bytes())
-        with sqlite3.connect(path) as db:
+        with runs.edited(path) as db:
             db.execute(statement)
-        db.close()
         return load_run(path)
 
     return edit

@@ -46,6 +46,7 @@ import mine.csv --format csv {RIG} -o mine.run.sqlite
 report validation.run.sqlite
 report --model wire.model.json --model positive.model.json validation.run.sqlite -o models.html
 report .
+check validation.run.sqlite -o copy.run.sqlite
 """
 TRAIN = ("wiping_out", "congruency", "first_order_descending")
 WALKING = " ".join(f"--train {name}.run.sqlite" for name in TRAIN)

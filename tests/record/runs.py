@@ -1,7 +1,9 @@
 """Helpers for tests of records: samples that carry their own tick, and waiting for a condition."""
 
+import contextlib
+import sqlite3
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 from smarig.core.command import StepResult, StepVerdict
@@ -38,3 +40,12 @@ def until(condition: Callable[[], bool], patience_s: float = 60.0) -> None:
 def beside(path: Path) -> list[str]:
     """Names of the files in the folder of a file."""
     return sorted(p.name for p in path.parent.iterdir() if p.is_file())
+
+
+@contextlib.contextmanager
+def edited(path: Path) -> Iterator[sqlite3.Connection]:
+    """The database of a closed run, to be changed as a foreign program might; its hashes are removed."""
+    with contextlib.closing(sqlite3.connect(path)) as db, db:
+        db.execute("DELETE FROM run WHERE key = 'hashes'")
+        db.execute("UPDATE run SET value = json_remove(value, '$.hashed') WHERE key = 'end'")
+        yield db

@@ -5,7 +5,7 @@ import sqlite3
 import numpy as np
 import pytest
 
-from record.runs import META, result, sample
+from record.runs import META, edited, result, sample
 from smarig.core.command import StepVerdict
 from smarig.core.errors import DataError, UsageError
 from smarig.record import Recorder, load_run
@@ -33,9 +33,8 @@ def test_settled_points_are_steps_with_a_target(path):
 
 
 def test_void_steps_are_no_points(path):
-    with sqlite3.connect(path) as db:
+    with edited(path) as db:
         db.execute('UPDATE step SET void = 1 WHERE "index" = 0')
-    db.close()
     assert load_run(path).points()[0].tolist() == [7.0]
 
 
@@ -175,10 +174,9 @@ def test_a_description_of_another_kind_is_refused_by_its_key(path, key: str):
 
 def test_what_is_not_known_and_what_others_wrote_is_read(path):
     unknown = ("rig", "wire", "actuator", "start_epoch", "notes", "settings", "effects", "period_s", "seed")
-    with sqlite3.connect(path) as db:
+    with edited(path) as db:
         db.executemany("INSERT OR REPLACE INTO run VALUES (?, 'null')", [(key,) for key in unknown])
         db.execute("INSERT INTO run VALUES ('somebody_elses', '{\"ö\": [1, 2.5, null]}')")
-    db.close()
     run = load_run(path)
     assert [run.meta[key] for key in unknown] == [None] * len(unknown)
     assert run.meta["somebody_elses"] == {"ö": [1, 2.5, None]}

@@ -96,7 +96,7 @@ def test_samples_that_wait_too_long_end_the_run(stalled):
 def test_closing_waits_with_a_limit_and_says_what_is_stored(stalled):
     own, _ = stalled
     own.step(result(1), branch="rise", target=2.0)
-    with pytest.raises(StorageError, match=r"not closed.*samples up to 0\.0 s and 1 of 2 steps"):
+    with pytest.raises(StorageError, match=r"not be closed in time.*samples up to 0\.0 s and 1 of 2 steps"):
         own.close()
     run = load_run(own.path)
     assert (len(run), len(run.steps), run.complete) == (1, 1, False)

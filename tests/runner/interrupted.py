@@ -5,7 +5,7 @@ import sqlite3
 from pathlib import Path
 
 # What is written when a run is closed, and is missing when its process is killed.
-AT_THE_END = ("end", "history_until_tick")
+AT_THE_END = ("end", "hashes", "history_until_tick")
 
 
 def cut(run: Path, out: Path, tick: int) -> Path:

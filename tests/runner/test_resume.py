@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 import smarig
+from record.runs import edited
 from runner.interrupted import cut
 from smarig.core.errors import DataError, Interrupted, LeaseExpired, UsageError
 from smarig.identification.calibration.holds import drive_holds
@@ -98,9 +99,8 @@ def test_the_record_shows_what_happened(whole, tmp_path, rig):
 def test_void_steps_teach_nothing(whole, tmp_path):
     run = resume(cut(whole["one_wire_twin"].path, tmp_path / "r.run.sqlite", 4000))
     model = smarig.identify(run, surface="constant").model
-    with sqlite3.connect(run.path) as db:
+    with edited(run.path) as db:
         changed = db.execute("UPDATE step SET position = 1000, target = 50 WHERE void").rowcount
-    db.close()
     assert changed >= 4
     spoilt = smarig.identify(load_run(run.path), surface="constant").model
     assert (spoilt.fit["points"], spoilt.fit["rms"]) == (model.fit["points"], model.fit["rms"])

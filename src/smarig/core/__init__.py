@@ -45,6 +45,7 @@ if TYPE_CHECKING:
     from smarig.core.file_content import PAGE as PAGE
     from smarig.core.file_content import RUN as RUN
     from smarig.core.file_content import TOML as TOML
+    from smarig.core.file_content import content_kind as content_kind
     from smarig.core.new_file import check_regular as check_regular
     from smarig.core.new_file import new_file as new_file
     from smarig.core.notebook_display import NotebookDisplay as NotebookDisplay

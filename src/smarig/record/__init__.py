@@ -22,10 +22,15 @@ if TYPE_CHECKING:
     from smarig.record.run import Run as Run
     from smarig.record.run import Step as Step
     from smarig.record.run import load_run as load_run
+    from smarig.record.run_check import RunCheck as RunCheck
+    from smarig.record.run_check import check_run as check_run
     from smarig.record.run_info import EndInfo as EndInfo
     from smarig.record.run_info import ImportInfo as ImportInfo
     from smarig.record.run_info import RunInfo as RunInfo
     from smarig.record.run_info import SignalInfo as SignalInfo
+    from smarig.record.salvage import Salvaged as Salvaged
+    from smarig.record.salvage import salvage as salvage
+    from smarig.record.salvage import write_salvaged as write_salvaged
     from smarig.record.schema import SAMPLE_COLUMNS as SAMPLE_COLUMNS
     from smarig.record.wire_history import Wear as Wear
     from smarig.record.wire_history import WireHistory as WireHistory

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from smarig.core import StorageError
-from smarig.record import schema
+from smarig.record import schema, table_hashes
 
 
 @dataclass(frozen=True)
@@ -22,7 +22,7 @@ class Continuation:
 
 
 def reopened(path: Path, meta: dict[str, Any], continuation_: Continuation) -> sqlite3.Connection:
-    """The run's database with its end removed, in one transaction.
+    """The run's database with its end and its hashes removed, in one transaction.
 
     The caller holds the lock of the run, so no other process writes. The recorder's process number is not checked,
     because another process may have it after a reboot.
@@ -34,7 +34,7 @@ def reopened(path: Path, meta: dict[str, Any], continuation_: Continuation) -> s
             if continuation_.void_all:
                 db.execute(schema.VOID_STEPS)
             db.executemany(schema.INSERT_STEP, continuation_.interrupted)
-            db.execute(schema.DELETE_KEY, ("end",))
+            db.executemany(schema.DELETE_KEY, [("end",), (table_hashes.KEY,)])
             db.executemany(schema.UPSERT_KEY, [(k, json.dumps(v)) for k, v in meta.items()])
     except sqlite3.Error as error:
         if db is not None:
@@ -48,8 +48,8 @@ def opened_for_recording(path: Path) -> sqlite3.Connection:
     db = None
     try:
         db = sqlite3.connect(f"{path.resolve().as_uri()}?mode=rw", uri=True, check_same_thread=False)
-        db.execute("PRAGMA journal_mode=WAL")
-        db.execute("PRAGMA synchronous=FULL")
+        db.execute("PRAGMA journal_mode=WAL")  # stays as it is where the file system or an error prevents it
+        db.execute("PRAGMA synchronous=EXTRA")  # as FULL, and without WAL also the folder is synced
         db.execute(f"PRAGMA wal_autocheckpoint={schema.WAL_PAGES}")
         db.execute("BEGIN IMMEDIATE")  # opens the log now: later, its name may belong to another run
         db.execute("COMMIT")

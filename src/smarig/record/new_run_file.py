@@ -4,7 +4,6 @@ import contextlib
 import json
 import os
 import sqlite3
-import time
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -17,9 +16,11 @@ from smarig.core import (
     check_replaceable,
     new_file,
 )
-from smarig.record import schema
+from smarig.record import schema, table_hashes
 from smarig.record.recording_lock import REMEDY, check_not_recording
+from smarig.record.run_end import store_end
 
+CLOSING_KEYS = ("end", table_hashes.KEY)  # a new run has its own
 SIDECARS = ("-wal", "-shm", "-journal")
 
 
@@ -41,7 +42,8 @@ def new_run_file(path: Path, meta: dict[str, Any], *, force: bool) -> Iterator[s
                     db.execute("PRAGMA synchronous=FULL")
                     with db:
                         db.executescript(f"BEGIN; {schema.CREATE}")
-                        db.executemany(schema.UPSERT_KEY, [(k, json.dumps(v)) for k, v in meta.items()])
+                        keys = [(k, json.dumps(v)) for k, v in meta.items() if k not in CLOSING_KEYS]
+                        db.executemany(schema.UPSERT_KEY, keys)
                     yield db
             finally:
                 _remove_sidecars(part)
@@ -58,7 +60,7 @@ def write_run(
     ``columns`` maps names of SAMPLE_COLUMNS to sequences of one length (absent ones are NULL);
     ``steps`` are rows in STEP_COLUMNS order.
     """
-    meta = {"schema_version": schema.VERSION, **meta, "end": {"cause": "done", "epoch": time.time()}}
+    meta = {"schema_version": schema.VERSION, **meta}
     n = len(columns["tick"])
     given = [columns.get(name) for name in schema.SAMPLE_COLUMNS]
     given[-1] = given[-1] if given[-1] is not None else [0] * n
@@ -66,6 +68,7 @@ def write_run(
     with new_run_file(path, meta, force=force) as db, db:
         db.executemany(schema.INSERT_SAMPLE, rows)
         db.executemany(schema.INSERT_STEP, steps)
+        store_end(db, "done")
 
 
 def _as_list(column: Any) -> list:

@@ -6,6 +6,7 @@ temporary copy, and nothing in the folder changes.
 """
 
 import contextlib
+import os
 import shutil
 import sqlite3
 import tempfile
@@ -15,35 +16,77 @@ from pathlib import Path
 from smarig.record.new_run_file import SIDECARS
 
 _BUSY_S = 10.0
+_COPIES = 5  # attempts, while somebody else writes the file
 
 
 @contextlib.contextmanager
 def opened_for_reading(file: Path) -> Iterator[sqlite3.Connection]:
     """Yield the database of a run file, whole. Raises sqlite3.Error for other files."""
+    if _has_sidecar(file) and not os.access(file.parent, os.W_OK):  # SQLite would try for 10 s, and give up
+        with _recovered_copy(file) as copy:
+            yield copy
+        return
     db = _connect(file, "ro")
     try:
         try:
             db.execute("SELECT 1 FROM sqlite_master").fetchone()
         except sqlite3.OperationalError:
-            if not _has_sidecar(file):
-                raise
-            with _recovered_copy(file) as copy:
-                yield copy
+            with _recovered_copy(file) if _has_sidecar(file) else _whole(file) as other:
+                yield other
         else:
             yield db
     finally:
         db.close()
 
 
+def _whole(file: Path) -> contextlib.closing[sqlite3.Connection]:
+    """A file beside which nothing stands: not even what SQLite would make there if it could write."""
+    return contextlib.closing(_connect(file, "ro&immutable=1"))
+
+
 @contextlib.contextmanager
 def _recovered_copy(file: Path) -> Iterator[sqlite3.Connection]:
+    with _copied(file) as target, contextlib.closing(_connect(target, "rw")) as db:
+        db.execute("PRAGMA synchronous=OFF")  # nobody needs the copy after a power cut
+        yield db
+
+
+@contextlib.contextmanager
+def recovered_file(file: Path) -> Iterator[Path]:
+    """Yield a file with what stands beside it, as far as SQLite can apply it. The original stays as it is."""
+    if not _has_sidecar(file):
+        yield file
+        return
+    with _copied(file) as target:
+        with contextlib.suppress(sqlite3.Error), contextlib.closing(_connect(target, "rw")) as db:
+            db.execute("PRAGMA synchronous=OFF")
+            db.execute("PRAGMA wal_checkpoint(TRUNCATE)").fetchall()
+        yield target
+
+
+@contextlib.contextmanager
+def _copied(file: Path) -> Iterator[Path]:
     with tempfile.TemporaryDirectory(prefix="smarig-") as folder:
-        target = Path(folder) / file.name
-        for suffix in ("", "-wal", "-journal"):  # not -shm: it is made again from the log
-            with contextlib.suppress(FileNotFoundError):
-                shutil.copyfile(file.with_name(file.name + suffix), target.with_name(target.name + suffix))
-        with contextlib.closing(_connect(target, "rw")) as db:
-            yield db
+        for _ in range(_COPIES):
+            before = _state(file)
+            for copied in Path(folder).iterdir():
+                copied.unlink()
+            for suffix in before:
+                with contextlib.suppress(FileNotFoundError):
+                    shutil.copyfile(file.with_name(file.name + suffix), Path(folder) / (file.name + suffix))
+            if _state(file) == before:
+                break
+        yield Path(folder) / file.name
+
+
+def _state(file: Path) -> dict[str, tuple[int, int]]:
+    """Size and time of the last change of a file and of what stands beside it."""
+    found = {}
+    for suffix in ("", "-wal", "-journal"):  # not -shm: it is made again from the log
+        with contextlib.suppress(FileNotFoundError):
+            status = file.with_name(file.name + suffix).stat()
+            found[suffix] = (status.st_size, status.st_mtime_ns)
+    return found
 
 
 def _connect(file: Path, mode: str) -> sqlite3.Connection:

@@ -1,11 +1,10 @@
 """Writes a run while it is made: samples are appended in the tick, and a thread commits them at least every second.
 
-A committed sample survives kill -9 and power cuts (SQLite WAL, synchronous=FULL). No sample waits longer than a few
+A committed sample survives kill -9 and power cuts (SQLite WAL, synchronous=EXTRA). No sample waits longer than a few
 seconds: a disk that does not answer ends the run. The recorder is a listener: the runner calls ``sample``, ``step``
 and ``event``.
 """
 
-import contextlib
 import json
 import os
 import shutil
@@ -22,6 +21,8 @@ from smarig.record import schema
 from smarig.record.clock_watch import ClockWatch
 from smarig.record.continuation import Continuation, opened_for_recording, reopened
 from smarig.record.new_run_file import new_run_file
+from smarig.record.run_end import end_event, leave_one_file, store_end
+from smarig.record.sample_hashes import SampleHashes
 
 COMMIT_INTERVAL_S = 0.5
 STALL_S = 3.0  # a sample that waits longer for the disk ends the run
@@ -50,6 +51,10 @@ class Recorder:
         self._lock = threading.Lock()
         self._wake = threading.Event()
         self._closing = threading.Event()
+        self._end: tuple[float, str, Severity | None] = (0.0, "done", None)  # time, cause, severity
+        self._ended = False  # the end is stored; only the merging into one file is left
+        self._hashes = SampleHashes()
+        self._hashed_blocks = 0  # while closing
         self._failure: str | None = None
         self._loss_text: str | None = None
         self._stall_s = TWIN_STALL_S if meta.get("source") in ("twin", "simulation") else STALL_S
@@ -147,14 +152,30 @@ class Recorder:
         self._write_until_closed()
         self._closing.wait()
         try:
-            self._commit()
-        except StorageError as error:
-            self._loss_text = str(error)
+            self._commit_rest()
+            self._store_end()
         except Exception as error:  # any failure must reach close
-            self._loss_text = f"The end of run {self.path} could not be written: {error}."
+            self._loss_text = (
+                f"The end of run {self.path} could not be written: {error}. {self._stored_text()}"
+            )
         finally:
-            _leave_one_file(self._db)
+            leave_one_file(self._db)
             self._db.close()
+
+    def _commit_rest(self) -> None:
+        try:
+            self._commit()
+        except StorageError as error:  # samples that cannot be stored; all others are
+            self._loss_text = str(error)
+
+    def _store_end(self) -> None:
+        with self._db:
+            self._db.execute(schema.INSERT_EVENT, end_event(*self._end))
+            store_end(self._db, self._end[1], self._hashes, self._count_hashed_block)
+        self._ended = True
+
+    def _count_hashed_block(self) -> None:
+        self._hashed_blocks += 1
 
     def _write_until_closed(self) -> None:
         while not self._closing.is_set():
@@ -162,6 +183,7 @@ class Recorder:
             self._wake.clear()
             try:
                 self._commit()
+                self._hashes.hash_block(self._db)
                 self._check_space()
             except StorageError as error:  # samples are lost: reported at the next sample or at the end
                 self._failure = self._loss_text = f"{error} The current is at zero."
@@ -199,6 +221,7 @@ class Recorder:
     def _write_batch(self, rows: list[tuple], statements: list[tuple[str, tuple]]) -> list[tuple]:
         """Write all in one transaction. Returns the samples that cannot be stored, so that the others are kept."""
         rejected: list[tuple] = []
+        self._hashes.will_write(rows, statements)
         with self._db:
             self._db.execute("SAVEPOINT batch")
             try:
@@ -231,50 +254,43 @@ class Recorder:
         """
         if self._closing.is_set():
             return
-        level = "info" if cause == "done" else "warning"
-        implied = severity is None or severity == severity_of("end", level)
-        data: dict[str, Any] = {} if implied else {"severity": severity}
-        self.event(t_s, "end", f"Run ended: {cause.rstrip('.')}.", level=level, **data)
-        self.describe("end", {"cause": cause, "epoch": time.time()})
+        self._end = (t_s, cause, severity)
         self._closing.set()
         self._wake.set()
         self._wait_for_writer()
-        if self._thread.is_alive():
+        if self._thread.is_alive() and not self._ended:
             raise StorageError(self._stalled_text())
         if self._loss_text is not None:
             raise StorageError(self._loss_text)
 
     def _wait_for_writer(self) -> None:
-        """Wait as long as something is stored every few seconds."""
+        """Wait as long as something is stored or hashed every few seconds."""
         before = None
-        while self._thread.is_alive() and self._stored is not before:
-            before = self._stored
+        while self._thread.is_alive() and (self._stored, self._hashed_blocks) != before:
+            before = self._stored, self._hashed_blocks
             self._thread.join(CLOSE_LIMIT_S)
 
     def _stalled_text(self) -> str:
-        stored = self._stored
         return (
-            f"Run {self.path} is not closed: the disk does not answer. It holds the samples up to "
-            f"{stored.t_s:.1f} s and {stored.steps} of {self._steps_given} steps; the later ones may be lost. The "
-            "current is at zero."
+            f"Run {self.path} could not be closed in time: the disk does not answer. {self._stored_text()} "
+            "The current is at zero."
         )
+
+    def _stored_text(self) -> str:
+        """What is stored for certain."""
+        stored = self._stored
+        samples = "no new samples" if stored.t_s is None else f"the samples up to {stored.t_s:.1f} s"
+        steps = f"{stored.steps} of {self._steps_given} steps"
+        return f"It holds at least {samples} and {steps}; the later ones may be lost."
 
 
 @dataclass(frozen=True)
 class _Stored:
     """What the commits of a recorder have stored: time of the last sample, number of steps."""
 
-    t_s: float = 0.0
+    t_s: float | None = None
     steps: int = 0
 
     def after(self, rows: list[tuple], statements: list[tuple[str, tuple]]) -> "_Stored":
         steps = sum(sql == schema.INSERT_STEP for sql, _ in statements)
         return _Stored(rows[-1][1] if rows else self.t_s, self.steps + steps)
-
-
-def _leave_one_file(db: sqlite3.Connection) -> None:
-    """Merge the write-ahead log into the file; otherwise committed data stay safe in the log."""
-    with contextlib.suppress(sqlite3.Error):  # another process reads, or the disk is full
-        db.execute("PRAGMA busy_timeout=200")
-        db.execute("PRAGMA wal_checkpoint(TRUNCATE)")
-        db.execute("PRAGMA journal_mode=DELETE")

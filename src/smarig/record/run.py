@@ -14,7 +14,8 @@ from smarig.core import DataError, NotebookDisplay, Severity, UsageError, highes
 from smarig.record.metadata import check_metadata, decode_json
 from smarig.record.opened_run import opened_for_reading
 from smarig.record.run_info import RunInfo
-from smarig.record.schema import SAMPLE_COLUMNS, VERSION
+from smarig.record.schema import READ, SAMPLE_COLUMNS, VERSION
+from smarig.record.table_hashes import damaged_rows
 
 CONTINUED = "continued"  # ``initial`` of a run that starts in the final state of the one before
 OWN_ZERO = "own"  # ``encoder_zero`` of an imported run whose zero is unrelated to that of other runs
@@ -200,25 +201,39 @@ def load_run(path: str | Path) -> Run:
         with opened_for_reading(file) as db:
             return _read(file, db)
     except (sqlite3.Error, ValueError, TypeError, IndexError, OverflowError) as error:
-        raise DataError(f"{file} is not a run file, or is damaged: {error}.") from None
+        raise DataError(f"{file} is not a run file, or is damaged: {error}. {salvage_hint(file)}") from None
 
 
 def _read(file: Path, db: sqlite3.Connection) -> Run:
-    meta = {k: _meta_value(k, v) for k, v in db.execute("SELECT key, value FROM run").fetchall()}
+    rows = {table: db.execute(query).fetchall() for table, query in READ.items()}
+    meta = {k: _meta_value(k, v) for k, v in rows["run"]}
     _check_version(file, meta)
     check_metadata(meta)
-    rows = db.execute(f"SELECT {','.join(SAMPLE_COLUMNS)} FROM sample ORDER BY tick").fetchall()
-    steps = db.execute('SELECT * FROM step WHERE attempt >= 0 ORDER BY "index", attempt').fetchall()
-    events = db.execute("SELECT * FROM event ORDER BY rowid").fetchall()
-    data = np.array(rows, dtype=float).reshape(len(rows), len(SAMPLE_COLUMNS))
+    data = np.array(rows["sample"], dtype=float).reshape(len(rows["sample"]), len(SAMPLE_COLUMNS))
     columns = {name: data[:, k] for k, name in enumerate(SAMPLE_COLUMNS)}
-    return Run(
+    run = Run(
         file,
         meta,
         columns,
-        tuple(_step(*row) for row in steps),
-        tuple(_event(*row) for row in events),
+        tuple(_step(*row) for row in rows["step"]),
+        tuple(_event(*row) for row in rows["event"]),
     )
+    _check_hashes(run, rows)
+    return run
+
+
+def _check_hashes(run: Run, rows: dict[str, list[tuple]]) -> None:
+    tables = sorted({damaged.table for damaged in damaged_rows(run.meta, rows)})
+    if tables:
+        raise DataError(
+            f"Run file {run.path} is damaged: what it holds in {' and '.join(map(repr, tables))} is not what was "
+            f"stored when the run was closed. {salvage_hint(run.path)}"
+        )
+
+
+def salvage_hint(file: Path) -> str:
+    """What to do with a damaged run file."""
+    return f"`smarig check {file}` shows what can be saved."
 
 
 def _meta_value(key: Any, value: Any) -> Any:

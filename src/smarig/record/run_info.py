@@ -114,9 +114,9 @@ class RunInfo(StoredTable):
     (``config``, ``actuator_text``), their values (``rig_values``, ``actuator_values``), the hashes of these
     (``rig_sha256``), ``period_s`` of a tick, ``input`` and ``output``. Session: ``start_epoch`` (seconds since 1970),
     ``encoder_zero``, ``initial`` state of the wire. Resuming: ``device``, ``shift`` of its ticks and counts,
-    ``launch_args``, ``own_files``, ``closed_loop``, ``history_until_tick``. Imports: ``imported``, ``conditions``,
-    ``warnings``, ``repairs``, ``t0_s``, ``header``, ``companions``, ``forc``. Simulations: ``model`` and the run
-    it was simulated ``along``.
+    ``launch_args``, ``own_files``, ``closed_loop``, ``history_until_tick``. Closing: ``end``, ``hashes``.
+    ``salvaged``: what is known to be missing. Imports: ``imported``, ``conditions``, ``warnings``, ``repairs``,
+    ``t0_s``, ``header``, ``companions``, ``forc``. Simulations: ``model`` and the run it was simulated ``along``.
     """
 
     schema_version: int | None = None
@@ -150,6 +150,8 @@ class RunInfo(StoredTable):
     own_files: tuple[Any, ...] = ()
     closed_loop: bool = False
     end: EndInfo | None = None
+    hashes: Mapping[str, Any] = field(default_factory=dict)
+    salvaged: Mapping[str, Any] = field(default_factory=dict)
     imported: ImportInfo | None = None
     conditions: Mapping[str, Any] = field(default_factory=dict)
     warnings: tuple[str, ...] = ()

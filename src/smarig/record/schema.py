@@ -54,6 +54,14 @@ CREATE TABLE event (t_s REAL, level TEXT, kind TEXT, text TEXT, data TEXT);
 
 WAL_PAGES = 100  # of the write-ahead log before they move into the file: some tens of seconds at 10 Hz
 
+READ = {  # how the tables are read, and hashed
+    "run": "SELECT key, value FROM run ORDER BY key",
+    "sample": f"SELECT {','.join(SAMPLE_COLUMNS)} FROM sample ORDER BY tick",
+    "step": 'SELECT * FROM step WHERE attempt >= 0 ORDER BY "index", attempt',
+    "event": "SELECT * FROM event ORDER BY rowid",
+}
+
+READ_SAMPLES_AFTER = f"SELECT {','.join(SAMPLE_COLUMNS)} FROM sample WHERE tick > ? ORDER BY tick"
 INSERT_SAMPLE = f"INSERT INTO sample VALUES ({','.join('?' * len(SAMPLE_COLUMNS))})"
 INSERT_STEP = f"INSERT OR REPLACE INTO step VALUES ({','.join('?' * len(STEP_COLUMNS))})"
 INSERT_EVENT = f"INSERT INTO event VALUES ({','.join('?' * len(EVENT_COLUMNS))})"

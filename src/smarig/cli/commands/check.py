@@ -1,12 +1,14 @@
-"""``smarig check``: test a rig and preview a protocol."""
+"""``smarig check``: test a rig and preview a protocol, or check a run file."""
 
 import time
+from pathlib import Path
 from typing import Any
 
 import click
 
 from smarig.cli.output import emit, json_option, show_message
-from smarig.cli.parameter_types import PROTOCOL, RIG
+from smarig.cli.parameter_types import FILE, PROTOCOL, RIG
+from smarig.cli.run_file_check import check_run_file, is_run_file
 from smarig.config import RigFile, load_rig
 from smarig.core import ConfigError, LeaseExpired, RigFault, UsageError
 from smarig.plant import Actuator
@@ -17,12 +19,20 @@ from smarig.runner import preview, rig_locks
 _LABELS = {"lease_trips": "Lease test passed"}  # of the values that are no quantities
 
 
+EPILOG = """\b
+Examples:
+  smarig check one_wire_twin --protocol first_order_descending
+  smarig check validation.run.sqlite
+  smarig check damaged.run.sqlite -o saved.run.sqlite
+"""
+
+
 @click.command(
     "check",
-    short_help="Check a rig, bring up a bench, preview a protocol.",
-    epilog="\b\nExample:\n  smarig check one_wire_twin --protocol first_order_descending",
+    short_help="Check a rig, bring up a bench, preview a protocol; or check and save a run file.",
+    epilog=EPILOG,
 )
-@click.argument("rig", type=RIG)
+@click.argument("rig", type=RIG, metavar="RIG|RUN")
 @click.option(
     "--protocol",
     type=PROTOCOL,
@@ -35,9 +45,36 @@ _LABELS = {"lease_trips": "Lease test passed"}  # of the values that are no quan
     "--no-current", "preview_only", is_flag=True, help="Bench: only check the files; drive no current."
 )
 @click.option("--yes", is_flag=True, help="Bench: heat the wire without confirmation.")
+@click.option(
+    "-o", "--out", type=FILE, help="Run file: write what can be saved from it to this new run file."
+)
+@click.option("--force", is_flag=True, help="Replace an existing file.")
 @json_option
-def command(rig: str, protocol: str | None, pairs: tuple[str, ...], preview_only: bool, yes: bool) -> None:
-    """Check a rig's file, constants and lease, and bring up a bench. Preview a protocol on its twin."""
+def command(
+    rig: str,
+    protocol: str | None,
+    pairs: tuple[str, ...],
+    preview_only: bool,
+    yes: bool,
+    out: Path | None,
+    force: bool,
+) -> int:
+    """Check a rig's file, constants and lease, and bring up a bench. Preview a protocol on its twin.
+
+    Of a run file, say what it holds and whether it is whole. With -o, save from a damaged file what its pages
+    still hold. The file itself is never changed. The exit status is 4 if it is damaged, even if all was saved.
+    """
+    if is_run_file(rig):
+        if protocol or pairs or preview_only or yes:
+            raise UsageError(f"{rig} is a run file; only -o, --force and --json apply to it.")
+        return check_run_file(Path(rig), out, force)
+    if out or force:
+        raise UsageError("-o and --force are for run files (*.run.sqlite).")
+    _check_rig(rig, protocol, pairs, preview_only, yes)
+    return 0
+
+
+def _check_rig(rig: str, protocol: str | None, pairs: tuple[str, ...], preview_only: bool, yes: bool) -> None:
     file = load_rig(rig)
     actuator = Actuator.named(file.actuator)
     setup = Setup(actuator, file.limits, file.period_s)

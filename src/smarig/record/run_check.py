@@ -1,0 +1,161 @@
+"""What a run file holds, and whether it is whole. The file is only read."""
+
+import sqlite3
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Literal
+
+from smarig.core import DataError, UsageError
+from smarig.record.opened_run import opened_for_reading
+from smarig.record.run import Run, load_run
+from smarig.record.salvage import Salvaged, salvage
+from smarig.record.schema import VERSION
+from smarig.record.table_hashes import is_hashed
+from smarig.record.tick_ranges import Ticks, ticks_json, ticks_text
+
+_MOST_PROBLEMS = 10
+HashState = Literal["right", "wrong", "none"]
+
+
+@dataclass(frozen=True)
+class RunCheck:
+    """What a run file holds. ``salvaged`` is what its pages hold, if the file cannot be loaded."""
+
+    path: Path
+    samples: int
+    first_s: float | None
+    last_s: float | None
+    steps: int
+    events: int
+    closed: bool | None  # None: not known
+    cause: str
+    hashes: HashState
+    damaged_tables: tuple[str, ...] = ()
+    problems: tuple[str, ...] = ()
+    salvaged: Salvaged | None = field(default=None, repr=False)
+
+    @property
+    def whole(self) -> bool:
+        """Whether nothing is damaged. A run that was never closed may be whole."""
+        return not self.problems
+
+    @property
+    def missing(self) -> tuple[Ticks, ...]:
+        """Ranges of ticks that are missing."""
+        return self.salvaged.missing if self.salvaged else ()
+
+    @property
+    def unverified(self) -> tuple[Ticks, ...]:
+        """Ranges of ticks whose samples may hold a wrong value."""
+        return self.salvaged.unverified if self.salvaged else ()
+
+    def to_json(self) -> dict[str, Any]:
+        """The check as ``smarig check RUN --json`` reports it."""
+        return {
+            "run": str(self.path),
+            "whole": self.whole,
+            "samples": self.samples,
+            "first_s": self.first_s,
+            "last_s": self.last_s,
+            "steps": self.steps,
+            "events": self.events,
+            "closed": self.closed,
+            "cause": self.cause,
+            "hashes": self.hashes,
+            "damaged_tables": list(self.damaged_tables),
+            "missing_ticks": ticks_json(self.missing),
+            "unverified_ticks": ticks_json(self.unverified),
+            "problems": list(self.problems),
+        }
+
+    def sentences(self) -> list[str]:
+        """The check in plain sentences."""
+        span = "" if self.first_s is None else f" from {self.first_s:.1f} s to {self.last_s:.1f} s"
+        closed = {
+            True: f"It was closed; cause: {self.cause}.",
+            False: "It was never closed.",
+            None: "Whether it was closed is not known, because its description is damaged.",
+        }[self.closed]
+        found = [
+            f"{self.path} holds {self.samples} samples{span}, {self.steps} steps and {self.events} events.",
+            closed,
+            self._hash_sentence(),
+            *(f"Damage: {problem}." for problem in self.problems),
+        ]
+        if self.missing:
+            found.append(f"Missing samples: ticks {ticks_text(self.missing)}.")
+        if self.unverified:
+            found.append(f"A value may be wrong in ticks {ticks_text(self.unverified)}.")
+        return [*found, "The file is whole." if self.whole else "The file is damaged."]
+
+    def _hash_sentence(self) -> str:
+        tables = " and ".join(f"'{table}'" for table in self.damaged_tables)
+        if self.hashes == "none":
+            lost = f" Something is missing in {tables}." if tables else ""
+            return (
+                f"It has no hashes, which are stored when a run is closed: changed values go unnoticed.{lost}"
+            )
+        if self.hashes == "right":
+            return "What its tables hold is what was stored when the run was closed."
+        return f"What it holds in {tables} is not what was stored when the run was closed."
+
+
+def check_run(path: str | Path) -> RunCheck:
+    """Read all of a run file. Raises UsageError if there is none, and DataError if it holds nothing of a run."""
+    file = Path(path)
+    if not file.is_file():
+        raise UsageError(f"There is no run file {file}.")
+    problems = _integrity(file)
+    try:
+        run = load_run(file)
+    except DataError as error:
+        found = salvage(file)
+        if found.meta.get("schema_version", VERSION) != VERSION:
+            raise
+        return _of_damaged(file, found, problems, str(error))
+    return _of_run(run, problems)
+
+
+def _integrity(file: Path) -> list[str]:
+    """What SQLite finds wrong in the structure of the file."""
+    try:
+        with opened_for_reading(file) as db:
+            found = [str(row[0]) for row in db.execute(f"PRAGMA integrity_check({_MOST_PROBLEMS})")]
+    except sqlite3.Error as error:
+        return [f"SQLite cannot read it: {error}"]
+    return [f"SQLite: {' '.join(text.split())}" for text in found if text != "ok"]
+
+
+def _of_run(run: Run, problems: list[str]) -> RunCheck:
+    times_s = run["t_s"]
+    known = times_s[times_s == times_s]
+    return RunCheck(
+        run.path,
+        len(run),
+        float(known[0]) if known.size else None,
+        float(known[-1]) if known.size else None,
+        len(run.steps),
+        len(run.events),
+        run.complete,
+        run.cause,
+        "right" if is_hashed(run.meta) else "none",
+        problems=tuple(problems),
+    )
+
+
+def _of_damaged(file: Path, found: Salvaged, problems: list[str], error: str) -> RunCheck:
+    times_s = [row[1] for row in found.samples if row[1] is not None]
+    return RunCheck(
+        file,
+        len(found.samples),
+        times_s[0] if times_s else None,
+        times_s[-1] if times_s else None,
+        len(found.steps),
+        len(found.events),
+        True if "end" in found.meta else None if "run" in found.damaged_tables else False,
+        found.cause,
+        "none" if not is_hashed(found.meta) else "wrong" if found.damaged_tables else "right",
+        found.damaged_tables,
+        tuple(problems) or (error.split(" `smarig check")[0].rstrip("."),),
+        found,
+    )
