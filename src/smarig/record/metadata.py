@@ -10,7 +10,11 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 MAX_NAME_LENGTH = 2000  # of a value that may be a path
+MAX_TEXT_LENGTH = 1_000_000  # of any other text
+MAX_LINE_LENGTH = 10_000  # of a text that is shown in one line, such as a cause
 MAX_DEPTH = 40  # nested tables and lists; smarig writes four levels
+MAX_VALUES = 4_000_000  # in one cell; a reference of a day, the largest that is recorded, has 2 million
+MAX_ENTRIES = 10_000  # of a table or list that is shown entry by entry
 _TIMESTAMP_RANGE_S = (-62_135_596_800.0, 253_402_300_799.0)  # the years 1 to 9999, as seconds since 1970
 
 
@@ -23,6 +27,8 @@ def decode_json(text: Any) -> Any:
     Traceback (most recent call last):
     ValueError: it is nested deeper than 40 levels
     """
+    if isinstance(text, str) and text.count(",") + text.count("[") + text.count("{") > MAX_VALUES:
+        raise ValueError(f"it has more than {MAX_VALUES} values")
     try:
         value = json.loads(text)
     except RecursionError:
@@ -48,13 +54,18 @@ def _check_writable(value: Any, depth: int) -> None:
 
 
 def is_text(value: Any) -> bool:
-    """Whether a value is a text."""
-    return isinstance(value, str)
+    """Whether a value is a text of plausible length."""
+    return isinstance(value, str) and len(value) <= MAX_TEXT_LENGTH
+
+
+def is_line(value: Any) -> bool:
+    """Whether a value is a text that can be shown in a line."""
+    return isinstance(value, str) and len(value) <= MAX_LINE_LENGTH
 
 
 def _name(value: Any) -> bool:
     return (
-        is_text(value)
+        isinstance(value, str)
         and len(value) <= MAX_NAME_LENGTH
         and all(len(p.encode("utf-8", "surrogatepass")) <= 255 for p in value.split("/"))
     )
@@ -62,11 +73,11 @@ def _name(value: Any) -> bool:
 
 def is_table(value: Any) -> bool:
     """Whether a value is a table."""
-    return isinstance(value, dict)
+    return isinstance(value, dict) and len(value) <= MAX_ENTRIES
 
 
 def _list(value: Any) -> bool:
-    return isinstance(value, list)
+    return isinstance(value, list) and len(value) <= MAX_ENTRIES
 
 
 def is_integer(value: Any) -> bool:
@@ -88,21 +99,31 @@ def is_timestamp(value: Any) -> bool:
 
 
 _TYPE_TEXTS: dict[Callable[[Any], bool], str] = {
-    is_text: "a string",
+    is_text: f"a string of at most {MAX_TEXT_LENGTH} characters",
+    is_line: f"a string of at most {MAX_LINE_LENGTH} characters",
     _name: "a valid name or path",
-    is_table: "a table",
-    _list: "a list",
+    is_table: f"a table of at most {MAX_ENTRIES} entries",
+    _list: f"a list of at most {MAX_ENTRIES} entries",
     is_integer: "a whole number",
     _number: "a finite number",
     _duration: "a time in seconds, 1e-6 to 1e9",
     is_timestamp: "a date (seconds since 1970)",
 }
-_TEXTS = (
-    *("protocol", "rig", "wire", "source", "initial", "encoder_zero", "notes", "config"),
-    *("device", "wire_history", "model", "along"),
+_LINES = (
+    "protocol",
+    "rig",
+    "wire",
+    "source",
+    "initial",
+    "encoder_zero",
+    "device",
+    "wire_history",
+    "model",
+    "along",
 )
 KEY_TYPES = {
-    **dict.fromkeys(_TEXTS, is_text),
+    **dict.fromkeys(("notes", "config"), is_text),
+    **dict.fromkeys(_LINES, is_line),
     **dict.fromkeys(
         ("input", "output", "end", "settings", "versions", "imported", "conditions", "repairs"), is_table
     ),
@@ -114,12 +135,12 @@ KEY_TYPES = {
     "t0_s": _number,
     "start_epoch": is_timestamp,
 }
-QUANTITY_KEYS = {"quantity": is_text, "unit": is_text, "from": is_text, "per_count": _number}
+QUANTITY_KEYS = {"quantity": is_line, "unit": is_line, "from": is_line, "per_count": _number}
 _INNER_KEY_TYPES = {
     "input": QUANTITY_KEYS,
     "output": QUANTITY_KEYS,
-    "end": {"cause": is_text, "epoch": is_timestamp},
-    "imported": {"file": is_text},
+    "end": {"cause": is_line, "epoch": is_timestamp},
+    "imported": {"file": is_line},
     "shift": {"ticks": is_integer},
 }
 
@@ -141,7 +162,7 @@ def check_metadata(meta: Mapping[str, Any]) -> None:
         for name, kind in inner.items():
             _check_key(meta.get(key) or {}, name, kind, f" in '{key}'")
     for key in ("effects", "warnings"):
-        if not all(map(is_text, meta.get(key) or ())):
+        if not all(map(is_line, meta.get(key) or ())):
             raise TypeError(f"its key '{key}' contains a value that is not a string")
 
 

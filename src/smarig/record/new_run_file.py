@@ -11,14 +11,16 @@ from typing import Any
 
 from smarig.core import (
     RUN,
+    DataError,
     StorageError,
     UsageError,
     check_replaceable,
     new_file,
 )
 from smarig.record import schema
-
-SIDECARS = ("-wal", "-shm", "-journal")
+from smarig.record.guarded_database import SIDECARS
+from smarig.record.metadata import check_metadata
+from smarig.record.opened_run import opened_for_reading
 
 
 @contextlib.contextmanager
@@ -31,6 +33,10 @@ def new_run_file(path: Path, meta: dict[str, Any], *, force: bool) -> Iterator[s
         raise UsageError(f"{path} exists. Give another name, or --force to replace it.")
     check_replaceable(path, RUN)
     _refuse_if_recording(path)
+    try:
+        check_metadata(meta)  # what cannot be read again is refused now, not after the experiment
+    except TypeError as error:
+        raise UsageError(f"Run file {path} cannot be created: {error}.") from None
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         with new_file(path, force=force) as part:
@@ -80,12 +86,12 @@ def _refuse_if_recording(path: Path) -> None:
     if not path.is_file() or os.name == "nt":
         return
     try:
-        with contextlib.closing(sqlite3.connect(f"{path.resolve().as_uri()}?mode=ro", uri=True)) as db:
+        with opened_for_reading(path) as db:
             meta = dict(db.execute("SELECT key, value FROM run WHERE key IN ('recorder_pid', 'end')"))
         writer = int(meta.get("recorder_pid", 0))
         if "end" in meta or writer in (0, os.getpid()):
             return
         os.kill(writer, 0)
-    except (sqlite3.Error, OSError, ValueError):
+    except (sqlite3.Error, OSError, ValueError, DataError):
         return  # not a run, or its recorder has ended
     raise UsageError(f"Process {writer} is recording {path}. Stop that run, or give another name.")

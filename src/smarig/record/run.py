@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from smarig.core import DataError, NotebookDisplay, UsageError
-from smarig.record.metadata import check_metadata, decode_json
+from smarig.record.metadata import MAX_LINE_LENGTH, MAX_TEXT_LENGTH, check_metadata, decode_json
 from smarig.record.opened_run import opened_for_reading
 from smarig.record.run_info import RunInfo
 from smarig.record.schema import SAMPLE_COLUMNS, VERSION
@@ -224,7 +224,18 @@ def _event(t_s, level, kind, text, data) -> Event:
     decoded_data = decode_json(data or "{}")
     if not isinstance(decoded_data, dict):
         raise TypeError("the data of an event are not a table")
-    return Event(float(t_s or 0.0), str(level or ""), str(kind or ""), str(text or ""), decoded_data)
+    return Event(float(t_s or 0.0), _line(level), _line(kind), _text(text, MAX_TEXT_LENGTH), decoded_data)
+
+
+def _line(value: Any) -> str:
+    return _text(value, MAX_LINE_LENGTH)
+
+
+def _text(value: Any, longest: int) -> str:
+    text = str(value or "")
+    if len(text) > longest:
+        raise ValueError(f"a text of its steps or events has more than {longest} characters")
+    return text
 
 
 def _number(value: Any) -> float | None:
@@ -236,11 +247,11 @@ def _step(index, attempt, void, branch, target, t_start_s, t_end_s, verdict, pos
         index=int(index),
         attempt=int(attempt),
         void=bool(void),
-        branch=str(branch or ""),
+        branch=_line(branch),
         target=_number(target),
         t_start_s=float(t_start_s or 0.0),
         t_end_s=_number(t_end_s),
-        verdict=str(verdict or ""),
+        verdict=_line(verdict),
         position=_number(position),
         n=int(n or 0),
     )
