@@ -22,6 +22,7 @@ from hostile.material import Material, make_material
 CPU_S = 5  # a command that takes longer hangs
 WAIT_S = 40  # so does one that waits longer without computing
 MEMORY_BYTES = 3_000_000_000
+MOST_MB = 1200  # 400 of them are the imported packages
 
 
 @dataclass(frozen=True)
@@ -48,6 +49,8 @@ def carry_out(case: Case, m: Material, work: Path) -> Outcome:
     said, err = ((work / name).read_text(encoding="utf-8", errors="replace") for name in ("stdout", "stderr"))
     cpu_s = usage.ru_utime + usage.ru_stime
     wrong = ["hangs"] if hangs else objections(m, status, said, err, out)
+    if usage.ru_maxrss > MOST_MB * 1000:
+        wrong.append(f"takes {usage.ru_maxrss / 1000:.0f} MB")
     return Outcome(case, status, cpu_s, usage.ru_maxrss / 1000, wrong)
 
 
@@ -97,10 +100,10 @@ def import_everything(m: Material, folder: Path) -> None:
     }
     honest |= {"matlab": m.folder / "good.mat"}
     with (
-        open(os.devnull, "w") as nowhere,
+        Path(os.devnull).open("w") as nowhere,
         contextlib.redirect_stdout(nowhere),
         contextlib.redirect_stderr(nowhere),
-    ):  # noqa: PTH123
+    ):
         for kind, commands in COMMANDS.items():
             for name, words in commands.items():
                 if name not in ("view", "replace", "resume", "report of a folder"):

@@ -71,9 +71,6 @@ CONFIGURATIONS: dict[str, Maker] = {
     "base is the secret": with_path('base = "{secret}"\n'),
     "its own base": with_path('base = "{mine}"\n'),
     "base as a list": text("base = [1]"),
-    "own driver": with_path(
-        'base = "one_wire_serial"\n[links.amplifier]\ndriver = "{evil}"\n[links.encoder_daq]\ndriver = "{evil}"\n'
-    ),
     "own protocol": with_path('name = "c"\nsummary = "s"\n[[step]]\nprotocol = "{evil}s"\n'),
     "campaign of endless points": text(CAMPAIGN + "set = { points = 1000000000 }\n"),
     "campaign of deep settings": text(CAMPAIGN + "set = { points = " + "[" * 300 + "]" * 300 + " }\n"),

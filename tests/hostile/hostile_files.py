@@ -45,7 +45,7 @@ COMMANDS: dict[str, dict[str, Words]] = {
         "resume": lambda m, f, o: ["resume", f, "--quiet"],
         "check": lambda m, f, o: ["check", f],
         "replace": lambda m, f, o: [
-            *("simulate", m.model, "--along", m.whole, "-o", f),
+            *("simulate", m.model, "--along", m.whole, "-o", f, "--force"),
         ],
     },
     "table": {
@@ -85,6 +85,9 @@ COMMANDS: dict[str, dict[str, Words]] = {
         "simulate along": lambda m, f, o: ["simulate", f, "--along", m.whole, "-o", o / "s.run.sqlite"],
         "simulate": lambda m, f, o: [
             *("simulate", f, "--protocol", "initialise", "--rig", "one_wire_twin", "-o", o / "s.run.sqlite"),
+        ],
+        "simulate on its rig": lambda m, f, o: [
+            *("simulate", f, "--protocol", "initialise", "-o", o / "s.run.sqlite"),
         ],
         "certify": lambda m, f, o: ["certify", f, "-o", o / "c.html"],
         "calibrate": lambda m, f, o: ["calibrate", m.whole, "--model", f],

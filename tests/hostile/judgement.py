@@ -7,6 +7,7 @@ from hostile.material import SECRET, Material
 
 FINE = (0, 2, 3, 4)  # exit statuses
 _CONTROL = re.compile(r"[\x00-\x08\x0b-\x1f\x7f-\x9f]")
+_COLOURS = re.compile(r"\x1b\[\d*m")  # of the viewer's own log
 _FORMULA = re.compile(r"""(?:^|[,;\t"'])\s*[=@+-](?![\d.]|inf|nan)""", re.MULTILINE)
 LONGEST_MESSAGE = 4000  # characters
 
@@ -23,7 +24,10 @@ def objections(m: Material, status: int, out: str, err: str, folder: Path) -> li
     if m.executed:
         found.append("executed a file")
         (m.folder / "mark").unlink()
-    if _CONTROL.search(err):
+    if not m.precious.exists():
+        found.append("deleted a file")
+        m.precious.write_text("years of work\n" * 10, encoding="utf-8")
+    if _CONTROL.search(_COLOURS.sub("", err)):
         found.append(f"control characters in a message: {_CONTROL.findall(err)[:3]}")
     if status and len(err) > LONGEST_MESSAGE:
         found.append(f"a message of {len(err)} characters")

@@ -70,6 +70,11 @@ class Material:
         return self.folder / "secret.toml"
 
     @property
+    def precious(self) -> Path:
+        """A file that no command may change or delete."""
+        return self.folder / "thesis.txt"
+
+    @property
     def evil(self) -> Path:
         """A Python file that leaves a mark when it is executed."""
         return self.folder / "evil.py"
@@ -93,7 +98,8 @@ def make_material(folder: Path) -> Material:
     run = load_run(m.whole)
     cut(m.whole, m.killed, int(run["tick"][len(run) * 3 // 4]))
     identify(run, "constant").model.save(m.model)
-    m.secret.write_text(f'{SECRET} = "{SECRET}"\n{SECRET}\n', encoding="utf-8")
+    m.secret.write_text(f'{SECRET} = "{SECRET}"\n', encoding="utf-8")
+    m.precious.write_text("years of work\n" * 10, encoding="utf-8")
     m.evil.write_text(PROTOCOL.format(mark=str(folder / "mark")), encoding="utf-8")
     (folder / "good.csv").write_text(CSV, encoding="utf-8")
     (folder / "map.toml").write_text(MAPPING, encoding="utf-8")

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
+from hostile.journals import journal_that_names
 from hostile.material import Material
 
 Maker = Callable[[Material, Path], None]
@@ -98,6 +99,19 @@ def link_beside(suffix: str, target: str) -> Maker:
         path.with_name(path.name + suffix).symlink_to(target)
 
     return make
+
+
+def deleting_journal(m: Material, path: Path) -> None:
+    """A run whose journal belongs to a set: SQLite deletes the file that lists the set."""
+    shutil.copy(m.killed, path)
+    run = path.read_bytes()
+    path.with_name(path.name + "-journal").write_bytes(journal_that_names(m.precious, run))
+
+
+def large_tail(m: Material, path: Path) -> None:
+    """A run with 300 GB of nothing behind it."""
+    shutil.copy(m.killed, path)
+    os.truncate(path, 300_000_000_000)
 
 
 def pipe_beside(_: Material, path: Path) -> None:
@@ -199,6 +213,8 @@ STRUCTURES: dict[str, Maker] = {
     "compressed": content(b"\x1f\x8b" + bytes(1000)),
     "other database": other_database,
     "journal of noise": beside("-journal", np.random.default_rng(2).bytes(5000)),
+    "journal that deletes": deleting_journal,
+    "large tail": large_tail,
     "log of noise": beside("-wal", np.random.default_rng(3).bytes(5000)),
     "log without end": link_beside("-wal", "/dev/zero"),
     "journal without end": link_beside("-journal", "/dev/zero"),

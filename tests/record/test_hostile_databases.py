@@ -1,21 +1,20 @@
-"""Run files that would execute something: refused for reading and for continuing, in one sentence and in bounded time."""
+"""Run files that would execute something are refused for reading and for continuing, in bounded time."""
 
 import os
 import shutil
 import signal
 import sqlite3
-import struct
 from pathlib import Path
 
 import pytest
 
+from hostile.journals import journal_of_a_page, journal_that_names
 from record.runs import META, sample
 from smarig.core import DataError, UsageError
 from smarig.record import Continuation, Recorder, load_run
 from smarig.record.guarded_database import bounded, restrict
 
 FOREVER = "WITH RECURSIVE r(x) AS (SELECT 1 UNION ALL SELECT x + 1 FROM r)"
-MAGIC = b"\xd9\xd5\x05\xf9\x20\xa1\x63\xd7"
 
 
 @pytest.fixture
@@ -132,7 +131,7 @@ def test_no_text_of_a_file_is_too_long_for_the_memory(path):
     [
         ("INSERT INTO run VALUES ('notes', ?)", "its key 'notes' is not a string of at most 1000000"),
         ("INSERT INTO run VALUES ('protocol', ?)", "its key 'protocol' is not a string of at most 10000"),
-        ("INSERT INTO event VALUES (0, 'info', 'x', ?, '{}')", "has more than 1000000 characters"),
+        ("INSERT INTO event VALUES (0, 'info', 'x', ?, '{}')", "has more than 10000 characters"),
         ("INSERT INTO event VALUES (0, 'info', ?, 'x', '{}')", "has more than 10000 characters"),
     ],
 )
@@ -154,17 +153,6 @@ def test_a_description_that_could_not_be_read_again_is_refused_before_the_experi
 # --- what stands beside a file ---------------------------------------------------------------------------------
 
 
-def journal_that_names(victim: Path, run: bytes) -> bytes:
-    """A journal of one page that belongs to a set of journals: SQLite deletes the file that lists them."""
-    page, nonce = run[:4096], 7
-    check = (nonce + sum(page[k] for k in range(4096 - 200, 0, -200))) & 0xFFFFFFFF
-    name = str(victim).encode()
-    header = (MAGIC + struct.pack(">IIIII", 1, nonce, len(run) // 4096, 512, 4096)).ljust(512, b"\0")
-    record = struct.pack(">I", 1) + page + struct.pack(">I", check)
-    end = struct.pack(">I", 0x40000000 // 4096 + 1) + name + struct.pack(">II", len(name), sum(name)) + MAGIC
-    return header + record + end
-
-
 @pytest.mark.parametrize("read", [load_run, lambda path: Recorder(path, META, continuation=Continuation())])
 def test_no_journal_deletes_another_file(path, tmp_path, read):
     victim = tmp_path / "thesis.txt"
@@ -183,9 +171,8 @@ def test_links_beside_a_run_are_not_followed(path, tmp_path, suffix):
         load_run(path)
 
 
-def test_a_copy_that_would_fill_the_disk_is_not_made(path, tmp_path, monkeypatch):
-    whole = journal_that_names(tmp_path, path.read_bytes())
-    path.with_name(path.name + "-journal").write_bytes(whole[: 512 + 4 + 4096 + 4])  # an ordinary journal
+def test_a_copy_that_would_fill_the_disk_is_not_made(path, monkeypatch):
+    path.with_name(path.name + "-journal").write_bytes(journal_of_a_page(path.read_bytes()))
     assert len(load_run(path)) == 100
     usage = shutil.disk_usage(path)
     monkeypatch.setattr(shutil, "disk_usage", lambda _: usage._replace(free=100))

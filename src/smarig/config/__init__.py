@@ -23,5 +23,6 @@ if TYPE_CHECKING:
     from smarig.config.file_schemas import Quantity as Quantity
     from smarig.config.file_schemas import RigFile as RigFile
     from smarig.config.file_schemas import SimulatorFile as SimulatorFile
+    from smarig.config.recorded_file import recorded_file as recorded_file
 else:
     __getattr__, __dir__, __all__ = lazy_exports(__name__)

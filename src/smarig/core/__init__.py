@@ -47,11 +47,14 @@ if TYPE_CHECKING:
     from smarig.core.new_file import check_regular as check_regular
     from smarig.core.new_file import new_file as new_file
     from smarig.core.notebook_display import NotebookDisplay as NotebookDisplay
+    from smarig.core.number_text import number_from_text as number_from_text
     from smarig.core.resources import make_importable as make_importable
     from smarig.core.resources import shipped as shipped
     from smarig.core.sample import NAN as NAN
     from smarig.core.sample import Quality as Quality
     from smarig.core.sample import Sample as Sample
+    from smarig.core.shown_text import printable as printable
+    from smarig.core.shown_text import shown as shown
     from smarig.core.stored_number import stored_number as stored_number
     from smarig.core.toml_file import Number as Number
     from smarig.core.toml_file import TomlTable as TomlTable

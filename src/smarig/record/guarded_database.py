@@ -12,7 +12,7 @@ from pathlib import Path
 from smarig.core import DataError
 
 SIDECARS = ("-wal", "-shm", "-journal")
-LARGEST_CELL_BYTES = 20_000_000  # a reference of 400 000 points, the largest that is recorded, takes 16 MB
+LARGEST_CELL_BYTES = 64_000_000  # a reference of a million points, the largest that is recorded, takes 40 MB
 _LIMITS = {
     sqlite3.SQLITE_LIMIT_LENGTH: LARGEST_CELL_BYTES,
     sqlite3.SQLITE_LIMIT_SQL_LENGTH: 100_000,

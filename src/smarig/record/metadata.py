@@ -6,14 +6,14 @@ are accepted: a newer smarig or another program may have written them.
 
 import json
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 MAX_NAME_LENGTH = 2000  # of a value that may be a path
 MAX_TEXT_LENGTH = 1_000_000  # of any other text
 MAX_LINE_LENGTH = 10_000  # of a text that is shown in one line, such as a cause
 MAX_DEPTH = 40  # nested tables and lists; smarig writes four levels
-MAX_VALUES = 4_000_000  # in one cell; a reference of a day, the largest that is recorded, has 2 million
+MAX_VALUES = 4_000_000  # in one table; a reference of a day, the largest that is recorded, has 2 million
 MAX_ENTRIES = 10_000  # of a table or list that is shown entry by entry
 _TIMESTAMP_RANGE_S = (-62_135_596_800.0, 253_402_300_799.0)  # the years 1 to 9999, as seconds since 1970
 
@@ -27,14 +27,19 @@ def decode_json(text: Any) -> Any:
     Traceback (most recent call last):
     ValueError: it is nested deeper than 40 levels
     """
-    if isinstance(text, str) and text.count(",") + text.count("[") + text.count("{") > MAX_VALUES:
-        raise ValueError(f"it has more than {MAX_VALUES} values")
+    check_amount([text])
     try:
         value = json.loads(text)
     except RecursionError:
         raise ValueError(f"it is nested deeper than {MAX_DEPTH} levels") from None
     _check_writable(value, 0)
     return value
+
+
+def check_amount(cells: Sequence[Any]) -> None:
+    """Raise ValueError if JSON cells together have too many values for the memory."""
+    if sum(t.count(",") + t.count("[") + t.count("{") for t in cells if isinstance(t, str)) > MAX_VALUES:
+        raise ValueError(f"its texts in JSON have more than {MAX_VALUES} values")
 
 
 def _check_writable(value: Any, depth: int) -> None:
@@ -47,7 +52,8 @@ def _check_writable(value: Any, depth: int) -> None:
             raise ValueError("it contains half a character (a lone surrogate)") from None
     if isinstance(value, dict | list):
         for inner in (*value, *value.values()) if isinstance(value, dict) else value:
-            _check_writable(inner, depth + 1)
+            if isinstance(inner, str | dict | list):  # a call for each number would take seconds
+                _check_writable(inner, depth + 1)
 
 
 # --- types: each function checks whether a value is of one type ----------------------------------------------

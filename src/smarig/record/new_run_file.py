@@ -19,7 +19,7 @@ from smarig.core import (
 )
 from smarig.record import schema
 from smarig.record.guarded_database import SIDECARS
-from smarig.record.metadata import check_metadata
+from smarig.record.metadata import check_metadata, decode_json
 from smarig.record.opened_run import opened_for_reading
 
 
@@ -34,8 +34,10 @@ def new_run_file(path: Path, meta: dict[str, Any], *, force: bool) -> Iterator[s
     check_replaceable(path, RUN)
     _refuse_if_recording(path)
     try:
-        check_metadata(meta)  # what cannot be read again is refused now, not after the experiment
-    except TypeError as error:
+        check_metadata(
+            decode_json(json.dumps(meta))
+        )  # what cannot be read again is refused now, not at the end
+    except (TypeError, ValueError) as error:
         raise UsageError(f"Run file {path} cannot be created: {error}.") from None
     try:
         path.parent.mkdir(parents=True, exist_ok=True)

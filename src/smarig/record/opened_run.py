@@ -37,6 +37,7 @@ def opened_for_reading(file: Path) -> Iterator[sqlite3.Connection]:
                 yield copy
         else:
             with bounded(db, file):
+                _check_length(db, file)
                 check_schema(db)
                 yield db
     finally:
@@ -53,6 +54,14 @@ def _recovered_copy(file: Path) -> Iterator[sqlite3.Connection]:
                 shutil.copyfile(file.with_name(file.name + suffix), target.with_name(target.name + suffix))
         with contextlib.closing(_connect(target, "rw")) as db:
             yield db
+
+
+def _check_length(db: sqlite3.Connection, file: Path) -> None:
+    """Raise ValueError for a file with more behind its database: hashing and copying it could take for ever."""
+    (pages,), (size,) = (db.execute(f"PRAGMA {name}").fetchone() for name in ("page_count", "page_size"))
+    log = file.with_name(file.name + "-wal")
+    if not log.exists() and file.stat().st_size > pages * size:
+        raise ValueError(f"its database ends after {pages * size} bytes, but the file does not")
 
 
 def _check_space(file: Path, folder: str) -> None:

@@ -10,8 +10,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.core import DataError, NotebookDisplay, UsageError
-from smarig.record.metadata import MAX_LINE_LENGTH, MAX_TEXT_LENGTH, check_metadata, decode_json
+from smarig.core import DataError, NotebookDisplay, UsageError, printable
+from smarig.record.metadata import (
+    MAX_ENTRIES,
+    MAX_LINE_LENGTH,
+    check_amount,
+    check_metadata,
+    decode_json,
+)
 from smarig.record.opened_run import opened_for_reading
 from smarig.record.run_info import RunInfo
 from smarig.record.schema import SAMPLE_COLUMNS, VERSION
@@ -22,6 +28,7 @@ FORC_PROTOCOL = "first_order_reversal_curves"  # protocol of runs imported from 
 _NO_ROWS = slice(0, 0)
 _LARGEST_STEP = 2**53  # larger integers are not exact in a column of floats
 _SAME_TIME_S = 1e-6  # rounding of a clock
+MAX_ROWS = 200_000  # of steps, and of events; a protocol has at most 100 000 steps
 
 
 @dataclass(frozen=True, slots=True)
@@ -190,16 +197,17 @@ def load_run(path: str | Path) -> Run:
         with opened_for_reading(file) as db:
             return _read(file, db)
     except (sqlite3.Error, ValueError, TypeError, IndexError, OverflowError) as error:
-        raise DataError(f"{file} is not a run file, or is damaged: {error}.") from None
+        raise DataError(f"{file} is not a run file, or is damaged: {printable(str(error), 300)}.") from None
 
 
 def _read(file: Path, db: sqlite3.Connection) -> Run:
-    meta = {k: _meta_value(k, v) for k, v in db.execute("SELECT key, value FROM run").fetchall()}
+    meta = {k: _meta_value(k, v) for k, v in _rows(db, "SELECT key, value FROM run", MAX_ENTRIES)}
     _check_version(file, meta)
     check_metadata(meta)
     rows = db.execute(f"SELECT {','.join(SAMPLE_COLUMNS)} FROM sample ORDER BY tick").fetchall()
-    steps = db.execute('SELECT * FROM step WHERE attempt >= 0 ORDER BY "index", attempt').fetchall()
-    events = db.execute("SELECT * FROM event ORDER BY rowid").fetchall()
+    steps = _rows(db, 'SELECT * FROM step WHERE attempt >= 0 ORDER BY "index", attempt')
+    events = _rows(db, "SELECT * FROM event ORDER BY rowid")
+    check_amount([row[-1] for row in events])
     data = np.array(rows, dtype=float).reshape(len(rows), len(SAMPLE_COLUMNS))
     columns = {name: data[:, k] for k, name in enumerate(SAMPLE_COLUMNS)}
     return Run(
@@ -209,6 +217,13 @@ def _read(file: Path, db: sqlite3.Connection) -> Run:
         tuple(_step(*row) for row in steps),
         tuple(_event(*row) for row in events),
     )
+
+
+def _rows(db: sqlite3.Connection, query: str, most: int = MAX_ROWS) -> list[tuple]:
+    rows = db.execute(query).fetchmany(most + 1)
+    if len(rows) > most:
+        raise ValueError(f"its description, steps or events have more than {most} rows")
+    return rows
 
 
 def _meta_value(key: Any, value: Any) -> Any:
@@ -224,17 +239,13 @@ def _event(t_s, level, kind, text, data) -> Event:
     decoded_data = decode_json(data or "{}")
     if not isinstance(decoded_data, dict):
         raise TypeError("the data of an event are not a table")
-    return Event(float(t_s or 0.0), _line(level), _line(kind), _text(text, MAX_TEXT_LENGTH), decoded_data)
+    return Event(float(t_s or 0.0), _line(level), _line(kind), _line(text), decoded_data)
 
 
 def _line(value: Any) -> str:
-    return _text(value, MAX_LINE_LENGTH)
-
-
-def _text(value: Any, longest: int) -> str:
     text = str(value or "")
-    if len(text) > longest:
-        raise ValueError(f"a text of its steps or events has more than {longest} characters")
+    if len(text) > MAX_LINE_LENGTH:
+        raise ValueError(f"a text of its steps or events has more than {MAX_LINE_LENGTH} characters")
     return text
 
 

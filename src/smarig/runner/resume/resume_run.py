@@ -11,15 +11,16 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
-from smarig.config import RigFile, load_rig
+from smarig.config import load_rig, recorded_file
 from smarig.core import DataError, Elapsed, Hold, Protocol, StepResult, UsageError, Waveform
-from smarig.plant import Actuator, effects_from_pairs
+from smarig.plant import effects_from_pairs
 from smarig.protocols import Chooser, build_protocol
 from smarig.record import Continuation, Recorder, Run, load_run
 from smarig.rig import TwinSettings
 from smarig.runner.listener import Listener
-from smarig.runner.own_files import check_drivers, check_own_files
+from smarig.runner.own_files import check_drivers
 from smarig.runner.preview import Preview, preview
+from smarig.runner.resume.launch_args import check_rig, read_launch_args
 from smarig.runner.resume.replay_protocol import replay_protocol
 from smarig.runner.resume.resume_plan import COLD_TAUS, RE_ESTABLISH, ResumePlan, RigState, plan_resume
 from smarig.runner.run_control import RunControl
@@ -27,13 +28,20 @@ from smarig.runner.session import Session, check_free_space
 
 
 def session_for(
-    run: Run, *, rig: str = "", wire: str = "", speed: float | None = None, control: RunControl | None = None
+    run: Run,
+    *,
+    rig: str = "",
+    wire: str = "",
+    speed: float | None = None,
+    control: RunControl | None = None,
+    settings: Mapping[str, Any] | None = None,
 ) -> Session:
     """A session at the rig of a run, not yet opened. Refuses finished runs and other rigs."""
-    launch = read_launch_args(run)
+    launch = read_launch_args(run, settings)
     name = rig or str(launch["rig"])
-    file = load_rig(name)
-    check_rig(run, file)
+    with recorded_file(run.path.name, "" if rig else name, "Name the rig with --rig."):
+        file = load_rig(name)
+        check_rig(run, file)
     if not rig:
         check_drivers(file, run.path.name, f"To allow this, give --rig {name}")
     run_wire = str(run.info.wire)
@@ -57,11 +65,15 @@ def resume(
     wire: str = "",
     control: RunControl | None = None,
     chooser: Chooser | None = None,
+    settings: Mapping[str, Any] | None = None,
 ) -> Run:
-    """Resume an interrupted run and return it; the entry point for notebooks."""
+    """Resume an interrupted run and return it; the entry point for notebooks.
+
+    ``settings``: those that name files, for example {"file": "profile.csv"}, given again.
+    """
     run = load_run(path)
-    with session_for(run, rig=rig, wire=wire, control=control) as session:
-        resume_in(session, run, chooser=chooser)
+    with session_for(run, rig=rig, wire=wire, control=control, settings=settings) as session:
+        resume_in(session, run, chooser=chooser, settings=settings)
     return load_run(path)
 
 
@@ -72,13 +84,15 @@ def resume_in(
     listeners: Sequence[Listener] = (),
     expected: Preview | None = None,
     chooser: Chooser | None = None,
+    settings: Mapping[str, Any] | None = None,
 ) -> ResumePlan:
     """Resume a run in an open session and return its plan. Closes the run before it raises the error that ended it.
 
-    Nothing is moved or written before the protocol is known to agree with the record.
+    Nothing is moved or written before the protocol is known to agree with the record. ``settings``: those that name
+    files, given again.
     """
     run = load_run(run.path)  # again, under the lock of the wire: it may have ended meanwhile
-    launch = read_launch_args(run)
+    launch = read_launch_args(run, settings)
     protocol, settings = str(run.info.protocol), launch["settings"]
     fresh_twin = session.source == "twin" and session.rig.tick == 0
     now = RigState(session.device, session.rig.tick, fresh_twin, session.initial)
@@ -258,41 +272,3 @@ class _AttemptRecorder:
         attempt = self._attempts.get(self._done, 0)
         self._done += 1
         self._recorder.step(result, branch=branch, target=target, attempt=attempt)
-
-
-# --- refusals ---------------------------------------------------------------------------------------------------
-
-
-def read_launch_args(run: Run) -> Mapping[str, Any]:
-    """The arguments with which a run was started. Raises UsageError or DataError if it cannot be resumed."""
-    name = run.path.name
-    if run.cause == "done":
-        raise UsageError(f"{name} is finished; there is nothing to resume.")
-    if run.info.closed_loop:
-        raise UsageError(
-            f"{name} is a closed loop and cannot be resumed. Prepare the wire and start the loop again."
-        )
-    launch = run.info.launch_args
-    wanted = {"rig", "rig_wire", "speed", "effects", "noise", "settings"}
-    if run.info.source == "simulation" or launch is None or not wanted <= set(launch):
-        raise DataError(
-            f"{name} does not state what it was started with. Only runs that this smarig recorded on a rig or a "
-            "twin can be resumed."
-        )
-    if launch["effects"] is None:
-        raise DataError(f"{name} was run with effects that are not in its record, so it cannot be resumed.")
-    check_own_files(run)
-    return launch
-
-
-def check_rig(run: Run, file: RigFile) -> None:
-    """Raise UsageError if a run was made on another rig."""
-    for what, then, now in (
-        ("rig", run.info.rig, file.name),
-        ("actuator", run.info.actuator, Actuator.named(file.actuator).name),
-        ("period_s", run.info.period_s, file.period_s),
-    ):
-        if then != now:
-            raise UsageError(
-                f"{run.path.name} was run on {what} '{then}', not on '{now}'. It cannot continue there."
-            )

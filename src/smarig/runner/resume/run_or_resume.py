@@ -5,11 +5,12 @@ from pathlib import Path
 from typing import Any
 
 from smarig.core import UsageError
-from smarig.protocols import Chooser
+from smarig.protocols import Chooser, file_settings
 from smarig.record import Run, load_run
 from smarig.runner.listener import Listener
 from smarig.runner.preview import Preview
-from smarig.runner.resume.resume_run import check_rig, resume_in
+from smarig.runner.resume.launch_args import check_rig
+from smarig.runner.resume.resume_run import resume_in
 from smarig.runner.session import Session
 
 
@@ -55,5 +56,6 @@ def run_or_resume(
     check_same_experiment(run, session, protocol, settings)
     if run.cause == "done":
         return f"{protocol}: {out} is finished."
-    plan = resume_in(session, run, listeners=listeners, expected=expected, chooser=chooser)
+    files = {key: settings[key] for key in file_settings(protocol) if settings.get(key)}
+    plan = resume_in(session, run, listeners=listeners, expected=expected, chooser=chooser, settings=files)
     return f"{protocol}: {out}. {plan.sentence()}"
