@@ -20,7 +20,7 @@ from hostile.judgement import objections
 from hostile.material import Material, make_material
 
 CPU_S = 5  # a command that takes longer hangs
-WAIT_S = 40  # so does one that waits longer without computing
+WAIT_S = 120  # so does one that waits longer without computing
 MEMORY_BYTES = 3_000_000_000
 MOST_MB = 1200  # 400 of them are the imported packages
 

@@ -28,7 +28,7 @@ CORPUS: dict[str, dict[str, Maker]] = {
 COMMANDS: dict[str, dict[str, Words]] = {
     "run": {
         "report": lambda m, f, o: ["report", f, "-o", o / "page.html"],
-        "report of a folder": lambda m, f, o: ["report", f.parent, "-o", o / "page.html"],
+        "report of a folder": lambda m, f, o: ["report", f.parent],
         "export csv": lambda m, f, o: ["export", f, "--to", "csv", "-o", o / "out.csv"],
         "export mat": lambda m, f, o: ["export", f, "--to", "mat", "-o", o / "out.mat"],
         "export parquet": lambda m, f, o: ["export", f, "--to", "parquet", "-o", o / "out.parquet"],
