@@ -128,3 +128,100 @@ def test_repr_gives_the_main_properties(model):
     assert "exponential FodSurface" in repr(model)
     assert "twin data" in repr(model)
     assert "mm" in repr(model)
+
+
+def put(*where, value):
+    """A change of a model file: one other value."""
+
+    def change(data):
+        for key in where[:-1]:
+            data = data[key]
+        data[where[-1]] = value
+
+    return change
+
+
+INFINITE = float("inf")
+IMPOSSIBLE = [
+    (put("noise_floor", "value", value=-5.0), "'noise_floor.value' is -5.0, expected a number of 0 or more"),
+    (put("noise_floor", "value", value=INFINITE), "'noise_floor.value' is inf, expected a finite number"),
+    (put("covariance", 0, 0, value=-1e-6), "a variance below 0: -1e-06 of 'x2'"),
+    (put("covariance", 0, 0, value=INFINITE), "'covariance' contains a number that is not finite"),
+    (put("covariance", 0, 1, value=1e-3), "'covariance' is not symmetric"),
+    (
+        lambda d: [put("covariance", *k, value=1.0)(d) for k in ((0, 1), (1, 0))],
+        "'covariance' is that of no parameters: it has an eigenvalue below 0",
+    ),
+    (put("parameters", 1, value="x2"), "'parameters' names one of them twice"),
+    (put("intervals", "x2", value=[1.0, -1.0]), "the interval of 'x2' has its ends in the wrong order"),
+    (put("intervals", "x2", value=[-INFINITE, 0.0]), "the interval of 'x2' is -inf"),
+    (put("fit", "rms", value=-1.0), "'fit.rms' is -1.0, expected a number of 0 or more"),
+    (put("fit", "rms", value="small"), "'fit.rms' is 'small', expected a finite number"),
+    (put("fit", "points", value=2.5), "'fit.points' is 2.5, expected an integer of 0 or more"),
+    (put("fit", "curves", value=-9), "'fit.curves' is -9"),
+    (put("fit", "other", value=[INFINITE]), "'fit' contains a number that is not finite"),
+    (
+        put("fit", "load", value={"condition": "stress", "values": [2, 1]}),
+        "'fit.load.values' do not increase",
+    ),
+    (put("fit", "load", value={"values": [1]}), "'fit.load' does not name its condition"),
+    (put("provenance", 0, "rows", value=-3), "'rows' of a run in 'provenance' is -3"),
+    (put("provenance", 0, "start_epoch", value=-1e300), "'start_epoch' of a run in 'provenance' is no date"),
+    (
+        put("provenance", 0, "conditions", value={"stress": {"value": INFINITE, "unit": "MPa"}}),
+        "condition 'stress' of a run",
+    ),
+    (lambda d: d.update(provenance=d["provenance"] * 2000), "'provenance' has 2000 entries, more than 1000"),
+    (
+        put("actuator", "parameters", "wire", "diameter", "value", value=-0.3),
+        "'diameter' of the actuator is -0.3, expected a positive number",
+    ),
+    (put("name", value="n" * 20_000), "a name or a warning of 20000 characters"),
+    (
+        put("measurement", value={"effects": [{"name": "input_lag", "parameters": {"lag_s": -3}}]}),
+        "'input_lag' of the model needs lag_s between 0 and 100000, not -3",
+    ),
+    (
+        put("measurement", value={"effects": [{"name": "ratcheting", "parameters": {"cycles": 0}}]}),
+        "'ratcheting' of the model needs cycles between",
+    ),
+    (
+        put(
+            "measurement",
+            value={
+                "effects": [],
+                "table": {"condition": "stress", "values": [2, 1], "gains": [1, 1], "zeros": [0, 0]},
+            },
+        ),
+        "its values do not increase",
+    ),
+    (
+        lambda d: d.update(hysteresis={"kind": "mirrored", "image": {"kind": "mirrored", "image": {}}}),
+        "the image of a mirrored hysteresis is mirrored itself",
+    ),
+]
+
+
+@pytest.mark.parametrize(("change", "words"), IMPOSSIBLE)
+def test_numbers_that_cannot_be_are_refused(tmp_path, model, change, words):
+    path = model.save(tmp_path / "wire.model.json")
+    data = json.loads(path.read_text())
+    change(data)
+    path.write_text(json.dumps(data))
+    with pytest.raises(DataError) as refused:
+        load_model(path)
+    assert words in str(refused.value)
+    assert "\n" not in str(refused.value)
+
+
+def test_what_is_not_known_is_read(tmp_path, model):
+    """Null stands for a number that the data do not determine."""
+    path = model.save(tmp_path / "wire.model.json")
+    data = json.loads(path.read_text())
+    data["noise_floor"]["value"] = None
+    data["intervals"]["x2"] = [None, 1.0]
+    data["covariance"][0] = [None] * len(data["parameters"])
+    for row in data["covariance"]:
+        row[0] = None
+    path.write_text(json.dumps(data))
+    assert np.isnan(load_model(path).covariance[0]).all()

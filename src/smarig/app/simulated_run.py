@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from smarig.config import load_rig
+from smarig.config import load_rig, recorded_file
 from smarig.core import UsageError
 from smarig.plant import effects_from_json
 from smarig.record import Run, Step, write_run
@@ -41,7 +41,9 @@ def simulate_protocol(
     if not name:
         raise UsageError("The model names no rig. Give one with --rig to simulate a protocol.")
     if not rig:
-        check_drivers(load_rig(name), f"Model {model.name}", f"to execute it, give --rig {name}")
+        where = f"Model {model.name}"
+        with recorded_file(where, name, "Name the rig with --rig."):
+            check_drivers(load_rig(name), where, f"to execute it, give --rig {name}")
     twin = TwinSettings(noise=False, hysteresis=model.hysteresis, effects=effects_from_json(model.effects))
     with Session(name, twin=twin, wire=f"simulation of {model.name}") as session:
         return session.run(protocol, settings, out, force=force, notes=f"simulation with model {model.name}")

@@ -12,8 +12,9 @@ from typing import Any
 
 import click
 
-from smarig.core import UsageError
+from smarig.core import UsageError, printable
 
+LONGEST_RESULT = 1_000_000  # characters of a result as text
 _STATE = {"json": False}
 
 
@@ -39,7 +40,7 @@ def emit(data: dict[str, Any], text: str = "") -> None:
     if _STATE["json"]:
         _print(as_json(data))
     elif text:
-        _print(text)
+        _print(printable(text, LONGEST_RESULT))
 
 
 def as_json(data: dict[str, Any]) -> str:
@@ -50,7 +51,7 @@ def as_json(data: dict[str, Any]) -> str:
 def show_message(text: str) -> None:
     """Print a message on stderr. A closed stderr is no error."""
     with contextlib.suppress(OSError):
-        _print(text, err=True)
+        _print(printable(text), err=True)
 
 
 def json_requested() -> bool:
@@ -60,6 +61,7 @@ def json_requested() -> bool:
 
 def report_error(sentence: str, status: int) -> int:
     """Print an error on stderr, and as JSON on stdout with --json; return the exit status."""
+    sentence = printable(sentence)
     with contextlib.suppress(OSError):  # stderr is closed: the exit status still shows the error
         _print(f"smarig: {sentence}", err=True)
         if _STATE["json"] or "--json" in sys.argv:
@@ -84,7 +86,7 @@ def _print(text: str, *, err: bool = False) -> None:
 def check_distinct(out: Path | None, *inputs: Path | None) -> None:
     """Raise UsageError if the output is one of the inputs, because --force would destroy measured data."""
     for source in inputs:
-        if out is not None and source is not None and out.resolve() == source.resolve():
+        if out is not None and source is not None and os.path.realpath(out) == os.path.realpath(source):
             raise UsageError(f"{out} is both input and output. Give the output another name.")
 
 

@@ -4,6 +4,7 @@ A protocol, controller or effect may also be the path of an own file, which is t
 """
 
 import math
+import os
 from pathlib import Path
 from typing import Any
 
@@ -81,6 +82,18 @@ class FiniteNumber(click.FloatRange):
         return "" if self.min is None and self.max is None else super()._describe_range()
 
 
+class _TextPath(click.Path):
+    """A path whose name is text. Other bytes could not be written into a page, a record or a message."""
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        """The path."""
+        try:
+            os.fspath(value).encode("utf-8")
+        except UnicodeEncodeError:
+            self.fail(f"{value!a}: this name is not UTF-8 text. Rename the file or folder.", param, ctx)
+        return super().convert(value, param, ctx)
+
+
 own_effects = click.option(
     "--effect",
     "own_effects",
@@ -95,7 +108,7 @@ PROTOCOL = CatalogueName("protocols")
 CONTROLLER = CatalogueName("tracking", "velocity")
 VELOCITY = CatalogueName("velocity")
 EXPERIMENT = CatalogueName("protocols", "campaigns")
-FILE = click.Path(path_type=Path, dir_okay=False)
-FOLDER = click.Path(path_type=Path, file_okay=False)
-ANY_PATH = click.Path(path_type=Path)
+FILE = _TextPath(path_type=Path, dir_okay=False)
+FOLDER = _TextPath(path_type=Path, file_okay=False)
+ANY_PATH = _TextPath(path_type=Path)
 SEED = click.IntRange(0, 2**63 - 1)  # the range that all random generators and file formats accept

@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from smarig.config.file_schemas import Quantity as Quantity
     from smarig.config.file_schemas import RigFile as RigFile
     from smarig.config.file_schemas import SimulatorFile as SimulatorFile
+    from smarig.config.recorded_file import recorded_file as recorded_file
     from smarig.config.recorded_rig import rig_from_text as rig_from_text
 else:
     __getattr__, __dir__, __all__ = lazy_exports(__name__)

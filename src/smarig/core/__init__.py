@@ -49,6 +49,7 @@ if TYPE_CHECKING:
     from smarig.core.new_file import check_regular as check_regular
     from smarig.core.new_file import new_file as new_file
     from smarig.core.notebook_display import NotebookDisplay as NotebookDisplay
+    from smarig.core.number_text import number_from_text as number_from_text
     from smarig.core.process_lock import check_free as check_free
     from smarig.core.process_lock import process_lock as process_lock
     from smarig.core.resources import make_importable as make_importable
@@ -59,6 +60,8 @@ if TYPE_CHECKING:
     from smarig.core.severity import Severity as Severity
     from smarig.core.severity import highest_severity as highest_severity
     from smarig.core.severity import severity_of as severity_of
+    from smarig.core.shown_text import printable as printable
+    from smarig.core.shown_text import shown as shown
     from smarig.core.stored_number import stored_number as stored_number
     from smarig.core.toml_file import Number as Number
     from smarig.core.toml_file import TomlTable as TomlTable

@@ -8,6 +8,11 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from smarig.core.catalogue import suggestion
 from smarig.core.errors import ConfigError, UsageError
+from smarig.core.shown_text import shown
+
+LARGEST_BYTES = 10_000_000
+_MOST_PROBLEMS = 20  # listed in one message
+_LONGEST_KEY, _LONGEST_TEXT = 100, 1000  # in a message
 
 Number = Annotated[
     float, Field(strict=True, allow_inf_nan=False)
@@ -31,11 +36,19 @@ def load_toml(schema: type[SchemaType], path: Path) -> SchemaType:
 def read_toml(path: Path) -> dict[str, Any]:
     """A TOML file as a dictionary. A syntax error raises ConfigError with its line."""
     try:
+        if path.stat().st_size > LARGEST_BYTES:
+            raise ConfigError(
+                f"{path} is larger than {LARGEST_BYTES // 10**6} MB, too large for a TOML file."
+            )
         return tomllib.loads(path.read_text(encoding="utf-8"))
     except OSError as error:
         raise UsageError(f"{path} cannot be read: {error.strerror or error}.") from None
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
         raise ConfigError(f"{path} is not valid TOML: {error}.") from None
+    except RecursionError:
+        raise ConfigError(f"{path} is nested too deeply: its lists and tables contain each other.") from None
+    except ValueError:
+        raise ConfigError(f"{path} contains an integer of too many digits.") from None
 
 
 def check_table(schema: type[SchemaType], data: Any, where: str) -> SchemaType:
@@ -43,17 +56,22 @@ def check_table(schema: type[SchemaType], data: Any, where: str) -> SchemaType:
     try:
         return schema.model_validate(data)
     except ValidationError as error:
-        raise ConfigError("\n".join(f"{where}: {_sentence(e, schema)}" for e in error.errors())) from None
+        problems = error.errors(include_url=False, include_context=False)
+        sentences = [f"{where}: {_sentence(e, schema)}" for e in problems[:_MOST_PROBLEMS]]
+        if len(problems) > _MOST_PROBLEMS:
+            sentences.append(f"{where}: {len(problems) - _MOST_PROBLEMS} more problems are not listed.")
+        raise ConfigError("\n".join(sentences)) from None
 
 
 def _sentence(error: Any, schema: type[BaseModel]) -> str:
-    key = ".".join(str(part) for part in error["loc"]) or "file"
+    key = ".".join(f"{part!s:.{_LONGEST_KEY}}" for part in error["loc"]) or "file"
     if error["type"] == "extra_forbidden":
-        return f"unknown key '{key}'{suggestion(str(error['loc'][-1]), _keys(schema, error['loc'][:-1]))}"
+        last = f"{error['loc'][-1]!s:.{_LONGEST_KEY}}"
+        return f"unknown key '{key}'{suggestion(last, _keys(schema, error['loc'][:-1]))}"
     if error["type"] == "missing":
         return f"key '{key}' is missing."
-    message = error["msg"].removeprefix("Value error, ")
-    value_text = "" if isinstance(error["input"], dict) else f" (given: {error['input']!r})"
+    message = f"{error['msg'].removeprefix('Value error, '):.{_LONGEST_TEXT}}"
+    value_text = "" if isinstance(error["input"], dict) else f" (given: {shown(error['input'])})"
     return f"{key}: {message}{value_text}."
 
 

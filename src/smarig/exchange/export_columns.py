@@ -59,6 +59,11 @@ class ExportColumn:
     values: NDArray[Any]
     whole: bool = False
 
+    @property
+    def is_text(self) -> bool:
+        """Whether the values are texts, not numbers."""
+        return self.values.dtype == object
+
     def integers(self, missing: int) -> NDArray[np.int64]:
         """The values of an integer column, ``missing`` if unknown."""
         return np.where(np.isnan(self.values), missing, np.nan_to_num(self.values)).astype(np.int64)
@@ -103,10 +108,10 @@ def _column(name: str, unit: str, what: str, rows: Iterable[Step | Event]) -> Ex
     values = [getattr(row, name) for row in rows]
     if name == "data":
         return ExportColumn(
-            name, unit, what, np.array([json.dumps(v, ensure_ascii=False) for v in values], dtype=np.str_)
-        )
+            name, unit, what, np.array([json.dumps(v, ensure_ascii=False) for v in values], dtype=object)
+        )  # not a dtype of texts: each would take the space of the longest
     if name in ("branch", "verdict", "level", "kind", "text", "severity"):
-        return ExportColumn(name, unit, what, np.array(values, dtype=np.str_))
+        return ExportColumn(name, unit, what, np.array(values, dtype=object))
     whole = name in ("index", "attempt", "void", "n")
     return ExportColumn(
         name, unit, what, np.array([np.nan if v is None else v for v in values], dtype=float), whole

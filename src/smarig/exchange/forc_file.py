@@ -11,8 +11,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.core import DataError, spaced
-from smarig.exchange.text_table import read_text
+from smarig.core import DataError, number_from_text, shown, spaced
+from smarig.exchange.text_table import check_lines, read_text
 from smarig.exchange.units import spelled
 
 Array = NDArray[np.float64]
@@ -22,8 +22,12 @@ _UNITS = {
     "si": ("A/m", "A m^2"),
     "cgs": ("Oe", "emu"),
 }
-_NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?"
-_DATA = re.compile(rf"\s*({_NUMBER})\s*[,;\s]\s*({_NUMBER})(?:\s*[,;\s]\s*({_NUMBER}))*\s*")
+_NUMBER = (
+    r"[+-]?(?:\d++(?:\.\d*+)?|\.\d++)(?:[eE][+-]?\d++)?"  # nothing is tried in two ways: no line takes long
+)
+_BETWEEN = r"(?:\s*+[,;]\s*+|\s++)"
+_DATA = re.compile(rf"\s*+({_NUMBER}){_BETWEEN}({_NUMBER})(?:{_BETWEEN}({_NUMBER}))*+\s*+", re.ASCII)
+MAX_LINE = 10_000  # characters
 _KEY = re.compile(r"\s*(\S.*?)\s*(?:[:=]\s+|[:=]$|\s{2,})(.*\S)?\s*")
 _COLUMN_UNITS = re.compile(r"\s*\(([^()]+)\)[\s,;]*\(([^()]+)\)[\s,;]*(?:\([^()]+\)[\s,;]*)*")
 _DATE = re.compile(r"\s*\d+[/.-]\d+[/.-]\d+")
@@ -68,6 +72,7 @@ def read_forc(path: Path) -> ForcFile:
     """Read a MicroMag-style file; DataError if it is not one, contains no curve, or does not state its units."""
     text, notes = read_text(path)
     lines = text.splitlines()
+    check_lines(path, lines, MAX_LINE)
     header, blocks, where = _parse(path, lines)
     units = _column_units(lines[: where[0]]) or _header_units(path, header)
     h_cal = _number(header, "HCal", "Field (HCal)", "Calibration field")
@@ -103,7 +108,7 @@ def _parse(path: Path, lines: list[str]) -> tuple[dict[str, str], list[Array], l
             _header_line(header, k, line)
         elif not _is_footer(line):
             raise DataError(
-                f"{path}, line {k + 1}: '{line.strip()[:40]}' is not a field and a moment. Check the file."
+                f"{path}, line {k + 1}: {shown(line.strip(), 40)} is not a field and a moment. Check the file."
             )
     found = [np.array(block) for block in blocks if block]
     if not found:
@@ -141,7 +146,7 @@ def _header_units(path: Path, header: dict[str, str]) -> tuple[str, str]:
         )
     if unit_name.lower() not in _UNITS:
         raise DataError(
-            f"{path}: units of measure '{unit_name}' are unknown. Expected {known}, or a line of units such as "
+            f"{path}: units of measure {shown(unit_name)} are unknown. Expected {known}, or a line of units such as "
             "(T) (A m^2)."
         )
     return _UNITS[unit_name.lower()]
@@ -150,7 +155,7 @@ def _header_units(path: Path, header: dict[str, str]) -> tuple[str, str]:
 def _number(header: dict[str, str], *names: str) -> float | None:
     for name in names:
         try:
-            return float(header[name])
+            return number_from_text(header[name])
         except (KeyError, ValueError):
             continue
     return None

@@ -6,6 +6,7 @@ A cell is a number, empty (NaN), or an error that names its line and column.
 import csv
 import io
 import re
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -13,9 +14,11 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.core import DataError, UsageError
+from smarig.core import DataError, UsageError, number_from_text, shown
 
 MAX_BYTES = 500_000_000
+MAX_COLUMNS = 10_000
+MAX_LINE = 1_000_000  # characters: 10 000 columns of 100
 HEADER_WITHIN = 200  # lines searched for the header
 DELIMITERS = {"tab": "\t", "semicolon": ";", "comma": ",", "space": None}
 _MISSING = {"", "nan", "na", "n/a", "null", "none", "-", "--"}
@@ -55,7 +58,28 @@ def read_table(path: Path, layout: TableLayout) -> Table:
     """Read a text table; UsageError if the file does not exist, DataError with the line if it is not a table."""
     text, notes = read_text(path)
     lines = text.splitlines()
+    check_lines(path, lines, MAX_LINE)
+    try:
+        return _table(path, text, lines, notes, layout)
+    except csv.Error:
+        raise DataError(
+            f"{path}: a cell in quotes has more than {csv.field_size_limit()} characters. Check its quotation marks."
+        ) from None
+
+
+def check_lines(path: Path, lines: Sequence[str], longest: int) -> None:
+    """Raise DataError for a line that is too long for a table of numbers."""
+    for k, line in enumerate(lines):
+        if len(line) > longest:
+            raise DataError(
+                f"{path}, line {k + 1} has {len(line)} characters; a line of a table has at most {longest}."
+            )
+
+
+def _table(path: Path, text: str, lines: list[str], notes: list[str], layout: TableLayout) -> Table:
     start, names, delimiter = _header(path, lines, layout)
+    if len(names) > MAX_COLUMNS:
+        raise DataError(f"{path} has {len(names)} columns; a table has at most {MAX_COLUMNS}.")
     # In a file of several tables, the preamble of a table starts after the blank line before it.
     begin = (
         max((k for k in range(start) if not lines[k].strip()), default=-1) + 1 if layout.header_starts else 0
@@ -136,9 +160,9 @@ def _header(path: Path, lines: Sequence[str], layout: TableLayout) -> tuple[int,
         start = _best_header(path, lines, layout.known, choices)
     delimiter = max(choices, key=lambda d: _recognised(lines[start], d, layout.known))
     names = [name or f"column {k + 1}" for k, name in enumerate(split(lines[start], delimiter))]
-    twice = sorted({name for name in names if names.count(name) > 1})
+    twice = sorted(name for name, times in Counter(names).items() if times > 1)
     if twice:
-        raise DataError(f"{path}, line {start + 1}: column '{twice[0]}' appears more than once.")
+        raise DataError(f"{path}, line {start + 1}: column {shown(twice[0])} appears more than once.")
     return start, names, delimiter
 
 
@@ -217,12 +241,12 @@ def _numbers(
     out = np.empty(len(cells))
     for k, cell in enumerate(cells):
         try:
-            out[k] = float(cell.replace(",", ".") if decimal == "," else cell)
+            out[k] = number_from_text(cell.replace(",", ".") if decimal == "," else cell)
         except ValueError:
             if cell.lower() not in _MISSING:
                 hint = "; declare decimal = ',' in a mapping file" if _DECIMAL_COMMA.fullmatch(cell) else ""
                 raise DataError(
-                    f"{path}, line {where[k]}, column '{name}': '{cell[:40]}' is not a number{hint}."
+                    f"{path}, line {where[k]}, column '{name}': {shown(cell, 40)} is not a number{hint}."
                 ) from None
             out[k] = np.nan
     if np.isinf(out).any():
@@ -232,7 +256,7 @@ def _numbers(
 
 def _is_number(cell: str, decimal: str) -> bool:
     try:
-        float(cell.replace(",", ".") if decimal == "," else cell)
+        number_from_text(cell.replace(",", ".") if decimal == "," else cell)
     except ValueError:
         return False
     return True

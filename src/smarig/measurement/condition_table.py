@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -81,6 +82,8 @@ class ConditionTable:
             raise DataError(f"a condition table of the model is damaged: {error}") from None
         if not columns[0] or len({len(c) for c in columns}) != 1:
             raise DataError("a condition table of the model is damaged: its columns differ in length")
+        if any(a >= b for a, b in pairwise(table.values)):
+            raise DataError("a condition table of the model is damaged: its values do not increase")
         return table
 
 

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.core import DataError, catalogue_entry, catalogue_names
+from smarig.core import DataError, catalogue_entry, catalogue_names, stored_number
 from smarig.measurement.input_record import InputRecord
 
 Array = NDArray[np.float64]
@@ -59,7 +59,8 @@ class MeasurementEffectType:
 
     ``parameters`` gives those searched for in records, None if the effect cannot be tested on them. ``change`` returns
     the changed input and the terms. ``amplitudes`` names the amplitude of each term with its unit, given the units of
-    input and output. ``by_condition``: each run has a gain and a zero of its own, which depend on this condition.
+    input and output. ``bounds`` are those of parameters with a range of their own, which a model file must give.
+    ``by_condition``: each run has a gain and a zero of its own, which depend on this condition.
     ``depends_on`` are the variables that the residuals of a model without the effect depend on. ``descriptive``: the
     effect describes an error without naming its cause, so alone it is no finding but a dependence. ``additive``: the
     effect leaves the input as it is and only adds terms.
@@ -76,6 +77,7 @@ class MeasurementEffectType:
     amplitudes: Callable[[str, str], tuple[tuple[str, str], ...]] = field(
         default=lambda _input_unit, _output_unit: (), repr=False
     )
+    bounds: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     by_condition: str = ""
     descriptive: bool = False
     additive: bool = False
@@ -111,7 +113,14 @@ def measurement_effects(stored: Sequence[Mapping[str, Any]]) -> tuple[Measuremen
             raise DataError("a measurement effect of the model has no table of parameters")
         name = str(entry.get("name"))
         kind = catalogue_entry(EFFECTS, FORMER_NAMES.get(name, name))
-        found.append(MeasurementEffect(kind, {str(k): float(v) for k, v in values.items()}))
+        numbers = {str(k): stored_number(v, f"{k!s:.40} of effect '{kind.name}'") for k, v in values.items()}
+        for parameter, (lower, upper) in kind.bounds.items():
+            if not lower <= numbers.get(parameter, -np.inf) <= upper:
+                raise DataError(
+                    f"effect '{kind.name}' of the model needs {parameter} between {lower:g} and {upper:g}, not "
+                    f"{numbers.get(parameter)}"
+                )
+        found.append(MeasurementEffect(kind, numbers))
     return tuple(found)
 
 

@@ -10,7 +10,9 @@ if TYPE_CHECKING:
     from smarig.protocols._building_blocks import evenly_spaced as evenly_spaced
     from smarig.protocols._building_blocks import saturate as saturate
     from smarig.protocols._settings import PROTOCOLS as PROTOCOLS
+    from smarig.protocols._settings import InputFile as InputFile
     from smarig.protocols._settings import build_protocol as build_protocol
+    from smarig.protocols._settings import file_settings as file_settings
     from smarig.protocols._settings import parse_pairs as parse_pairs
     from smarig.protocols._settings import refuse_closed_loops as refuse_closed_loops
     from smarig.protocols._settings import setting_texts as setting_texts

@@ -6,7 +6,7 @@ Names and types are checked here. The protocol itself checks the values.
 import inspect
 from collections.abc import Generator, Mapping
 from dataclasses import fields, is_dataclass
-from typing import Any, Literal, get_args, get_origin, get_type_hints
+from typing import Annotated, Any, Literal, get_args, get_origin, get_type_hints
 
 from pydantic import TypeAdapter, ValidationError
 
@@ -17,6 +17,8 @@ from smarig.protocols._through_cold import through_cold
 from smarig.protocols.adaptive_fod import Chooser
 
 PROTOCOLS = "smarig.protocols"
+_NAMES_A_FILE = "names a file"
+InputFile = Annotated[str, _NAMES_A_FILE]  # a setting that names a file to be read
 _LOOPS = ("regulate", "track")  # these need a model and have commands of their own
 
 
@@ -55,6 +57,16 @@ def refuse_closed_loops(name: str) -> None:
             f"'{name}' is not a protocol for 'smarig run'. Use 'smarig {name} MODEL …' (see 'smarig {name} --help'), "
             f"or smarig.{name}(model, …) in Python."
         )
+
+
+def file_settings(name: str) -> list[str]:
+    """The settings of a protocol that name files.
+
+    >>> file_settings("step_currents"), file_settings("validation")
+    (['file'], [])
+    """
+    hints = get_type_hints(catalogue_entry(PROTOCOLS, name), include_extras=True)
+    return [key for key, hint in hints.items() if _NAMES_A_FILE in getattr(hint, "__metadata__", ())]
 
 
 def with_loaded_protocols(plan: CampaignFile) -> CampaignFile:

@@ -5,8 +5,9 @@ import math
 from pathlib import Path
 from typing import Literal
 
-from smarig.core import DataError, Mark, Protocol, Settled, UsageError
+from smarig.core import DataError, Mark, Protocol, Settled, UsageError, number_from_text
 from smarig.protocols._building_blocks import checked_count, checked_inputs, evenly_spaced, settle_at
+from smarig.protocols._settings import InputFile
 from smarig.protocols._setup import Setup
 
 
@@ -17,7 +18,7 @@ def step_currents(
     points: int = 40,
     temperatures_K: tuple[float, ...] = (),
     currents_A: tuple[float, ...] = (),
-    file: str = "",
+    file: InputFile = "",
     settle: Settled | None = None,
 ) -> Protocol:
     """Settled steps along a temperature or current profile (§5.2.1, steps 1 to 6).
@@ -70,14 +71,15 @@ def _from_csv(path: Path) -> tuple[tuple[float, ...], tuple[float, ...]]:
     header = rows[0][0].strip() if rows and rows[0] else ""
     if header not in ("temperature_K", "current_A"):
         raise DataError(
-            f"Profile {path} must begin with a header temperature_K or current_A, found '{header}'."
+            f"Profile {path} must begin with a header temperature_K or current_A, found '{header:.40}'."
         )
     values = []
     for number, row in enumerate(rows[1:], start=2):
         try:
-            values.append(float(row[0]))
+            values.append(number_from_text(row[0].strip()))
         except (ValueError, IndexError):
-            raise DataError(f"Profile {path}, line {number}: '{','.join(row)}' is not a number.") from None
+            cells = ",".join(row)
+            raise DataError(f"Profile {path}, line {number}: '{cells:.40}' is not a number.") from None
     if not values:
         raise DataError(f"Profile {path} has a header but no values.")
     return (tuple(values), ()) if header == "temperature_K" else ((), tuple(values))

@@ -9,8 +9,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from smarig.core import StorageError
+from smarig.core import DataError, StorageError
 from smarig.record import schema, table_hashes
+from smarig.record.checked_schema import check_writable_schema
+from smarig.record.guarded_database import check_sidecars, restrict
 
 
 @dataclass(frozen=True)
@@ -30,6 +32,7 @@ def reopened(path: Path, meta: dict[str, Any], continuation_: Continuation) -> s
     db = None
     try:
         db = opened_for_recording(path)
+        check_writable_schema(db)
         with db:
             if continuation_.void_all:
                 db.execute(schema.VOID_STEPS)
@@ -40,14 +43,20 @@ def reopened(path: Path, meta: dict[str, Any], continuation_: Continuation) -> s
         if db is not None:
             db.close()
         raise StorageError(f"Run file {path} cannot be continued: {error}.") from None
+    except ValueError as error:
+        if db is not None:
+            db.close()
+        raise DataError(f"Run file {path} cannot be continued: {error}.") from None
     return db
 
 
 def opened_for_recording(path: Path) -> sqlite3.Connection:
     """The database of a run file, such that every commit survives a power cut. Raises StorageError if it cannot be."""
+    check_sidecars(path)
     db = None
     try:
         db = sqlite3.connect(f"{path.resolve().as_uri()}?mode=rw", uri=True, check_same_thread=False)
+        restrict(db)
         db.execute("PRAGMA journal_mode=WAL")  # stays as it is where the file system or an error prevents it
         db.execute("PRAGMA synchronous=EXTRA")  # as FULL, and without WAL also the folder is synced
         db.execute(f"PRAGMA wal_autocheckpoint={schema.WAL_PAGES}")

@@ -6,11 +6,15 @@ are accepted: a newer smarig or another program may have written them.
 
 import json
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 MAX_NAME_LENGTH = 2000  # of a value that may be a path
+MAX_TEXT_LENGTH = 1_000_000  # of any other text
+MAX_LINE_LENGTH = 10_000  # of a text that is shown in one line, such as a cause
 MAX_DEPTH = 40  # nested tables and lists; smarig writes four levels
+MAX_VALUES = 4_000_000  # in one table; a reference of a day, the largest that is recorded, has 2 million
+MAX_ENTRIES = 10_000  # of a table or list that is shown entry by entry
 _TIMESTAMP_RANGE_S = (-62_135_596_800.0, 253_402_300_799.0)  # the years 1 to 9999, as seconds since 1970
 
 
@@ -23,12 +27,19 @@ def decode_json(text: Any) -> Any:
     Traceback (most recent call last):
     ValueError: it is nested deeper than 40 levels
     """
+    check_amount([text])
     try:
         value = json.loads(text)
     except RecursionError:
         raise ValueError(f"it is nested deeper than {MAX_DEPTH} levels") from None
     _check_writable(value, 0)
     return value
+
+
+def check_amount(cells: Sequence[Any]) -> None:
+    """Raise ValueError if JSON cells together have too many values for the memory."""
+    if sum(t.count(",") + t.count("[") + t.count("{") for t in cells if isinstance(t, str)) > MAX_VALUES:
+        raise ValueError(f"its texts in JSON have more than {MAX_VALUES} values")
 
 
 def _check_writable(value: Any, depth: int) -> None:
@@ -41,20 +52,26 @@ def _check_writable(value: Any, depth: int) -> None:
             raise ValueError("it contains half a character (a lone surrogate)") from None
     if isinstance(value, dict | list):
         for inner in (*value, *value.values()) if isinstance(value, dict) else value:
-            _check_writable(inner, depth + 1)
+            if isinstance(inner, str | dict | list):  # a call for each number would take seconds
+                _check_writable(inner, depth + 1)
 
 
 # --- types: each function checks whether a value is of one type ----------------------------------------------
 
 
 def is_text(value: Any) -> bool:
-    """Whether a value is a text."""
-    return isinstance(value, str)
+    """Whether a value is a text of plausible length."""
+    return isinstance(value, str) and len(value) <= MAX_TEXT_LENGTH
+
+
+def is_line(value: Any) -> bool:
+    """Whether a value is a text that can be shown in a line."""
+    return isinstance(value, str) and len(value) <= MAX_LINE_LENGTH
 
 
 def _name(value: Any) -> bool:
     return (
-        is_text(value)
+        isinstance(value, str)
         and len(value) <= MAX_NAME_LENGTH
         and all(len(p.encode("utf-8", "surrogatepass")) <= 255 for p in value.split("/"))
     )
@@ -62,11 +79,11 @@ def _name(value: Any) -> bool:
 
 def is_table(value: Any) -> bool:
     """Whether a value is a table."""
-    return isinstance(value, dict)
+    return isinstance(value, dict) and len(value) <= MAX_ENTRIES
 
 
 def _list(value: Any) -> bool:
-    return isinstance(value, list)
+    return isinstance(value, list) and len(value) <= MAX_ENTRIES
 
 
 def is_integer(value: Any) -> bool:
@@ -88,21 +105,31 @@ def is_timestamp(value: Any) -> bool:
 
 
 _TYPE_TEXTS: dict[Callable[[Any], bool], str] = {
-    is_text: "a string",
+    is_text: f"a string of at most {MAX_TEXT_LENGTH} characters",
+    is_line: f"a string of at most {MAX_LINE_LENGTH} characters",
     _name: "a valid name or path",
-    is_table: "a table",
-    _list: "a list",
+    is_table: f"a table of at most {MAX_ENTRIES} entries",
+    _list: f"a list of at most {MAX_ENTRIES} entries",
     is_integer: "a whole number",
     _number: "a finite number",
     _duration: "a time in seconds, 1e-6 to 1e9",
     is_timestamp: "a date (seconds since 1970)",
 }
-_TEXTS = (
-    *("protocol", "rig", "wire", "source", "initial", "encoder_zero", "notes", "config", "actuator_text"),
-    *("device", "wire_history", "model", "along"),
+_LINES = (
+    "protocol",
+    "rig",
+    "wire",
+    "source",
+    "initial",
+    "encoder_zero",
+    "device",
+    "wire_history",
+    "model",
+    "along",
 )
 KEY_TYPES = {
-    **dict.fromkeys(_TEXTS, is_text),
+    **dict.fromkeys(("notes", "config", "actuator_text"), is_text),
+    **dict.fromkeys(_LINES, is_line),
     **dict.fromkeys(
         ("input", "output", "end", "settings", "versions", "imported", "conditions", "repairs"), is_table
     ),
@@ -115,12 +142,12 @@ KEY_TYPES = {
     "t0_s": _number,
     "start_epoch": is_timestamp,
 }
-QUANTITY_KEYS = {"quantity": is_text, "unit": is_text, "from": is_text, "per_count": _number}
+QUANTITY_KEYS = {"quantity": is_line, "unit": is_line, "from": is_line, "per_count": _number}
 _INNER_KEY_TYPES = {
     "input": QUANTITY_KEYS,
     "output": QUANTITY_KEYS,
-    "end": {"cause": is_text, "epoch": is_timestamp},
-    "imported": {"file": is_text},
+    "end": {"cause": is_line, "epoch": is_timestamp},
+    "imported": {"file": is_line},
     "shift": {"ticks": is_integer},
 }
 
@@ -142,7 +169,7 @@ def check_metadata(meta: Mapping[str, Any]) -> None:
         for name, kind in inner.items():
             _check_key(meta.get(key) or {}, name, kind, f" in '{key}'")
     for key in ("effects", "warnings"):
-        if not all(map(is_text, meta.get(key) or ())):
+        if not all(map(is_line, meta.get(key) or ())):
             raise TypeError(f"its key '{key}' contains a value that is not a string")
 
 

@@ -10,6 +10,7 @@ from typing import Any
 
 from smarig.core import (
     RUN,
+    DataError,
     InUse,
     StorageError,
     UsageError,
@@ -17,11 +18,13 @@ from smarig.core import (
     new_file,
 )
 from smarig.record import schema, table_hashes
+from smarig.record.guarded_database import SIDECARS
+from smarig.record.metadata import check_metadata, decode_json
+from smarig.record.opened_run import opened_for_reading
 from smarig.record.recording_lock import REMEDY, check_not_recording
 from smarig.record.run_end import store_end
 
 CLOSING_KEYS = ("end", table_hashes.KEY)  # a new run has its own
-SIDECARS = ("-wal", "-shm", "-journal")
 
 
 @contextlib.contextmanager
@@ -34,6 +37,12 @@ def new_run_file(path: Path, meta: dict[str, Any], *, force: bool) -> Iterator[s
     if path.exists() and not force:
         raise UsageError(f"{path} exists. Give another name, or --force to replace it.")
     check_replaceable(path, RUN)
+    try:
+        check_metadata(
+            decode_json(json.dumps(meta))
+        )  # what cannot be read again is refused now, not at the end
+    except (TypeError, ValueError) as error:
+        raise UsageError(f"Run file {path} cannot be created: {error}.") from None
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         with new_file(path, force=force) as part:
@@ -86,12 +95,12 @@ def _refuse_if_recording(path: Path) -> None:
     if not path.is_file() or os.name == "nt":
         return
     try:
-        with contextlib.closing(sqlite3.connect(f"{path.resolve().as_uri()}?mode=ro", uri=True)) as db:
+        with opened_for_reading(path) as db:
             meta = dict(db.execute("SELECT key, value FROM run WHERE key IN ('recorder_pid', 'end')"))
         writer = int(meta.get("recorder_pid", 0))
         if "end" in meta or writer in (0, os.getpid()):
             return
         os.kill(writer, 0)
-    except (sqlite3.Error, OSError, ValueError):
+    except (sqlite3.Error, OSError, ValueError, DataError):
         return  # not a run, or its recorder has ended
     raise InUse(f"Run {path} is being recorded by process {writer}. {REMEDY}")

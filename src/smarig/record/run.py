@@ -10,8 +10,22 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.core import DataError, NotebookDisplay, Severity, UsageError, highest_severity, severity_of
-from smarig.record.metadata import check_metadata, decode_json
+from smarig.core import (
+    DataError,
+    NotebookDisplay,
+    Severity,
+    UsageError,
+    highest_severity,
+    printable,
+    severity_of,
+)
+from smarig.record.metadata import (
+    MAX_ENTRIES,
+    MAX_LINE_LENGTH,
+    check_amount,
+    check_metadata,
+    decode_json,
+)
 from smarig.record.opened_run import opened_for_reading
 from smarig.record.run_info import RunInfo
 from smarig.record.schema import READ, SAMPLE_COLUMNS, VERSION
@@ -23,6 +37,8 @@ FORC_PROTOCOL = "first_order_reversal_curves"  # protocol of runs imported from 
 _NO_ROWS = slice(0, 0)
 _LARGEST_STEP = 2**53  # larger integers are not exact in a column of floats
 _SAME_TIME_S = 1e-6  # rounding of a clock
+MAX_ROWS = 200_000  # of steps, and of events; a protocol has at most 100 000 steps
+MOST_ROWS = {"run": MAX_ENTRIES, "step": MAX_ROWS, "event": MAX_ROWS}
 
 
 @dataclass(frozen=True, slots=True)
@@ -201,14 +217,17 @@ def load_run(path: str | Path) -> Run:
         with opened_for_reading(file) as db:
             return _read(file, db)
     except (sqlite3.Error, ValueError, TypeError, IndexError, OverflowError) as error:
-        raise DataError(f"{file} is not a run file, or is damaged: {error}. {salvage_hint(file)}") from None
+        raise DataError(
+            f"{file} is not a run file, or is damaged: {printable(str(error), 300)}. {salvage_hint(file)}"
+        ) from None
 
 
 def _read(file: Path, db: sqlite3.Connection) -> Run:
-    rows = {table: db.execute(query).fetchall() for table, query in READ.items()}
+    rows = {table: _rows(db, query, MOST_ROWS.get(table)) for table, query in READ.items()}
     meta = {k: _meta_value(k, v) for k, v in rows["run"]}
     _check_version(file, meta)
     check_metadata(meta)
+    check_amount([row[-1] for row in rows["event"]])
     data = np.array(rows["sample"], dtype=float).reshape(len(rows["sample"]), len(SAMPLE_COLUMNS))
     columns = {name: data[:, k] for k, name in enumerate(SAMPLE_COLUMNS)}
     run = Run(
@@ -236,6 +255,15 @@ def salvage_hint(file: Path) -> str:
     return f"`smarig check {file}` shows what can be saved."
 
 
+def _rows(db: sqlite3.Connection, query: str, most: int | None) -> list[tuple]:
+    if most is None:
+        return db.execute(query).fetchall()
+    rows = db.execute(query).fetchmany(most + 1)
+    if len(rows) > most:
+        raise ValueError(f"its description, steps or events have more than {most} rows")
+    return rows
+
+
 def _meta_value(key: Any, value: Any) -> Any:
     if not isinstance(key, str):
         raise TypeError("a key of its description is not a string")
@@ -249,7 +277,14 @@ def _event(t_s, level, kind, text, data) -> Event:
     decoded_data = decode_json(data or "{}")
     if not isinstance(decoded_data, dict):
         raise TypeError("the data of an event are not a table")
-    return Event(float(t_s or 0.0), str(level or ""), str(kind or ""), str(text or ""), decoded_data)
+    return Event(float(t_s or 0.0), _line(level), _line(kind), _line(text), decoded_data)
+
+
+def _line(value: Any) -> str:
+    text = str(value or "")
+    if len(text) > MAX_LINE_LENGTH:
+        raise ValueError(f"a text of its steps or events has more than {MAX_LINE_LENGTH} characters")
+    return text
 
 
 def _number(value: Any) -> float | None:
@@ -261,11 +296,11 @@ def _step(index, attempt, void, branch, target, t_start_s, t_end_s, verdict, pos
         index=int(index),
         attempt=int(attempt),
         void=bool(void),
-        branch=str(branch or ""),
+        branch=_line(branch),
         target=_number(target),
         t_start_s=float(t_start_s or 0.0),
         t_end_s=_number(t_end_s),
-        verdict=str(verdict or ""),
+        verdict=_line(verdict),
         position=_number(position),
         n=int(n or 0),
     )

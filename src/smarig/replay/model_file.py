@@ -10,11 +10,20 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from pydantic import BaseModel, ConfigDict, ValidationError
 
-from smarig.core import DataError, NotebookDisplay, UsageError, atomic_file, spaced
+from smarig.core import DataError, NotebookDisplay, UsageError, atomic_file, shown, spaced
 from smarig.measurement import MeasurementPart
 from smarig.plant import effects_from_json
 from smarig.preisach import Everett, Initial, Preisach, dump_hysteresis, load_hysteresis
 from smarig.replay.extended_model import Operator, extended_operator
+from smarig.replay.model_numbers import (
+    check_constants,
+    check_covariance,
+    check_fit,
+    check_intervals,
+    check_run,
+    check_sizes,
+    not_negative,
+)
 
 VERSION = 1
 FORMAT = "smarig model"
@@ -192,7 +201,7 @@ def load_model(path: str | Path) -> Model:
         raise DataError(f'{file} is not a model file: it lacks "format": "{FORMAT}".')
     if raw.get("schema_version") != VERSION:
         raise DataError(
-            f"{file} has model schema version {raw.get('schema_version')}; this smarig reads {VERSION}."
+            f"{file} has model schema version {shown(raw.get('schema_version'))}; this smarig reads {VERSION}."
         )
     try:
         return _from_file(_ModelFileSchema.model_validate(raw))
@@ -200,11 +209,11 @@ def load_model(path: str | Path) -> Model:
         first = error.errors()[0]
         where = ".".join(str(part) for part in first["loc"])
         what = "is an unknown key" if first["type"] == "extra_forbidden" else f"is wrong: {first['msg']}"
-        raise DataError(f"{file}: '{where}' {what}.") from None
+        raise DataError(f"{file}: '{where:.200}' {what:.300}.") from None
     except (DataError, UsageError) as error:
         raise DataError(f"{file}: {str(error).rstrip('.')}.") from None
     except (TypeError, ValueError, ArithmeticError, KeyError) as error:
-        raise DataError(f"{file} contains no usable hysteresis: {error}.") from None
+        raise DataError(f"{file} contains no usable hysteresis: {error!s:.300}.") from None
 
 
 def _to_file(model: Model) -> _ModelFileSchema:
@@ -234,9 +243,8 @@ def _from_file(file: _ModelFileSchema) -> Model:
         for name in _ModelFileSchema.model_fields
         if name not in ("format", "schema_version")
     }
+    _check_numbers(file)
     size = len(file.parameters)
-    if len(file.covariance) != size or any(len(row) != size for row in file.covariance):
-        raise DataError(f"'covariance' is not {size} × {size}, one row for each of 'parameters'")
     effects_from_json(file.effects)  # raises if invalid
     covariance = np.array(file.covariance, dtype=float).reshape(size, size)
     rest |= {
@@ -252,6 +260,18 @@ def _from_file(file: _ModelFileSchema) -> Model:
     if file.extension:
         extended_operator(file.extension, rest["hysteresis"])  # raises if invalid
     return Model(**rest)
+
+
+def _check_numbers(file: _ModelFileSchema) -> None:
+    """Raise DataError for a number that cannot be."""
+    check_sizes(file)
+    check_covariance(file.parameters, file.covariance)
+    check_intervals(file.intervals)
+    not_negative(file.noise_floor.value, "'noise_floor.value'")
+    check_fit(file.fit)
+    check_constants(file.actuator.parameters)
+    for run in file.provenance:
+        check_run(run)
 
 
 def _number(value: float) -> float | None:

@@ -89,7 +89,7 @@ def simulate_samples(model: Model, run: Run) -> Array:
     operator.reset(start.state or "negative")
     inputs = run["input"]
     last = np.maximum.accumulate(np.where(np.isfinite(inputs), np.arange(inputs.size), -1))
-    first = int(np.argmax(last >= 0))
+    first = int(np.argmax(last >= 0)) if last.size else 0
     y = np.full(inputs.size, np.nan)
     if last.size and last[-1] >= 0:
         y[first:], _ = _simulate_inputs(operator, h, inputs[last[first:]], start.state is not None)

@@ -40,10 +40,18 @@ class FolderReport:
 
 def run_files(folder: Path) -> list[Path]:
     """The run files in a folder and its subfolders, sorted by name; UsageError if there are none."""
-    files = sorted(folder.rglob("*.run.sqlite"))
+    files = sorted(file for file in folder.rglob("*.run.sqlite") if file.is_file())
     if not files:
         raise UsageError(f"Folder {folder} contains no run files (*.run.sqlite).")
     return files
+
+
+def check_name(file: Path) -> None:
+    """Raise DataError for a name that a page cannot contain."""
+    try:
+        str(file).encode("utf-8")
+    except UnicodeEncodeError:
+        raise DataError(f"{str(file)!a}: this name is not UTF-8 text. Rename the file.") from None
 
 
 def page_path(file: Path) -> Path:
@@ -66,6 +74,7 @@ def report_folder(folder: Path, *, force: bool = False) -> FolderReport:
     entries, pages, unreadable = [], [], []
     for file in files:
         try:
+            check_name(file)
             run = load_run(file)
         except DataError as error:
             unreadable.append(str(error))

@@ -33,8 +33,8 @@ def _links(file: RigFile, links: LinksFile) -> Iterator[str]:
     tries_s = ATTEMPTS * links.amplifier.timeout_s
     if file.simulator is None and tries_s > file.lease_s:
         yield (
-            f"links.amplifier.timeout_s = {links.amplifier.timeout_s:g}: {ATTEMPTS} attempts take {tries_s:g} s, longer "
-            f"than lease_s = {file.lease_s:g}, so the amplifier would trip before a lost reply is repeated."
+            f"links.amplifier.timeout_s = {links.amplifier.timeout_s:g}: {ATTEMPTS} attempts take {tries_s:g} s, "
+            f"longer than lease_s = {file.lease_s:g}, so the amplifier would trip before a lost reply is repeated."
         )
     if links.amplifier.driver == "smarig_amplifier":
         lease = load_register_map("amplifier")["lease"]

@@ -16,8 +16,8 @@ if TYPE_CHECKING:
     from smarig.runner.preview import Preview as Preview
     from smarig.runner.preview import ProtocolFactory as ProtocolFactory
     from smarig.runner.preview import preview as preview
+    from smarig.runner.resume.launch_args import read_launch_args as read_launch_args
     from smarig.runner.resume.resume_plan import RE_ESTABLISH as RE_ESTABLISH
-    from smarig.runner.resume.resume_run import read_launch_args as read_launch_args
     from smarig.runner.resume.resume_run import resume as resume
     from smarig.runner.resume.resume_run import resume_in as resume_in
     from smarig.runner.resume.resume_run import session_for as session_for

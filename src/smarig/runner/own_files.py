@@ -4,14 +4,14 @@ A run file may come from anywhere, and a Python file is executed when it is load
 therefore never loaded from there; the user gives the same file again.
 """
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from typing import Any
 
 from smarig.config import RigFile, own_drivers
 from smarig.control import TRACKING_CONTROLLERS
-from smarig.core import DataError, UsageError, catalogue_kind, own_entries
+from smarig.core import DataError, UsageError, catalogue_kind, own_entries, shown
 from smarig.plant import EFFECTS, Effect
-from smarig.protocols import PROTOCOLS
+from smarig.protocols import PROTOCOLS, file_settings
 from smarig.record import Run
 from smarig.rig import DRIVERS
 
@@ -63,6 +63,28 @@ def check_own_files(run: Run) -> None:
                 f"{loaded.path} has changed since {run.path.name} was made: its {kind} '{name}' is not the same. The "
                 "run cannot be resumed. Its record holds the original text under own_files."
             )
+
+
+def with_files_given(run: Run, settings: Mapping[str, Any], given: Mapping[str, Any]) -> dict[str, Any]:
+    """The settings of a run with its files as the user gives them now. Raises UsageError if one is not given again.
+
+    A record may name any file; only those that the user names are read.
+    """
+    protocol, command = str(run.info.protocol), f"smarig resume {run.path.name}"
+    names = file_settings(protocol)
+    for key in given:
+        if key not in names:
+            raise UsageError(
+                f"{run.path.name} continues with the settings that it was started with; '{key}' cannot be given. "
+                + (f"Only these name files: {', '.join(names)}." if names else "None of them names a file.")
+            )
+    for key in names:
+        if settings.get(key) and key not in given:
+            raise UsageError(
+                f"{run.path.name} was made with the file {shown(settings[key], 200)}, which would be read. To allow "
+                f"this, give it again: {command} --set {key}=FILE."
+            )
+    return {**settings, **{key: given[key] for key in names if settings.get(key)}}
 
 
 def check_drivers(file: RigFile, where: str, remedy: str) -> None:

@@ -1,5 +1,6 @@
 """``smarig report``: pages of runs, folders, comparisons of runs, and comparisons of models."""
 
+import os
 from pathlib import Path
 
 import click
@@ -118,7 +119,7 @@ def _models(models: tuple[Path, ...], files: list[Path], out: Path | None, force
 
 def _check_no_repeats(files: list[Path] | tuple[Path, ...], kind: str) -> None:
     """Raise UsageError if a file is given twice."""
-    resolved = [file.resolve() for file in files]
+    resolved = [os.path.realpath(file) for file in files]  # of links without end too
     repeated = next((file for k, file in enumerate(files) if resolved[k] in resolved[:k]), None)
     if repeated is not None:
         raise UsageError(f"{repeated} is given twice. Give each {kind} once.")

@@ -22,6 +22,7 @@ EPILOG = f"""{STREAMS}
 Examples:
   smarig resume fod.run.sqlite
   smarig resume mine.run.sqlite --protocol ./my_protocol.py
+  smarig resume steps.run.sqlite --set file=profile.csv
   smarig resume fod.run.sqlite --rig my_rig.toml --notify 'mail -s "$SMARIG_TEXT" me'
 """
 
@@ -31,6 +32,13 @@ Examples:
 @click.option("--rig", type=RIG, default="", help="Rig of the run, if its file has moved.")
 @click.option(
     "--protocol", type=PROTOCOL, default="", help="Your own protocol file that the run used, FILE.py."
+)
+@click.option(
+    "--set",
+    "pairs",
+    multiple=True,
+    metavar="KEY=FILE",
+    help="A setting of the run that names a file, given again so that the file is read.",
 )
 @own_effects
 @click.option("--wire", default="", help="Identity of the wire; must equal that of the run.")
@@ -45,6 +53,7 @@ def command(
     run: Path,
     rig: str,
     protocol: str,
+    pairs: tuple[str, ...],
     wire: str,
     speed: float | None,
     quiet: bool,
@@ -58,15 +67,17 @@ def command(
     longer count stay in the record, marked void.
     """
     from smarig.identification import informed_choice
+    from smarig.protocols import parse_pairs
     from smarig.runner import preview, read_launch_args, resume_in, session_for
 
     check_not_recording(run)
     before = load_run(run)
     if protocol not in ("", before.info.protocol):
         raise UsageError(f"{run.name} is a run of protocol '{before.info.protocol}', not of '{protocol}'.")
-    session = session_for(before, rig=rig, wire=wire, speed=speed)
+    files = parse_pairs(pairs)
+    session = session_for(before, rig=rig, wire=wire, speed=speed, settings=files)
     show_message(f"{run.name} ended with the cause: {before.cause.rstrip('.')}.")
-    settings = read_launch_args(before)["settings"]
+    settings = read_launch_args(before, files)["settings"]
     cost = preview(str(before.info.protocol), session.file, settings, chooser=informed_choice)
     done = [s for s in before.steps if not s.void]
     done_s = sum(s.duration_s for s in done)
@@ -87,7 +98,9 @@ def command(
             progress(what, session.control, quiet=quiet, keys=listening),
             [*watchers, *watch.listeners(what)],
         ) as listener:
-            plan = resume_in(session, before, listeners=[listener], expected=cost, chooser=informed_choice)
+            plan = resume_in(
+                session, before, listeners=[listener], expected=cost, chooser=informed_choice, settings=files
+            )
     after = load_run(run)
     show_message(plan.sentence())
     print_warnings(after)

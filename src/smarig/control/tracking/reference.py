@@ -5,18 +5,19 @@ import math
 from bisect import bisect_right
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from itertools import pairwise
+from itertools import islice, pairwise
 from numbers import Integral, Real
 from pathlib import Path
 
 import numpy as np
 
 from smarig.control.argument_checks import finite
-from smarig.core import UsageError, suggestion
+from smarig.core import UsageError, number_from_text, shown, suggestion
 
 LONGEST_S = 24 * 3600.0
 LARGEST_BYTES = 20_000_000
 MOST_POINTS = 400_000
+MOST_ROWS = 1_000_000  # of a file
 REFERENCE_SHAPES = ("steps", "ramps", "multisine")
 PERIODS_S = (120.0, 75.0, 47.0)  # of the multisine's components at speed 1: no common multiple within an hour
 
@@ -150,7 +151,9 @@ def reference_from_csv(path: Path, unit: str) -> Reference:
         with path.open(encoding="utf-8-sig", newline="") as file:
             reader = csv.DictReader(file)
             _check_columns(path, reader.fieldnames or (), wanted)
-            rows = [_row(row, wanted, reader.line_num) for row in reader]
+            rows = [_row(row, wanted, reader.line_num) for row in islice(reader, MOST_ROWS + 1)]
+        if len(rows) > MOST_ROWS:
+            raise ValueError(f"it has more than {MOST_ROWS} rows, too many to be recorded")
         _check_rows(rows)
     except (ValueError, csv.Error) as error:
         raise UsageError(f"{path} is not a reference: {error}.") from None
@@ -175,11 +178,11 @@ def _cell(row: Mapping[str, str | None], column: str, line: int) -> float:
     if text is None:
         raise ValueError(f"line {line} has no {column}")
     try:
-        found = float(text)
+        found = number_from_text(text.strip())
     except ValueError:
         found = math.nan
     if not math.isfinite(found):
-        raise ValueError(f"line {line}: {column} is '{text}', which is not a finite number")
+        raise ValueError(f"line {line}: {column} is {shown(text)}, which is not a finite number")
     return found
 
 

@@ -4,6 +4,7 @@ Columns that were never measured are left out.
 """
 
 from collections.abc import Iterator
+from csv import writer as csv_writer
 from pathlib import Path
 
 import numpy as np
@@ -19,7 +20,7 @@ def csv(run: Run, path: Path) -> None:
     names = list(columns)
     cells = [_texts(name, columns[name]) for name in names]
     with path.open("w", encoding="utf-8", newline="") as file:
-        file.write(",".join(names) + "\n")
+        csv_writer(file, lineterminator="\n").writerow(names)  # quotes a unit with a comma
         file.writelines(",".join(row) + "\n" for row in zip(*cells, strict=True))
 
 
@@ -43,7 +44,16 @@ def _headed(name: str, unit: str, own: tuple[str, ...]) -> str:
     """
     if unit in own:
         return f"{name}_{unit}"
-    return f"{name} [{unit}]" if unit else name
+    return f"{name} [{one_line(unit)}]" if unit else name
+
+
+def one_line(text: str) -> str:
+    r"""A text that cannot start a line of its own, where a spreadsheet would take it for a formula.
+
+    >>> one_line("mm\n=1+1")
+    'mm =1+1'
+    """
+    return " ".join("".join(c if c.isprintable() else " " for c in text).split())
 
 
 def _texts(name: str, values: np.ndarray) -> list[str]:

@@ -47,7 +47,7 @@ def _column(column: ExportColumn) -> np.ndarray:
 
 def _units(columns: Sequence[ExportColumn]) -> dict[str, str]:
     """Units of the numeric columns; "1" for numbers without a unit."""
-    return {c.name: c.unit or "1" for c in columns if c.values.dtype.kind != "U"}
+    return {c.name: c.unit or "1" for c in columns if not c.is_text}
 
 
 def _rows(columns: Sequence[ExportColumn]) -> np.ndarray:

@@ -31,6 +31,7 @@ _MISSING = np.iinfo(np.int32).min
 _UNITS = {"deg": "degree", "degC": "degree_Celsius", "count": "1", "": "1"}  # names in UDUNITS
 _STANDARD = {"ambient_degC": "air_temperature", "quality": "quality_flag"}
 _DEFLATE = 4
+MAX_TEXT_BYTES = 500_000_000
 
 
 def netcdf(run: Run, path: Path) -> None:
@@ -99,8 +100,7 @@ def _zero_epoch(run: Run) -> float | None:
 
 def _sampled(column: ExportColumn, along: str) -> tuple:
     texts = {"long_name": column.what, "standard_name": _STANDARD.get(column.name, "")}
-    numbers = column.values.dtype.kind != "U"
-    texts |= {"units": _UNITS.get(column.unit, column.unit)} if numbers else {"_Encoding": "utf-8"}
+    texts |= {"_Encoding": "utf-8"} if column.is_text else {"units": _UNITS.get(column.unit, column.unit)}
     attributes: dict[str, Any] = _characters(texts)
     if column.name == "quality":
         attributes |= {"flag_masks": np.array(list(FLAGS), dtype=np.int32)}
@@ -118,13 +118,23 @@ def _table(columns: Iterable[ExportColumn], dimension: str) -> dict[str, tuple]:
 
 def _values(column: ExportColumn) -> np.ndarray:
     """Texts as bytes of one length; integers as 32 bits if they fit."""
-    if column.values.dtype.kind == "U":
-        return np.char.encode(column.values, "utf-8") if column.values.size else np.array([], dtype="S1")
+    if column.is_text:
+        return _bytes_of_one_length([text.encode("utf-8") for text in column.values.tolist()])
     if not column.whole:
         return column.values
     whole = column.integers(_MISSING)
     fits = not whole.size or np.abs(whole).max() <= -_MISSING
     return whole.astype(np.int32) if fits else whole
+
+
+def _bytes_of_one_length(texts: list[bytes]) -> np.ndarray:
+    longest = max(map(len, texts), default=1)
+    if longest * len(texts) > MAX_TEXT_BYTES:
+        raise UsageError(
+            f"NetCDF would need {longest * len(texts) / 1e6:.0f} MB for the texts of this run. Export it to mat or "
+            "parquet."
+        )
+    return np.array(texts, dtype=f"S{max(longest, 1)}")
 
 
 def _encoding(part: Any) -> dict[str, dict[str, Any]]:

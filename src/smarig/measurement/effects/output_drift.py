@@ -45,6 +45,7 @@ output_drift = MeasurementEffectType(
     depends_on=("time", "cycle"),
     parameters=_parameters,
     change=_change,
+    bounds={"time_constant_h": (1e-6, 1e9)},
     additive=True,
     amplitudes=lambda _u, y: (("amplitude", y),),
 )

@@ -43,6 +43,7 @@ ratcheting = MeasurementEffectType(
     depends_on=("cycle", "time"),
     parameters=_parameters,
     change=_change,
+    bounds={"cycles": (1e-6, 1e9)},
     additive=True,
     amplitudes=lambda _u, y: (("amplitude", y),),
 )

@@ -45,5 +45,6 @@ stress_shift = MeasurementEffectType(
     depends_on=("run", "stress"),
     parameters=_parameters,
     change=_change,
+    bounds={"MPa_per_K": (1e-3, 1e6)},
     by_condition=STRESS,
 )

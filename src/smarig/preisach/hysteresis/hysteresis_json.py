@@ -115,6 +115,8 @@ def _dump_mirrored(hysteresis: Mirrored) -> dict[str, Any]:
 
 
 def _load_mirrored(data: dict[str, Any]) -> Mirrored:
+    if isinstance(data["image"], dict) and data["image"].get("kind") == "mirrored":
+        raise DataError("the image of a mirrored hysteresis is mirrored itself")
     return Mirrored(load_hysteresis(data["image"]))
 
 

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from smarig.config import recorded_file
 from smarig.control import (
     REGULATION_PLANNED,
     SETPOINT_DISTURBED,
@@ -155,7 +156,9 @@ def _tracking_result(run: Run, mark: Event) -> TrackingResult:
     measures = None
     if t.size >= 2 and loop.count:
         columns = (loop.position, loop.current_A, loop.input_K)
-        actuator = Actuator.named(run.info.actuator or "")
+        name = run.info.actuator or ""
+        with recorded_file(run.path.name, name, "The figures of this loop need its actuator file."):
+            actuator = Actuator.named(name)
         ahead_s = _lead_time_s(run.info.settings.get("lead_s"))
         measures = tracking_performance(
             reference, t, *columns, actuator, loop.count, skip_s=skip_s, ahead_s=ahead_s

@@ -9,17 +9,18 @@ from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from smarig.config import load_actuator, load_rig
-from smarig.core import DataError, Elapsed, Hold, Protocol, StepResult, UsageError
+from smarig.config import load_actuator, load_rig, recorded_file
+from smarig.core import Elapsed, Hold, Protocol, StepResult, UsageError
 from smarig.plant import effects_from_pairs
 from smarig.protocols import Chooser, build_protocol
 from smarig.record import Continuation, Recorder, Run, load_run, recording
 from smarig.rig import TwinSettings
 from smarig.runner.listener import Listener
-from smarig.runner.own_files import check_drivers, check_own_files
+from smarig.runner.own_files import check_drivers
 from smarig.runner.preview import Preview, preview
 from smarig.runner.resume.attempts import AttemptRecorder, attempts, interrupted_rows
 from smarig.runner.resume.damaged_record import damaged_record_as_data_error
+from smarig.runner.resume.launch_args import read_launch_args
 from smarig.runner.resume.replay_protocol import replay_protocol
 from smarig.runner.resume.resume_plan import COLD_TAUS, RE_ESTABLISH, ResumePlan, RigState, plan_resume
 from smarig.runner.resume.same_rig import Reach, RigChange, check_names, check_same_rig
@@ -29,13 +30,20 @@ from smarig.runner.wire_heat import recorded_heat
 
 
 def session_for(
-    run: Run, *, rig: str = "", wire: str = "", speed: float | None = None, control: RunControl | None = None
+    run: Run,
+    *,
+    rig: str = "",
+    wire: str = "",
+    speed: float | None = None,
+    control: RunControl | None = None,
+    settings: Mapping[str, Any] | None = None,
 ) -> Session:
     """A session at the rig of a run, not yet opened. Refuses finished runs and other rigs."""
-    launch = read_launch_args(run)
+    launch = read_launch_args(run, settings)
     name = rig or str(launch["rig"])
-    file = load_rig(name)
-    check_names(run, file, load_actuator(file.actuator))
+    with recorded_file(run.path.name, "" if rig else name, "Name the rig with --rig."):
+        file = load_rig(name)
+        check_names(run, file, load_actuator(file.actuator))
     if not rig:
         check_drivers(file, run.path.name, f"To allow this, give --rig {name}")
     run_wire = str(run.info.wire)
@@ -61,11 +69,15 @@ def resume(
     wire: str = "",
     control: RunControl | None = None,
     chooser: Chooser | None = None,
+    settings: Mapping[str, Any] | None = None,
 ) -> Run:
-    """Resume an interrupted run and return it; the entry point for notebooks."""
+    """Resume an interrupted run and return it; the entry point for notebooks.
+
+    ``settings``: those that name files, for example {"file": "profile.csv"}, given again.
+    """
     run = load_run(path)
-    with session_for(run, rig=rig, wire=wire, control=control) as session:
-        resume_in(session, run, chooser=chooser)
+    with session_for(run, rig=rig, wire=wire, control=control, settings=settings) as session:
+        resume_in(session, run, chooser=chooser, settings=settings)
     return load_run(path)
 
 
@@ -76,14 +88,16 @@ def resume_in(
     listeners: Sequence[Listener] = (),
     expected: Preview | None = None,
     chooser: Chooser | None = None,
+    settings: Mapping[str, Any] | None = None,
 ) -> ResumePlan:
     """Resume a run in an open session and return its plan. Closes the run before it raises the error that ended it.
     Raises InUse if another process records it.
 
-    Nothing is moved or written before the protocol is known to agree with the record.
+    Nothing is moved or written before the protocol is known to agree with the record. ``settings``: those that name
+    files, given again.
     """
     with recording(run.path):
-        return _resume_recording(session, run.path, listeners, expected, chooser)
+        return _resume_recording(session, run.path, listeners, expected, chooser, settings)
 
 
 def _resume_recording(
@@ -92,9 +106,10 @@ def _resume_recording(
     listeners: Sequence[Listener],
     expected: Preview | None,
     chooser: Chooser | None,
+    given: Mapping[str, Any] | None,
 ) -> ResumePlan:
     run = load_run(path)  # again, under the lock of the run: it may have ended meanwhile
-    launch = read_launch_args(run)
+    launch = read_launch_args(run, given)
     protocol, settings = str(run.info.protocol), launch["settings"]
     same = check_same_rig(run, session)
     fresh_twin = session.source == "twin" and session.rig.tick == 0
@@ -211,28 +226,3 @@ def _restore_then(plan: ResumePlan, rest: Protocol, tau_s: float, on_reference: 
         yield from rest
     finally:
         rest.close()
-
-
-# --- refusals ---------------------------------------------------------------------------------------------------
-
-
-def read_launch_args(run: Run) -> Mapping[str, Any]:
-    """The arguments with which a run was started. Raises UsageError or DataError if it cannot be resumed."""
-    name = run.path.name
-    if run.cause == "done":
-        raise UsageError(f"{name} is finished; there is nothing to resume.")
-    if run.info.closed_loop:
-        raise UsageError(
-            f"{name} is a closed loop and cannot be resumed. Prepare the wire and start the loop again."
-        )
-    launch = run.info.launch_args
-    wanted = {"rig", "rig_wire", "speed", "effects", "noise", "settings"}
-    if run.info.source == "simulation" or launch is None or not wanted <= set(launch):
-        raise DataError(
-            f"{name} does not state what it was started with. Only runs that this smarig recorded on a rig or a "
-            "twin can be resumed."
-        )
-    if launch["effects"] is None:
-        raise DataError(f"{name} was run with effects that are not in its record, so it cannot be resumed.")
-    check_own_files(run)
-    return launch

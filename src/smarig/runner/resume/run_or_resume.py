@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Any
 
 from smarig.core import UsageError
-from smarig.protocols import Chooser
+from smarig.protocols import Chooser, file_settings
 from smarig.record import Run, load_run
 from smarig.runner.listener import Listener
 from smarig.runner.preview import Preview
@@ -56,5 +56,6 @@ def run_or_resume(
     check_same_experiment(run, session, protocol, settings)
     if run.cause == "done":
         return f"{protocol}: {out} is finished."
-    plan = resume_in(session, run, listeners=listeners, expected=expected, chooser=chooser)
+    files = {key: settings[key] for key in file_settings(protocol) if settings.get(key)}
+    plan = resume_in(session, run, listeners=listeners, expected=expected, chooser=chooser, settings=files)
     return f"{protocol}: {out}. {plan.sentence()}"

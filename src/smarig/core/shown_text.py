@@ -1,0 +1,40 @@
+"""Texts from files as they are shown in messages: printable, and not longer than a reader can use."""
+
+import unicodedata
+from typing import Any
+
+LONGEST_MESSAGE = 4000
+_KEPT = "\n\t"
+_HIDDEN = ("Cc", "Cf", "Cs", "Co", "Zl", "Zp")  # control and formatting characters, halves of characters
+
+
+def printable(text: str, longest: int = LONGEST_MESSAGE) -> str:
+    r"""The text without characters that a terminal would execute, and with its middle left out if it is too long.
+
+    >>> printable("\x1b[2Jdone")
+    '\\x1b[2Jdone'
+    >>> printable("a" * 5000)[1990:2010]
+    'aaaaaaaaaa … aaaaaaa'
+    """
+    if len(text) > longest:
+        text = f"{text[: longest // 2]} … {text[-longest // 2 :]}"
+    if text.isprintable():
+        return text
+    return "".join(c if c in _KEPT or unicodedata.category(c) not in _HIDDEN else _escaped(c) for c in text)
+
+
+def shown(value: Any, longest: int = 80) -> str:
+    """A value in a message, as Python writes it, on one line.
+
+    >>> shown("x" * 100, 20)
+    "'xxxxxxxxx … xxxxxxxxx'"
+    """
+    try:
+        text = repr(value)
+    except (ValueError, RecursionError):  # integers of many digits, structures of many levels
+        return "a value too long to show"
+    return printable(text, longest)
+
+
+def _escaped(character: str) -> str:
+    return character.encode("unicode_escape").decode("ascii")

@@ -1,0 +1,67 @@
+"""Numbers, TOML files and messages with hostile contents: one short, printable sentence for each."""
+
+import pytest
+
+from smarig.cli.output import report_error
+from smarig.config import load_rig, recorded_file, shipped_names
+from smarig.core import ConfigError, TomlTable, UsageError, load_toml, number_from_text
+
+
+class Table(TomlTable):
+    """A schema with one key."""
+
+    period_s: float
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["1_000", "１２", "١٢", "1\u00a0", "−1", "0x10", "", "one", "1,5"],
+)
+def test_what_only_python_takes_for_a_number_is_none(text):
+    with pytest.raises(ValueError, match="not a number|could not convert"):
+        number_from_text(text)
+
+
+HOSTILE = {
+    "nested lists": ("x = " + "[" * 100_000 + "]" * 100_000, "is nested too deeply"),
+    "nested tables": ("x = " + "{a=" * 50_000 + "1" + "}" * 50_000, "is nested too deeply"),
+    "an integer": ("period_s = " + "9" * 100_000, "an integer of too many digits"),
+    "a hexadecimal integer": ("period_s = 0x" + "f" * 100_000, "a value too long to show"),
+    "a long key": ("k" * 1_000_000 + " = 1", "unknown key 'kkk"),
+    "many keys": ("\n".join(f"k{k} = 1" for k in range(100_000)), "99981 more problems are not listed"),
+    "a long text": (f'period_s = "{"n" * 1_000_000}"', "given: 'nnn"),
+    "a large file": ("#" * 11_000_000, "is larger than 10 MB"),
+}
+
+
+@pytest.mark.parametrize("kind", HOSTILE)
+def test_a_hostile_toml_file_is_refused_in_a_short_message(tmp_path, kind):
+    text, says = HOSTILE[kind]
+    path = tmp_path / "x.toml"
+    path.write_text(text)
+    with pytest.raises(ConfigError) as refusal:
+        load_toml(Table, path)
+    assert says in str(refusal.value)
+    assert len(str(refusal.value)) < 10_000
+
+
+def test_no_message_controls_the_terminal_or_floods_it(capsys):
+    report_error("\x1b]0;owned\x07\x1b[2J\u202e" + "x" * 100_000 + "\ud800 end", 4)
+    err = capsys.readouterr().err
+    assert err.startswith(r"smarig: \x1b]0;owned\x07\x1b[2J\u202exxx")
+    assert err.endswith("\\ud800 end\n")
+    assert len(err) < 5000
+
+
+def test_a_file_that_only_a_record_names_is_not_quoted(tmp_path):
+    secret = tmp_path / "secret.toml"
+    secret.write_text('password = "hunter2"')
+    with pytest.raises(UsageError) as refusal, recorded_file("a.run.sqlite", str(secret), "Give --rig."):
+        load_rig(str(secret))
+    assert str(refusal.value) == (
+        f"a.run.sqlite names the file {secret}, which is not as expected here. Give --rig."
+    )
+    assert not refusal.value.__cause__
+    with pytest.raises(UsageError, match="There are: bench_one_wire"), recorded_file("a", "no_rig", ""):
+        load_rig("no_rig")
+    assert "one_wire_twin" in shipped_names("rigs")
