@@ -8,7 +8,7 @@ import pytest
 
 from record.runs import META
 from smarig.core.errors import DataError, UsageError
-from smarig.record import load_run, stored_run
+from smarig.record import load_run, sample_columns, stored_run
 from smarig.record.new_run_file import write_run
 from smarig.record.sample_columns import column_blocks, read_columns
 from smarig.record.schema import SAMPLE_COLUMNS
@@ -38,7 +38,8 @@ def expected(name: str) -> np.ndarray:
 
 
 @pytest.mark.parametrize("rows", [1, 2, 7, N - 1, N, N + 1, 1000])
-def test_columns_are_equal_whatever_the_size_of_a_block(path, rows: int):
+def test_columns_are_equal_whatever_the_size_of_a_block(path, rows: int, monkeypatch):
+    monkeypatch.setattr(sample_columns, "READ_ROWS", 4)  # larger blocks are joined of several
     with sqlite3.connect(path) as db:
         found = read_columns(db, rows=rows)
         parts = list(column_blocks(db, SAMPLE_COLUMNS, rows))
