@@ -17,6 +17,7 @@ from smarig.core import (
     new_file,
 )
 from smarig.record import schema
+from smarig.record.written_columns import insert_columns
 
 SIDECARS = ("-wal", "-shm", "-journal")
 
@@ -57,17 +58,9 @@ def write_run(
     ``steps`` are rows in STEP_COLUMNS order.
     """
     meta = {"schema_version": schema.VERSION, **meta, "end": {"cause": "done", "epoch": time.time()}}
-    n = len(columns["tick"])
-    given = [columns.get(name) for name in schema.SAMPLE_COLUMNS]
-    given[-1] = given[-1] if given[-1] is not None else [0] * n
-    rows = zip(*[[None] * n if c is None else _as_list(c) for c in given], strict=True)
     with new_run_file(path, meta, force=force) as db, db:
-        db.executemany(schema.INSERT_SAMPLE, rows)
+        insert_columns(db, columns)
         db.executemany(schema.INSERT_STEP, steps)
-
-
-def _as_list(column: Any) -> list:
-    return column.tolist() if hasattr(column, "tolist") else list(column)
 
 
 def _remove_sidecars(path: Path) -> None:
