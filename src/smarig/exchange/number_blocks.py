@@ -1,10 +1,11 @@
 """Parses blocks of lines that hold only numbers, all at once. Whatever else a block holds is left to ``text_table``."""
 
+import io
+
 import numpy as np
 from numpy.typing import NDArray
 
 _NUMERIC = b"0123456789+-.eEnaNA \t\r\n"  # of numbers, "nan" and blanks: no infinity, no 1_000
-_BLANKS = b" \t\n"
 
 
 def numbers_of(
@@ -23,45 +24,22 @@ def numbers_of(
     if delimiter == decimal or block.translate(None, _NUMERIC + separator + decimal.encode()):
         return None
     text = block.replace(b"\r\n", b"\n")
-    if b"\r" in text or not text.endswith(b"\n"):
+    if b"\r" in text or not text.strip():
         return None
-    n = text.count(b"\n")
-    if not (_regular_blanks(text, columns) if delimiter is None else _regular(text, columns, separator)):
-        return None
-    if decimal != ".":
-        if b"." in text:
-            return None
-        text = text.replace(decimal.encode(), b".")
-    cells = text.split() if delimiter is None else _cells(text, separator)
+    text = text.replace(decimal.encode(), b".")
+    if delimiter is not None:
+        text = _filled(text, separator)
     try:
-        return np.fromiter(map(float, cells), dtype=float, count=n * columns).reshape(n, columns)
+        found = np.loadtxt(io.StringIO(text.decode("ascii")), delimiter=delimiter, comments=None, ndmin=2)
     except ValueError:
         return None
+    return found if found.shape == (text.count(b"\n"), columns) else None  # blank lines are skipped
 
 
-def _cells(text: bytes, separator: bytes) -> list[bytes]:
-    row = text.replace(b"\n", separator)
-    while separator * 2 in row:
-        row = row.replace(separator * 2, separator + b"nan" + separator)
-    return (b"nan" + row if row.startswith(separator) else row)[:-1].split(separator)
-
-
-def _regular(text: bytes, columns: int, separator: bytes) -> bool:
-    """Whether each line has one separator less than columns."""
-    codes = np.frombuffer(text, dtype=np.uint8)
-    ends, between = np.flatnonzero(codes == ord("\n")), np.flatnonzero(codes == ord(separator))
-    if between.size != ends.size * (columns - 1):
-        return False
-    if columns == 1:
-        return True
-    rows = between.reshape(ends.size, columns - 1)
-    return bool((rows[:, -1] < ends).all() and (rows[1:, 0] > ends[:-1]).all())
-
-
-def _regular_blanks(text: bytes, columns: int) -> bool:
-    """Whether each line has as many words as columns."""
-    codes = np.frombuffer(text, dtype=np.uint8)
-    blank = np.isin(codes, np.frombuffer(_BLANKS, dtype=np.uint8))
-    begins = ~blank & np.concatenate([[True], blank[:-1]])
-    words = np.cumsum(begins)[codes == ord("\n")]
-    return bool((np.diff(words, prepend=0) == columns).all())
+def _filled(text: bytes, separator: bytes) -> bytes:
+    """The text with "nan" in empty cells."""
+    for before in (separator, b"\n"):
+        for after in (separator, b"\n"):
+            while before + after in text and before + after != b"\n\n":
+                text = text.replace(before + after, before + b"nan" + after)
+    return b"nan" + text if text.startswith(separator) else text

@@ -4,10 +4,10 @@ This holds for the usual file: text in UTF-8 with one header, whose rows are ASC
 is left to ``read_whole_table``, whose messages name line and column.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, BinaryIO
+from typing import BinaryIO
 
 import numpy as np
 from numpy.typing import NDArray
@@ -53,29 +53,22 @@ def _read_by_blocks(path: Path, layout: TableLayout) -> Table:
     with path.open("rb") as file:
         head = _head(path, file, layout)
         notes = text_table.preamble_notes(head.preamble)
-        file.seek(head.offset)
-        parts: list[list[NDArray[np.float64]]] = [[] for _ in head.names]
-        where: list[NDArray[np.int64]] = []
-        line = head.line
-        for block in _whole_lines(file):
+        most = _count_lines(file, head.offset)
+        data, where = np.empty((len(head.names), most)), np.empty(most, dtype=np.int64)
+        filled, line = 0, head.line
+        for block in _whole_lines(file, head.offset):
             if not block.endswith(b"\n"):
                 block, dropped = _complete(block, head, line)
                 notes += dropped
-            numbers, lines = _parsed(path, block, head, layout.decimal)
-            for part, column in zip(parts, numbers, strict=True):
-                part.append(column)
-            where.append(lines + line)
-            line += block.count(b"\n")
-    columns = {name: _joined(part) for name, part in zip(head.names, parts, strict=True)}
-    found = _joined(where)
-    if found.size < 2 or any(np.isinf(column).any() for column in columns.values()):
+            columns, lines = _parsed(path, block, head, layout.decimal)
+            rows = slice(filled, filled + lines.size)
+            data[:, rows], where[rows] = columns, lines + line
+            filled, line = rows.stop, line + block.count(b"\n")
+    found = dict(zip(head.names, data[:, :filled], strict=True))
+    if filled < 2 or any(np.isinf(column).any() for column in found.values()):
         raise _UnusualError
-    return Table(
-        columns,
-        found,
-        text_table.preamble_keys(head.preamble),
-        (*notes, *text_table.missing_notes(columns)),
-    )
+    notes += text_table.missing_notes(found)
+    return Table(found, where[:filled], text_table.preamble_keys(head.preamble), tuple(notes))
 
 
 def _head(path: Path, file: BinaryIO, layout: TableLayout) -> _Head:
@@ -94,7 +87,14 @@ def _head(path: Path, file: BinaryIO, layout: TableLayout) -> _Head:
     return _Head([line for line in lines[:start] if line.strip()], names, delimiter, first + 1, offset)
 
 
-def _whole_lines(file: BinaryIO) -> Iterator[bytes]:
+def _count_lines(file: BinaryIO, offset: int) -> int:
+    """Number of lines from a place on, counting one without an end."""
+    return 1 + sum(block.count(b"\n") for block in _whole_lines(file, offset))
+
+
+def _whole_lines(file: BinaryIO, offset: int) -> Iterator[bytes]:
+    """Blocks of lines from a place on; only the last line of a file may have no end."""
+    file.seek(offset)
     while block := file.read(BLOCK_BYTES):
         yield block + (b"" if block.endswith(b"\n") else file.readline())
 
@@ -110,16 +110,15 @@ def _complete(block: bytes, head: _Head, line: int) -> tuple[bytes, list[str]]:
 
 def _parsed(
     path: Path, block: bytes, head: _Head, decimal: str
-) -> tuple[list[NDArray[np.float64]], NDArray[np.int64]]:
+) -> tuple[Sequence[NDArray[np.float64]] | NDArray[np.float64], NDArray[np.int64]]:
     """The columns of a block, and the numbers of their lines in it, from 0."""
     numbers = numbers_of(block, len(head.names), head.delimiter, decimal) if block else None
     if numbers is not None:
-        return list(np.ascontiguousarray(numbers.T)), np.arange(len(numbers))
+        return numbers.T, np.arange(len(numbers))
     if not block.isascii() or _has_other_breaks(block) or min(block, default=_FIRST_TEXT) < _FIRST_TEXT:
         raise _UnusualError
-    cells, where = text_table.cells(
-        path, block.decode("ascii").splitlines(), 0, head.names, head.delimiter, False
-    )
+    lines = block.decode("ascii").splitlines()
+    cells, where = text_table.cells(path, lines, 0, head.names, head.delimiter, False)
     columns = [
         text_table.numbers(path, name, [row[k] for row in cells], where, decimal)
         for k, name in enumerate(head.names)
@@ -129,12 +128,3 @@ def _parsed(
 
 def _has_other_breaks(block: bytes) -> bool:
     return any(byte in block for byte in _OTHER_BREAKS) or block.count(b"\r") != block.count(b"\r\n")
-
-
-def _joined(parts: list[NDArray[Any]]) -> NDArray[Any]:
-    """One array; the parts are forgotten, so that only one column is in memory twice."""
-    if not parts:
-        raise _UnusualError
-    whole = np.concatenate(parts)
-    parts.clear()
-    return whole

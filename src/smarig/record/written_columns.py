@@ -9,6 +9,7 @@ import numpy as np
 from smarig.record.schema import SAMPLE_COLUMNS
 
 BLOCK_ROWS = 10_000
+_EXACT = 2.0**53  # smaller whole numbers are exact as floats
 _WHOLE = ("tick", "step", "counts", "quality")  # integers in the file
 
 
@@ -36,7 +37,8 @@ def _sequence(column: Any, n: int) -> Sequence[Any] | np.ndarray:
 def _cells(name: str, values: Sequence[Any] | np.ndarray) -> Sequence[Any]:
     if not isinstance(values, np.ndarray):
         return values
-    cells = values.tolist()
-    if name in _WHOLE and values.dtype.kind == "f":
-        return [None if v != v else int(v) for v in cells]
-    return cells  # SQLite stores NaN as NULL
+    if name not in _WHOLE or values.dtype.kind != "f":
+        return values.tolist()  # SQLite stores NaN as NULL
+    if (np.abs(values) < _EXACT).all():
+        return values.astype(np.int64).tolist()
+    return [None if v != v else int(v) for v in values.tolist()]
