@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.io import loadmat
 
 from smarig.core.errors import StorageError, UsageError
 from smarig.exchange import export_run, import_file
@@ -82,6 +83,24 @@ def test_parquet_keeps_numbers_units_and_description(run, tmp_path):
     assert table.schema.field("input").metadata[b"unit"] == b"K"
     assert json.loads(table.schema.metadata[b"smarig.run"]) == run.meta
     assert len(json.loads(table.schema.metadata[b"smarig.steps"])) == 4
+
+
+@pytest.mark.parametrize("rows", [1, 7, 239, 240, 1000])
+def test_a_file_written_in_blocks_is_the_file_written_at_once(run, tmp_path, monkeypatch, rows: int):
+    """From memory and from the run's file, whose samples are never all in memory."""
+    pq = pytest.importorskip("pyarrow.parquet")
+    whole = {to: export_run(run, to=to, out=tmp_path / f"whole.{to}") for to in ("csv", "parquet", "mat")}
+    monkeypatch.setattr("smarig.exchange.writers.csv.BLOCK_ROWS", rows)
+    monkeypatch.setattr("smarig.exchange.writers.parquet.GROUP_ROWS", rows)
+    for source in (run, run.path):
+        made = {to: export_run(source, to=to, out=tmp_path / f"x.{to}", force=True) for to in whole}
+        assert made["csv"].read_bytes() == whole["csv"].read_bytes()
+        table = pq.read_table(made["parquet"])
+        assert table.equals(pq.read_table(whole["parquet"]), check_metadata=True)
+        assert pq.ParquetFile(made["parquet"]).num_row_groups == -(-240 // rows)
+        samples = [loadmat(files["mat"])["samples"][0, 0] for files in (made, whole)]
+        for name in samples[1].dtype.names:
+            np.testing.assert_array_equal(samples[0][name], samples[1][name], err_msg=name)
 
 
 def test_parquet_without_pyarrow_names_the_extra(run, tmp_path, monkeypatch):

@@ -297,3 +297,16 @@ def test_the_file_alone_is_a_run_while_it_is_written(tmp_path):
     copy.write_bytes(path.read_bytes())
     assert len(load_run(copy)) > 15_000
     rec.close()
+
+
+def test_a_twin_that_is_faster_than_the_disk_waits_for_it(tmp_path, monkeypatch):
+    """Samples waiting for the writer are bounded, so that memory does not grow with the run."""
+    monkeypatch.setattr(recorder, "MOST_WAITING", 50)
+    rec = Recorder(tmp_path / "a.run.sqlite", META)
+    most = 0
+    for tick in range(3000):
+        rec.sample(sample(tick), None, 0.0)
+        most = max(most, len(rec._rows))
+    rec.close()
+    assert most <= 51
+    assert load_run(rec.path)["tick"].tolist() == list(range(3000))

@@ -17,7 +17,7 @@ from smarig.cli.parameter_types import RIG, SEED, FiniteNumber
 from smarig.cli.progress import progress
 from smarig.core import RUN, Quality, UsageError, check_replaceable
 from smarig.plant import effects_from_arguments
-from smarig.record import Run, check_not_recording
+from smarig.record import AnyRun, check_not_recording
 from smarig.rig import TwinSettings
 from smarig.runner import Listener, Preview, Session
 
@@ -115,10 +115,11 @@ def check_target(target: Path, *, force: bool, remedy: str = "") -> None:
     check_replaceable(target, RUN)
 
 
-def run_warnings(run: Run) -> list[str]:
+def run_warnings(run: AnyRun) -> list[str]:
     """Warnings about a finished run: holds that did not settle and saturated samples."""
     unsettled = sum(s.verdict == "timed_out" for s in run.steps)
-    saturated = int(((run["quality"].astype(int) & Quality.SATURATED) > 0).sum())
+    marks = (block["quality"].astype(int) for block in run.blocks(["quality"]))
+    saturated = sum(int(((mark & Quality.SATURATED) > 0).sum()) for mark in marks)
     found = (
         [f"{run.path.name}: {unsettled} of {len(run.steps)} holds did not settle in time."]
         if unsettled
@@ -127,13 +128,13 @@ def run_warnings(run: Run) -> list[str]:
     return found + ([f"{run.path.name}: {saturated} samples were saturated."] if saturated else [])
 
 
-def print_warnings(run: Run) -> None:
+def print_warnings(run: AnyRun) -> None:
     """Print the warnings of a run."""
     for warning in run_warnings(run):
         show_message(f"Warning: {warning}")
 
 
-def run_summary(run: Run) -> dict:
+def run_summary(run: AnyRun) -> dict:
     """The summary of a run for --json."""
     return {
         "run": str(run.path),

@@ -23,7 +23,7 @@ def channel_findings(
     ``rests``: the channel itself may stand still, so held values do not mean that a sensor is read too often.
     """
     finite = np.isfinite(x)
-    values, where = x[finite], line[finite]
+    values, where = (x, line) if finite.all() else (x[finite], line[finite])
     if values.size < 10:
         return []
     if np.ptp(values) == 0:
@@ -104,15 +104,16 @@ def _clipped(name: str, unit: str, x: Array, line: NDArray[np.int64]) -> list[st
 def lone_spikes(x: Array) -> NDArray[np.bool_]:
     """Mask of rows (n,) that alone lie far from both neighbours; none if there are many, which is noise."""
     mask = np.zeros(x.size, dtype=bool)
-    known = np.flatnonzero(np.isfinite(x))
-    v = x[known]
+    finite = np.isfinite(x)
+    v = x if finite.all() else x[finite]
     if v.size < 50:
         return mask
     limit = _SPIKE * float(np.ptp(np.quantile(v, [0.01, 0.99])))
-    before, after = v[1:-1] - v[:-2], v[1:-1] - v[2:]
-    lone = (before * after > 0) & (np.minimum(np.abs(before), np.abs(after)) > limit)
+    step = np.diff(v)
+    before, after = step[:-1], step[1:]  # a lone row lies on one side of both neighbours
+    lone = (before * after < 0) & (np.abs(before) > limit) & (np.abs(after) > limit)
     if limit > 0 and lone.mean() <= 0.02:
-        mask[known[1:-1][lone]] = True
+        mask[np.flatnonzero(finite)[1:-1][lone]] = True
     return mask
 
 

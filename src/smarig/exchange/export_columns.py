@@ -1,15 +1,16 @@
 """The content of an exported run, independent of the format: columns with units and descriptions."""
 
 import json
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from smarig.core import Quality
-from smarig.record import SAMPLE_COLUMNS, Event, Run, Step
+from smarig.record import SAMPLE_COLUMNS, AnyRun, Event, Step
 
 FLAGS = {int(q): str(q.name).lower() for q in Quality if q}  # bit: word
 _WHOLE = ("tick", "step", "counts", "quality")
@@ -51,68 +52,70 @@ _EVENTS = {
 
 @dataclass(frozen=True)
 class ExportColumn:
-    """A column: ``values`` (n,), NaN or "" if unknown; ``unit`` is "" if it has none."""
+    """A column; ``unit`` is "" if it has none. Its ``values`` are read when they are used, and not kept."""
 
     name: str
     unit: str
     what: str
-    values: NDArray[Any]
+    read: Callable[[], NDArray[Any]]
     whole: bool = False
+    text: bool = False
 
     @property
-    def is_text(self) -> bool:
-        """Whether the values are texts, not numbers."""
-        return self.values.dtype == object
-
-    def integers(self, missing: int) -> NDArray[np.int64]:
-        """The values of an integer column, ``missing`` if unknown."""
-        return np.where(np.isnan(self.values), missing, np.nan_to_num(self.values)).astype(np.int64)
+    def values(self) -> NDArray[Any]:
+        """The values (n,), NaN or "" if unknown."""
+        return self.read()
 
 
-def sample_columns(run: Run) -> list[ExportColumn]:
+def integers(values: NDArray[np.float64], missing: int) -> NDArray[np.int64]:
+    """The values of an integer column, ``missing`` if unknown."""
+    return np.where(np.isnan(values), missing, np.nan_to_num(values)).astype(np.int64)
+
+
+def sample_columns(run: AnyRun) -> list[ExportColumn]:
     """The columns that were measured, and always tick and quality."""
     names = _SAMPLES | {
         "input": (run.input_unit, str(run.info.input.quantity or "hysteresis input")),
         "position": (run.unit, str(run.info.output.quantity or "position")),
     }
     return [
-        ExportColumn(name, *names[name], run[name], name in _WHOLE)
+        ExportColumn(name, *names[name], partial(run.__getitem__, name), name in _WHOLE)
         for name in SAMPLE_COLUMNS
         if name in ("tick", "quality") or run.has(name)
     ]
 
 
-def step_columns(run: Run) -> list[ExportColumn]:
+def step_columns(run: AnyRun) -> list[ExportColumn]:
     """The table of steps, column by column."""
     units = {"target": run.input_unit, "position": run.unit}
     return [_column(name, units.get(name, unit), what, run.steps) for name, (unit, what) in _STEPS.items()]
 
 
-def event_columns(run: Run) -> list[ExportColumn]:
+def event_columns(run: AnyRun) -> list[ExportColumn]:
     """The table of events, column by column."""
     return [_column(name, unit, what, run.events) for name, (unit, what) in _EVENTS.items()]
 
 
-def label(run: Run) -> str:
+def label(run: AnyRun) -> str:
     """The origin of the data: TWIN, BENCH, SIMULATION, IMPORT, or UNKNOWN if it is not recorded."""
     return str(run.info.source or "unknown").upper()
 
 
-def title(run: Run) -> str:
+def title(run: AnyRun) -> str:
     """One line: what was run on which rig, and the origin of the data."""
     what, rig, wire = (x or "?" for x in (run.info.protocol, run.info.rig, run.info.wire))
     return f"{what} on {rig}, wire {wire} ({label(run)})"
 
 
 def _column(name: str, unit: str, what: str, rows: Iterable[Step | Event]) -> ExportColumn:
-    values = [getattr(row, name) for row in rows]
+    cells = [getattr(row, name) for row in rows]
     if name == "data":
-        return ExportColumn(
-            name, unit, what, np.array([json.dumps(v, ensure_ascii=False) for v in values], dtype=object)
-        )  # not a dtype of texts: each would take the space of the longest
-    if name in ("branch", "verdict", "level", "kind", "text", "severity"):
-        return ExportColumn(name, unit, what, np.array(values, dtype=object))
-    whole = name in ("index", "attempt", "void", "n")
-    return ExportColumn(
-        name, unit, what, np.array([np.nan if v is None else v for v in values], dtype=float), whole
+        cells = [json.dumps(v, ensure_ascii=False) for v in cells]
+    text = name in ("branch", "verdict", "level", "kind", "text", "data", "severity")
+    values: NDArray[Any] = (
+        np.array(cells, dtype=object)  # not a dtype of texts: each would take the space of the longest
+        if text
+        else np.array([np.nan if v is None else v for v in cells], dtype=float)
     )
+    whole = name in ("index", "attempt", "void", "n")
+    return ExportColumn(name, unit, what, lambda: values, whole, text)

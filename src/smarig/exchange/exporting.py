@@ -3,18 +3,20 @@
 from pathlib import Path
 
 from smarig.core import atomic_file, catalogue_entry
-from smarig.record import Run, load_run
+from smarig.record import AnyRun, stored_run
 
 
-def export_run(run: Run | str | Path, *, to: str, out: str | Path, force: bool = False) -> Path:
+def export_run(run: AnyRun | str | Path, *, to: str, out: str | Path, force: bool = False) -> Path:
     """Write ``run`` (a run or its path) in format ``to`` (csv, parquet, …) at ``out``; returns the path.
 
     UsageError if ``out`` exists and not ``force``; StorageError if it cannot be written. A partly written file is
-    removed.
+    removed. The samples of a path are read in blocks or by column, so that a long run takes little memory.
     """
+    if not isinstance(run, AnyRun):
+        with stored_run(run) as stored:
+            return export_run(stored, to=to, out=out, force=force)
     target = Path(out)
     write = catalogue_entry("smarig.exchange.writers", to)
-    data = run if isinstance(run, Run) else load_run(run)
     with atomic_file(target, force=force) as part:
-        write(data, part)
+        write(run, part)
     return target

@@ -34,13 +34,17 @@ def holds(current_A: Array, tolerance_A: float) -> list[tuple[int, int]]:
     >>> holds(np.array([0.0] * 6 + [0.5] * 7 + [0.6]), 1e-3)
     [(0, 6), (6, 13), (13, 14)]
     """
+    if not current_A.size:
+        return [(0, 0)]
+    begins = np.concatenate([[0], np.flatnonzero(np.diff(current_A)) + 1])  # of runs of equal values
+    lengths = np.diff(begins, append=current_A.size)
     edges, mean, n = [0], 0.0, 0
-    for k, i in enumerate(current_A.tolist()):
+    for k, length, i in zip(begins.tolist(), lengths.tolist(), current_A[begins].tolist(), strict=True):
         if n and abs(i - mean) > tolerance_A:
             edges.append(k)
             n = 0
-        mean = (mean * n + i) / (n + 1)
-        n += 1
+        mean = (mean * n + i * length) / (n + length)
+        n += length
     return list(zip(edges, [*edges[1:], current_A.size]))
 
 

@@ -126,7 +126,12 @@ def _describe(
             "file": source.name,
             "format": format,
             "mapping": mapping,
-            "sha256": hashlib.sha256(source.read_bytes()).hexdigest(),
+            "sha256": _sha256(source),
         },
         "versions": {"smarig": version("smarig"), "python": platform.python_version()},
     }
+
+
+def _sha256(source: Path) -> str:
+    with source.open("rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()

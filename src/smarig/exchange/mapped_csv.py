@@ -14,7 +14,8 @@ from smarig.exchange.findings import duplicate_columns, record_findings, repeate
 from smarig.exchange.loop_faults import LoopRecord, loop_findings
 from smarig.exchange.mapping import Column, Condition, MappingFile, require_columns
 from smarig.exchange.reader_result import RunDraft, directions, step_row
-from smarig.exchange.text_table import Table, TableLayout, read_table
+from smarig.exchange.table_file import read_table
+from smarig.exchange.text_table import Table, TableLayout
 from smarig.exchange.time_axis import check_time, merge_repeats, time_findings
 from smarig.exchange.unit_conversion import convert
 from smarig.exchange.units import spelled

@@ -17,7 +17,8 @@ from smarig.exchange.hold_steps import COMMAND_A, Recording, found_steps, holds,
 from smarig.exchange.loop_faults import LoopRecord, loop_findings
 from smarig.exchange.reader_result import RunDraft
 from smarig.exchange.rig_constants import RigConstants
-from smarig.exchange.text_table import Table, TableLayout, read_table
+from smarig.exchange.table_file import read_table
+from smarig.exchange.text_table import Table, TableLayout
 from smarig.exchange.time_axis import check_time, time_findings
 from smarig.exchange.value_bounds import check_bounds
 from smarig.exchange.with_heating_model import input_description
@@ -83,7 +84,8 @@ def _drive(path: Path, table: Table, columns: dict[str, Array]) -> Array:
 def _loop(rows: list[tuple], step: Array, line: NDArray[np.int64], input_unit: str, unit: str) -> list[str]:
     """Findings on the loop of the ends of the steps; between them the wire is moving."""
     target, position = (np.array([row[k] for row in rows], dtype=float) for k in (4, 8))
-    first = np.array([line[int(np.argmax(step == row[0]))] for row in rows], dtype=np.int64)
+    begins = np.concatenate([[0], np.flatnonzero(np.diff(np.nan_to_num(step, nan=-1.0))) + 1])
+    first = line[[begins[int(np.argmax(step[begins] == row[0]))] for row in rows]] if rows else line[:0]
     return loop_findings(LoopRecord(target, position, first, input_unit, unit), designed=True)
 
 

@@ -24,15 +24,10 @@ class RunDraft:
     def __len__(self) -> int:
         return next(iter(self.columns.values())).size
 
-    def sql_columns(self) -> dict[str, list]:
-        """The columns as the run file stores them: a running tick, and integers in integer columns."""
-        out: dict[str, list] = {name: values.tolist() for name, values in self.columns.items()}
-        for name in ("step", "counts", "quality"):
-            if name in self.columns:
-                out[name] = [None if np.isnan(v) else int(v) for v in self.columns[name]]
-        out["tick"] = list(range(len(self)))
-        out["quality"] = [q or 0 for q in out.get("quality", [0] * len(self))]
-        return out
+    def sql_columns(self) -> dict[str, Array | NDArray[np.int64]]:
+        """The columns as the run file stores them: a running tick, and a mark on every sample."""
+        marks = self.columns.get("quality", np.zeros(len(self)))
+        return {**self.columns, "tick": np.arange(len(self)), "quality": np.nan_to_num(marks)}
 
 
 def step_row(

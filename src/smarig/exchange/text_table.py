@@ -7,7 +7,7 @@ import csv
 import io
 import re
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -54,8 +54,8 @@ class Table:
         return self.line.size
 
 
-def read_table(path: Path, layout: TableLayout) -> Table:
-    """Read a text table; UsageError if the file does not exist, DataError with the line if it is not a table."""
+def read_whole_table(path: Path, layout: TableLayout) -> Table:
+    """Read a text table at once; UsageError if there is no file, DataError with the line if it is not a table."""
     text, notes = read_text(path)
     lines = text.splitlines()
     check_lines(path, lines, MAX_LINE)
@@ -77,7 +77,7 @@ def check_lines(path: Path, lines: Sequence[str], longest: int) -> None:
 
 
 def _table(path: Path, text: str, lines: list[str], notes: list[str], layout: TableLayout) -> Table:
-    start, names, delimiter = _header(path, lines, layout)
+    start, names, delimiter = header(path, lines, layout)
     if len(names) > MAX_COLUMNS:
         raise DataError(f"{path} has {len(names)} columns; a table has at most {MAX_COLUMNS}.")
     # In a file of several tables, the preamble of a table starts after the blank line before it.
@@ -86,23 +86,44 @@ def _table(path: Path, text: str, lines: list[str], notes: list[str], layout: Ta
     )
     preamble = [line for line in lines[begin:start] if line.strip()]
     first = start + 1 - bool(layout.names)
-    if preamble and not layout.header_starts:
-        notes.append(f"{len(preamble)} line(s) before the table were skipped.")
+    if not layout.header_starts:
+        notes += preamble_notes(preamble)
     if not text.endswith("\n") and len(split(lines[-1], delimiter)) < len(names):
-        notes.append(f"The last line ({len(lines)}) is incomplete and was dropped.")
+        notes.append(incomplete_note(len(lines)))
         lines.pop()
-    cells, where = _cells(path, lines, first, names, delimiter, bool(layout.header_starts))
+    rows, where = cells(path, lines, first, names, delimiter, bool(layout.header_starts))
+    if len(rows) < 2:
+        raise DataError(f"{path} holds {len(rows)} sample(s). At least two are needed.")
     columns = {
-        name: _numbers(path, name, [row[k] for row in cells], where, layout.decimal)
+        name: numbers(path, name, [row[k] for row in rows], where, layout.decimal)
         for k, name in enumerate(names)
     }
-    notes += [
+    notes += missing_notes(columns)
+    return Table(columns, np.array(where, dtype=np.int64), preamble_keys(preamble), tuple(notes))
+
+
+def preamble_notes(preamble: Sequence[str]) -> list[str]:
+    """A finding on lines before the table."""
+    return [f"{len(preamble)} line(s) before the table were skipped."] if preamble else []
+
+
+def preamble_keys(preamble: Sequence[str]) -> dict[str, str]:
+    """The keys and values in the lines before the table."""
+    return dict(_key(line) for line in preamble if ":" in line or "=" in line)
+
+
+def incomplete_note(line: int) -> str:
+    """A finding on a file that ends within a line."""
+    return f"The last line ({line}) is incomplete and was dropped."
+
+
+def missing_notes(columns: Mapping[str, NDArray[np.float64]]) -> list[str]:
+    """Findings on cells without a number."""
+    return [
         f"Column '{name}': {int(np.isnan(c).sum())} of {c.size} cells are empty or NaN."
         for name, c in columns.items()
         if np.isnan(c).any()
     ]
-    keys = dict(_key(line) for line in preamble if ":" in line or "=" in line)
-    return Table(columns, np.array(where, dtype=np.int64), keys, tuple(notes))
 
 
 def read_text(path: Path) -> tuple[str, list[str]]:
@@ -144,7 +165,8 @@ def split(line: str, delimiter: str | None) -> list[str]:
     return cells
 
 
-def _header(path: Path, lines: Sequence[str], layout: TableLayout) -> tuple[int, list[str], str | None]:
+def header(path: Path, lines: Sequence[str], layout: TableLayout) -> tuple[int, list[str], str | None]:
+    """The number of the header line, from 0, the names of the columns, and the delimiter."""
     choices = [DELIMITERS[layout.delimiter]] if layout.delimiter else list(DELIMITERS.values())
     if layout.header_starts:
         found = [k for k, line in enumerate(lines) if line.startswith(layout.header_starts)]
@@ -204,7 +226,7 @@ def _first_numbers(
     raise DataError(f"{path} has no line of {len(layout.names)} numbers in its first {HEADER_WITHIN} lines.")
 
 
-def _cells(
+def cells(
     path: Path,
     lines: Sequence[str],
     first: int,
@@ -212,6 +234,7 @@ def _cells(
     delimiter: str | None,
     ends_blank: bool,
 ) -> tuple[list[list[str]], list[int]]:
+    """The cells of the rows from line ``first`` on, and the number of each line, from 1."""
     rows: list[list[str]] = []
     where: list[int] = []
     for k in range(first, len(lines)):
@@ -222,22 +245,21 @@ def _cells(
             continue
         if line.startswith("#"):
             continue
-        cells = split(line, delimiter)
-        missing = len(names) - len(cells)
+        row = split(line, delimiter)
+        missing = len(names) - len(row)
         if missing < 0 or (delimiter is None and missing > 0):
             raise DataError(
-                f"{path}, line {k + 1} has {len(cells)} cells, but the header names {len(names)} columns."
+                f"{path}, line {k + 1} has {len(row)} cells, but the header names {len(names)} columns."
             )
-        rows.append(cells + [""] * missing)
+        rows.append(row + [""] * missing)
         where.append(k + 1)
-    if len(rows) < 2:
-        raise DataError(f"{path} holds {len(rows)} sample(s). At least two are needed.")
     return rows, where
 
 
-def _numbers(
+def numbers(
     path: Path, name: str, cells: Sequence[str], where: Sequence[int], decimal: str
 ) -> NDArray[np.float64]:
+    """The numbers of a column's cells, NaN for those that say that there is none."""
     out = np.empty(len(cells))
     for k, cell in enumerate(cells):
         try:

@@ -12,7 +12,7 @@ from smarig.live.plot_axes import Axis, rounded
 from smarig.plant import Actuator
 from smarig.preisach import Everett, thesis_surface
 from smarig.protocols import Setup
-from smarig.record import Run
+from smarig.record import AnyRun
 
 Start = Literal["negative", "positive", "anhysteretic"]
 
@@ -84,7 +84,7 @@ def rig_display_info(
     )
 
 
-def run_display_info(run: Run) -> DisplayInfo:
+def run_display_info(run: AnyRun) -> DisplayInfo:
     """The display information of a recorded or imported run."""
     rig = _rig_of(run)
     actuator = _actuator_of(run, rig)
@@ -124,7 +124,7 @@ def settled(settings: Mapping[str, Any]) -> Settled:
         return Settled()
 
 
-def _rig_of(run: Run) -> RigFile | None:
+def _rig_of(run: AnyRun) -> RigFile | None:
     launch_args = run.info.launch_args
     name = str(run.info.rig or "" if launch_args is None else launch_args.get("rig"))
     with contextlib.suppress(SmarigError, OSError):
@@ -132,7 +132,7 @@ def _rig_of(run: Run) -> RigFile | None:
     return None
 
 
-def _actuator_of(run: Run, rig: RigFile | None) -> Actuator | None:
+def _actuator_of(run: AnyRun, rig: RigFile | None) -> Actuator | None:
     """The actuator of the run, if it can be read from the rig's file or by its name."""
     names = [rig.actuator if rig else "", str(run.info.actuator or "")]
     for name in filter(None, names):

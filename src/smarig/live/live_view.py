@@ -18,7 +18,7 @@ from smarig.live.playback import batches, replay
 from smarig.live.scene_renderer import SceneRenderer
 from smarig.live.viewer_process import WEB_REMARK, ViewerProcess, free_port, viewer_address, web_page
 from smarig.preisach import Everett
-from smarig.record import Run
+from smarig.record import AnyRun, Run
 from smarig.replay import HysteresisPredictor, NamedPredictor
 
 if TYPE_CHECKING:
@@ -106,7 +106,7 @@ def view_run(
 
 
 def save_recording(
-    run: Run, path: Path, predictions: Sequence[NamedPredictor] = (), hysteresis: Everett | None = None
+    run: AnyRun, path: Path, predictions: Sequence[NamedPredictor] = (), hysteresis: Everett | None = None
 ) -> None:
     """Save a recorded run as an .rrd file with its layout, in large batches, so that the file is compact."""
     rerun_output, scene_renderer = _open_output(

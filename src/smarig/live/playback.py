@@ -2,10 +2,11 @@
 
 import heapq
 from collections.abc import Callable, Iterator, Sequence
+from itertools import chain
 
 from smarig.core import Sample
 from smarig.live.live_items import EventItem, LiveItem, SampleItem, StepItem
-from smarig.record import Run
+from smarig.record import AnyRun
 
 BATCH_SAMPLES = 20_000  # samples drawn at once
 PACED_INTERVAL_S = 0.2  # between batches when replayed at a speed
@@ -15,7 +16,7 @@ _COLUMNS = (
 )
 
 
-def playback_items(run: Run) -> Iterator[LiveItem]:
+def playback_items(run: AnyRun) -> Iterator[LiveItem]:
     """Samples, steps and events in the order of their times. Void steps are shown as interrupted."""
     timed = bool(len(run)) and run.has("t_s")
     ticks = ((t, 1, item) for t, item in _sample_items(run, timed))
@@ -26,7 +27,7 @@ def playback_items(run: Run) -> Iterator[LiveItem]:
     return (item for *_, item in heapq.merge(ticks, ended, events, key=lambda found: found[:2]))
 
 
-def batches(run: Run, size: int = BATCH_SAMPLES) -> Iterator[list[LiveItem]]:
+def batches(run: AnyRun, size: int = BATCH_SAMPLES) -> Iterator[list[LiveItem]]:
     """The items of ``playback_items`` in lists."""
     batch: list[LiveItem] = []
     for item in playback_items(run):
@@ -39,7 +40,7 @@ def batches(run: Run, size: int = BATCH_SAMPLES) -> Iterator[list[LiveItem]]:
 
 
 def replay(
-    run: Run,
+    run: AnyRun,
     draw: Callable[[Sequence[LiveItem]], None],
     speed: float,
     wait: Callable[[float], bool],
@@ -68,11 +69,10 @@ def replay(
         draw(pending)
 
 
-def _sample_items(run: Run, timed: bool) -> Iterator[tuple[float, SampleItem]]:
-    columns = [run[name].tolist() for name in _COLUMNS]
-    for row in zip(*columns, run["step"].tolist(), run["input"].tolist(), strict=True):
-        *values, step, u = row
-        quality = values.pop()
+def _sample_items(run: AnyRun, timed: bool) -> Iterator[tuple[float, SampleItem]]:
+    names = (*_COLUMNS, "step", "input")
+    rows = (zip(*(block[name].tolist() for name in names), strict=True) for block in run.blocks(names))
+    for *values, quality, step, u in chain.from_iterable(rows):
         sample = Sample(*values, quality=0 if quality != quality else int(quality))
         yield (
             (sample.t_s if timed else sample.tick),
@@ -80,7 +80,7 @@ def _sample_items(run: Run, timed: bool) -> Iterator[tuple[float, SampleItem]]:
         )
 
 
-def _step_item(run: Run, k: int) -> StepItem:
+def _step_item(run: AnyRun, k: int) -> StepItem:
     s = run.steps[k]
     verdict = "interrupted" if s.void else s.verdict
     position = None if s.void else s.position

@@ -6,6 +6,7 @@ from smarig.core.lazy_exports import lazy_exports
 
 if TYPE_CHECKING:
     from smarig.record import schema as schema
+    from smarig.record.any_run import AnyRun as AnyRun
     from smarig.record.clock_watch import ClockWatch as ClockWatch
     from smarig.record.continuation import Continuation as Continuation
     from smarig.record.continued_run import continues_run as continues_run
@@ -32,6 +33,9 @@ if TYPE_CHECKING:
     from smarig.record.salvage import salvage as salvage
     from smarig.record.salvage import write_salvaged as write_salvaged
     from smarig.record.schema import SAMPLE_COLUMNS as SAMPLE_COLUMNS
+    from smarig.record.stored_run import StoredRun as StoredRun
+    from smarig.record.stored_run import finite as finite
+    from smarig.record.stored_run import stored_run as stored_run
     from smarig.record.wire_history import Wear as Wear
     from smarig.record.wire_history import WireHistory as WireHistory
     from smarig.record.wire_history import load_wire_history as load_wire_history

@@ -23,6 +23,7 @@ from smarig.record.metadata import check_metadata, decode_json
 from smarig.record.opened_run import opened_for_reading
 from smarig.record.recording_lock import REMEDY, check_not_recording
 from smarig.record.run_end import store_end
+from smarig.record.written_columns import insert_columns
 
 CLOSING_KEYS = ("end", table_hashes.KEY)  # a new run has its own
 
@@ -70,18 +71,10 @@ def write_run(
     ``steps`` are rows in STEP_COLUMNS order.
     """
     meta = {"schema_version": schema.VERSION, **meta}
-    n = len(columns["tick"])
-    given = [columns.get(name) for name in schema.SAMPLE_COLUMNS]
-    given[-1] = given[-1] if given[-1] is not None else [0] * n
-    rows = zip(*[[None] * n if c is None else _as_list(c) for c in given], strict=True)
     with new_run_file(path, meta, force=force) as db, db:
-        db.executemany(schema.INSERT_SAMPLE, rows)
+        insert_columns(db, columns)
         db.executemany(schema.INSERT_STEP, steps)
         store_end(db, "done")
-
-
-def _as_list(column: Any) -> list:
-    return column.tolist() if hasattr(column, "tolist") else list(column)
 
 
 def _remove_sidecars(path: Path) -> None:

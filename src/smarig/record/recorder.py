@@ -28,6 +28,7 @@ COMMIT_INTERVAL_S = 0.5
 STALL_S = 3.0  # a sample that waits longer for the disk ends the run
 TWIN_STALL_S = 30.0  # the same where no wire is heated
 RESUMED_S = 0.2  # how long a writer that was stopped with the process needs to go on
+MOST_WAITING = 20_000  # samples, half an hour at 10 Hz; a twin makes them faster than they are stored
 CLOSE_LIMIT_S = 10.0  # how long closing waits for a disk that stores nothing
 RESERVE_BYTES = 8_000_000  # stop while there is still space to close the run
 
@@ -84,6 +85,8 @@ class Recorder:
         self._rows.append(
             (s[0], s[1], step, s[2], s[3], s[4], s[5], input_value, s[6], s[7], s[8], int(s[9]))
         )
+        if len(self._rows) > MOST_WAITING:
+            self._let_the_writer_catch_up()
         now = time.monotonic()
         if self._waiting_since is None:
             self._waiting_since = now
@@ -91,6 +94,13 @@ class Recorder:
             raise StorageError(
                 f"Run {self.path}: the disk has stored nothing for {self._stall_s:g} s. The current is at zero."
             )
+
+    def _let_the_writer_catch_up(self) -> None:
+        """Wait, so that memory does not grow with the run. Never on a bench: there the disk has stalled before."""
+        until = time.monotonic() + self._stall_s
+        self._wake.set()
+        while len(self._rows) > MOST_WAITING and self._failure is None and time.monotonic() < until:
+            time.sleep(0.001)
 
     def _stores_again(self) -> bool:
         """Whether the writer goes on after the whole process had been stopped (a suspended machine)."""

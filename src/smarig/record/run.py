@@ -1,7 +1,8 @@
 """A run as data: columns with units, steps and events, read from a finished or unfinished run file."""
 
+import contextlib
 import sqlite3
-from collections.abc import Sequence
+from collections.abc import Container, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
@@ -15,10 +16,10 @@ from smarig.core import (
     NotebookDisplay,
     Severity,
     UsageError,
-    highest_severity,
     printable,
     severity_of,
 )
+from smarig.record.any_run import BLOCK_ROWS, AnyRun
 from smarig.record.metadata import (
     MAX_ENTRIES,
     MAX_LINE_LENGTH,
@@ -27,9 +28,9 @@ from smarig.record.metadata import (
     decode_json,
 )
 from smarig.record.opened_run import opened_for_reading
-from smarig.record.run_info import RunInfo
+from smarig.record.sample_columns import read_columns
 from smarig.record.schema import READ, SAMPLE_COLUMNS, VERSION
-from smarig.record.table_hashes import damaged_rows
+from smarig.record.table_hashes import block_hash, damaged_tables, hashes_of, is_hashed
 
 CONTINUED = "continued"  # ``initial`` of a run that starts in the final state of the one before
 OWN_ZERO = "own"  # ``encoder_zero`` of an imported run whose zero is unrelated to that of other runs
@@ -83,8 +84,8 @@ class Event:
         return severity_of(self.kind, self.level, self.data)
 
 
-@dataclass(frozen=True)
-class Run(NotebookDisplay):
+@dataclass(frozen=True, repr=False)
+class Run(AnyRun, NotebookDisplay):
     """A recorded run. ``run["current_A"]`` is a column (n,), NaN where absent; ``run.info`` is its description.
 
     Columns: tick, t_s, step, current_command_A, current_A, voltage_V, temperature_degC, input, counts,
@@ -99,72 +100,28 @@ class Run(NotebookDisplay):
     events: tuple[Event, ...] = field(repr=False)
 
     def __getitem__(self, name: str) -> NDArray[np.float64]:
-        if name not in self.columns:
-            raise UsageError(f"A run has no column '{name}'. Its columns are: {', '.join(SAMPLE_COLUMNS)}.")
+        check_column(name, self.columns)
         return self.columns[name]
 
     def __len__(self) -> int:
         return self["tick"].size
 
-    @cached_property
-    def info(self) -> RunInfo:
-        """The description, typed."""
-        return RunInfo.of(self.meta)
+    def blocks(
+        self, names: Sequence[str], rows: int = BLOCK_ROWS
+    ) -> Iterator[dict[str, NDArray[np.float64]]]:
+        """The named columns in blocks of that many rows, in order."""
+        for a in range(0, len(self), rows):
+            yield {name: self[name][a : a + rows] for name in names}
 
     @property
-    def name(self) -> str:
-        """The name of the file without the endings of run files: "qv.first3" for qv.first3.run.sqlite."""
-        return self.path.name.removesuffix(".sqlite").removesuffix(".run")
+    def span_s(self) -> float:
+        """Time from the first to the last sample that has one; 0 if none has."""
+        known = self["t_s"][np.isfinite(self["t_s"])]
+        return float(known[-1] - known[0]) if known.size else 0.0
 
     def with_meta(self, **entries: Any) -> "Run":
         """The run with other entries of its description."""
         return replace(self, meta={**self.meta, **entries})
-
-    @property
-    def complete(self) -> bool:
-        """Whether the run was closed (kill -9 and power cuts leave it open)."""
-        return self.info.has("end")
-
-    @property
-    def cause(self) -> str:
-        """Why the run ended: 'done', what interrupted it, or that it was never closed."""
-        end = self.info.end
-        return "incomplete: the run was never closed" if end is None or end.cause is None else end.cause
-
-    @property
-    def severity(self) -> Severity:
-        """The highest severity of its events."""
-        return highest_severity(e.severity for e in self.events)
-
-    @property
-    def twin(self) -> bool:
-        """Whether the run was made on a twin."""
-        return self.info.source == "twin"
-
-    @property
-    def unit(self) -> str:
-        """Unit of position."""
-        return self.info.output.unit
-
-    @property
-    def input_unit(self) -> str:
-        """Unit of the hysteresis input."""
-        return self.info.input.unit
-
-    @cached_property
-    def settled(self) -> tuple[Step, ...]:
-        """Valid steps with a target and a position, in order: the points (T_i, p_i) of §5.2.1."""
-        return tuple(s for s in self.steps if not s.void and s.target is not None and s.position is not None)
-
-    def points(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Settled inputs and outputs, each (k,); those of every sample if there are no steps."""
-        if self.settled:
-            return (
-                np.array([s.target for s in self.settled], dtype=float),
-                np.array([s.position for s in self.settled], dtype=float),
-            )
-        known = np.isfinite(self["input"]) & np.isfinite(self["position"])
-        return self["input"][known], self["position"][known]
 
     @cached_property
     def step_rows(self) -> dict[int, slice]:
@@ -199,23 +156,27 @@ class Run(NotebookDisplay):
         """Whether a channel was measured."""
         return bool(np.isfinite(self[name]).any())
 
-    def __repr__(self) -> str:
-        kind = "twin" if self.twin else self.info.text_of("source", "?")
-        hours = (self["t_s"][-1] - self["t_s"][0]) / 3600 if len(self) and self.has("t_s") else 0.0
-        return (
-            f"Run({self.info.text_of('protocol', '?')} on {self.info.text_of('rig', '?')} ({kind}), "
-            f"{len(self)} samples, {hours:.2f} h, {len(self.steps)} steps, {self.cause})"
-        )
-
 
 def load_run(path: str | Path) -> Run:
     """Read a run file, finished, running or interrupted. Raises DataError if it is not one."""
+    file = existing_file(path)
+    with reading(file), opened_for_reading(file) as db:
+        return _read(file, db)
+
+
+def existing_file(path: str | Path) -> Path:
+    """The path; UsageError if there is no file."""
     file = Path(path)
     if not file.is_file():
         raise UsageError(f"There is no run file {file}.")
+    return file
+
+
+@contextlib.contextmanager
+def reading(file: Path) -> Iterator[None]:
+    """Report what goes wrong while a run file is read as a DataError that names the file."""
     try:
-        with opened_for_reading(file) as db:
-            return _read(file, db)
+        yield
     except (sqlite3.Error, ValueError, TypeError, IndexError, OverflowError) as error:
         raise DataError(
             f"{file} is not a run file, or is damaged: {printable(str(error), 300)}. {salvage_hint(file)}"
@@ -223,30 +184,36 @@ def load_run(path: str | Path) -> Run:
 
 
 def _read(file: Path, db: sqlite3.Connection) -> Run:
-    rows = {table: _rows(db, query, MOST_ROWS.get(table)) for table, query in READ.items()}
+    meta, steps, events = read_description(file, db)
+    hashes: list[str] = []
+    hashed = is_hashed(meta)
+    columns = read_columns(db, seen=(lambda block: hashes.append(block_hash(block))) if hashed else len)
+    if hashed:
+        refuse_damage(file, meta, {"sample": hashes})
+    return Run(file, meta, columns, steps, events)
+
+
+def read_description(
+    file: Path, db: sqlite3.Connection
+) -> tuple[dict[str, Any], tuple[Step, ...], tuple[Event, ...]]:
+    """All that a run file holds but its samples: description, steps, events. Raises DataError if it was changed."""
+    rows = {table: _rows(db, READ[table], most) for table, most in MOST_ROWS.items()}
     meta = {k: _meta_value(k, v) for k, v in rows["run"]}
     _check_version(file, meta)
     check_metadata(meta)
     check_amount([row[-1] for row in rows["event"]])
-    data = np.array(rows["sample"], dtype=float).reshape(len(rows["sample"]), len(SAMPLE_COLUMNS))
-    columns = {name: data[:, k] for k, name in enumerate(SAMPLE_COLUMNS)}
-    run = Run(
-        file,
-        meta,
-        columns,
-        tuple(_step(*row) for row in rows["step"]),
-        tuple(_event(*row) for row in rows["event"]),
-    )
-    _check_hashes(run, rows)
-    return run
+    steps, events = (tuple(_step(*row) for row in rows["step"]), tuple(_event(*row) for row in rows["event"]))
+    refuse_damage(file, meta, hashes_of(rows))
+    return meta, steps, events
 
 
-def _check_hashes(run: Run, rows: dict[str, list[tuple]]) -> None:
-    tables = sorted({damaged.table for damaged in damaged_rows(run.meta, rows)})
+def refuse_damage(file: Path, meta: dict[str, Any], hashes: dict[str, list[str]]) -> None:
+    """Raise DataError if the hashes of these tables are not those that were stored at closing."""
+    tables = damaged_tables(meta, hashes)
     if tables:
         raise DataError(
-            f"Run file {run.path} is damaged: what it holds in {' and '.join(map(repr, tables))} is not what was "
-            f"stored when the run was closed. {salvage_hint(run.path)}"
+            f"Run file {file} is damaged: what it holds in {' and '.join(map(repr, tables))} is not what was "
+            f"stored when the run was closed. {salvage_hint(file)}"
         )
 
 
@@ -255,13 +222,17 @@ def salvage_hint(file: Path) -> str:
     return f"`smarig check {file}` shows what can be saved."
 
 
-def _rows(db: sqlite3.Connection, query: str, most: int | None) -> list[tuple]:
-    if most is None:
-        return db.execute(query).fetchall()
+def _rows(db: sqlite3.Connection, query: str, most: int) -> list[tuple]:
     rows = db.execute(query).fetchmany(most + 1)
     if len(rows) > most:
         raise ValueError(f"its description, steps or events have more than {most} rows")
     return rows
+
+
+def check_column(name: str, columns: Container[str] = SAMPLE_COLUMNS) -> None:
+    """Raise UsageError unless a run has a column of that name."""
+    if name not in columns:
+        raise UsageError(f"A run has no column '{name}'. Its columns are: {', '.join(SAMPLE_COLUMNS)}.")
 
 
 def _meta_value(key: Any, value: Any) -> Any:

@@ -45,6 +45,22 @@ def block_hash(block: list[tuple]) -> str:
     return hashlib.sha256(memoryview(marshal.dumps(block, 2))[_LIST_HEAD:]).hexdigest()[:_HEX_DIGITS]
 
 
+def hashes_of(tables: Mapping[str, Iterable[tuple]]) -> dict[str, list[str]]:
+    """The hashes of the blocks of each table; the key that holds the hashes has none."""
+    without_key = {**tables, "run": [row for row in tables.get("run", ()) if row[0] != KEY]}
+    return {name: [block_hash(b) for b in blocks(without_key[name])] for name in tables}
+
+
+def damaged_tables(meta: Mapping[str, Any], found: Mapping[str, list[str]]) -> list[str]:
+    """The tables of these hashes that are not as they were when the run was closed."""
+    if not is_hashed(meta):
+        return []
+    stored = meta.get(KEY)
+    if not isinstance(stored, dict):
+        return ["run"]
+    return sorted(name for name, hashes in found.items() if stored.get(name) != hashes)
+
+
 def damaged_rows(meta: Mapping[str, Any], tables: Mapping[str, Iterable[tuple]]) -> list[DamagedRows]:
     """What is not as it was when the run was closed; empty for a run without hashes (open, or of an older smarig)."""
     if not is_hashed(meta):
@@ -52,8 +68,8 @@ def damaged_rows(meta: Mapping[str, Any], tables: Mapping[str, Iterable[tuple]])
     stored = meta.get(KEY)
     if not isinstance(stored, dict):
         return [DamagedRows("run", 0, 0)]
-    without_key = {**tables, "run": [row for row in tables["run"] if row[0] != KEY]}
-    return [d for table, rows in without_key.items() for d in _compared(table, stored.get(table), rows)]
+    found = hashes_of(tables)
+    return [d for table, hashes in found.items() for d in _compared(table, stored.get(table), hashes)]
 
 
 def is_hashed(meta: Mapping[str, Any]) -> bool:
@@ -62,8 +78,7 @@ def is_hashed(meta: Mapping[str, Any]) -> bool:
     return KEY in meta or (isinstance(end, dict) and end.get("hashed") is True)
 
 
-def _compared(table: str, stored: Any, rows: Iterable[tuple]) -> Iterator[DamagedRows]:
-    found = [block_hash(block) for block in blocks(rows)]
+def _compared(table: str, stored: Any, found: list[str]) -> Iterator[DamagedRows]:
     before = stored if isinstance(stored, list) else []
     for k in range(max(len(found), len(before))):
         if found[k : k + 1] != before[k : k + 1]:

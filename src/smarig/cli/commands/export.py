@@ -30,9 +30,9 @@ Examples:
 def command(run: Path, format_: str, out: Path, force: bool) -> None:
     """Export a run for other programs. Every format except csv includes its steps and events."""
     from smarig.exchange import export_run
-    from smarig.record import load_run
+    from smarig.record import stored_run
 
     check_distinct(out, run)
-    recorded = load_run(run)
-    export_run(recorded, to=format_, out=out, force=force)
-    emit({"run": str(run), "file": str(out), "rows": len(recorded)}, f"{out}: {len(recorded)} rows.")
+    with stored_run(run) as recorded:
+        export_run(recorded, to=format_, out=out, force=force)
+        emit({"run": str(run), "file": str(out), "rows": len(recorded)}, f"{out}: {len(recorded)} rows.")

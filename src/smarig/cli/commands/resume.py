@@ -14,7 +14,7 @@ from smarig.cli.parameter_types import FILE, PROTOCOL, RIG, FiniteNumber, own_ef
 from smarig.cli.progress import STREAMS, progress
 from smarig.cli.run_options import print_warnings, run_summary
 from smarig.core import UsageError
-from smarig.record import check_not_recording, load_run
+from smarig.record import check_not_recording, load_run, stored_run
 
 EPILOG = f"""{STREAMS}
 
@@ -101,8 +101,8 @@ def command(
             plan = resume_in(
                 session, before, listeners=[listener], expected=cost, chooser=informed_choice, settings=files
             )
-    after = load_run(run)
     show_message(plan.sentence())
-    print_warnings(after)
-    found = run_summary(after)
-    emit(found | {"start_over": plan.start_over, "how": plan.sentence(), "before": before.cause}, repr(after))
+    how = {"start_over": plan.start_over, "how": plan.sentence(), "before": before.cause}
+    with stored_run(run, verify=False) as after:
+        print_warnings(after)
+        emit(run_summary(after) | how, repr(after))

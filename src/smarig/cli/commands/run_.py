@@ -12,7 +12,7 @@ from smarig.cli.run_options import RunOptions, check_target, print_warnings, run
 from smarig.config import CampaignFile, CampaignStep, load_campaign, load_rig, shipped_names
 from smarig.core import UsageError, catalogue_names, suggestion
 from smarig.protocols import parse_pairs, refuse_closed_loops, with_loaded_protocols
-from smarig.record import load_run
+from smarig.record import stored_run
 from smarig.runner import Listener, Preview, Session, preview, run_or_resume
 
 EPILOG = f"""{STREAMS}
@@ -69,10 +69,13 @@ def command(
             place = f"run {k} of {len(steps)}" if len(steps) > 1 else ""
             run_display = display(target, cost, place)
             _run_one(session, step, target, cost, run_display, force=options.force, notes=options.notes)
-    runs = [load_run(t) for t in targets]
-    for run in runs:
-        print_warnings(run)
-    emit({"runs": [run_summary(r) for r in runs]}, "\n".join(repr(r) for r in runs))
+    summaries, lines = [], []
+    for target in targets:
+        with stored_run(target, verify=False) as run:
+            print_warnings(run)
+            summaries.append(run_summary(run))
+            lines.append(repr(run))
+    emit({"runs": summaries}, "\n".join(lines))
 
 
 def _run_one(

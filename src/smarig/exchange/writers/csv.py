@@ -3,37 +3,38 @@
 Columns that were never measured are left out.
 """
 
-from collections.abc import Iterator
 from csv import writer as csv_writer
 from pathlib import Path
 
 import numpy as np
 
-from smarig.record import SAMPLE_COLUMNS, Run
+from smarig.record import SAMPLE_COLUMNS, AnyRun
 
 _WHOLE = ("tick", "step", "counts", "flags")
+BLOCK_ROWS = 10_000  # in memory as texts
 
 
-def csv(run: Run, path: Path) -> None:
+def csv(run: AnyRun, path: Path) -> None:
     """Samples only, units in the header row; for spreadsheets, pandas.read_csv and smarig import."""
-    columns = dict(_named(run))
-    names = list(columns)
-    cells = [_texts(name, columns[name]) for name in names]
+    headers = _headers(run)
     with path.open("w", encoding="utf-8", newline="") as file:
-        csv_writer(file, lineterminator="\n").writerow(names)  # quotes a unit with a comma
-        file.writelines(",".join(row) + "\n" for row in zip(*cells, strict=True))
+        csv_writer(file, lineterminator="\n").writerow(headers.values())  # quotes a unit with a comma
+        for block in run.blocks(list(headers), BLOCK_ROWS):
+            cells = [_texts(header, block[name]) for name, header in headers.items()]
+            file.writelines(",".join(row) + "\n" for row in zip(*cells, strict=True))
 
 
-def _named(run: Run) -> Iterator[tuple[str, np.ndarray]]:
+def _headers(run: AnyRun) -> dict[str, str]:
+    """The header of each column that was measured, and always of tick and quality."""
     own = {
         "t_s": "time_s",
         "quality": "flags",
         "input": _headed("input", run.input_unit, ("K", "A")),
         "position": _headed("position", run.unit, ("mm", "deg")),
     }
-    for name in SAMPLE_COLUMNS:
-        if name in ("tick", "quality") or run.has(name):
-            yield own.get(name, name), run[name]
+    return {
+        name: own.get(name, name) for name in SAMPLE_COLUMNS if name in ("tick", "quality") or run.has(name)
+    }
 
 
 def _headed(name: str, unit: str, own: tuple[str, ...]) -> str:

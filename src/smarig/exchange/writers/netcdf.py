@@ -7,7 +7,7 @@ built in memory, because HDF5 ends the process when it writes to a full disk.
 
 import io
 import json
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterator, Mapping
 from datetime import UTC, datetime, timedelta
 from importlib.metadata import version
 from pathlib import Path
@@ -20,12 +20,13 @@ from smarig.exchange.export_columns import (
     FLAGS,
     ExportColumn,
     event_columns,
+    integers,
     label,
     sample_columns,
     step_columns,
     title,
 )
-from smarig.record import Run, is_timestamp
+from smarig.record import AnyRun, is_timestamp
 
 _MISSING = np.iinfo(np.int32).min
 _UNITS = {"deg": "degree", "degC": "degree_Celsius", "count": "1", "": "1"}  # names in UDUNITS
@@ -34,7 +35,7 @@ _DEFLATE = 4
 MAX_TEXT_BYTES = 500_000_000
 
 
-def netcdf(run: Run, path: Path) -> None:
+def netcdf(run: AnyRun, path: Path) -> None:
     """NetCDF-4 with CF attributes, steps and events as groups; for xarray and MATLAB's ncread (extra netcdf)."""
     try:
         import h5netcdf  # used by xarray to write
@@ -43,40 +44,38 @@ def netcdf(run: Run, path: Path) -> None:
         from xarray.backends import H5NetCDFStore
     except ImportError:
         raise UsageError("NetCDF export needs xarray and h5netcdf: pip install 'smarig[netcdf]'.") from None
-    columns = sample_columns(run)
-    along = "time" if _has_clock(run) else "tick"
-    data = {c.name: _sampled(c, along) for c in columns if c.name != "tick" or along == "time"}
-    data |= {"smarig_run": _full_description(run)}
-    coordinate = (
-        _time(run) if along == "time" else _sampled(next(c for c in columns if c.name == "tick"), along)
-    )
-    parts = [
-        (None, xr.Dataset(data, {along: coordinate}, _characters(_description(run)))),
-        (
-            "steps",
-            xr.Dataset(_table(step_columns(run), "step"), attrs=_characters({"title": "Steps of the run"})),
-        ),
-        (
-            "events",
-            xr.Dataset(
-                _table(event_columns(run), "event"), attrs=_characters({"title": "Events of the run"})
-            ),
-        ),
-    ]
     made = io.BytesIO()
     with h5netcdf.File(made, "w") as file:
-        for name, part in parts:
-            store = H5NetCDFStore(file.create_group(name) if name else file)
-            part.dump_to_store(store, encoding=_encoding(part))
+        root = H5NetCDFStore(file)
+        for variables, attributes in _root_parts(run):
+            _write(xr.Dataset(variables, attrs=attributes), root)
+        for name, columns in (("step", step_columns(run)), ("event", event_columns(run))):
+            attributes = _characters({"title": f"{name.capitalize()}s of the run"})
+            table = {c.name: _sampled(c, name) for c in columns}
+            _write(xr.Dataset(table, attrs=attributes), H5NetCDFStore(file.create_group(f"{name}s")))
     path.write_bytes(made.getbuffer())
 
 
-def _has_clock(run: Run) -> bool:
+def _root_parts(run: AnyRun) -> Iterator[tuple[dict[str, tuple], dict[str, Any]]]:
+    """Variables and attributes of the root, column by column, so that one is in memory at a time."""
+    columns, clock = sample_columns(run), _has_clock(run)
+    along = "time" if clock else "tick"
+    yield {along: _time(run) if clock else _sampled(columns.pop(0), along)}, _characters(_description(run))
+    for column in columns:
+        yield {column.name: _sampled(column, along)}, {}
+    yield {"smarig_run": _full_description(run)}, {}
+
+
+def _write(part: Any, store: Any) -> None:
+    part.dump_to_store(store, encoding=_encoding(part))
+
+
+def _has_clock(run: AnyRun) -> bool:
     t_s = run["t_s"]
     return bool(len(run)) and bool(np.isfinite(t_s).all()) and bool((np.diff(t_s) > 0).all())
 
 
-def _time(run: Run) -> tuple:
+def _time(run: AnyRun) -> tuple:
     """Time in seconds since the zero of the device's clock, in host time; without reference if that is unknown."""
     epoch = _zero_epoch(run)
     attributes = {"long_name": "time of the sample", "units": "s", "axis": "T"}
@@ -88,7 +87,7 @@ def _time(run: Run) -> tuple:
     return ("time", run["t_s"], _characters(attributes))
 
 
-def _zero_epoch(run: Run) -> float | None:
+def _zero_epoch(run: AnyRun) -> float | None:
     """The host time of the zero of the device's clock, from the event that started the run."""
     starts = (e for e in run.events if e.kind == "start" and is_timestamp(e.data.get("epoch")))
     began = next(starts, None)
@@ -100,7 +99,7 @@ def _zero_epoch(run: Run) -> float | None:
 
 def _sampled(column: ExportColumn, along: str) -> tuple:
     texts = {"long_name": column.what, "standard_name": _STANDARD.get(column.name, "")}
-    texts |= {"_Encoding": "utf-8"} if column.is_text else {"units": _UNITS.get(column.unit, column.unit)}
+    texts |= {"_Encoding": "utf-8"} if column.text else {"units": _UNITS.get(column.unit, column.unit)}
     attributes: dict[str, Any] = _characters(texts)
     if column.name == "quality":
         attributes |= {"flag_masks": np.array(list(FLAGS), dtype=np.int32)}
@@ -112,17 +111,14 @@ def _sampled(column: ExportColumn, along: str) -> tuple:
     return (along, _values(column), attributes)
 
 
-def _table(columns: Iterable[ExportColumn], dimension: str) -> dict[str, tuple]:
-    return {c.name: _sampled(c, dimension) for c in columns}
-
-
 def _values(column: ExportColumn) -> np.ndarray:
     """Texts as bytes of one length; integers as 32 bits if they fit."""
-    if column.is_text:
-        return _bytes_of_one_length([text.encode("utf-8") for text in column.values.tolist()])
+    values = column.values
+    if column.text:
+        return _bytes_of_one_length([text.encode("utf-8") for text in values.tolist()])
     if not column.whole:
-        return column.values
-    whole = column.integers(_MISSING)
+        return values
+    whole = integers(values, _MISSING)
     fits = not whole.size or np.abs(whole).max() <= -_MISSING
     return whole.astype(np.int32) if fits else whole
 
@@ -155,7 +151,7 @@ def _encoding(part: Any) -> dict[str, dict[str, Any]]:
     return found
 
 
-def _description(run: Run) -> dict[str, Any]:
+def _description(run: AnyRun) -> dict[str, Any]:
     now = datetime.now(UTC).strftime("%Y-%m-%dT%H:%M:%SZ")
     measured = {"BENCH": "measured on a rig", "TWIN": "from a software twin, not measured"}
     whose = label(run)
@@ -169,7 +165,7 @@ def _description(run: Run) -> dict[str, Any]:
     }
 
 
-def _full_description(run: Run) -> tuple:
+def _full_description(run: AnyRun) -> tuple:
     """The whole description as a variable, because attributes are limited to 64 kB."""
     text = json.dumps(run.meta, ensure_ascii=False).encode("utf-8")
     attributes = {"long_name": "whole description of the run, JSON", "_Encoding": "utf-8"}

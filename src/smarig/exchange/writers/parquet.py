@@ -3,15 +3,19 @@
 import json
 from dataclasses import asdict
 from pathlib import Path
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from smarig.core import UsageError
-from smarig.exchange.export_columns import label, sample_columns, title
-from smarig.record import Run
+from smarig.exchange.export_columns import integers, label, sample_columns, title
+from smarig.record import AnyRun
+
+GROUP_ROWS = 100_000  # of a row group, which is compressed as a whole
 
 
-def parquet(run: Run, path: Path) -> None:
+def parquet(run: AnyRun, path: Path) -> None:
     """Columns with units and the whole description as metadata; for pandas, polars, DuckDB, R (extra parquet)."""
     try:
         import pyarrow as pa
@@ -35,9 +39,18 @@ def parquet(run: Run, path: Path) -> None:
         "smarig.steps": json.dumps([asdict(s) for s in run.steps]),
         "smarig.events": json.dumps([asdict(e) | {"severity": e.severity} for e in run.events]),
     }
-    arrays = [
-        pa.array(np.nan_to_num(c.values), type=pa.float64(), mask=np.isnan(c.values)).cast(f.type)
-        for c, f in zip(columns, fields, strict=True)
-    ]
-    table = pa.Table.from_arrays(arrays, schema=pa.schema(fields, metadata=metadata))
-    pq.write_table(table, path, compression="zstd")
+    schema = pa.schema(fields, metadata=metadata)
+    with pq.ParquetWriter(path, schema, compression="zstd") as writer:
+        for block in run.blocks([c.name for c in columns], GROUP_ROWS):
+            arrays = [_array(block[c.name], c.whole) for c in columns]
+            writer.write_table(pa.Table.from_arrays(arrays, schema=schema))
+
+
+def _array(values: NDArray[np.float64], whole: bool) -> Any:
+    """An arrow array, null where unknown. From buffers, because ``pa.array`` imports pandas."""
+    import pyarrow as pa
+
+    known = np.packbits(~np.isnan(values), bitorder="little")
+    data = integers(values, 0) if whole else np.nan_to_num(values)
+    buffers = [pa.py_buffer(known), pa.py_buffer(np.ascontiguousarray(data))]
+    return pa.Array.from_buffers(pa.int64() if whole else pa.float64(), values.size, buffers)

@@ -2,10 +2,10 @@
 
 from pathlib import Path
 
-from smarig.record import Run
+from smarig.record import AnyRun
 
 
-def rrd(run: Run, path: Path) -> None:
+def rrd(run: AnyRun, path: Path) -> None:
     """Rerun recording of samples, steps and events as shown by ``smarig view``; needs rerun."""
     from smarig.live import save_recording
 

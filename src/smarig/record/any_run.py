@@ -1,0 +1,114 @@
+"""What a run in memory (``Run``) and a run in its file (``StoredRun``) have in common."""
+
+from abc import ABC, abstractmethod
+from collections.abc import Iterator, Sequence
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from smarig.core import Severity, highest_severity
+from smarig.record.run_info import RunInfo
+
+if TYPE_CHECKING:
+    from smarig.record.run import Event, Step
+
+BLOCK_ROWS = 50_000  # of the blocks that large runs are written in
+
+
+class AnyRun(ABC):
+    """A run: its description, steps and events, and its columns by name. ``len`` is the number of samples."""
+
+    path: Path
+    meta: dict[str, Any]
+    steps: "tuple[Step, ...]"
+    events: "tuple[Event, ...]"
+
+    @abstractmethod
+    def __getitem__(self, name: str) -> NDArray[np.float64]:
+        """A column (n,), NaN where absent."""
+
+    @abstractmethod
+    def __len__(self) -> int:
+        """Number of samples."""
+
+    @abstractmethod
+    def has(self, name: str) -> bool:
+        """Whether a channel was measured."""
+
+    @abstractmethod
+    def blocks(
+        self, names: Sequence[str], rows: int = BLOCK_ROWS
+    ) -> Iterator[dict[str, NDArray[np.float64]]]:
+        """The named columns in blocks of that many rows, in order."""
+
+    @property
+    @abstractmethod
+    def span_s(self) -> float:
+        """Time from the first to the last sample that has one; 0 if none has."""
+
+    @cached_property
+    def info(self) -> RunInfo:
+        """The description, typed."""
+        return RunInfo.of(self.meta)
+
+    @property
+    def name(self) -> str:
+        """The name of the file without the endings of run files: "qv.first3" for qv.first3.run.sqlite."""
+        return self.path.name.removesuffix(".sqlite").removesuffix(".run")
+
+    @property
+    def complete(self) -> bool:
+        """Whether the run was closed (kill -9 and power cuts leave it open)."""
+        return self.info.has("end")
+
+    @property
+    def cause(self) -> str:
+        """Why the run ended: 'done', what interrupted it, or that it was never closed."""
+        end = self.info.end
+        return "incomplete: the run was never closed" if end is None or end.cause is None else end.cause
+
+    @property
+    def severity(self) -> Severity:
+        """The highest severity of its events."""
+        return highest_severity(e.severity for e in self.events)
+
+    @property
+    def twin(self) -> bool:
+        """Whether the run was made on a twin."""
+        return self.info.source == "twin"
+
+    @property
+    def unit(self) -> str:
+        """Unit of position."""
+        return self.info.output.unit
+
+    @property
+    def input_unit(self) -> str:
+        """Unit of the hysteresis input."""
+        return self.info.input.unit
+
+    @cached_property
+    def settled(self) -> "tuple[Step, ...]":
+        """Valid steps with a target and a position, in order: the points (T_i, p_i) of §5.2.1."""
+        return tuple(s for s in self.steps if not s.void and s.target is not None and s.position is not None)
+
+    def points(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Settled inputs and outputs, each (k,); those of every sample if there are no steps."""
+        if self.settled:
+            return (
+                np.array([s.target for s in self.settled], dtype=float),
+                np.array([s.position for s in self.settled], dtype=float),
+            )
+        u, y = self["input"], self["position"]
+        known = np.isfinite(u) & np.isfinite(y)
+        return u[known], y[known]
+
+    def __repr__(self) -> str:
+        kind = "twin" if self.twin else self.info.text_of("source", "?")
+        return (
+            f"Run({self.info.text_of('protocol', '?')} on {self.info.text_of('rig', '?')} ({kind}), "
+            f"{len(self)} samples, {self.span_s / 3600:.2f} h, {len(self.steps)} steps, {self.cause})"
+        )
