@@ -119,6 +119,7 @@ class Session:
         since_s = elapsed_s(last, self.device, self.rig.tick, self.file.period_s, twin=self.source == "twin")
         has_lease = bool(getattr(self.rig, "has_lease", True))
         self.guard.start_hot(heat_left(last, self.actuator, since_s, has_lease=has_lease))
+        self.wear = self.new_wear(self.guard.input_K)
 
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
@@ -231,9 +232,9 @@ class Session:
             if tick > kept:
                 self.wear.add(int(tick), input_K)
 
-    def new_wear(self) -> Wear:
-        """Wear of zero."""
-        return Wear(max(self.setup.upper_K, -self.setup.lower_K), self.file.period_s)
+    def new_wear(self, input_K: float = 0.0) -> Wear:
+        """Wear of zero, from an input on."""
+        return Wear(max(self.setup.upper_K, -self.setup.lower_K), self.file.period_s, input_K)
 
     def _note_zero(self, kind: str, t_s: float) -> None:
         if kind == "zero":

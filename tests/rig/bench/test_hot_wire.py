@@ -12,7 +12,7 @@ from rig.bench.mortal import SimulatedDevices, host
 from smarig.core.errors import Interrupted, LimitExceeded, SmarigError
 from smarig.plant.actuator import Actuator
 from smarig.plant.heating import JouleHeating
-from smarig.record import load_run
+from smarig.record import load_run, load_wire_history
 from smarig.runner.listener import CallbackListener
 from smarig.runner.resume.resume_run import resume_in, session_for
 from smarig.runner.run_control import RunControl
@@ -98,6 +98,7 @@ def test_a_new_session_starts_as_hot_as_the_last_one_ended(devices, tmp_path):
     run = load_run(out)
     assert run.events[0].data["wire_K"] == pytest.approx([hot_K, 0.0], abs=NEAR_K)
     assert run["input"][0] > hot_K - 5.0, "a tick or two of cooling"
+    assert load_wire_history(session.wire, twin=True).cycles == 1, "heated once"
 
 
 def test_its_limit_trips_at_the_first_sample_of_a_current_that_heats_further(devices, tmp_path):
