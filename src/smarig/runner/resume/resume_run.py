@@ -13,7 +13,7 @@ from typing import Any
 
 from smarig.config import load_rig, recorded_file
 from smarig.core import DataError, Elapsed, Hold, Protocol, StepResult, UsageError, Waveform
-from smarig.plant import effects_from_pairs
+from smarig.plant import Actuator, effects_from_pairs
 from smarig.protocols import Chooser, build_protocol
 from smarig.record import Continuation, Recorder, Run, load_run
 from smarig.rig import TwinSettings
@@ -41,7 +41,8 @@ def session_for(
     name = rig or str(launch["rig"])
     with recorded_file(run.path.name, "" if rig else name, "Name the rig with --rig."):
         file = load_rig(name)
-        check_rig(run, file)
+        Actuator.named(file.actuator)  # a file too, perhaps
+    check_rig(run, file)
     if not rig:
         check_drivers(file, run.path.name, f"To allow this, give --rig {name}")
     run_wire = str(run.info.wire)
