@@ -9,7 +9,7 @@ FINE = (0, 2, 3, 4)  # exit statuses
 _CONTROL = re.compile(r"[\x00-\x08\x0b-\x1f\x7f-\x9f]")
 _COLOURS = re.compile(r"\x1b\[\d*m")  # of the viewer's own log
 _FORMULA = re.compile(r"""(?:^|[,;\t"'])\s*[=@+-](?![\d.]|inf|nan)""", re.MULTILINE)
-LONGEST_MESSAGE = 4000  # characters
+LONGEST_MESSAGE = 5000  # characters
 
 
 def objections(m: Material, status: int, out: str, err: str, folder: Path) -> list[str]:

@@ -11,7 +11,7 @@ import numpy as np
 
 from smarig.config import load_rig, recorded_file
 from smarig.core import UsageError
-from smarig.plant import effects_from_json
+from smarig.plant import Actuator, effects_from_json
 from smarig.record import Run, Step, write_run
 from smarig.replay import Model, simulate, simulate_samples
 from smarig.rig import TwinSettings
@@ -43,7 +43,9 @@ def simulate_protocol(
     if not rig:
         where = f"Model {model.name}"
         with recorded_file(where, name, "Name the rig with --rig."):
-            check_drivers(load_rig(name), where, f"to execute it, give --rig {name}")
+            file = load_rig(name)
+            Actuator.named(file.actuator)  # a file too, perhaps
+        check_drivers(file, where, f"to execute it, give --rig {name}")
     twin = TwinSettings(noise=False, hysteresis=model.hysteresis, effects=effects_from_json(model.effects))
     with Session(name, twin=twin, wire=f"simulation of {model.name}") as session:
         return session.run(protocol, settings, out, force=force, notes=f"simulation with model {model.name}")

@@ -15,6 +15,7 @@ from smarig.report.components.style import COOLING, FAINT, HEATING, INK
 Array = NDArray[np.float64]
 WIDTH_PX, HEIGHT_PX = 220, 150
 _TEXT = "#4b5563"
+_LARGEST = 1e12
 _LEFT, _RIGHT, _TOP, _BOTTOM = 8, 8, 16, 18
 
 
@@ -28,7 +29,10 @@ class Frame:
 
 def frame_of(u: Array, y: Array) -> Frame:
     """The frame that a loop fills; a range of zero length is extended by 0.5 to both sides."""
-    ends = [(float(np.nanmin(v)), float(np.nanmax(v))) for v in (u, y)]
+    drawn = _drawable(u, y)
+    if not drawn.any():
+        return Frame((-0.5, 0.5), (-0.5, 0.5))
+    ends = [(float(v.min()), float(v.max())) for v in (u[drawn], y[drawn])]
     known = [(low, high) if high > low else (low - 0.5, low + 0.5) for low, high in ends]
     return Frame(known[0], known[1])
 
@@ -40,6 +44,8 @@ def thumbnail(
 
     ``units`` are the units of input and output; ``label`` marks simulated data.
     """
+    drawn = _drawable(u, y)
+    u, y = u[drawn], y[drawn]
     if not u.size:
         return Html("")
     shown = frame or frame_of(u, y)
@@ -60,6 +66,11 @@ def thumbnail(
         role="img",
         aria_label=f"{label}, simulated. {words}" if label else words,
     )
+
+
+def _drawable(u: Array, y: Array) -> NDArray[np.bool_]:
+    """Mask (k,) of the points of plausible size."""
+    return (np.abs(u) <= _LARGEST) & (np.abs(y) <= _LARGEST)
 
 
 def _scaled(values: Array, span: tuple[float, float], first: float, last: float) -> Array:

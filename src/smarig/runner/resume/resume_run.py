@@ -43,7 +43,8 @@ def session_for(
     name = rig or str(launch["rig"])
     with recorded_file(run.path.name, "" if rig else name, "Name the rig with --rig."):
         file = load_rig(name)
-        check_names(run, file, load_actuator(file.actuator))
+        actuator = load_actuator(file.actuator)
+    check_names(run, file, actuator)
     if not rig:
         check_drivers(file, run.path.name, f"To allow this, give --rig {name}")
     run_wire = str(run.info.wire)
