@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from smarig.core.catalogue import own_files as own_files
     from smarig.core.catalogue import resolve_name as resolve_name
     from smarig.core.catalogue import suggestion as suggestion
+    from smarig.core.clause import capitalised as capitalised
     from smarig.core.command import Command as Command
     from smarig.core.command import Drive as Drive
     from smarig.core.command import Elapsed as Elapsed

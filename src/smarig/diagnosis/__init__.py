@@ -35,7 +35,6 @@ if TYPE_CHECKING:
     from smarig.diagnosis.diagnosis_json import parameter_interval as parameter_interval
     from smarig.diagnosis.diagnosis_text import AT_FLOOR as AT_FLOOR
     from smarig.diagnosis.diagnosis_text import DOUBT as DOUBT
-    from smarig.diagnosis.diagnosis_text import capitalised as capitalised
     from smarig.diagnosis.diagnosis_text import share_text as share_text
     from smarig.diagnosis.diagnosis_text import unknown_text as unknown_text
     from smarig.diagnosis.diagnosis_verdict import LEAD_SCALE_NATS as LEAD_SCALE_NATS

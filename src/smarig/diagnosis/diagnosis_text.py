@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from smarig.core import spaced
+from smarig.core import capitalised, spaced
 from smarig.diagnosis.critique.calibration import CALIBRATION_BOXES, p_text
 from smarig.diagnosis.held_out_gain import HeldOutGain
 
@@ -148,15 +148,6 @@ def unknown_text(d: "Diagnosis") -> str:
     if d.verdict.depends_on is None:
         return "something is wrong, but no known effect and no single variable explains it"
     return f"something is wrong and depends on {d.verdict.depends_on}, but no known effect explains it"
-
-
-def capitalised(clause: str) -> str:
-    """A clause as the beginning of a sentence; names with an underscore stay as they are.
-
-    >>> capitalised("nothing stands out"), capitalised("input_drift fits")
-    ('Nothing stands out', 'input_drift fits')
-    """
-    return clause if "_" in clause.split(" ")[0] else clause[:1].upper() + clause[1:]
 
 
 def share_text(share: float) -> str:

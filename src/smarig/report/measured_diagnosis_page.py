@@ -5,8 +5,8 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.core import spaced
-from smarig.diagnosis import MeasuredDiagnosis, capitalised
+from smarig.core import capitalised, spaced
+from smarig.diagnosis import MeasuredDiagnosis
 from smarig.identification import MeasuredHypothesis
 from smarig.report.components.figure import Figure, Panel, axis, dots, line
 from smarig.report.components.html import Html, bullets, cards, notice, paragraph, table, tag

@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 import plotly.graph_objects as go
 
-from smarig.core import UsageError, spaced
-from smarig.diagnosis import Diagnosis, capitalised
+from smarig.core import UsageError, capitalised, spaced
+from smarig.diagnosis import Diagnosis
 from smarig.identification import density_report, verify
 from smarig.record import Run
 from smarig.replay import Model

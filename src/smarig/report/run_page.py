@@ -1,14 +1,12 @@
 """The page of one run of any kind: complete, interrupted, imported without time or current, or empty."""
 
 from collections.abc import Callable, Iterator
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from smarig.core import DataError, Severity, spaced
-from smarig.identification import Representation, congruency, wiping_out
 from smarig.record import Run
-from smarig.replay import Model
-from smarig.report.closed_loop.closed_loop_sections import loop_sections
 from smarig.report.closed_loop.loop_result import is_closed_loop
 from smarig.report.components.figure import Figure
 from smarig.report.components.html import Html, bullets, cards, joined, notice, paragraph, tag
@@ -25,7 +23,6 @@ from smarig.report.components.run_description import (
 )
 from smarig.report.components.severity_mark import severity_mark
 from smarig.report.runs.hysteresis_figure import hysteresis_figure
-from smarig.report.runs.representation_figure import representation_figure
 from smarig.report.runs.run_tables import (
     conditions_table,
     events_table,
@@ -36,8 +33,12 @@ from smarig.report.runs.run_tables import (
 )
 from smarig.report.runs.time_figures import initialisation_figure, time_series_figure
 
+if TYPE_CHECKING:  # of these packages, most runs need nothing: they take a second and fifty megabytes
+    from smarig.identification import Representation
+    from smarig.replay import Model
 
-def run_page(run: Run, *, library: str = "", certified: tuple[Model, str, str] | None = None) -> str:
+
+def run_page(run: Run, *, library: str = "", certified: "tuple[Model, str, str] | None" = None) -> str:
     """The HTML page of a run: time series, hysteresis graph, conditions, marks, events and provenance.
 
     ``library`` is the address of Plotly's script if pages share it, "" to embed it. A closed loop has its own sections
@@ -46,7 +47,7 @@ def run_page(run: Run, *, library: str = "", certified: tuple[Model, str, str] |
     data = list(_figure_parts(run)) or [paragraph("The run has no samples to draw.")]
     sections = [
         Section("Summary", "Summary", [run_cards(run), settings_text(run)]),
-        *loop_sections(run, certified),
+        *_loop_sections(run, certified),
         Section("Measurement", "Measurement", data),
         Section("Rig and conditions", "Rig", [conditions_table(run)]),
         Section(
@@ -68,6 +69,14 @@ def _lead(run: Run) -> Html:
     return joined([run_lead(run), ". Highest severity of its events: ", severity_mark(run.severity), "."])
 
 
+def _loop_sections(run: Run, certified: "tuple[Model, str, str] | None") -> list[Section]:
+    if not is_closed_loop(run):
+        return []
+    from smarig.report.closed_loop.closed_loop_sections import loop_sections
+
+    return loop_sections(run, certified)
+
+
 def _figure_parts(run: Run) -> Iterator[Figure | Html]:
     if not len(run):
         return
@@ -80,17 +89,17 @@ def _figure_parts(run: Run) -> Iterator[Figure | Html]:
         return
     if np.isfinite(run["input"] + run["position"]).any() or len(run.settled) >= 2:
         yield hysteresis_figure(run)
-    test = _REPRESENTATION_TESTS.get(run.info.protocol or "")
-    if test is not None:
-        yield from _representation_parts(run, test)
+    if run.info.protocol in ("wiping_out", "congruency"):
+        yield from _representation_parts(run, run.info.protocol)
 
 
-_REPRESENTATION_TESTS = {"wiping_out": wiping_out, "congruency": congruency}
+def _representation_parts(run: Run, property_name: str) -> Iterator[Figure | Html]:
+    from smarig.identification import congruency, wiping_out
+    from smarig.report.runs.representation_figure import representation_figure
 
-
-def _representation_parts(run: Run, tested: Callable[[Run], Representation]) -> Iterator[Figure | Html]:
+    tests: dict[str, Callable[[Run], Representation]] = {"wiping_out": wiping_out, "congruency": congruency}
     try:
-        test = tested(run)
+        test = tests[property_name](run)
     except DataError as error:
         yield notice("warning", paragraph(str(error)))
         return
@@ -98,7 +107,7 @@ def _representation_parts(run: Run, tested: Callable[[Run], Representation]) -> 
     yield representation_figure(test, run)
 
 
-def representation_notice(test: Representation) -> Html:
+def representation_notice(test: "Representation") -> Html:
     """A box with the verdict and its meaning."""
     return notice("good" if test.holds else "bad", paragraph(tag("b", test.verdict)), paragraph(test.meaning))
 

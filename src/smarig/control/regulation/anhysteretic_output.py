@@ -13,7 +13,6 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.optimize import minimize_scalar
 
 from smarig.core import UsageError
 from smarig.preisach import Everett, bracketed_root
@@ -106,6 +105,8 @@ class Psi:
 
     def _turns(self, grid: Array, values: Array) -> Array:
         """Turning points of ψ: each one detected on the grid, then refined."""
+        from scipy.optimize import minimize_scalar  # imported here: takes half a second
+
         step = np.diff(values)
         step[np.abs(step) <= self._slack] = 0.0
         turning = np.flatnonzero(step[:-1] * step[1:] < 0) + 1

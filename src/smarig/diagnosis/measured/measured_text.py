@@ -5,9 +5,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from smarig.core import spaced
+from smarig.core import capitalised, spaced
 from smarig.diagnosis.diagnosis_text import (
-    capitalised,
     gain_text,
     held_out_text,
     learned_gain_text,

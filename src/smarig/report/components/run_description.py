@@ -4,8 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from smarig.core import Quality
-from smarig.diagnosis import capitalised
+from smarig.core import Quality, capitalised
 from smarig.record import Run
 from smarig.report.components.numbers import thousands
 

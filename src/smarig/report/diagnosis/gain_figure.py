@@ -7,7 +7,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.diagnosis import Diagnosis, HeldOutGain, capitalised
+from smarig.core import capitalised
+from smarig.diagnosis import Diagnosis, HeldOutGain
 from smarig.report.components.figure import AXIS_MARGIN, Figure, Panel, Trace, axis, dots, line, log_axis
 from smarig.report.components.run_description import display_unit, source_label
 from smarig.report.components.style import FAINT, GREY, INK, MODEL

@@ -19,7 +19,6 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import brentq
 
 from smarig.core import UsageError
 from smarig.preisach import Everett, Initial, RelayMeasure, input_number, lattice
@@ -114,6 +113,8 @@ class MovingPreisach(ExtendedOperator):
         beyond = excess(end)
         if beyond * now >= 0:
             return end
+        from scipy.optimize import brentq  # imported here: takes half a second
+
         root: Any = brentq(excess, here, end, xtol=1e-15 * (h.upper - h.lower), rtol=_ROUNDING)
         return float(root)
 
