@@ -20,10 +20,10 @@ A run is one SQLite file, `*.run.sqlite`. It is written during the run; a power 
 `smarig.load_run` reads it, and so does any program that reads SQLite. All other formats (CSV, NetCDF, …) are derived
 from it.
 
-When a run is closed, a hash of each table is stored, and `load_run` compares it: a file in which a value has changed is
-refused. `smarig check RUN` says what such a file holds, and with `-o FILE` saves what can be saved to a new file. A hash
-is the first 16 digits of the SHA-256 of up to 1000 rows; `smarig.record.table_hashes` documents their bytes. A program
-that changes a run file must also remove the key `hashes`, and `hashed` from `end`.
+When a run is closed, a hash of each table is stored, and `load_run` compares it: a file in which a value has changed
+is refused. `smarig check RUN` says what such a file holds, and with `-o FILE` saves what can be saved to a new file. A
+hash is the first 16 digits of the SHA-256 of up to 1000 rows; `smarig.record.table_hashes` documents their bytes. A
+program that changes a run file must also remove the key `hashes`, and `hashed` from `end`.
 """
 RUN_KEYS = {
     "schema_version": "of these tables",

@@ -24,6 +24,7 @@ Answer = Any  # plain values, as JSON has them
 # Of a moment, a process, a machine or a version; not of the wire.
 VOLATILE = frozenset(
     {"seconds", "epoch", "start_epoch", "created", "recorder_pid", "device", "versions", "config"}
+    | {"hashes", "hashed"}  # of all this
     | {"sha256", "model_sha256"}  # of files that hold such a moment
 )
 _SAMPLE = (
