@@ -2,6 +2,7 @@
 
 import json
 import os
+import socket
 import subprocess
 import sys
 from contextlib import ExitStack
@@ -98,6 +99,7 @@ def test_two_units_on_one_line_are_one_lock(tmp_path):
             "tcp://[::1]",
             "socket://LOCALHOST.:502",
             "tcp://127.0.1.1",
+            "tcp://rig.localhost",
         ),
         (
             "tcp://[::ffff:10.0.0.5]:7",
@@ -109,6 +111,10 @@ def test_two_units_on_one_line_are_one_lock(tmp_path):
 )
 def test_one_place_on_the_network_is_one_line(same):
     assert len({frozenset(line_keys(url)) for url in same}) == 1
+
+
+def test_this_computer_by_its_own_name_is_this_computer():
+    assert line_keys(f"tcp://{socket.gethostname().upper()}:7") == line_keys("tcp://127.0.0.1:7")
 
 
 def test_other_places_are_other_lines():

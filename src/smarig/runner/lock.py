@@ -7,6 +7,7 @@ file: only give one of them the address.
 
 import ipaddress
 import os
+import socket
 import stat
 from collections.abc import Iterator
 from contextlib import AbstractContextManager, ExitStack, contextmanager
@@ -100,7 +101,8 @@ def _host(name: str) -> str:
     try:
         address = ipaddress.ip_address(name)
     except ValueError:
-        return _THIS_COMPUTER if name.endswith(".localhost") else name
+        own = name.endswith(".localhost") or name == socket.gethostname().lower()
+        return _THIS_COMPUTER if own else name
     mapped = getattr(address, "ipv4_mapped", None)
     address = mapped or address
     return _THIS_COMPUTER if address.is_loopback or address.is_unspecified else str(address)
