@@ -1,6 +1,7 @@
 """Requests to a running experiment: pause, resume, stop, record an event. The runner reads them at every tick."""
 
 from collections import deque
+from collections.abc import Sequence
 
 from smarig.core import Interrupted
 
@@ -18,8 +19,10 @@ class RunControl:
         """Have an event recorded at the next tick, from any thread."""
         self._reports.append((kind, text, level))
 
-    def reports(self) -> list[tuple[str, str, str]]:
+    def reports(self) -> Sequence[tuple[str, str, str]]:
         """Kind, text and level of the events since the last call."""
+        if not self._reports:  # nearly always: this is asked in every tick
+            return ()
         return [self._reports.popleft() for _ in range(len(self._reports))]
 
     def stop(self, cause: str) -> None:
