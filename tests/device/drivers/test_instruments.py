@@ -153,7 +153,7 @@ def where(supply):
 def test_a_supply_drives_and_measures(supply):
     source = scpi_supply(where(supply), load_rig("bench_one_wire"))
     source.set(0.5)
-    assert supply.heard[:6] == ["OUTP OFF", "*IDN?", "CURR 0", "OUTP OFF", "OUTP?", "VOLT 6.000"]
+    assert supply.heard[:6] == ["OUTP OFF", "*IDN?", "CURR 0", "OUTP OFF", "OUTP?", "VOLT 5.500"]
     readings = source.since(7, 3)
     assert [r.tick for r in readings] == [7, 8, 9]
     assert (readings[-1].current_A, readings[-1].voltage_V) == (0.5, 2.0)
