@@ -201,12 +201,18 @@ def test_what_holds_nothing_of_a_run(tmp_path, content):
 
 def test_a_file_made_to_keep_it_busy_does_not(tmp_path):
     """Rows that claim to go on for a gigabyte, on a page that leads to itself."""
-    page = bytearray(PAGE)
-    page[0], page[3:5] = 0x0D, (300).to_bytes(2, "big")
-    for k in range(300):
-        place = 700 + k * 10
+    local, pages = (
+        489,
+        250_000,
+    )  # bytes of a long row on its own page of 4096 bytes; pages that it claims beside
+    size = local + pages * (PAGE - 4)
+    varint = bytes([0x80 | size >> s & 0x7F for s in (28, 21, 14, 7)] + [size & 0x7F])
+    page = bytearray(b"\x00\x00\x03\x00" * (PAGE // 4))  # read 495 bytes after a row begins: page 3
+    page[0], page[3:5] = 0x0D, (200).to_bytes(2, "big")
+    for k in range(200):
+        place = 700 + k * 12
         page[8 + 2 * k : 10 + 2 * k] = place.to_bytes(2, "big")
-        page[place : place + 6] = b"\x84\x80\x80\x80\x00\x01"
+        page[place : place + 6] = varint + b"\x01"
     overflow = (3).to_bytes(4, "big") + bytes(PAGE - 4)
     path = tmp_path / "a.run.sqlite"
     path.write_bytes(b"SQLite format 3\x00\x10\x00".ljust(PAGE, b"\0") + bytes(page) + overflow)
