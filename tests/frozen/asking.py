@@ -24,7 +24,7 @@ Answer = Any  # plain values, as JSON has them
 # Of a moment, a process, a machine or a version; not of the wire.
 VOLATILE = frozenset(
     {"seconds", "epoch", "start_epoch", "created", "recorder_pid", "device", "versions", "config"}
-    | {"hashes", "hashed"}  # of all this
+    | {"hashes", "hashed"}  # of all of this; runs of an older smarig have none
     | {"sha256", "model_sha256"}  # of files that hold such a moment
 )
 _SAMPLE = (

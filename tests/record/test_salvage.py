@@ -1,5 +1,6 @@
 """What a damaged run file still holds is said and saved; the file itself stays as it is."""
 
+import os
 import random
 import shutil
 import sqlite3
@@ -111,6 +112,34 @@ def test_what_holds_no_row_costs_no_row(whole, damaged):
         assert found.meta["config"] == LONG_TEXT
 
 
+def test_pages_that_the_disk_does_not_give_are_skipped(whole, tmp_path, monkeypatch):
+    path = shutil.copy(whole, tmp_path / "a.run.sqlite")
+    path.with_name(f"{path.name}-wal").write_bytes(b"")
+    bad = {(n - 1) * PAGE for n in pages_of(whole, "sample")[0][5:7]}
+    seek, read, place = os.lseek, os.read, [0]
+
+    def remember(handle, offset, whence):
+        place[0] = offset
+        return seek(handle, offset, whence)
+
+    def failing(handle, count):
+        if place[0] in bad and count == PAGE:
+            raise OSError(5, "Input/output error")
+        return read(handle, count)
+
+    def not_copied(*_):
+        raise OSError(5, "Input/output error")
+
+    monkeypatch.setattr(os, "lseek", remember)
+    monkeypatch.setattr(os, "read", failing)
+    monkeypatch.setattr(shutil, "copyfile", not_copied)
+    found = salvage(path)
+    assert found.unreadable_pages == 2
+    assert 2300 < len(found.samples) < 2500
+    assert len(found.missing) == 1
+    assert "the disk does not give 2 pages" in found.sentence()
+
+
 @pytest.mark.parametrize("table", ["step", "event", "run"])
 def test_a_table_that_lost_rows_is_named(whole, damaged, table):
     leaves, inner = pages_of(whole, table)
@@ -168,6 +197,27 @@ def test_what_holds_nothing_of_a_run(tmp_path, content):
         check_run(path)
     with pytest.raises(UsageError, match="There is no run file"):
         check_run(tmp_path / "none.run.sqlite")
+
+
+def test_a_file_made_to_keep_it_busy_does_not(tmp_path):
+    """Rows that claim to go on for a gigabyte, on a page that leads to itself."""
+    local, pages = (
+        489,
+        250_000,
+    )  # bytes of a long row on its own page of 4096 bytes; pages that it claims beside
+    size = local + pages * (PAGE - 4)
+    varint = bytes([0x80 | size >> s & 0x7F for s in (28, 21, 14, 7)] + [size & 0x7F])
+    page = bytearray(b"\x00\x00\x03\x00" * (PAGE // 4))  # read 495 bytes after a row begins: page 3
+    page[0], page[3:5] = 0x0D, (200).to_bytes(2, "big")
+    for k in range(200):
+        place = 700 + k * 12
+        page[8 + 2 * k : 10 + 2 * k] = place.to_bytes(2, "big")
+        page[place : place + 6] = varint + b"\x01"
+    overflow = (3).to_bytes(4, "big") + bytes(PAGE - 4)
+    path = tmp_path / "a.run.sqlite"
+    path.write_bytes(b"SQLite format 3\x00\x10\x00".ljust(PAGE, b"\0") + bytes(page) + overflow)
+    with pytest.raises(DataError, match="Nothing can be saved"):
+        salvage(path)
 
 
 def test_chance_damage_never_stops_it_and_nothing_untrue_is_saved_as_verified(whole, tmp_path):

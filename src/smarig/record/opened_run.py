@@ -76,10 +76,15 @@ def recovered_file(file: Path) -> Iterator[Path]:
     if not _has_sidecar(file):
         yield file
         return
-    with _copied(file) as target:
-        with contextlib.suppress(sqlite3.Error), contextlib.closing(_connect(target, "rw")) as db:
-            db.execute("PRAGMA synchronous=OFF")
-            db.execute("PRAGMA wal_checkpoint(TRUNCATE)").fetchall()
+    with contextlib.ExitStack() as stack:
+        try:
+            target = stack.enter_context(_copied(file))
+        except OSError:  # the disk does not give all of it
+            target = file
+        else:
+            with contextlib.suppress(sqlite3.Error), contextlib.closing(_connect(target, "rw")) as db:
+                db.execute("PRAGMA synchronous=OFF")
+                db.execute("PRAGMA wal_checkpoint(TRUNCATE)").fetchall()
         yield target
 
 

@@ -17,7 +17,7 @@ _HEADER_BYTES = 100  # of the file, in its first page
 _TABLE_LEAF, _INDEX_LEAF, _INDEX_INTERIOR = 0x0D, 0x0A, 0x02
 _INTEGER_BYTES = {1: 1, 2: 2, 3: 3, 4: 4, 5: 6, 6: 8}  # by serial type
 _FIXED = {0: None, 8: 0, 9: 1}
-_LONGEST_RECORD = 100_000_000  # bytes
+_OVERFLOW_SHARE = 2  # times the size of the file: more than that is read only in a file made to keep us busy
 
 
 @dataclass(frozen=True)
@@ -37,12 +37,15 @@ class PageScan:
         self._handle = -1
         self._page_size = _PAGE_SIZE
         self._usable = _PAGE_SIZE
+        self._overflow_bytes = 0  # that may still be read
 
     def rows(self) -> Iterator[ScannedRow]:
         """All rows in the order of the pages. A file that cannot be opened raises OSError."""
         self._handle = os.open(self._file, os.O_RDONLY | getattr(os, "O_BINARY", 0))
         try:
-            pages = -(-self._find_page_size() // self._page_size)
+            size = self._find_page_size()
+            pages = -(-size // self._page_size)
+            self._overflow_bytes = _OVERFLOW_SHARE * size
             unused = set(self._unused_pages())
             for number in range(1, pages + 1):
                 if number not in unused:
@@ -115,8 +118,6 @@ class PageScan:
 
     def _payload(self, page: bytes, kind: int, size: int, place: int) -> bytes:
         """The bytes of a record, with those on overflow pages."""
-        if size > _LONGEST_RECORD:
-            raise ValueError
         usable = self._usable
         most = usable - 35 if kind == _TABLE_LEAF else (usable - 12) * 64 // 255 - 23
         if size <= most:
@@ -125,6 +126,9 @@ class PageScan:
         local = least + (size - least) % (usable - 4)
         local = local if local <= most else least
         parts, left = [page[place : place + local]], size - local
+        self._overflow_bytes -= max(left, 0)
+        if self._overflow_bytes < 0:
+            raise ValueError
         following = int.from_bytes(page[place + local : place + local + 4], "big")
         while left > 0 and following:
             more = self._page(following)

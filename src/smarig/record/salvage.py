@@ -34,6 +34,7 @@ class Salvaged:
     steps: list[tuple] = field(repr=False)
     events: list[tuple] = field(repr=False)
     damaged_tables: tuple[str, ...] = ()
+    unreadable_pages: int = 0  # that the disk does not give
     missing: tuple[Ticks, ...] = ()
     unverified: tuple[Ticks, ...] = ()
 
@@ -63,6 +64,7 @@ class Salvaged:
         parts = [
             f"ticks {ticks_text(self.missing)} are missing" if self.missing else "no gap is known",
             *([f"in ticks {ticks_text(self.unverified)} a value may be wrong"] if self.unverified else []),
+            *([f"the disk does not give {self.unreadable_pages} pages"] if self.unreadable_pages else []),
             *([f"the keys {', '.join(self.lost_keys)} are lost"] if self.lost_keys else []),
             *(f"the table '{table}' is not complete" for table in self.damaged_tables if table != "sample"),
         ]
@@ -73,7 +75,8 @@ def salvage(file: Path) -> Salvaged:
     """What the pages of a run file hold. Raises DataError if that is nothing, and OSError."""
     rows: dict[str, dict[Any, tuple]] = {table: {} for table in schema.READ}
     with recovered_file(file) as recovered:
-        for row in PageScan(recovered).rows():
+        scan = PageScan(recovered)
+        for row in scan.rows():
             table, key, cells = placed(row)
             if table:
                 rows[table].setdefault(key, cells)
@@ -92,6 +95,7 @@ def salvage(file: Path) -> Salvaged:
         tables["step"],
         tables["event"],
         _damaged_tables(meta, tables),
+        scan.unreadable,
         tuple(missing),
         tuple(unverified),
     )
@@ -112,7 +116,8 @@ def write_salvaged(found: Salvaged, out: Path, *, force: bool) -> None:
     told = {"from": found.source.name, **damage, "lost_keys": list(found.lost_keys)}
     meta = {**found.meta, "schema_version": schema.VERSION, "salvaged": told}
     t_s = found.samples[-1][1] if found.samples else 0.0
-    level = "warning" if found.missing or found.damaged_tables or found.lost_keys else "info"
+    damaged = found.missing or found.damaged_tables or found.lost_keys or found.unreadable_pages
+    level = "warning" if damaged else "info"
     event = (t_s or 0.0, level, "salvaged", found.sentence(), json.dumps(damage))
     with new_run_file(out, meta, force=force) as db, db:
         db.executemany(schema.INSERT_SAMPLE, found.samples)
