@@ -93,7 +93,10 @@ def test_a_run_in_its_file_is_the_run_in_memory(path):
         ):
             np.testing.assert_array_equal(a["tick"], b["tick"])
             np.testing.assert_array_equal(a["tick"], TABLE["tick"][5 * k : 5 * k + 5])
-        assert stored.values("count(*)", "max(counts)") == (N, LARGE)
+        for name in SAMPLE_COLUMNS:
+            assert stored.extremes(name) == run.extremes(name), name
+        assert run.extremes("quality") == (0.0, 2.0)
+        assert stored.marked(1, 2, 4) == run.marked(1, 2, 4) == (8, 7, 0)
 
 
 def test_a_run_in_its_file_is_of_one_moment(path):

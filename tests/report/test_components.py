@@ -101,6 +101,20 @@ def test_a_decimated_trace_keeps_every_peak_and_stays_short():
     assert loop.size <= 500
 
 
+@pytest.mark.parametrize("n", [41, 999, 1000, 4321])
+def test_decimation_keeps_the_first_extreme_of_each_segment(n: int):
+    rng = np.random.default_rng(n)
+    values = np.round(rng.normal(size=n), 1)  # extremes occur several times
+    values[rng.random(n) < 0.3] = np.nan
+    edges = np.linspace(0, n, 21).astype(int)
+    wanted = set()
+    for a, b in zip(edges[:-1], edges[1:]):
+        segment = values[a:b]
+        extremes = [np.nanargmin(segment), np.nanargmax(segment)] if np.isfinite(segment).any() else [0]
+        wanted |= {a + int(k) for k in extremes}
+    assert envelope(values, 40).tolist() == sorted(wanted)
+
+
 def test_gaps_stay_gaps_when_decimated():
     values = np.concatenate([np.ones(5000), np.full(5000, np.nan), np.ones(5000)])
     drawn = values[envelope(values, 300)]

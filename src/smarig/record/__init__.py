@@ -34,7 +34,6 @@ if TYPE_CHECKING:
     from smarig.record.salvage import write_salvaged as write_salvaged
     from smarig.record.schema import SAMPLE_COLUMNS as SAMPLE_COLUMNS
     from smarig.record.stored_run import StoredRun as StoredRun
-    from smarig.record.stored_run import finite as finite
     from smarig.record.stored_run import stored_run as stored_run
     from smarig.record.wire_history import Wear as Wear
     from smarig.record.wire_history import WireHistory as WireHistory

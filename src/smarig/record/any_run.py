@@ -44,6 +44,14 @@ class AnyRun(ABC):
     ) -> Iterator[dict[str, NDArray[np.float64]]]:
         """The named columns in blocks of that many rows, in order."""
 
+    @abstractmethod
+    def extremes(self, name: str) -> tuple[float, float] | None:
+        """The smallest and the largest value of a channel; None if it was not measured."""
+
+    @abstractmethod
+    def marked(self, *marks: int) -> tuple[int, ...]:
+        """The number of samples with each of these quality marks."""
+
     @property
     @abstractmethod
     def span_s(self) -> float:

@@ -113,6 +113,16 @@ class Run(AnyRun, NotebookDisplay):
         for a in range(0, len(self), rows):
             yield {name: self[name][a : a + rows] for name in names}
 
+    def extremes(self, name: str) -> tuple[float, float] | None:
+        """The smallest and the largest value of a channel; None if it was not measured."""
+        known = self[name][np.isfinite(self[name])]
+        return (float(known.min()), float(known.max())) if known.size else None
+
+    def marked(self, *marks: int) -> tuple[int, ...]:
+        """The number of samples with each of these quality marks."""
+        quality = np.nan_to_num(self["quality"]).astype(int)
+        return tuple(int(np.count_nonzero(quality & mark)) for mark in marks)
+
     @property
     def span_s(self) -> float:
         """Time from the first to the last sample that has one; 0 if none has."""

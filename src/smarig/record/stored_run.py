@@ -65,7 +65,7 @@ class StoredRun(AnyRun):
     def has(self, name: str) -> bool:
         """Whether a channel was measured."""
         check_column(name)
-        return bool(self._rows(f"SELECT 1 FROM sample WHERE {finite(name)} LIMIT 1"))
+        return bool(self._rows(f"SELECT 1 FROM sample WHERE {_finite(name)} LIMIT 1"))
 
     def blocks(
         self, names: Sequence[str], rows: int = BLOCK_ROWS
@@ -76,14 +76,21 @@ class StoredRun(AnyRun):
         with reading(self.path):
             yield from column_blocks(self._db, names, rows)
 
-    def values(self, *expressions: str) -> tuple[Any, ...]:
-        """The values of SQL expressions over all samples, such as ``min(position)``."""
-        return self._rows(f"SELECT {', '.join(expressions)} FROM sample")[0]
+    def extremes(self, name: str) -> tuple[float, float] | None:
+        """The smallest and the largest value of a channel; None if it was not measured."""
+        check_column(name)
+        low, high = self._rows(f"SELECT min({name}), max({name}) FROM sample WHERE {_finite(name)}")[0]
+        return None if low is None else (float(low), float(high))
+
+    def marked(self, *marks: int) -> tuple[int, ...]:
+        """The number of samples with each of these quality marks."""
+        sums = ", ".join(f"total((quality & {int(mark)}) != 0)" for mark in marks)
+        return tuple(map(int, self._rows(f"SELECT {sums} FROM sample")[0]))
 
     @property
     def span_s(self) -> float:
         """Time from the first to the last sample that has one; 0 if none has."""
-        query = f"SELECT t_s FROM sample WHERE {finite('t_s')} ORDER BY tick"
+        query = f"SELECT t_s FROM sample WHERE {_finite('t_s')} ORDER BY tick"
         ends = [self._rows(f"{query} {order} LIMIT 1") for order in ("", "DESC")]
         return float(ends[1][0][0] - ends[0][0][0]) if ends[0] else 0.0
 
@@ -92,7 +99,7 @@ class StoredRun(AnyRun):
             return self._db.execute(query).fetchall()
 
 
-def finite(name: str) -> str:
+def _finite(name: str) -> str:
     """The SQL condition that a cell of a column is a finite number."""
     return f"{name} BETWEEN {-LARGEST!r} AND {LARGEST!r}"
 

@@ -1,7 +1,8 @@
 """Writes a page next to each run of a folder, and an index of all runs.
 
 The pages share one copy of Plotly's script. A page that is newer than its run is not rewritten, so a folder that
-grows every night stays small and its index is updated quickly.
+grows every night stays small. The summaries of the index are kept beside it (``SummaryCache``), so a run that has not
+changed is not read again.
 """
 
 import os
@@ -11,11 +12,11 @@ from pathlib import Path
 from urllib.parse import quote
 
 from smarig.core import DataError, UsageError
-from smarig.record import Run, load_run
+from smarig.record import Run, load_run, stored_run
 from smarig.report.components.page import LIBRARY, is_smarig_page, write_library, write_page
 from smarig.report.index_page import IndexEntry, index_page
-from smarig.report.run_page import run_page
-from smarig.report.runs.run_summary import summary_of
+from smarig.report.runs.run_summary import RunSummary, summary_of
+from smarig.report.runs.summary_cache import SummaryCache, file_state
 
 INDEX_FILE = "index.html"
 
@@ -71,28 +72,45 @@ def report_folder(folder: Path, *, force: bool = False) -> FolderReport:
         if page.exists() and not (force or is_smarig_page(page)):
             raise UsageError(f"{page} was not written by smarig. Move it, or use --force to replace it.")
     write_library(folder)
+    cache = SummaryCache(folder)
     entries, pages, unreadable = [], [], []
     for file in files:
         try:
             check_name(file)
-            run = load_run(file)
+            summary = _summary_and_page(file, folder, cache, force)
         except DataError as error:
             unreadable.append(str(error))
             continue
-        page = _update_page(run, folder, force)
-        pages.append(WrittenPage(page, run.complete, run.cause))
-        entries.append(IndexEntry(summary_of(run), _relative_url(page, folder)))
+        page = page_path(file)
+        pages.append(WrittenPage(page, summary.complete, summary.cause))
+        entries.append(IndexEntry(summary, _relative_url(page, folder)))
+    cache.write()
     title = f"Runs in {folder.resolve().name or folder}"
     write_page(index_page(title, entries, unreadable), index, force=True)
     return FolderReport(index, tuple(pages), tuple(unreadable))
 
 
-def _update_page(run: Run, folder: Path, force: bool) -> Path:
-    """Write the run's page unless it is newer than the run, and return its path."""
-    page = page_path(run.path)
-    if force or not page.exists() or page.stat().st_mtime <= _modified_s(run.path):
-        write_page(run_page(run, library=_relative_url(folder / LIBRARY, page.parent)), page, force=True)
-    return page
+def _summary_and_page(file: Path, folder: Path, cache: SummaryCache, force: bool) -> RunSummary:
+    """The run's summary, after its page was written unless that is newer than the run."""
+    page, state = page_path(file), file_state(file)
+    if force or not page.exists() or page.stat().st_mtime <= _modified_s(file):
+        run = load_run(file)
+        _write_run_page(run, page, _relative_url(folder / LIBRARY, page.parent))
+        summary = summary_of(run)
+    else:
+        known = cache.of(file)
+        if known is not None:
+            return known
+        with stored_run(file) as stored:
+            summary = summary_of(stored)
+    cache.keep(file, state, summary)
+    return summary
+
+
+def _write_run_page(run: Run, page: Path, library: str) -> None:
+    from smarig.report.run_page import run_page  # imported here: not needed where all pages are up to date
+
+    write_page(run_page(run, library=library), page, force=True)
 
 
 def _modified_s(file: Path) -> float:

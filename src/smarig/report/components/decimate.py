@@ -18,12 +18,17 @@ def envelope(values: NDArray[np.float64], points: int = POINTS) -> NDArray[np.in
     if n <= points:
         return np.arange(n)
     edges = np.linspace(0, n, points // 2 + 1).astype(int)
-    low = np.where(np.isfinite(values), values, np.inf)
-    high = np.where(np.isfinite(values), values, -np.inf)
-    kept_indices = [
-        (a + int(np.argmin(low[a:b])), a + int(np.argmax(high[a:b]))) for a, b in zip(edges[:-1], edges[1:])
-    ]
-    return np.unique(np.array(kept_indices).ravel())
+    known = np.isfinite(values)
+    lowest = _first_minima(np.where(known, values, np.inf), edges)
+    highest = _first_minima(np.where(known, -values, np.inf), edges)
+    return np.union1d(lowest, highest)
+
+
+def _first_minima(values: NDArray[np.float64], edges: NDArray[np.intp]) -> NDArray[np.intp]:
+    """The index of the first minimum of every bucket between two edges."""
+    least = np.minimum.reduceat(values, edges[:-1])
+    equal = np.flatnonzero(values == np.repeat(least, np.diff(edges)))
+    return equal[np.searchsorted(equal, edges[:-1])]
 
 
 def path(u: NDArray[np.float64], y: NDArray[np.float64], points: int = POINTS) -> NDArray[np.intp]:

@@ -1,28 +1,27 @@
 """Descriptions of a run for captions: rig, wire, n, seed, units, origin of the input, and quality counts."""
 
+import math
 from dataclasses import dataclass
 
-import numpy as np
-
 from smarig.core import Quality, capitalised
-from smarig.record import Run
+from smarig.record import AnyRun
 from smarig.report.components.numbers import thousands
 
 _SOURCE_LABELS = {"twin": "TWIN", "simulation": "SIMULATION"}
 
 
-def source_label(*runs: Run) -> str:
+def source_label(*runs: AnyRun) -> str:
     """ "TWIN" or "SIMULATION" if any of the runs was not measured, "" for hardware and imports."""
     found = [_SOURCE_LABELS[run.info.source] for run in runs if run.info.source in _SOURCE_LABELS]
     return found[0] if found else ""
 
 
-def protocol_name(run: Run) -> str:
+def protocol_name(run: AnyRun) -> str:
     """The displayed name of the protocol."""
     return str(run.info.protocol or "unnamed").replace("_", " ").replace("sma ", "SMA ")
 
 
-def run_caption(run: Run) -> str:
+def run_caption(run: AnyRun) -> str:
     """The last sentence of a caption: n, sample rate, rig, wire, seed, ambient temperature and origin of the input.
 
     Unknown items are omitted.
@@ -42,18 +41,16 @@ def run_caption(run: Run) -> str:
     return "; ".join(part for part in where if part) + "."
 
 
-def _ambient(run: Run) -> str:
-    known = run["ambient_degC"][np.isfinite(run["ambient_degC"])]
-    if not known.size:
+def _ambient(run: AnyRun) -> str:
+    low, high = run.extremes("ambient_degC") or (math.nan, math.nan)
+    if math.isnan(low):
         return ""
-    low, high = float(known.min()), float(known.max())
     return f"ambient {low:.1f} °C" if high - low < 0.05 else f"ambient {low:.1f} to {high:.1f} °C"
 
 
-def duration_s(run: Run) -> float:
+def duration_s(run: AnyRun) -> float:
     """The time from first to last sample; NaN for a run without times."""
-    known = run["t_s"][np.isfinite(run["t_s"])]
-    return float(known[-1] - known[0]) if known.size else float("nan")
+    return run.span_s if run.has("t_s") else float("nan")
 
 
 def display_unit(unit: str) -> str:
@@ -61,12 +58,12 @@ def display_unit(unit: str) -> str:
     return "" if unit == "1" else unit.replace("^2", "²").replace("^3", "³").replace("degC", "°C")
 
 
-def input_title(run: Run) -> str:
+def input_title(run: AnyRun) -> str:
     """The axis title of the hysteresis input with its unit: "Wire temperature above ambient (K)"."""
     return _axis_title(run.info.input.quantity or "input", run.input_unit)
 
 
-def output_title(run: Run) -> str:
+def output_title(run: AnyRun) -> str:
     """The axis title of the output with its unit."""
     return _axis_title(run.info.output.quantity or "output", run.unit)
 
@@ -76,7 +73,7 @@ def _axis_title(quantity: str, unit: str) -> str:
     return f"{words} ({display_unit(unit)})" if display_unit(unit) else words
 
 
-def count_size(run: Run) -> float:
+def count_size(run: AnyRun) -> float:
     """One encoder count in the run's unit, 0 without an encoder."""
     return run.info.output.resolution
 
@@ -106,9 +103,9 @@ class QualityCounts:
 FLAG_NAMES = ("timed_out", "interrupted", "void", "retried", "stale", "saturated", "tripped", "suspect")
 
 
-def quality_counts(run: Run) -> QualityCounts:
+def quality_counts(run: AnyRun) -> QualityCounts:
     """The quality counts of a run."""
-    quality = np.nan_to_num(run["quality"]).astype(int)
+    marks = {flag.name.lower(): int(flag) for flag in Quality if flag.name and flag}
     verdicts = [step.verdict for step in run.steps]
     return QualityCounts(
         steps=len(run.steps),
@@ -117,5 +114,5 @@ def quality_counts(run: Run) -> QualityCounts:
         interrupted=verdicts.count("interrupted"),
         void=sum(step.void for step in run.steps),
         samples=len(run),
-        **{flag.name.lower(): int(np.sum(quality & flag > 0)) for flag in Quality if flag.name and flag},
+        **dict(zip(marks, run.marked(*marks.values()), strict=True)),
     )

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from smarig.core import spaced
-from smarig.record import Run
+from smarig.record import AnyRun
 from smarig.report.components.decimate import path
 from smarig.report.components.html import Html
 from smarig.report.components.numbers import duration, number, thousands
@@ -50,6 +50,7 @@ class RunSummary:
     unit: str
     input_unit: str
     axes: tuple[str, str]
+    complete: bool
     cause: str
     notes: str
     settings: str
@@ -88,10 +89,10 @@ class RunSummary:
         return f"{took}, travel {number(self.travel)}{spaced(self.unit)}"
 
 
-def summary_of(run: Run) -> RunSummary:
+def summary_of(run: AnyRun) -> RunSummary:
     """The summary of a run."""
     u, y = loop(run, _POINTS)
-    m, known = quality_counts(run), run["position"][np.isfinite(run["position"])]
+    m, extremes = quality_counts(run), run.extremes("position")
     epoch, seed = run.info.start_epoch, run.info.seed
     return RunSummary(
         file=run.path.name,
@@ -107,10 +108,11 @@ def summary_of(run: Run) -> RunSummary:
         steps=m.steps,
         settled=m.settled,
         flagged=m.timed_out + m.interrupted + m.void + m.retried + m.stale + m.saturated + m.tripped,
-        travel=float(np.ptp(known)) if known.size else float("nan"),
+        travel=extremes[1] - extremes[0] if extremes else float("nan"),
         unit=display_unit(run.unit),
         input_unit=display_unit(run.input_unit),
         axes=(input_title(run), output_title(run)),
+        complete=run.complete,
         cause=run.cause,
         notes=run.info.notes or "",
         settings=", ".join(f"{k}={v}" for k, v in run.info.settings.items()),
@@ -119,7 +121,7 @@ def summary_of(run: Run) -> RunSummary:
     )
 
 
-def loop(run: Run, points: int) -> tuple[Array, Array]:
+def loop(run: AnyRun, points: int) -> tuple[Array, Array]:
     """Input and output (k,) of the settled points, else of the samples, thinned with all extremes kept."""
     u, y = run.points()
     kept = path(u, y, points)
