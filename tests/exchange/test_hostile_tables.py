@@ -7,7 +7,8 @@ import pytest
 from smarig.control.tracking.reference import reference_from_csv
 from smarig.core.errors import DataError, UsageError
 from smarig.exchange import export_run
-from smarig.exchange.text_table import TableLayout, read_table
+from smarig.exchange.table_file import read_table
+from smarig.exchange.text_table import TableLayout
 from smarig.protocols import Setup, build_protocol
 from smarig.record import Recorder
 

@@ -6,7 +6,7 @@ import sqlite3
 import numpy as np
 import pytest
 
-from record.runs import META
+from record.runs import META, edited, unhash
 from smarig.core.errors import DataError, UsageError
 from smarig.record import load_run, sample_columns, stored_run
 from smarig.record.new_run_file import write_run
@@ -101,6 +101,7 @@ def test_a_run_in_its_file_is_the_run_in_memory(path):
 
 def test_a_run_in_its_file_is_of_one_moment(path):
     """What a recorder adds afterwards is not half seen."""
+    unhash(path)
     with sqlite3.connect(path) as db:
         db.execute("PRAGMA journal_mode=WAL")
     with stored_run(path) as stored:
@@ -112,7 +113,7 @@ def test_a_run_in_its_file_is_of_one_moment(path):
 
 
 def test_damage_and_wrong_names_are_one_sentence(path):
-    with sqlite3.connect(path) as db:
+    with edited(path) as db:
         db.execute("UPDATE sample SET position = 'soft' WHERE tick = 6")
     db.close()
     with pytest.raises(

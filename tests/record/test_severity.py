@@ -6,7 +6,7 @@ import sqlite3
 import pytest
 
 import smarig
-from record.runs import META
+from record.runs import META, edited
 from smarig.core.errors import Interrupted, LimitExceeded
 from smarig.device.encoding.link_faults import Silent
 from smarig.record import load_run
@@ -48,7 +48,7 @@ def test_a_file_from_before_severities_has_them_by_kind_and_level(tmp_path):
     recorder = Recorder(path, META)
     recorder.event(1.0, "lost", "Something.", level="warning")
     recorder.close("done")
-    with sqlite3.connect(path) as db:
+    with edited(path) as db:
         db.execute("UPDATE event SET data = '{}'")
     db.close()
     assert load_run(path).severity == "invalid"

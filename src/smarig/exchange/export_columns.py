@@ -113,7 +113,9 @@ def _column(name: str, unit: str, what: str, rows: Iterable[Step | Event]) -> Ex
         cells = [json.dumps(v, ensure_ascii=False) for v in cells]
     text = name in ("branch", "verdict", "level", "kind", "text", "data", "severity")
     values: NDArray[Any] = (
-        np.array(cells, dtype=object)  # not a dtype of texts: each would take the space of the longest
+        np.array(
+            [str(cell) for cell in cells], dtype=object
+        )  # not a dtype of texts: each would take the space of the longest
         if text
         else np.array([np.nan if v is None else v for v in cells], dtype=float)
     )
