@@ -4,6 +4,7 @@ This holds for the usual file: text in UTF-8 with one header, whose rows are ASC
 is left to ``read_whole_table``, whose messages name line and column.
 """
 
+import csv
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -43,7 +44,7 @@ def read_table(path: Path, layout: TableLayout) -> Table:
     """Read a text table; UsageError if the file does not exist, DataError with the line if it is not a table."""
     try:
         return _read_by_blocks(path, layout)
-    except (_UnusualError, DataError, OSError, UnicodeDecodeError):
+    except (_UnusualError, DataError, OSError, UnicodeDecodeError, csv.Error):
         return text_table.read_whole_table(path, layout)
 
 
@@ -118,6 +119,7 @@ def _parsed(
     if not block.isascii() or _has_other_breaks(block) or min(block, default=_FIRST_TEXT) < _FIRST_TEXT:
         raise _UnusualError
     lines = block.decode("ascii").splitlines()
+    text_table.check_lines(path, lines, text_table.MAX_LINE)
     cells, where = text_table.cells(path, lines, 0, head.names, head.delimiter, False)
     columns = [
         text_table.numbers(path, name, [row[k] for row in cells], where, decimal)

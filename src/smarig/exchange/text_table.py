@@ -78,8 +78,6 @@ def check_lines(path: Path, lines: Sequence[str], longest: int) -> None:
 
 def _table(path: Path, text: str, lines: list[str], notes: list[str], layout: TableLayout) -> Table:
     start, names, delimiter = header(path, lines, layout)
-    if len(names) > MAX_COLUMNS:
-        raise DataError(f"{path} has {len(names)} columns; a table has at most {MAX_COLUMNS}.")
     # In a file of several tables, the preamble of a table starts after the blank line before it.
     begin = (
         max((k for k in range(start) if not lines[k].strip()), default=-1) + 1 if layout.header_starts else 0
@@ -182,6 +180,8 @@ def header(path: Path, lines: Sequence[str], layout: TableLayout) -> tuple[int, 
         start = _best_header(path, lines, layout.known, choices)
     delimiter = max(choices, key=lambda d: _recognised(lines[start], d, layout.known))
     names = [name or f"column {k + 1}" for k, name in enumerate(split(lines[start], delimiter))]
+    if len(names) > MAX_COLUMNS:
+        raise DataError(f"{path} has {len(names)} columns; a table has at most {MAX_COLUMNS}.")
     twice = sorted(name for name, times in Counter(names).items() if times > 1)
     if twice:
         raise DataError(f"{path}, line {start + 1}: column {shown(twice[0])} appears more than once.")
