@@ -152,9 +152,10 @@ class Bench:
             if reading is None:
                 last = self._last or CurrentReading(0, float("nan"), float("nan"), float("nan"), Quality.GOOD)
                 reading = last._replace(quality=last.quality | Quality.STALE)
-                self._offset = min(self._ticks_apart(), self._offset)  # the source's clock is slower
             self._last = reading
             found.append(reading)
+        if any(p.tick not in by_tick for p in positions):
+            self._offset = min(self._ticks_apart(), self._offset)  # the source's clock is slower
         self._orders.read_until(found[-1].tick)
         return found
 
