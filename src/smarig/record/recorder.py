@@ -17,10 +17,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from smarig.core import Sample, StepResult, StorageError
+from smarig.core import Sample, StepResult, StorageError, printable
 from smarig.record import schema
 from smarig.record.clock_watch import ClockWatch
 from smarig.record.continuation import Continuation, opened_for_recording, reopened
+from smarig.record.metadata import MAX_LINE_LENGTH
 from smarig.record.new_run_file import new_run_file
 
 COMMIT_INTERVAL_S = 0.5
@@ -122,7 +123,9 @@ class Recorder:
 
     def event(self, t_s: float, kind: str, text: str, *, level: str = "info", **data: Any) -> None:
         """Record an event."""
-        self._execute(schema.INSERT_EVENT, (t_s, level, kind, text, json.dumps(data)))
+        self._execute(
+            schema.INSERT_EVENT, (t_s, level, kind, printable(text, MAX_LINE_LENGTH), json.dumps(data))
+        )
 
     def describe(self, key: str, value: Any) -> None:
         """Set a key of the run table."""
@@ -231,7 +234,7 @@ class Recorder:
         self.event(
             t_s, "end", f"Run ended: {cause.rstrip('.')}.", level="info" if cause == "done" else "warning"
         )
-        self.describe("end", {"cause": cause, "epoch": time.time()})
+        self.describe("end", {"cause": printable(cause, MAX_LINE_LENGTH), "epoch": time.time()})
         self._closing.set()
         self._wake.set()
         self._wait_for_writer()
