@@ -37,3 +37,13 @@ def test_what_is_wrong_in_a_base_is_reported(tmp_path):
         load_rig(written(tmp_path, "me", f'name = "me"\nbase = "{me}"\n'))
     with pytest.raises(ConfigError, match="'base' must name another rig file"):
         load_rig(written(tmp_path, "number", 'name = "number"\nbase = 3\n'))
+
+
+def test_a_base_that_is_no_rig_file_is_not_quoted(tmp_path):
+    """A rig file from somebody else may name any file."""
+    secret = written(tmp_path, "secret", 'password = "hunter2"\n')
+    with pytest.raises(ConfigError) as refusal:
+        load_rig(written(tmp_path, "mine", f'name = "mine"\nbase = "{secret}"\n'))
+    assert "which is not a rig file" in str(refusal.value)
+    assert "password" not in str(refusal.value)
+    assert "hunter2" not in str(refusal.value)

@@ -37,7 +37,7 @@ COMMANDS: dict[str, dict[str, Words]] = {
         "calibrate": lambda m, f, o: ["calibrate", f],
         "certify": lambda m, f, o: ["certify", m.model, "--run", f],
         "diagnose": lambda m, f, o: [
-            *("diagnose", m.model, "--train", m.whole, "--held-out", f, "--nulls", "20", "-o", o / "found"),
+            *("diagnose", m.model, "--train", m.whole, "--held-out", f, "--nulls", "40", "-o", o / "found"),
         ],
         "simulate": lambda m, f, o: ["simulate", m.model, "--along", f, "-o", o / "s.run.sqlite"],
         "import": lambda m, f, o: ["import", f, "--format", "csv", "-o", o / "i.run.sqlite"],
@@ -92,7 +92,7 @@ COMMANDS: dict[str, dict[str, Words]] = {
         "certify": lambda m, f, o: ["certify", f, "-o", o / "c.html"],
         "calibrate": lambda m, f, o: ["calibrate", m.whole, "--model", f],
         "diagnose": lambda m, f, o: [
-            *("diagnose", f, "--train", m.whole, "--held-out", m.whole, "--nulls", "20", "-o", o / "found"),
+            *("diagnose", f, "--train", m.whole, "--held-out", m.killed, "--nulls", "40", "-o", o / "found"),
         ],
         "report": lambda m, f, o: ["report", m.whole, "--model", f, "-o", o / "page.html"],
         "view": lambda m, f, o: ["view", m.whole, "--model", f, "--save", o / "v.rrd"],

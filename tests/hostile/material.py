@@ -3,8 +3,10 @@
 Beside them lie a secret, which no command may show, and a Python file that no command may execute.
 """
 
+import contextlib
 import json
 import shutil
+import sqlite3
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -17,7 +19,7 @@ from smarig.identification import identify
 from smarig.record import load_run
 
 SECRET = "hunter2-correct-horse"
-PARTITION_K = (0, 40, 90, 170)
+PARTITION_K = (0, 40, 80, 120, 170)
 CSV = "time_s,current_command_A,position_mm\n" + "".join(
     f"{k / 10},{0.0 if k < 30 else 0.5},{0.001 * (k % 7) + (k >= 30)}\n" for k in range(60)
 )
@@ -97,6 +99,8 @@ def make_material(folder: Path) -> Material:
     smarig.run("first_order_descending", rig="one_wire_twin", out=m.whole, **settings)
     run = load_run(m.whole)
     cut(m.whole, m.killed, int(run["tick"][len(run) * 3 // 4]))
+    with contextlib.closing(sqlite3.connect(m.killed)) as db, db:  # a day later: the clocks must not overlap
+        db.execute("UPDATE run SET value = value + 86400 WHERE key = 'start_epoch'")
     identify(run, "constant").model.save(m.model)
     m.secret.write_text(f'{SECRET} = "{SECRET}"\n', encoding="utf-8")
     m.precious.write_text("years of work\n" * 10, encoding="utf-8")

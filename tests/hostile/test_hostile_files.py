@@ -82,3 +82,29 @@ def test_what_once_went_wrong(capfd, tmp_path, material, case):
 def test_the_corpus_is_large_and_has_every_kind():
     assert {kind: len(files) >= 20 for kind, files in CORPUS.items()} == dict.fromkeys(CORPUS, True)
     assert set(COMMANDS) == set(CORPUS)
+
+
+HONEST = [
+    ("run", "report"),
+    ("run", "export csv"),
+    ("run", "verify"),
+    ("run", "identify"),
+    ("run", "simulate"),
+    ("run", "diagnose"),
+    ("run", "resume"),
+    ("table", "import csv"),
+    ("toml", "check"),
+    ("model", "verify"),
+    ("model", "simulate on its rig"),
+    ("matlab", "import mat"),
+]
+
+
+@pytest.mark.parametrize(("kind", "command"), HONEST)
+def test_the_honest_files_are_accepted(capfd, tmp_path, material, kind, command):
+    """Otherwise every hostile one would be refused for another reason than its own."""
+    honest = {"table": "good.csv", "toml": "rig.toml", "model": "m.model.json", "matlab": "good.mat"}
+    path = material.folder / honest[kind] if kind != "run" else tmp_path / "killed.run.sqlite"
+    if kind == "run":
+        path.write_bytes(material.killed.read_bytes())
+    assert run([str(word) for word in COMMANDS[kind][command](material, path, tmp_path)]) == 0

@@ -145,6 +145,15 @@ def test_long_texts_are_refused_with_their_limit(path, statement, says):
         load_run(path)
 
 
+def test_a_long_cause_is_shortened_when_it_is_written_so_that_the_run_can_be_read(tmp_path):
+    own = Recorder(tmp_path / "b.run.sqlite", META)
+    own.event(0.0, "driver", "e" * 1_000_000)
+    own.close("c" * 1_000_000)
+    run = load_run(own.path)
+    assert run.cause.startswith("cccc")
+    assert run.events[0].text.endswith("eeee")
+
+
 def test_a_description_that_could_not_be_read_again_is_refused_before_the_experiment(tmp_path):
     with pytest.raises(UsageError, match="'notes' is not a string of at most"):
         Recorder(tmp_path / "b.run.sqlite", {**META, "notes": "n" * 2_000_000})

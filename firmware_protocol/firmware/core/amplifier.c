@@ -112,7 +112,7 @@ static bool order_fits(uint16_t order, uint16_t state)
     return order != AMP_ORDER_REARM || state != AMP_STATE_ARMED;
 }
 
-/* Never the same twice: the boot, then the number of orders since. */
+/* The boot, then the number of orders since: another one after every order, the same only after 65,536 of them. */
 static uint32_t arm_nonce(const struct amplifier *a)
 {
     return (uint32_t)a->boot_count << 16 | a->orders;

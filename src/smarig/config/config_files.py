@@ -113,6 +113,10 @@ def _rig_files(name: str) -> list[tuple[Path, dict[str, Any]]]:
                 f"{path} is its own base, directly or through another file. Name another rig file."
             )
         raw = read_toml(path)
+        if found and not raw.keys() <= RigFile.model_fields.keys() | {"base"}:
+            raise ConfigError(
+                f"{found[-1][0]} has the base {path}, which is not a rig file."
+            )  # without its contents
         found.append((path, raw))
         name = raw.get("base", "")
         if not isinstance(name, str):

@@ -13,11 +13,12 @@ def printable(text: str, longest: int = LONGEST_MESSAGE) -> str:
 
     >>> printable("\x1b[2Jdone")
     '\\x1b[2Jdone'
-    >>> printable("a" * 5000)[1990:2010]
-    'aaaaaaaaaa … aaaaaaa'
+    >>> printable("a" * 5000, 11)
+    'aaaa … aaaa'
     """
     if len(text) > longest:
-        text = f"{text[: longest // 2]} … {text[-longest // 2 :]}"
+        half = max((longest - 3) // 2, 1)
+        text = f"{text[:half]} … {text[-half:]}"
     if text.isprintable():
         return text
     return "".join(c if c in _KEPT or unicodedata.category(c) not in _HIDDEN else _escaped(c) for c in text)
@@ -26,8 +27,8 @@ def printable(text: str, longest: int = LONGEST_MESSAGE) -> str:
 def shown(value: Any, longest: int = 80) -> str:
     """A value in a message, as Python writes it, on one line.
 
-    >>> shown("x" * 100, 20)
-    "'xxxxxxxxx … xxxxxxxxx'"
+    >>> shown("x" * 100, 21)
+    "'xxxxxxxx … xxxxxxxx'"
     """
     try:
         text = repr(value)

@@ -67,9 +67,9 @@ def check_sidecars(file: Path) -> None:
     SQLite deletes the file that such a journal names.
     """
     for suffix in SIDECARS:
-        beside = file.with_name(file.name + suffix)
-        if beside.is_symlink() or (beside.exists() and not beside.is_file()):
-            raise DataError(f"{beside} is not a regular file. Remove it, or copy {file.name} without it.")
+        sidecar = file.with_name(file.name + suffix)
+        if sidecar.is_symlink() or (sidecar.exists() and not sidecar.is_file()):
+            raise DataError(f"{sidecar} is not a regular file. Remove it, or copy {file.name} without it.")
     journal = file.with_name(file.name + "-journal")
     if journal.is_file() and _last_bytes(journal, len(_JOURNAL_MAGIC)) == _JOURNAL_MAGIC:
         raise DataError(

@@ -16,10 +16,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from smarig.core import Sample, Severity, StepResult, StorageError, severity_of
+from smarig.core import Sample, Severity, StepResult, StorageError, printable, severity_of
 from smarig.record import schema
 from smarig.record.clock_watch import ClockWatch
 from smarig.record.continuation import Continuation, opened_for_recording, reopened
+from smarig.record.metadata import MAX_LINE_LENGTH
 from smarig.record.new_run_file import new_run_file
 from smarig.record.run_end import end_event, leave_one_file, store_end
 from smarig.record.sample_hashes import SampleHashes
@@ -140,7 +141,8 @@ class Recorder:
         severity = severity_of(kind, level, data)
         if severity != severity_of("", level):
             data["severity"] = severity
-        self._execute(schema.INSERT_EVENT, (t_s, level, kind, text, json.dumps(data)))
+        row = (t_s, level, kind, printable(text, MAX_LINE_LENGTH), json.dumps(data))
+        self._execute(schema.INSERT_EVENT, row)
 
     def describe(self, key: str, value: Any) -> None:
         """Set a key of the run table."""
@@ -264,7 +266,7 @@ class Recorder:
         """
         if self._closing.is_set():
             return
-        self._end = (t_s, cause, severity)
+        self._end = (t_s, printable(cause, MAX_LINE_LENGTH), severity)
         self._closing.set()
         self._wake.set()
         self._wait_for_writer()

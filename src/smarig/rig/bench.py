@@ -86,7 +86,8 @@ class Bench:
         if self._orders.contradiction:
             reason = (
                 self.source.tripped or f"{self._orders.contradiction} The current is at zero."
-            )  # the first one
+            )  # the first
+            self._alarms.append(Alarm("error", "contradiction", reason))
             self._fault = RigFault(reason)
             self.safe()
         elif self.source.tripped and samples[-1].quality & _OVER:  # all samples before the trip are returned

@@ -54,12 +54,17 @@ def test_a_device_that_is_another_is_let_go_of(driver, other, monkeypatch):
     assert link.closed == 1
 
 
-def test_the_first_current_arms_later_ones_do_not(link):
+def test_arming_comes_before_the_first_current_at_zero(link):
+    """So an arm frame that arrives late heats nothing."""
     amplifier = SmarigAmplifier(link, SETTINGS)
     link.status["state"] = 1
     amplifier.set(0.25)
     amplifier.set(0.5)
-    assert [(d["order"], d["current"]) for d in link.done[1:]] == [(ARM, 250_000), (0, 500_000)]
+    assert [(d["order"], d["current"]) for d in link.done[1:]] == [
+        (ARM, 0),
+        (0, 250_000),
+        (0, 500_000),
+    ]
 
 
 @pytest.mark.parametrize("says", [{"state": 1, "output": 0}, {"state": 0, "output": 5}])

@@ -84,10 +84,11 @@ class SmarigAmplifier:
         if self.tripped:
             return self.tick()
         raw = self._current.encode(current_A)
-        order = {"order": self._orders["none"]}
-        if not self._armed:
-            order = {"order": self._orders["arm"], "nonce": self._nonce}
-        status = self._ordered({**order, "current": raw}, armed=True)
+        if not self._armed:  # at zero current: an arm frame that arrives late heats nothing
+            self._ordered({"order": self._orders["arm"], "nonce": self._nonce, "current": 0}, armed=True)
+            if self.tripped:
+                return self.tick()
+        status = self._ordered({"current": raw}, armed=True)
         self._raw = 0 if self.tripped else raw
         return status.values["tick"]
 

@@ -18,6 +18,7 @@ from smarig.preisach.hysteresis.mirrored import Mirrored
 from smarig.preisach.hysteresis.surface_form import surface_form
 
 LARGEST = 1e12  # its square does not overflow
+MOST_NODES = 1000  # of a table: a million values
 
 
 @singledispatch
@@ -96,6 +97,8 @@ def _dump_table(hysteresis: FodTable) -> dict[str, Any]:
 
 def _load_table(data: dict[str, Any]) -> FodTable:
     nodes, rows = np.array(data["nodes"], dtype=float), data["rows"]
+    if nodes.size > MOST_NODES:
+        raise DataError(f"a table has at most {MOST_NODES} nodes, this one {nodes.size}")
     values = np.full((nodes.size, nodes.size), np.nan)
     if len(rows) != nodes.size or any(len(row) != k + 1 for k, row in enumerate(rows)):
         raise DataError(f"a table of {nodes.size} nodes requires rows of 1 to {nodes.size} values")
