@@ -219,7 +219,7 @@ def fill(rec: Recorder, path) -> int:
     for _ in range(3000):
         rec.sample(sample(next(ticks)), None, 0.0)
     rec.step(result(1), branch="fall", target=0.0)
-    rec._thread.join(30)
+    until(lambda: rec._failure is not None)
     with pytest.raises(StorageError, match=r"a\.run\.sqlite cannot be written: database or disk is full"):
         rec.sample(sample(next(ticks)), None, 0.0)
     return next(ticks) - 1
@@ -260,7 +260,7 @@ def test_recording_stops_while_there_is_room_to_close(tmp_path, monkeypatch):
     monkeypatch.setattr(recorder.shutil, "disk_usage", lambda _: usage._replace(free=5_000_000))
     rec.sample(sample(1), None, 0.0)
     rec.step(result(0), branch="rise", target=1.0)
-    rec._thread.join(30)
+    until(lambda: rec._failure is not None)
     with pytest.raises(StorageError, match=r"only 5\.0 MB left on the disk"):
         rec.sample(sample(2), None, 0.0)
     rec.close("stopped")

@@ -102,6 +102,23 @@ def test_closing_waits_with_a_limit_and_says_what_is_stored(stalled):
     assert (len(run), len(run.steps), run.complete) == (1, 1, False)
 
 
+def test_a_disk_that_hangs_after_the_end_is_stored(tmp_path, monkeypatch):
+    """The run is closed, and it is said that the disk does not answer: whatever needs it next would hang."""
+    release = threading.Event()
+    monkeypatch.setattr(recorder, "CLOSE_LIMIT_S", 0.3)
+    monkeypatch.setattr(recorder, "leave_one_file", lambda db: release.wait(20))
+    own = Recorder(tmp_path / "a.run.sqlite", META)
+    own.sample(sample(1), 0, 0.0)
+    with pytest.raises(
+        StorageError, match=r"end of run .* is stored, but since then the disk does not answer"
+    ):
+        own.close()
+    run = load_run(own.path)
+    assert (len(run), run.complete) == (1, True)
+    release.set()
+    own._thread.join(20)
+
+
 def test_a_disk_that_answers_again_gets_everything(stalled):
     own, release = stalled
     with pytest.raises(StorageError):

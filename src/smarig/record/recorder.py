@@ -270,7 +270,7 @@ class Recorder:
         self._closing.set()
         self._wake.set()
         self._wait_for_writer()
-        if self._thread.is_alive() and not self._ended:
+        if self._thread.is_alive():
             raise StorageError(self._stalled_text())
         if self._loss_text is not None:
             raise StorageError(self._loss_text)
@@ -283,10 +283,11 @@ class Recorder:
             self._thread.join(CLOSE_LIMIT_S)
 
     def _stalled_text(self) -> str:
-        return (
-            f"Run {self.path} could not be closed in time: the disk does not answer. {self._stored_text()} "
-            "The current is at zero."
-        )
+        if self._ended:
+            text = f"The end of run {self.path} is stored, but since then the disk does not answer."
+        else:
+            text = f"Run {self.path} could not be closed in time: the disk does not answer. {self._stored_text()}"
+        return f"{text} The current is at zero."
 
     def _stored_text(self) -> str:
         """What is stored for certain."""

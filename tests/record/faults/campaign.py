@@ -24,7 +24,6 @@ from smarig.core import SmarigError
 from smarig.record import Continuation, Recorder, load_run
 
 NAME = "a.run.sqlite"
-FAULTY = disk()
 WRITES_ONLY = ("a short write", "a short write, then a full disk", "killed half way through a write")
 SPACE_ONLY = ("one refusal for lack of space",)
 
@@ -32,11 +31,11 @@ SPACE_ONLY = ("one refusal for lack of space",)
 @contextlib.contextmanager
 def armed(folder: Path, at: int, kind: int, log: int = -1) -> Iterator[None]:
     """The disk as it fails."""
-    FAULTY.fault_arm(str(folder).encode(), at, kind, log)
+    disk().fault_arm(str(folder).encode(), at, kind, log)
     try:
         yield
     finally:
-        FAULTY.fault_disarm()
+        disk().fault_disarm()
 
 
 def lived(folder: Path, at: int, kind: int, log: int = -1) -> list[list]:
@@ -48,7 +47,7 @@ def lived(folder: Path, at: int, kind: int, log: int = -1) -> list[list]:
 
         def tell(*told: object) -> None:
             text = json.dumps(told).encode()
-            FAULTY.fault_note(text)
+            disk().fault_note(text)
             os.write(writing, text + b"\n")
 
         try:

@@ -1,6 +1,7 @@
 """The kinds of faults that the faulty disk knows, and where a run of it is found."""
 
 import ctypes
+import functools
 import os
 import shutil
 import subprocess
@@ -48,6 +49,7 @@ def missing() -> str:
     return "" if shutil.which("gcc") else "needs gcc for a disk that fails"
 
 
+@functools.cache
 def disk() -> ctypes.CDLL:
     """The functions of the faulty disk, in a process that was started with it."""
     library = ctypes.CDLL(None)
