@@ -6,8 +6,9 @@ import sqlite3
 import time
 from collections.abc import Callable
 
-from smarig.core import Severity, severity_of
+from smarig.core import Severity, printable, severity_of
 from smarig.record import schema
+from smarig.record.metadata import MAX_LINE_LENGTH
 from smarig.record.sample_hashes import SampleHashes
 from smarig.record.table_hashes import KEY, TICKS, block_hash, blocks
 
@@ -46,7 +47,8 @@ def end_event(t_s: float, cause: str, severity: Severity | None = None) -> tuple
     level = "info" if cause == "done" else "warning"
     implied = severity is None or severity == severity_of("end", level)
     data = {} if implied else {"severity": severity}
-    return (t_s, level, "end", f"Run ended: {cause.rstrip('.')}.", json.dumps(data))
+    text = printable(f"Run ended: {cause.rstrip('.')}.", MAX_LINE_LENGTH)
+    return (t_s, level, "end", text, json.dumps(data))
 
 
 def leave_one_file(db: sqlite3.Connection) -> None:
