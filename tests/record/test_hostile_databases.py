@@ -181,6 +181,19 @@ def test_links_beside_a_run_are_not_followed(path, tmp_path, suffix):
         load_run(path)
 
 
+@pytest.mark.parametrize("log", [False, True])
+def test_a_file_with_much_behind_its_database_is_refused(path, log):
+    """Its hash would take hours."""
+    if log:
+        data = bytearray(path.read_bytes())
+        data[18] = data[19] = 2  # write-ahead log
+        path.write_bytes(data)
+        path.with_name(path.name + "-wal").write_bytes(b"x" * 40)
+    os.truncate(path, 300_000_000_000)
+    with pytest.raises(DataError, match="its database ends after|are needed in"):
+        load_run(path)
+
+
 def test_a_copy_that_would_fill_the_disk_is_not_made(path, monkeypatch):
     path.with_name(path.name + "-journal").write_bytes(journal_of_a_page(path.read_bytes()))
     assert len(load_run(path)) == 100

@@ -19,6 +19,7 @@ from smarig.record.guarded_database import SIDECARS, bounded, check_sidecars, re
 
 _BUSY_S = 10.0
 _COPIES = 5  # attempts, while somebody else writes the file
+_GROWTH_BYTES = 10_000_000  # of a file between two calls
 _COPIED = ("", "-wal", "-journal")  # not -shm: it is made again from the log
 
 
@@ -73,6 +74,7 @@ def _recovered_copy(file: Path) -> Iterator[sqlite3.Connection]:
 @contextlib.contextmanager
 def recovered_file(file: Path) -> Iterator[Path]:
     """Yield a file with what stands beside it, as far as SQLite can apply it. The original stays as it is."""
+    check_sidecars(file)
     if not _has_sidecar(file):
         yield file
         return
@@ -115,10 +117,12 @@ def _state(file: Path) -> dict[str, tuple[int, int]]:
 
 
 def _check_length(db: sqlite3.Connection, file: Path) -> None:
-    """Raise ValueError for a file with more behind its database: hashing and copying it could take for ever."""
+    """Raise ValueError for a file with much more behind its database: hashing it could take for ever.
+
+    A recorder may lengthen the file meanwhile.
+    """
     (pages,), (size,) = (db.execute(f"PRAGMA {name}").fetchone() for name in ("page_count", "page_size"))
-    log = file.with_name(file.name + "-wal")
-    if not log.exists() and file.stat().st_size > pages * size:
+    if file.stat().st_size > 2 * pages * size + _GROWTH_BYTES:
         raise ValueError(f"its database ends after {pages * size} bytes, but the file does not")
 
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Literal
 
-from smarig.core import DataError, UsageError
+from smarig.core import DataError, UsageError, printable
 from smarig.record.opened_run import opened_for_reading
 from smarig.record.run import Run, load_run
 from smarig.record.salvage import Salvaged, salvage
@@ -121,8 +121,8 @@ def _integrity(file: Path) -> list[str]:
     try:
         with opened_for_reading(file) as db:
             found = [str(row[0]) for row in db.execute(f"PRAGMA integrity_check({_MOST_PROBLEMS})")]
-    except sqlite3.Error as error:
-        return [f"SQLite cannot read it: {error}"]
+    except (sqlite3.Error, ValueError, DataError) as error:
+        return [f"SQLite cannot read it: {printable(str(error), 300).rstrip('.')}"]
     return [f"SQLite: {' '.join(text.split())}" for text in found if text != "ok"]
 
 
