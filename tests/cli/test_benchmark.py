@@ -2,14 +2,16 @@
 figures."""
 
 import json
+import sys
 from importlib import import_module
 
 import numpy as np
 import pytest
 
-from benchmarks import forward, inverse
+from benchmarks import forward, inverse, large
 from smarig.cli import run
 from smarig.core.catalogue import catalogue_names
+from smarig.exchange import import_file
 from smarig.preisach.compiled import compiled_available
 
 
@@ -94,3 +96,23 @@ def test_the_help_names_every_benchmark(capsys):
     said = out.split("NAME:")[1].split(".")[0].replace("\n", " ")
     there = [n for n in catalogue_names("benchmarks") if hasattr(import_module(f"benchmarks.{n}"), "run")]
     assert [n.strip() for n in said.split(",")] == sorted(there)
+
+
+def test_memory_is_that_of_the_process_alone():
+    """Neither that of the benchmark, nor that of an earlier process."""
+    mine = bytearray(150_000_000)
+    mine[::4096] = b"x" * len(mine[::4096])
+    little, much = (
+        large._measured(sys.executable, "-S", "-c", f"x = b'x' * {size}") for size in (1000, 80_000_000)
+    )
+    assert 70 < much["rss_MB"] - little["rss_MB"] < 100
+    assert little["rss_MB"] < 60
+    assert much["cpu_s"] > 0
+    assert large._measured(sys.executable, "-S", "-c", "raise SystemExit('no such extra')") == {
+        "said": "no such extra"
+    }
+
+
+def test_the_table_of_the_import_is_one_that_it_reads(tmp_path):
+    large._write_table(tmp_path / "t.csv", 20_000)
+    assert import_file(tmp_path / "t.csv", format="csv", out=tmp_path / "t.run.sqlite").rows == 20_000
