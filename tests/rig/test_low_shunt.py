@@ -27,7 +27,8 @@ class LowShuntRig:
     def __init__(self, rig, factor, seed):
         file = load_rig(rig)
         strong = file.amplifier.model_copy(update={"saturation_A": 10.0})
-        self.file = file.model_copy(update={"amplifier": strong})
+        limits = file.limits.model_copy(update={"resistance_tolerance": 0.1})  # of hardware
+        self.file = file.model_copy(update={"amplifier": strong, "limits": limits})
         self.actuator = Actuator.named(file.actuator)
         self.twin, self._factor = Twin(self.file, self.actuator, TwinSettings(seed=seed)), factor
 
@@ -81,6 +82,15 @@ def test_a_drift_is_noticed_at_the_tolerance_of_the_resistance():
     hottest, trip = hottest_K("one_wire_twin", lambda k: 1 + 0.4 * k / 6000, held)
     assert "ohm is outside" in trip
     assert hottest < 174.1 * 1.12**2
+
+
+@pytest.mark.parametrize("factor", FACTORS)
+@pytest.mark.parametrize("pattern", [(1.0, 0.0), (0.9, 0.9, 0.04), (0.6, 0.6, 0.6, 0.0)])
+def test_a_current_that_pauses_hides_nothing(factor, pattern):
+    """Samples without current are no evidence that the shunt is right."""
+    hottest, trip = hottest_K("one_wire_twin", lambda _: factor, np.tile(pattern, 400))
+    assert trip
+    assert hottest < 60.0
 
 
 def test_a_right_shunt_does_not_trip():

@@ -16,7 +16,9 @@ TICKS_OF_HEATING = 500
 def guarded(change, rig="one_wire_twin"):
     lying = TamperedRig(rig, change)
     actuator = Actuator.named(lying.file.actuator)
-    return Guard(lying, lying.file.limits, actuator, Plausibility(lying.file, actuator)), lying.twin
+    limits = lying.file.limits.model_copy(update={"resistance_tolerance": 0.1})  # of hardware
+    file = lying.file.model_copy(update={"limits": limits})
+    return Guard(lying, limits, actuator, Plausibility(file, actuator)), lying.twin
 
 
 def heated(guard, ticks=TICKS_OF_HEATING, current_A=0.9):

@@ -92,7 +92,8 @@ def test_the_preview_refuses_a_protocol_that_would_heat_both():
     ("rig", "limit", "words"),
     [
         ("one_wire_twin", 300.0, "applies to two wires"),
-        ("two_wire_twin", 200.0, "below the stress of the cold wires, 242"),
+        ("two_wire_twin", 200.0, "below 261 MPa, the stress with one hot wire at ambient_degC = 22"),
+        ("two_wire_twin", 250.0, "below 261 MPa, the stress with one hot wire at ambient_degC = 22"),
     ],
 )
 def test_limits_that_make_no_sense(rig, limit, words):

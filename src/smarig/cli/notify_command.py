@@ -11,6 +11,7 @@ import shlex
 import shutil
 import signal
 import subprocess
+import sys
 from typing import NamedTuple
 
 from smarig.core import Severity, UsageError
@@ -45,10 +46,12 @@ class Notification(NamedTuple):
             "SMARIG_SEVERITY": self.severity,
             "SMARIG_KIND": self.kind,
             "SMARIG_RUN": self.run,
-            "SMARIG_CAUSE": self.text if self.cause is None else self.cause,
+            "SMARIG_CAUSE": self.cause or "",
             "SMARIG_STATUS": "" if self.exit_status is None else str(self.exit_status),
         }
-        return {name: value.replace("\0", "")[:_MOST] for name, value in values.items()}
+        code = sys.getfilesystemencoding()  # what cannot be encoded must not keep a message back
+        plain = {name: value.replace("\0", "")[:_MOST] for name, value in values.items()}
+        return {name: value.encode(code, "replace").decode(code) for name, value in plain.items()}
 
 
 class NotifyCommand:
@@ -85,8 +88,8 @@ class NotifyCommand:
                 stderr=subprocess.DEVNULL,
                 start_new_session=os.name != "nt",  # so that all that it starts can be ended
             )
-        except OSError as error:
-            return str(error.strerror or error)
+        except (OSError, ValueError) as error:
+            return str(getattr(error, "strerror", None) or error)
         self._process = process
         try:
             process.communicate(message.json(), CALL_TIMEOUT_S)

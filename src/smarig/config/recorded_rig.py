@@ -9,7 +9,7 @@ from smarig.config.file_schemas import RigFile
 
 MAX_LENGTH = 200_000  # of a text; rig files have 1000 to 3000 characters
 _MAX_FILES = 8  # a rig, its base, and so on
-_MAX_ATTEMPTS = 5000  # a text made to have many divisions must not cost hours
+_MAX_ATTEMPTS = 20_000  # a text made to have many divisions must not cost hours
 
 
 def rig_from_text(text: str) -> RigFile | None:

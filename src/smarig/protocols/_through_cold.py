@@ -10,7 +10,7 @@ from smarig.core import Command, Elapsed, Hold, Protocol, Settled, Waveform
 from smarig.protocols._setup import Setup
 
 PAUSE_TAUS = 3.0  # time constants, after which a wire has 5 % of its temperature left
-BRANCH = "between wires"
+BRANCH = "pause: one wire cools before the other"
 
 
 def through_cold(protocol: Protocol, setup: Setup) -> Protocol:

@@ -1,6 +1,7 @@
 """What a run file holds, and whether it is whole. The file is only read."""
 
 import sqlite3
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Literal
@@ -33,6 +34,7 @@ class RunCheck:
     damaged_tables: tuple[str, ...] = ()
     problems: tuple[str, ...] = ()
     salvaged: Salvaged | None = field(default=None, repr=False)
+    remarks: tuple[str, ...] = ()
 
     @property
     def whole(self) -> bool:
@@ -73,13 +75,14 @@ class RunCheck:
         span = "" if self.first_s is None else f" from {self.first_s:.1f} s to {self.last_s:.1f} s"
         closed = {
             True: f"It was closed; cause: {self.cause}.",
-            False: "It was never closed.",
+            False: "It was never closed: it is being recorded, or was interrupted (then smarig resume continues it).",
             None: "Whether it was closed is not known, because its description is damaged.",
         }[self.closed]
         found = [
             f"{self.path} holds {self.samples} samples{span}, {self.steps} steps and {self.events} events.",
             closed,
             self._hash_sentence(),
+            *self.remarks,
             *(f"Damage: {problem}." for problem in self.problems),
         ]
         if self.missing:
@@ -126,6 +129,18 @@ def _integrity(file: Path) -> list[str]:
     return [f"SQLite: {' '.join(text.split())}" for text in found if text != "ok"]
 
 
+def _remarks_on(run: Run) -> Iterator[str]:
+    """What a whole file does not tell by itself."""
+    for event in run.events:
+        if event.kind == "salvaged":
+            yield f"It was saved from a damaged file. {event.text}"
+    if not run.complete and not run.path.with_name(f"{run.path.name}-wal").exists():
+        yield (
+            f"{run.path.name}-wal is not beside it. If it was left behind when the file was copied, its last samples, "
+            "or all, are missing here: copy both."
+        )
+
+
 def _of_run(run: Run, problems: list[str]) -> RunCheck:
     times_s = run["t_s"]
     known = times_s[times_s == times_s]
@@ -140,6 +155,7 @@ def _of_run(run: Run, problems: list[str]) -> RunCheck:
         run.cause,
         "right" if is_hashed(run.meta) else "none",
         problems=tuple(problems),
+        remarks=tuple(_remarks_on(run)),
     )
 
 

@@ -13,7 +13,7 @@ from smarig.plant import Actuator, largest_voltage_V
 from smarig.rig.expected_resistance import ExpectedResistance
 from smarig.rig.rig import Alarm
 
-IN_A_ROW = 3  # consecutive samples: a single one may be wrong
+IN_A_ROW = 3  # consecutive samples that show a current: a single one may be wrong
 GROSS = 1.3  # times an upper limit: a wire heats too fast to wait for a third sample
 MIN_CURRENT_A = 0.05  # a smaller current does not determine a resistance
 READ_BACK_TOLERANCE = 0.05  # of the largest current: set-point against read-back
@@ -30,13 +30,13 @@ class ElectricalPlausibility:
         self._saturation_A = saturation_A
         self._resistance = ExpectedResistance(actuator, limits.resistance_tolerance)
         self._largest_V = largest_voltage_V(limits, actuator)
-        self._ticks_in_a_row = {"read_back": 0, "voltage": 0, "resistance": 0}
+        self._evidence = 0  # samples with a fault since the last one that shows none
         self._phase_known = True
         self.suspect = False
 
     def rearmed(self) -> None:
         """A trip was cleared: a fault that persists must trip again."""
-        self._ticks_in_a_row = dict.fromkeys(self._ticks_in_a_row, 0)
+        self._evidence = 0
 
     def input_unsure(self) -> None:
         """The wire may be colder than the next input says: any phase is possible."""
@@ -47,13 +47,14 @@ class ElectricalPlausibility:
         fault = self._fault(s, input_K)
         self._phase_known = True
         self.suspect = fault is not None
-        alarms = []
-        for name, before in self._ticks_in_a_row.items():
-            now = before + fault.weight if fault is not None and name == fault.kind else 0
-            self._ticks_in_a_row[name] = now
-            if fault is not None and before < IN_A_ROW <= now:
-                alarms.append(Alarm("error", name, fault.text))
-        return alarms
+        if fault is None:
+            if (
+                abs(s.current_A) >= MIN_CURRENT_A
+            ):  # a smaller current shows nothing: a pulsed one must trip too
+                self._evidence = 0
+            return []
+        before, self._evidence = self._evidence, self._evidence + fault.weight
+        return [Alarm("error", fault.kind, fault.text)] if before < IN_A_ROW <= self._evidence else []
 
     def _fault(self, s: Sample, input_K: float) -> "_Fault | None":
         """The first contradiction. A wrong current makes the resistance meaningless."""
@@ -75,8 +76,9 @@ class ElectricalPlausibility:
         if low <= ohm <= high or math.isnan(ohm):
             return None
         text = (
-            f"The wire's resistance {ohm:.3g} ohm is outside {low:.3g}…{high:.3g}. Check clamps, wire and shunt; "
-            "if they are in order, calibrate the wire, or widen limits.resistance_tolerance."
+            f"The wire's resistance {ohm:.4g} ohm is outside {low:.4g}…{high:.4g}. Check clamps, wire and shunt (an "
+            "ohmmeter on the cold wire tells which). If they are in order, calibrate the wire, or widen "
+            "limits.resistance_tolerance and [protection]."
         )
         return _Fault("resistance", text, _weight(ohm / high))
 

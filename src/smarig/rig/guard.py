@@ -117,7 +117,7 @@ class Guard:
     def _trip_on_prediction(self, hottest_K: float, current_A: float) -> None:
         if hottest_K < math.inf:
             self._trip(
-                f"Predicted wire temperature {hottest_K:.1f} K above ambient exceeds the limit "
+                f"Predicted wire temperature {hottest_K:.5g} K above ambient exceeds the limit "
                 f"temperature_max_K = {self.limits.temperature_max_K:g}."
             )
         else:

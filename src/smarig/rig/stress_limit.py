@@ -5,6 +5,7 @@ import math
 from smarig.core import ConfigError
 from smarig.plant import Actuator, AntagonistStress, JouleHeating
 
+HOT_K = 1000.0  # above any transformation
 TICKS_AHEAD = 2  # a command flows from the next tick on, and its first reading comes after that
 
 
@@ -15,10 +16,12 @@ class StressLimit:
         if not actuator.two_wire:
             raise ConfigError("limits.stress_max_MPa applies to two wires; this actuator has one. Remove it.")
         self._limit_MPa, self._wires = limit_MPa, AntagonistStress(ambient_degC)
-        at_rest = self._wires.step((0.0, 0.0))
-        if limit_MPa < at_rest:
+        self._wires.step((0.0, 0.0))
+        one_hot_MPa = self._wires.stress_at((HOT_K, 0.0))
+        if limit_MPa < one_hot_MPa:
             raise ConfigError(
-                f"limits.stress_max_MPa = {limit_MPa:g} is below the stress of the cold wires, {at_rest:.0f} MPa."
+                f"limits.stress_max_MPa = {limit_MPa:g} is below {one_hot_MPa:.0f} MPa, the stress with one hot wire "
+                f"at ambient_degC = {ambient_degC:g}. Raise it, or cool the room."
             )
 
     def start_hot(self, wire_K: list[float]) -> None:
