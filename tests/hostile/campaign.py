@@ -19,8 +19,9 @@ from hostile.hostile_files import COMMANDS, Case, cases
 from hostile.judgement import objections
 from hostile.material import Material, make_material
 
-CPU_S = 5  # a command that takes longer hangs
-WAIT_S = 120  # so does one that waits longer without computing
+CPU_S = 5  # a command that takes longer hangs,
+LONGER_S = {"diagnose": 60}  # except where it computes as long for honest files of this size
+WAIT_S = 300  # so does one that waits longer, with or without computing
 MEMORY_BYTES = 3_000_000_000
 MOST_MB = 1200  # 400 of them are the imported packages
 
@@ -44,7 +45,7 @@ def carry_out(case: Case, m: Material, work: Path) -> Outcome:
     words = case.words(m, case.make(m, work / "in"), out)
     child = os.fork()
     if not child:
-        _command(words, work)
+        _command(words, work, LONGER_S.get(case.command, CPU_S))
     status, usage, hangs = _wait(child)
     said, err = ((work / name).read_text(encoding="utf-8", errors="replace") for name in ("stdout", "stderr"))
     cpu_s = usage.ru_utime + usage.ru_stime
@@ -54,11 +55,11 @@ def carry_out(case: Case, m: Material, work: Path) -> Outcome:
     return Outcome(case, status, cpu_s, usage.ru_maxrss / 1000, wrong)
 
 
-def _command(words: list[str], work: Path) -> None:
+def _command(words: list[str], work: Path, cpu_s: int) -> None:
     """The child: never returns."""
     status = 99
     try:
-        resource.setrlimit(resource.RLIMIT_CPU, (CPU_S, CPU_S + 1))
+        resource.setrlimit(resource.RLIMIT_CPU, (cpu_s, cpu_s + 1))
         resource.setrlimit(resource.RLIMIT_AS, (MEMORY_BYTES, MEMORY_BYTES))
         resource.setrlimit(resource.RLIMIT_FSIZE, (1_000_000_000, 1_000_000_000))
         resource.setrlimit(resource.RLIMIT_CORE, (0, 0))

@@ -96,7 +96,7 @@ def _number(value: Any) -> bool:
 
 
 def _duration(value: Any) -> bool:
-    return _number(value) and (value == 0 or 1e-6 <= value <= 1e9)
+    return _number(value) and (value == 0 or 1e-6 <= value <= 3600)  # a rig has at most 60 s
 
 
 def is_timestamp(value: Any) -> bool:
@@ -112,7 +112,7 @@ _TYPE_TEXTS: dict[Callable[[Any], bool], str] = {
     _list: f"a list of at most {MAX_ENTRIES} entries",
     is_integer: "a whole number",
     _number: "a finite number",
-    _duration: "a time in seconds, 1e-6 to 1e9",
+    _duration: "a time in seconds, 1e-6 to 3600",
     is_timestamp: "a date (seconds since 1970)",
 }
 _LINES = (
