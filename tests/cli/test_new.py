@@ -86,6 +86,7 @@ def test_the_protocol_runs(capsys, made):
         "timed_out": 0,
         "warnings": [],
         "cause": "done",
+        "severity": "none",
     }
 
 

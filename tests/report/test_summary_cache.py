@@ -3,11 +3,11 @@
 import dataclasses
 import json
 import os
-import sqlite3
 
 import numpy as np
 import pytest
 
+from record.runs import edited
 from smarig.record import load_run, stored_run
 from smarig.record.new_run_file import write_run
 from smarig.report import folder_report
@@ -94,9 +94,8 @@ def test_what_has_not_changed_is_not_read_again(folder, reads):
 
 
 def test_a_run_that_was_touched_is_read_again(folder, reads):
-    with sqlite3.connect(folder / "a.run.sqlite") as db:
+    with edited(folder / "a.run.sqlite") as db:
         db.execute("UPDATE run SET value = ? WHERE key = 'notes'", [json.dumps("other note")])
-    db.close()
     later = (folder / "a.run.sqlite").stat().st_mtime_ns + 10**9
     os.utime(folder / "a.run.sqlite", ns=(later, later))
     assert "other note" in index(folder)

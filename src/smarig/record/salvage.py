@@ -113,8 +113,8 @@ def write_salvaged(found: Salvaged, out: Path, *, force: bool) -> None:
         "missing_ticks": ticks_json(found.missing),
         "unverified_ticks": ticks_json(found.unverified),
     }
-    told = {"from": found.source.name, **damage, "lost_keys": list(found.lost_keys)}
-    meta = {**found.meta, "schema_version": schema.VERSION, "salvaged": told}
+    damage_found = {"from": found.source.name, **damage, "lost_keys": list(found.lost_keys)}
+    meta = {**found.meta, "schema_version": schema.VERSION, "salvaged": damage_found}
     t_s = found.samples[-1][1] if found.samples else 0.0
     damaged = found.missing or found.damaged_tables or found.lost_keys or found.unreadable_pages
     level = "warning" if damaged else "info"

@@ -59,10 +59,14 @@ class ElectricalPlausibility:
     def _fault(self, s: Sample, input_K: float) -> "_Fault | None":
         """The first contradiction. A wrong current makes the resistance meaningless."""
         command_A = min(max(s.current_command_A, -self._saturation_A), self._saturation_A)
-        if self._differs(s.current_A, command_A, saturated=bool(s.quality & _SATURATED)):
+        saturated = bool(s.quality & _SATURATED)
+        if self._differs(s.current_A, command_A, saturated=saturated):
             text = f"{s.current_A:.3g} A is measured, {command_A:.3g} A is set. Check amplifier and shunt."
             return _Fault("read_back", text)
-        if abs(s.voltage_V) > self._largest_V:
+        is_open = (
+            saturated and abs(s.current_A) < MIN_CURRENT_A
+        )  # a broken wire has the voltage of the supply
+        if abs(s.voltage_V) > self._largest_V and not is_open:
             text = (
                 f"The voltage {s.voltage_V:.3g} V exceeds {self._largest_V:.3g} V, which no allowed current needs. "
                 "Check shunt, amplifier and clamps."

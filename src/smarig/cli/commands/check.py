@@ -61,7 +61,7 @@ def command(
 ) -> int:
     """Check a rig's file, constants and lease, and bring up a bench. Preview a protocol on its twin.
 
-    Of a run file, say what it holds and whether it is whole. With -o, save from a damaged file what its pages
+    Of a run file, state what it holds and whether it is whole. With -o, save from a damaged file what its pages
     still hold. The file itself is never changed. The exit status is 4 if it is damaged, even if all was saved.
     """
     if is_run_file(rig):
