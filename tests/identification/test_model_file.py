@@ -179,7 +179,7 @@ IMPOSSIBLE = [
     (put("name", value="n" * 20_000), "a name or a warning of 20000 characters"),
     (
         put("measurement", value={"effects": [{"name": "input_lag", "parameters": {"lag_s": -3}}]}),
-        "'input_lag' of the model needs lag_s between 0 and 100000, not -3",
+        "'input_lag' of the model needs lag_s between 0 and 1e+07, not -3",
     ),
     (
         put("measurement", value={"effects": [{"name": "ratcheting", "parameters": {"cycles": 0}}]}),

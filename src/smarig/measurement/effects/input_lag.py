@@ -97,5 +97,5 @@ input_lag = MeasurementEffectType(
     depends_on=("rate", "history"),
     parameters=_parameters,
     change=_change,
-    bounds={"lag_s": (0.0, 1e5)},
+    bounds={"lag_s": (0.0, 1e7)},
 )
