@@ -160,7 +160,7 @@ def positions(path: Path) -> list[float]:
 
 
 def _events(db: sqlite3.Connection) -> list[Any]:
-    rows = db.execute("SELECT t_s, level, kind, text, data FROM event ORDER BY rowid")
+    rows = db.execute("SELECT t_s, level, kind, text, data FROM event WHERE kind != 'rig' ORDER BY rowid")
     return [[t_s, level, kind, text, _short(json.loads(data))] for t_s, level, kind, text, data in rows]
 
 

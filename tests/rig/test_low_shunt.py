@@ -27,8 +27,7 @@ class LowShuntRig:
     def __init__(self, rig, factor, seed):
         file = load_rig(rig)
         strong = file.amplifier.model_copy(update={"saturation_A": 10.0})
-        limits = file.limits.model_copy(update={"resistance_tolerance": 0.1})  # of hardware
-        self.file = file.model_copy(update={"amplifier": strong, "limits": limits})
+        self.file = file.model_copy(update={"amplifier": strong, "kind": "bench"})  # with a bench's tolerance
         self.actuator = Actuator.named(file.actuator)
         self.twin, self._factor = Twin(self.file, self.actuator, TwinSettings(seed=seed)), factor
 

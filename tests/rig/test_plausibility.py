@@ -16,9 +16,8 @@ TICKS_OF_HEATING = 500
 def guarded(change, rig="one_wire_twin"):
     lying = TamperedRig(rig, change)
     actuator = Actuator.named(lying.file.actuator)
-    limits = lying.file.limits.model_copy(update={"resistance_tolerance": 0.1})  # of hardware
-    file = lying.file.model_copy(update={"limits": limits})
-    return Guard(lying, limits, actuator, Plausibility(file, actuator)), lying.twin
+    file = lying.file.model_copy(update={"kind": "bench"})  # with a bench's tolerance
+    return Guard(lying, file.limits, actuator, Plausibility(file, actuator)), lying.twin
 
 
 def heated(guard, ticks=TICKS_OF_HEATING, current_A=0.9):
@@ -237,3 +236,11 @@ def test_a_measured_temperature_above_the_limit_trips_at_once():
 @pytest.mark.parametrize(("factor", "samples"), [(1.2, 3), (1.9, 2)])
 def test_a_gross_excess_trips_at_its_second_sample(factor, samples):
     assert len(marks_of(from_tick(500, voltage_V=lambda x: factor * x), 600)) == samples
+
+
+def test_the_resistance_of_a_twin_may_be_changed_by_its_effects():
+    lying = TamperedRig("one_wire_twin", from_tick(50, voltage_V=lambda x: 1.2 * x))
+    actuator = Actuator.named(lying.file.actuator)
+    guard = Guard(lying, lying.file.limits, actuator, Plausibility(lying.file, actuator))
+    heated(guard, 300)
+    assert guard.alarms() == []

@@ -19,6 +19,9 @@ MIN_TRAVEL = 0.03  # of the travel: less is no motion
 SLIP_LIMIT = 0.25  # of the travel, at constant input
 STEADY_INPUT_BAND = 0.05  # of the range
 COLD, HOT = 0.2, 0.8  # of the range: fully cooled, fully heated
+TWIN_TOLERANCE = (
+    0.4  # of the resistance of a twin in process, whose effects may change it and whose shunt is right
+)
 TEMPERATURE_TOLERANCE = 0.25  # of the range: measured against predicted temperature,
 TEMPERATURE_TAUS = 3.0  # once it has lasted for so long
 
@@ -35,7 +38,10 @@ class Plausibility:
     """
 
     def __init__(self, rig: RigFile, actuator: Actuator) -> None:
-        self._electrical = ElectricalPlausibility(rig.limits, rig.amplifier.saturation_A, actuator)
+        limits = rig.limits
+        if rig.kind == "twin" and limits.resistance_tolerance < TWIN_TOLERANCE:
+            limits = limits.model_copy(update={"resistance_tolerance": TWIN_TOLERANCE})
+        self._electrical = ElectricalPlausibility(limits, rig.amplifier.saturation_A, actuator)
         h = thesis_surface(actuator.file.hysteresis.surface)
         self._range_K = h.upper - h.lower
         self._lower_K = h.lower
