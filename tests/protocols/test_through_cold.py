@@ -8,7 +8,7 @@ from smarig.core import Elapsed, Hold, Mark, Settled, Waveform
 from smarig.plant import Actuator
 from smarig.protocols import Setup, build_protocol
 from smarig.protocols._through_cold import BRANCH, through_cold
-from smarig.rig import Guard, Twin, TwinSettings
+from smarig.rig import Guard, Twin, TwinSettings, stress_limit
 from smarig.runner import Runner, preview
 
 SETUP = Setup.of("two_wire_twin")
@@ -74,7 +74,7 @@ def test_every_protocol_runs_under_the_limit_of_the_template(name):
 def settled_positions(file):
     actuator = Actuator.named(file.actuator)
     twin = Twin(file, actuator, TwinSettings(noise=False))
-    guard = Guard(twin, file.limits, actuator, ambient_degC=file.ambient_degC)
+    guard = Guard(twin, file.limits, actuator, stress=stress_limit(file, actuator))
     rows = []
 
     class Rows:

@@ -9,7 +9,7 @@ from scipy.optimize import brentq
 from smarig.config import load_rig
 from smarig.core import ConfigError, Elapsed, Hold, LimitExceeded, UsageError
 from smarig.plant import Actuator
-from smarig.rig import Guard, Twin, TwinSettings
+from smarig.rig import Guard, Twin, TwinSettings, inconsistencies, stress_limit
 from smarig.runner import preview
 
 A_S, A_F, M_S, M_F = 53.0, 80.0, 47.0, 19.0  # °C
@@ -42,7 +42,7 @@ def random_campaign(rng, file):
     """Random holds of random length; the true stress until the end or after the trip, and whether it tripped."""
     actuator = Actuator.named(file.actuator)
     twin = Twin(file, actuator, TwinSettings(seed=int(rng.integers(1000))))
-    guard = Guard(twin, file.limits, actuator, ambient_degC=file.ambient_degC)
+    guard = Guard(twin, file.limits, actuator, stress=stress_limit(file, actuator))
     levels = rng.choice([-1, 1], 12) * rng.uniform(0.2, 1.0, 12) * rng.choice([0, 1, 1], 12)
     true, tripped = [], ""
     for current_A in np.repeat(levels, rng.integers(5, 150, 12)).tolist():
@@ -73,6 +73,30 @@ def test_the_true_stress_never_exceeds_its_limit():
     assert max(stress for stress, _ in outcomes) > 450  # and the limits are used
 
 
+@pytest.mark.parametrize("cooled_ticks", [0, 60, 90, 120])
+def test_a_host_that_is_late_by_a_lease_keeps_the_limit(cooled_ticks):
+    """The last current that is allowed may flow on until the lease ends."""
+    file = limited(320.0)
+    actuator = Actuator.named(file.actuator)
+    allowed = 0
+    for late in (False, True):
+        twin = Twin(file, actuator, TwinSettings(noise=False))
+        guard = Guard(twin, file.limits, actuator, stress=stress_limit(file, actuator))
+        true = []
+        steps = [0.9] * 200 + [0.0] * cooled_ticks + [-0.9] * (allowed if late else 100)
+        for k, current_A in enumerate(steps):
+            try:
+                guard.step(current_A)
+            except LimitExceeded:
+                allowed = k - 200 - cooled_ticks
+                break
+            true.append([T + file.ambient_degC for T in twin.specimen.plant.heating.wire_K])
+    twin.idle(file.lease_s)
+    true.append([T + file.ambient_degC for T in twin.specimen.plant.heating.wire_K])
+    assert 0 <= allowed < 100
+    assert reference_stress_MPa(true) <= 320.0
+
+
 def test_without_a_limit_both_wires_become_hot():
     rng = np.random.default_rng(21)
     assert max(random_campaign(rng, limited(None))[0] for _ in range(10)) > 800
@@ -100,4 +124,5 @@ def test_limits_that_make_no_sense(rig, limit, words):
     file = limited(limit, rig)
     actuator = Actuator.named(file.actuator)
     with pytest.raises(ConfigError, match=words):
-        Guard(Twin(file, actuator), file.limits, actuator)
+        stress_limit(file, actuator)
+    assert [words in problem for problem in inconsistencies(file)] == [True]

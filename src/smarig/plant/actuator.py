@@ -47,6 +47,12 @@ class Actuator:
         h = self.file.heating
         return (h.resistance_martensite.value + h.resistance_austenite.value) / 2
 
+    @property
+    def resistance_range_ohm(self) -> tuple[float, float]:
+        """The smallest and the largest resistance of the wire, of its two phases."""
+        low, high = sorted((self.resistance_at_ohm(0.0), self.resistance_at_ohm(1.0)))
+        return low, high
+
     def resistance_at_ohm(self, austenite: float) -> float:
         """R(ξ) = R_M + ξ (R_A − R_M), ξ the austenite fraction in [0, 1]."""
         h = self.file.heating

@@ -212,9 +212,8 @@ def read_description(
     _check_version(file, meta)
     check_metadata(meta)
     check_amount([row[-1] for row in rows["event"]])
-    steps, events = (tuple(_step(*row) for row in rows["step"]), tuple(_event(*row) for row in rows["event"]))
     refuse_damage(file, meta, hashes_of(rows))
-    return meta, steps, events
+    return meta, tuple(_step(*row) for row in rows["step"]), tuple(_event(*row) for row in rows["event"])
 
 
 def refuse_damage(file: Path, meta: dict[str, Any], hashes: dict[str, list[str]]) -> None:

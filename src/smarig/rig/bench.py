@@ -21,7 +21,7 @@ CLOCK_READS = 6  # attempts to read both clocks within one tick, and the same tw
 MAX_BLOCK_TICKS = 12  # largest number of samples of one request: one window of the amplifier
 MAX_TICK_GAP = 1_000_000  # a larger gap means wrong ticks, not a late host
 SENSOR_TIMEOUT_S = 2.0  # without a sample; after that the sensor counts as lost
-_OVER = int(Quality.TRIPPED | Quality.STALE | Quality.SUSPECT)
+_OVER = int(Quality.TRIPPED | Quality.STALE)
 
 
 class Bench:
@@ -83,16 +83,18 @@ class Bench:
         if self._tick_s and self.tick >= self._next_clock_check:
             self._update_offset()
         samples = tuple(self._join(p, c) for p, c in zip(positions, currents))
-        if self._orders.contradiction:
-            reason = (
-                self.source.tripped or f"{self._orders.contradiction} The current is at zero."
-            )  # the first
-            self._alarms.append(Alarm("error", "contradiction", reason))
-            self._fault = RigFault(reason)
-            self.safe()
-        elif self.source.tripped and samples[-1].quality & _OVER:  # all samples before the trip are returned
-            self._fault = LeaseExpired(self.source.tripped)
+        self._note_fault(samples[-1].quality)  # after it, all samples before a trip are returned
         return samples
+
+    def _note_fault(self, last_quality: int) -> None:
+        """Keep why the next step is refused. A device that drives something else is switched off."""
+        if self._orders.contradiction or (self.source.tripped and last_quality & Quality.SUSPECT):
+            reason = self.source.tripped or self._orders.contradiction  # the device's own comes first
+            self._fault = RigFault(f"{reason} The current is at zero.")
+            self._alarms.append(Alarm("error", "contradiction", str(self._fault)))
+            self.safe()
+        elif self.source.tripped and last_quality & _OVER:
+            self._fault = LeaseExpired(self.source.tripped)
 
     def _set(self, current_A: float) -> None:
         """Send a current and keep the one before: samples that are still to be read belong to it."""

@@ -19,6 +19,7 @@ from smarig.rig.electrical_plausibility import MIN_CURRENT_A, READ_BACK_TOLERANC
 from smarig.rig.expected_resistance import ExpectedResistance
 from smarig.rig.guard import Guard
 from smarig.rig.rig import Rig
+from smarig.rig.stress_limit import stress_limit
 
 MIN_MOTION_COUNTS = 5  # more than noise
 CURRENT_STEPS = 20  # from zero to the current limit
@@ -78,7 +79,7 @@ def _checks(rig: SupportsIdle, file: RigFile, on_progress: ProgressCallback) -> 
     """A rig that does not follow its command, or does not move when heated, is not heated further."""
     yield Check("devices", True, "; ".join(rig.identity()))
     actuator = Actuator.named(file.actuator)
-    guard = Guard(rig, file.limits, actuator, ambient_degC=file.ambient_degC)
+    guard = Guard(rig, file.limits, actuator, stress=stress_limit(file, actuator))
     pulses = [_heating_checks(guard, file, actuator, +1, on_progress)]
     if file.limits.current_min_A < 0:  # the second wire
         pulses.append(_heating_checks(guard, file, actuator, -1, on_progress))

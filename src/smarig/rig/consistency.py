@@ -3,9 +3,10 @@
 from collections.abc import Iterator
 
 from smarig.config import LinksFile, ProtectionFile, RigFile
-from smarig.core import UsageError, catalogue_names, resolve_name, suggestion
+from smarig.core import ConfigError, UsageError, catalogue_names, resolve_name, suggestion
 from smarig.device import ATTEMPTS, load_register_map
 from smarig.plant import Actuator
+from smarig.rig.stress_limit import stress_limit
 
 DRIVERS = "smarig.device.drivers"
 OVER_CURRENT = 1.05  # of the largest current; above it the amplifier trips by itself
@@ -13,9 +14,17 @@ OVER_CURRENT = 1.05  # of the largest current; above it the amplifier trips by i
 
 def inconsistencies(file: RigFile) -> list[str]:
     """The inconsistencies, one sentence each; none for a twin."""
+    found = list(_stress(file))
     if file.links is None or file.protection is None:
-        return []
-    return [*_links(file, file.links), *_protection(file, file.protection)]
+        return found
+    return [*found, *_links(file, file.links), *_protection(file, file.protection)]
+
+
+def _stress(file: RigFile) -> Iterator[str]:
+    try:
+        stress_limit(file, Actuator.named(file.actuator))
+    except ConfigError as wrong:
+        yield str(wrong)
 
 
 def _links(file: RigFile, links: LinksFile) -> Iterator[str]:
@@ -51,8 +60,7 @@ def _protection(file: RigFile, p: ProtectionFile) -> Iterator[str]:
             f"protection.slew_max_A_per_s = {p.slew_max_A_per_s:g} is below limits.current_rate_A_per_s = "
             f"{limits.current_rate_A_per_s:g}: the amplifier would trip at rates that the host may command."
         )
-    heating = Actuator.named(file.actuator).file.heating
-    low, high = sorted((heating.resistance_austenite.value, heating.resistance_martensite.value))
+    low, high = Actuator.named(file.actuator).resistance_range_ohm
     if not p.resistance_min_ohm < low <= high < p.resistance_max_ohm:
         yield (
             f"protection.resistance_min_ohm … max_ohm = {p.resistance_min_ohm:g} … {p.resistance_max_ohm:g} do not "

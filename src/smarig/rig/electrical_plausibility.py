@@ -48,10 +48,8 @@ class ElectricalPlausibility:
         self._phase_known = True
         self.suspect = fault is not None
         if fault is None:
-            if (
-                abs(s.current_A) >= MIN_CURRENT_A
-            ):  # a smaller current shows nothing: a pulsed one must trip too
-                self._evidence = 0
+            # a smaller current shows nothing: one that pauses must trip too
+            self._evidence = 0 if abs(s.current_A) >= MIN_CURRENT_A else self._evidence
             return []
         before, self._evidence = self._evidence, self._evidence + fault.weight
         return [Alarm("error", fault.kind, fault.text)] if before < IN_A_ROW <= self._evidence else []
@@ -63,9 +61,8 @@ class ElectricalPlausibility:
         if self._differs(s.current_A, command_A, saturated=saturated):
             text = f"{s.current_A:.3g} A is measured, {command_A:.3g} A is set. Check amplifier and shunt."
             return _Fault("read_back", text)
-        is_open = (
-            saturated and abs(s.current_A) < MIN_CURRENT_A
-        )  # a broken wire has the voltage of the supply
+        # a broken wire has the voltage of the supply, and heats nothing
+        is_open = saturated and abs(s.current_A) < MIN_CURRENT_A
         if abs(s.voltage_V) > self._largest_V and not is_open:
             text = (
                 f"The voltage {s.voltage_V:.3g} V exceeds {self._largest_V:.3g} V, which no allowed current needs. "

@@ -43,7 +43,7 @@ class ExpectedResistance:
         actuator: Actuator, tolerance: float, least: NDArray[np.float64], most: NDArray[np.float64]
     ) -> list[tuple[float, float]]:
         ends = np.array([[actuator.resistance_at_ohm(xi) for xi in share] for share in (least, most)])
-        low = (1 - tolerance) * min(actuator.resistance_at_ohm(0.0), actuator.resistance_at_ohm(1.0))
+        low = (1 - tolerance) * actuator.resistance_range_ohm[0]
         return [(low, high) for high in ((1 + tolerance) * ends.max(axis=0)).tolist()]
 
     def band_ohm(self, input_K: float, current_A: float) -> tuple[float, float]:

@@ -28,10 +28,9 @@ class Guard:
         limits: LimitsFile,
         actuator: Actuator,
         plausibility: Plausibility | None = None,
-        *,
-        ambient_degC: float = 22.0,
+        stress: StressLimit | None = None,
     ) -> None:
-        self.rig, self.limits, self._plausibility = rig, limits, plausibility
+        self.rig, self.limits, self._plausibility, self._stress = rig, limits, plausibility, stress
         self._alarms: list[Alarm] = []
         self._first_tick = self._last_tick = rig.tick
         self._unsure_until = rig.tick  # the assumed start of the prediction is forgotten at this tick
@@ -39,9 +38,6 @@ class Guard:
         self.tripped = ""
         self._last_A = 0.0
         self._step_A = limits.current_rate_A_per_s * rig.period_s + _ROUNDING
-        self._stress = (
-            StressLimit(limits.stress_max_MPa, actuator, ambient_degC) if limits.stress_max_MPa else None
-        )
 
     def start_hot(self, wire_K: Sequence[float]) -> None:
         """Start the prediction with wires that may be this hot, in place of cold ones. After the first step it is known
@@ -79,8 +75,9 @@ class Guard:
         """
         self.raise_if_tripped()
         self._check_command(current_A)
-        if self._stress is not None:
-            self._check_stress(current_A, at_most)
+        if self._stress is not None and (reason := self._stress.refusal(self.heating, current_A)):
+            self._trip(reason)
+            self.raise_if_tripped()
         self._last_A = current_A
         heat, limit = self.heating, self.limits.temperature_max_K
         answer = []
@@ -105,14 +102,6 @@ class Guard:
                     f"temperature_max_K = {limit:g}."
                 )
         return answer
-
-    def _check_stress(self, current_A: float, at_most: int) -> None:
-        """Refuse a current that would raise the stress above its limit before it can be changed again."""
-        assert self._stress is not None  # noqa: S101 - asked by the caller
-        reason = self._stress.refusal(self.heating, current_A, at_most)
-        if reason:
-            self._trip(reason)
-            self.raise_if_tripped()
 
     def _trip_on_prediction(self, hottest_K: float, current_A: float) -> None:
         if hottest_K < math.inf:

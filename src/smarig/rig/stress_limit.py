@@ -2,6 +2,7 @@
 
 import math
 
+from smarig.config import RigFile
 from smarig.core import ConfigError
 from smarig.plant import Actuator, AntagonistStress, JouleHeating
 
@@ -9,13 +10,23 @@ HOT_K = 1000.0  # above any transformation
 TICKS_AHEAD = 2  # a command flows from the next tick on, and its first reading comes after that
 
 
-class StressLimit:
-    """``refusal`` says why a current must not flow, ``update`` follows both wires."""
+def stress_limit(file: RigFile, actuator: Actuator) -> "StressLimit | None":
+    """The limit of a rig file, None if it has none. Raises ConfigError if no wire can keep it."""
+    limit_MPa = file.limits.stress_max_MPa
+    return None if limit_MPa is None else StressLimit(limit_MPa, actuator, file.ambient_degC, file.lease_s)
 
-    def __init__(self, limit_MPa: float, actuator: Actuator, ambient_degC: float) -> None:
+
+class StressLimit:
+    """``refusal`` says why a current must not flow, ``update`` follows both wires.
+
+    A command may be in effect for a whole lease, if the host is late. So that is how far it is followed beforehand.
+    """
+
+    def __init__(self, limit_MPa: float, actuator: Actuator, ambient_degC: float, lease_s: float) -> None:
         if not actuator.two_wire:
             raise ConfigError("limits.stress_max_MPa applies to two wires; this actuator has one. Remove it.")
-        self._limit_MPa, self._wires = limit_MPa, AntagonistStress(ambient_degC)
+        self._limit_MPa, self._lease_s = limit_MPa, lease_s
+        self._wires = AntagonistStress(ambient_degC)
         self._wires.step((0.0, 0.0))
         one_hot_MPa = self._wires.stress_at((HOT_K, 0.0))
         if limit_MPa < one_hot_MPa:
@@ -32,11 +43,11 @@ class StressLimit:
         """Follow both wires for one tick."""
         self._wires.step(wire_K)
 
-    def refusal(self, heating: JouleHeating, current_A: float, ticks: int) -> str:
-        """Why this current must not flow for so many ticks; "" if it may."""
+    def refusal(self, heating: JouleHeating, current_A: float) -> str:
+        """Why this current must not flow until the lease ends; "" if it may."""
         if not current_A:
             return ""
-        decay = math.exp(-(ticks + TICKS_AHEAD) * heating.dt_s / heating.tau_s)
+        decay = math.exp(-(self._lease_s + TICKS_AHEAD * heating.dt_s) / heating.tau_s)
         heated = 0 if current_A > 0 else 1
         ahead = list(heating.wire_K)
         steady_K = abs(heating.source(current_A))

@@ -13,7 +13,7 @@ from smarig.config import load_rig
 from smarig.core import Elapsed, Hold, Protocol, Sample, Settled, StepResult, Zero
 from smarig.plant import Actuator
 from smarig.protocols import Setup, initialise
-from smarig.rig import Guard, Twin, TwinSettings
+from smarig.rig import Guard, Twin, TwinSettings, stress_limit
 from smarig.runner.listener import CallbackListener
 from smarig.runner.runner import Runner
 
@@ -67,7 +67,9 @@ def _major_loop(
     ends: list[StepResult] = []
     watch = CallbackListener(extremes.sample, ends.append)
     runner = Runner(
-        Guard(twin, file.limits, actuator, ambient_degC=file.ambient_degC), twin.position_per_count, [watch]
+        Guard(twin, file.limits, actuator, stress=stress_limit(file, actuator)),
+        twin.position_per_count,
+        [watch],
     )
     setup = Setup(actuator, file.limits, file.period_s)
     runner.run(_history(setup, history))

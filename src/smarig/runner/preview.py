@@ -11,7 +11,7 @@ from smarig.config import RigFile
 from smarig.core import LimitExceeded, Protocol, Sample, StepResult, StepVerdict, UsageError
 from smarig.plant import Actuator
 from smarig.protocols import Chooser, Setup, build_protocol
-from smarig.rig import Guard, Twin, TwinSettings
+from smarig.rig import Guard, Twin, TwinSettings, stress_limit
 from smarig.runner.listener import CallbackListener
 from smarig.runner.run_control import RunControl
 from smarig.runner.runner import Runner
@@ -81,7 +81,7 @@ def preview(
     twin = Twin(nothing_hidden, actuator, TwinSettings(noise=False))
     peaks = _Peaks()
     runner = Runner(
-        Guard(twin, rig.limits, actuator, ambient_degC=rig.ambient_degC),
+        Guard(twin, rig.limits, actuator, stress=stress_limit(rig, actuator)),
         twin.position_per_count,
         [CallbackListener(peaks.sample, peaks.step)],
         control,

@@ -29,7 +29,7 @@ from smarig.record import (
     load_wire_history,
     recording,
 )
-from smarig.rig import Guard, Plausibility, Rig, TwinSettings, open_rig
+from smarig.rig import Guard, Plausibility, Rig, TwinSettings, open_rig, stress_limit
 from smarig.runner.end_severity import end_severity
 from smarig.runner.listener import CallbackListener, Listener
 from smarig.runner.lock import rig_locks
@@ -105,7 +105,7 @@ class Session:
             self.file.limits,
             self.actuator,
             Plausibility(self.file, self.actuator),
-            ambient_degC=self.file.ambient_degC,
+            stress_limit(self.file, self.actuator),
         )
         with suppress(SmarigError):  # a damaged history: a run reports it
             history = self.history()

@@ -110,6 +110,9 @@ def test_a_second_host_that_sets_another_current(wired, moment):
     assert wired.wrong() == []
     assert any(s.quality & Quality.SUSPECT for s in wired.samples)
     assert (wired.world.amplifier.state, wired.world.amplifier.output_uA) == ("off", 0)
+    assert [(a.level, a.kind, a.text) for a in wired.bench.alarms()] == [
+        ("error", "contradiction", str(fault))
+    ]
 
 
 def test_a_second_host_that_polls_all_the_time(wired):
@@ -134,6 +137,19 @@ def test_a_second_host_that_opens_the_amplifier_as_its_own(wired):
     assert wired.work() is not None, "the first one is told"
     assert 479_000 in wired.world.driven_uA
     assert wired.wrong() == []
+
+
+def test_what_only_the_driver_finds_is_a_contradiction_too(wired):
+    """Another host has written other settings, which no sample shows, least of all at zero current."""
+    wired.step(0.3)
+    wired.step(0.0)
+    wired.world.bench.amplifier.stored["heat_max"] += 1
+    with pytest.raises(RigFault, match="its settings are not those that were written") as fault:
+        for _ in range(3):
+            wired.step(0.0)
+    assert fault.type is RigFault, "no trip of the device"
+    assert [(a.level, a.kind) for a in wired.bench.alarms()] == [("error", "contradiction")]
+    assert wired.world.amplifier.output_uA == 0
 
 
 @pytest.mark.parametrize("which", range(8))
