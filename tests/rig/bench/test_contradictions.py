@@ -144,9 +144,13 @@ def test_what_only_the_driver_finds_is_a_contradiction_too(wired):
     wired.step(0.3)
     wired.step(0.0)
     wired.world.bench.amplifier.stored["heat_max"] += 1
-    with pytest.raises(RigFault, match="its settings are not those that were written") as fault:
+
+    def polled():
         for _ in range(3):
             wired.step(0.0)
+
+    with pytest.raises(RigFault, match="its settings are not those that were written") as fault:
+        polled()
     assert fault.type is RigFault, "no trip of the device"
     assert [(a.level, a.kind) for a in wired.bench.alarms()] == [("error", "contradiction")]
     assert wired.world.amplifier.output_uA == 0
