@@ -74,7 +74,7 @@ class RunCheck:
         """The check in plain sentences."""
         span = "" if self.first_s is None else f" from {self.first_s:.1f} s to {self.last_s:.1f} s"
         closed = {
-            True: f"It was closed; cause: {self.cause}.",
+            True: f"It was closed; cause: {self.cause.rstrip('.')}.",
             False: "It was never closed: it is being recorded, or was interrupted (then smarig resume continues it).",
             None: "Whether it was closed is not known, because its description is damaged.",
         }[self.closed]

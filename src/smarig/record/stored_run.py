@@ -109,7 +109,7 @@ def stored_run(path: str | Path, *, verify: bool = True) -> Iterator[StoredRun]:
     """Open a run file, finished, running or interrupted, and close it after the block.
 
     Raises DataError if it is not one or was changed, and whenever its samples turn out not to be numbers. Without
-    ``verify``, the samples are not compared with their hashes: for a run that this process has just written.
+    ``verify``, the samples are not compared with their hashes: for runs that were just written or read before.
     """
     file = existing_file(path)
     with contextlib.ExitStack() as opened:

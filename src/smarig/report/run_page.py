@@ -155,7 +155,9 @@ def ending_notices(runs: list[Run]) -> list[Html]:
         notice(
             "bad",
             paragraph(
-                tag("b", f"Incomplete run {run.path.name}: "), run.cause.removeprefix("incomplete: "), "."
+                tag("b", f"Incomplete run {run.path.name}: "),
+                run.cause.removeprefix("incomplete: ").rstrip("."),
+                ".",
             ),
         )
         for run in runs

@@ -122,7 +122,8 @@ def quality_table(runs: Mapping[str, Run]) -> Html:
     for name, run in runs.items():
         m = quality_counts(run)
         counted = [str(getattr(m, key)) for key in FLAG_NAMES]
-        state = run.cause if run.complete else tag("b", run.cause)
+        ended = run.cause.partition(":")[0]  # all of it stands at the top of the page
+        state = ended if run.complete else tag("b", ended)
         rows.append(
             (name, duration(duration_s(run)), thousands(m.samples), m.steps, m.settled, *counted, state)
         )

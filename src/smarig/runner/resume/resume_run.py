@@ -190,7 +190,9 @@ class _ResumeExecution:
     def _record_resumption(self, recorder: Recorder, t_s: float, first: int) -> None:
         run, plan = self.run, self.plan
         ended_s = float(run["t_s"][-1]) if len(run) else 0.0
-        recorder.event(ended_s, "interrupted", f"Interrupted: {run.cause}.", level="warning", cause=run.cause)
+        recorder.event(
+            ended_s, "interrupted", f"Interrupted: {run.cause.rstrip('.')}.", level="warning", cause=run.cause
+        )
         recorder.event(
             t_s,
             "resumed",
