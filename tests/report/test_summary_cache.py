@@ -66,7 +66,9 @@ def reads(monkeypatch):
     for reader in ("load_run", "stored_run"):
         original = getattr(folder_report, reader)
         monkeypatch.setattr(
-            folder_report, reader, lambda file, read=original: names.append(file.name) or read(file)
+            folder_report,
+            reader,
+            lambda file, read=original, **how: names.append(file.name) or read(file, **how),
         )
     return names
 
