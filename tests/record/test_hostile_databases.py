@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from hostile.journals import journal_of_a_page, journal_that_names
-from record.runs import META, sample, unhash
+from record.runs import META, edited, sample, unhash
 from smarig.core import DataError, UsageError
 from smarig.record import Continuation, Recorder, load_run
 from smarig.record.guarded_database import bounded, restrict
@@ -137,10 +137,9 @@ def test_no_text_of_a_file_is_too_long_for_the_memory(path):
     ],
 )
 def test_long_texts_are_refused_with_their_limit(path, statement, says):
-    execute(path, "DELETE FROM run WHERE key = 'protocol'")
-    db = sqlite3.connect(path, isolation_level=None)
-    db.execute(statement, ('"' + "n" * 2_000_000 + '"',))
-    db.close()
+    with edited(path) as db:
+        db.execute("DELETE FROM run WHERE key = 'protocol'")
+        db.execute(statement, ('"' + "n" * 2_000_000 + '"',))
     with pytest.raises(DataError, match=says):
         load_run(path)
 

@@ -130,10 +130,20 @@ def test_what_is_not_as_it_should_be_is_marked_and_counted():
     steps = (step(0, 1.0, 0.1), step(1, 2.0, 0.5, "timed_out"), step(2, 1.5, 0.4))
     events = (Event(3.0, "warning", "amplifier", "It saturated.", {}),)
     page = Page(run_page(run_of(columns, steps, events, source="bench")))
-    counted = dict(zip(*[next(t for t in page.tables if t[0][0] == "Run")[k] for k in (0, 1)]))
-    assert [
-        counted[k] for k in ("Steps", "Settled", "Timed out", "Retried", "Stale", "Saturated", "Tripped")
-    ] == list("3211130"[:7])
+    header, counted = next(t for t in page.tables if t[0][0] == "Run")[:2]
+    assert dict(zip(header, counted)) == {
+        "Run": counted[0],
+        "Duration": counted[1],
+        "Samples": "400",
+        "Steps": "3",
+        "Settled": "2",
+        "Timed out": "1",
+        "Retried": "1",
+        "Stale": "1",
+        "Saturated": "3",
+        "Ended": "done",
+    }
+    assert "Marks of no step and no sample: interrupted, void, tripped, suspect." in page.visible
     ringed = page.traces("not settled")[0]
     assert unpacked(ringed["x"]).tolist() == [2.0]
     assert unpacked(page.traces("3 saturated")[0]["x"]).tolist() == pytest.approx([0.5, 0.6, 0.7])

@@ -139,7 +139,7 @@ READINGS = (
         "compares voltage and current; whichever detects the fault first sets 0 A",
         Outcome(
             3,
-            "… Check shunt, amplifier and clamps. …|… Check clamps, wire and shunt; …|"
+            "… Check shunt, amplifier and clamps. …|… Check clamps, wire and shunt …|"
             + TRIP.format("resistance"),
         ),
         on("low_shunt", AMPLIFIER, factor=1.5),

@@ -117,22 +117,23 @@ def _actuator_rows(run: Run) -> Iterable[Row]:
 
 
 def quality_table(runs: Mapping[str, Run]) -> Html:
-    """Numbers of steps and samples of each run, and how many of them are marked."""
+    """Numbers of steps and samples of each run, and how many of them have a mark. A mark of none has no column."""
+    counts = [quality_counts(run) for run in runs.values()]
+    seen = [key for key in FLAG_NAMES if any(getattr(c, key) for c in counts)]
+    unseen = [key.replace("_", " ") for key in FLAG_NAMES if key not in seen]
     rows = []
-    for name, run in runs.items():
-        m = quality_counts(run)
-        counted = [str(getattr(m, key)) for key in FLAG_NAMES]
+    for (name, run), c in zip(runs.items(), counts):
         ended = run.cause.partition(":")[0]  # all of it stands at the top of the page
         state = ended if run.complete else tag("b", ended)
-        rows.append(
-            (name, duration(duration_s(run)), thousands(m.samples), m.steps, m.settled, *counted, state)
-        )
-    header = ("Run", "Duration", "Samples", "Steps", "Settled", "Timed out", "Interrupted", "Void")
+        marked = [str(getattr(c, key)) for key in seen]
+        rows.append((name, duration(duration_s(run)), thousands(c.samples), c.steps, c.settled, *marked, state))
+    header = [key.replace("_", " ").capitalize() for key in seen]
+    none = f" Marks of no step and no sample: {', '.join(unseen)}." if unseen else ""
     return table(
-        (*header, "Retried", "Stale", "Saturated", "Tripped", "Suspect", "Ended"),
+        ("Run", "Duration", "Samples", "Steps", "Settled", *header, "Ended"),
         rows,
         "Data quality: steps by verdict, samples by quality mark. Initialisation holds for a fixed time, so its "
-        "steps need not settle.",
+        f"steps need not settle.{none}",
     )
 
 
