@@ -175,7 +175,9 @@ def test_a_bench_in_use_is_exit_status_5_with_its_holder(tmp_path, capsys):
         assert cli(words) == 5
         told = json.loads(capsys.readouterr().out)
         assert told["exit_status"] == 5
-        lines = [f"The line {url} is in use by process {os.getpid()} since " for url in (host, urls["encoder_daq"])]
+        lines = [
+            f"The line {url} is in use by process {os.getpid()} since " for url in (host, urls["encoder_daq"])
+        ]
         assert any(told["error"].startswith(line) for line in lines)
         assert not (tmp_path / "b.run.sqlite").exists()
         assert cli(["check", str(second), "--yes"]) == 5

@@ -126,7 +126,9 @@ def quality_table(runs: Mapping[str, Run]) -> Html:
         ended = run.cause.partition(":")[0]  # all of it stands at the top of the page
         state = ended if run.complete else tag("b", ended)
         marked = [str(getattr(c, key)) for key in seen]
-        rows.append((name, duration(duration_s(run)), thousands(c.samples), c.steps, c.settled, *marked, state))
+        rows.append(
+            (name, duration(duration_s(run)), thousands(c.samples), c.steps, c.settled, *marked, state)
+        )
     header = [key.replace("_", " ").capitalize() for key in seen]
     none = f" Marks of no step and no sample: {', '.join(unseen)}." if unseen else ""
     return table(
