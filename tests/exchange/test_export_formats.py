@@ -217,8 +217,8 @@ def test_netcdf_keeps_ticks_beyond_32_bits(runs, tmp_path):
         assert data["tick"].values.tolist() == late["tick"].astype(int).tolist()
 
 
-def test_netcdf_without_xarray_names_the_extra(runs, tmp_path, monkeypatch):
-    monkeypatch.setitem(sys.modules, "xarray", None)
+def test_netcdf_without_h5netcdf_names_the_extra(runs, tmp_path, monkeypatch):
+    monkeypatch.setitem(sys.modules, "h5netcdf", None)
     with pytest.raises(UsageError, match=r"pip install 'smarig\[netcdf\]'"):
         export_run(runs["timeless"], to="netcdf", out=tmp_path / "x.nc")
     assert not list(tmp_path.iterdir())

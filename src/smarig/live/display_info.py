@@ -1,7 +1,6 @@
 """What a live view needs to know of a rig or of a recorded run: names, units and ranges."""
 
 import contextlib
-import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields
 from typing import Any, Literal, get_args
@@ -15,6 +14,7 @@ from smarig.protocols import Setup
 from smarig.record import AnyRun
 
 Start = Literal["negative", "positive", "anhysteretic"]
+_UNKNOWN = (0.0, 1.0)  # the range of a channel without values
 
 
 @dataclass(frozen=True)
@@ -88,9 +88,8 @@ def run_display_info(run: AnyRun) -> DisplayInfo:
     """The display information of a recorded or imported run."""
     rig = _rig_of(run)
     actuator = _actuator_of(run, rig)
-    input_K, position = run["input"], run["position"]
     period_s, per_count = run.info.period_s, run.info.output.per_count
-    low, high = _finite_range(input_K)
+    low, high = run.extremes("input") or _UNKNOWN
     if actuator is not None and not actuator.two_wire:
         low = min(low, 0.0)
     twin_hysteresis = (
@@ -100,7 +99,7 @@ def run_display_info(run: AnyRun) -> DisplayInfo:
         title=f"{run.info.text_of('protocol', 'run')} on {run.info.text_of('rig', 'an unnamed rig')}",
         source=run.info.text_of("source", ""),
         input=_input(low, high, run.input_unit, actuator),
-        output=_output(*_finite_range(position), run.unit),
+        output=_output(*(run.extremes("position") or _UNKNOWN), run.unit),
         unit=run.unit,
         input_unit=run.input_unit,
         period_s=float(period_s) if period_s else None,
@@ -141,11 +140,6 @@ def _actuator_of(run: AnyRun, rig: RigFile | None) -> Actuator | None:
             if actuator.name == run.info.actuator and actuator.unit == run.unit:
                 return actuator
     return None
-
-
-def _finite_range(values: Any) -> tuple[float, float]:
-    known = values[[math.isfinite(v) for v in values.tolist()]] if len(values) else values
-    return (float(known.min()), float(known.max())) if len(known) else (0.0, 1.0)
 
 
 def _input(low: float, high: float, unit: str, actuator: Actuator | None) -> Axis:

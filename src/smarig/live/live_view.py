@@ -108,12 +108,15 @@ def view_run(
 def save_recording(
     run: AnyRun, path: Path, predictions: Sequence[NamedPredictor] = (), hysteresis: Everett | None = None
 ) -> None:
-    """Save a recorded run as an .rrd file with its layout, in large batches, so that the file is compact."""
+    """Save a recorded run as an .rrd file with its layout, in batches: few, so that the file is compact, but many
+    enough that memory holds a small part of it.
+    """
     rerun_output, scene_renderer = _open_output(
         run_display_info(run), predictions, hysteresis, recorded=True, path=path
     )
     for batch in batches(run):
         scene_renderer.draw(batch)
+        rerun_output.flush()
     rerun_output.close()
 
 

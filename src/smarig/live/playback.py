@@ -8,7 +8,7 @@ from smarig.core import Sample
 from smarig.live.live_items import EventItem, LiveItem, SampleItem, StepItem
 from smarig.record import AnyRun
 
-BATCH_SAMPLES = 20_000  # samples drawn at once
+BATCH_SAMPLES = 10_000  # samples read and drawn at once
 PACED_INTERVAL_S = 0.2  # between batches when replayed at a speed
 _COLUMNS = (
     *("tick", "t_s", "current_command_A", "current_A", "voltage_V"),
@@ -71,7 +71,10 @@ def replay(
 
 def _sample_items(run: AnyRun, timed: bool) -> Iterator[tuple[float, SampleItem]]:
     names = (*_COLUMNS, "step", "input")
-    rows = (zip(*(block[name].tolist() for name in names), strict=True) for block in run.blocks(names))
+    rows = (
+        zip(*(block[name].tolist() for name in names), strict=True)
+        for block in run.blocks(names, BATCH_SAMPLES)
+    )
     for *values, quality, step, u in chain.from_iterable(rows):
         sample = Sample(*values, quality=0 if quality != quality else int(quality))
         yield (

@@ -4,6 +4,7 @@ It serves them on the loopback interface from this process, writes them to a fil
 a viewer: the server keeps up to ``memory`` and drops the oldest data.
 """
 
+import os
 from collections.abc import Sequence
 from functools import singledispatchmethod
 from pathlib import Path
@@ -14,6 +15,7 @@ import numpy as np
 from smarig.core import Severity, StorageError, UsageError
 from smarig.live import primitives as m
 from smarig.live.colours import GROUND
+from smarig.live.recording_file import RecordingFile
 from smarig.live.view_layout import Split, View
 
 try:
@@ -41,16 +43,19 @@ class RerunOutput:
         self._stream = rr.RecordingStream(APPLICATION)
         self._stream.send_recording_name(name)
         self._sinks: list[Any] = []
-        self._files: list[tuple[Path, Any]] = []
+        self._files: list[RecordingFile] = []
 
     def serve(self, port: int, memory: str) -> None:
         """Serve viewers on this machine that connect to ``port``, now or later."""
         self._to(rr.GrpcServerSink("127.0.0.1", port, server_memory_limit=memory))
 
     def save(self, path: Path) -> None:
-        """Write into a file at ``close``. Rerun itself would report a full disk only in its own log lines."""
-        self._files.append((path, self._stream.binary_stream()))
-        self._to(self._files[-1][1])
+        """Write into a file as the data come; ``flush`` and ``close`` say whether that fails."""
+        if os.name == "nt":  # has no such pipes
+            self._to(rr.FileSink(path))
+            return
+        self._files.append(RecordingFile(path))
+        self._to(rr.FileSink(self._files[-1].pipe))
 
     def _to(self, sink: Any) -> None:
         self._sinks.append(sink)
@@ -68,20 +73,22 @@ class RerunOutput:
             self._draw(primitive)
 
     def flush(self) -> None:
-        """Send the remaining data. Raises StorageError if that fails."""
+        """Send the remaining data. Raises StorageError or OSError if that fails."""
         try:
             self._stream.flush()
         except RuntimeError as error:
             raise StorageError(f"The recording could not be written: {error}.") from None
+        for file in self._files:
+            file.check()
 
     def close(self) -> None:
-        """Send the remaining data, write files and close all outputs. Raises OSError if a file cannot be
-        written."""
-        self.flush()
-        written = [(path, stream.read()) for path, stream in self._files]
-        self._stream.disconnect()
-        for path, content in written:
-            path.write_bytes(content)
+        """Send the remaining data, complete files and close all outputs. Raises as ``flush`` does."""
+        try:
+            self.flush()
+        finally:
+            self._stream.disconnect()
+            for file in self._files:
+                file.close()
 
     # --- one method for each kind of primitive
     # -------------------------------------------------------------------

@@ -8,6 +8,7 @@ built in memory, because HDF5 ends the process when it writes to a full disk.
 import io
 import json
 from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
 from datetime import UTC, datetime, timedelta
 from importlib.metadata import version
 from pathlib import Path
@@ -35,39 +36,65 @@ _DEFLATE = 4
 MAX_TEXT_BYTES = 500_000_000
 
 
+@dataclass(frozen=True)
+class _Variable:
+    """A variable of the file: its dimension ("" for a scalar), values, attributes."""
+
+    along: str
+    values: np.ndarray
+    attributes: dict[str, Any]
+
+
 def netcdf(run: AnyRun, path: Path) -> None:
     """NetCDF-4 with CF attributes, steps and events as groups; for xarray and MATLAB's ncread (extra netcdf)."""
     try:
-        import h5netcdf  # used by xarray to write
+        import h5netcdf
         import h5py  # noqa: F401 - used by h5netcdf
-        import xarray as xr
-        from xarray.backends import H5NetCDFStore
     except ImportError:
-        raise UsageError("NetCDF export needs xarray and h5netcdf: pip install 'smarig[netcdf]'.") from None
+        raise UsageError("NetCDF export needs h5netcdf: pip install 'smarig[netcdf]'.") from None
     made = io.BytesIO()
     with h5netcdf.File(made, "w") as file:
-        root = H5NetCDFStore(file)
-        for variables, attributes in _root_parts(run):
-            _write(xr.Dataset(variables, attrs=attributes), root)
+        file.attrs.update(_characters(_description(run)))
+        for name, variable in _root_variables(run):
+            _write(file, name, variable)
         for name, columns in (("step", step_columns(run)), ("event", event_columns(run))):
-            attributes = _characters({"title": f"{name.capitalize()}s of the run"})
-            table = {c.name: _sampled(c, name) for c in columns}
-            _write(xr.Dataset(table, attrs=attributes), H5NetCDFStore(file.create_group(f"{name}s")))
+            group = file.create_group(f"{name}s")
+            group.attrs.update(_characters({"title": f"{name.capitalize()}s of the run"}))
+            for column in columns:
+                _write(group, column.name, _sampled(column, name))
     path.write_bytes(made.getbuffer())
 
 
-def _root_parts(run: AnyRun) -> Iterator[tuple[dict[str, tuple], dict[str, Any]]]:
-    """Variables and attributes of the root, column by column, so that one is in memory at a time."""
+def _root_variables(run: AnyRun) -> Iterator[tuple[str, _Variable]]:
+    """Column by column, so that one is in memory at a time."""
     columns, clock = sample_columns(run), _has_clock(run)
     along = "time" if clock else "tick"
-    yield {along: _time(run) if clock else _sampled(columns.pop(0), along)}, _characters(_description(run))
+    yield along, _time(run) if clock else _sampled(columns.pop(0), along)
     for column in columns:
-        yield {column.name: _sampled(column, along)}, {}
-    yield {"smarig_run": _full_description(run)}, {}
+        yield column.name, _sampled(column, along)
+    yield "smarig_run", _full_description(run)
 
 
-def _write(part: Any, store: Any) -> None:
-    part.dump_to_store(store, encoding=_encoding(part))
+def _write(group: Any, name: str, variable: _Variable) -> None:
+    """Numbers deflated, texts as an array of characters with a dimension for their length.
+
+    Integer columns with missing values get a fill value, because readers convert columns with one to floats.
+    """
+    values, along = variable.values, [variable.along] if variable.along else []
+    if values.dtype.kind == "S":
+        along.append(f"string{values.dtype.itemsize}")
+        values = values[..., None].view("S1")
+    for dimension, size in zip(along, values.shape, strict=True):
+        if dimension not in group.dimensions:
+            group.dimensions[dimension] = size
+    options: dict[str, Any] = {}
+    if values.dtype.kind in "fi" and values.size:
+        options = {"compression": "gzip", "compression_opts": _DEFLATE, "shuffle": True}
+    if values.dtype.kind in "fi" and name not in group.dimensions:  # a coordinate has no missing values
+        fill = np.nan if values.dtype.kind == "f" else _MISSING
+        options["fillvalue"] = fill if fill != fill or (values == fill).any() else None
+    made = group.create_variable(name, tuple(along), values.dtype, data=values, **options)
+    made.attrs.update(variable.attributes)
 
 
 def _has_clock(run: AnyRun) -> bool:
@@ -75,7 +102,7 @@ def _has_clock(run: AnyRun) -> bool:
     return bool(len(run)) and bool(np.isfinite(t_s).all()) and bool((np.diff(t_s) > 0).all())
 
 
-def _time(run: AnyRun) -> tuple:
+def _time(run: AnyRun) -> _Variable:
     """Time in seconds since the zero of the device's clock, in host time; without reference if that is unknown."""
     epoch = _zero_epoch(run)
     attributes = {"long_name": "time of the sample", "units": "s", "axis": "T"}
@@ -84,7 +111,7 @@ def _time(run: AnyRun) -> tuple:
             "%Y-%m-%dT%H:%M:%S.%f"
         )
         attributes |= {"units": f"seconds since {moment}Z", "calendar": "standard", "standard_name": "time"}
-    return ("time", run["t_s"], _characters(attributes))
+    return _Variable("time", run["t_s"], _characters(attributes))
 
 
 def _zero_epoch(run: AnyRun) -> float | None:
@@ -97,7 +124,7 @@ def _zero_epoch(run: AnyRun) -> float | None:
     return None if options is None else float(options)
 
 
-def _sampled(column: ExportColumn, along: str) -> tuple:
+def _sampled(column: ExportColumn, along: str) -> _Variable:
     texts = {"long_name": column.what, "standard_name": _STANDARD.get(column.name, "")}
     texts |= {"_Encoding": "utf-8"} if column.text else {"units": _UNITS.get(column.unit, column.unit)}
     attributes: dict[str, Any] = _characters(texts)
@@ -108,7 +135,7 @@ def _sampled(column: ExportColumn, along: str) -> tuple:
         attributes |= {"flag_values": np.array([0, 1], dtype=np.int32)} | _characters(
             {"flag_meanings": "counts void"}
         )
-    return (along, _values(column), attributes)
+    return _Variable(along, _values(column), attributes)
 
 
 def _values(column: ExportColumn) -> np.ndarray:
@@ -133,24 +160,6 @@ def _bytes_of_one_length(texts: list[bytes]) -> np.ndarray:
     return np.array(texts, dtype=f"S{max(longest, 1)}")
 
 
-def _encoding(part: Any) -> dict[str, dict[str, Any]]:
-    """Deflated. Integer columns with missing values get a fill value, because readers convert columns with one to
-    floats.
-    """
-    found: dict[str, dict[str, Any]] = {}
-    for name, variable in part.variables.items():
-        kind = variable.dtype.kind
-        has_missing = name not in part.coords and (
-            kind == "f" or (kind == "i" and bool((variable == _MISSING).any()))
-        )
-        fill = (np.nan if kind == "f" else variable.dtype.type(_MISSING)) if has_missing else None
-        options: dict[str, Any] = {"_FillValue": fill}
-        if kind in "fi" and variable.size:
-            options |= {"zlib": True, "complevel": _DEFLATE, "shuffle": True}
-        found[str(name)] = options
-    return found
-
-
 def _description(run: AnyRun) -> dict[str, Any]:
     now = datetime.now(UTC).strftime("%Y-%m-%dT%H:%M:%SZ")
     measured = {"BENCH": "measured on a rig", "TWIN": "from a software twin, not measured"}
@@ -165,11 +174,11 @@ def _description(run: AnyRun) -> dict[str, Any]:
     }
 
 
-def _full_description(run: AnyRun) -> tuple:
+def _full_description(run: AnyRun) -> _Variable:
     """The whole description as a variable, because attributes are limited to 64 kB."""
     text = json.dumps(run.meta, ensure_ascii=False).encode("utf-8")
     attributes = {"long_name": "whole description of the run, JSON", "_Encoding": "utf-8"}
-    return ((), np.array(text), _characters(attributes))
+    return _Variable("", np.array(text), _characters(attributes))
 
 
 def _characters(texts: Mapping[str, Any]) -> dict[str, Any]:
