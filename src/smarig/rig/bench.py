@@ -57,6 +57,7 @@ class Bench:
         self._orders = OrderRecord()
         self._last: CurrentReading | None = None
         self._alarms: list[Alarm] = []
+        self._reconnections = {"amplifier": 0, "encoder": 0}  # reported so far
         self._pending_readings: list[PositionReading] = []  # read before a zero and not yet returned
         self._fault: RigFault | None = None  # after a trip
         self.shutdown_unconfirmed = ""  # why the source may still be on
@@ -196,8 +197,18 @@ class Bench:
 
     def alarms(self) -> list[Alarm]:
         """Alarms since the last call."""
+        self._note_reconnections()
         alarms, self._alarms = self._alarms, []
         return alarms
+
+    def _note_reconnections(self) -> None:
+        """A line that comes back is reported. Drivers need not count."""
+        for name, device in (("amplifier", self.source), ("encoder", self.sensor)):
+            count = getattr(device, "reconnections", 0)
+            if count != self._reconnections[name]:
+                self._reconnections[name] = count
+                text = f"The line to the {name} was lost and opened again. Check cable and supply."
+                self._alarms.append(Alarm("warning", "reconnected", text))
 
     def zero(self) -> None:
         """Zero the encoder at its present position; readings not yet returned are converted to the new zero."""

@@ -78,6 +78,19 @@ def test_samples_lost_from_the_ring_are_reported_once():
     assert bench.alarms() == []
 
 
+@pytest.mark.parametrize("name", ["amplifier", "encoder"])
+def test_a_line_that_was_lost_and_came_back_is_reported_once(name):
+    bench, source, sensor, _ = made()
+    device = source if name == "amplifier" else sensor
+    bench.step(0.2)
+    assert bench.alarms() == []
+    device.reconnections = 1
+    (alarm,) = bench.alarms()
+    assert (alarm.level, alarm.kind) == ("warning", "reconnected")
+    assert f"The line to the {name} was lost" in alarm.text
+    assert bench.alarms() == []
+
+
 def test_an_encoder_without_new_samples_is_a_fault_in_time():
     bench, _, sensor, clock = made()
     bench.step(0.2)

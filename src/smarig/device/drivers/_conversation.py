@@ -62,6 +62,7 @@ class Conversation:
         self._most = ring.count
         self._lengths = probe_lengths(map_)
         self._late = True  # replies to earlier requests, also of another process, may still come
+        self.reconnections = 0
 
     @property
     def name(self) -> str:
@@ -206,6 +207,7 @@ class Conversation:
         words = self._granted(self._fresh(Exchange(self.map.start("status"), self._head), None))
         self._check_identity(self.map.decode("status", words))
         self._resynchronise()
+        self.reconnections += 1
 
     def _check_identity(self, values: Mapping[str, int]) -> None:
         device = self.map.device

@@ -93,6 +93,11 @@ class SmarigAmplifier:
         return status.values["tick"]
 
     @property
+    def reconnections(self) -> int:
+        """How often its line was lost and opened again."""
+        return self.talk.reconnections
+
+    @property
     def identity(self) -> str:
         """The device, its map and its number of starts."""
         return self.talk.identity

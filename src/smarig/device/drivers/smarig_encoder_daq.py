@@ -26,6 +26,11 @@ class SmarigEncoderDaq:
         self.talk.settings({"period": self.map["period"].value.encode(period_s)})
 
     @property
+    def reconnections(self) -> int:
+        """How often its line was lost and opened again."""
+        return self.talk.reconnections
+
+    @property
     def identity(self) -> str:
         """The device, its map and its number of starts."""
         return self.talk.identity
