@@ -101,6 +101,7 @@ def make_material(folder: Path) -> Material:
     cut(m.whole, m.killed, int(run["tick"][len(run) * 3 // 4]))
     with contextlib.closing(sqlite3.connect(m.killed)) as db, db:  # a day later: the clocks must not overlap
         db.execute("UPDATE run SET value = value + 86400 WHERE key = 'start_epoch'")
+        db.execute("DELETE FROM run WHERE key = 'recorder_pid'")  # this process: it runs on
     identify(run, "constant").model.save(m.model)
     m.secret.write_text(f'{SECRET} = "{SECRET}"\n', encoding="utf-8")
     m.precious.write_text("years of work\n" * 10, encoding="utf-8")
