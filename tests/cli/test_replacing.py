@@ -140,3 +140,9 @@ def test_a_diagnosis_looks_at_its_folder_before_it_computes(tmp_path, name):
         UsageError, match=f"{name} holds a table of numbers, which --force does not replace by"
     ):
         prepare_folder(tmp_path, force=True)
+
+
+def test_a_link_to_itself_as_an_output_is_no_internal_error(tmp_path):
+    out = tmp_path / "a.run.sqlite"
+    out.symlink_to(out)
+    assert cli(["run", "validation", *ON, "--set", "points=2", "-o", str(out), "--force"]) in (0, 2)

@@ -1,5 +1,6 @@
 """The lock of a run file: one process at a time records a run, whatever drives it."""
 
+import os
 from contextlib import AbstractContextManager
 from pathlib import Path
 
@@ -19,4 +20,4 @@ def check_not_recording(path: Path) -> None:
 
 
 def _key(path: Path) -> str:
-    return f"run {path.resolve()}"
+    return f"run {os.path.realpath(path)}"  # unlike resolve(), it accepts a link to itself

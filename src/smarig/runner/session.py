@@ -4,6 +4,7 @@ The wire's memory, the device's ticks and the encoder's zero continue from run t
 its cause.
 """
 
+import os
 import shutil
 import time
 from collections.abc import Mapping, Sequence
@@ -289,7 +290,8 @@ def check_cycle_limit(history: WireHistory | None, limits: LimitsFile) -> None:
 
 def check_free_space(out: Path, needed: int) -> None:
     """Raise StorageError if a run would not fit on the disk."""
-    folder = next(p for p in (out.resolve().parent, *out.resolve().parent.parents) if p.exists())
+    target = Path(os.path.realpath(out))
+    folder = next(p for p in target.parents if p.exists())
     free = shutil.disk_usage(folder).free
     # Twice the data, because the write-ahead log repeats them, and a margin to close the run.
     if free < 2 * needed + 16_000_000:
