@@ -20,7 +20,7 @@ from hostile.judgement import objections
 from hostile.material import Material, make_material
 
 CPU_S = 5  # a command that takes longer hangs,
-LONGER_S = {"diagnose": 60}  # except where it computes as long for honest files of this size
+LONGER_S = {"diagnose": 60, "check": 30}  # except where it computes as long for honest files of this size
 WAIT_S = 300  # so does one that waits longer, with or without computing
 MEMORY_BYTES = 3_000_000_000
 MOST_MB = 1200  # 400 of them are the imported packages

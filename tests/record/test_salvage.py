@@ -12,6 +12,7 @@ from record.runs import META, edited, result, sample
 from record.test_recovery import KILLED_WHILE_RECORDING, killed
 from smarig.core import DataError, UsageError
 from smarig.record import Recorder, check_run, load_run, salvage, write_salvaged
+from smarig.record.page_scan import PageScan
 
 PAGE = 4096
 LONG_TEXT = "# a rig file\n" + "key = 1\n" * 2000  # on several pages
@@ -218,6 +219,24 @@ def test_a_file_made_to_keep_it_busy_does_not(tmp_path):
     path.write_bytes(b"SQLite format 3\x00\x10\x00".ljust(PAGE, b"\0") + bytes(page) + overflow)
     with pytest.raises(DataError, match="Nothing can be saved"):
         salvage(path)
+
+
+@pytest.mark.skipif(not hasattr(os, "SEEK_DATA"), reason="this system does not tell holes")
+def test_holes_of_a_sparse_file_are_not_read(whole, tmp_path, monkeypatch):
+    sparse = tmp_path / "sparse.run.sqlite"
+    shutil.copy(whole, sparse)
+    before = salvage(sparse).samples
+    os.truncate(sparse, 300_000_000_000)
+    reads = []
+    rows_of = PageScan._rows_of
+
+    def counted(self, number):
+        reads.append(number)
+        return rows_of(self, number)
+
+    monkeypatch.setattr(PageScan, "_rows_of", counted)
+    assert salvage(sparse).samples == before
+    assert max(reads) < 10_000
 
 
 def test_chance_damage_never_stops_it_and_nothing_untrue_is_saved_as_verified(whole, tmp_path):

@@ -20,7 +20,7 @@ from smarig.core import DataError, UsageError
 from smarig.exchange.mapping import MappingFile, MatLayout, require_columns
 from smarig.exchange.text_table import Table
 
-MAX_BYTES = 500_000_000
+MAX_BYTES = 300_000_000  # inflating needs up to twice as much
 _HEADER_BYTES = 128
 _ORDER = {b"IM": "<", b"MI": ">"}
 _INT8, _INT32, _MATRIX, _COMPRESSED = 1, 5, 14, 15  # kinds of elements: mi…

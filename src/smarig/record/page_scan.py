@@ -4,6 +4,7 @@ Each page of a tree names its own rows, so a page that is lost takes only its ro
 that of https://sqlite.org/fileformat2.html. Nothing in the file is trusted: what does not decode is no row.
 """
 
+import errno
 import os
 import struct
 from collections.abc import Iterator
@@ -17,6 +18,7 @@ _HEADER_BYTES = 100  # of the file, in its first page
 _TABLE_LEAF, _INDEX_LEAF, _INDEX_INTERIOR = 0x0D, 0x0A, 0x02
 _INTEGER_BYTES = {1: 1, 2: 2, 3: 3, 4: 4, 5: 6, 6: 8}  # by serial type
 _FIXED = {0: None, 8: 0, 9: 1}
+_PAGES_PER_LOOK = 1000  # for holes of the file
 _OVERFLOW_SHARE = 2  # times the size of the file: more than that is read only in a file made to keep us busy
 
 
@@ -47,11 +49,26 @@ class PageScan:
             pages = -(-size // self._page_size)
             self._overflow_bytes = _OVERFLOW_SHARE * size
             unused = set(self._unused_pages())
-            for number in range(1, pages + 1):
+            for number in self._stored_pages(pages):
                 if number not in unused:
                     yield from self._rows_of(number)
         finally:
             os.close(self._handle)
+
+    def _stored_pages(self, pages: int) -> Iterator[int]:
+        """Numbers of the pages, without the holes of a sparse file, which may be longer than any disk."""
+        number = 1
+        while number <= pages:
+            if number % _PAGES_PER_LOOK == 1 and hasattr(os, "SEEK_DATA"):
+                try:
+                    stored = os.lseek(self._handle, (number - 1) * self._page_size, os.SEEK_DATA)
+                except OSError as error:
+                    if error.errno == errno.ENXIO:
+                        return
+                    stored = 0  # a disk that cannot tell
+                number = max(number, stored // self._page_size + 1)
+            yield number
+            number += 1
 
     def _find_page_size(self) -> int:
         """Find the size of a page; returns that of the file."""
