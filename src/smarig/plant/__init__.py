@@ -44,5 +44,6 @@ if TYPE_CHECKING:
     from smarig.plant.thermal_stages import EARLY_STAGES as EARLY_STAGES
     from smarig.plant.thermal_stages import ThermalStages as ThermalStages
     from smarig.plant.thermal_stages import apply_hooks as apply_hooks
+    from smarig.plant.wire_phases import WirePhases as WirePhases
 else:
     __getattr__, __dir__, __all__ = lazy_exports(__name__)
