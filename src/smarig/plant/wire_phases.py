@@ -2,10 +2,10 @@
 
     ξ₁ = Γ₊[T₁] / F(u₊, 0),    ξ₂ = Γ₋[T₂] / F(0, u₋)        T ≥ 0 above ambient, 0 ≤ ξ ≤ 1
 
-Γ₊ is the operator of the relays with α, β ≥ 0, which wire 1 switches both ways by its own temperature: they are the part
-of the output that the wire gives back when it cools. Γ₋ is that of wire 2, with α, β ≤ 0. The relays between
-(α > 0 > β) are set by one wire and reset by the other. They are strain of martensite that remains, not a phase, so both
-wires are martensite when both are cold, whatever the position (thesis §5.5.1).
+Γ₊ is the operator of the relays with α, β ≥ 0, which wire 1 switches both ways by its own temperature: they are the
+part of the output that the wire gives back when it cools. Γ₋ is that of wire 2, with α, β ≤ 0. The relays between
+(α > 0 > β) are set by one wire and reset by the other. They are strain of martensite that remains, not a phase, so
+both wires are martensite when both are cold, whatever the position (thesis §5.5.1).
 """
 
 from collections.abc import Sequence
@@ -54,7 +54,7 @@ class _OwnPhase:
         self._per_K = 1.0 / abs(end) if end else 0.0
 
     def step(self, wire_K: float) -> float:
-        """The austenite fraction. A wire that gives nothing back is taken to transform in proportion to its temperature."""
+        """The austenite fraction. A wire that gives nothing back is taken to transform as its temperature rises."""
         wire_K = max(wire_K, 0.0)
         if not self._per_output:
             return min(wire_K * self._per_K, 1.0)

@@ -1,4 +1,4 @@
-"""The stress in two antagonist wires over a run: heating (5.1), phases of both wires, force balance of thesis §5.5.1."""
+"""The stress in two antagonist wires over a run: heating (5.1), phases of both, force balance of thesis §5.5.1."""
 
 from dataclasses import asdict, dataclass
 

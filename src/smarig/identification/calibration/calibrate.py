@@ -27,7 +27,6 @@ from smarig.plant import Actuator
 from smarig.preisach import Everett
 from smarig.record import Run
 
-
 USUAL_TAU_S = 5.0  # of a wire of 0.3 mm in air, if nothing is known
 
 
