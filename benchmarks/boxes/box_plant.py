@@ -9,6 +9,7 @@ from benchmarks.boxes.box_effects import Hidden
 from benchmarks.boxes.heat import WireTemperatures
 from benchmarks.boxes.input_effects import StepState, build_input_effects
 from benchmarks.boxes.kinetic_hysteresis import BoxHysteresis
+from benchmarks.boxes.relays import Relays
 from benchmarks.boxes.unlisted_effects import BenchFaults
 from benchmarks.boxes.wire import BoxWire
 
@@ -55,9 +56,13 @@ class BoxPlant:
         """Resistance of the heated wire divided by its mean."""
         if "resistance_phase" not in self.hidden:
             return 1.0
-        share = self.now.share
-        austenite = 1 - share if self.wire.two_wire and self.current_A < 0 else share
-        return 1 + self.hidden["resistance_phase"]["change_percent"] / 100 * (austenite - 0.5)
+        return 1 + self.hidden["resistance_phase"]["change_percent"] / 100 * (self._austenite() - 0.5)
+
+    def _austenite(self) -> float:
+        """That of the wire that carries the current."""
+        if isinstance(self.relays, Relays) and self.wire.two_wire:
+            return self.relays.own_austenite(1 if self.current_A < 0 else 0)
+        return self.now.share
 
     def _amplified(self, i: float) -> float:
         """The current that flows: gain and offset, then diodes, then the limit of the supply."""
@@ -92,7 +97,7 @@ class BoxPlant:
     def _capacity(self) -> float:
         """Specific heat divided by its mean; it depends on the phase."""
         change = _parameter(self.hidden, "latent_heat", "specific_heat_change_percent") / 100
-        return 1 + change * (self.now.share - 0.5)
+        return 1 + change * (self._austenite() - 0.5) if change else 1.0
 
     def _ambient_shift_K(self) -> float:
         """Change of the ambient temperature since the start."""

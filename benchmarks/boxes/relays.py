@@ -65,6 +65,15 @@ class Relays:
         """Share of the mass that is on, 0…1."""
         return self._sum / self._all
 
+    def own_austenite(self, wire: int) -> float:
+        """Austenite of one of two wires: of the relays that it switches both ways by itself, the share that it has
+        switched.
+        """
+        beta = np.empty(self._mass.size)
+        beta[self._order] = self._beta
+        mass = self._mass * ((self._alpha <= 0) if wire else (beta >= 0))
+        return float(mass @ (self._on != bool(wire)) / mass.sum()) if mass.any() else 0.0
+
     def move(self, u: float) -> float:
         """Move to a temperature directly; returns the share that is on then."""
         if u > self.u:

@@ -149,25 +149,29 @@ def test_outputs_and_memories_are_those_of_the_hysteresis_input(case_with_effect
     )
 
 
-@pytest.mark.parametrize("rig", ["one_wire_twin", "two_wire_twin"])
-def test_a_resistance_follows_the_output_by_its_slope(tmp_path, rig):
-    """Each of two wires carries its own current and has its own austenite: one falls where the other rises."""
+def resistances(tmp_path, rig):
     runs = session_runs(tmp_path, ("validation", {"points": 14}), rig=rig, noise=False)
     plant_model, _ = twin_plant_model(wire=f"gorbet_{rig.removesuffix('_twin')}")
     timeline = build_timeline(runs, plant_model.actuator.tau_s)
     found = predict(timeline, plant_model)
-    kinds = np.concatenate([[r.kind] * len(r) for r in timeline.all_readings if r.kind in found.values])[
-        : found.output.size
-    ]
-    assert np.all(found.output_slope[kinds != "resistance"] == 1.0)
+    kinds = [[r.kind] * len(r) for r in timeline.all_readings if r.kind in found.values]
+    kinds = np.concatenate(kinds)[: found.output.size]
     measured = next(r for r in timeline.other_readings if r.kind == "resistance")
-    slope, y = found.output_slope[kinds == "resistance"], found.output[kinds == "resistance"]
-    for sign in np.unique(np.sign(slope)):
-        same = np.sign(slope) == sign
-        np.testing.assert_allclose(
-            np.diff(measured.value[same]), slope[same][1:] * np.diff(y[same]), atol=2e-5
-        )
-    assert np.unique(np.sign(slope)).size == (2 if rig == "two_wire_twin" else 1)
+    return found, kinds == "resistance", measured.value
+
+
+def test_the_resistance_of_one_wire_follows_the_output_by_its_slope(tmp_path):
+    found, ohms, measured = resistances(tmp_path, "one_wire_twin")
+    assert np.all(found.output_slope[~ohms] == 1.0)
+    slope, y = found.output_slope[ohms], found.output[ohms]
+    np.testing.assert_allclose(np.diff(measured), slope[1:] * np.diff(y), atol=2e-5)
+
+
+def test_the_resistances_of_two_wires_follow_their_own_phases_and_not_the_output(tmp_path):
+    found, ohms, measured = resistances(tmp_path, "two_wire_twin")
+    assert np.all(found.output_slope[~ohms] == 1.0)
+    assert np.all(found.output_slope[ohms] == 0.0)
+    np.testing.assert_allclose(found.values["resistance"], measured, atol=3e-5)
 
 
 def test_ticks_cost_nothing_without_effects_and_little_with_them(case_with_effect):

@@ -7,6 +7,7 @@ from smarig.core.lazy_exports import lazy_exports
 if TYPE_CHECKING:
     from smarig.plant.actuator import Actuator as Actuator
     from smarig.plant.antagonist_stress import AntagonistStress as AntagonistStress
+    from smarig.plant.antagonist_stress import stress_of_phases_MPa as stress_of_phases_MPa
     from smarig.plant.effect import Effect as Effect
     from smarig.plant.effect import EffectContext as EffectContext
     from smarig.plant.effect import EffectType as EffectType
@@ -44,5 +45,6 @@ if TYPE_CHECKING:
     from smarig.plant.thermal_stages import EARLY_STAGES as EARLY_STAGES
     from smarig.plant.thermal_stages import ThermalStages as ThermalStages
     from smarig.plant.thermal_stages import apply_hooks as apply_hooks
+    from smarig.plant.wire_phases import WirePhases as WirePhases
 else:
     __getattr__, __dir__, __all__ = lazy_exports(__name__)

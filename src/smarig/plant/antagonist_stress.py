@@ -66,15 +66,24 @@ class AntagonistStress:
         return min(max(before, least), max(most, least))
 
     def stress_MPa(self, austenite: float) -> float:
-        """The stress at the sum of both austenite fractions, 0 to 2. At one stress both wires have equal curves."""
-        c, martensite = self._curve, 2.0 - austenite
-        elastic = c.total_strain / (martensite / c.martensite_MPa + austenite / c.austenite_MPa)
-        yielding = c.martensite_MPa * c.plateau_from
-        if elastic <= yielding:
-            return elastic
-        # ε_m = ε_k + (σ − σ_k)/E_p above the knee
-        compliance = martensite / c.plateau_MPa + austenite / c.austenite_MPa
-        return (c.total_strain - martensite * (c.plateau_from - yielding / c.plateau_MPa)) / compliance
+        """The stress at the sum of both austenite fractions, 0 to 2."""
+        return stress_of_phases_MPa(austenite, self._curve)
+
+
+def stress_of_phases_MPa(austenite: float, curve: StressStrain | None = None) -> float:
+    """The stress in MPa at the sum of both austenite fractions, 0 to 2. At one stress both wires have equal curves.
+
+    >>> [round(stress_of_phases_MPa(x)) for x in (0.0, 1.0, 2.0)]
+    [242, 261, 1078]
+    """
+    c, martensite = curve or StressStrain(), 2.0 - austenite
+    elastic = c.total_strain / (martensite / c.martensite_MPa + austenite / c.austenite_MPa)
+    yielding = c.martensite_MPa * c.plateau_from
+    if elastic <= yielding:
+        return elastic
+    # ε_m = ε_k + (σ − σ_k)/E_p above the knee
+    compliance = martensite / c.plateau_MPa + austenite / c.austenite_MPa
+    return (c.total_strain - martensite * (c.plateau_from - yielding / c.plateau_MPa)) / compliance
 
 
 def _share(x: float, low: float, high: float) -> float:

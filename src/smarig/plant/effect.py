@@ -53,13 +53,17 @@ class ThermalState:
 class PlantState(ThermalState):
     """What an effect can read: the present state of the plant, before the stage at which the effect acts.
 
-    ``output`` is that of the operator, ``austenite`` its share of the stroke in [0, 1], and ``travel`` the number of
-    strokes so far. A full cycle counts two.
+    ``output`` is that of the operator, ``share`` its share of the stroke in [0, 1], and ``travel`` the number of
+    strokes so far. A full cycle counts two. ``austenite`` is the phase of the wire with index ``wire``: in a single
+    wire the share; of two wires, that of the one which carries the current, and in the stage LAG that of the one
+    whose lag is computed.
     """
 
     tick: int = 0
     output: float = 0.0
+    share: float = 0.0
     austenite: float = 0.0
+    wire: int = 0
     travel: float = 0.0
 
     @property

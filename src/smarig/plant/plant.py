@@ -8,6 +8,7 @@ from collections.abc import Callable, Sequence
 from smarig.plant.actuator import Actuator
 from smarig.plant.effect import EffectContext, Hook, PlantState, Stage, SupportsHooks, hook_chains
 from smarig.plant.thermal_stages import ThermalStages, apply_hooks
+from smarig.plant.wire_phases import WirePhases
 from smarig.preisach import Everett, Initial, Preisach
 
 TOLERANCE_K = 1e-6  # K
@@ -40,8 +41,10 @@ class Plant:
         self._y_lower, self._per_stroke = hysteresis.y_lower, 1.0 / span if span else 0.0
         self._chains = hook_chains(effects, EffectContext(actuator, hysteresis, initial))
         self._no_effects = not any(self._chains.values())
-        self.now = PlantState(dt_s=dt_s, output=self.operator.y, austenite=self.austenite)
-        self._thermal_stages = ThermalStages(actuator, self._chains, self.now)
+        self._phases = WirePhases(hysteresis) if actuator.two_wire else None
+        self.now = PlantState(dt_s=dt_s, output=self.operator.y, share=self.share)
+        phases = self._phases.austenite if self._phases else None
+        self._thermal_stages = ThermalStages(actuator, self._chains, self.now, phases)
         self.heating = self._thermal_stages.heating
         self.position = apply_hooks(self._chains[Stage.OUTPUT], self.operator.y, self.now)  # position at rest
 
@@ -49,6 +52,8 @@ class Plant:
         """Advance one tick at constant current. The disturbance is added to the hysteresis input."""
         if self._no_effects:
             self.position = self.operator.step(self.heating.step(current_A) + disturbance_K)
+            if self._phases is not None:
+                self._phases.step(self.heating.wire_K)
             return self.position
         self.now.tick += 1
         return self._step_with_effects(current_A, disturbance_K, self.now.tick * self.heating.dt_s)
@@ -70,7 +75,9 @@ class Plant:
         now, at = self.now, self._chains
         self._thermal_stages.hysteresis_input(current_A, disturbance_K, t_s)
         before, now.output = now.output, self._output_with_feedback()
-        now.austenite = self.austenite
+        now.share = self.share
+        if self._phases is not None:
+            self._phases.step(self.heating.wire_K, now.ambient_K)
         now.travel += abs(now.output - before) * self._per_stroke
         mapped = apply_hooks(at[Stage.OUTPUT], now.output, now)
         self.position = apply_hooks(at[Stage.ADDITIVE], mapped, now)
@@ -115,9 +122,19 @@ class Plant:
         return self.now.source_K / nominal_K if nominal_K else 1.0
 
     @property
-    def austenite(self) -> float:
-        """Austenite fraction ξ of wire 1, from the output: 0 at y₋, 1 at y₊."""
+    def share(self) -> float:
+        """The output's share of the stroke: 0 at y₋, 1 at y₊."""
         return (self.operator.y - self._y_lower) * self._per_stroke
+
+    @property
+    def austenite(self) -> tuple[float, ...]:
+        """Austenite fraction ξ of each wire. That of a single wire is the output's share."""
+        return (self.share,) if self._phases is None else tuple(self._phases.austenite)
+
+    def resistance_ohm(self, current_A: float) -> float:
+        """The present resistance of the wire that carries a current."""
+        wires = self.austenite
+        return self.now.resistance * self.actuator.resistance_at_ohm(wires[-1 if current_A < 0 else 0])
 
 
 def step_with_feedback(
@@ -127,7 +144,7 @@ def step_with_feedback(
     before_feedback_K = now.hysteresis_input_K
 
     def hysteresis_input(u: float, *, y: float) -> float:
-        now.austenite = (y - y_lower) * per_stroke
+        now.share = (y - y_lower) * per_stroke
         return apply_hooks(hooks, before_feedback_K, now) - u
 
     now.hysteresis_input_K = self_consistent_input(

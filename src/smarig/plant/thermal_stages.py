@@ -4,7 +4,7 @@ The output of the hysteresis matters only to effects that use it. With a ``Therm
 hysteresis input is the same for every hysteresis.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 from smarig.plant.actuator import Actuator
 from smarig.plant.effect import Hook, PlantState, Stage
@@ -16,16 +16,26 @@ EARLY_STAGES = (Stage.AMBIENT, Stage.CURRENT, Stage.RESISTANCE, Stage.SOURCE, St
 
 
 class ThermalStages:
-    """Temperatures of the wires, with the effects of the early stages."""
+    """Temperatures of the wires, with the effects of the early stages.
 
-    def __init__(self, actuator: Actuator, chains: Mapping[Stage, tuple[Hook, ...]], now: PlantState) -> None:
+    ``phases`` are the present austenite fractions of two wires. That of a single wire is the share of the stroke.
+    """
+
+    def __init__(
+        self,
+        actuator: Actuator,
+        chains: Mapping[Stage, tuple[Hook, ...]],
+        now: PlantState,
+        phases: Sequence[float] | None = None,
+    ) -> None:
         self.heating = heating_for(actuator, now.dt_s)
         self.now = now
         self._ambient, self._current, self._resistance, self._source, self._lag, self._input = (
             chains[stage] for stage in EARLY_STAGES
         )
         self.lags: tuple[float, ...] = ()
-        self._last_austenite = (now.austenite if isinstance(now, PlantState) else 0.0, now.dt_s)
+        self._phases = phases
+        self._last_austenite = [(self._austenite(k), now.dt_s) for k in (0, 1)]
         self._output_dependent = any(chains[stage] for stage in (Stage.RESISTANCE, Stage.LAG, Stage.SOURCE))
 
     def parts(self, current_A: float, dt_s: float) -> int:
@@ -81,12 +91,20 @@ class ThermalStages:
         now = self.now
         if not isinstance(now, PlantState):  # without a hysteresis there is no austenite
             return apply_hooks(self._resistance, 1.0, now)
-        austenite, (before, before_s) = now.austenite, self._last_austenite
+        now.wire = 1 if self.heating.two_wire and now.current_A < 0 else 0
+        austenite, (before, before_s) = self._austenite(now.wire), self._last_austenite[now.wire]
         expected = austenite + 0.5 * (austenite - before) * min(now.dt_s / before_s, MAX_GROWTH)
         now.austenite = min(max(expected, 0.0), 1.0)
         resistance = apply_hooks(self._resistance, 1.0, now)
-        now.austenite, self._last_austenite = austenite, (austenite, now.dt_s)
+        now.austenite = austenite
+        self._last_austenite = [(self._austenite(k), now.dt_s) for k in (0, 1)]
         return resistance
+
+    def _austenite(self, wire: int) -> float:
+        """The present austenite fraction of a wire, 0 without a hysteresis."""
+        if self._phases is not None:
+            return self._phases[wire]
+        return self.now.share if isinstance(self.now, PlantState) else 0.0
 
     def _lags(self) -> tuple[float, ...]:
         """The lag of each wire.
@@ -97,6 +115,8 @@ class ThermalStages:
         lags, source_K = [], now.source_K
         for k in range(2 if heating.two_wire else 1):
             now.source_K, now.input_K = heating.ends(source_K)[k], heating.wire_K[k]
+            if isinstance(now, PlantState):
+                now.wire, now.austenite = k, self._austenite(k)
             lags.append(apply_hooks(hooks, 1.0, now))
         now.source_K = source_K
         return tuple(lags)

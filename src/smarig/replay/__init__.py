@@ -45,5 +45,7 @@ if TYPE_CHECKING:
     from smarig.replay.timeline import ReadingSeries as ReadingSeries
     from smarig.replay.timeline import Timeline as Timeline
     from smarig.replay.timeline_from_runs import build_timeline as build_timeline
+    from smarig.replay.wire_stress import StressRange as StressRange
+    from smarig.replay.wire_stress import stress_over_run as stress_over_run
 else:
     __getattr__, __dir__, __all__ = lazy_exports(__name__)

@@ -134,10 +134,9 @@ def _predict_session(
 
 def _resistance_ohm(trajectory: Trajectory, plant_model: PlantModel, *, by_command: bool) -> Array:
     """Resistance (n,) of the wire that carries the current; over the commanded current if none was measured."""
-    wire, h, command = plant_model.actuator, plant_model.hysteresis, trajectory["command_A"]
-    austenite = (trajectory["output"] - h.y_lower) / plant_model.stroke
-    austenite = np.where((command < 0) & wire.two_wire, 1 - austenite, austenite)
-    ohms = np.array([wire.resistance_at_ohm(a) for a in austenite.tolist()]) * trajectory["resistance"]
+    wire, command = plant_model.actuator, trajectory["command_A"]
+    ohms = np.array([wire.resistance_at_ohm(a) for a in trajectory["austenite"].tolist()])
+    ohms *= trajectory["resistance"]
     some = command != 0
     if by_command:
         ohms[some] *= trajectory["current_A"][some] / command[some]
@@ -145,12 +144,17 @@ def _resistance_ohm(trajectory: Trajectory, plant_model: PlantModel, *, by_comma
 
 
 def _output_slope(kind: str, command_A: Array, plant_model: PlantModel) -> Array:
-    """∂(reading)/∂(output), (n,): a resistance depends on the austenite of the wire that carries the current."""
+    """∂(reading)/∂(output), (n,): the resistance of a single wire depends on the output's share of the stroke.
+
+    Those of two wires depend on the phases of their own temperatures, so the present output tells nothing of them.
+    """
     if kind != "resistance":
         return np.ones(command_A.size)
     wire = plant_model.actuator
+    if wire.two_wire:
+        return np.zeros(command_A.size)
     per_stroke = wire.resistance_at_ohm(1.0) - wire.resistance_at_ohm(0.0)
-    return np.where((command_A < 0) & wire.two_wire, -1.0, 1.0) * per_stroke / plant_model.stroke
+    return np.full(command_A.size, per_stroke / plant_model.stroke)
 
 
 def predict_positions(drive: DriveProfile, plant_model: PlantModel, at_s: Array) -> Array:

@@ -27,6 +27,7 @@ from smarig.plant import (
     SupportsHooks,
     ThermalStages,
     ThermalState,
+    WirePhases,
     apply_hooks,
     hook_chains,
     step_with_feedback,
@@ -49,17 +50,18 @@ INPUT_COLUMNS = (
     "input_K",
     "hysteresis_input_K",
 )
-TRAJECTORY_COLUMNS = ("counts", "output", "resistance", "command_A", "current_A", "ambient_K")
+WIRE_COLUMNS = ("wire_1_K", "wire_2_K")
+TRAJECTORY_COLUMNS = ("counts", "output", "austenite", "resistance", "command_A", "current_A", "ambient_K")
 AFTER_HYSTERESIS = (Stage.OUTPUT, Stage.ADDITIVE, Stage.SENSOR)
 _row = attrgetter(*INPUT_COLUMNS)
 
 
 @dataclass(frozen=True, eq=False)
 class Trajectory:
-    """Values at each time of a reading (n,): ``columns`` (6, n) as in ``TRAJECTORY_COLUMNS``, and the memory.
+    """Values at each time of a reading (n,): ``columns`` (7, n) as in ``TRAJECTORY_COLUMNS``, and the memory.
 
-    ``hysteresis_input_K`` (ticks,) is the input of the hysteresis at every tick. ``resistance`` is a factor on the
-    wire's resistance at its austenite.
+    ``hysteresis_input_K`` (ticks,) is the input of the hysteresis at every tick. ``austenite`` is that of the wire that
+    carries the current, and ``resistance`` a factor on its resistance at that austenite.
     """
 
     columns: Array
@@ -72,7 +74,7 @@ class Trajectory:
 
 @dataclass(frozen=True, eq=False)
 class InputTrajectory:
-    """Thermal states at the ends of parts of ticks, ``columns`` (9, m) as in ``INPUT_COLUMNS``.
+    """Thermal states at the ends of parts of ticks, ``columns`` (11, m) as in ``INPUT_COLUMNS`` and ``WIRE_COLUMNS``.
 
     ``ends`` (ticks,) is the index of the last part of each tick.
     """
@@ -81,7 +83,7 @@ class InputTrajectory:
     ends: NDArray[np.int64]
 
     def __getitem__(self, name: str) -> Array:
-        return self.columns[INPUT_COLUMNS.index(name)]
+        return self.columns[(*INPUT_COLUMNS, *WIRE_COLUMNS).index(name)]
 
 
 def simulate_timeline(
@@ -111,7 +113,10 @@ def _by_ticks(timeline: Timeline, plant_model: PlantModel, effects: Sequence[Sup
         counts = plant.sensed(plant.position / per_count)  # at every tick, because a sensor may have a memory
         if mark:
             at = plant.now
-            rows.append((counts, plant.operator.y, at.resistance, i, plant.current(i), at.ambient_K))
+            austenite = plant.austenite[-1 if i < 0 else 0]
+            rows.append(
+                (counts, plant.operator.y, austenite, at.resistance, i, plant.current(i), at.ambient_K)
+            )
             states.append(plant.operator.state)
     return Trajectory(np.array(rows).T, tuple(states), hysteresis_input_K)
 
@@ -130,11 +135,29 @@ def _by_parts(
     else:
         counts = output / (plant_model.per_count or 1.0)
     others = [inputs[name][at] for name in ("resistance", "command_A", "current_A", "ambient_K")]
+    austenite = _austenite(plant_model, inputs, at, output)
     return Trajectory(
-        np.stack([counts, output, *others]),
+        np.stack([counts, output, austenite, *others]),
         states,
         np.clip(inputs["hysteresis_input_K"][inputs.ends], h.lower, h.upper),
     )
+
+
+def _austenite(
+    plant_model: PlantModel, inputs: InputTrajectory, at: NDArray[np.int64], output: Array
+) -> Array:
+    """Austenite (n,) of the wire that carries the current at parts (n,) with these outputs."""
+    h = plant_model.hysteresis
+    if not plant_model.actuator.two_wire:
+        per_stroke = 1.0 / plant_model.stroke if plant_model.stroke else 0.0
+        return (output - h.y_lower) * per_stroke
+    phases, found = WirePhases(h), np.empty((inputs["t_s"].size, 2))
+    ambient_K = inputs["ambient_K"]
+    wires = zip(inputs["wire_1_K"].tolist(), inputs["wire_2_K"].tolist(), ambient_K.tolist())
+    for k, (*wire_K, common_K) in enumerate(wires):
+        phases.step(wire_K, common_K)
+        found[k] = phases.austenite
+    return np.where(inputs["command_A"] < 0, found[:, 1], found[:, 0])[at]
 
 
 @lru_cache(maxsize=4)  # effects after the hysteresis share it
@@ -224,12 +247,12 @@ def _plant_states(
     operator = Preisach(h, plant_model.initial)
     span, began, y = h.everett(h.upper, h.lower), operator.y, operator.follow(inputs["hysteresis_input_K"])
     per_span = 1.0 / span if span else 0.0
-    now = PlantState(output=began, austenite=(began - h.y_lower) * per_span)
+    now = PlantState(output=began, share=(began - h.y_lower) * per_span)
     apply_hooks(maps, began, now)  # initial state
     travel = np.cumsum(np.abs(np.diff(y, prepend=began)) * per_span)
     whole = np.zeros(y.size)
     whole[inputs.ends] = np.diff(inputs["t_s"][inputs.ends], prepend=0.0)
-    columns = (*inputs.columns, y, (y - h.y_lower) * per_span, travel, whole)
+    columns = (*inputs.columns[: len(INPUT_COLUMNS)], y, (y - h.y_lower) * per_span, travel, whole)
     rows = zip(*(column[requested].tolist() for column in columns))
     for row in rows:
         (
@@ -243,7 +266,7 @@ def _plant_states(
             now.input_K,
             now.hysteresis_input_K,
             now.output,
-            now.austenite,
+            now.share,
             now.travel,
             ends_s,
         ) = row
@@ -298,7 +321,7 @@ def _computed_trajectory(timeline: Timeline, thermal_stages: ThermalStages) -> I
         now.dt_s = dt_s / parts
         for k in range(1, parts + 1):
             thermal_stages.hysteresis_input(command_A, 0.0, start_s + dt_s * k / parts)
-            rows.append(_row(now))
+            rows.append((*_row(now), *thermal_stages.heating.wire_K))
         ends.append(len(rows) - 1)
         before = end
     return InputTrajectory(np.array(rows).T.copy(), np.array(ends))

@@ -122,7 +122,7 @@ class Specimen:
             counts += self._sd_counts * self._noise[_COUNTS].at(tick)
         current = self.plant.current(limited_A)
         measured = current + self._sd_A * self._noise[_CURRENT].at(tick) if self._sd_A else current
-        voltage = current * self._resistance_ohm(current)
+        voltage = current * self.plant.resistance_ohm(current)
         if self._sd_V:
             voltage += self._sd_V * self._noise[_VOLTAGE].at(tick)
         s = self._scales
@@ -141,11 +141,6 @@ class Specimen:
 
     def _encoder_counts(self) -> float:
         return self.plant.position / self.position_per_count
-
-    def _resistance_ohm(self, current_A: float) -> float:
-        austenite = self.plant.austenite
-        factor = self.plant.now.resistance
-        return factor * self.actuator.resistance_at_ohm(1 - austenite if current_A < 0 else austenite)
 
 
 class TickNoise:

@@ -197,7 +197,7 @@ def test_a_memoryless_effect_does_not_depend_on_earlier_calls():
         context = EffectContext(actuator, hysteresis, initial)
         moments = [(PlantState(*rng.uniform(0.1, 90.0, 9)), float(rng.uniform(0, 12))) for _ in range(40)]
         for moment, y in moments:
-            moment.output, moment.austenite, moment.travel = y, float(rng.uniform()), float(rng.uniform(0, 9))
+            moment.output, moment.share, moment.travel = y, float(rng.uniform()), float(rng.uniform(0, 9))
         answers = []
         for asked in (moments, moments[-1:]):
             hooks = {stage: hook for stage, hook in effect_of(name).hooks(context).items() if stage in late}

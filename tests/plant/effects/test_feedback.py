@@ -88,7 +88,7 @@ def test_at_every_tick_stress_is_that_of_the_stroke_just_made(wire, middle, dt_s
             p.step(current)
             if hysteresis.lower < p.hysteresis_input_K < hysteresis.upper:
                 inside += 1
-                felt = p.now.input_K - shift_K * (p.austenite - middle)
+                felt = p.now.input_K - shift_K * (p.share - middle)
                 assert p.hysteresis_input_K == pytest.approx(felt, abs=1e-5)
-                assert p.now.austenite == p.austenite
+                assert p.now.share == p.share
     assert inside > 50

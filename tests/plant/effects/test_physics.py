@@ -229,12 +229,12 @@ def test_latent_heat_takes_its_joules(dt_s, grains, within):
     plant = Plant(wire, _grains(grains) if grains else surface, initial, dt_s, [kind("latent_heat")(20.0)])
     latent_K, now = 1000 * 20.0 / wire.file.wire.specific_heat.value, plant.now
     for i in (0.8, 0.3):
-        begin_K, begin, stored_K = now.input_K, plant.austenite, 0.0
+        begin_K, begin, stored_K = now.input_K, plant.share, 0.0
         for _ in range(round(60.0 / dt_s)):
             before = now.input_K
             plant.step(i)
             stored_K += (now.source_K - (before + now.input_K) / 2) * dt_s / wire.tau_s
-        taken_K = latent_K * (plant.austenite - begin)
+        taken_K = latent_K * (plant.share - begin)
         assert abs(taken_K) > 10
         assert stored_K == pytest.approx(now.input_K - begin_K + taken_K, abs=within * abs(taken_K))
 

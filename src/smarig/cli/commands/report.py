@@ -77,7 +77,7 @@ def _is_loop(file: Path) -> bool:
 def _run(file: Path, out: Path | None, force: bool, model: Path | None = None) -> None:
     from smarig.app import ModelSource
     from smarig.record import load_run
-    from smarig.report import page_path, run_page, write_page
+    from smarig.report import page_path, run_page, run_stress, write_page
 
     target = out or page_path(file)
     check_distinct(target, file, model)
@@ -86,7 +86,8 @@ def _run(file: Path, out: Path | None, force: bool, model: Path | None = None) -
     certified = (loaded.model, loaded.name, loaded.sha256) if loaded else None
     write_page(run_page(run, certified=certified), target, force=force)
     page = {"report": str(target), "complete": run.complete, "cause": run.cause}
-    emit({**page, "reports": [page]}, f"Report: {target}")
+    stress = run_stress(run)
+    emit({**page, "stress": stress.to_json() if stress else None, "reports": [page]}, f"Report: {target}")
 
 
 def _compared(files: list[Path], out: Path | None, force: bool) -> None:

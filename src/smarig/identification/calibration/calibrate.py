@@ -1,6 +1,7 @@
 """Calibration of the wire's constants from all available channels, with 95 % intervals.
 
     R_M, R_A    voltage, current, position                              (``resistance``)
+                of two wires: voltage and current of cold and hot wires (``two_wire_resistance``)
     tau         wire temperature after a step of the drive, or position with a known hysteresis
     dead_time   the same temperature, if it shows a delay               (``thermal_transient``, ``replay``)
     R_over_hA   steady wire temperature and current                     (``heat_loss``)
@@ -25,6 +26,8 @@ from smarig.identification.interval_estimate import Estimate
 from smarig.plant import Actuator
 from smarig.preisach import Everett
 from smarig.record import Run
+
+USUAL_TAU_S = 5.0  # of a wire of 0.3 mm in air, if nothing is known
 
 
 @dataclass(frozen=True)
@@ -74,7 +77,8 @@ def calibrate(
     if isinstance(thermal["tau"], str):
         thermal["tau"] = _tau_without_temperature(thermal["tau"], runs, actuator, hysteresis)
     tau = thermal["tau"]
-    found = resistances(runs) | heat_loss(runs, tau if isinstance(tau, Estimate) else None) | thermal
+    tau_s = tau.value if isinstance(tau, Estimate) else actuator.tau_s if actuator else USUAL_TAU_S
+    found = resistances(runs, tau_s) | heat_loss(runs, tau if isinstance(tau, Estimate) else None) | thermal
     return Calibration(
         {name: x for name, x in found.items() if isinstance(x, Estimate)},
         {name: x for name, x in found.items() if isinstance(x, str)},

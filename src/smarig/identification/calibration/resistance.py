@@ -1,8 +1,8 @@
 """R_M and R_A from voltage, current and position: V = i (R_M + ξ (R_A − R_M)), by least squares in volts.
 
-ξ is the austenite fraction from the position: 0 at one end of the session's travel and 1 at the other. Each end is
-a median, because the extreme of a noisy position is not the end. In the differential rig wire 2 (i < 0) has 1 − ξ.
-A fit in volts weights each reading by its current, which suits a constant voltage noise.
+ξ is the austenite fraction of a single wire from the position: 0 at one end of the session's travel and 1 at the other.
+Each end is a median, because the extreme of a noisy position is not the end. A fit in volts weights each reading by its
+current, which suits a constant voltage noise. Two wires (currents of both signs): ``two_wire_resistance``.
 """
 
 from collections.abc import Sequence
@@ -11,19 +11,26 @@ import numpy as np
 from numpy.typing import NDArray
 
 from smarig.identification.calibration.holds import valid_rows
+from smarig.identification.calibration.two_wire_resistance import two_wire_resistances
 from smarig.identification.interval_estimate import Estimate, linear_fit
 from smarig.record import Run
 
 Array = NDArray[np.float64]
 _MIN_TRAVEL_SHARE = 0.8  # of the widest run's travel: a run with less does not show both phases
+_SECOND_WIRE = 0.1  # of the largest current: more in the other direction flows through a second wire
 _NAMES = {"R_M": "The martensite resistance R_M", "R_A": "The austenite resistance R_A"}
 
 
-def resistances(runs: Sequence[Run]) -> dict[str, Estimate | str]:
-    """``R_M`` and ``R_A``, each an Estimate or the sentence why the data do not determine it."""
+def resistances(runs: Sequence[Run], tau_s: float) -> dict[str, Estimate | str]:
+    """``R_M`` and ``R_A``, each an Estimate or the sentence why the data do not determine it.
+
+    ``tau_s`` is the time constant of the heating; a rough value will do.
+    """
     electrical = [run for run in runs if run.has("voltage_V") and run.has("current_A")]
     if not electrical:
         return _unavailable("no run has both a measured voltage and a measured current")
+    if any(_has_both_signs(run) for run in electrical):
+        return two_wire_resistances([run for run in electrical if run.has("t_s")], tau_s)
     moved = [(run, _travel(run)) for run in electrical if run.has("position")]
     widest = max((travel for _, travel in moved), default=0.0)
     if widest == 0:
@@ -45,6 +52,12 @@ def resistances(runs: Sequence[Run]) -> dict[str, Estimate | str]:
     for name, value, half in zip(_NAMES, fit.x.tolist(), np.hypot(fit.half, end).tolist()):
         found[name] = Estimate(value, (value - half, value + half), "ohm", text, fit.n)
     return found
+
+
+def _has_both_signs(run: Run) -> bool:
+    """Whether the current selects one of two wires by its sign. Noise around zero has both signs too."""
+    low, high = run.extremes("current_A") or (0.0, 0.0)
+    return low < -_SECOND_WIRE * high and high > -_SECOND_WIRE * low
 
 
 def _unavailable(why: str) -> dict[str, Estimate | str]:
@@ -81,6 +94,5 @@ def _rows(run: Run, low: float, high: float) -> tuple[Array, Array]:
     """Columns i (1 − ξ) and i ξ, whose coefficients are R_M and R_A, and the voltage."""
     i, v, y = run["current_A"], run["voltage_V"], run["position"]
     austenite = (y - low) / (high - low)
-    austenite = np.where(i < 0, 1 - austenite, austenite)
     keep = np.isfinite(i) & np.isfinite(v) & np.isfinite(austenite) & valid_rows(run)
     return np.column_stack([i * (1 - austenite), i * austenite])[keep], v[keep]

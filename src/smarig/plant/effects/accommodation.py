@@ -19,14 +19,14 @@ def _act(p: Values, _context: EffectContext) -> Mapping[Stage, Hook]:
     def hysteresis_input(u: float, now: PlantState) -> float:
         nonlocal start, follower, before, travel
         if start is None:
-            start = follower = before = now.austenite
+            start = follower = before = now.share
             travel = now.travel
         progress = (now.travel - travel) / strokes
         if progress > 0:  # exact if the state changes at a constant rate along its travel
             left = exp(-progress)
-            mean_follower = (now.austenite - before) * (1 - left) / progress
-            follower = now.austenite - mean_follower + (follower - before) * left
-            before, travel = now.austenite, now.travel
+            mean_follower = (now.share - before) * (1 - left) / progress
+            follower = now.share - mean_follower + (follower - before) * left
+            before, travel = now.share, now.travel
         return u + shift * (follower - start)
 
     return {Stage.INPUT: hysteresis_input}

@@ -2,7 +2,7 @@
 
     τ(T, ξ) = τ [1 + δ (ξ − ½) + (L/c_p) dξ/dT]        L on heating, λ L on cooling; δ = (c_A − c_M)/c̄
 
-dξ/dT is the slope of the present branch with respect to the wire's own temperature, averaged over some tenths of a
+ξ and T are those of each wire. dξ/dT is the slope of the present branch, averaged over some tenths of a
 kelvin, because relays switch one by one. Heat that they take up beyond this is carried over to the next tick, so heat
 is conserved for every slope and tick. Both phases have their own specific heats.
 """
@@ -18,7 +18,7 @@ _LARGEST = 1e3  # lag of a wire that does not heat until the transformation heat
 
 
 class _TransformationHeat:
-    """Heat of the wire in kelvin: supplied through the lag, and taken up by the relays."""
+    """Heat of one wire in kelvin: supplied through the lag, and taken up by the relays."""
 
     def __init__(self, p: Values, context: EffectContext) -> None:
         self._latent_heating_K = 1000 * p["latent_J_per_g"] / context.actuator.file.wire.specific_heat.value
@@ -28,8 +28,9 @@ class _TransformationHeat:
         self._slope = self._deficit_K = self._latent_K = 0.0
         self._capacity = self._lag = 1.0
 
-    def source(self, u: float, now: PlantState) -> float:
+    def lag(self, now: PlantState) -> float:
         """Start a tick: complete the heat account of the last one and compute the lag of this one."""
+        u = now.source_K
         self._account_last_tick(now)
         self._latent_K = self._latent_heating_K * (1.0 if abs(u) >= abs(now.input_K) else self._ratio)
         self._capacity = 1 + self._change * (now.austenite - 0.5)
@@ -38,11 +39,7 @@ class _TransformationHeat:
         if abs(move_K) > _LEAST_K:
             lag += self._deficit_K / move_K
         self._lag = min(max(lag, self._capacity), _LARGEST)
-        return u
-
-    def lag(self, tau: float, _now: PlantState) -> float:
-        """The lag, which is the same for both wires because their temperature difference transforms."""
-        return tau * self._lag
+        return self._lag
 
     def _account_last_tick(self, now: PlantState) -> None:
         if self._before is not None:
@@ -58,8 +55,12 @@ class _TransformationHeat:
 
 
 def _act(p: Values, context: EffectContext) -> Mapping[Stage, Hook]:
-    transformation_heat = _TransformationHeat(p, context)
-    return {Stage.SOURCE: transformation_heat.source, Stage.LAG: transformation_heat.lag}
+    wires = [_TransformationHeat(p, context) for _ in range(2)]
+
+    def lag(tau: float, now: PlantState) -> float:
+        return tau * wires[now.wire].lag(now)
+
+    return {Stage.LAG: lag}
 
 
 latent_heat = EffectType(

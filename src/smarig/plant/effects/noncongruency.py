@@ -14,7 +14,7 @@ def _act(p: Values, context: EffectContext) -> Mapping[Stage, Hook]:
     bend, stroke = p["bend_percent"] / 100, context.stroke
 
     def output(y: float, now: PlantState) -> float:
-        m = now.austenite
+        m = now.share
         return y + stroke * 2 * bend * m * (1 - m)
 
     return {Stage.OUTPUT: output}

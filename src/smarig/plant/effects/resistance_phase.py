@@ -12,12 +12,11 @@ from smarig.plant.effect import EffectContext, EffectType, Hook, Parameter, Plan
 
 
 def _act(p: Values, context: EffectContext) -> Mapping[Stage, Hook]:
-    change, two_wire = p["change_percent"] / 100, context.actuator.two_wire
+    del context
+    change = p["change_percent"] / 100
 
     def resistance(factor: float, now: PlantState) -> float:
-        mirrored = two_wire and now.current_A < 0
-        austenite = 1 - now.austenite if mirrored else now.austenite
-        return factor * (1 + change * (austenite - 0.5))
+        return factor * (1 + change * (now.austenite - 0.5))
 
     return {Stage.RESISTANCE: resistance}
 

@@ -14,7 +14,7 @@ def _act(p: Values, context: EffectContext) -> Mapping[Stage, Hook]:
     shift, middle = p["shift_K"], 0.5 if context.actuator.two_wire else 0.0
 
     def hysteresis_input(u: float, now: PlantState) -> float:
-        return u - shift * (now.austenite - middle)
+        return u - shift * (now.share - middle)
 
     return {Stage.FEEDBACK: hysteresis_input}
 

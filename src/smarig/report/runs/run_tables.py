@@ -3,15 +3,19 @@
 import hashlib
 import tomllib
 from collections.abc import Iterable, Mapping, Sequence
+from contextlib import suppress
 from datetime import UTC, datetime
 from typing import Any
 
 import numpy as np
+from pydantic import ValidationError
 
+from smarig.config import ActuatorFile
 from smarig.core import SmarigError
 from smarig.plant import Actuator
-from smarig.record import Run
-from smarig.replay import condition_text, recorded_conditions
+from smarig.preisach import thesis_surface
+from smarig.record import AnyRun, Run
+from smarig.replay import StressRange, condition_text, recorded_conditions, stress_over_run
 from smarig.report.components.html import Html, joined, paragraph, table, tag
 from smarig.report.components.numbers import duration, number, thousands
 from smarig.report.components.run_description import (
@@ -31,7 +35,7 @@ Row = Sequence[Any]
 
 def conditions_table(run: Run) -> Html:
     """Rig, conditions and constants of a run: quantity, value, unit, source."""
-    rows = [*_run_rows(run), *_rig_rows(run), *_actuator_rows(run)]
+    rows = [*_run_rows(run), *_stress_rows(run), *_rig_rows(run), *_actuator_rows(run)]
     return table(("Quantity", "Value", "Unit", "Source"), rows, "Rig and conditions.")
 
 
@@ -65,9 +69,43 @@ def _run_rows(run: Run) -> Iterable[Row]:
         yield key.replace("_", " ").capitalize(), condition_text(own), display_unit(own.unit), "imported file"
 
 
+def _stress_rows(run: Run) -> Iterable[Row]:
+    stress = run_stress(run)
+    if stress is not None:
+        text = (
+            f"{stress.least_MPa:.0f} to {stress.most_MPa:.0f} ({stress.change_percent:.1f} % from "
+            f"{stress.cold_MPa:.0f} with both wires cold)"
+        )
+        yield (
+            "Stress in the wires",
+            text,
+            "MPa",
+            "force balance of both wires, heated by the measured current",
+        )
+
+
+def run_stress(run: AnyRun) -> StressRange | None:
+    """The stress over a run of two wires; None for others, or if its actuator file is not available."""
+    try:
+        actuator = recorded_actuator(run)
+        if actuator is None:
+            return None
+        return stress_over_run(run, actuator, thesis_surface(actuator.file.hysteresis.surface))
+    except SmarigError:
+        return None
+
+
+def recorded_actuator(run: AnyRun) -> Actuator | None:
+    """The actuator as it was in the run, else that of the file of this name. Raises SmarigError if there is none."""
+    if run.info.actuator_values:
+        with suppress(ValidationError):  # of another version
+            return Actuator(ActuatorFile.model_validate(run.info.actuator_values))
+    return Actuator.named(run.info.actuator) if run.info.actuator else None
+
+
 def _rig_rows(run: Run) -> Iterable[Row]:
     try:
-        rig = tomllib.loads(run.info.config or "")
+        rig = run.info.rig_values or tomllib.loads(run.info.config or "")
     except tomllib.TOMLDecodeError:
         return
     for group in ("limits", "amplifier", "encoder"):
@@ -93,7 +131,7 @@ def _name_and_unit(key: str) -> tuple[str, str]:
 
 def _actuator_rows(run: Run) -> Iterable[Row]:
     try:
-        actuator = Actuator.named(run.info.actuator) if run.info.actuator else None
+        actuator = recorded_actuator(run)
     except SmarigError:
         yield "Actuator", run.info.actuator, "", "parameter file not available"
         return

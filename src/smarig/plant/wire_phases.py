@@ -1,0 +1,62 @@
+"""The phase of each of two antagonist wires, from its own temperature and the identified hysteresis.
+
+    ξ₁ = Γ₊[T₁] / F(u₊, 0),    ξ₂ = Γ₋[T₂] / F(0, u₋)        T ≥ 0 above ambient, 0 ≤ ξ ≤ 1
+
+Γ₊ is the operator of the relays with α, β ≥ 0, which wire 1 switches both ways by its own temperature: they are the
+part of the output that the wire gives back when it cools. Γ₋ is that of wire 2, with α, β ≤ 0. The relays between
+(α > 0 > β) are set by one wire and reset by the other. They are strain of martensite that remains, not a phase, so
+both wires are martensite when both are cold, whatever the position (thesis §5.5.1).
+"""
+
+from collections.abc import Sequence
+
+from smarig.preisach import Everett, Preisach
+
+
+class WirePhases:
+    """Austenite fractions of two wires. ``step(wire_K)`` advances to their temperatures.
+
+    >>> from smarig.preisach import thesis_surface
+    >>> wires = WirePhases(thesis_surface("two_e"))
+    >>> wires.step([185.0, 0.0])
+    >>> [round(xi, 3) for xi in wires.austenite]
+    [1.0, 0.0]
+    """
+
+    def __init__(self, hysteresis: Everett) -> None:
+        self._wires = _OwnPhase(hysteresis, 1.0), _OwnPhase(hysteresis, -1.0)
+        self._last_K = [0.0, 0.0]
+        self.austenite = [0.0, 0.0]
+
+    def step(self, wire_K: Sequence[float], ambient_K: float = 0.0) -> None:
+        """Advance both wires to their temperatures above an ambient temperature that has changed by so much."""
+        for k in (0, 1):
+            own_K = wire_K[k] + ambient_K
+            if own_K != self._last_K[k]:
+                self._last_K[k] = own_K
+                self.austenite[k] = self._wires[k].step(own_K)
+
+
+class _OwnPhase:
+    """The phase of the wire whose temperature has this sign in the input; cold at first.
+
+    The operator of all relays is used on one side of 0 only, where it switches only those of that side.
+    """
+
+    def __init__(self, hysteresis: Everett, sign: float) -> None:
+        self._sign = sign
+        self._operator = Preisach(hysteresis, compiled=False)
+        end = hysteresis.upper if sign > 0 else hysteresis.lower
+        self._operator.step(end)
+        hot = self._operator.y
+        self._cold = self._operator.step(0.0)
+        self._per_output = 1.0 / (hot - self._cold) if sign * (hot - self._cold) > 0 else 0.0
+        self._per_K = 1.0 / abs(end) if end else 0.0
+
+    def step(self, wire_K: float) -> float:
+        """The austenite fraction. A wire that gives nothing back is taken to transform as its temperature rises."""
+        wire_K = max(wire_K, 0.0)
+        if not self._per_output:
+            return min(wire_K * self._per_K, 1.0)
+        share = (self._operator.step(self._sign * wire_K) - self._cold) * self._per_output
+        return min(max(share, 0.0), 1.0) + 0.0  # not −0
