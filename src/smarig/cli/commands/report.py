@@ -87,7 +87,8 @@ def _run(file: Path, out: Path | None, force: bool, model: Path | None = None) -
     write_page(run_page(run, certified=certified), target, force=force)
     page = {"report": str(target), "complete": run.complete, "cause": run.cause}
     stress = run_stress(run)
-    emit({**page, "stress": stress.to_json() if stress else None, "reports": [page]}, f"Report: {target}")
+    of_two_wires = {"stress": stress.to_json()} if stress else {}
+    emit({**page, **of_two_wires, "reports": [page]}, f"Report: {target}")
 
 
 def _compared(files: list[Path], out: Path | None, force: bool) -> None:
