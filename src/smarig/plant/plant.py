@@ -92,6 +92,11 @@ class Plant:
         """The current that flowed in the last step."""
         return command_A if self._no_effects else self.now.current_A
 
+    def resistance_ohm(self, current_A: float) -> float:
+        """Resistance of the wire that carries this current."""
+        austenite = 1 - self.austenite if current_A < 0 else self.austenite
+        return self.now.resistance * self.actuator.resistance_at_ohm(austenite)
+
     @property
     def hysteresis_input_K(self) -> float:
         """The last hysteresis input."""
