@@ -47,6 +47,16 @@ class ThermomechanicalSection(TomlTable):
     force: Newtons | None = None  # one wire: the weight
     pre_strain: Share | None = None  # two wires: strain of each after assembly
 
+    @property
+    def width_K(self) -> float:
+        """The least width of a transformation: A_f − A_s, M_s − M_f, or (σ_f^cr − σ_s^cr)/C_M at constant stress."""
+        critical_MPa = self.critical_stress_finish.value - self.critical_stress_start.value
+        return min(
+            self.austenite_finish.value - self.austenite_start.value,
+            self.martensite_start.value - self.martensite_finish.value,
+            critical_MPa / self.slope_martensite.value,
+        )
+
     @model_validator(mode="after")
     def _ordered(self) -> "ThermomechanicalSection":
         for low, high in (

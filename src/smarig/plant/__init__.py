@@ -51,5 +51,6 @@ if TYPE_CHECKING:
     from smarig.plant.thermomechanical.loops import isothermal_loop as isothermal_loop
     from smarig.plant.thermomechanical.material import Material as Material
     from smarig.plant.thermomechanical.plant import ThermomechanicalPlant as ThermomechanicalPlant
+    from smarig.plant.thermomechanical.plant import thermomechanical_travel as thermomechanical_travel
 else:
     __getattr__, __dir__, __all__ = lazy_exports(__name__)

@@ -12,6 +12,7 @@ from smarig.plant.thermomechanical.mechanisms import Antagonists, DeadWeight, Me
 from smarig.plant.thermomechanical.wire import Energy, Heating, Wire
 
 MAX_PART = 0.05  # of the time constant: longer ticks are subdivided
+AMBIENT_DEGC, REST_TICKS = 22.0, 100  # of the travel: ten time constants
 
 
 class ThermomechanicalPlant:
@@ -102,3 +103,17 @@ class ThermomechanicalPlant:
     def _wire(self, current_A: float) -> Wire:
         """The diodes steer the current by its sign."""
         return self.mechanism.wires[1 if current_A < 0 and self.actuator.two_wire else 0]
+
+
+def thermomechanical_travel(actuator: Actuator) -> float:
+    """The way between both ends: each wire is heated in turn to the temperature of [heating], in the rig's unit.
+
+    >>> round(thermomechanical_travel(Actuator.named("thermomechanical_one_wire")), 1)
+    12.9
+    """
+    plant = ThermomechanicalPlant(actuator, actuator.tau_s / 10, ambient_degC=AMBIENT_DEGC)
+    current_A = actuator.file.heating.reference_current.value
+    positions = [plant.position]
+    for share in (1.0, 0.0, -1.0) if actuator.two_wire else (1.0,):
+        positions += [plant.step(share * current_A) for _ in range(REST_TICKS)]
+    return max(positions) - min(positions)
