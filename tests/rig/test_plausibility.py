@@ -11,7 +11,13 @@ from smarig.rig.guard import Guard
 from smarig.rig.plausibility import MAX_STALE_SAMPLES, Plausibility
 
 TICKS_OF_HEATING = 500
-TWINS = ("one_wire_twin", "two_wire_twin", "one_wire_thermomechanical", "two_wire_thermomechanical", "flexinol_031")
+TWINS = (
+    "one_wire_twin",
+    "two_wire_twin",
+    "one_wire_thermomechanical",
+    "two_wire_thermomechanical",
+    "flexinol_031",
+)
 
 
 def guarded(change, rig="one_wire_twin"):

@@ -71,7 +71,7 @@ class ActuatorFile(TomlTable):
             )
         if self.transmission.unit != ("deg" if two else "mm"):
             raise ValueError(
-                "the position of a thermomechanical wire is in mm for one wire and in deg for two; set transmission.unit"
+                "a thermomechanical wire has its position in mm, a pair of them in deg; set transmission.unit"
             )
         return self
 

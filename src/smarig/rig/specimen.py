@@ -148,7 +148,9 @@ def plant_of(rig: RigFile, actuator: Actuator, settings: TwinSettings) -> Plant 
                 "actuator has no table [thermomechanical]."
             )
         if settings.initial is not None:
-            raise UsageError(f"The wire of {actuator.name} starts cold under its load. Give no initial state.")
+            raise UsageError(
+                f"The wire of {actuator.name} starts cold under its load. Give no initial state."
+            )
         return ThermomechanicalPlant(actuator, rig.period_s, rig.ambient_degC)
     hidden = mystery_effects(settings.seed, actuator.file.arrangement) if rig.hidden_effect else ()
     return Plant(

@@ -9,7 +9,7 @@ from scipy.integrate import solve_ivp
 
 from plant.thermomechanical.brinson import TABLE_1, Branches, constants, strain
 from smarig.plant import Actuator, Material, ThermomechanicalPlant
-from smarig.plant.thermomechanical.convection import air, free_convection_W_per_m2_K
+from smarig.plant.thermomechanical.free_convection import air, free_convection_W_per_m2_K
 
 RUNS = 100 if os.environ.get("SMARIG_LONG") else 30
 AMBIENT, DT = 22.0, 0.1
@@ -100,7 +100,9 @@ def test_heating_and_cooling_against_a_stiff_solver():
             eps = strain(c, sigma, T, xi, xi_S)
             ohm = material.resistivity_ohm_m(T, xi) * L * (1 + eps) ** 2 / (math.pi / 4 * d * d)
             E = c.EA + xi * (c.EM - c.EA)
-            stored = rho * (material.specific_heat * T - material.latent_J_per_kg * xi) + 1e6 * sigma**2 / (2 * E)
+            stored = rho * (material.specific_heat * T - material.latent_J_per_kg * xi) + 1e6 * sigma**2 / (
+                2 * E
+            )
             return stored - 1e6 * sigma * eps, ohm
 
         def rate(_, y):

@@ -39,7 +39,10 @@ def test_bytes_make_no_difference(twins, arrangement, link, tmp_path):
 
 @pytest.mark.parametrize("arrangement", ["one", "two"])
 def test_bytes_make_no_difference_to_a_thermomechanical_wire(arrangement, tmp_path):
-    rig, limits = f"{arrangement}_wire_thermomechanical", load_rig(f"{arrangement}_wire_thermomechanical").limits
+    rig, limits = (
+        f"{arrangement}_wire_thermomechanical",
+        load_rig(f"{arrangement}_wire_thermomechanical").limits,
+    )
     bench = tmp_path / "bench.toml"
     bench.write_text(
         f'name = "bench"\nbase = "{arrangement}_wire_serial"\nactuator = "thermomechanical_{arrangement}_wire"\n'

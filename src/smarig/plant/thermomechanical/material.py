@@ -72,7 +72,9 @@ class Material:
         """E(ξ) = E_A + ξ (E_M − E_A), Brinson (1993)."""
         return self.austenite_MPa + martensite * (self.martensite_MPa - self.austenite_MPa)
 
-    def strain(self, stress_MPa: float, temperature_degC: float, martensite: float, detwinned: float) -> float:
+    def strain(
+        self, stress_MPa: float, temperature_degC: float, martensite: float, detwinned: float
+    ) -> float:
         """ε = σ/E(ξ) + ε_L ξ_S + α(ξ) (T − T_ref), Brinson and Huang (1996), with α(ξ) = α_A + ξ (α_M − α_A)."""
         expansion = self.austenite_expansion + martensite * (
             self.martensite_expansion - self.austenite_expansion

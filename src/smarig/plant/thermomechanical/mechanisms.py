@@ -8,11 +8,12 @@ from smarig.core import ConfigError
 from smarig.plant.thermomechanical.monotone_root import increasing_root
 from smarig.plant.thermomechanical.wire import Heating, Wire, WireState
 
-MM, TOLERANCE_MPA = 1000.0, 1e-7
+MM, TOLERANCE_MPA = 1000.0, 1e-5
+LEAST_WAY_MPA, LEAST_SHARE = 1e-3, 0.001  # a root so near tells nothing about the next one
 SAFETY = 0.8  # of the least slope of strain over stress
 
 
-class Mechanism(Protocol):
+class WireMechanism(Protocol):
     """Wires and their load."""
 
     wires: tuple[Wire, ...]
@@ -75,7 +76,7 @@ class Antagonists:
         self._degrees = math.degrees(wires[0].length_m * MM / (2.0 * file.transmission.radius.value))
         stiffest_MPa = max(wires[0].material.austenite_MPa, wires[0].material.martensite_MPa)
         self._least_slope = SAFETY * 2.0 / stiffest_MPa
-        self._share = 1.0
+        self._share, self._rise_MPa = 1.0, 0.0  # of the last step: nearly the same in the next one
         for wire in wires:
             wire.start(ambient_degC)
         stress_MPa = self._assembled_MPa()
@@ -104,17 +105,19 @@ class Antagonists:
             return ends[0].strain + ends[1].strain - self.total_strain, ends
 
         before_MPa = first.state.stress_MPa
-        at_start = excess(before_MPa)
-        way = at_start[0] / self._least_slope
-        end = 0.0 if way > before_MPa else None
-        if way > 0.0 and before_MPa == 0.0:
-            stress_MPa, ends = before_MPa, at_start[1]  # still slack
+        guess = max(before_MPa + self._rise_MPa, 0.0)
+        at_guess = excess(guess)
+        way = at_guess[0] / self._least_slope
+        if way > 0.0 and guess == 0.0:
+            stress_MPa, ends = 0.0, at_guess[1]  # slack
         else:
+            end = 0.0 if way > guess else None
             stress_MPa, ends = increasing_root(
-                excess, before_MPa, at_start, self._least_slope, self._share, end, TOLERANCE_MPA
+                excess, guess, at_guess, self._least_slope, self._share, end, TOLERANCE_MPA
             )
-        if abs(way) > 1e-6:
-            self._share = min(max((before_MPa - stress_MPa) / way, 0.001), 1.0)
+        if abs(way) > LEAST_WAY_MPA:
+            self._share = min(max((guess - stress_MPa) / way, LEAST_SHARE), 1.0)
+        self._rise_MPa = stress_MPa - before_MPa
         first.commit(ends[0])
         second.commit(ends[1])
 

@@ -14,13 +14,14 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from smarig.config import ActuatorFile
-from smarig.plant.thermomechanical.convection import free_convection_W_per_m2_K
+from smarig.plant.thermomechanical.free_convection import free_convection_W_per_m2_K
 from smarig.plant.thermomechanical.kinetics import TWINNED_MARTENSITE, Phase, transformed
 from smarig.plant.thermomechanical.material import Material
 from smarig.plant.thermomechanical.monotone_root import increasing_root
 
 PA = 1e6  # per MPa
 SAFETY = 0.9  # of the least slope: resistance and thermal expansion lower it slightly
+TOLERANCE_K = 1e-8
 LEAST_WAY_K, LEAST_SHARE = 1e-6, 0.02  # a root so near tells nothing about the next one
 
 
@@ -72,6 +73,7 @@ class Wire:
         self.heat_capacity = self.material.density * self.material.specific_heat  # J/(m³ K)
         self._h = h_W_per_m2_K
         self._share = 1.0  # where the last root lay in its bracket: nearly the same in the next step
+        self._guess = self._rise_K = 0.0  # of the end's temperature: the last rise goes on
         self.energy = Energy()
         self.state: WireState
 
@@ -93,6 +95,7 @@ class Wire:
         """Begin a step: what its end does not change is computed once."""
         before, self._heating = self.state, heating
         T_before = before.temperature_degC
+        self._guess = T_before + self._rise_K
         h = self._h or free_convection_W_per_m2_K(self.diameter_m, T_before, heating.ambient_degC)
         self._conductance = h * self.surface_m2
         self._half_square = 0.5 * heating.current_A * heating.current_A
@@ -106,7 +109,7 @@ class Wire:
     def at_stress(self, stress_MPa: float) -> WireState:
         """The end of the step if it ends at this stress."""
         material, before = self.material, self.state
-        T_before, stress_before, phase_before, strain_before, _, stored_before = before
+        _, stress_before, phase_before, strain_before, _, stored_before = before
         half_square, half_loss, per_m3_s = self._half_square, 0.5 * self._conductance, self._per_m3_s
         half_stress, constant_W = 0.5 * PA * (stress_MPa + stress_before), self._constant_W
 
@@ -117,16 +120,19 @@ class Wire:
             work = half_stress * (end.strain - strain_before)
             return end.stored_J_per_m3 - stored_before - work - per_m3_s * heat_W, end
 
-        at_start = imbalance(T_before)
-        T_end, end = increasing_root(imbalance, T_before, at_start, self._least_slope, self._share)
-        way = at_start[0] / self._least_slope
+        guess, at_guess = self._guess, imbalance(self._guess)
+        self._guess, end = increasing_root(
+            imbalance, guess, at_guess, self._least_slope, self._share, tolerance=TOLERANCE_K
+        )
+        way = at_guess[0] / self._least_slope
         if abs(way) > LEAST_WAY_K:
-            self._share = min(max((T_before - T_end) / way, LEAST_SHARE), 1.0)
+            self._share = min(max((guess - self._guess) / way, LEAST_SHARE), 1.0)
         return end
 
     def commit(self, end: WireState) -> None:
         """Accept the end of the step and add its energies."""
         before, heating, e = self.state, self._heating, self.energy
+        self._rise_K = end.temperature_degC - before.temperature_degC
         mean_degC = 0.5 * (before.temperature_degC + end.temperature_degC)
         ohm = 0.5 * (before.resistance_ohm + end.resistance_ohm)
         e.electrical_J += heating.current_A * heating.current_A * ohm * heating.dt_s
@@ -140,11 +146,11 @@ class Wire:
         m = self.material
         martensite = phase.detwinned + phase.twinned
         strain = m.strain(stress_MPa, temperature_degC, martensite, phase.detwinned)
-        stretch = 1.0 + strain
-        ohm = m.resistivity_ohm_m(temperature_degC, martensite) * self.length_m * stretch * stretch
+        length = self.length_m * (1.0 + strain)
+        ohm = m.resistivity_ohm_m(temperature_degC, martensite) * length * length
         stored = (
             self.heat_capacity * temperature_degC
             - m.density * m.latent_J_per_kg * martensite
             + 0.5 * PA * stress_MPa * stress_MPa / m.modulus_MPa(martensite)
         )
-        return WireState(temperature_degC, stress_MPa, phase, strain, ohm / self.section_m2, stored)
+        return WireState(temperature_degC, stress_MPa, phase, strain, ohm / self.volume_m3, stored)

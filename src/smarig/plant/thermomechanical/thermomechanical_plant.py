@@ -8,7 +8,7 @@ import math
 
 from smarig.plant.actuator import Actuator
 from smarig.plant.effect import PlantState
-from smarig.plant.thermomechanical.mechanisms import Antagonists, DeadWeight, Mechanism
+from smarig.plant.thermomechanical.mechanisms import Antagonists, DeadWeight, WireMechanism
 from smarig.plant.thermomechanical.wire import Energy, Heating, Wire
 
 MAX_PART = 0.05  # of the time constant: longer ticks are subdivided
@@ -33,7 +33,7 @@ class ThermomechanicalPlant:
             for _ in range(2 if actuator.two_wire else 1)
         ]
         self.actuator, self.ambient_degC = actuator, ambient_degC
-        self.mechanism: Mechanism = (
+        self.mechanism: WireMechanism = (
             Antagonists((wires[0], wires[1]), file, ambient_degC)
             if actuator.two_wire
             else DeadWeight(wires[0], file, ambient_degC)
