@@ -2,11 +2,12 @@
 
 import pytest
 
+from rig.lying import TamperedRig
 from smarig.config import load_rig
-from smarig.core.errors import UsageError
+from smarig.core.errors import LimitExceeded, UsageError
 from smarig.plant import Actuator, Plant, ThermomechanicalPlant, effects_from_pairs
 from smarig.preisach import thesis_surface
-from smarig.rig import Twin, TwinSettings
+from smarig.rig import Guard, Plausibility, Twin, TwinSettings
 
 RIGS = ("one_wire_thermomechanical", "two_wire_thermomechanical", "flexinol_015", "flexinol_031")
 
@@ -27,6 +28,31 @@ def test_it_moves_returns_and_repeats(rig):
     assert hot.voltage_V == pytest.approx(
         hot.current_A * twin.actuator.file.heating.resistance_austenite.value, rel=0.05
     )
+
+
+def test_holds_within_a_narrow_transformation_are_no_slip():
+    """The input hardly changes between two holds, and the wire moves through most of its travel."""
+    twin = Twin.named("two_wire_thermomechanical", seed=1)
+    bench = twin.file.model_copy(update={"kind": "bench"})
+    guard = Guard(twin, twin.file.limits, twin.actuator, Plausibility(bench, twin.actuator))
+    positions = []
+    for input_K in (-185.0, 0.0, 56.0, 62.0, 68.0, 73.5):  # the other wire first: the way is then longest
+        for _ in range(900):
+            ((sample, _),) = guard.step(twin.actuator.current_for(input_K))
+        positions.append(sample.position)
+    assert positions[-1] - positions[2] > 40.0
+    assert guard.alarms() == []
+
+
+def test_motion_is_judged_by_the_travel_of_the_wires():
+    """2 % of their travel is no motion, although it is 7 % of the travel of the surface in [hysteresis]."""
+    rig = TamperedRig("two_wire_thermomechanical", lambda s: s._replace(counts=round(0.02 * s.counts)))
+    actuator = Actuator.named(rig.file.actuator)
+    guard = Guard(rig, rig.file.limits, actuator, Plausibility(rig.file, actuator))
+    with pytest.raises(LimitExceeded, match="did not move"):
+        for current_A in (1.0, 0.0, -1.0):
+            for _ in range(600):
+                guard.step(current_A)
 
 
 def test_effects_and_initial_states_are_those_of_an_operator():
