@@ -9,7 +9,7 @@ from pydantic.fields import FieldInfo
 
 from generate.comments import class_comments
 from generate.markdown import code, plain, table
-from smarig.config import ActuatorFile, CampaignFile, PositiveIn, Quantity, RigFile
+from smarig.config import ActuatorFile, CampaignFile, InUnit, Quantity, RigFile
 from smarig.exchange import MappingFile
 
 FILES = {
@@ -101,7 +101,7 @@ def _default(field: FieldInfo) -> str:
 
 def _unit(name: str, field: FieldInfo) -> str:
     validators = (m.func for m in field.metadata if isinstance(m, AfterValidator))
-    return next((f.unit for f in validators if isinstance(f, PositiveIn)), unit_of(name))
+    return next((f.unit for f in validators if isinstance(f, InUnit)), unit_of(name))
 
 
 def _type(field: FieldInfo) -> str:

@@ -1,5 +1,7 @@
 """The contract of every protocol: no side effects, within limits, documented, ends cold, can be previewed."""
 
+import os
+
 import pytest
 
 from smarig.config import load_rig
@@ -15,6 +17,8 @@ from smarig.runner.preview import preview
 from smarig.runner.runner import Runner
 
 RIGS = ("one_wire_twin", "two_wire_twin")
+if os.environ.get("SMARIG_LONG"):  # another plant behind the same commands
+    RIGS += ("one_wire_thermomechanical", "two_wire_thermomechanical")
 ALL = catalogue_names("smarig.protocols")
 
 

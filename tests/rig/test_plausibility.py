@@ -11,6 +11,13 @@ from smarig.rig.guard import Guard
 from smarig.rig.plausibility import MAX_STALE_SAMPLES, Plausibility
 
 TICKS_OF_HEATING = 500
+TWINS = (
+    "one_wire_twin",
+    "two_wire_twin",
+    "one_wire_thermomechanical",
+    "two_wire_thermomechanical",
+    "flexinol_031",
+)
 
 
 def guarded(change, rig="one_wire_twin"):
@@ -128,7 +135,7 @@ def test_zeroing_the_encoder_is_no_jump():
     heated(guard, 50, 0.0)
 
 
-@pytest.mark.parametrize("rig", ["one_wire_twin", "two_wire_twin"])
+@pytest.mark.parametrize("rig", TWINS)
 def test_a_wire_driven_to_its_limits_and_back_is_plausible(rig):
     limits = load_rig(rig).limits
     guard, _ = guarded(lambda s: s, rig)
@@ -179,7 +186,7 @@ def test_the_sample_of_a_jump_is_marked():
     assert marks_of(LIES[4][1], 100) == [60]
 
 
-@pytest.mark.parametrize("rig", ["one_wire_twin", "two_wire_twin"])
+@pytest.mark.parametrize("rig", TWINS)
 def test_good_samples_are_not_marked(rig):
     limits = load_rig(rig).limits
     guard, _ = guarded(lambda s: s, rig)

@@ -13,7 +13,7 @@ from smarig.rig.twin import TwinSettings
 
 LINKS = ("serial", "modbus_tcp", "modbus_rtu")
 RIGS = [
-    *("one_wire_twin", "two_wire_twin"),
+    *("one_wire_twin", "two_wire_twin", "one_wire_thermomechanical", "two_wire_thermomechanical"),
     *(f"one_wire_{link}" for link in LINKS),
     *("firmware one_wire_serial", "firmware one_wire_modbus_rtu"),
 ]

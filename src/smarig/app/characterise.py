@@ -271,8 +271,10 @@ def _discoveries(rig: str, actuator: Actuator) -> tuple[str, ...]:
 
 
 def _twin_warnings(runs: Mapping[str, Run], *, hidden: bool) -> list[str]:
-    """Warnings for twins: a twin is itself a Preisach model, so a good fit proves nothing about a wire."""
-    names = {load_actuator(run.info.actuator or "").hysteresis.surface for run in runs.values() if run.twin}
+    """Warnings for twins: most are Preisach models themselves, so that a good fit proves nothing about a wire."""
+    actuators = [load_actuator(run.info.actuator or "") for run in runs.values() if run.twin]
+    names = {a.hysteresis.surface for a in actuators if a.thermomechanical is None}
+    thermomechanical = sorted({a.name for a in actuators if a.thermomechanical is not None})
     if hidden:
         return [
             "An effect may be hidden in this twin. Until it is found, the best-fitting surface means little."
@@ -281,6 +283,10 @@ def _twin_warnings(runs: Mapping[str, Run], *, hidden: bool) -> list[str]:
         f"This twin's hysteresis is the surface {name} of Table 5.1, so a Preisach model fits it by "
         "construction, best with this surface. It shows that the software works, not that a wire is a Preisach system."
         for name in sorted(names)
+    ] + [
+        f"The wire of this twin ({name}) follows Brinson's constitutive model with a heat balance. It is no Preisach "
+        "operator, so no surface is the true one."
+        for name in thermomechanical
     ]
 
 

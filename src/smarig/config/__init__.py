@@ -19,12 +19,14 @@ if TYPE_CHECKING:
     from smarig.config.file_schemas import LimitsFile as LimitsFile
     from smarig.config.file_schemas import LinkFile as LinkFile
     from smarig.config.file_schemas import LinksFile as LinksFile
-    from smarig.config.file_schemas import PositiveIn as PositiveIn
     from smarig.config.file_schemas import ProtectionFile as ProtectionFile
-    from smarig.config.file_schemas import Quantity as Quantity
     from smarig.config.file_schemas import RigFile as RigFile
     from smarig.config.file_schemas import SimulatorFile as SimulatorFile
+    from smarig.config.quantity import InUnit as InUnit
+    from smarig.config.quantity import PositiveIn as PositiveIn
+    from smarig.config.quantity import Quantity as Quantity
     from smarig.config.recorded_file import recorded_file as recorded_file
     from smarig.config.recorded_rig import rig_from_text as rig_from_text
+    from smarig.config.thermomechanical_file import ThermomechanicalSection as ThermomechanicalSection
 else:
     __getattr__, __dir__, __all__ = lazy_exports(__name__)

@@ -3,46 +3,14 @@
 Physical quantities have no defaults. The comment after each key is its text in the reference.
 """
 
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Any, Literal
 
-from pydantic import AfterValidator, Field, model_validator
+from pydantic import Field, model_validator
 
+from smarig.config.quantity import Amperes, Density, Kelvin, Millimetres, Ohms, SpecificHeat
+from smarig.config.thermomechanical_file import ThermomechanicalSection
 from smarig.core import Number, TomlTable
-
-
-class Quantity(TomlTable):
-    """A physical quantity: value, unit and source."""
-
-    value: Number  # the number
-    unit: str  # the unit that the key requires
-    source: str  # where the value comes from: a paper, a data sheet, a calibration
-
-    def __float__(self) -> float:
-        return self.value
-
-
-@dataclass(frozen=True)
-class PositiveIn:
-    """Requires a positive value in one unit."""
-
-    unit: str
-
-    def __call__(self, q: Quantity) -> Quantity:
-        if q.unit != self.unit:
-            raise ValueError(f"unit is '{q.unit}', expected '{self.unit}'")
-        if q.value <= 0:
-            raise ValueError(f"value {q.value:g} must be positive")
-        return q
-
-
-Millimetres = Annotated[Quantity, AfterValidator(PositiveIn("mm"))]
-Ohms = Annotated[Quantity, AfterValidator(PositiveIn("ohm"))]
-Kelvin = Annotated[Quantity, AfterValidator(PositiveIn("K"))]
-Amperes = Annotated[Quantity, AfterValidator(PositiveIn("A"))]
-Density = Annotated[Quantity, AfterValidator(PositiveIn("kg/m^3"))]
-SpecificHeat = Annotated[Quantity, AfterValidator(PositiveIn("J/(kg K)"))]
 
 
 class WireSection(TomlTable):
@@ -88,7 +56,24 @@ class ActuatorFile(TomlTable):
     heating: HeatingSection  # determines the temperature
     transmission: TransmissionSection  # converts contraction into position
     hysteresis: HysteresisSection  # the hysteresis of a twin
+    thermomechanical: ThermomechanicalSection | None = None  # a twin's wire that is no Preisach operator
     notes: str = ""  # a remark
+
+    @model_validator(mode="after")
+    def _load_fits_arrangement(self) -> "ActuatorFile":
+        t, two = self.thermomechanical, self.arrangement == "two_wire"
+        if t is None:
+            return self
+        needed, other = ("pre_strain", "force") if two else ("force", "pre_strain")
+        if getattr(t, needed) is None or getattr(t, other) is not None:
+            raise ValueError(
+                f"{'two wires' if two else 'one wire'} need thermomechanical.{needed} and no thermomechanical.{other}"
+            )
+        if self.transmission.unit != ("deg" if two else "mm"):
+            raise ValueError(
+                "a thermomechanical wire has its position in mm, a pair of them in deg; set transmission.unit"
+            )
+        return self
 
 
 class LimitsFile(TomlTable):

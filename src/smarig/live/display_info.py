@@ -79,7 +79,7 @@ def rig_display_info(
         per_count=actuator.position_per_count(file.encoder.counts_per_rev),
         initial=actuator.file.hysteresis.initial if known else None,
         actuator=actuator,
-        twin_hysteresis=twin_hysteresis if source == "twin" else None,
+        twin_hysteresis=twin_hysteresis if source == "twin" and _is_preisach(actuator) else None,
         settling_rule=settled(settings),
     )
 
@@ -93,7 +93,9 @@ def run_display_info(run: AnyRun) -> DisplayInfo:
     if actuator is not None and not actuator.two_wire:
         low = min(low, 0.0)
     twin_hysteresis = (
-        thesis_surface(actuator.file.hysteresis.surface) if actuator is not None and run.twin else None
+        thesis_surface(actuator.file.hysteresis.surface)
+        if actuator is not None and run.twin and _is_preisach(actuator)
+        else None
     )
     return DisplayInfo(
         title=f"{run.info.text_of('protocol', 'run')} on {run.info.text_of('rig', 'an unnamed rig')}",
@@ -190,3 +192,8 @@ def description_markdown(display_info: DisplayInfo, models: Sequence[str], mappe
 def _plain(text: str) -> str:
     """The name with its Markdown escaped, since users choose names."""
     return "".join(c if c.isalnum() or c in " -_.,:" else "·" for c in text)
+
+
+def _is_preisach(actuator: Actuator) -> bool:
+    """Whether the twin's wire is the operator that its actuator file names."""
+    return actuator.file.thermomechanical is None

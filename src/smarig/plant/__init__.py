@@ -46,5 +46,17 @@ if TYPE_CHECKING:
     from smarig.plant.thermal_stages import ThermalStages as ThermalStages
     from smarig.plant.thermal_stages import apply_hooks as apply_hooks
     from smarig.plant.wire_phases import WirePhases as WirePhases
+    from smarig.plant.thermomechanical.characteristics import isobaric_loop as isobaric_loop
+    from smarig.plant.thermomechanical.characteristics import isothermal_loop as isothermal_loop
+    from smarig.plant.thermomechanical.kinetics import AUSTENITE as AUSTENITE
+    from smarig.plant.thermomechanical.kinetics import TWINNED_MARTENSITE as TWINNED_MARTENSITE
+    from smarig.plant.thermomechanical.kinetics import Phase as Phase
+    from smarig.plant.thermomechanical.material import Material as Material
+    from smarig.plant.thermomechanical.thermomechanical_plant import (
+        ThermomechanicalPlant as ThermomechanicalPlant,
+    )
+    from smarig.plant.thermomechanical.thermomechanical_plant import (
+        thermomechanical_travel as thermomechanical_travel,
+    )
 else:
     __getattr__, __dir__, __all__ = lazy_exports(__name__)

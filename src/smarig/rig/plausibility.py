@@ -7,7 +7,7 @@ import math
 
 from smarig.config import RigFile
 from smarig.core import Quality, Sample
-from smarig.plant import Actuator
+from smarig.plant import Actuator, thermomechanical_travel
 from smarig.preisach import thesis_surface
 from smarig.rig.electrical_plausibility import ElectricalPlausibility
 from smarig.rig.rig import Alarm
@@ -17,7 +17,7 @@ MAX_JUMP = 0.25  # of the travel within one tick: no wire is faster,
 MAX_JUMP_TAUS = 3.0  # unless the tick is long: factor on the relative change of temperature in one tick
 MIN_TRAVEL = 0.03  # of the travel: less is no motion
 SLIP_LIMIT = 0.25  # of the travel, at constant input
-STEADY_INPUT_BAND = 0.05  # of the range
+STEADY_INPUT_BAND = 0.05  # of the range, or of the transformation's width
 COLD, HOT = 0.2, 0.8  # of the range: fully cooled, fully heated
 TWIN_TOLERANCE = (
     0.4  # of the resistance of a twin in process, whose effects may change it and whose shunt is right
@@ -45,7 +45,11 @@ class Plausibility:
         h = thesis_surface(actuator.file.hysteresis.surface)
         self._range_K = h.upper - h.lower
         self._lower_K = h.lower
-        travel = abs(h.y_upper - h.y_lower)
+        thermomechanical = actuator.file.thermomechanical
+        travel = abs(h.y_upper - h.y_lower) if thermomechanical is None else thermomechanical_travel(actuator)
+        # a narrow transformation moves a wire far within a small share of the range
+        width_K = thermomechanical.width_K if thermomechanical else self._range_K
+        self._steady_K = STEADY_INPUT_BAND * min(width_K, self._range_K)
         self._travel = travel / actuator.position_per_count(rig.encoder.counts_per_rev)
         self._jump = max(MAX_JUMP, -MAX_JUMP_TAUS * math.expm1(-rig.period_s / actuator.tau_s)) * self._travel
         self._last: int | None = None
@@ -121,7 +125,7 @@ class Plausibility:
 
     def _check_slip(self, counts: int, input_K: float) -> list[Alarm]:
         """After the settling time of wire and sensors, the position must stay while the input stays."""
-        if self._last is None or abs(input_K - self._rest_point[0]) > STEADY_INPUT_BAND * self._range_K:
+        if self._last is None or abs(input_K - self._rest_point[0]) > self._steady_K:
             self._rest_point, self._settling_ticks = (input_K, counts), self._settle_ticks
         if self._settling_ticks > 0:
             self._settling_ticks -= 1

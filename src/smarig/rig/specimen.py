@@ -14,7 +14,7 @@ import numpy as np
 from smarig.config import RigFile
 from smarig.core import UsageError
 from smarig.device import load_register_map
-from smarig.plant import Actuator, Plant, SupportsHooks, mystery_effects
+from smarig.plant import Actuator, Plant, SupportsHooks, ThermomechanicalPlant, mystery_effects
 from smarig.preisach import Everett, Initial, thesis_surface
 
 _COUNTS, _CURRENT, _VOLTAGE, _AMBIENT_FLUCTUATION = range(4)
@@ -75,15 +75,7 @@ class Specimen:
             raise UsageError(f"Seed {settings.seed} is negative. Give a whole number ≥ 0.")
         self.tick = 0
         self.file, self.actuator = rig, actuator
-        hysteresis = actuator.file.hysteresis
-        hidden = mystery_effects(settings.seed, actuator.file.arrangement) if rig.hidden_effect else ()
-        self.plant = Plant(
-            actuator,
-            settings.hysteresis or thesis_surface(hysteresis.surface),
-            settings.initial or hysteresis.initial,
-            rig.period_s,
-            (*hidden, *settings.effects),
-        )
+        self.plant = plant_of(rig, actuator, settings)
         self.position_per_count = actuator.position_per_count(rig.encoder.counts_per_rev)
         self._scales = register_scales()
         self._noise = [TickNoise(settings.seed, channel) for channel in range(4)]
@@ -141,6 +133,33 @@ class Specimen:
 
     def _encoder_counts(self) -> float:
         return self.plant.position / self.position_per_count
+
+
+def plant_of(rig: RigFile, actuator: Actuator, settings: TwinSettings) -> Plant | ThermomechanicalPlant:
+    """The plant of an actuator file, or that of the settings' hysteresis, which replaces the file's.
+
+    Raises UsageError if a thermomechanical wire is given effects or an initial state: both are those of the operator.
+    """
+    hysteresis = actuator.file.hysteresis
+    if actuator.file.thermomechanical is not None and settings.hysteresis is None:
+        if settings.effects or rig.hidden_effect:
+            raise UsageError(
+                f"Effects act on a Preisach operator, and the wire of {actuator.name} has none. Use a rig whose "
+                "actuator has no table [thermomechanical]."
+            )
+        if settings.initial is not None:
+            raise UsageError(
+                f"The wire of {actuator.name} starts cold under its load. Give no initial state."
+            )
+        return ThermomechanicalPlant(actuator, rig.period_s, rig.ambient_degC)
+    hidden = mystery_effects(settings.seed, actuator.file.arrangement) if rig.hidden_effect else ()
+    return Plant(
+        actuator,
+        settings.hysteresis or thesis_surface(hysteresis.surface),
+        settings.initial or hysteresis.initial,
+        rig.period_s,
+        (*hidden, *settings.effects),
+    )
 
 
 class TickNoise:

@@ -37,6 +37,23 @@ def test_bytes_make_no_difference(twins, arrangement, link, tmp_path):
     same(twins[arrangement], record(f"{arrangement}_wire_{link}", tmp_path))
 
 
+@pytest.mark.parametrize("arrangement", ["one", "two"])
+def test_bytes_make_no_difference_to_a_thermomechanical_wire(arrangement, tmp_path):
+    rig, limits = (
+        f"{arrangement}_wire_thermomechanical",
+        load_rig(f"{arrangement}_wire_thermomechanical").limits,
+    )
+    bench = tmp_path / "bench.toml"
+    bench.write_text(
+        f'name = "bench"\nbase = "{arrangement}_wire_serial"\nactuator = "thermomechanical_{arrangement}_wire"\n'
+        f"[limits]\ncurrent_max_A = {limits.current_max_A}\ntemperature_max_K = {limits.temperature_max_K}\n"
+    )
+    folders = [tmp_path / name for name in ("twin", "bytes")]
+    for folder in folders:
+        folder.mkdir()
+    same(record(rig, folders[0]), record(str(bench), folders[1]))
+
+
 def same(twins, benches):
     """Every column and every step."""
     for twin, bench in zip(twins, benches, strict=True):

@@ -135,7 +135,7 @@ def write(path: Path, actuator: ActuatorFile, *, force: bool) -> Path:
 
 
 def _toml(actuator: ActuatorFile) -> str:
-    data = actuator.model_dump()
+    data = actuator.model_dump(exclude_none=True)
     lines = [f"{key} = {_text(value)}" for key, value in data.items() if not isinstance(value, dict)]
     for table, content in data.items():
         if isinstance(content, dict):

@@ -5,6 +5,7 @@ A key that is not listed counts as one that reaches the numbers.
 
 from enum import Enum, auto
 
+from smarig.config import ThermomechanicalSection
 from smarig.runner.rig_description import ACTUATOR_VALUES, RIG_VALUES
 
 
@@ -25,6 +26,7 @@ _LINK = {
     "address": Reach.NOTHING,
     "timeout_s": Reach.NOTHING,
 }
+_THERMOMECHANICAL = tuple(f"thermomechanical.{key}" for key in ThermomechanicalSection.model_fields)
 REACH: dict[str, dict[str, Reach]] = {
     RIG_VALUES: {
         "name": Reach.NUMBERS,
@@ -83,6 +85,7 @@ REACH: dict[str, dict[str, Reach]] = {
         "transmission.radius": Reach.NUMBERS,
         "hysteresis.surface": Reach.TWIN,
         "hysteresis.initial": Reach.TWIN,
+        **dict.fromkeys(_THERMOMECHANICAL, Reach.TWIN),
     },
 }
 SOURCE = ".source"  # of a quantity: words

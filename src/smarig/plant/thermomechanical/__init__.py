@@ -1,0 +1,1 @@
+"""Thermomechanical wires: Brinson's constitutive model, heat balance in joules, and the mechanisms that load them."""
