@@ -1,0 +1,1 @@
+"""Transformation temperatures of a wire by the tangent method."""
