@@ -92,7 +92,7 @@ def branch_tangents(u: Array, y: Array, *, seed: int = 0, unit: str = "") -> Bra
     steep, chosen_rows = _steep_lines(smooth, y, shape, output_noise, dice)
     lines: dict[str, tuple[PlateauLine, ...]] = {}
     for side, choices in rows.items():
-        noise = noises[side]
+        noise = _at_least(own, output_noise) if (own := noises[side]) else None
         drawn = noise.draws(DRAWS, _widest(choices), u.size, dice) if noise else np.zeros((DRAWS, u.size))
         lines[side] = tuple(plateau_line(u, y, r, drawn) for r in choices)
     picks = np.random.default_rng(_PICKS).random((3, DRAWS))  # the same choices in every branch
@@ -249,7 +249,7 @@ def _pooled(noises: list[ReadingNoise]) -> ReadingNoise | None:
 
 
 def _at_least(found: ReadingNoise, least: ReadingNoise | None) -> ReadingNoise:
-    """The noise of the steep part, with the help of the plateaus' where few readings determine it."""
+    """The noise of a part, with the help of that of both plateaus where few readings determine it."""
     if least is None or found.degrees >= 8:
         return found
     pooled = _pooled([found, ReadingNoise(least.sd, min(least.degrees, 8.0))])

@@ -1,0 +1,17 @@
+"""The headline figures of a run for pages and lists: temperatures, stroke and width, if it has a full loop."""
+
+from smarig.core import UsageError
+from smarig.identification import Estimate
+from smarig.record import Run
+from smarig.transformation.run_figures import run_figures
+
+HEADLINE = ("A_s", "A_f", "M_s", "M_f", "heating_stroke", "width")
+
+
+def headline(run: Run) -> dict[str, Estimate]:
+    """A_s, A_f, M_s, M_f, stroke and width with their intervals, as far as a run gives them; {} without a full loop."""
+    try:
+        found = run_figures(run)
+    except UsageError:
+        return {}
+    return {name: found.estimate(name) for name in HEADLINE if name in found.means}
