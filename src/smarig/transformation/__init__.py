@@ -10,6 +10,7 @@ if TYPE_CHECKING:
     from smarig.transformation.cycle_figures import FIGURES as FIGURES
     from smarig.transformation.cycle_figures import TEMPERATURES as TEMPERATURES
     from smarig.transformation.cycle_figures import CycleFigures as CycleFigures
+    from smarig.transformation.cycle_figures import Drawn as Drawn
     from smarig.transformation.figures_text import NAMES as NAMES
     from smarig.transformation.figures_text import value_text as value_text
     from smarig.transformation.figures_text import why_not as why_not
@@ -17,6 +18,7 @@ if TYPE_CHECKING:
     from smarig.transformation.run_figures import RunFigures as RunFigures
     from smarig.transformation.run_figures import run_figures as run_figures
     from smarig.transformation.stress_dependence import StressSlope as StressSlope
+    from smarig.transformation.tangent_ranges import stated_ranges as stated_ranges
     from smarig.transformation.transformation_temperatures import (
         TransformationTemperatures as TransformationTemperatures,
     )

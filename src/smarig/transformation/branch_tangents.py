@@ -158,7 +158,9 @@ def _steep_lines(
     """The steep tangent of each choice, with its readings."""
     choices = steep_rows(shape.share, shape.centre)
     if not choices:
-        raise UsageError("fewer than three of its readings lie in the transformation: a steep tangent needs them")
+        raise UsageError(
+            "fewer than three of its readings lie in the transformation: a steep tangent needs them"
+        )
     u, widest, at = smooth.u, choices[-1], shape.output_at_centre
     on_steep = reading_noise(u[widest], y[widest])
     noisy = noise is not None and on_steep.sd > _INPUT_NOISE * noise.sd and widest.size >= 5
@@ -169,10 +171,15 @@ def _steep_lines(
         known = reading_noise(y[widest], u[widest]) if of_input else _at_least(on_steep, noise)
         drawn = known.draws(DRAWS, widest, u.size, dice)
         sd = known.sd * float(np.sqrt(known.inflation))
-    pairs = [(steep_line(u, y, rows, at, drawn, sd, float(np.ptp(shape.share[rows])), of_input=of_input), rows) for rows in choices]
+    pairs = [
+        (steep_line(u, y, rows, at, drawn, sd, float(np.ptp(shape.share[rows])), of_input=of_input), rows)
+        for rows in choices
+    ]
     good = [(line, rows) for line, rows in pairs if line is not None and line.du_dy * shape.rise > 0]
     if not good:
-        raise UsageError("its steep part has no slope of one sign: too few readings, or too much noise of the temperature")
+        raise UsageError(
+            "its steep part has no slope of one sign: too few readings, or too much noise of the temperature"
+        )
     return tuple(line for line, _ in good), tuple(rows for _, rows in good)
 
 

@@ -134,8 +134,7 @@ def _outputs(
         side = "low" if first.direction == HEATING else "high"
         ends = {"heating": heating, "cooling": cooling}
         begin, end = (
-            _end(t.u, t.y, t.noise_sd, side, dice)
-            for t in (ends[first.direction], ends[last.direction])
+            _end(t.u, t.y, t.noise_sd, side, dice) for t in (ends[first.direction], ends[last.direction])
         )
         figures["residual"] = end.minus(begin)
     return figures

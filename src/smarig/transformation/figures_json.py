@@ -14,7 +14,7 @@ def run_json(run: RunFigures) -> dict[str, Any]:
         "unit": run.record.unit,
         "ambient_degC": run.record.ambient_degC,
         "stress_MPa": run.stress_MPa,
-        "twin": run.twin,
+        "twin": run.run.twin,
         "wire": run.wire,
         "start_epoch": run.start_epoch,
         "figures": figures_json(run, run.means),
@@ -52,5 +52,3 @@ def _above_ambient(run: RunFigures, value: float) -> float | None:
     if degC is not None and ambient is not None:
         return degC - ambient
     return value if run.record.above_ambient else None
-
-

@@ -25,7 +25,11 @@ def result_text(
     """The whole result."""
     lines = [line for run in runs for line in _run_lines(run)]
     if stress:
-        lines += ["", "Stress dependence (Clausius–Clapeyron coefficient C = dσ/dT):", *map(_stress_line, stress)]
+        lines += [
+            "",
+            "Stress dependence (Clausius–Clapeyron coefficient C = dσ/dT):",
+            *map(_stress_line, stress),
+        ]
     if history:
         lines += ["", "Drift over the cycles of all runs, in order of their start:", *_drift_lines(history)]
     return "\n".join(lines)

@@ -88,9 +88,7 @@ def _by_extent(record: TemperatureRecord) -> tuple[list[tuple[int, int]], list[U
         if low <= u.min() + _FULL * size and high >= u.max() - _FULL * size:
             full.append((a, b))
         elif high - low > _AT_END * size:
-            reason = (
-                f"it covers {100 * (high - low) / size:.0f} % of the temperature's range, so it is no part of a full loop"
-            )
+            reason = f"it covers {100 * (high - low) / size:.0f} % of the temperature's range, so it is no part of a full loop"
             unused.append(UnusedBranch(_direction(u, a, b), 0, float(u[a]), float(u[b]), reason))
     return full, unused
 

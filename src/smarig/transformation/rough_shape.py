@@ -94,7 +94,10 @@ def _first_plateaus(u: Array, y: Array) -> tuple[tuple[Line, Line], tuple[Line, 
     steepest = _steepest_slope(monotone(u), y)
     lines: list[Line] = []
     levels: list[Line] = []
-    for end, inside in ((u.min(), u <= u.min() + _END * np.ptp(u)), (u.max(), u >= u.max() - _END * np.ptp(u))):
+    for end, inside in (
+        (u.min(), u <= u.min() + _END * np.ptp(u)),
+        (u.max(), u >= u.max() - _END * np.ptp(u)),
+    ):
         rows = np.flatnonzero(inside)
         nearest = rows[np.argsort(np.abs(u[rows] - end), kind="stable")[: max(1, rows.size // 5)]]
         level: Line = (float(np.median(y[nearest])), 0.0)
@@ -149,7 +152,9 @@ def _shape(u: Array, y: Array, low: Line, high: Line) -> RoughShape:
 def _widest_rows(share: Array, centre: float) -> NDArray[np.int64]:
     choices = steep_rows(share, centre)
     if not choices:
-        raise UsageError("fewer than three of its readings lie in the transformation: a steep tangent needs them")
+        raise UsageError(
+            "fewer than three of its readings lie in the transformation: a steep tangent needs them"
+        )
     return choices[-1]
 
 

@@ -29,12 +29,12 @@ _SOURCE = "tangents"
 
 @dataclass(frozen=True, eq=False)
 class RunFigures:
-    """One run. ``means`` over its cycles, by figure; ``drift`` per cycle (three cycles or more); stress in MPa.
+    """One run. ``means`` over its cycles, by figure; ``drift`` per cycle (three cycles or more).
 
     The interval of a mean contains the common choice of the tangents' readings in full, and the noise averaged.
     """
 
-    name: str
+    run: Run
     record: TemperatureRecord
     cycles: tuple[CycleFigures, ...]
     unused: tuple[UnusedBranch, ...]
@@ -42,10 +42,29 @@ class RunFigures:
     counts: dict[str, int]
     drift: dict[str, Estimate]
     notes: tuple[str, ...]
-    stress_MPa: float | None
-    twin: bool
-    wire: str
-    start_epoch: float | None
+
+    @property
+    def name(self) -> str:
+        """The name of the run."""
+        return self.run.name
+
+    @property
+    def wire(self) -> str:
+        """The name of the wire, "" if none was recorded."""
+        return self.run.info.wire or ""
+
+    @property
+    def start_epoch(self) -> float | None:
+        """The start of the run in seconds since 1970, None if not recorded."""
+        return self.run.info.start_epoch
+
+    @property
+    def stress_MPa(self) -> float | None:
+        """The mean of the recorded condition ``stress``, None without one in MPa."""
+        stored = self.run.info.conditions.get("stress")
+        mean = stored.get("mean") if isinstance(stored, dict) else None
+        known = isinstance(mean, int | float) and bool(np.isfinite(mean)) and stored.get("unit") == "MPa"
+        return float(mean) if known else None
 
     def unit_of(self, figure: str) -> str:
         """The unit of a figure: of the temperature, K for differences, of the output."""
@@ -80,7 +99,7 @@ def run_figures(run: Run) -> RunFigures:
         raise UsageError(_no_loop(run.name, record, cycles, unused))
     means, counts = _means(cycles)
     return RunFigures(
-        name=run.name,
+        run=run,
         record=record,
         cycles=tuple(cycles),
         unused=tuple(unused),
@@ -88,10 +107,6 @@ def run_figures(run: Run) -> RunFigures:
         counts=counts,
         drift=cycle_drift([c.number for c in cycles], [c.figures for c in cycles], _units(record)),
         notes=(*record.notes, *_notes(cycles)),
-        stress_MPa=_stress_MPa(run),
-        twin=run.twin,
-        wire=run.info.wire or "",
-        start_epoch=run.info.start_epoch,
     )
 
 
@@ -182,7 +197,7 @@ def _notes(cycles: Sequence[CycleFigures]) -> list[str]:
         own, other = ("heating", "cooling") if name[0] == "A" else ("cooling", "heating")
         notes.append(
             f"{name}: the {own} branch has no plateau of its own there, so the tangent is that of the {other} branch, "
-            "with which the loop closes."
+            f"with which the loop closes; {'M_f may be lower' if name == 'M_f' else f'{name} may lie further out'}."
         )
     for direction in dict.fromkeys(d for c in cycles for d in c.assembled):
         notes.append(
@@ -205,13 +220,6 @@ def _no_loop(
         f"{name} contains no full loop of heating and cooling with ten readings or more on each branch.{have}{why} "
         "Heat and cool the wire through its whole transformation, for example with the protocol constant_force_cycles."
     )
-
-
-def _stress_MPa(run: Run) -> float | None:
-    stored = run.info.conditions.get("stress")
-    mean = stored.get("mean") if isinstance(stored, dict) else None
-    known = isinstance(mean, int | float) and np.isfinite(mean) and stored.get("unit") == "MPa"
-    return float(mean) if known else None
 
 
 def _units(record: TemperatureRecord) -> dict[str, str]:

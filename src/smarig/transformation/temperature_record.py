@@ -55,7 +55,9 @@ def temperature_record(run: Run) -> TemperatureRecord:
         notes.append(f"{absent} of {known.size} rows without temperature or output were left out.")
     u, y = u[known], y[known]
     if (lost := dropouts(u)).any():
-        notes.append(f"{int(lost.sum())} rows were left out whose temperature reads exactly 0, far from its neighbours.")
+        notes.append(
+            f"{int(lost.sum())} rows were left out whose temperature reads exactly 0, far from its neighbours."
+        )
         u, y = u[~lost], y[~lost]
     ambient = run["ambient_degC"][np.isfinite(run["ambient_degC"])]
     if ambient.size and np.ptp(ambient) > _MOVED_K:
