@@ -1,4 +1,4 @@
-"""Transformation temperatures of a wire by the tangent method (ASTM E3097, F2082): A_s, A_f, M_s, M_f, stroke, width."""
+"""Transformation temperatures of a wire by the tangent method (ASTM E3097, F2082), with their intervals."""
 
 from typing import TYPE_CHECKING
 

@@ -1,13 +1,13 @@
 """The figures of one cycle from the tangents of its two branches, each with a 95 % interval or a reason why not.
 
-    heating_stroke            output at the cold end minus that at the hot end of the heating branch (actuation strain)
-    heating_transformation    output at A_s minus that at A_f, along the tangents (transformation strain)
-    cooling_transformation    output at M_f minus that at M_s
+    stroke                    size of the output's change between both ends of the heating branch (actuation strain)
+    heating_transformation    size of its change from A_s to A_f along the tangents (transformation strain)
+    cooling_transformation    size of its change from M_s to M_f along the tangents
     residual                  output at the end of the cycle minus that at its start (residual strain, unclosed part)
     span                      A_f − M_f
     width                     (A_s + A_f)/2 − (M_s + M_f)/2: the distance of both steep tangents halfway up
 
-The names in brackets are those of ASTM E3097 for a constant force. Signs are those of the output.
+The names in brackets are those of ASTM E3097 for a constant force. The residual has the sign of the output.
 """
 
 from dataclasses import dataclass, field
@@ -21,7 +21,7 @@ from smarig.transformation.full_branches import HEATING, FullBranch
 Array = NDArray[np.float64]
 TEMPERATURES = ("A_s", "A_f", "M_s", "M_f")
 DIFFERENCES = ("span", "width")
-OUTPUTS = ("heating_stroke", "heating_transformation", "cooling_transformation", "residual")
+OUTPUTS = ("stroke", "heating_transformation", "cooling_transformation", "residual")
 FIGURES = (*TEMPERATURES, *DIFFERENCES, *OUTPUTS)
 _AT_END = 0.02  # of the temperature's range: readings whose mean is the output at an end
 
@@ -36,6 +36,11 @@ class Drawn:
     def minus(self, other: "Drawn") -> "Drawn":
         """The difference of two."""
         return Drawn(self.value - other.value, self.draws - other.draws)
+
+    def size(self) -> "Drawn":
+        """The value and its draws with the sign that makes the value positive."""
+        sign = -1.0 if self.value < 0 else 1.0
+        return Drawn(sign * self.value, sign * self.draws)
 
     def half_with(self, other: "Drawn") -> "Drawn":
         """The mean of two."""
@@ -122,13 +127,12 @@ def _outputs(
     figures: dict[str, Drawn] = {}
     if heating:
         cold, hot = (_end(heating.u, heating.y, heating.noise_sd, side, dice) for side in ("low", "high"))
-        figures["heating_stroke"] = cold.minus(hot)
+        figures["stroke"] = cold.minus(hot).size()
     for direction, branch in (("heating", heating), ("cooling", cooling)):
         if branch and branch.low and branch.high:
             low, high = branch.low, branch.high
-            figures[f"{direction}_transformation"] = Drawn(
-                low.output - high.output, low.output_draws - high.output_draws
-            )
+            rise = Drawn(low.output - high.output, low.output_draws - high.output_draws)
+            figures[f"{direction}_transformation"] = rise.size()
     if heating and cooling and all(b.curves == 1 for b in branches.values()):
         first, last = list(branches.values())
         side = "low" if first.direction == HEATING else "high"

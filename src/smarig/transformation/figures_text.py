@@ -9,7 +9,6 @@ from smarig.transformation.run_figures import RunFigures
 from smarig.transformation.stress_dependence import StressSlope
 
 NAMES = {
-    "heating_stroke": "stroke (cold minus hot)",
     "heating_transformation": "transformation, heating",
     "cooling_transformation": "transformation, cooling",
     "residual": "residual of the cycle",

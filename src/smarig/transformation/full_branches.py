@@ -88,7 +88,9 @@ def _by_extent(record: TemperatureRecord) -> tuple[list[tuple[int, int]], list[U
         if low <= u.min() + _FULL * size and high >= u.max() - _FULL * size:
             full.append((a, b))
         elif high - low > _AT_END * size:
-            reason = f"it covers {100 * (high - low) / size:.0f} % of the temperature's range, so it is no part of a full loop"
+            reason = (
+                f"it covers {(high - low) / size:.0%} of the temperature's range, so it is not a full one"
+            )
             unused.append(UnusedBranch(_direction(u, a, b), 0, float(u[a]), float(u[b]), reason))
     return full, unused
 
@@ -110,7 +112,7 @@ def _averaged(u: Array, y: Array) -> tuple[Array, Array]:
     if size == 1:
         return u, y
     starts = np.arange(0, u.size, size)
-    counts = np.diff([*starts, u.size])
+    counts = np.diff(np.append(starts, u.size))
     return np.add.reduceat(u, starts) / counts, np.add.reduceat(y, starts) / counts
 
 
@@ -146,7 +148,7 @@ def _assembled(record: TemperatureRecord, direction: str) -> FullBranch | None:
     if len(points) < _FEWEST or max(points) < u.max() - near:
         return None
     inputs = np.array(sorted(points))
-    outputs = np.array([np.mean(points[v]) for v in inputs])
+    outputs = np.array([float(np.mean(points[v])) for v in inputs])
     return FullBranch(direction, 1, sign * inputs, outputs, curves)
 
 

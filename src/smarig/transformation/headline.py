@@ -5,13 +5,18 @@ from smarig.identification import Estimate
 from smarig.record import Run
 from smarig.transformation.run_figures import run_figures
 
-HEADLINE = ("A_s", "A_f", "M_s", "M_f", "heating_stroke", "width")
+HEADLINE = ("A_s", "A_f", "M_s", "M_f", "stroke", "width")
 
 
 def headline(run: Run) -> dict[str, Estimate]:
-    """A_s, A_f, M_s, M_f, stroke and width with their intervals, as far as a run gives them; {} without a full loop."""
+    """A_s, A_f, M_s, M_f, stroke and width with their intervals, as far as a run gives them.
+
+    {} without a full loop, or if one was only assembled from first-order curves.
+    """
     try:
         found = run_figures(run)
     except UsageError:
+        return {}
+    if all(c.assembled for c in found.cycles):
         return {}
     return {name: found.estimate(name) for name in HEADLINE if name in found.means}

@@ -62,9 +62,10 @@ class RunFigures:
     def stress_MPa(self) -> float | None:
         """The mean of the recorded condition ``stress``, None without one in MPa."""
         stored = self.run.info.conditions.get("stress")
-        mean = stored.get("mean") if isinstance(stored, dict) else None
-        known = isinstance(mean, int | float) and bool(np.isfinite(mean)) and stored.get("unit") == "MPa"
-        return float(mean) if known else None
+        if not isinstance(stored, dict) or stored.get("unit") != "MPa":
+            return None
+        mean = stored.get("mean")
+        return float(mean) if isinstance(mean, int | float) and np.isfinite(mean) else None
 
     def unit_of(self, figure: str) -> str:
         """The unit of a figure: of the temperature, K for differences, of the output."""

@@ -15,6 +15,7 @@ Integers = NDArray[np.int64]
 STEEP_SHARES = (0.3, 0.4, 0.5, 0.6)  # of the output between both plateaus, about the steepest reading
 PLATEAU_GAPS = (0.75, 1.0, 1.5)  # of the span from start to finish, left out of a plateau next to its knee
 PLATEAU_CUTS = (0.0, 0.25)  # of a plateau, left out at the end of the branch
+LEAST_GAP = 0.02  # of the temperature's range, left out next to a knee at least
 MOST_GAP = 0.5  # of a plateau, left out next to its knee at most
 KNEE_SHARE = 0.1  # of the output, at both ends: no part of the steep tangent's readings
 FEWEST_PLATEAU = 3  # readings of a plateau
@@ -51,7 +52,7 @@ def plateau_rows(u: Array, end: float, knee: float, span: float) -> tuple[Intege
     found: list[Integers] = []
     for gap in PLATEAU_GAPS:
         for cut in PLATEAU_CUTS:
-            inner = knee - way * min(gap * span, MOST_GAP * length)
+            inner = knee - way * min(max(gap * span, LEAST_GAP * float(np.ptp(u))), MOST_GAP * length)
             outer = end + way * cut * length
             low, high = min(inner, outer), max(inner, outer)
             rows = np.flatnonzero((u >= low) & (u <= high))

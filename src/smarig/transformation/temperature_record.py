@@ -42,7 +42,7 @@ class TemperatureRecord:
 
 
 def temperature_record(run: Run) -> TemperatureRecord:
-    """The record of a run. Raises UsageError if its hysteresis input is no temperature, or input or output is missing."""
+    """The record of a run. Raises UsageError if its hysteresis input is no temperature, or if a channel is missing."""
     _check_input(run)
     u, y = (run.points()) if run.settled else (run["input"], run["position"])
     known = np.isfinite(u) & np.isfinite(y)

@@ -22,9 +22,9 @@ Examples:
 @click.option("--force", is_flag=True, help="Replace an existing page.")
 @json_option
 def command(runs: tuple[Path, ...], out: Path | None, force: bool) -> None:
-    """Transformation temperatures, stroke, residual, span and width of the full loops of runs, by tangents as in ASTM
-    E3097, with intervals. Runs at different stresses give the Clausius-Clapeyron coefficient; several cycles, or several
-    runs of one wire, their drift."""
+    """Transformation temperatures, stroke, residual, span and width of the full loops of runs, by tangents as in
+    ASTM E3097, with intervals. Runs at different stresses give the Clausius-Clapeyron coefficient; several cycles,
+    or several runs of one wire, their drift."""
     from smarig.transformation import transformation_temperatures
 
     check_distinct(out, *runs)

@@ -20,7 +20,6 @@ from smarig.transformation import TEMPERATURES, BranchTangents, CycleFigures, Ru
 _BEYOND = 0.12  # of its length: how far a tangent is drawn beyond its corners
 _MOST_BEHIND = 4000  # readings of the other cycles, thinned
 _LABELS = {"A_s": "A<sub>s</sub>", "A_f": "A<sub>f</sub>", "M_s": "M<sub>s</sub>", "M_f": "M<sub>f</sub>"}
-_PLACES = {"A_s": "top right", "A_f": "bottom right", "M_s": "top left", "M_f": "bottom left"}
 _CORNERS = {
     "A_s": ("heating", "low"),
     "A_f": ("heating", "high"),
@@ -108,15 +107,12 @@ def _corner_traces(cycle: CycleFigures, run: RunFigures) -> Iterator[Trace]:
             error_x=bars | {"color": GREY, "thickness": 1.4, "width": 4},
             mode="markers+text",
             text=[f"{_LABELS[name]} {words}"],
-            textposition=_placement(name, cycle),
+            textposition=_placement(direction, getattr(cycle, direction)),
             showlegend=False,
         )
 
 
-def _placement(name: str, cycle: CycleFigures) -> str:
-    """Above the upper corners of a curve, below the lower ones."""
-    direction, side = _CORNERS[name]
-    branch: BranchTangents = getattr(cycle, direction)
-    rises = branch.y[-1] > branch.y[0]
-    upper = (side == "high") == rises
-    return f"{'top' if upper else 'bottom'} {'right' if direction == 'heating' else 'left'}"
+def _placement(direction: str, branch: BranchTangents) -> str:
+    """Outside the loop: right of the heating branch, left of the cooling branch, away from their plateaus."""
+    above = (branch.y[-1] > branch.y[0]) != (direction == "heating")
+    return f"{'top' if above else 'bottom'} {'right' if direction == 'heating' else 'left'}"

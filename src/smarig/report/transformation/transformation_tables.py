@@ -1,7 +1,7 @@
 """Tables of transformation temperatures: figures, stress dependence, branches."""
 
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 
 from smarig.core import capitalised, spaced
 from smarig.report.components.html import Html, bullets, cards, joined, paragraph, table, tag
@@ -9,7 +9,7 @@ from smarig.report.components.numbers import number, signed
 from smarig.report.components.run_description import display_unit
 from smarig.transformation import FIGURES, NAMES, TEMPERATURES, RunFigures, StressSlope, why_not
 
-_CARDS = (*TEMPERATURES, "heating_stroke", "width")
+_CARDS = (*TEMPERATURES, "stroke", "width")
 
 
 def figure_name(name: str) -> Html:
@@ -84,7 +84,7 @@ def stress_table(slopes: Sequence[StressSlope]) -> Html:
     return table(header, [_stress_row(s) for s in slopes], "Clausius–Clapeyron coefficient C = dσ/dT.")
 
 
-def _stress_row(s: StressSlope) -> Iterable[object]:
+def _stress_row(s: StressSlope) -> tuple[object, ...]:
     least, most = s.C_ci95_MPa_per_K
     low, high = s.dT_dstress_ci95_K_per_MPa
     return (

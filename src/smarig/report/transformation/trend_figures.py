@@ -26,7 +26,7 @@ def cycles_figure(run: RunFigures) -> Figure | None:
         for name in TEMPERATURES
         if name in run.drift
     ]
-    stroke = list(_series("heating_stroke", [(c.number, c.figures) for c in run.cycles]))
+    stroke = list(_series("stroke", [(c.number, c.figures) for c in run.cycles]))
     return Figure(
         [
             Panel(data, {"xaxis": axis("Cycle"), "yaxis": axis(_title(run))}, 430),
