@@ -22,7 +22,7 @@ from smarig.transformation.fitted_line import (
     plateau_line,
     steep_line,
 )
-from smarig.transformation.input_noise import SmoothedInput, smoothed_input
+from smarig.transformation.input_noise import smoothed_input
 from smarig.transformation.reading_noise import ReadingNoise, reading_noise
 from smarig.transformation.rough_shape import RoughShape, rough_shape
 from smarig.transformation.tangent_ranges import FEWEST_PLATEAU, plateau_rows, steep_rows
@@ -31,6 +31,9 @@ Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 FEWEST_READINGS = 10
 DRAWS = 400
+_UNCERTAIN = 3.0  # times the standard deviation of the most certain slope
+_FEW_STEEP = 8  # readings
+_FLATTER = 1.4  # times the du/dy of the steepest choice
 _PICKS = 7  # seed
 _INPUT_NOISE = 2.0  # times the plateaus' noise: more on the steep part is noise of the input
 _STEEP_PLATEAU = 0.25  # of the steep slope: a steeper plateau has not levelled off
@@ -81,15 +84,16 @@ def branch_tangents(u: Array, y: Array, *, seed: int = 0, unit: str = "") -> Bra
     stands out from the plateaus and the noise.
     """
     _check(u, y)
-    smooth = smoothed_input(u)
-    u = smooth.u
+    readings = u
+    smoothed = smoothed_input(u)
+    u = u if smoothed is None else smoothed
     shape = rough_shape(u, y)
     dice = np.random.default_rng(seed)
     rows = {side: plateau_rows(u, end, knee, shape.span) for side, end, knee in shape.sides()}
     noises = {side: reading_noise(u[_widest(r)], y[_widest(r)]) if r else None for side, r in rows.items()}
     output_noise = _pooled([n for n in noises.values() if n])
     _check_rise(shape, output_noise)
-    steep, chosen_rows = _steep_lines(smooth, y, shape, output_noise, dice)
+    steep, chosen_rows = _steep_lines(readings, y, shape, output_noise, dice, noisy=smoothed is not None)
     lines: dict[str, tuple[PlateauLine, ...]] = {}
     for side, choices in rows.items():
         noise = _at_least(own, output_noise) if (own := noises[side]) else None
@@ -149,11 +153,13 @@ def _check_rise(shape: RoughShape, noise: ReadingNoise | None) -> None:
 
 
 def _steep_lines(
-    smooth: SmoothedInput,
+    u: Array,
     y: Array,
     shape: RoughShape,
     noise: ReadingNoise | None,
     dice: np.random.Generator,
+    *,
+    noisy: bool,
 ) -> tuple[tuple[SteepLine, ...], tuple[Integers, ...]]:
     """The steep tangent of each choice, with its readings."""
     choices = steep_rows(shape.share, shape.centre)
@@ -161,26 +167,42 @@ def _steep_lines(
         raise UsageError(
             "fewer than three of its readings lie in the transformation: a steep tangent needs them"
         )
-    u, widest, at = smooth.u, choices[-1], shape.output_at_centre
-    on_steep = reading_noise(u[widest], y[widest])
-    noisy = noise is not None and on_steep.sd > _INPUT_NOISE * noise.sd and widest.size >= 5
-    of_input = noisy or smooth.smoother is not None
-    if smooth.smoother is not None:
-        drawn, sd = smooth.draws(DRAWS, dice), smooth.sd
-    else:
-        known = reading_noise(y[widest], u[widest]) if of_input else _at_least(on_steep, noise)
-        drawn = known.draws(DRAWS, widest, u.size, dice)
-        sd = known.sd * float(np.sqrt(known.inflation))
+    widest, at = choices[-1], shape.output_at_centre
+    inner = choices[0] if widest.size < _FEW_STEEP else widest
+    on_steep = reading_noise(u[inner], y[inner])
+    seen = noise is not None and on_steep.sd > _INPUT_NOISE * noise.sd and inner.size >= 5
+    of_input = noisy or seen
+    known = reading_noise(y[inner], u[inner]) if of_input else _at_least(on_steep, noise)
+    drawn = known.draws(DRAWS, widest, u.size, dice)
+    sd = known.sd * float(np.sqrt(known.inflation))
     pairs = [
         (steep_line(u, y, rows, at, drawn, sd, float(np.ptp(shape.share[rows])), of_input=of_input), rows)
         for rows in choices
     ]
-    good = [(line, rows) for line, rows in pairs if line is not None and line.du_dy * shape.rise > 0]
+    good = [
+        (line, rows) for line, rows in pairs if line is not None and (of_input or line.du_dy * shape.rise > 0)
+    ]
+    good = _certain(good)
     if not good:
         raise UsageError(
             "its steep part has no slope of one sign: too few readings, or too much noise of the temperature"
         )
     return tuple(line for line, _ in good), tuple(rows for _, rows in good)
+
+
+def _certain(found: list[tuple[SteepLine, Integers]]) -> list[tuple[SteepLine, Integers]]:
+    """The choices without those whose slope is far less certain than that of the best: they have too few readings.
+
+    Of few readings in all, those that are much flatter than the steepest choice reach beyond the steep part.
+    """
+    if not found:
+        return found
+    spread = [float(np.std(line.du_dy_draws)) for line, _ in found]
+    kept = [pair for pair, sd in zip(found, spread) if sd <= _UNCERTAIN * min(spread)]
+    if kept[-1][1].size >= _FEW_STEEP:
+        return kept
+    least = min(abs(line.du_dy) for line, _ in kept)
+    return [(line, rows) for line, rows in kept if abs(line.du_dy) <= _FLATTER * least]
 
 
 def _not_level(

@@ -3,20 +3,21 @@
 from smarig.core import UsageError
 from smarig.identification import Estimate
 from smarig.record import Run
-from smarig.transformation.run_figures import run_figures
+from smarig.transformation.run_figures import RunFigures, run_figures
 
 HEADLINE = ("A_s", "A_f", "M_s", "M_f", "stroke", "width")
 
 
 def headline(run: Run) -> dict[str, Estimate]:
-    """A_s, A_f, M_s, M_f, stroke and width with their intervals, as far as a run gives them.
+    """A_s, A_f, M_s, M_f, stroke and width with their intervals, as far as a run gives them; {} without a full loop."""
+    found = full_loop(run)
+    return {name: found.estimate(name) for name in HEADLINE if name in found.means} if found else {}
 
-    {} without a full loop, or if one was only assembled from first-order curves.
-    """
+
+def full_loop(run: Run) -> RunFigures | None:
+    """The figures of a run with a full loop of its own, not one assembled from first-order curves; None without."""
     try:
         found = run_figures(run)
     except UsageError:
-        return {}
-    if all(c.assembled for c in found.cycles):
-        return {}
-    return {name: found.estimate(name) for name in HEADLINE if name in found.means}
+        return None
+    return None if all(c.assembled for c in found.cycles) else found

@@ -4,8 +4,6 @@ A ramp rises. Where the recorded temperature goes back and forth, it carries noi
 the readings removes most of it. Records without such noise stay as they are.
 """
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -15,36 +13,21 @@ _SMOOTH = 0.05  # share of backward readings at which the smoothing is enough
 _WIDEST = 25  # readings
 
 
-@dataclass(frozen=True, eq=False)
-class SmoothedInput:
-    """The input u (n,) after smoothing, the standard deviation of what was removed, and the smoother (n, n).
+def smoothed_input(u: Array) -> Array | None:
+    """A rising input in measured order, with the narrowest smoothing that leaves few backward readings.
 
-    ``sd`` is 0 and the smoother None if the record was left as it is.
+    None for a record without noise. The smoothed input serves to find the parts of a curve and to fit its plateaus. A
+    steep part must be fitted to the readings themselves: smoothing bends a ramp that slows down where the wire
+    transforms.
     """
-
-    u: Array
-    sd: float = 0.0
-    smoother: Array | None = None
-
-    def draws(self, count: int, dice: np.random.Generator) -> Array:
-        """Draws (count, n) of the noise that is left in u."""
-        if self.smoother is None:
-            return np.zeros((count, self.u.size))
-        return self.sd * dice.standard_normal((count, self.u.size)) @ self.smoother.T
-
-
-def smoothed_input(u: Array) -> SmoothedInput:
-    """A rising input in measured order, with the narrowest smoothing that leaves few backward readings."""
     if u.size < 10 or _backward(u) < _BACKWARD:
-        return SmoothedInput(u)
-    smoother = np.eye(u.size)
+        return None
+    found = u
     for width in range(3, min(_WIDEST, u.size // 3) + 1, 2):
-        smoother = _local_lines(u.size, width)
-        if _backward(smoother @ u) <= _SMOOTH:
+        found = _local_lines(u.size, width) @ u
+        if _backward(found) <= _SMOOTH:
             break
-    residual = u - smoother @ u
-    degrees = np.trace((np.eye(u.size) - smoother).T @ (np.eye(u.size) - smoother))
-    return SmoothedInput(smoother @ u, float(np.sqrt(residual @ residual / degrees)), smoother)
+    return found
 
 
 def _backward(u: Array) -> float:

@@ -19,7 +19,7 @@ LEAST_GAP = 0.02  # of the temperature's range, left out next to a knee at least
 MOST_GAP = 0.5  # of a plateau, left out next to its knee at most
 KNEE_SHARE = 0.1  # of the output, at both ends: no part of the steep tangent's readings
 FEWEST_PLATEAU = 3  # readings of a plateau
-ENOUGH_STEEP = 8  # readings of a choice for the steep tangent
+ENOUGH_STEEP = 4  # readings of a choice for the steep tangent
 FEWEST_STEEP = 3  # readings of the steep tangent at least
 _CENTRES = np.linspace(0.25, 0.75, 21)  # shares of the output at which the steepest part is looked for
 _SEARCHED = 0.4  # share of the output over which its slope is taken
@@ -63,15 +63,19 @@ def plateau_rows(u: Array, end: float, knee: float, span: float) -> tuple[Intege
 
 def steep_rows(share: Array, centre: float) -> tuple[Integers, ...]:
     """The rows of each choice for the steep tangent: ``share`` (n,) of the output, rising, within a band about
-    ``centre``. A band with fewer than eight rows is left out; if all are, the rows of the widest band or else the
-    nearest three are the only choice. () if fewer than three rows lie in the transformation.
+    ``centre``. A band with fewer than four rows is left out. If that leaves one choice, it is the widest band, and
+    the other choice has one more row on each side; without three rows in a band, the nearest three are the choice. ()
+    if fewer than three rows lie in the transformation.
     """
     within = (share >= KNEE_SHARE) & (share <= 1 - KNEE_SHARE)
     found = [np.flatnonzero(within & (np.abs(share - centre) <= width / 2)) for width in STEEP_SHARES]
     enough = tuple(rows for rows in found if rows.size >= ENOUGH_STEEP)
-    if enough or found[-1].size >= FEWEST_STEEP:
-        return enough or (found[-1],)
+    if len({rows.size for rows in enough}) > 1:
+        return enough
     inside = np.flatnonzero((share > KNEE_SHARE / 2) & (share < 1 - KNEE_SHARE / 2))
+    if enough or found[-1].size >= FEWEST_STEEP:
+        rows = (enough or found)[-1]
+        return rows, inside[(inside >= rows[0] - 1) & (inside <= rows[-1] + 1)]
     nearest = inside[np.argsort(np.abs(share[inside] - centre), kind="stable")[:FEWEST_STEEP]]
     return (np.sort(nearest),) if nearest.size == FEWEST_STEEP else ()
 

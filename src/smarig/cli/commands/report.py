@@ -78,6 +78,7 @@ def _run(file: Path, out: Path | None, force: bool, model: Path | None = None) -
     from smarig.app import ModelSource
     from smarig.record import load_run
     from smarig.report import page_path, run_page, write_page
+    from smarig.transformation import headline
 
     target = out or page_path(file)
     check_distinct(target, file, model)
@@ -86,7 +87,9 @@ def _run(file: Path, out: Path | None, force: bool, model: Path | None = None) -
     certified = (loaded.model, loaded.name, loaded.sha256) if loaded else None
     write_page(run_page(run, certified=certified), target, force=force)
     page = {"report": str(target), "complete": run.complete, "cause": run.cause}
-    emit({**page, "reports": [page]}, f"Report: {target}")
+    found = {name: e.to_json() for name, e in headline(run).items()} if run.has("input") else {}
+    figures = {"transformation": found} if found else {}
+    emit({**page, "reports": [page], **figures}, f"Report: {target}")
 
 
 def _compared(files: list[Path], out: Path | None, force: bool) -> None:
