@@ -4,23 +4,29 @@ It shares no code and no constant with smarig. The steep tangent is the steepest
 output. A plateau is what lies beyond a foot of the curve, where the derivative has fallen to a twentieth of its peak.
 """
 
+from collections import namedtuple
+
 import numpy as np
 from scipy.ndimage import uniform_filter1d
 from scipy.stats import linregress
 
-CHORD = 0.25  # of the output: length of the regressions
+Line = namedtuple("Line", "slope intercept")
+CHORD = 0.3  # of the output: length of the regressions
 FOOT = 0.05  # of the peak of the derivative
 GRID = 1201
 WIDTH = 25  # points of the grid over which the derivative is averaged
 
 
-def corners(temperature, output):
-    """(lower, upper) temperature at which the tangents meet, for one branch in measured order."""
+def corners(temperature, output, middle=None):
+    """(lower, upper) temperature at which the tangents meet, for one branch in measured order.
+
+    ``middle``: shares of the output between which the steep tangent is a regression of the temperature on the output.
+    """
     t, y = np.asarray(temperature, float), np.asarray(output, float)
     order = np.argsort(t, kind="stable")
     t, first = np.unique(t[order], return_index=True)
     y = y[order][first]
-    steep, at = _steepest(t, y)
+    steep, at = _between(t, y, middle) if middle else _steepest(t, y)
     grid = np.linspace(t[0], t[-1], GRID)
     curve = np.interp(grid, t, y)
     slope = uniform_filter1d(np.gradient(curve, grid), WIDTH)
@@ -41,6 +47,14 @@ def _steepest(t, y):
             if best is None or abs(line.slope) > abs(best.slope):
                 best, at = line, t[rows].mean()
     return best, at
+
+
+def _between(t, y, middle):
+    """The regression of the temperature on the output between two shares of the output, as a line y(t)."""
+    share = (y - y[0]) / (y[-1] - y[0])
+    rows = (share >= middle[0]) & (share <= middle[1])
+    line = linregress(y[rows], t[rows])
+    return Line(1 / line.slope, -line.intercept / line.slope), float(t[rows].mean())
 
 
 def _foot(grid, calm, at, side):

@@ -62,6 +62,7 @@ class BranchTangents:
     """A branch in order of rising input, u and y (n,), its tangents and corners.
 
     ``why_not`` gives the reason for a corner that is missing, by "low" and "high". ``noise_sd`` is that of the output.
+    ``jump`` is the largest share of the output between two readings of the transformation, and their inputs.
     """
 
     u: Array
@@ -75,6 +76,7 @@ class BranchTangents:
     steep_lines: tuple[SteepLine, ...]
     plateaus: dict[str, tuple[PlateauLine, ...]]
     picks: Array
+    jump: tuple[float, float, float]
 
 
 def branch_tangents(u: Array, y: Array, *, seed: int = 0, unit: str = "") -> BranchTangents:
@@ -87,7 +89,7 @@ def branch_tangents(u: Array, y: Array, *, seed: int = 0, unit: str = "") -> Bra
     readings = u
     smoothed = smoothed_input(u)
     u = u if smoothed is None else smoothed
-    shape = rough_shape(u, y)
+    shape = rough_shape(u, y, noisy=smoothed is not None)
     dice = np.random.default_rng(seed)
     rows = {side: plateau_rows(u, end, knee, shape.span) for side, end, knee in shape.sides()}
     noises = {side: reading_noise(u[_widest(r)], y[_widest(r)]) if r else None for side, r in rows.items()}
@@ -113,6 +115,7 @@ def branch_tangents(u: Array, y: Array, *, seed: int = 0, unit: str = "") -> Bra
         steep_lines=steep,
         plateaus=lines,
         picks=picks,
+        jump=_largest_jump(u, shape.share),
     )
     for side, end, knee in shape.sides():
         reason = _not_level(found, rows[side], end, knee, shape, unit)
@@ -163,16 +166,16 @@ def _steep_lines(
 ) -> tuple[tuple[SteepLine, ...], tuple[Integers, ...]]:
     """The steep tangent of each choice, with its readings."""
     choices = steep_rows(shape.share, shape.centre)
+    choices = choices if noisy else _steep_alone(u, y, choices)
     if not choices:
         raise UsageError(
             "fewer than three of its readings lie in the transformation: a steep tangent needs them"
         )
     widest, at = choices[-1], shape.output_at_centre
-    inner = choices[0] if widest.size < _FEW_STEEP else widest
-    on_steep = reading_noise(u[inner], y[inner])
-    seen = noise is not None and on_steep.sd > _INPUT_NOISE * noise.sd and inner.size >= 5
+    on_steep = reading_noise(u[widest], y[widest])
+    seen = noise is not None and on_steep.sd > _INPUT_NOISE * noise.sd and widest.size >= 5
     of_input = noisy or seen
-    known = reading_noise(y[inner], u[inner]) if of_input else _at_least(on_steep, noise)
+    known = reading_noise(y[widest], u[widest]) if of_input else _at_least(on_steep, noise)
     drawn = known.draws(DRAWS, widest, u.size, dice)
     sd = known.sd * float(np.sqrt(known.inflation))
     pairs = [
@@ -191,18 +194,25 @@ def _steep_lines(
 
 
 def _certain(found: list[tuple[SteepLine, Integers]]) -> list[tuple[SteepLine, Integers]]:
-    """The choices without those whose slope is far less certain than that of the best: they have too few readings.
-
-    Of few readings in all, those that are much flatter than the steepest choice reach beyond the steep part.
-    """
+    """The choices without those whose slope is far less certain than that of the best: they have too few readings."""
     if not found:
         return found
     spread = [float(np.std(line.du_dy_draws)) for line, _ in found]
-    kept = [pair for pair, sd in zip(found, spread) if sd <= _UNCERTAIN * min(spread)]
-    if kept[-1][1].size >= _FEW_STEEP:
-        return kept
-    least = min(abs(line.du_dy) for line, _ in kept)
-    return [(line, rows) for line, rows in kept if abs(line.du_dy) <= _FLATTER * least]
+    return [pair for pair, sd in zip(found, spread) if sd <= _UNCERTAIN * min(spread)]
+
+
+def _largest_jump(u: Array, share: Array) -> tuple[float, float, float]:
+    steps = np.diff(np.clip(share, 0.0, 1.0))
+    k = int(np.argmax(steps))
+    return float(steps[k]), float(u[k]), float(u[k + 1])
+
+
+def _steep_alone(u: Array, y: Array, choices: tuple[Integers, ...]) -> tuple[Integers, ...]:
+    """The choices; of few readings, without those that are much flatter: they reach beyond the steep part."""
+    if not choices or choices[-1].size >= _FEW_STEEP:
+        return choices
+    slopes = [abs(float(np.polyfit(y[r], u[r], 1)[0])) if np.ptp(y[r]) > 0 else np.inf for r in choices]
+    return tuple(r for r, slope in zip(choices, slopes) if slope <= _FLATTER * min(slopes))
 
 
 def _not_level(

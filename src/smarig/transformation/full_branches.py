@@ -12,12 +12,18 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
+from smarig.measurement import input_noise_sd
 from smarig.preisach import turning_points
 from smarig.transformation.temperature_record import TemperatureRecord
 
 Array = NDArray[np.float64]
 HEATING, COOLING = "heating", "cooling"
 _REVERSAL = 0.1  # of the temperature's range: a smaller reversal does not end a branch
+_ZIGZAG = 0.3  # share of the readings at which the temperature turns: more is noise
+_MARGIN, _MOST_REVERSAL = (
+    1.2,
+    0.4,
+)  # times the range of the noise over all readings; of the temperature's range
 _FULL = 0.1  # of the temperature's range: farthest that a full branch may end from both ends
 _AT_END = 0.02  # of the temperature's range: readings within it are at the end
 _SAME = 1e-3  # of the temperature's range: commanded temperatures within it are one
@@ -80,7 +86,7 @@ def full_branches(record: TemperatureRecord) -> tuple[list[FullBranch], list[Unu
 def _by_extent(record: TemperatureRecord) -> tuple[list[tuple[int, int]], list[UnusedBranch]]:
     """First and last row of each full branch, and the branches that are too short."""
     u, size = record.u, float(np.ptp(record.u))
-    turns = turning_points(u, _REVERSAL * size)
+    turns = turning_points(u, _reversal(record) * size)
     full: list[tuple[int, int]] = []
     unused: list[UnusedBranch] = []
     for a, b in pairwise(sorted({0, *turns, u.size - 1})):
@@ -93,6 +99,17 @@ def _by_extent(record: TemperatureRecord) -> tuple[list[tuple[int, int]], list[U
             )
             unused.append(UnusedBranch(_direction(u, a, b), 0, float(u[a]), float(u[b]), reason))
     return full, unused
+
+
+def _reversal(record: TemperatureRecord) -> float:
+    """The smallest reversal that ends a branch, as a share of the range: larger than the noise of the temperature."""
+    u, size = record.u, float(np.ptp(record.u))
+    steps = np.diff(u)
+    zigzag = np.mean(steps[1:] * steps[:-1] < 0) if steps.size > 1 else 0.0
+    if record.settled or zigzag < _ZIGZAG:
+        return _REVERSAL
+    swing = 2 * float(np.sqrt(2 * np.log(u.size))) * input_noise_sd(u) / size
+    return float(np.clip(_MARGIN * swing, _REVERSAL, _MOST_REVERSAL))
 
 
 def _in_cycles(record: TemperatureRecord, full: list[tuple[int, int]]) -> Iterator[FullBranch]:

@@ -51,15 +51,19 @@ class RoughShape:
         yield "high", self.ends[1], self.knees[1]
 
 
-def rough_shape(u: Array, y: Array) -> RoughShape:
-    """The rough shape of a branch in order of rising input. Raises UsageError for a flat one."""
-    shape, (low, high) = _first_shape(u, y)
+def rough_shape(u: Array, y: Array, *, noisy: bool = False) -> RoughShape:
+    """The rough shape of a branch in order of rising input. Raises UsageError for a flat one.
+
+    ``noisy``: the input carries noise. The steepest place would be one where noise makes it steep, so the middle of
+    the output is taken.
+    """
+    shape, (low, high) = _first_shape(u, y, noisy)
     for _ in range(_ROUNDS):
         before = shape.knees
         low = _plateau(u, y, shape, 0) or low
         high = _plateau(u, y, shape, 1) or high
         try:
-            shape = _shape(u, y, low, high)
+            shape = _shape(u, y, low, high, noisy)
         except UsageError:
             break
         if np.allclose(shape.knees, before, atol=1e-3 * float(np.ptp(u))):
@@ -67,17 +71,17 @@ def rough_shape(u: Array, y: Array) -> RoughShape:
     return shape
 
 
-def _first_shape(u: Array, y: Array) -> tuple[RoughShape, tuple[Line, Line]]:
+def _first_shape(u: Array, y: Array, noisy: bool) -> tuple[RoughShape, tuple[Line, Line]]:
     """The shape from lines through the ends; from their levels if no steep part stands out from the lines."""
     lines, levels = _first_plateaus(u, y)
     try:
-        shape = _shape(u, y, *lines)
+        shape = _shape(u, y, *lines, noisy)
     except UsageError:
-        return _shape(u, y, *levels), levels
+        return _shape(u, y, *levels, noisy), levels
     if shape.stands_out:
         return shape, lines
     try:
-        return _shape(u, y, *levels), levels
+        return _shape(u, y, *levels, noisy), levels
     except UsageError:
         return shape, lines
 
@@ -118,7 +122,7 @@ def _steepest_slope(u: Array, y: Array) -> float:
     return found
 
 
-def _shape(u: Array, y: Array, low: Line, high: Line) -> RoughShape:
+def _shape(u: Array, y: Array, low: Line, high: Line, noisy: bool) -> RoughShape:
     from scipy.optimize import isotonic_regression  # imported here: takes half a second
 
     below, above = low[0] + low[1] * u, high[0] + high[1] * u
@@ -129,7 +133,7 @@ def _shape(u: Array, y: Array, low: Line, high: Line) -> RoughShape:
     share = isotonic_regression(np.clip((y - below) / between, -0.5, 1.5), increasing=True).x
     if not share[0] < 0.25 < 0.75 < share[-1]:
         raise UsageError("its curve is flat: no steep part stands out from the plateaus and the noise")
-    centre = steepest_centre(monotone(u), share)
+    centre = 0.5 if noisy else steepest_centre(monotone(u), share)
     rows = _widest_rows(share, centre)
     at = float(np.interp(centre, [0, 1], [float(below[rows].mean()), float(above[rows].mean())]))
     slope, u0 = _steep(u[rows], y[rows], at)

@@ -1,6 +1,6 @@
 """The transformation temperatures of one run: its cycles, their means, and their drift from cycle to cycle."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -24,6 +24,7 @@ from smarig.transformation.temperature_record import TemperatureRecord, temperat
 _SMALL_STROKE = 0.5  # of the median of its direction: a branch with less is not that of a transforming wire
 _CLOSED = 0.1  # of the stroke: a loop that closes within it has one plateau at an end
 _STILL_STEEP = 0.5  # of the steep slope: a branch that ends with more is not through
+_JUMP = 0.2  # of the output between two readings of a branch: more is stated
 _SOURCE = "tangents"
 
 
@@ -107,7 +108,7 @@ def run_figures(run: Run) -> RunFigures:
         means=means,
         counts=counts,
         drift=cycle_drift([c.number for c in cycles], [c.figures for c in cycles], _units(record)),
-        notes=(*record.notes, *_notes(cycles)),
+        notes=(*record.notes, *_notes(cycles), *_jumps(cycles, record)),
     )
 
 
@@ -206,6 +207,20 @@ def _notes(cycles: Sequence[CycleFigures]) -> list[str]:
             "residual."
         )
     return notes
+
+
+def _jumps(cycles: Sequence[CycleFigures], record: TemperatureRecord) -> Iterator[str]:
+    """A sentence for each direction in which readings are missing on the steep part."""
+    for direction in (HEATING, COOLING):
+        own = [(t.jump, c.number) for c in cycles if (t := getattr(c, direction)) is not None]
+        (share, low, high), number = max(own, default=((0.0, 0.0, 0.0), 0))
+        if share > _JUMP:
+            names = "A_s and A_f" if direction == HEATING else "M_s and M_f"
+            yield (
+                f"Cycle {number}, {direction}: {share:.0%} of the output lies between two readings at {low:.4g} and "
+                f"{high:.4g} {_shown_unit(record.input_unit)}; {names} would differ if the readings between them were "
+                "known."
+            )
 
 
 def _no_loop(
