@@ -26,7 +26,7 @@ def corners(temperature, output, middle=None):
     order = np.argsort(t, kind="stable")
     t, first = np.unique(t[order], return_index=True)
     y = y[order][first]
-    steep, at = _between(t, y, middle) if middle else _steepest(t, y)
+    steep, at = _between(t, y, middle) if middle else steepest(t, y)
     grid = np.linspace(t[0], t[-1], GRID)
     curve = np.interp(grid, t, y)
     slope = uniform_filter1d(np.gradient(curve, grid), WIDTH)
@@ -34,7 +34,7 @@ def corners(temperature, output, middle=None):
     return tuple(_meet(t, y, steep, _foot(grid, calm, at, side), side) for side in (-1, 1))
 
 
-def _steepest(t, y):
+def steepest(t, y):
     """The steepest regression over a third of the output, and its middle."""
     size, best, at = CHORD * np.ptp(y), None, 0.0
     for a in range(t.size - 1):
@@ -67,6 +67,8 @@ def _foot(grid, calm, at, side):
 
 def _meet(t, y, steep, foot, side):
     rows = t <= foot if side < 0 else t >= foot
+    if rows.sum() < 3:
+        return np.nan
     plateau = linregress(t[rows], y[rows])
     return (plateau.intercept - steep.intercept) / (steep.slope - plateau.slope)
 

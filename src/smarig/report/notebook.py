@@ -32,7 +32,7 @@ from smarig.report.models.density_figures import map_panel
 from smarig.report.models.identification_plot_data import density_of, hysteresis_description
 from smarig.report.runs.run_summary import summary_of
 from smarig.report.transformation.tangent_figure import tangent_figure
-from smarig.transformation import TransformationTemperatures
+from smarig.transformation import TransformationResult
 
 _POINTS = 1200
 _REVERSALS = (0.35, 0.55, 0.75)  # first-order curves in a model's drawing, as shares of its range
@@ -94,7 +94,7 @@ def _diagnosis_figure(thing: Diagnosis, model: Model | None = None) -> go.Figure
 
 
 @plot.register
-def _transformation_figure(thing: TransformationTemperatures, model: Model | None = None) -> go.Figure:
+def _transformation_figure(thing: TransformationResult, model: Model | None = None) -> go.Figure:
     del model
     figure = tangent_figure(thing.runs[0])
     return _figure(figure.panels[0], figure.title, figure.label)
@@ -156,7 +156,7 @@ def _model_html(thing: Model) -> str:
 
 
 @display_html.register
-def _transformation_html(thing: TransformationTemperatures) -> str:
+def _transformation_html(thing: TransformationResult) -> str:
     return tag("pre", str(thing))
 
 

@@ -12,10 +12,10 @@ from smarig.report.transformation.transformation_tables import (
     temperature_cards,
 )
 from smarig.report.transformation.trend_figures import cycles_figure, stress_figure
-from smarig.transformation import TransformationTemperatures, stated_ranges
+from smarig.transformation import TransformationResult, stated_ranges
 
 
-def transformation_page(found: TransformationTemperatures) -> str:
+def transformation_page(found: TransformationResult) -> str:
     """The HTML page of the transformation temperatures of one run or several."""
     runs = found.runs
     summary: list[Html | Figure] = [temperature_cards(runs[0])] if len(runs) == 1 else []

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from smarig.transformation.stress_dependence import StressSlope as StressSlope
     from smarig.transformation.tangent_ranges import stated_ranges as stated_ranges
     from smarig.transformation.transformation_temperatures import (
-        TransformationTemperatures as TransformationTemperatures,
+        TransformationResult as TransformationResult,
     )
     from smarig.transformation.transformation_temperatures import (
         transformation_temperatures as transformation_temperatures,

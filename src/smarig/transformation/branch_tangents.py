@@ -20,22 +20,18 @@ from smarig.transformation.fitted_line import (
     intersection,
     intersection_draws,
     plateau_line,
-    steep_line,
 )
 from smarig.transformation.input_noise import smoothed_input
-from smarig.transformation.reading_noise import ReadingNoise, reading_noise
+from smarig.transformation.branch_noise import ReadingNoise, at_least, pooled, reading_noise
 from smarig.transformation.rough_shape import RoughShape, rough_shape
-from smarig.transformation.tangent_ranges import FEWEST_PLATEAU, plateau_rows, steep_rows
+from smarig.transformation.steep_choices import steep_lines
+from smarig.transformation.tangent_ranges import FEWEST_PLATEAU, plateau_rows
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 FEWEST_READINGS = 10
 DRAWS = 400
-_UNCERTAIN = 3.0  # times the standard deviation of the most certain slope
-_FEW_STEEP = 8  # readings
-_FLATTER = 1.4  # times the du/dy of the steepest choice
 _PICKS = 7  # seed
-_INPUT_NOISE = 2.0  # times the plateaus' noise: more on the steep part is noise of the input
 _STEEP_PLATEAU = 0.25  # of the steep slope: a steeper plateau has not levelled off
 _SHORT_PLATEAU = 0.3  # of the span: a shorter one is a part of the knee
 _LEAST_RISE = 8.0  # times the noise of the plateaus
@@ -79,11 +75,14 @@ class BranchTangents:
     jump: tuple[float, float, float]
 
 
-def branch_tangents(u: Array, y: Array, *, seed: int = 0, unit: str = "") -> BranchTangents:
+def branch_tangents(
+    u: Array, y: Array, *, seed: int = 0, curve_seed: int = 0, unit: str = ""
+) -> BranchTangents:
     """The tangents of a branch with readings u and y (n,) in order of rising input.
 
-    Raises UsageError, with the reason, if a reading is not a number, if there are fewer than ten, or if no steep part
-    stands out from the plateaus and the noise.
+    ``seed`` draws the noise, ``curve_seed`` what the bend of the curve could be: branches of one curve have it in
+    common. Raises UsageError, with the reason, if a reading is not a number, if there are fewer than ten, or if no
+    steep part stands out from the plateaus and the noise.
     """
     _check(u, y)
     readings = u
@@ -93,12 +92,13 @@ def branch_tangents(u: Array, y: Array, *, seed: int = 0, unit: str = "") -> Bra
     dice = np.random.default_rng(seed)
     rows = {side: plateau_rows(u, end, knee, shape.span) for side, end, knee in shape.sides()}
     noises = {side: reading_noise(u[_widest(r)], y[_widest(r)]) if r else None for side, r in rows.items()}
-    output_noise = _pooled([n for n in noises.values() if n])
+    output_noise = pooled([n for n in noises.values() if n])
     _check_rise(shape, output_noise)
-    steep, chosen_rows = _steep_lines(readings, y, shape, output_noise, dice, noisy=smoothed is not None)
+    bend = np.random.default_rng(curve_seed).standard_normal((DRAWS, 2))
+    steep, chosen_rows = steep_lines(readings, y, shape, output_noise, dice, bend, noisy=smoothed is not None)
     lines: dict[str, tuple[PlateauLine, ...]] = {}
     for side, choices in rows.items():
-        noise = _at_least(own, output_noise) if (own := noises[side]) else None
+        noise = at_least(own, output_noise) if (own := noises[side]) else None
         drawn = noise.draws(DRAWS, _widest(choices), u.size, dice) if noise else np.zeros((DRAWS, u.size))
         lines[side] = tuple(plateau_line(u, y, r, drawn) for r in choices)
     picks = np.random.default_rng(_PICKS).random((3, DRAWS))  # the same choices in every branch
@@ -126,6 +126,8 @@ def branch_tangents(u: Array, y: Array, *, seed: int = 0, unit: str = "") -> Bra
             **{side: corner},
             why_not=found.why_not | ({side: reason} if reason else {}),
         )
+    if found.low is None and found.high is None:
+        raise UsageError("it is flat, or not complete: the output levels off at neither end")
     return found
 
 
@@ -155,64 +157,10 @@ def _check_rise(shape: RoughShape, noise: ReadingNoise | None) -> None:
         raise UsageError("its curve is flat: no steep part stands out from the plateaus and the noise")
 
 
-def _steep_lines(
-    u: Array,
-    y: Array,
-    shape: RoughShape,
-    noise: ReadingNoise | None,
-    dice: np.random.Generator,
-    *,
-    noisy: bool,
-) -> tuple[tuple[SteepLine, ...], tuple[Integers, ...]]:
-    """The steep tangent of each choice, with its readings."""
-    choices = steep_rows(shape.share, shape.centre)
-    choices = choices if noisy else _steep_alone(u, y, choices)
-    if not choices:
-        raise UsageError(
-            "fewer than three of its readings lie in the transformation: a steep tangent needs them"
-        )
-    widest, at = choices[-1], shape.output_at_centre
-    on_steep = reading_noise(u[widest], y[widest])
-    seen = noise is not None and on_steep.sd > _INPUT_NOISE * noise.sd and widest.size >= 5
-    of_input = noisy or seen
-    known = reading_noise(y[widest], u[widest]) if of_input else _at_least(on_steep, noise)
-    drawn = known.draws(DRAWS, widest, u.size, dice)
-    sd = known.sd * float(np.sqrt(known.inflation))
-    pairs = [
-        (steep_line(u, y, rows, at, drawn, sd, float(np.ptp(shape.share[rows])), of_input=of_input), rows)
-        for rows in choices
-    ]
-    good = [
-        (line, rows) for line, rows in pairs if line is not None and (of_input or line.du_dy * shape.rise > 0)
-    ]
-    good = _certain(good)
-    if not good:
-        raise UsageError(
-            "its steep part has no slope of one sign: too few readings, or too much noise of the temperature"
-        )
-    return tuple(line for line, _ in good), tuple(rows for _, rows in good)
-
-
-def _certain(found: list[tuple[SteepLine, Integers]]) -> list[tuple[SteepLine, Integers]]:
-    """The choices without those whose slope is far less certain than that of the best: they have too few readings."""
-    if not found:
-        return found
-    spread = [float(np.std(line.du_dy_draws)) for line, _ in found]
-    return [pair for pair, sd in zip(found, spread) if sd <= _UNCERTAIN * min(spread)]
-
-
 def _largest_jump(u: Array, share: Array) -> tuple[float, float, float]:
     steps = np.diff(np.clip(share, 0.0, 1.0))
     k = int(np.argmax(steps))
     return float(steps[k]), float(u[k]), float(u[k + 1])
-
-
-def _steep_alone(u: Array, y: Array, choices: tuple[Integers, ...]) -> tuple[Integers, ...]:
-    """The choices; of few readings, without those that are much flatter: they reach beyond the steep part."""
-    if not choices or choices[-1].size >= _FEW_STEEP:
-        return choices
-    slopes = [abs(float(np.polyfit(y[r], u[r], 1)[0])) if np.ptp(y[r]) > 0 else np.inf for r in choices]
-    return tuple(r for r, slope in zip(choices, slopes) if slope <= _FLATTER * min(slopes))
 
 
 def _not_level(
@@ -277,19 +225,3 @@ def _with_choice(values: Array, drawn: Array, picked: Integers) -> Array:
 
 def _widest(choices: tuple[Integers, ...]) -> Integers:
     return max(choices, key=len) if choices else np.empty(0, dtype=np.int64)
-
-
-def _pooled(noises: list[ReadingNoise]) -> ReadingNoise | None:
-    """The noise of both plateaus together."""
-    if not noises:
-        return None
-    degrees = sum(n.degrees for n in noises)
-    return ReadingNoise(float(np.sqrt(sum(n.degrees * n.sd**2 for n in noises) / degrees)), degrees)
-
-
-def _at_least(found: ReadingNoise, least: ReadingNoise | None) -> ReadingNoise:
-    """The noise of a part, with the help of that of both plateaus where few readings determine it."""
-    if least is None or found.degrees >= 8:
-        return found
-    pooled = _pooled([found, ReadingNoise(least.sd, min(least.degrees, 8.0))])
-    return pooled or found

@@ -36,6 +36,21 @@ class SteepLine:
     du_dy_draws: Array
 
 
+@dataclass(frozen=True, eq=False)
+class SteepNoise:
+    """The noise of the readings of a steep part: draws (B, n), their standard deviation, and normal draws (B, 2) for
+    what the bend of the curve could be.
+    """
+
+    draws: Array
+    sd: float
+    bend: Array
+
+    def of(self, rows: Integers) -> "SteepNoise":
+        """That of some rows."""
+        return SteepNoise(self.draws[:, rows], self.sd, self.bend)
+
+
 def plateau_line(u: Array, y: Array, rows: Integers, noise: Array) -> PlateauLine:
     """The line through the readings of a plateau. ``noise`` (B, n) is added to the outputs of all n rows."""
     design = np.vander(u[rows], 2, increasing=True)
@@ -46,20 +61,20 @@ def plateau_line(u: Array, y: Array, rows: Integers, noise: Array) -> PlateauLin
 
 
 def steep_line(
-    u: Array, y: Array, rows: Integers, at: float, noise: Array, sd: float, share: float, *, of_input: bool
+    u: Array, y: Array, rows: Integers, at: float, noise: SteepNoise, share: float, *, of_input: bool
 ) -> SteepLine | None:
     """The tangent to the steep part where the output is ``at``; None if the readings have no slope there.
 
-    ``share`` of the output lies within the readings. ``of_input``: the noise, with standard deviation ``sd``, is that
-    of the input, and u is fitted as a function of y; else y is fitted as a function of u.
+    ``share`` of the output lies within the readings. ``of_input``: the noise is that of the input, and u is fitted as
+    a function of y; else y is fitted as a function of u.
     """
     if np.ptp(u[rows]) == 0 or np.ptp(y[rows]) == 0:
         return None
     if of_input:
-        value, slope, u_draws, slopes = _at_zero(y[rows] - at, u[rows], noise[:, rows], sd, share)
+        value, slope, u_draws, slopes = _at_zero(y[rows] - at, u[rows], noise.of(rows), share)
         return SteepLine(value, at, slope, u_draws, slopes)
     centre = _crossing(u[rows], y[rows], at)
-    value, slope, y_draws, slopes = _at_zero(u[rows] - centre, y[rows], noise[:, rows], sd, share)
+    value, slope, y_draws, slopes = _at_zero(u[rows] - centre, y[rows], noise.of(rows), share)
     if slope == 0:
         return None
     return SteepLine(
@@ -67,7 +82,7 @@ def steep_line(
     )
 
 
-def _at_zero(x: Array, z: Array, noise: Array, sd: float, share: float) -> tuple[float, float, Array, Array]:
+def _at_zero(x: Array, z: Array, noise: SteepNoise, share: float) -> tuple[float, float, Array, Array]:
     """Value and slope at x = 0 of a cubic through (x, z), and the draws (B,) of both.
 
     The two bent terms are pulled to zero, by a prior of about the size that they have in a logistic curve: over a
@@ -77,17 +92,13 @@ def _at_zero(x: Array, z: Array, noise: Array, sd: float, share: float) -> tuple
     scale = float(np.abs(x).max())
     design = np.vander(x / scale, 4, increasing=True)
     prior = _BEND * max(share, 0.2) ** 2 * float(np.ptp(z)) / 2
-    weight = max(sd, 1e-3 * prior) / prior
+    weight = max(noise.sd, 1e-3 * prior) / prior
     bent = np.zeros((2, 4))
     bent[0, 2] = bent[1, 3] = weight
     inverse = np.linalg.pinv(np.vstack([design, bent]))[:2]
     value, slope = inverse[:, : x.size] @ z
-    drawn = noise @ inverse[:, : x.size].T + _bend_draws(len(noise), weight * prior) @ inverse[:, x.size :].T
+    drawn = noise.draws @ inverse[:, : x.size].T + weight * prior * noise.bend @ inverse[:, x.size :].T
     return float(value), float(slope) / scale, value + drawn[:, 0], (slope + drawn[:, 1]) / scale
-
-
-def _bend_draws(count: int, sd: float) -> Array:
-    return sd * np.random.default_rng(1).standard_normal((count, 2))
 
 
 def _crossing(u: Array, y: Array, at: float) -> float:

@@ -1,5 +1,6 @@
 """The transformation temperatures of one run: its cycles, their means, and their drift from cycle to cycle."""
 
+import zlib
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
@@ -92,7 +93,12 @@ def run_figures(run: Run) -> RunFigures:
     tangents: dict[int, BranchTangents] = {}
     for k, branch in enumerate(branches):
         try:
-            tangents[k] = branch_tangents(*branch.rising(), seed=k, unit=_shown_unit(record.input_unit))
+            tangents[k] = branch_tangents(
+                *branch.rising(),
+                seed=k,
+                curve_seed=zlib.crc32(f"{run.name} {branch.direction}".encode()),
+                unit=_shown_unit(record.input_unit),
+            )
         except UsageError as error:
             unused.append(_unused(branch, str(error)))
     _leave_out_small(branches, tangents, unused)

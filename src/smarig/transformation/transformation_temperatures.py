@@ -20,7 +20,7 @@ _SAME_STRESS = 0.1  # of the larger: runs within it were made at one stress
 
 
 @dataclass(frozen=True, eq=False)
-class TransformationTemperatures(NotebookDisplay):
+class TransformationResult(NotebookDisplay):
     """The result of ``transformation_temperatures``.
 
     ``runs`` in order of their start, where it is known. ``stress`` has a slope for each temperature if the runs were
@@ -47,7 +47,7 @@ class TransformationTemperatures(NotebookDisplay):
 
 def transformation_temperatures(
     runs: Run | str | Path | Sequence[Run | str | Path],
-) -> TransformationTemperatures:
+) -> TransformationResult:
     """A_s, A_f, M_s, M_f, stroke, residual, span and width of runs (or paths) with a temperature as hysteresis input.
 
     Only full branches are used: from one end of the run's temperature range to the other (ASTM E3097; the tangents are
@@ -61,7 +61,7 @@ def transformation_temperatures(
     found = [run_figures(r if isinstance(r, Run) else load_run(r)) for r in given]
     if all(r.start_epoch is not None for r in found):
         found.sort(key=lambda r: r.start_epoch or 0.0)
-    return TransformationTemperatures(tuple(found), stress_dependence(found), _history(found))
+    return TransformationResult(tuple(found), stress_dependence(found), _history(found))
 
 
 def _history(runs: Sequence[RunFigures]) -> dict[str, Estimate]:

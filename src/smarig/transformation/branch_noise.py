@@ -49,3 +49,19 @@ def _is_correlated(residual: Array) -> bool:
     """Whether neighbours are correlated beyond chance (two standard errors)."""
     square = float(residual @ residual)
     return square > 0 and float(residual[1:] @ residual[:-1]) / square > 2 / np.sqrt(residual.size)
+
+
+def pooled(noises: list[ReadingNoise]) -> ReadingNoise | None:
+    """The noise of both plateaus together."""
+    if not noises:
+        return None
+    degrees = sum(n.degrees for n in noises)
+    return ReadingNoise(float(np.sqrt(sum(n.degrees * n.sd**2 for n in noises) / degrees)), degrees)
+
+
+def at_least(found: ReadingNoise, least: ReadingNoise | None) -> ReadingNoise:
+    """The noise of a part, with the help of that of both plateaus where few readings determine it."""
+    if least is None or found.degrees >= 8:
+        return found
+    both = pooled([found, ReadingNoise(least.sd, min(least.degrees, 8.0))])
+    return both or found
