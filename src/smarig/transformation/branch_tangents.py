@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from smarig.core import UsageError
+from smarig.transformation.branch_noise import ReadingNoise, at_least, pooled, reading_noise
 from smarig.transformation.fitted_line import (
     PlateauLine,
     SteepLine,
@@ -22,7 +23,6 @@ from smarig.transformation.fitted_line import (
     plateau_line,
 )
 from smarig.transformation.input_noise import smoothed_input
-from smarig.transformation.branch_noise import ReadingNoise, at_least, pooled, reading_noise
 from smarig.transformation.rough_shape import RoughShape, rough_shape
 from smarig.transformation.steep_choices import steep_lines
 from smarig.transformation.tangent_ranges import FEWEST_PLATEAU, plateau_rows

@@ -4,8 +4,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from smarig.core import UsageError
-from smarig.transformation.fitted_line import SteepLine, SteepNoise, steep_line
 from smarig.transformation.branch_noise import ReadingNoise, at_least, reading_noise
+from smarig.transformation.fitted_line import SteepLine, SteepNoise, steep_line
 from smarig.transformation.rough_shape import RoughShape
 from smarig.transformation.tangent_ranges import steep_rows
 
