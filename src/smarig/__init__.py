@@ -28,5 +28,6 @@ if TYPE_CHECKING:
     from smarig.runner import Session as Session
     from smarig.runner import resume as resume
     from smarig.runner import run as run
+    from smarig.transformation import transformation_temperatures as transformation_temperatures
 else:
     __getattr__, __dir__, __all__ = lazy_exports(__name__)

@@ -47,6 +47,9 @@ report validation.run.sqlite
 report --model wire.model.json --model positive.model.json validation.run.sqlite -o models.html
 report .
 check validation.run.sqlite -o copy.run.sqlite
+run constant_force_cycles {RIG} -o cycles.run.sqlite --seed 1 --set cycles=1 --set points=40
+transformation cycles.run.sqlite
+report cycles.run.sqlite
 """
 TRAIN = ("wiping_out", "congruency", "first_order_descending")
 WALKING = " ".join(f"--train {name}.run.sqlite" for name in TRAIN)

@@ -98,6 +98,15 @@ def test_congruency_loops_visit_the_same_inputs():
     assert max(by["A up"]) < max(c.target for c in steps)
 
 
+def test_golden_constant_force_cycles():
+    visited = targets("constant_force_cycles", cycles=2, points=10, lower_K=20.0, upper_K=120.0)
+    up = [30.0 + 10 * k for k in range(10)]
+    down = [110.0 - 10 * k for k in range(10)]
+    assert visited == pytest.approx([20.0, *up, *down, *up, *down])
+    whole = targets("constant_force_cycles", cycles=1, points=10)
+    assert (min(whole), max(whole)) == pytest.approx((0.0, 174.1)), "the rig's range by default"
+
+
 def test_validation_follows_its_seed():
     assert targets("validation", seed=3) == targets("validation", seed=3)
     assert targets("validation", seed=3) != targets("validation", seed=4)
@@ -121,6 +130,9 @@ def test_profiles_from_lists_and_files(tmp_path):
         ("step_currents", {"profile": "zigzag"}, "setting profile"),
         ("step_currents", {"file": "nowhere.csv"}, "nowhere.csv"),
         ("step_currents", {"points": "1"}, "between 2 and"),
+        ("constant_force_cycles", {"points": "5"}, "points must lie between 10"),
+        ("constant_force_cycles", {"upper_K": "300"}, "upper_K: 300 K is outside"),
+        ("constant_force_cycles", {"lower_K": "90", "upper_K": "80"}, "lower_K must be below upper_K"),
         ("validation", {"points": "ten"}, "setting points"),
         ("congruency", {"low": "0.8"}, "low < high < peak"),
         ("minor_loops", {"loops": "0"}, "loops"),

@@ -19,6 +19,8 @@ if TYPE_CHECKING:
     from smarig.identification.forc.forc_density import forc_density as forc_density
     from smarig.identification.identification_result import Identification as Identification
     from smarig.identification.identify import identify as identify
+    from smarig.identification.interval_estimate import Estimate as Estimate
+    from smarig.identification.interval_estimate import variance_inflation as variance_inflation
     from smarig.identification.measured.left_out_errors import chosen_smoothing as chosen_smoothing
     from smarig.identification.measured.left_out_errors import held_out_errors as held_out_errors
     from smarig.identification.measured.left_out_errors import held_out_rms as held_out_rms

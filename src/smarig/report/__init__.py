@@ -27,5 +27,6 @@ if TYPE_CHECKING:
     from smarig.report.run_comparison_page import comparison_page as comparison_page
     from smarig.report.run_page import run_page as run_page
     from smarig.report.runs.run_tables import run_stress as run_stress
+    from smarig.report.transformation_page import transformation_page as transformation_page
 else:
     __getattr__, __dir__, __all__ = lazy_exports(__name__)

@@ -31,6 +31,8 @@ from smarig.report.diagnosis.verdict_text import findings
 from smarig.report.models.density_figures import map_panel
 from smarig.report.models.identification_plot_data import density_of, hysteresis_description
 from smarig.report.runs.run_summary import summary_of
+from smarig.report.transformation.tangent_figure import tangent_figure
+from smarig.transformation import TransformationResult
 
 _POINTS = 1200
 _REVERSALS = (0.35, 0.55, 0.75)  # first-order curves in a model's drawing, as shares of its range
@@ -41,7 +43,7 @@ _REVERSALS = (0.35, 0.55, 0.75)  # first-order curves in a model's drawing, as s
 
 @singledispatch
 def plot(thing: Any, model: Model | None = None) -> go.Figure:
-    """Plot a run's hysteresis (with a model's prediction, if given), a model's density μ, or a diagnosis's residuals.
+    """Plot a run's hysteresis (with a model's prediction), a model's density μ, a diagnosis's residuals, or tangents.
 
     Returns a plotly figure. A notebook displays it; ``figure.write_html(path)`` saves it. Raises UsageError for any
     other object.
@@ -89,6 +91,13 @@ def _diagnosis_figure(thing: Diagnosis, model: Model | None = None) -> go.Figure
     ]
     words = f"Residuals of the model: {thing.verdict.word.replace('_', ' ')}"
     return _figure(Panel(data, before.layout), words, source_label(*thing.timeline.runs))
+
+
+@plot.register
+def _transformation_figure(thing: TransformationResult, model: Model | None = None) -> go.Figure:
+    del model
+    figure = tangent_figure(thing.runs[0])
+    return _figure(figure.panels[0], figure.title, figure.label)
 
 
 def _figure(panel: Panel, title: str, label: str) -> go.Figure:
@@ -144,6 +153,11 @@ def _model_html(thing: Model) -> str:
     rows.append("μ ≥ 0 everywhere" if report.M_P else "μ < 0 somewhere")
     rows += [f"Effects: {', '.join(str(e.get('name')) for e in thing.effects)}"] if thing.effects else []
     return _drawing_with_text(drawn, f"Model {thing.name}", label, rows)
+
+
+@display_html.register
+def _transformation_html(thing: TransformationResult) -> str:
+    return tag("pre", str(thing))
 
 
 def _loops(model: Model, n: int = 40) -> tuple[np.ndarray, np.ndarray]:

@@ -48,6 +48,7 @@ def run_page(run: Run, *, library: str = "", certified: "tuple[Model, str, str] 
     sections = [
         Section("Summary", "Summary", [run_cards(run), settings_text(run)]),
         *_loop_sections(run, certified),
+        *_transformation_sections(run),
         Section("Measurement", "Measurement", data),
         Section("Rig and conditions", "Rig", [conditions_table(run)]),
         Section(
@@ -75,6 +76,24 @@ def _loop_sections(run: Run, certified: "tuple[Model, str, str] | None") -> list
     from smarig.report.closed_loop.closed_loop_sections import loop_sections
 
     return loop_sections(run, certified)
+
+
+def _transformation_sections(run: Run) -> list[Section]:
+    """Transformation temperatures of a run that heats and cools through the whole transformation."""
+    if is_closed_loop(run) or run.input_unit not in ("K", "degC") or not len(run):
+        return []
+    from smarig.report.transformation.tangent_figure import tangent_figure
+    from smarig.report.transformation.transformation_tables import temperature_cards
+    from smarig.transformation import full_loop
+
+    found = full_loop(run)
+    if found is None:
+        return []
+    return [
+        Section(
+            "Transformation temperatures", "Transformation", [temperature_cards(found), tangent_figure(found)]
+        )
+    ]
 
 
 def _figure_parts(run: Run) -> Iterator[Figure | Html]:

@@ -78,6 +78,7 @@ def _run(file: Path, out: Path | None, force: bool, model: Path | None = None) -
     from smarig.app import ModelSource
     from smarig.record import load_run
     from smarig.report import page_path, run_page, run_stress, write_page
+    from smarig.transformation import headline
 
     target = out or page_path(file)
     check_distinct(target, file, model)
@@ -87,8 +88,9 @@ def _run(file: Path, out: Path | None, force: bool, model: Path | None = None) -
     write_page(run_page(run, certified=certified), target, force=force)
     page = {"report": str(target), "complete": run.complete, "cause": run.cause}
     stress = run_stress(run)
-    of_two_wires = {"stress": stress.to_json()} if stress else {}
-    emit({**page, **of_two_wires, "reports": [page]}, f"Report: {target}")
+    found = {name: e.to_json() for name, e in headline(run).items()} if run.has("input") else {}
+    figures = ({"stress": stress.to_json()} if stress else {}) | ({"transformation": found} if found else {})
+    emit({**page, "reports": [page], **figures}, f"Report: {target}")
 
 
 def _compared(files: list[Path], out: Path | None, force: bool) -> None:

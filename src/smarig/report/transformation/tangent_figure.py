@@ -1,0 +1,118 @@
+"""The figure of a full loop with its tangents and the temperatures where they meet."""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from smarig.core import spaced
+from smarig.report.components.decimate import path
+from smarig.report.components.figure import Figure, Panel, Trace, axis, dots, line
+from smarig.report.components.run_description import (
+    display_unit,
+    input_title,
+    output_title,
+    run_caption,
+    source_label,
+)
+from smarig.report.components.style import COOLING, FAINT, GREY, HEATING, INK
+from smarig.transformation import TEMPERATURES, BranchTangents, CycleFigures, RunFigures
+
+_BEYOND = 0.12  # of its length: how far a tangent is drawn beyond its corners
+_MOST_BEHIND = 4000  # readings of the other cycles, thinned
+_LABELS = {"A_s": "A<sub>s</sub>", "A_f": "A<sub>f</sub>", "M_s": "M<sub>s</sub>", "M_f": "M<sub>f</sub>"}
+_CORNERS = {
+    "A_s": ("heating", "low"),
+    "A_f": ("heating", "high"),
+    "M_s": ("cooling", "high"),
+    "M_f": ("cooling", "low"),
+}
+
+
+def tangent_figure(run: RunFigures) -> Figure:
+    """The last whole cycle of a run with its tangents, before the other readings of the run."""
+    cycle = [c for c in run.cycles if c.whole][-1]
+    data = [_behind(run), *_branch_traces(cycle), *_corner_traces(cycle, run)]
+    layout = {"xaxis": axis(input_title(run.run)), "yaxis": axis(output_title(run.run))}
+    others = len(run.cycles) - 1
+    behind = f"Grey: all readings, {others + 1} cycles." if others else "Grey: all readings."
+    return Figure(
+        [Panel(data, layout, 480)],
+        f"Cycle {cycle.number} of {run.name} with its tangents.",
+        [
+            "Dashed: the tangents to both plateaus and to the steepest part of each branch, of one choice of their "
+            "readings. Crosses: where they meet, as the mean over all choices; bars: 95 % intervals of this cycle, "
+            "which contain the choice.",
+            behind,
+            run_caption(run.run),
+        ],
+        source_label(run.run),
+    )
+
+
+def _behind(run: RunFigures) -> Trace:
+    kept = path(run.record.u, run.record.y, _MOST_BEHIND)
+    return line(run.record.u[kept], run.record.y[kept], "all readings", FAINT, width=1, hoverinfo="skip")
+
+
+def _branch_traces(cycle: CycleFigures) -> Iterator[Trace]:
+    for direction, colour in (("heating", HEATING), ("cooling", COOLING)):
+        branch: BranchTangents = getattr(cycle, direction)
+        kept = path(branch.u, branch.y)
+        yield line(branch.u[kept], branch.y[kept], direction, colour, width=1.8)
+        lines = list(_tangents(branch))
+        u = np.concatenate([[*ends, np.nan] for ends, _ in lines])
+        y = np.concatenate([[*levels, np.nan] for _, levels in lines])
+        yield line(u, y, f"tangents, {direction}", INK, dash="dash", width=1.1, hoverinfo="skip")
+
+
+def _tangents(branch: BranchTangents) -> Iterator[tuple[np.ndarray, np.ndarray]]:
+    """The ends (u, y) of each tangent: plateaus from the end of the branch, the steep part between its corners."""
+    corners = [c for c in (branch.low, branch.high) if c]
+    size = float(np.ptp(branch.u))
+    for corner, end in ((branch.low, branch.u.min()), (branch.high, branch.u.max())):
+        if corner:
+            way = corner.value - float(end)
+            u = np.array([float(end), corner.value + np.sign(way) * _BEYOND * min(abs(way), 0.3 * size)])
+            yield u, corner.plateau.a + corner.plateau.b * u
+    levels = [c.output for c in corners] or [float(branch.y[0]), float(branch.y[-1])]
+    if len(levels) == 1:
+        levels.append(2 * branch.steep.y - levels[0])
+    low, high = min(levels), max(levels)
+    y = np.array([low - _BEYOND * (high - low), high + _BEYOND * (high - low)])
+    yield branch.steep.u + branch.steep.du_dy * (y - branch.steep.y), y
+
+
+def _corner_traces(cycle: CycleFigures, run: RunFigures) -> Iterator[Trace]:
+    for name in TEMPERATURES:
+        if name not in cycle.figures:
+            continue
+        direction, side = _CORNERS[name]
+        corner = getattr(getattr(cycle, direction), side)
+        low, high = cycle.figures[name].ci95
+        bars = {
+            "type": "data",
+            "symmetric": False,
+            "array": [high - corner.value],
+            "arrayminus": [corner.value - low],
+        }
+        words = f"{corner.value:.1f}{spaced(display_unit(run.record.input_unit))}"
+        yield dots(
+            [corner.value],
+            [corner.output],
+            name,
+            HEATING if direction == "heating" else COOLING,
+            symbol="x-thin",
+            size=9,
+            marker={"line": {"width": 2, "color": HEATING if direction == "heating" else COOLING}},
+            error_x=bars | {"color": GREY, "thickness": 1.4, "width": 4},
+            mode="markers+text",
+            text=[f"{_LABELS[name]} {words}"],
+            textposition=_placement(direction, getattr(cycle, direction)),
+            showlegend=False,
+        )
+
+
+def _placement(direction: str, branch: BranchTangents) -> str:
+    """Outside the loop: right of the heating branch, left of the cooling branch, away from their plateaus."""
+    above = (branch.y[-1] > branch.y[0]) != (direction == "heating")
+    return f"{'top' if above else 'bottom'} {'right' if direction == 'heating' else 'left'}"

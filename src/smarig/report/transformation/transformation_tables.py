@@ -1,0 +1,109 @@
+"""Tables of transformation temperatures: figures, stress dependence, branches."""
+
+import re
+from collections.abc import Sequence
+
+from smarig.core import capitalised, spaced
+from smarig.report.components.html import Html, bullets, cards, joined, paragraph, table, tag
+from smarig.report.components.numbers import number, signed
+from smarig.report.components.run_description import display_unit
+from smarig.transformation import FIGURES, NAMES, TEMPERATURES, RunFigures, StressSlope, why_not
+
+_CARDS = (*TEMPERATURES, "stroke", "width")
+
+
+def figure_name(name: str) -> Html:
+    """The name of a figure with its subscript."""
+    words = NAMES.get(name, name)
+    return joined(
+        tag("sub", part[1:]) if part.startswith("_") else part
+        for part in re.split(r"(_[sf])", capitalised(words))
+    )
+
+
+def temperature_cards(run: RunFigures) -> Html:
+    """Cards of A_s, A_f, M_s, M_f, stroke and width; those that are missing say why."""
+    return cards([_card(run, name) for name in _CARDS])
+
+
+def _card(run: RunFigures, name: str) -> tuple[Html, str, str]:
+    label = figure_name(name)
+    if name not in run.means:
+        return label, "–", capitalised(why_not(run, name))
+    drawn, unit = run.means[name], spaced(display_unit(run.unit_of(name)))
+    low, high = drawn.ci95
+    interval = f"{number(low, 4)} to {number(high, 4)}{unit}"
+    degC = run.degC(drawn.value) if name in TEMPERATURES and run.record.input_unit != "degC" else None
+    also = f"; {degC:.1f} °C" if degC is not None else ""
+    return label, f"{number(drawn.value, 4)}{unit}", f"{interval}{also}"
+
+
+def figures_table(run: RunFigures) -> Html:
+    """All figures of a run with intervals, drift, number of cycles, or the reason why not."""
+    header = ["Figure", "Value", "95 % interval", "Unit", "Cycles", "Drift per cycle"]
+    ambient = run.record.input_unit != "degC"
+    if ambient:
+        header.insert(2, "°C")
+    rows = [_row(run, name, ambient) for name in FIGURES]
+    return table(header, rows, f"Figures of {run.name}, means over its cycles.")
+
+
+def _row(run: RunFigures, name: str, ambient: bool) -> list[object]:
+    label = figure_name(name)
+    if name not in run.means:
+        return [label, f"not given: {why_not(run, name)}", *([""] if ambient else []), "", "", "", ""]
+    drawn = run.means[name]
+    low, high = drawn.ci95
+    degC = run.degC(drawn.value) if name in TEMPERATURES else None
+    also = [f"{degC:.1f}" if degC is not None else ""] if ambient else []
+    drift = run.drift.get(name)
+    slope = f"{signed(drift.value)} ({signed(drift.ci95[0])} to {signed(drift.ci95[1])})" if drift else "–"
+    return [
+        label,
+        number(drawn.value, 4),
+        *also,
+        f"{number(low, 4)} to {number(high, 4)}",
+        display_unit(run.unit_of(name)),
+        str(run.counts[name]),
+        slope,
+    ]
+
+
+def stress_table(slopes: Sequence[StressSlope]) -> Html:
+    """C = dσ/dT of each temperature with its interval."""
+    header = (
+        "Temperature",
+        "Load",
+        "C (MPa/K)",
+        "95 % interval",
+        "dT/dσ (K/MPa)",
+        "95 % interval",
+        "Stress (MPa)",
+        "Runs",
+    )
+    return table(header, [_stress_row(s) for s in slopes], "Clausius–Clapeyron coefficient C = dσ/dT.")
+
+
+def _stress_row(s: StressSlope) -> tuple[object, ...]:
+    least, most = s.C_ci95_MPa_per_K
+    low, high = s.dT_dstress_ci95_K_per_MPa
+    return (
+        figure_name(s.temperature),
+        s.load,
+        number(s.C_MPa_per_K) if s.C_MPa_per_K is not None else "not determined",
+        f"{number(least)} to {number(most)}" if least is not None else "–",
+        number(s.dT_dstress_K_per_MPa),
+        f"{number(low)} to {number(high)}",
+        f"{number(s.stress_range_MPa[0], 4)} to {number(s.stress_range_MPa[1], 4)}",
+        str(s.n),
+    )
+
+
+def branches_text(run: RunFigures) -> Html:
+    """Which branches were used, and which were not and why."""
+    used = sum((c.heating is not None) + (c.cooling is not None) for c in run.cycles)
+    unit = display_unit(run.record.input_unit)
+    items = [*run.notes, *(f"Not used: {u.sentence(unit)}" for u in run.unused)]
+    return joined(
+        [paragraph(f"{run.name}: {used} branches of {len(run.cycles)} cycles are used."), bullets(items)]
+    )

@@ -1,0 +1,38 @@
+"""The drift of figures from cycle to cycle: the slope of a line over the cycles, with a 95 % interval.
+
+The interval is Student's, from the scatter about the line; neighbours that are correlated count as fewer cycles.
+"""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from scipy.stats import t as student
+
+from smarig.identification import Estimate, variance_inflation
+from smarig.transformation.cycle_figures import Drawn
+
+_FEWEST = 3
+
+
+def cycle_drift(
+    numbers: Sequence[int], cycles: Sequence[Mapping[str, Drawn]], units: Mapping[str, str]
+) -> dict[str, Estimate]:
+    """The slope per cycle of each figure that three cycles or more have; {} without one."""
+    found: dict[str, Estimate] = {}
+    for name, unit in units.items():
+        own = [(k, c[name].value) for k, c in zip(numbers, cycles) if name in c]
+        if len(own) >= _FEWEST:
+            x, y = np.array(own, dtype=float).T
+            found[name] = _slope(x - x.mean(), y, f"{unit}/cycle")
+    return found
+
+
+def _slope(x: np.ndarray, y: np.ndarray, unit: str) -> Estimate:
+    slope = float(x @ y / (x @ x))
+    residual = y - y.mean() - slope * x
+    degrees = x.size - 2
+    inflation = variance_inflation([residual]) if x.size >= 8 else 1.0
+    effective = max(x.size / inflation - 2, 1.0)
+    error = float(np.sqrt(residual @ residual / degrees * inflation / (x @ x)))
+    half = error * float(student.ppf(0.975, min(degrees, effective)))
+    return Estimate(slope, (slope - half, slope + half), unit, "line over the cycles", x.size)

@@ -1,0 +1,252 @@
+"""The transformation temperatures of one run: its cycles, their means, and their drift from cycle to cycle."""
+
+import zlib
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from smarig.core import UsageError
+from smarig.identification import Estimate
+from smarig.record import Run
+from smarig.transformation.branch_tangents import BranchTangents, branch_tangents, with_borrowed_plateau
+from smarig.transformation.cycle_drift import cycle_drift
+from smarig.transformation.cycle_figures import (
+    DIFFERENCES,
+    FIGURES,
+    TEMPERATURES,
+    CycleFigures,
+    Drawn,
+    cycle_figures,
+)
+from smarig.transformation.full_branches import COOLING, HEATING, FullBranch, UnusedBranch, full_branches
+from smarig.transformation.temperature_record import TemperatureRecord, temperature_record
+
+_SMALL_STROKE = 0.5  # of the median of its direction: a branch with less is not that of a transforming wire
+_CLOSED = 0.1  # of the stroke: a loop that closes within it has one plateau at an end
+_STILL_STEEP = 0.5  # of the steep slope: a branch that ends with more is not through
+_JUMP = 0.2  # of the output between two readings of a branch: more is stated
+_SOURCE = "tangents"
+
+
+@dataclass(frozen=True, eq=False)
+class RunFigures:
+    """One run. ``means`` over its cycles, by figure; ``drift`` per cycle (three cycles or more).
+
+    The interval of a mean contains the common choice of the tangents' readings in full, and the noise averaged.
+    """
+
+    run: Run
+    record: TemperatureRecord
+    cycles: tuple[CycleFigures, ...]
+    unused: tuple[UnusedBranch, ...]
+    means: dict[str, Drawn]
+    counts: dict[str, int]
+    drift: dict[str, Estimate]
+    notes: tuple[str, ...]
+
+    @property
+    def name(self) -> str:
+        """The name of the run."""
+        return self.run.name
+
+    @property
+    def wire(self) -> str:
+        """The name of the wire, "" if none was recorded."""
+        return self.run.info.wire or ""
+
+    @property
+    def start_epoch(self) -> float | None:
+        """The start of the run in seconds since 1970, None if not recorded."""
+        return self.run.info.start_epoch
+
+    @property
+    def stress_MPa(self) -> float | None:
+        """The mean of the recorded condition ``stress``, None without one in MPa."""
+        stored = self.run.info.conditions.get("stress")
+        if not isinstance(stored, dict) or stored.get("unit") != "MPa":
+            return None
+        mean = stored.get("mean")
+        return float(mean) if isinstance(mean, int | float) and np.isfinite(mean) else None
+
+    def unit_of(self, figure: str) -> str:
+        """The unit of a figure: of the temperature, K for differences, of the output."""
+        if figure in TEMPERATURES:
+            return self.record.input_unit
+        return "K" if figure in DIFFERENCES else self.record.unit
+
+    def estimate(self, figure: str) -> Estimate:
+        """The mean over the cycles with its interval; n is the number of cycles."""
+        drawn = self.means[figure]
+        return Estimate(drawn.value, drawn.ci95, self.unit_of(figure), _SOURCE, self.counts[figure])
+
+    def degC(self, kelvin: float) -> float | None:
+        """A temperature of this run in °C; None if the ambient temperature is not known."""
+        shift = self.record.to_degC_K
+        return None if shift is None else kelvin + shift
+
+
+def run_figures(run: Run) -> RunFigures:
+    """The figures of a run. Raises UsageError, with the reason, unless it contains a full loop."""
+    record = temperature_record(run)
+    branches, unused = full_branches(record)
+    tangents: dict[int, BranchTangents] = {}
+    for k, branch in enumerate(branches):
+        try:
+            tangents[k] = branch_tangents(
+                *branch.rising(),
+                seed=k,
+                curve_seed=zlib.crc32(f"{run.name} {branch.direction}".encode()),
+                unit=_shown_unit(record.input_unit),
+            )
+        except UsageError as error:
+            unused.append(_unused(branch, str(error)))
+    _leave_out_small(branches, tangents, unused)
+    cycles = _cycles(branches, tangents)
+    if not any(c.whole for c in cycles):
+        raise UsageError(_no_loop(run.name, record, cycles, unused))
+    means, counts = _means(cycles)
+    return RunFigures(
+        run=run,
+        record=record,
+        cycles=tuple(cycles),
+        unused=tuple(unused),
+        means=means,
+        counts=counts,
+        drift=cycle_drift([c.number for c in cycles], [c.figures for c in cycles], _units(record)),
+        notes=(*record.notes, *_notes(cycles), *_jumps(cycles, record)),
+    )
+
+
+def _cycles(branches: Sequence[FullBranch], tangents: dict[int, BranchTangents]) -> list[CycleFigures]:
+    found: list[CycleFigures] = []
+    for number in dict.fromkeys(b.cycle for b in branches):
+        own = [k for k, b in enumerate(branches) if b.cycle == number]
+        used = {branches[k].direction: tangents[k] for k in own if k in tangents}
+        if not used:
+            continue
+        if set(used) == {HEATING, COOLING}:
+            used = _with_borrowed(used)
+        parts = {branches[k].direction: branches[k] for k in own if k in tangents}
+        found.append(cycle_figures(number, parts, used, seed=1000 + number))
+    return found
+
+
+def _with_borrowed(used: dict[str, BranchTangents]) -> dict[str, BranchTangents]:
+    """Both branches; where one has no plateau at an end, but the loop closes there, that of the other serves.
+
+    Not where the branch ends on its steep part: the other then starts from a wire that is not through.
+    """
+    found = dict(used)
+    for direction, other in ((HEATING, COOLING), (COOLING, HEATING)):
+        for side in ("low", "high"):
+            branch, donor = used[direction], used[other]
+            if getattr(branch, side) is None and _closes(branch, donor, side) and _through(branch, side):
+                found[direction] = with_borrowed_plateau(found[direction], donor, side)
+    return found
+
+
+def _closes(branch: BranchTangents, other: BranchTangents, side: str) -> bool:
+    k = 0 if side == "low" else -1
+    return abs(branch.y[k] - other.y[k]) <= _CLOSED * float(np.ptp(branch.y))
+
+
+def _through(branch: BranchTangents, side: str) -> bool:
+    """Whether the slope at an end, over the last three readings or 5 % of the range, is below half of the steep one."""
+    away = branch.u - branch.u.min() if side == "low" else branch.u.max() - branch.u
+    rows = np.argsort(away, kind="stable")[: max(3, int(np.count_nonzero(away <= 0.05 * np.ptp(branch.u))))]
+    if np.ptp(branch.u[rows]) == 0:
+        return False
+    slope = float(np.polyfit(branch.u[rows], branch.y[rows], 1)[0])
+    return abs(slope * branch.steep.du_dy) <= _STILL_STEEP
+
+
+def _leave_out_small(
+    branches: Sequence[FullBranch], tangents: dict[int, BranchTangents], unused: list[UnusedBranch]
+) -> None:
+    """Move branches with less than half of the usual rise to the unused ones: a wire that did not transform."""
+    for direction in (HEATING, COOLING):
+        own = {k: _rise(t) for k, t in tangents.items() if branches[k].direction == direction}
+        if len(own) < 3:
+            continue
+        usual = float(np.median(list(own.values())))
+        for k, rise in own.items():
+            if abs(rise) < _SMALL_STROKE * abs(usual) or rise * usual < 0:
+                del tangents[k]
+                reason = f"its output moves by {abs(rise / usual):.0%} of what is usual in this run"
+                unused.append(_unused(branches[k], reason))
+
+
+def _rise(tangents: BranchTangents) -> float:
+    """The output at the hot end minus that at the cold end."""
+    few = max(1, tangents.y.size // 50)
+    return float(tangents.y[-few:].mean() - tangents.y[:few].mean())
+
+
+def _unused(branch: FullBranch, reason: str) -> UnusedBranch:
+    return UnusedBranch(branch.direction, branch.cycle, float(branch.u[0]), float(branch.u[-1]), reason)
+
+
+def _means(cycles: Sequence[CycleFigures]) -> tuple[dict[str, Drawn], dict[str, int]]:
+    means: dict[str, Drawn] = {}
+    counts: dict[str, int] = {}
+    for name in FIGURES:
+        own = [c.figures[name] for c in cycles if name in c.figures]
+        if own:
+            draws = np.mean([d.draws for d in own], axis=0)
+            means[name], counts[name] = Drawn(float(np.mean([d.value for d in own])), draws), len(own)
+    return means, counts
+
+
+def _notes(cycles: Sequence[CycleFigures]) -> list[str]:
+    notes = []
+    borrowed = [n for n in TEMPERATURES if any(n in c.borrowed for c in cycles)]
+    for name in borrowed:
+        own, other = ("heating", "cooling") if name[0] == "A" else ("cooling", "heating")
+        notes.append(
+            f"{name}: the {own} branch has no plateau of its own there, so the tangent is that of the {other} branch, "
+            f"with which the loop closes; {'M_f may be lower' if name == 'M_f' else f'{name} may lie further out'}."
+        )
+    for direction in dict.fromkeys(d for c in cycles for d in c.assembled):
+        notes.append(
+            f"The {direction} branch is assembled from first-order curves up to their reversals, so the run has no "
+            "residual."
+        )
+    return notes
+
+
+def _jumps(cycles: Sequence[CycleFigures], record: TemperatureRecord) -> Iterator[str]:
+    """A sentence for each direction in which readings are missing on the steep part."""
+    for direction in (HEATING, COOLING):
+        own = [(t.jump, c.number) for c in cycles if (t := getattr(c, direction)) is not None]
+        (share, low, high), number = max(own, default=((0.0, 0.0, 0.0), 0))
+        if share > _JUMP:
+            names = "A_s and A_f" if direction == HEATING else "M_s and M_f"
+            yield (
+                f"Cycle {number}, {direction}: {share:.0%} of the output lies between two readings at {low:.4g} and "
+                f"{high:.4g} {_shown_unit(record.input_unit)}; {names} would differ if the readings between them were "
+                "known."
+            )
+
+
+def _no_loop(
+    name: str, record: TemperatureRecord, cycles: Sequence[CycleFigures], unused: Sequence[UnusedBranch]
+) -> str:
+    unit = _shown_unit(record.input_unit)
+    used = {d for c in cycles for d in (HEATING, COOLING) if getattr(c, d) is not None}
+    have = f" It has only a {next(iter(used))} branch." if len(used) == 1 else ""
+    reasons = " ".join(u.sentence(unit) for u in unused[:3])
+    more = f" (and {len(unused) - 3} more branches)" if len(unused) > 3 else ""
+    why = f" {reasons}{more}" if reasons else ""
+    return (
+        f"{name} contains no full loop of heating and cooling with ten readings or more on each branch.{have}{why} "
+        "Heat and cool the wire through its whole transformation, for example with the protocol constant_force_cycles."
+    )
+
+
+def _units(record: TemperatureRecord) -> dict[str, str]:
+    return {n: "K" if n in (*TEMPERATURES, *DIFFERENCES) else record.unit for n in FIGURES}
+
+
+def _shown_unit(unit: str) -> str:
+    return unit.replace("degC", "°C")

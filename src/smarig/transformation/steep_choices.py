@@ -1,0 +1,72 @@
+"""The steep tangent of a branch for every choice of its readings."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from smarig.core import UsageError
+from smarig.transformation.branch_noise import ReadingNoise, at_least, reading_noise
+from smarig.transformation.fitted_line import SteepLine, SteepNoise, steep_line
+from smarig.transformation.rough_shape import RoughShape
+from smarig.transformation.tangent_ranges import steep_rows
+
+Array = NDArray[np.float64]
+Integers = NDArray[np.int64]
+_UNCERTAIN = 3.0  # times the standard deviation of the most certain slope
+_FEW_STEEP = 8  # readings
+_FLATTER = 1.4  # times the du/dy of the steepest choice
+_INPUT_NOISE = 2.0  # times the plateaus' noise: more on the steep part is noise of the input
+
+
+def steep_lines(
+    u: Array,
+    y: Array,
+    shape: RoughShape,
+    noise: ReadingNoise | None,
+    dice: np.random.Generator,
+    bend: Array,
+    *,
+    noisy: bool,
+) -> tuple[tuple[SteepLine, ...], tuple[Integers, ...]]:
+    """The steep tangent of each choice, with its readings."""
+    choices = steep_rows(shape.share, shape.centre)
+    choices = choices if noisy else _steep_alone(u, y, choices)
+    if not choices:
+        raise UsageError(
+            "fewer than three of its readings lie in the transformation: a steep tangent needs them"
+        )
+    widest, at = choices[-1], shape.output_at_centre
+    on_steep = reading_noise(u[widest], y[widest])
+    seen = noise is not None and on_steep.sd > _INPUT_NOISE * noise.sd and widest.size >= 5
+    of_input = noisy or seen
+    known = reading_noise(y[widest], u[widest]) if of_input else at_least(on_steep, noise)
+    noise_draws = known.draws(len(bend), widest, u.size, dice)
+    drawn = SteepNoise(noise_draws, known.sd * float(np.sqrt(known.inflation)), bend)
+    pairs = [
+        (steep_line(u, y, rows, at, drawn, float(np.ptp(shape.share[rows])), of_input=of_input), rows)
+        for rows in choices
+    ]
+    good = [
+        (line, rows) for line, rows in pairs if line is not None and (of_input or line.du_dy * shape.rise > 0)
+    ]
+    good = _certain(good)
+    if not good:
+        raise UsageError(
+            "its steep part has no slope of one sign: too few readings, or too much noise of the temperature"
+        )
+    return tuple(line for line, _ in good), tuple(rows for _, rows in good)
+
+
+def _steep_alone(u: Array, y: Array, choices: tuple[Integers, ...]) -> tuple[Integers, ...]:
+    """The choices; of few readings, without those that are much flatter: they reach beyond the steep part."""
+    if not choices or choices[-1].size >= _FEW_STEEP:
+        return choices
+    slopes = [abs(float(np.polyfit(y[r], u[r], 1)[0])) if np.ptp(y[r]) > 0 else np.inf for r in choices]
+    return tuple(r for r, slope in zip(choices, slopes) if slope <= _FLATTER * min(slopes))
+
+
+def _certain(found: list[tuple[SteepLine, Integers]]) -> list[tuple[SteepLine, Integers]]:
+    """The choices without those whose slope is far less certain than that of the best: they have too few readings."""
+    if not found:
+        return found
+    spread = [float(np.std(line.du_dy_draws)) for line, _ in found]
+    return [pair for pair, sd in zip(found, spread) if sd <= _UNCERTAIN * min(spread)]

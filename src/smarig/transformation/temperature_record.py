@@ -1,0 +1,101 @@
+"""The readings of a run as a record of temperature and output in measured order, and how its temperatures read in °C.
+
+Steps that settled give one reading each; a run without such steps gives all of its samples.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from smarig.core import UsageError
+from smarig.measurement import dropouts
+from smarig.record import Run
+
+Array = NDArray[np.float64]
+_ZERO_DEGC_K = 273.15
+_OF_TWO_WIRES = "T1 - T2"
+_MOVED_K = 1.0  # a larger range of the ambient temperature is stated
+
+
+@dataclass(frozen=True, eq=False)
+class TemperatureRecord:
+    """Temperature ``u`` and output ``y`` (k,) in measured order, both known in every row.
+
+    ``to_degC_K`` is added to u to give °C, None if the ambient temperature is not known; ``ambient_degC`` is its mean.
+    ``notes`` state which readings were left out.
+    """
+
+    u: Array
+    y: Array
+    unit: str
+    input_unit: str
+    to_degC_K: float | None
+    ambient_degC: float | None
+    settled: bool
+    notes: tuple[str, ...] = ()
+
+    @property
+    def above_ambient(self) -> bool:
+        """Whether u is counted from the ambient temperature."""
+        return self.input_unit == "K" and self.to_degC_K != -_ZERO_DEGC_K
+
+
+def temperature_record(run: Run) -> TemperatureRecord:
+    """The record of a run. Raises UsageError if its hysteresis input is no temperature, or if a channel is missing."""
+    _check_input(run)
+    u, y = (run.points()) if run.settled else (run["input"], run["position"])
+    known = np.isfinite(u) & np.isfinite(y)
+    notes: list[str] = []
+    if not known.any():
+        raise UsageError(
+            f"{run.name} has no row in which temperature and output are both numbers. Check its mapping file."
+        )
+    if absent := int(np.count_nonzero(~known)):
+        notes.append(f"{absent} of {known.size} rows without temperature or output were left out.")
+    u, y = u[known], y[known]
+    if (lost := dropouts(u)).any():
+        notes.append(
+            f"{int(lost.sum())} rows were left out whose temperature reads exactly 0, far from its neighbours."
+        )
+        u, y = u[~lost], y[~lost]
+    ambient = run["ambient_degC"][np.isfinite(run["ambient_degC"])]
+    if ambient.size and np.ptp(ambient) > _MOVED_K:
+        notes.append(
+            f"The ambient temperature moved from {ambient.min():.1f} to {ambient.max():.1f} °C; its mean was used."
+        )
+    mean = float(ambient.mean()) if ambient.size else None
+    return TemperatureRecord(
+        u=u,
+        y=y,
+        unit=run.unit,
+        input_unit=run.input_unit,
+        to_degC_K=_to_degC_K(run, mean),
+        ambient_degC=mean,
+        settled=bool(run.settled),
+        notes=tuple(notes),
+    )
+
+
+def _check_input(run: Run) -> None:
+    quantity = run.info.input.quantity or "not named"
+    if run.input_unit not in ("K", "degC"):
+        unit = f" ({run.input_unit})" if run.input_unit else ""
+        raise UsageError(
+            f"The hysteresis input of {run.name} is {quantity}{unit}, and transformation temperatures need a "
+            "temperature. Import the data with a mapping file whose [input] is a temperature, or with --rig to compute "
+            "it from the current."
+        )
+    if _OF_TWO_WIRES in quantity:
+        raise UsageError(
+            f"The hysteresis input of {run.name} is a difference of the temperatures of two wires, which has no "
+            "transformation temperatures. Use a run of one wire."
+        )
+
+
+def _to_degC_K(run: Run, ambient_degC: float | None) -> float | None:
+    if run.input_unit == "degC":
+        return 0.0
+    if "above ambient" in (run.info.input.quantity or ""):
+        return ambient_degC
+    return -_ZERO_DEGC_K
