@@ -6,15 +6,15 @@ import numpy as np
 import pytest
 
 from control.model_files import model_file, model_of
-from smarig.app.regulation_loop import REGULATORS
 from smarig.cli import run as cli
 from smarig.control.controller_settings import (
+    SETPOINT_CONTROLLERS,
     TRACKING_CONTROLLERS,
     VELOCITY_CONTROLLERS,
     default_numbers,
     documented_numbers,
+    optional_numbers,
 )
-from smarig.control.regulation import SetpointPI
 from smarig.control.tracking import tracking_protocol as loop
 from smarig.core.catalogue import catalogue_entry, catalogue_names
 from smarig.core.errors import UsageError
@@ -364,7 +364,9 @@ def test_controllers_are_listed_with_their_numbers(capsys):
     assert found["controllers"]["inverse"].startswith("track: ")
     assert found["controllers"]["leaky_pi"].startswith("track, certify: ")
     assert found["controllers"]["pi (regulate)"].startswith("regulate: ")
-    assert found["settings"]["pi (regulate)"] == {"gain": None, "band": 0.0}
+    assert found["settings"]["pi (regulate)"] == {"gain": None, "band": None}
+    assert found["controllers"]["integral"].startswith("regulate: ")
+    assert found["settings"]["integral"] == {"gain": None, "delay_s": None}
     assert set(found["settings"]) == set(found["controllers"])
     assert found["settings"]["pi"] == default_numbers(TRACKING_CONTROLLERS, "pi")
     assert (
@@ -379,7 +381,11 @@ def test_every_number_has_a_unit_and_a_meaning(capsys):
     assert all(
         list(documented_numbers(catalogue_entry(p, n))) == list(default_numbers(p, n)) for p, n in documented
     )
-    assert tuple(documented_numbers(SetpointPI)) == REGULATORS["pi"]
+    assert all(
+        list(documented_numbers(catalogue_entry(SETPOINT_CONTROLLERS, n)))
+        == list(optional_numbers(SETPOINT_CONTROLLERS, n))
+        for n in catalogue_names(SETPOINT_CONTROLLERS)
+    )
     assert call(capsys, "list", "controllers", "--settings")[0] == 0
 
 

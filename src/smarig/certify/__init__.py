@@ -10,6 +10,7 @@ if TYPE_CHECKING:
     from smarig.certify.hypothesis import Hypothesis as Hypothesis
     from smarig.certify.hypothesis import failing as failing
     from smarig.certify.hysteresis_analysis import HysteresisAnalysis as HysteresisAnalysis
+    from smarig.certify.integral_convergence import IntegralConvergence as IntegralConvergence
     from smarig.certify.measured_passivity import MeasuredPassivity as MeasuredPassivity
     from smarig.certify.measured_passivity import reading_noise as reading_noise
     from smarig.certify.measured_passivity import segment_passivity as segment_passivity

@@ -239,6 +239,7 @@ def other_loops(found: ModelCertificate) -> list[Html]:
     return [
         paragraph(with_subscripts(found.scheduling)),
         paragraph(with_subscripts(found.position_controllers)),
+        paragraph(with_subscripts(found.integral.text)),
         *([paragraph(found.indistinguishable.text)] if found.indistinguishable else []),
     ]
 
