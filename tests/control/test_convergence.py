@@ -188,16 +188,17 @@ def test_most_wires_oscillate_at_a_multiple_of_the_first_bound():
 
 
 @pytest.mark.parametrize(
-    ("rig", "surface", "setpoint"), [("one_wire_twin", "one_e", 6.0), ("two_wire_twin", "two_e", 9.0)]
+    ("rig", "surface", "setpoint", "ticks"),
+    [("one_wire_twin", "one_e", 6.0, 3500), ("two_wire_twin", "two_e", 9.0, 2000)],
 )
-def test_a_twin_is_brought_to_its_set_point_from_afar(rig, surface, setpoint):
+def test_a_twin_is_brought_to_its_set_point_from_afar(rig, surface, setpoint, ticks):
     """From the encoder's zero, with instruments and their noise; the readings pass the set-point by noise alone."""
     twin, setup, h = Twin.named(rig, seed=3), Setup.of(rig), thesis_surface(surface)
     count = twin.position_per_count
     loop = catalogue_entry(SETPOINT_CONTROLLERS, "integral")(setup, h, count)
     loop.start(0.0)
     current, positions = 0.0, []
-    for _ in range(2000):
+    for _ in range(ticks):
         sample = twin.step(current)[0]
         positions.append(sample.position)
         current = setup.current_for(loop.step(setpoint - sample.position))
