@@ -16,8 +16,13 @@ if TYPE_CHECKING:
     from smarig.certify.measured_passivity import segment_passivity as segment_passivity
     from smarig.certify.model_certificate import ModelCertificate as ModelCertificate
     from smarig.certify.model_certificate import certificate as certificate
+    from smarig.certify.model_posterior import ModelPosterior as ModelPosterior
+    from smarig.certify.model_posterior import model_posterior as model_posterior
     from smarig.certify.position_supply_rate import PositionController as PositionController
     from smarig.certify.rig_assessment import RigAssessment as RigAssessment
+    from smarig.certify.robust_certificate import SAMPLES as SAMPLES
+    from smarig.certify.robust_certificate import RobustCertificate as RobustCertificate
+    from smarig.certify.robust_certificate import robust_certificate as robust_certificate
     from smarig.certify.storage_bound import StorageBound as StorageBound
 else:
     __getattr__, __dir__, __all__ = lazy_exports(__name__)

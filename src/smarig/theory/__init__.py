@@ -11,6 +11,7 @@ if TYPE_CHECKING:
     from smarig.theory.energy.dissipativity import DissipativityCertificate as DissipativityCertificate
     from smarig.theory.energy.dissipativity import certify as certify
     from smarig.theory.energy.moments import loop_area as loop_area
+    from smarig.theory.energy.moments import moments_on as moments_on
     from smarig.theory.energy.storage_function import (
         recoverable_energy_is_storage as recoverable_energy_is_storage,
     )
