@@ -354,6 +354,42 @@ def in_degrees(folder):
     return odd.save(folder / "degrees.model.json")
 
 
+@pytest.mark.parametrize(
+    ("numbers", "says"),
+    [
+        ((), "does not overshoot and stays within a count"),
+        (("gain=0.3",), "It may overshoot"),
+        (("gain=9",), "For this gain nothing is certified"),
+        (("delay_s=2",), "dead time 2 s"),
+    ],
+)
+def test_regulate_states_what_is_certified_of_its_integral_gain(capsys, one, numbers, says):
+    settings = [word for pair in numbers for word in ("--controller-set", pair)]
+    words = ("--setpoint", "6", "--controller", "integral", *settings, *ON, "--dry-run")
+    status, _, err = call(capsys, "regulate", one, *words)
+    assert status == 0
+    assert says in err
+
+
+def test_an_integral_gain_is_recorded_with_its_limits(one):
+    from smarig.app import ModelSource, regulation
+    from smarig.config import load_rig
+
+    loop = regulation(ModelSource.of(one), load_rig("one_wire_twin"), 6.0, controller="integral")
+    s = loop.settings
+    assert s["gain"] == s["certified_from_rest"] < s["certified_any_state"]
+    assert s["delay_s"] == pytest.approx(0.1)
+
+
+def test_a_model_whose_output_falls_has_no_integral_gain_of_its_own(capsys, two):
+    words = ("--setpoint", "3", "--controller", "integral", "--rig", "two_wire_twin", "--quiet", "--dry-run")
+    status, _, err = call(capsys, "regulate", two, *words)
+    assert status == 2
+    assert "no integral gain is certified" in err
+    status, _, err = call(capsys, "regulate", two, *words, "--controller-set", "gain=0.01")
+    assert "no convergence is certified with this model" in err
+
+
 # --- list -----------------------------------------------------------------------------------------------
 
 

@@ -32,7 +32,7 @@ class IntegralConvergence:
     def text(self) -> str:
         """The result in a sentence or two."""
         if not self.holds:
-            return f"Integral action on the position: no gain is proved to converge, because {self.why}."
+            return f"Integral action on the position: no gain is certified, because {self.why}."
         limit = with_unit(1.0 / self.slope, self._unit)
         return (
             f"Integral action on the position converges to every set-point of the range if k·(τ + dead time) is below "
@@ -43,7 +43,7 @@ class IntegralConvergence:
     def to_json(self) -> dict[str, Any]:
         """Plain values; a slope that is not finite is None."""
         return {
-            "proved": self.holds,
+            "holds": self.holds,
             "largest_slope": self.slope if math.isfinite(self.slope) else None,
             "gain_times_lag": self.gain_times_lag,
             "unit": self._unit,

@@ -57,7 +57,7 @@ Examples:
     default=0.0,
     show_default=True,
     metavar="WEIGHT",
-    help="Also fit the slopes along the curves (thesis §9.2), with this weight beside the outputs.",
+    help="Also fit the slopes along the curves (thesis §9.2), with this weight; the outputs have 1.",
 )
 @click.option("-o", "--out", type=FILE, required=True, help="Model file (*.model.json).")
 @click.option("--force", is_flag=True, help="Replace an existing model file.")

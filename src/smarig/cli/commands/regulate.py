@@ -57,7 +57,7 @@ Examples:
     "--controller",
     default="pi",
     show_default=True,
-    help="Controller that holds the set-point: pi, or integral with a gain that is proved to converge.",
+    help="Controller that holds the set-point: pi, or integral with a certified gain.",
 )
 @click.option(
     "--controller-set",

@@ -15,7 +15,7 @@ from smarig.control.regulation.integral_gain import IntegralGains
 class IntegralAction:
     """Integral action that holds a set-point; ``gain`` in K/s per unit of position, ``limits_K`` of the source.
 
-    ``proved`` are the largest gains with a proof for the model, None without one.
+    ``certified`` are the largest gains with a proof for the model, None without one.
 
     >>> loop = IntegralAction(gain=2.0, period_s=0.5, limits_K=(0.0, 100.0), count=0.1)
     >>> loop.start(50.0)
@@ -29,9 +29,9 @@ class IntegralAction:
         period_s: float,
         limits_K: tuple[float, float],
         count: float = 0.0,
-        proved: IntegralGains | None = None,
+        certified: IntegralGains | None = None,
     ) -> None:
-        self.gain, self.count, self.proved = gain, count, proved
+        self.gain, self.count, self.certified = gain, count, certified
         self._per_tick = gain * period_s
         self._low_K, self._high_K = limits_K
         self.start(0.0)
@@ -49,19 +49,19 @@ class IntegralAction:
 
     def settings(self) -> dict[str, float | None]:
         """The numbers for the record."""
-        p = self.proved
+        c = self.certified
         return {
             "gain": self.gain,
-            "delay_s": p and p.timing.delay_ticks * p.timing.period_s,
-            "proved_from_rest": p and p.from_rest,
-            "proved_any_state": p and p.any_state,
+            "delay_s": c and c.timing.delay_ticks * c.timing.period_s,
+            "certified_from_rest": c and c.from_rest,
+            "certified_any_state": c and c.any_state,
         }
 
     def statement(self) -> str:
         """What is proved about this loop, in a sentence."""
-        if self.proved is None:
-            return f"Integral gain {self.gain:.4g}: no convergence is proved with this model."
-        return self.proved.statement(self.gain)
+        if self.certified is None:
+            return f"Integral gain {self.gain:.4g}: no convergence is certified with this model."
+        return self.certified.statement(self.gain)
 
     def _clipped(self, source_K: float) -> float:
         return min(max(source_K, self._low_K), self._high_K)

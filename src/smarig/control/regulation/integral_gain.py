@@ -70,15 +70,15 @@ class IntegralGains:
     def statement(self, gain: float) -> str:
         """What is proved about a loop with this gain around the model, in two sentences."""
         head = (
-            f"Integral gain {gain:.4g}; convergence of this model is proved up to {self.from_rest:.4g} from rest and "
-            f"{self.any_state:.4g} from any state (τ {self.timing.tau_s:.3g} s, dead time "
+            f"Integral gain {gain:.4g}; convergence of this model is certified up to {self.from_rest:.4g} from rest "
+            f"and {self.any_state:.4g} from any state (τ {self.timing.tau_s:.3g} s, dead time "
             f"{self.timing.delay_ticks * self.timing.period_s:.3g} s, no noise)."
         )
         if gain <= self.from_rest * (1 + 1e-12):
             return f"{head} From rest it does not overshoot and stays within a count of the set-point."
         if gain < self.any_state:
             return f"{head} It may overshoot, and the proof requires that the source stays inside its limits."
-        return f"{head} For this gain nothing is proved."
+        return f"{head} For this gain nothing is certified."
 
 
 def integral_gains(hysteresis: Everett, timing: LoopTiming) -> IntegralGains:
@@ -93,16 +93,16 @@ def integral_gains(hysteresis: Everett, timing: LoopTiming) -> IntegralGains:
     steepest = slope.value if math.isnan(slope.bound) else slope.bound
     if not math.isfinite(steepest):
         raise UsageError(
-            "The output of this model jumps at the thresholds of its relays, so no integral gain is proved. "
+            "The output of this model jumps at the thresholds of its relays, so no integral gain is certified. "
             "Give a gain, or use a surface or a table."
         )
     if not monotone(hysteresis).holds:
         raise UsageError(
             "The output of this model falls somewhere as its input rises (Assumption 2.1 fails), so no integral gain "
-            "is proved. Give a gain, or use a model that satisfies it."
+            "is certified. Give a gain, or use a model that satisfies it."
         )
     if steepest <= 0.0:
-        raise UsageError("The output of this model does not move, so no integral gain is proved.")
+        raise UsageError("The output of this model does not move, so no integral gain is certified.")
     from_rest = _without_overshoot(timing.decay, timing.delay_ticks) / (timing.period_s * steepest)
     return IntegralGains(1.0 / (steepest * timing.total_lag_s), from_rest, steepest, timing)
 

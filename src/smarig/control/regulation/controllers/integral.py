@@ -15,9 +15,9 @@ def integral(
     gain: float | None = None,
     delay_s: float | None = None,
 ) -> IntegralAction:
-    """Integral action whose gain is proved to converge, limits and counts included.
+    """Integral action with a gain for which convergence is certified, limits and counts included.
 
-    gain (K/s/unit): change of the steady temperature per second and unit of error; the largest proved from rest
+    gain (K/s/unit): change of the steady temperature per second and unit of error; the largest certified from rest
     delay_s (s): dead time of the rig beyond its tick; one tick unless given
     """
     timing = LoopTiming(setup.period_s, setup.tau_s, setup.period_s if delay_s is None else delay_s)
@@ -25,11 +25,11 @@ def integral(
     if gain is None:
         gains = integral_gains(hysteresis, timing)
         return IntegralAction(gains.from_rest, setup.period_s, limits_K, count, gains)
-    return IntegralAction(gain, setup.period_s, limits_K, count, _proved(hysteresis, timing))
+    return IntegralAction(gain, setup.period_s, limits_K, count, _certified(hysteresis, timing))
 
 
-def _proved(hysteresis: Everett, timing: LoopTiming) -> IntegralGains | None:
-    """The proved gains beside a gain of the user's own; None if there are none for this model."""
+def _certified(hysteresis: Everett, timing: LoopTiming) -> IntegralGains | None:
+    """The certified gains beside a gain of the user's own; None if there are none for this model."""
     try:
         return integral_gains(hysteresis, timing)
     except UsageError:
