@@ -32,6 +32,9 @@ def around(surface: FodSurface, share: float):
     return model_posterior(surface, NAMES, correlation * np.outer(sizes, sizes))
 
 
+LEAST = {"one_c": 0.0, "two_e": 0.0, "one_p": -0.0459, "two_p": -1.248}  # smallest loop area, output × K
+
+
 def test_draws_have_the_covariance_of_the_file():
     sizes = np.array([1e-3, 0.2, 1e-3, 1e-6, 1e-3, 0.3, 0.01, 0.02])
     correlation = np.full((8, 8), -0.1) + 1.1 * np.eye(8)
@@ -78,6 +81,8 @@ def test_a_certain_model_has_probability_0_or_1(name, probability):
     assert found.dissipative.probability == mirrored.dissipative.probability == probability
     assert found.covered is not None
     assert found.covered.probability == probability
+    assert found.least_area is not None
+    assert found.least_area[1] == pytest.approx(LEAST[name], rel=0.05)  # on a grid
 
 
 def test_the_interval_covers_its_probability():
