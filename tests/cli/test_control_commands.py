@@ -6,15 +6,15 @@ import numpy as np
 import pytest
 
 from control.model_files import model_file, model_of
-from smarig.app.regulation_loop import REGULATORS
 from smarig.cli import run as cli
 from smarig.control.controller_settings import (
+    SETPOINT_CONTROLLERS,
     TRACKING_CONTROLLERS,
     VELOCITY_CONTROLLERS,
     default_numbers,
     documented_numbers,
+    optional_numbers,
 )
-from smarig.control.regulation import SetpointPI
 from smarig.control.tracking import tracking_protocol as loop
 from smarig.core.catalogue import catalogue_entry, catalogue_names
 from smarig.core.errors import UsageError
@@ -354,6 +354,42 @@ def in_degrees(folder):
     return odd.save(folder / "degrees.model.json")
 
 
+@pytest.mark.parametrize(
+    ("numbers", "says"),
+    [
+        ((), "does not overshoot and stays within a count"),
+        (("gain=0.3",), "It may overshoot"),
+        (("gain=9",), "For this gain nothing is certified"),
+        (("delay_s=2",), "dead time 2 s"),
+    ],
+)
+def test_regulate_states_what_is_certified_of_its_integral_gain(capsys, one, numbers, says):
+    settings = [word for pair in numbers for word in ("--controller-set", pair)]
+    words = ("--setpoint", "6", "--controller", "integral", *settings, *ON, "--dry-run")
+    status, _, err = call(capsys, "regulate", one, *words)
+    assert status == 0
+    assert says in err
+
+
+def test_an_integral_gain_is_recorded_with_its_limits(one):
+    from smarig.app import ModelSource, regulation
+    from smarig.config import load_rig
+
+    loop = regulation(ModelSource.of(one), load_rig("one_wire_twin"), 6.0, controller="integral")
+    s = loop.settings
+    assert s["gain"] == s["certified_from_rest"] < s["certified_any_state"]
+    assert s["delay_s"] == pytest.approx(0.1)
+
+
+def test_a_model_whose_output_falls_has_no_integral_gain_of_its_own(capsys, two):
+    words = ("--setpoint", "3", "--controller", "integral", "--rig", "two_wire_twin", "--quiet", "--dry-run")
+    status, _, err = call(capsys, "regulate", two, *words)
+    assert status == 2
+    assert "no integral gain is certified" in err
+    status, _, err = call(capsys, "regulate", two, *words, "--controller-set", "gain=0.01")
+    assert "no convergence is certified with this model" in err
+
+
 # --- list -----------------------------------------------------------------------------------------------
 
 
@@ -364,7 +400,9 @@ def test_controllers_are_listed_with_their_numbers(capsys):
     assert found["controllers"]["inverse"].startswith("track: ")
     assert found["controllers"]["leaky_pi"].startswith("track, certify: ")
     assert found["controllers"]["pi (regulate)"].startswith("regulate: ")
-    assert found["settings"]["pi (regulate)"] == {"gain": None, "band": 0.0}
+    assert found["settings"]["pi (regulate)"] == {"gain": None, "band": None}
+    assert found["controllers"]["integral"].startswith("regulate: ")
+    assert found["settings"]["integral"] == {"gain": None, "delay_s": None}
     assert set(found["settings"]) == set(found["controllers"])
     assert found["settings"]["pi"] == default_numbers(TRACKING_CONTROLLERS, "pi")
     assert (
@@ -379,7 +417,11 @@ def test_every_number_has_a_unit_and_a_meaning(capsys):
     assert all(
         list(documented_numbers(catalogue_entry(p, n))) == list(default_numbers(p, n)) for p, n in documented
     )
-    assert tuple(documented_numbers(SetpointPI)) == REGULATORS["pi"]
+    assert all(
+        list(documented_numbers(catalogue_entry(SETPOINT_CONTROLLERS, n)))
+        == list(optional_numbers(SETPOINT_CONTROLLERS, n))
+        for n in catalogue_names(SETPOINT_CONTROLLERS)
+    )
     assert call(capsys, "list", "controllers", "--settings")[0] == 0
 
 

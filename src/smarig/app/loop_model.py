@@ -40,11 +40,15 @@ class ModelSource:
 
 @dataclass(frozen=True)
 class ClosedLoop:
-    """A closed loop ready to run: the name of its protocol, its factory, and its settings for the record."""
+    """A closed loop ready to run: the name of its protocol, its factory, and its settings for the record.
+
+    ``statement``: what is proved about the loop, in a sentence; "" if nothing is stated.
+    """
 
     protocol: str
     make: ProtocolFactory
     settings: dict[str, Any]
+    statement: str = ""
 
 
 def controller_model_for(model: Model, rig: RigFile) -> ControllerModel:

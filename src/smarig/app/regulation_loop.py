@@ -6,13 +6,19 @@ from typing import Any
 
 from smarig.app.loop_model import ClosedLoop, ModelSource, check_arguments, controller_model_for
 from smarig.config import RigFile
-from smarig.control import START_STATES, TRACKING_CONTROLLERS, SetpointPI, check_times, finite_number
+from smarig.control import (
+    SETPOINT_CONTROLLERS,
+    START_STATES,
+    TRACKING_CONTROLLERS,
+    SetpointController,
+    check_times,
+    finite_number,
+    optional_numbers,
+)
 from smarig.control import regulate as regulation_protocol
-from smarig.core import UsageError, catalogue_names, suggestion
+from smarig.core import UsageError, catalogue_entry, catalogue_names, suggestion
 from smarig.protocols import Setup
 from smarig.replay import Model
-
-REGULATORS = {"pi": ("gain", "band")}
 
 
 def regulation(
@@ -48,7 +54,7 @@ def regulation(
     push_K, share = finite_number("The disturbance", disturbance_K), finite_number("within", within)
     _check_push(push_K, setup)
     check_times(setup, finite_number("hold_s", hold_s), push_K)
-    loop = _regulator(controller, {"band": count / 2} | dict(numbers or {}), setup, model)
+    loop = _regulator(controller, numbers or {}, setup, model, count)
     recorded_settings = {
         "setpoint": y,
         "within": share,
@@ -69,8 +75,8 @@ def regulation(
             disturbance_K=push_K,
         )
 
-    recorded_settings |= {"controller": controller, "gain": loop.gain, "band": loop.band}
-    return ClosedLoop("regulate", make, source.settings() | recorded_settings)
+    recorded_settings |= {"controller": controller, **loop.settings()}
+    return ClosedLoop("regulate", make, source.settings() | recorded_settings, loop.statement())
 
 
 def _check_push(push_K: float, setup: Setup) -> None:
@@ -81,22 +87,23 @@ def _check_push(push_K: float, setup: Setup) -> None:
         )
 
 
-def _regulator(name: str, pairs: Mapping[str, Any], setup: Setup, model: Model) -> SetpointPI:
-    """The set-point controller, with its gain in K per unit and its band in units."""
-    if name not in REGULATORS:
+def _regulator(
+    name: str, pairs: Mapping[str, Any], setup: Setup, model: Model, count: float
+) -> SetpointController:
+    """The set-point controller of the catalogue with its numbers; those not given are set by the model."""
+    known = catalogue_names(SETPOINT_CONTROLLERS)
+    if name not in known:
         raise UsageError(
-            f"No regulating controller '{name}'{suggestion(name, list(REGULATORS))}. "
+            f"No regulating controller '{name}'{suggestion(name, known)}. "
             f"The controllers {', '.join(catalogue_names(TRACKING_CONTROLLERS))} are for tracking."
         )
-    loop = SetpointPI.for_model(setup, model.hysteresis)
+    allowed = list(optional_numbers(SETPOINT_CONTROLLERS, name))
+    numbers = {}
     for key, value in pairs.items():
-        if key not in REGULATORS[name]:
-            raise UsageError(
-                f"Controller '{name}' has no parameter '{key}'{suggestion(key, list(REGULATORS[name]))}."
-            )
-        found = finite_number(f"Controller '{name}', {key}", value)
-        if found < 0 or (found == 0 and key == "gain"):
+        if key not in allowed:
+            raise UsageError(f"Controller '{name}' has no parameter '{key}'{suggestion(key, allowed)}.")
+        numbers[key] = finite_number(f"Controller '{name}', {key}", value)
+        if numbers[key] < 0 or (numbers[key] == 0 and key == "gain"):
             at_least = "must be positive" if key == "gain" else "must not be negative"
             raise UsageError(f"Controller '{name}': {key} {at_least} (given: {value}).")
-        setattr(loop, key, found)
-    return loop
+    return catalogue_entry(SETPOINT_CONTROLLERS, name)(setup, model.hysteresis, count, **numbers)

@@ -10,13 +10,19 @@ if TYPE_CHECKING:
     from smarig.certify.hypothesis import Hypothesis as Hypothesis
     from smarig.certify.hypothesis import failing as failing
     from smarig.certify.hysteresis_analysis import HysteresisAnalysis as HysteresisAnalysis
+    from smarig.certify.integral_convergence import IntegralConvergence as IntegralConvergence
     from smarig.certify.measured_passivity import MeasuredPassivity as MeasuredPassivity
     from smarig.certify.measured_passivity import reading_noise as reading_noise
     from smarig.certify.measured_passivity import segment_passivity as segment_passivity
     from smarig.certify.model_certificate import ModelCertificate as ModelCertificate
     from smarig.certify.model_certificate import certificate as certificate
+    from smarig.certify.model_posterior import ModelPosterior as ModelPosterior
+    from smarig.certify.model_posterior import model_posterior as model_posterior
     from smarig.certify.position_supply_rate import PositionController as PositionController
     from smarig.certify.rig_assessment import RigAssessment as RigAssessment
+    from smarig.certify.robust_certificate import SAMPLES as SAMPLES
+    from smarig.certify.robust_certificate import RobustCertificate as RobustCertificate
+    from smarig.certify.robust_certificate import robust_certificate as robust_certificate
     from smarig.certify.storage_bound import StorageBound as StorageBound
 else:
     __getattr__, __dir__, __all__ = lazy_exports(__name__)

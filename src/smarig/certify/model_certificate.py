@@ -21,6 +21,7 @@ from smarig.certify.certificate_scope import (
 from smarig.certify.certificate_units import Units, with_unit
 from smarig.certify.hypothesis import Hypothesis, all_hold, coverage, failing
 from smarig.certify.hysteresis_analysis import HysteresisAnalysis
+from smarig.certify.integral_convergence import IntegralConvergence, integral_convergence
 from smarig.certify.passivity import PassivityCounterexample, counterexample
 from smarig.certify.position_assumptions import IndistinguishableStates, indistinguishable_states
 from smarig.certify.storage_bound import StorageBound, storage_bound
@@ -77,6 +78,7 @@ class ModelCertificate:
     counterexample: PassivityCounterexample | None
     controllers: tuple[ControllerResult, ...]
     scope: CertificateScope
+    integral: IntegralConvergence
     indistinguishable: IndistinguishableStates | None = None
 
     @property
@@ -171,6 +173,7 @@ class ModelCertificate:
             *(f"  {result.text}" for result in self.controllers),
             self.scheduling,
             self.position_controllers,
+            self.integral.text,
             *([self.indistinguishable.text] if self.indistinguishable else []),
             "Limits:",
             *(f"  {limit.text}" for limit in self.limits),
@@ -250,6 +253,7 @@ class ModelCertificate:
             },
             "gain_scheduling": self.scheduling,
             "position_controllers": self.position_controllers,
+            "integral_action": self.integral.to_json(),
             "indistinguishable_states": self.indistinguishable and self.indistinguishable.to_json(),
             "limits": [asdict(limit) for limit in self.limits],
         }
@@ -309,6 +313,7 @@ def certificate(
             all_hold(basis_of_model.hypotheses),
             hysteresis_analysis.units,
         ),
+        integral=integral_convergence(hysteresis_analysis),
         indistinguishable=indistinguishable_states(hysteresis) if is_two_sided else None,
     )
 

@@ -3,7 +3,7 @@
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from smarig.cli.output import check_distinct, emit
+from smarig.cli.output import check_distinct, emit, show_message
 from smarig.cli.run_options import RunOptions, check_target, print_warnings, run_summary
 from smarig.core import Interrupted, UsageError
 from smarig.record import load_run
@@ -25,6 +25,8 @@ def run_closed_loop(loop: "ClosedLoop", options: RunOptions, out: Path | None, *
     if out is not None:
         check_distinct(out, *inputs)
         check_target(out, force=options.force or options.dry_run)
+    if loop.statement:
+        show_message(loop.statement)
     cost = preview(loop.protocol, session.file, protocol_factory=loop.make)
     if options.dry_run or out is None:
         emit({"preview": cost.__dict__}, cost.sentence())

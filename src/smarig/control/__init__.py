@@ -10,16 +10,21 @@ from smarig.core.lazy_exports import lazy_exports
 if TYPE_CHECKING:
     from smarig.control.argument_checks import finite as finite
     from smarig.control.argument_checks import not_negative as not_negative
+    from smarig.control.controller_settings import SETPOINT_CONTROLLERS as SETPOINT_CONTROLLERS
     from smarig.control.controller_settings import TRACKING_CONTROLLERS as TRACKING_CONTROLLERS
     from smarig.control.controller_settings import VELOCITY_CONTROLLERS as VELOCITY_CONTROLLERS
     from smarig.control.controller_settings import controller_numbers as controller_numbers
     from smarig.control.controller_settings import default_numbers as default_numbers
     from smarig.control.controller_settings import documented_numbers as documented_numbers
     from smarig.control.controller_settings import finite_number as finite_number
+    from smarig.control.controller_settings import optional_numbers as optional_numbers
     from smarig.control.lagged_operator import LaggedOperator as LaggedOperator
     from smarig.control.regulation.anhysteretic_output import Psi as Psi
     from smarig.control.regulation.approach import plan_approach as plan_approach
     from smarig.control.regulation.boundary_plane import BoundaryPlane as BoundaryPlane
+    from smarig.control.regulation.integral_gain import IntegralGains as IntegralGains
+    from smarig.control.regulation.integral_gain import LoopTiming as LoopTiming
+    from smarig.control.regulation.integral_gain import integral_gains as integral_gains
     from smarig.control.regulation.regulation_protocol import REGULATION_PLANNED as REGULATION_PLANNED
     from smarig.control.regulation.regulation_protocol import SETPOINT_DISTURBED as SETPOINT_DISTURBED
     from smarig.control.regulation.regulation_protocol import SETPOINT_LOOP_CLOSED as SETPOINT_LOOP_CLOSED
@@ -27,6 +32,7 @@ if TYPE_CHECKING:
     from smarig.control.regulation.regulation_protocol import START_STATES as START_STATES
     from smarig.control.regulation.regulation_protocol import check_times as check_times
     from smarig.control.regulation.regulation_protocol import regulate as regulate
+    from smarig.control.regulation.setpoint_pi import SetpointController as SetpointController
     from smarig.control.regulation.setpoint_pi import SetpointPI as SetpointPI
     from smarig.control.tracking.controller_model import Controller as Controller
     from smarig.control.tracking.controller_model import ControllerModel as ControllerModel

@@ -12,6 +12,7 @@ from typing import Any
 
 from smarig.core import UsageError, catalogue_entry, suggestion
 
+SETPOINT_CONTROLLERS = "smarig.control.regulation.controllers"
 TRACKING_CONTROLLERS = "smarig.control.tracking.controllers"
 VELOCITY_CONTROLLERS = "smarig.control.velocity.controllers"
 _LINE = re.compile(r"^\s+(\w+) \(([^()]*)\): (.+)$", flags=re.M)
@@ -27,6 +28,16 @@ def default_numbers(package: str, name: str) -> dict[str, float]:
     """
     parameters = inspect.signature(catalogue_entry(package, name)).parameters.values()
     return {p.name: p.default for p in parameters if isinstance(p.default, float)}
+
+
+def optional_numbers(package: str, name: str) -> dict[str, float | None]:
+    """The keyword numbers of a controller whose defaults may be None, set by the model.
+
+    >>> optional_numbers(SETPOINT_CONTROLLERS, "pi")
+    {'gain': None, 'band': None}
+    """
+    parameters = inspect.signature(catalogue_entry(package, name)).parameters.values()
+    return {p.name: p.default for p in parameters if p.kind is p.KEYWORD_ONLY}
 
 
 def documented_numbers(documented: Any) -> dict[str, tuple[str, str]]:

@@ -8,7 +8,7 @@ e, and Φ is its potential. With constant r, Σ u_k Δy_k = −Σ φ(e_k) Δe_k.
 lies above its tangents, jumps of φ included. So V does not increase. This needs a gain that is a function of e alone
 and no delay: schedules by time or with a memory add (k' − k) e²/2 to V when they switch, and a tick of delay
 invalidates the sum. V bounds the motion; it does not prove that y converges to r
-(docs/explanation/control_findings.md).
+(docs/explanation/control_findings.md). Integral action does (``regulation.integral_gain``).
 """
 
 from collections.abc import Callable

@@ -25,7 +25,8 @@ class Identification:
     curves of the runs. They are empty if the runs of a positive measure contain none; its own points are
     ``model.fit["points"]``. ``choice`` describes the choice of "best", and is None if the kind was named.
     ``extension`` is the result for the extended models of §3.5, None if none was requested. ``rows`` are the rows used
-    of each run. ``load`` is the dependence on a load, None if none was requested.
+    of each run. ``load`` is the dependence on a load, None if none was requested. ``crossing_note``: a
+    sentence on crossing curves of the default twin, "" for all other data.
     """
 
     model: Model
@@ -39,6 +40,7 @@ class Identification:
     extension: ExtensionChoice | None = None
     rows: tuple[RowsUsed, ...] = ()
     load: LoadDependence | None = None
+    crossing_note: str = ""
 
     @property
     def warnings(self) -> tuple[str, ...]:
@@ -78,6 +80,7 @@ class Identification:
             "twin": model.twin,
             "rows": [rows.to_json() for rows in self.rows],
             "warnings": list(self.warnings),
+            **({"crossing_note": self.crossing_note} if self.crossing_note else {}),
             **({"load": self.load.to_json()} if self.load else {}),
             **({"extension": self.extension.to_json()} if self.extension else {}),
         }

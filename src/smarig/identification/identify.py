@@ -51,6 +51,7 @@ from smarig.identification.surface.fit_figures import (
 from smarig.identification.surface.measured_table import table
 from smarig.identification.surface.surface_fit import ROOT_WEIGHT, MajorLoopWeighting, SurfaceFit, fit_surface
 from smarig.identification.surface.surface_kinds import BEST_KIND, POSITIVE_KIND, surface_kinds
+from smarig.identification.twin_crossing import twin_crossing_note
 from smarig.preisach import Everett, FodSurface, FodTable, ForcTable, Mirrored, surface_forms
 from smarig.record import FORC_PROTOCOL, OWN_ZERO, Run, load_run
 from smarig.replay import Model, NoiseRecord, file_hash, model_metadata, pooled_conditions, provenance
@@ -86,20 +87,22 @@ def identify(
     symmetric: bool = False,
     extension: str = NONE,
     load_from: str | None = None,
+    slopes: float = 0.0,
 ) -> Identification:
     """Identify a Preisach model from runs (or paths) of any protocol.
 
     ``surface`` is a form of (5.5), or a "table" without a fit, both from first-order curves; a "positive" measure
     from all points with a known memory (for reversal curves and selections: their points); or the "best" by
     held-out curves. ``select`` keeps the points for which an expression on curve, alpha, beta holds. ``anchor`` and
-    ``weights`` are as in ``fit_surface``. ``symmetric``: the positive measure is its own image under (u, y) → (−u,
+    ``weights`` are as in ``fit_surface``, and so is ``slopes``, the weight of slopes (§9.2), for a named form of (5.5).
+    ``symmetric``: the positive measure is its own image under (u, y) → (−u,
     −y), like that of a magnet. Surfaces and tables of ascending curves, and all models of magnetic reversal curves,
     are fitted in that mirror. ``extension`` adds one of the extended models of §3.5, or the "best" of them on runs
     left out; the model then predicts with it. ``load_from`` names a condition of the runs, "stress": one positive
     measure, shifted by it, for all loads. Raises UsageError for unknown names, and DataError if the runs contain too
     little.
     """
-    _check_words(surface, weights, symmetric)
+    _check_words(surface, weights, symmetric, slopes)
     if extension not in extension_names():
         raise UsageError(
             f"There is no extension '{extension}'{suggestion(extension, list(extension_names()))}."
@@ -118,7 +121,7 @@ def identify(
     else:
         fit = choice.fit if choice and choice.fit and choice.fit.points == len(data) else None
         if kind in surface_forms() and fit is None:
-            fit = fit_surface(data, kind, anchor=anchor, weights=weights)
+            fit = fit_surface(data, kind, anchor=anchor, weights=weights, slopes=slopes)
         found = _surface(loaded, data, fit, select, weights)
     curves = curve_report(everything)  # from all points: a selection does not show the range
     fit, floor = found.fit, noise_floor(loaded)
@@ -151,8 +154,11 @@ def identify(
         choice=choice,
         positive=found.positive,
         rows=rows_of_runs(given, data, select, found.points),
+        crossing_note=twin_crossing_note(loaded) if curves.cross else "",
     )
-    return plain if extension == NONE else _extended(plain, loaded, extension, anchor, weights, symmetric)
+    if extension == NONE:
+        return plain
+    return _extended(plain, loaded, extension, anchor, weights, symmetric, slopes)
 
 
 def _zeros_remark(runs: Sequence[Run], common: PositiveFit, symmetric: bool) -> list[str]:
@@ -174,11 +180,14 @@ def _extended(
     anchor: bool,
     weights: MajorLoopWeighting,
     symmetric: bool,
+    slopes: float,
 ) -> Identification:
     """The result with an extended model, evaluated on runs left out."""
 
     def refit(kept: Sequence[Run]) -> Everett:
-        again = identify(kept, plain.surface, anchor=anchor, weights=weights, symmetric=symmetric)
+        again = identify(
+            kept, plain.surface, anchor=anchor, weights=weights, symmetric=symmetric, slopes=slopes
+        )
         return again.model.hysteresis
 
     model = plain.model
@@ -186,12 +195,16 @@ def _extended(
     return replace(plain, model=replace(model, extension=chosen.values), extension=chosen)
 
 
-def _check_words(surface: str, weights: str, symmetric: bool) -> None:
+def _check_words(surface: str, weights: str, symmetric: bool, slopes: float) -> None:
     known = [*surface_kinds(), BEST_KIND]
     if surface not in known:
         raise UsageError(f"There is no surface '{surface}'{suggestion(surface, known)}.")
     if weights not in ROOT_WEIGHT:
         raise UsageError(f"Weights '{weights}' are not one of {', '.join(ROOT_WEIGHT)}.")
+    if slopes and surface not in surface_forms():
+        raise UsageError(
+            f"The weight of slopes applies to a fitted surface ({', '.join(surface_forms())}), not to '{surface}'."
+        )
     if symmetric and surface != POSITIVE_KIND:
         raise UsageError(
             f"Mirror symmetry is available for the {POSITIVE_KIND} surface only, not for '{surface}'."

@@ -1,12 +1,13 @@
 """The data collection of §5.2.1: any profile, sampled at N points, each held until the wire has settled."""
 
-import csv
 import math
 from pathlib import Path
 from typing import Literal
 
-from smarig.core import DataError, Mark, Protocol, Settled, UsageError, number_from_text
+from smarig.core import Mark, Protocol, Settled, UsageError
 from smarig.protocols._building_blocks import checked_count, checked_inputs, evenly_spaced, settle_at
+from smarig.protocols._formula import Formula
+from smarig.protocols._profile_file import profile_from_csv
 from smarig.protocols._settings import InputFile
 from smarig.protocols._setup import Setup
 
@@ -19,18 +20,28 @@ def step_currents(
     temperatures_K: tuple[float, ...] = (),
     currents_A: tuple[float, ...] = (),
     file: InputFile = "",
+    temperature: str = "",
+    duration_s: float = 0.0,
     settle: Settled | None = None,
 ) -> Protocol:
     """Settled steps along a temperature or current profile (§5.2.1, steps 1 to 6).
 
     ``profile`` names a shape over the rig's range, sampled at ``points``. ``temperatures_K`` or ``currents_A`` list the
-    values instead. ``file`` is a CSV file with one column, headed temperature_K or current_A.
+    values instead. ``temperature`` is the profile T(t) as a formula, in K above ambient, such as
+    ``87+60*sin(2*pi*t/600)``, sampled at ``points`` evenly spaced times t from 0 to ``duration_s``. ``file`` is a CSV
+    file with one column, headed temperature_K or current_A, or with the columns time_s and temperature_K, whose profile
+    is linear in between and sampled at ``points`` times. t is the time of the profile; each step is held until the
+    wire has settled.
     """
     settle = settle or Settled()
-    if sum(map(bool, (temperatures_K, currents_A, file))) > 1:
-        raise UsageError("step_currents takes only one of temperatures_K, currents_A and file.")
+    if sum(map(bool, (temperatures_K, currents_A, file, temperature))) > 1:
+        raise UsageError("step_currents takes only one of temperatures_K, currents_A, file and temperature.")
+    if bool(temperature) != bool(duration_s):
+        raise UsageError("step_currents takes temperature and duration_s together.")
     if file:
-        temperatures_K, currents_A = _from_csv(Path(file))
+        temperatures_K, currents_A = profile_from_csv(Path(file), points)
+    if temperature:
+        temperatures_K = _along_formula(Formula(temperature), duration_s, points)
     low, high = setup.limits.current_min_A, setup.limits.current_max_A
     for current_A in currents_A:
         if not low - 1e-9 <= current_A <= high + 1e-9:
@@ -58,28 +69,9 @@ def _profile_inputs(setup: Setup, profile: str, points: int) -> list[float]:
     return [middle - size * f * math.cos(t) for f, t in zip(fade, turns, strict=True)]
 
 
-def _from_csv(path: Path) -> tuple[tuple[float, ...], tuple[float, ...]]:
-    if not path.is_file() or path.stat().st_size > 10_000_000:
-        raise UsageError(f"Profile {path} cannot be read: the file is missing or larger than 10 MB.")
-    try:
-        with path.open(newline="", encoding="utf-8-sig") as lines:
-            rows = list(csv.reader(lines))
-    except OSError as error:
-        raise UsageError(f"Profile {path} cannot be read: {error.strerror}.") from None
-    except (UnicodeDecodeError, csv.Error):
-        raise DataError(f"Profile {path} is not a text table.") from None
-    header = rows[0][0].strip() if rows and rows[0] else ""
-    if header not in ("temperature_K", "current_A"):
-        raise DataError(
-            f"Profile {path} must begin with a header temperature_K or current_A, found '{header:.40}'."
-        )
-    values = []
-    for number, row in enumerate(rows[1:], start=2):
-        try:
-            values.append(number_from_text(row[0].strip()))
-        except (ValueError, IndexError):
-            cells = ",".join(row)
-            raise DataError(f"Profile {path}, line {number}: '{cells:.40}' is not a number.") from None
-    if not values:
-        raise DataError(f"Profile {path} has a header but no values.")
-    return (tuple(values), ()) if header == "temperature_K" else ((), tuple(values))
+def _along_formula(formula: Formula, duration_s: float, points: int) -> tuple[float, ...]:
+    """T(t) at ``points`` evenly spaced times from 0 to the end."""
+    checked_count("points", points, 2, 100_000)
+    if not 0 < duration_s < math.inf:
+        raise UsageError(f"step_currents: duration_s must be positive, got {duration_s:g}.")
+    return tuple(formula(duration_s * k / (points - 1)) for k in range(points))

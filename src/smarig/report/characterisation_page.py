@@ -159,6 +159,7 @@ def density_class_text(e: Evidence) -> Html:
         return Html("")
     if e.best.curves.cross:
         wire = "The measured curves cross inside the major loop, so μ of the wire is negative somewhere (Prop. 4.6)."
+        wire = f"{wire} {e.best.crossing_note}".rstrip()
     else:
         wire = (
             "The measured curves do not cross. Crossing curves would prove μ < 0 somewhere (Prop. 4.6). The converse "

@@ -11,6 +11,7 @@ if TYPE_CHECKING:
     from smarig.theory.energy.dissipativity import DissipativityCertificate as DissipativityCertificate
     from smarig.theory.energy.dissipativity import certify as certify
     from smarig.theory.energy.moments import loop_area as loop_area
+    from smarig.theory.energy.moments import moments_on as moments_on
     from smarig.theory.energy.storage_function import (
         recoverable_energy_is_storage as recoverable_energy_is_storage,
     )
@@ -29,7 +30,9 @@ if TYPE_CHECKING:
     from smarig.theory.properties.classes import MeasureClasses as MeasureClasses
     from smarig.theory.properties.classes import classes as classes
     from smarig.theory.properties.monotone import Monotonicity as Monotonicity
+    from smarig.theory.properties.monotone import crossing_descending as crossing_descending
     from smarig.theory.properties.monotone import monotone as monotone
+    from smarig.theory.properties.slopes import largest_slope as largest_slope
     from smarig.theory.properties.summary import properties as properties
     from smarig.theory.state_space.boundary import Boundary as Boundary
     from smarig.theory.state_space.boundary import diagonal as diagonal

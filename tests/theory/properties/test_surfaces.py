@@ -227,6 +227,34 @@ def test_largest_change_closes_in(name):
     assert doubt[1] / doubt[2] > 3.5
 
 
+def golden_maximum(f, low: float, high: float) -> float:
+    """The largest value of a unimodal function, by golden section."""
+    share = (np.sqrt(5) - 1) / 2
+    a, b = high - share * (high - low), low + share * (high - low)
+    for _ in range(70):
+        if f(a) >= f(b):
+            low, high, a, b = low, b, b - share * (b - low), a
+        else:
+            low, high, a, b = a, high, b, a + share * (high - a)
+    return max(f(a), f(b))
+
+
+@pytest.mark.parametrize("name", THESIS_SURFACES)
+def test_K_is_the_largest_strip_to_rounding(name):
+    """Against the printed surface, searched densely and refined: within 1e-12 for narrow and wide strips."""
+    s, printed = thesis_surface(name), Printed(name)
+    for xi in np.array([0.004, 1 / 16, 0.1234567, 1 / 4, 0.61803, 0.95]) * (s.upper - s.lower):
+        lam = np.linspace(s.lower, s.upper - xi, 4001)
+        best = 0.0
+        for strip in (
+            lambda x, xi=xi: printed.y(x + xi, x + xi) - printed.y(x, x),  # a rise along the major loop
+            lambda x, xi=xi: printed.y(s.upper, x + xi) - printed.y(s.upper, x),  # a fall
+        ):
+            k = int(strip(lam).argmax())
+            best = max(best, golden_maximum(strip, lam[max(k - 1, 0)], lam[min(k + 1, 4000)]))
+        assert strips.K(s, xi) == pytest.approx(best, rel=1e-12)
+
+
 def test_K_of_a_signed_surface_is_exceeded():
     """two_p: memory makes a change larger than K, so the strip's modulus is no bound."""
     s = thesis_surface("two_p")

@@ -1,6 +1,7 @@
 """``smarig certify``: what is proved about a model before a loop is closed around it."""
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
@@ -8,6 +9,10 @@ from smarig.cli.output import check_distinct, emit, json_option
 from smarig.cli.parameter_types import FILE, VELOCITY
 from smarig.core import PAGE, UsageError
 from smarig.protocols import parse_pairs
+
+if TYPE_CHECKING:
+    from smarig.certify import RobustCertificate
+    from smarig.replay import Model
 
 EPILOG = """\b
 Examples:
@@ -42,6 +47,15 @@ Examples:
     help="Position controller K(s) of §9.2 as numerator/denominator, each with the coefficients of 1, s, s², for "
     "instance 10,20/1,0.5; repeatable.",
 )
+@click.option(
+    "--samples",
+    type=click.IntRange(0, 100_000),
+    default=100,
+    show_default=True,
+    help="Models drawn from the uncertainty of the identification, for the probability that the model is "
+    "dissipative; 0: none.",
+)
+@click.option("--seed", type=click.IntRange(0), default=0, show_default=True, help="Seed of these draws.")
 @click.option("-o", "--out", type=FILE, help="HTML page to write.")
 @click.option("--force", is_flag=True, help="Replace an existing page.")
 @json_option
@@ -51,12 +65,15 @@ def command(
     pairs: tuple[str, ...],
     runs: tuple[Path, ...],
     laws: tuple[str, ...],
+    samples: int,
+    seed: int,
     out: Path | None,
     force: bool,
 ) -> None:
     """Certify a model: classes of μ, dissipativity, stored energy (Thm 8.1), and for velocity controllers δ,
     γ and k_e (Thm 8.2), with every hypothesis that fails. If passivity fails, an input that violates it
-    is printed. The certificate covers the hysteresis alone; it does not cover the closed loops of the commands
+    is printed. The probability that the model is dissipative follows from models drawn from the uncertainty of its
+    identification. The certificate covers the hysteresis alone; it does not cover the closed loops of the commands
     track and regulate."""
     from smarig.app import ModelSource
     from smarig.certify import PositionController, certificate
@@ -77,6 +94,7 @@ def command(
     further = Further(
         {path.name: passivity_of_run(load_run(path), source.model) for path in runs},
         tuple(PositionController.parse(text) for text in laws),
+        _robust(source.model, samples, seed),
     )
     page = {}
     if out is not None:
@@ -84,3 +102,19 @@ def command(
         page = {"report": str(out)}
     sentences = [model_origin.summary_text(), found.text, *further.text, *([f"Page: {out}"] if out else [])]
     emit(model_origin.to_json() | found.to_json() | further.to_json() | page, "\n".join(sentences))
+
+
+def _robust(model: "Model", samples: int, seed: int) -> "RobustCertificate | None":
+    """The probabilities over models drawn from the uncertainty in the file; None for no samples."""
+    from smarig.certify import model_posterior, robust_certificate
+    from smarig.report import certificate_units
+
+    if not samples:
+        return None
+    posterior = model_posterior(
+        model.hysteresis,
+        model.parameters,
+        model.covariance,
+        non_negative="smoothing" in model.fit,
+    )
+    return robust_certificate(posterior, samples, seed=seed, unit=certificate_units(model).energy)

@@ -51,6 +51,14 @@ Examples:
     metavar="CONDITION",
     help="Model several loads: the condition of the runs that states the load, 'stress'.",
 )
+@click.option(
+    "--slopes",
+    type=click.FloatRange(0.0),
+    default=0.0,
+    show_default=True,
+    metavar="WEIGHT",
+    help="Also fit the slopes along the curves (thesis §9.2), with this weight; the outputs have 1.",
+)
 @click.option("-o", "--out", type=FILE, required=True, help="Model file (*.model.json).")
 @click.option("--force", is_flag=True, help="Replace an existing model file.")
 @json_option
@@ -62,6 +70,7 @@ def command(
     symmetric: bool,
     extension: str,
     load_from: str | None,
+    slopes: float,
     out: Path,
     force: bool,
 ) -> None:
@@ -78,10 +87,13 @@ def command(
         symmetric=symmetric,
         extension=extension,
         load_from=load_from,
+        slopes=slopes,
     )
     result.model.save(out, force=force)
     for warning in result.warnings:
         show_message(f"Warning: {warning}")
+    if result.crossing_note:
+        show_message(result.crossing_note)
     found = {**result.to_json(), "model": str(out)}
     extended = [result.extension.text] if result.extension else []
     loads = [result.load.text] if result.load else []

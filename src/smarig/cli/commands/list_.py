@@ -4,13 +4,19 @@ import click
 
 from smarig.cli.output import emit, json_option
 from smarig.config import load_actuator, load_campaign, load_rig, shipped_names
-from smarig.control import TRACKING_CONTROLLERS, VELOCITY_CONTROLLERS, default_numbers, documented_numbers
+from smarig.control import (
+    SETPOINT_CONTROLLERS,
+    TRACKING_CONTROLLERS,
+    VELOCITY_CONTROLLERS,
+    default_numbers,
+    documented_numbers,
+    optional_numbers,
+)
 from smarig.core import (
     UsageError,
     catalogue_entry,
     catalogue_names,
     catalogue_summary,
-    docstring_summary,
     is_path,
     resolve_name,
 )
@@ -48,14 +54,22 @@ def _effects() -> dict[str, str]:
 
 
 def _controllers() -> dict[str, str]:
-    from smarig.control import SetpointPI
-
     listed_ = {
         n: f"{use}: {catalogue_summary(p, n)}"
         for use, p in _CONTROLLER_PACKAGES.items()
         for n in catalogue_names(p)
     }
-    return listed_ | {_SETPOINT_PI_NAME: f"regulate: {docstring_summary(SetpointPI)}"}
+    return listed_ | {
+        shown_name: f"regulate: {catalogue_summary(SETPOINT_CONTROLLERS, n)}"
+        for shown_name, n in _setpoint_controllers().items()
+    }
+
+
+def _setpoint_controllers() -> dict[str, str]:
+    """Names of set-point controllers by the names in the listing: tracking has another controller named pi."""
+    taken = {n for p in _CONTROLLER_PACKAGES.values() for n in catalogue_names(p)}
+    names = catalogue_names(SETPOINT_CONTROLLERS)
+    return {f"{n} (regulate)" if n in taken else n: n for n in names}
 
 
 def _wires() -> dict[str, str]:
@@ -71,7 +85,6 @@ _CONTROLLER_PACKAGES = {
     "track": TRACKING_CONTROLLERS,
     "track, certify": VELOCITY_CONTROLLERS,
 }  # the commands that use them
-_SETPOINT_PI_NAME = "pi (regulate)"  # tracking has another controller named pi
 _LISTINGS = {
     "effects": _effects,
     "rigs": _rigs,
@@ -122,10 +135,10 @@ def _line(key: str, default: float | None, unit: str, meaning: str) -> str:
 
 def _units_and_defaults(name: str) -> tuple[dict[str, tuple[str, str]], dict[str, float | None]]:
     """Units, meanings and defaults of a controller's parameters. The default is None if the model sets it."""
-    if name == _SETPOINT_PI_NAME:
-        from smarig.control import SetpointPI
-
-        return documented_numbers(SetpointPI), {"gain": None, "band": 0.0}
+    if name in (setpoint := _setpoint_controllers()):
+        entry = setpoint[name]
+        texts = documented_numbers(catalogue_entry(SETPOINT_CONTROLLERS, entry))
+        return texts, optional_numbers(SETPOINT_CONTROLLERS, entry)
     package = next(p for p in _CONTROLLER_PACKAGES.values() if name in catalogue_names(p))
     return documented_numbers(catalogue_entry(package, name)), dict(default_numbers(package, name))
 

@@ -54,14 +54,17 @@ Examples:
     help="Height, in K, of a pulse on the control input after 60 s; it lasts 4 τ.",
 )
 @click.option(
-    "--controller", default="pi", show_default=True, help="Controller that holds the set-point: pi."
+    "--controller",
+    default="pi",
+    show_default=True,
+    help="Controller that holds the set-point: pi, or integral with a certified gain.",
 )
 @click.option(
     "--controller-set",
     "numbers",
     multiple=True,
     metavar="KEY=VALUE",
-    help="Parameter of the controller: gain (K per unit of output) or band (unit of output); repeatable.",
+    help="Parameter of the controller, such as gain; smarig list controllers --settings explains them; repeatable.",
 )
 @run_options
 @json_option

@@ -32,6 +32,14 @@ class SetpointController(Protocol):
         """The source temperature of the next tick, K, for the error (wanted − measured) of the last."""
         ...
 
+    def settings(self) -> dict[str, float | None]:
+        """Its numbers for the record."""
+        ...
+
+    def statement(self) -> str:
+        """What is proved about the loop, in a sentence; "" if nothing is stated."""
+        ...
+
 
 class SetpointPI:
     """PI that holds a set-point, gentle on the steepest branch of the model.
@@ -71,6 +79,14 @@ class SetpointPI:
         if (unlimited_K - limited_K) * error <= 0:
             self._integral_K = self._clipped(self._integral_K + self.gain * (1 - self._decay) * error)
         return limited_K
+
+    def settings(self) -> dict[str, float | None]:
+        """The numbers for the record."""
+        return {"gain": self.gain, "band": self.band}
+
+    def statement(self) -> str:
+        """Always "": this loop states nothing."""
+        return ""
 
     def _clipped(self, source_K: float) -> float:
         return min(max(source_K, self._low_K), self._high_K)

@@ -51,6 +51,7 @@ def surface_figures(
         "converged": fit.converged if fit else None,
         "starts": fit.starts if fit else 0,
         "sigma": plain(fit.sigma) if fit else None,
+        **({"slope_weight": fit.slope_weight} if fit and fit.slope_weight else {}),
     }
 
 

@@ -6,7 +6,7 @@ other parameter, or anchored to their measured values, as in the thesis.
 
 Weights express the desired match, not the noise. With equal noise σ at every point the covariance of the weighted
 estimate is σ² (JᵀWJ)⁻¹ JᵀW²J (JᵀWJ)⁻¹, and σ² is the plain sum of squares over tr((I − H)ᵀ(I − H)), H = J (JᵀWJ)⁻¹
-JᵀW. The fit reports these.
+JᵀW. The fit reports these. Residuals of slopes (``slope_residuals``) add SᵀS to W.
 """
 
 from dataclasses import dataclass
@@ -15,10 +15,12 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import least_squares
+from scipy.sparse import csr_matrix
 from scipy.stats import t as student
 
 from smarig.core import DataError, UsageError, spaced
 from smarig.identification.fod_data import FodData
+from smarig.identification.surface.slope_residuals import slope_rows
 from smarig.identification.surface.surface_jacobian import jacobian
 from smarig.identification.surface.surface_starts import FLATTEST, ranked_starts
 from smarig.preisach import FodSurface, Parameters, SurfaceForm, surface_form
@@ -57,6 +59,7 @@ class SurfaceFit:
     anchored: bool
     converged: bool
     starts: int
+    slope_weight: float = 0.0
 
     @property
     def determined(self) -> bool:
@@ -83,6 +86,7 @@ class _SurfaceProblem:
     data: FodData
     ends: tuple[float, float] | None  # (y_upper, y_lower) when anchored
     root_weights: Array
+    slopes: csr_matrix | None = None  # maps errors of outputs to weighted errors of slopes
 
     @property
     def surface_form(self) -> SurfaceForm:
@@ -111,11 +115,21 @@ class _SurfaceProblem:
         if (
             surface.shape(surface.upper, surface.upper) < FLATTEST
         ):  # the step went too far: no height to scale
-            return np.full(len(self.data), _DEGENERATE_RESIDUAL * float(np.ptp(self.data.y)))
-        return (surface.y(self.data.alpha, self.data.beta) - self.data.y) * self.root_weights
+            size = self.root_weights.size + (0 if self.slopes is None else self.slopes.nnz // 2)
+            return np.full(size, _DEGENERATE_RESIDUAL * float(np.ptp(self.data.y)))
+        error = surface.y(self.data.alpha, self.data.beta) - self.data.y
+        weighted = error * self.root_weights
+        return weighted if self.slopes is None else np.concatenate([weighted, self.slopes @ error])
 
     def jacobian(self, p: Array) -> Array:
-        return self.plain_jacobian(p) * self.root_weights[:, None]
+        J = self.plain_jacobian(p)
+        weighted = J * self.root_weights[:, None]
+        return weighted if self.slopes is None else np.vstack([weighted, self.slopes @ J])
+
+    def weighted(self, J: Array) -> Array:
+        """W J, with W of outputs and slopes."""
+        by_output = (self.root_weights**2)[:, None] * J
+        return by_output if self.slopes is None else by_output + self.slopes.T @ (self.slopes @ J)
 
     def plain_jacobian(self, p: Array) -> Array:
         return jacobian(self.surface(p), self.data.alpha, self.data.beta)[:, : len(self.names)]
@@ -140,18 +154,23 @@ def fit_surface(
     anchor: bool = False,
     weights: MajorLoopWeighting = "residual",
     start: SurfaceFit | None = None,
+    slopes: float = 0.0,
 ) -> SurfaceFit:
     """Fit (5.5) with f(α) of a form by least squares from several starts.
 
     ``weights`` doubles the "residual" or the "square" on the major loop. ``anchor`` fixes y(u₊,u₊) and y(u₊,u₋) at
-    their measured means. ``start`` is an earlier fit to start from instead of searching. Raises UsageError for an
-    unknown form, DataError if there are fewer points than parameters, or none at an anchor.
+    their measured means. ``start`` is an earlier fit to start from instead of searching. ``slopes`` is the weight of
+    residuals in the slopes along the curves (§9.2), 0: none. Raises UsageError for an unknown form or weight, DataError
+    if there are fewer points than parameters, or none at an anchor.
     """
+    if not 0.0 <= slopes < np.inf:
+        raise UsageError(f"The weight of slopes must be 0 or a positive number, got {slopes:g}.")
     surface_form(form)
     if weights not in ROOT_WEIGHT:
         raise UsageError(f"Weights '{weights}' are not one of {', '.join(ROOT_WEIGHT)}.")
     root_weights = np.where(data.major, ROOT_WEIGHT[weights], 1.0)
-    problem = _SurfaceProblem(form, data, _measured_ends(data) if anchor else None, root_weights)
+    rows = slope_rows(data, slopes) if slopes else None
+    problem = _SurfaceProblem(form, data, _measured_ends(data) if anchor else None, root_weights, rows)
     needed = len(problem.names) + 1
     if len(data) < needed:
         raise DataError(
@@ -166,7 +185,7 @@ def fit_surface(
             "output, or check the input."
         )
     best = min(trials, key=lambda trial: trial.cost)
-    return _surface_fit(problem, best.x, weights, best.status > 0, len(trials))
+    return _surface_fit(problem, best.x, weights, best.status > 0, len(trials), slopes)
 
 
 def _starts(problem: _SurfaceProblem) -> list[Array]:
@@ -174,7 +193,7 @@ def _starts(problem: _SurfaceProblem) -> list[Array]:
     fitted: Parameters = ()
     grows_from = problem.surface_form.grows_from
     if grows_from is not None:
-        simple = _SurfaceProblem(grows_from, data, problem.ends, root_weights)
+        simple = _SurfaceProblem(grows_from, data, problem.ends, root_weights, problem.slopes)
         trials = [_refined(simple, p) for p in _starts(simple)]
         if not trials:
             return []
@@ -204,13 +223,18 @@ def _refined(problem: _SurfaceProblem, start: Array):
 
 
 def _surface_fit(
-    problem: _SurfaceProblem, p: Array, weights: MajorLoopWeighting, converged: bool, starts: int
+    problem: _SurfaceProblem,
+    p: Array,
+    weights: MajorLoopWeighting,
+    converged: bool,
+    starts: int,
+    slope_weight: float,
 ) -> SurfaceFit:
     data = problem.data
     surface = problem.surface(p)
     error = surface.y(data.alpha, data.beta) - data.y
-    sse, weighted_sse = float(error @ error), float(np.sum(problem.residuals(p) ** 2))
-    covariance, sigma = _covariance(problem.plain_jacobian(p), problem.root_weights**2, sse)
+    sse, weighted_sse = float(error @ error), float(np.sum(problem.residuals(p)[: len(data)] ** 2))
+    covariance, sigma = _covariance(problem, p, sse)
     half = float(student.ppf(0.975, len(data) - p.size)) * np.sqrt(np.diag(covariance))
     intervals = {n: (float(v - h), float(v + h)) for n, v, h in zip(problem.names, p, half)}
     return SurfaceFit(
@@ -231,17 +255,20 @@ def _surface_fit(
         anchored=problem.ends is not None,
         converged=converged,
         starts=starts,
+        slope_weight=slope_weight,
     )
 
 
-def _covariance(J: Array, w: Array, sse: float) -> tuple[Array, float]:
+def _covariance(problem: _SurfaceProblem, p: Array, sse: float) -> tuple[Array, float]:
     """Sandwich covariance and σ for equal noise (see the module); NaN if J is rank deficient."""
+    J = problem.plain_jacobian(p)
     scale = np.linalg.norm(J, axis=0)
     if not scale.all() or np.linalg.cond(J / scale) > 1e10:
         return np.full((J.shape[1],) * 2, np.nan), float("nan")
     scaled = J / scale
-    bread = np.linalg.inv(scaled.T @ (w[:, None] * scaled))
-    gain = bread @ (scaled * w[:, None]).T  # estimate = gain · noise
+    weighted = problem.weighted(scaled)
+    bread = np.linalg.inv(scaled.T @ weighted)
+    gain = bread @ weighted.T  # estimate = gain · noise
     freedom = J.shape[0] - 2 * J.shape[1] + float(np.sum((gain @ gain.T) * (scaled.T @ scaled)))
     variance = sse / freedom
     return variance * (gain @ gain.T) / np.outer(scale, scale), float(np.sqrt(variance))

@@ -11,6 +11,7 @@ from smarig.certify import (
     MeasuredPassivity,
     ModelCertificate,
     PositionController,
+    RobustCertificate,
     StorageBound,
     Units,
 )
@@ -86,24 +87,32 @@ def certificate_units(model: Model) -> Units:
 
 @dataclass(frozen=True)
 class Further:
-    """Results in addition to the model's certificate: passivity of runs by name, and position controllers of §9.2."""
+    """Results in addition to the model's certificate: passivity of runs by name, position controllers of §9.2, and the
+    probability over the uncertainty of the model (None if it was not requested).
+    """
 
     measured: dict[str, MeasuredPassivity]
     position_controllers: tuple[PositionController, ...]
+    robust: RobustCertificate | None = None
 
     @property
     def text(self) -> list[str]:
         """One line per result."""
         lines = [f"{name}: {m.text}" for name, m in self.measured.items()]
-        return lines + [k.text for k in self.position_controllers]
+        lines += [k.text for k in self.position_controllers]
+        return lines + ([self.robust.text] if self.robust else [])
 
     def to_json(self) -> dict[str, Any]:
         """Plain values; keys only for results that exist."""
         measured = [{"run": name} | m.to_json() for name, m in self.measured.items()]
-        return ({"measured": measured} if measured else {}) | (
-            {"position_supply": [k.to_json() for k in self.position_controllers]}
-            if self.position_controllers
-            else {}
+        return (
+            ({"measured": measured} if measured else {})
+            | (
+                {"position_supply": [k.to_json() for k in self.position_controllers]}
+                if self.position_controllers
+                else {}
+            )
+            | ({"robust": self.robust.to_json()} if self.robust else {})
         )
 
 
@@ -114,7 +123,9 @@ def certificate_page(
     label = "TWIN" if model.twin else ""
     sections = [
         Section(
-            "Verdict", "Verdict", [verdict_box(found), certificate_cards(found), *_exclusion_notice(about)]
+            "Verdict",
+            "Verdict",
+            [verdict_box(found), certificate_cards(found), *_robust(further), *_exclusion_notice(about)],
         ),
         Section("Velocity feedback", "Velocity feedback", [*velocity_parts(found)]),
         Section("Hypotheses", "Hypotheses", [hypotheses_table(found)]),
@@ -239,8 +250,13 @@ def other_loops(found: ModelCertificate) -> list[Html]:
     return [
         paragraph(with_subscripts(found.scheduling)),
         paragraph(with_subscripts(found.position_controllers)),
+        paragraph(with_subscripts(found.integral.text)),
         *([paragraph(found.indistinguishable.text)] if found.indistinguishable else []),
     ]
+
+
+def _robust(further: Further | None) -> list[Html]:
+    return [paragraph(with_subscripts(further.robust.text))] if further and further.robust else []
 
 
 def _position_controllers(further: Further | None) -> list[Html]:

@@ -10,6 +10,9 @@ change of a monotone input change ξ only for ν ≥ 0. For signed ν a sweep th
 sweep would switch them.
 """
 
+import math
+from collections.abc import Callable
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -20,6 +23,8 @@ from smarig.theory.properties.variation import uncertainty, variation
 
 Array = NDArray[np.float64]
 _GRID_POINTS = 2048
+_PEAKS, _GOLDEN_STEPS = 16, 60  # 0.618^60 = 3e-13 of an interval; values then differ by rounding
+_GOLDEN = (math.sqrt(5) - 1) / 2
 
 
 def H(hysteresis: Everett, lam: ArrayLike, xi: ArrayLike) -> Array:
@@ -46,13 +51,35 @@ def k(hysteresis: Everett, lam: ArrayLike, xi: ArrayLike) -> Array:
 
 
 def K(hysteresis: Everett, xi: float) -> float:
-    """K(ξ) = max over λ of k(λ, ξ): exact for tables and relays, on a fine grid of λ for others."""
+    """K(ξ) = max over λ of k(λ, ξ): exact for tables and relays, to rounding for others.
+
+    H and V of a table are linear in λ between its levels and those minus ξ, so the maximum is at one of them. For
+    others the local maxima of a fine grid are refined by golden section; a peak narrower than the grid is not found.
+    """
     plane = TriangleGrid.of(hysteresis)
     lam = candidates(plane, xi)
-    if plane.kind not in ("table", "relays"):
-        last = max(hysteresis.upper - xi, hysteresis.lower)
-        lam = np.concatenate([lam, np.linspace(hysteresis.lower, last, _GRID_POINTS + 1)])
-    return float(k(hysteresis, lam, xi).max())
+    if plane.kind in ("table", "relays"):
+        return float(k(hysteresis, lam, xi).max())
+    last = max(hysteresis.upper - xi, hysteresis.lower)
+    lam = np.unique(np.concatenate([lam, np.linspace(hysteresis.lower, last, _GRID_POINTS + 1)]))
+    return max(_refined_maximum(lambda x, f=f: f(hysteresis, x, xi), lam) for f in (H, V))
+
+
+def _refined_maximum(f: Callable[[Array], Array], grid: Array) -> float:
+    """The largest value of f near the local maxima of a grid, by golden section of all of them at once."""
+    values = f(grid)
+    padded = np.concatenate([[-np.inf], values, [-np.inf]])
+    peaks = np.flatnonzero((values >= padded[:-2]) & (values >= padded[2:]))
+    peaks = peaks[np.argsort(values[peaks])[-_PEAKS:]]
+    low, high = grid[np.maximum(peaks - 1, 0)], grid[np.minimum(peaks + 1, grid.size - 1)]
+    best = float(values.max())
+    for _ in range(_GOLDEN_STEPS):
+        near, far = high - _GOLDEN * (high - low), low + _GOLDEN * (high - low)
+        at_near, at_far = f(near), f(far)
+        best = max(best, float(at_near.max()), float(at_far.max()))
+        left = at_near >= at_far
+        low, high = np.where(left, low, near), np.where(left, far, high)
+    return best
 
 
 def bound(hysteresis: Everett, xi: float) -> float:
