@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from smarig.replay.memory_history import memory_histories as memory_histories
     from smarig.replay.memory_history import memory_states as memory_states
     from smarig.replay.memory_history import recorded_start as recorded_start
+    from smarig.replay.model_file import ActuatorRecord as ActuatorRecord
     from smarig.replay.model_file import Model as Model
     from smarig.replay.model_file import NoiseRecord as NoiseRecord
     from smarig.replay.model_file import load_model as load_model
