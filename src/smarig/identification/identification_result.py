@@ -14,6 +14,7 @@ from smarig.identification.surface.choose_surface import SurfaceChoice
 from smarig.identification.surface.curve_report import CurveReport
 from smarig.identification.surface.fit_figures import plain
 from smarig.identification.surface.surface_fit import SurfaceFit
+from smarig.identification.sweeps.heating_of_sweeps import HeatingOfSweeps
 from smarig.replay import Model
 
 
@@ -25,7 +26,8 @@ class Identification:
     curves of the runs. They are empty if the runs of a positive measure contain none; its own points are
     ``model.fit["points"]``. ``choice`` describes the choice of "best", and is None if the kind was named.
     ``extension`` is the result for the extended models of §3.5, None if none was requested. ``rows`` are the rows used
-    of each run. ``load`` is the dependence on a load, None if none was requested.
+    of each run. ``load`` is the dependence on a load, None if none was requested. ``heating`` are the constants of the
+    heating from continuous sweeps, None without such a run.
     """
 
     model: Model
@@ -39,6 +41,7 @@ class Identification:
     extension: ExtensionChoice | None = None
     rows: tuple[RowsUsed, ...] = ()
     load: LoadDependence | None = None
+    heating: HeatingOfSweeps | None = None
 
     @property
     def warnings(self) -> tuple[str, ...]:
@@ -79,6 +82,7 @@ class Identification:
             "rows": [rows.to_json() for rows in self.rows],
             "warnings": list(self.warnings),
             **({"load": self.load.to_json()} if self.load else {}),
+            **({"heating": self.heating.to_json()} if self.heating else {}),
             **({"extension": self.extension.to_json()} if self.extension else {}),
         }
 

@@ -10,6 +10,7 @@ if TYPE_CHECKING:
     from smarig.replay.conditions import pooled_conditions as pooled_conditions
     from smarig.replay.conditions import recorded_conditions as recorded_conditions
     from smarig.replay.extended_model import extended_operator as extended_operator
+    from smarig.replay.heated_input import with_heating_of as with_heating_of
     from smarig.replay.measured_input import MeasuredInput as MeasuredInput
     from smarig.replay.measured_input import driven_by_input as driven_by_input
     from smarig.replay.memory_history import MemoryHistory as MemoryHistory

@@ -53,7 +53,9 @@ def _by_temperature(records: Sequence[SweepRecord], tau_s: float) -> Estimate | 
             used = rows[known[rows]]
             segments += [(columns[used], above[used])] if used.size else []
     if not segments or len({columns.shape[1] for columns, _ in segments}) > 1:
-        return "R/hA cannot be determined: the wire's temperature is not known together with that of the room."
+        return (
+            "R/hA cannot be determined: the wire's temperature is not known together with that of the room."
+        )
     fit = linear_fit(segments)
     if fit is None or fit.x[0] - fit.half[0] <= 0:
         return "R/hA cannot be determined: the wire's temperature does not rise with the squared current."
@@ -70,8 +72,8 @@ def _by_reference(records: Sequence[SweepRecord], tau_s: float, reference: Evere
     k = int(np.argmin(squares))
     if k in (0, grid.size - 1):
         return (
-            f"R/hA cannot be determined: no value within a factor of {_FACTOR:g} of the actuator's {gain:.4g} K/A² makes "
-            "the reference model follow these sweeps. Check that it is a model of this wire, with inputs in kelvin."
+            f"R/hA cannot be determined: no value within a factor of {_FACTOR:g} of the actuator's {gain:.4g} K/A² "
+            "makes the reference model follow these sweeps. Check that it is a model of this wire with inputs in kelvin."
         )
     fit = least_squares(
         lambda p: _errors(records, tau_s, reference, float(p[0])),
@@ -86,7 +88,9 @@ def _by_reference(records: Sequence[SweepRecord], tau_s: float, reference: Evere
     half = quantile(float(np.unique(sweep).size - 1)) * float(spread)
     value = gain * float(np.exp(fit.x[0]))
     ends = (value * float(np.exp(-half)), value * float(np.exp(half)))
-    return Estimate(value, ends, "K/A^2", "inputs for which the reference model follows the sweeps", residual.size)
+    return Estimate(
+        value, ends, "K/A^2", "inputs for which the reference model follows the sweeps", residual.size
+    )
 
 
 def _errors(records: Sequence[SweepRecord], tau_s: float, reference: Everett, log_factor: float) -> Array:

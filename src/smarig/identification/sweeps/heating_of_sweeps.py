@@ -1,23 +1,28 @@
-"""The heating of a wire from its sweeps: τ, R_M, R_A and, with a second source, R/hA; and runs with the input it gives."""
+"""The heating of a wire from its sweeps: τ, R_M, R_A and, with a second source, R/hA; and runs with its inputs."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from smarig.core import DataError, spaced
 from smarig.identification.calibration.calibrate import calibrated
 from smarig.identification.calibration.resistance import resistances
 from smarig.identification.interval_estimate import Estimate
+from smarig.identification.positive.adapted_partition import nodes_along
+from smarig.identification.positive.observations import MIN_REVERSAL, branches
 from smarig.identification.sweeps.gain_of_sweeps import gain_of_sweeps
 from smarig.identification.sweeps.sweep_record import SweepRecord, is_sweep_run
 from smarig.identification.sweeps.tau_of_sweeps import SweptTau, tau_of_sweeps
 from smarig.plant import Actuator
 from smarig.preisach import Everett
 from smarig.record import Run
-from smarig.replay import ActuatorRecord, Model
+from smarig.replay import ActuatorRecord, Model, memory_histories
 
+Array = NDArray[np.float64]
+INTERVALS = 50  # of the triangle of a positive measure
 MISFIT = 1.5  # times the noise: a larger residual is stated as lack of fit
 _SECTIONS = ("wire", "heating", "transmission")
 
@@ -63,8 +68,8 @@ class HeatingOfSweeps:
             return []
         return [
             f"The best Preisach model with a constant τ leaves {self.swept.rms:.3g}{spaced(self.unit)} of the sweeps "
-            f"unexplained, {self.lack_of_fit:.2g} times their noise. The intervals of the heating include this, but τ may "
-            "stand for another effect. Diagnose settled runs, or verify the model on one."
+            f"unexplained, {self.lack_of_fit:.2g} times their noise. The intervals of the heating include this, but τ "
+            "may stand for another effect. Diagnose settled runs, or verify the model on one."
         ]
 
     def model(self, model: Model) -> Model:
@@ -117,6 +122,21 @@ def heating_of_sweeps(runs: Sequence[Run], reference: Everett | None = None) -> 
 def with_fitted_inputs(runs: Sequence[Run], heating: HeatingOfSweeps) -> list[Run]:
     """The runs; one made in sweeps as its block means and turning points, with the input that the fitted τ gives."""
     return [_as_points(SweepRecord.of(run), heating.tau_s) if is_sweep_run(run) else run for run in runs]
+
+
+def sweep_nodes(runs: Sequence[Run]) -> Array | None:
+    """Nodes of a measure for the points of runs, dense where the output moves; None if none was made in sweeps."""
+    if not any(is_sweep_run(run) for run in runs):
+        return None
+    lower, upper, records = memory_histories(runs)
+    parts, first = [], 0
+    for record in records:
+        branch = branches(record.inputs, MIN_REVERSAL * (upper - lower))
+        parts.append((record.inputs, record.outputs, branch + first))
+        first += int(branch.max(initial=0)) + 1
+    inputs, outputs, number = (np.concatenate(columns) for columns in zip(*parts))
+    nodes = nodes_along(inputs, outputs, number, INTERVALS)
+    return np.unique(np.concatenate([[lower, upper], nodes]))
 
 
 def _as_points(record: SweepRecord, tau_s: float) -> Run:

@@ -17,7 +17,7 @@ from scipy.linalg import cho_factor, cho_solve
 from scipy.sparse import csr_matrix
 
 from smarig.identification.measured.mass_programme import unknowns_of_masses
-from smarig.identification.positive.adapted_partition import adapted_nodes
+from smarig.identification.positive.adapted_partition import nodes_along
 from smarig.identification.positive.observations import COMMON, Observations, joined_observations
 from smarig.identification.positive.triangle import Triangle
 from smarig.identification.sweeps.sweep_record import SweepRecord
@@ -26,6 +26,7 @@ Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 SMOOTHING = 1e-12
 RIDGE = 1e-13
+CLOSEST = 2e-3  # of the range: closer nodes are one
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,13 +41,11 @@ class LagProblem:
     def of(cls, records: Sequence[SweepRecord], intervals: int) -> "LagProblem":
         """The problem of records, with cells that suit the constants of their actuator."""
         records = with_common_range(records)
-        observations = joined(records, records[0].actuator.tau_s)
-        nodes = adapted_nodes(observations, intervals)
-        return cls(
-            tuple(records),
-            Triangle(nodes),
-            float(np.ptp(observations.y)) or 1.0,
-        )
+        paths = [record.branches() for record in records]
+        inputs, outputs, sweep = (np.concatenate(parts) for parts in zip(*paths))
+        ends = np.array([records[0].lower, records[0].upper])  # for every τ
+        nodes = np.concatenate([ends, nodes_along(inputs, outputs, sweep, intervals)])
+        return cls(tuple(records), Triangle(_apart(nodes)), float(np.ptp(outputs)) or 1.0)
 
     @cached_property
     def sweep(self) -> Integers:
@@ -90,6 +89,16 @@ class LagProblem:
     def _roughness(self) -> Array:
         """The roughness as a quadratic form of √area · density (cells, cells)."""
         return self._root_area[:, None] * self.triangle.roughness_of_masses.toarray() * self._root_area
+
+
+def _apart(nodes: Array) -> Array:
+    """The nodes in order, without those that are closer to another than a node of rounding."""
+    at = np.unique(nodes)
+    keep = np.diff(at, prepend=-np.inf) > CLOSEST * np.ptp(at)
+    keep[-1] = True
+    if at.size > 2 and at[-1] - at[-2] <= CLOSEST * np.ptp(at):
+        keep[-2] = False
+    return at[keep]
 
 
 def with_common_range(records: Sequence[SweepRecord]) -> list[SweepRecord]:

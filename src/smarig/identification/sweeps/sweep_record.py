@@ -55,13 +55,17 @@ class SweepRecord:
         """The record of a run. Raises DataError if it lacks current, position, clock or the constants of its wire."""
         for name, text in (("current_A", "current"), ("position", "position"), ("t_s", "clock")):
             if not run.has(name):
-                raise DataError(f"{run.path} has no {text}. Sweeps are identified from current, position and time.")
+                raise DataError(
+                    f"{run.path} has no {text}. Sweeps are identified from current, position and time."
+                )
         actuator = _actuator(run)
         current, t = _held(run["current_A"]), _held(run["t_s"])
         source = np.array([actuator.input_for(i) for i in current.tolist()])
         first = run.rows(run.steps[0]).stop if run.steps else 0
         if len(run) - first < _FEWEST:
-            raise DataError(f"{run.path} has {max(len(run) - first, 0)} samples of sweeps, too few to identify.")
+            raise DataError(
+                f"{run.path} has {max(len(run) - first, 0)} samples of sweeps, too few to identify."
+            )
         dt_s = np.diff(t, prepend=t[0] - (run.info.period_s or float(np.median(np.diff(t)))))
         start_K = float(np.mean(source[max(first - _SETTLED, 0) : first])) if first else float(source[0])
         position = run["position"][first:]
@@ -130,6 +134,12 @@ class SweepRecord:
         inputs = np.clip(np.concatenate([self.means(u)[used], u[turns]]), self.lower, self.upper)
         order = np.argsort(sample, kind="stable")
         return inputs[order], sample[order], block[order]
+
+    def branches(self) -> tuple[Array, Array, Integers]:
+        """(input, position, sweep) of each block with a valid sample, by the constants of the actuator."""
+        used = self.sizes > 0
+        u = self.means(self.inputs_K(self.actuator.tau_s))[used]
+        return u, self.means(self.position)[used], self.sweep[self.blocks][used]
 
     def observations(self, tau_s: float) -> Observations:
         """The block means as sums over the FOD surface, for one τ; a curve is a sweep."""

@@ -1,9 +1,9 @@
 """τ of the heating from sweeps at two rates, with an interval that includes what the model does not describe.
 
 At one rate r a lag of r τ looks like a wider hysteresis; at another rate it has another width. The search is coarse
-first, then a parabola through the least squares with the density eliminated. Residuals along a sweep are correlated, because
-the error of a model is a smooth function of the input. So the sweep is the unit that counts: with g the slope of the
-residuals r by log τ,
+first, then a parabola through the least squares with the density eliminated. Residuals along a sweep are correlated,
+because the error of a model is a smooth function of the input. So the sweep is the unit that counts: with g the slope of
+the residuals r by log τ,
 
     Var log τ = Σ_sweeps (Σ g r)² / (Σ g²)²        (Liang & Zeger, Biometrika 73:13, 1986),
 
@@ -27,7 +27,7 @@ from smarig.identification.sweeps.sweep_record import SweepRecord
 
 Array = NDArray[np.float64]
 FACTOR = 4.0  # τ is searched within this factor of the actuator's value
-COARSE, FINE = 20, 60  # intervals of the triangle of the search and of the result
+COARSE, FINE = 20, 50  # intervals of the triangle of the search and of the result
 LEAST_RATE_RATIO = 1.25
 LEAST_COUNTS = 20.0  # of motion
 WIDEST = 0.2  # of τ: a wider half interval counts as not determined
