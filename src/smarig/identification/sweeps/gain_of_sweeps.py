@@ -73,7 +73,7 @@ def _by_reference(records: Sequence[SweepRecord], tau_s: float, reference: Evere
     if k in (0, grid.size - 1):
         return (
             f"R/hA cannot be determined: no value within a factor of {_FACTOR:g} of the actuator's {gain:.4g} K/A² "
-            "makes the reference model follow these sweeps. Check that it is a model of this wire with inputs in kelvin."
+            "makes the reference model follow the sweeps. Check that it is a model of this wire with inputs in kelvin."
         )
     fit = least_squares(
         lambda p: _errors(records, tau_s, reference, float(p[0])),

@@ -23,7 +23,7 @@ from smarig.replay import ActuatorRecord, Model, memory_histories
 
 Array = NDArray[np.float64]
 INTERVALS = 50  # of the triangle of a positive measure
-MISFIT = 1.5  # times the noise: a larger residual is stated as lack of fit
+MISFIT = 2.0  # times the noise: a larger residual is stated as lack of fit
 _SECTIONS = ("wire", "heating", "transmission")
 
 

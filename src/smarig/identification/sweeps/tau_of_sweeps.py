@@ -2,8 +2,8 @@
 
 At one rate r a lag of r τ looks like a wider hysteresis; at another rate it has another width. The search is coarse
 first, then a parabola through the least squares with the density eliminated. Residuals along a sweep are correlated,
-because the error of a model is a smooth function of the input. So the sweep is the unit that counts: with g the slope of
-the residuals r by log τ,
+because the error of a model is a smooth function of the input. So the sweep is the unit that counts: with g the slope
+of the residuals r by log τ,
 
     Var log τ = Σ_sweeps (Σ g r)² / (Σ g²)²        (Liang & Zeger, Biometrika 73:13, 1986),
 
@@ -30,6 +30,7 @@ FACTOR = 4.0  # τ is searched within this factor of the actuator's value
 COARSE, FINE = 20, 50  # intervals of the triangle of the search and of the result
 LEAST_RATE_RATIO = 1.25
 LEAST_COUNTS = 20.0  # of motion
+LEAST_SIGNAL = 10.0  # standard deviation of the motion over the noise: noise alone moves the best τ too
 WIDEST = 0.2  # of τ: a wider half interval counts as not determined
 _GRID = 11
 _STEP, _OFFSETS = 0.03, (-2, -1, 0, 1, 2)  # of log τ, and multiples of it
@@ -77,15 +78,20 @@ def tau_of_sweeps(records: Sequence[SweepRecord]) -> SweptTau:
 
 
 def _check_excitation(records: Sequence[SweepRecord], names: str, ratio: float) -> None:
-    per_count = records[0].run.info.output.resolution or 0.0
     for record in records:
-        y = record.position[record.valid]
+        y, per_count = record.branches()[1], record.run.info.output.resolution
         motion = float(np.ptp(y)) if y.size else 0.0
         if motion == 0 or motion < LEAST_COUNTS * per_count:
+            size = f"{motion / per_count:.3g} counts" if per_count else f"{motion:.3g} {record.run.unit}"
             raise DataError(
-                f"{record.run.path}: the output moves by {motion / per_count if per_count else motion:.3g} "
-                f"{'counts' if per_count else record.run.unit} only, too little to identify a lag of the heating. "
+                f"{record.run.path}: the output moves by {size} only, too little to identify a lag of the heating. "
                 "Sweep over a larger range of inputs."
+            )
+        if float(np.std(y)) < LEAST_SIGNAL * record.noise:
+            raise DataError(
+                f"{record.run.path}: the noise of the output, {record.noise:.3g} {record.run.unit} in short means, is "
+                f"more than 1/{LEAST_SIGNAL:g} of the standard deviation of its motion, so a lag of the heating cannot "
+                "be identified. Sweep over a larger range of inputs, or reduce the noise."
             )
     if ratio < LEAST_RATE_RATIO:
         raise DataError(
