@@ -1,7 +1,7 @@
 """τ of the heating from sweeps at two rates, with an interval that includes what the model does not describe.
 
 At one rate r a lag of r τ looks like a wider hysteresis; at another rate it has another width. The search is coarse
-first, then a parabola through the least squares with the density eliminated. Residuals along a sweep are correlated,
+first, then a cubic through the least squares with the density eliminated. Residuals along a sweep are correlated,
 because the error of a model is a smooth function of the input. So the sweep is the unit that counts: with g the slope
 of the residuals r by log τ,
 
@@ -33,7 +33,7 @@ LEAST_COUNTS = 20.0  # of motion
 LEAST_SIGNAL = 10.0  # standard deviation of the motion over the noise: noise alone moves the best τ too
 WIDEST = 0.2  # of τ: a wider half interval counts as not determined
 _GRID = 11
-_STEP, _OFFSETS = 0.03, (-2, -1, 0, 1, 2)  # of log τ, and multiples of it
+_STEP, _OFFSETS = 0.02, (-2, -1, 0, 1, 2)  # of log τ, and multiples of it
 _ROUNDS = 4
 
 
@@ -121,17 +121,28 @@ def _search(problem: LagProblem, guess: float, names: str) -> float:
 def _refined(problem: LagProblem, log_tau: float) -> tuple[float, Array, Array]:
     """(log τ of the least J, slope of the residuals by log τ, residuals).
 
-    The vertex of a parabola through five values: J has small kinks where inputs cross the cells of the triangle.
+    The minimum of a cubic through five values, because J rises faster on one side, and has small kinks where inputs cross
+    the cells of the triangle.
     """
     for _ in range(_ROUNDS):
         found = [problem.projected(log_tau + k * _STEP) for k in _OFFSETS]
-        bend, tilt, _ = np.polyfit(_OFFSETS, [objective for objective, _ in found], 2)
-        vertex = float(np.clip(-0.5 * tilt / bend, *_OFFSETS[:: len(_OFFSETS) - 1])) if bend > 0 else 0.0
+        vertex = _least([objective for objective, _ in found])
         slope = (found[-2][1] - found[1][1]) / (2 * _STEP)
         log_tau += vertex * _STEP
         if abs(vertex) <= 1:
             break
     return log_tau, slope, problem.projected(log_tau)[1]
+
+
+def _least(values: Sequence[float]) -> float:
+    """The offset at which a cubic through values at ``_OFFSETS`` is least; at most the last offset away.
+
+    >>> round(_least([(k - 0.3) ** 2 + 0.1 * (k - 0.3) ** 3 for k in _OFFSETS]), 6)
+    0.3
+    """
+    cubic = np.polynomial.Polynomial.fit(_OFFSETS, values, 3)
+    grid = np.linspace(_OFFSETS[0], _OFFSETS[-1], 4001)
+    return float(grid[int(np.argmin(cubic(grid)))])
 
 
 def _half_width(slope: Array, residual: Array, sweep: NDArray[np.int64]) -> float:
