@@ -129,7 +129,7 @@ class SweepRecord:
         turns = np.array(turning_points(u, REVERSAL_SHARE * self.span_K)[1:-1], dtype=np.int64)
         used = np.flatnonzero(self.sizes > 0)
         ends = np.append(self.blocks[1:], u.size)
-        sample = np.concatenate([(self.blocks + ends - 1)[used] / 2, turns])
+        sample = np.concatenate([(self.blocks + ends - 1)[used] / 2, turns.astype(np.float64)])
         block = np.concatenate([used, np.full(turns.size, -1)])
         inputs = np.clip(np.concatenate([self.means(u)[used], u[turns]]), self.lower, self.upper)
         order = np.argsort(sample, kind="stable")

@@ -95,9 +95,9 @@ def _check_excitation(records: Sequence[SweepRecord], names: str, ratio: float) 
             )
     if ratio < LEAST_RATE_RATIO:
         raise DataError(
-            f"{names}: all sweeps pass the same inputs at one rate (ratio {ratio:.2g}), so a lag of the heating cannot "
-            "be told from a wider hysteresis, and τ cannot be determined. Measure with two rates, at least a factor of "
-            f"{LEAST_RATE_RATIO:g} apart (setting rates_K_per_s), or identify τ otherwise and use settled points."
+            f"{names}: all sweeps pass the same inputs at one rate (ratio {ratio:.2g}). A lag of the heating cannot be "
+            "distinguished from a wider hysteresis then, so τ cannot be determined. Measure with two rates, at least a "
+            f"factor of {LEAST_RATE_RATIO:g} apart (setting rates_K_per_s), or measure settled points."
         )
 
 
@@ -121,9 +121,10 @@ def _search(problem: LagProblem, guess: float, names: str) -> float:
 def _refined(problem: LagProblem, log_tau: float) -> tuple[float, Array, Array]:
     """(log τ of the least J, slope of the residuals by log τ, residuals).
 
-    The minimum of a cubic through five values, because J rises faster on one side, and has small kinks where inputs cross
-    the cells of the triangle.
+    The minimum of a cubic through five values, because J rises faster on one side, and has small kinks where inputs
+    cross the cells of the triangle.
     """
+    slope = np.empty(0)
     for _ in range(_ROUNDS):
         found = [problem.projected(log_tau + k * _STEP) for k in _OFFSETS]
         vertex = _least([objective for objective, _ in found])
