@@ -24,7 +24,7 @@ from smarig.identification.sweeps.sweep_record import SweepRecord
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
-SMOOTHING = 1e-12
+SMOOTHING = 1e-13
 RIDGE = 1e-13
 CLOSEST = 2e-3  # of the range: closer nodes are one
 
