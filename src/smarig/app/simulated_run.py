@@ -13,7 +13,7 @@ from smarig.config import load_rig, recorded_file
 from smarig.core import UsageError
 from smarig.plant import Actuator, effects_from_json
 from smarig.record import Run, Step, write_run
-from smarig.replay import Model, simulate, simulate_samples
+from smarig.replay import Model, simulate, simulate_samples, with_heating_of
 from smarig.rig import TwinSettings
 from smarig.runner import Session, check_drivers
 
@@ -21,6 +21,7 @@ from smarig.runner import Session, check_drivers
 def simulate_run(model: Model, along: Run, out: Path, *, force: bool = False) -> Path:
     """Simulate the model along the inputs of a run: positions of all samples and settled steps, in the
     model's zero."""
+    along = with_heating_of(model, along)
     predicted = dict(zip((s.index for s in along.settled), simulate(model, along).tolist()))
     kept = ("tick", "t_s", "step", "current_command_A", "current_A", "input", "ambient_degC")
     columns = {name: [None if v != v else v for v in along[name].tolist()] for name in kept}

@@ -14,6 +14,7 @@ from smarig.identification.surface.choose_surface import SurfaceChoice
 from smarig.identification.surface.curve_report import CurveReport
 from smarig.identification.surface.fit_figures import plain
 from smarig.identification.surface.surface_fit import SurfaceFit
+from smarig.identification.sweeps.heating_of_sweeps import HeatingOfSweeps
 from smarig.replay import Model
 
 
@@ -25,8 +26,9 @@ class Identification:
     curves of the runs. They are empty if the runs of a positive measure contain none; its own points are
     ``model.fit["points"]``. ``choice`` describes the choice of "best", and is None if the kind was named.
     ``extension`` is the result for the extended models of §3.5, None if none was requested. ``rows`` are the rows used
-    of each run. ``load`` is the dependence on a load, None if none was requested. ``crossing_note``: a
-    sentence on crossing curves of the default twin, "" for all other data.
+    of each run. ``load`` is the dependence on a load, None if none was requested. ``crossing_note``: a sentence on
+    crossing curves of the default twin, "" for all other data. ``heating`` are the constants of the heating from
+    continuous sweeps, None without such a run.
     """
 
     model: Model
@@ -41,6 +43,7 @@ class Identification:
     rows: tuple[RowsUsed, ...] = ()
     load: LoadDependence | None = None
     crossing_note: str = ""
+    heating: HeatingOfSweeps | None = None
 
     @property
     def warnings(self) -> tuple[str, ...]:
@@ -82,6 +85,7 @@ class Identification:
             "warnings": list(self.warnings),
             **({"crossing_note": self.crossing_note} if self.crossing_note else {}),
             **({"load": self.load.to_json()} if self.load else {}),
+            **({"heating": self.heating.to_json()} if self.heating else {}),
             **({"extension": self.extension.to_json()} if self.extension else {}),
         }
 

@@ -51,10 +51,23 @@ from smarig.identification.surface.fit_figures import (
 from smarig.identification.surface.measured_table import table
 from smarig.identification.surface.surface_fit import ROOT_WEIGHT, MajorLoopWeighting, SurfaceFit, fit_surface
 from smarig.identification.surface.surface_kinds import BEST_KIND, POSITIVE_KIND, surface_kinds
+from smarig.identification.sweeps.heating_of_sweeps import (
+    heating_of_sweeps,
+    sweep_nodes,
+    with_fitted_inputs,
+)
 from smarig.identification.twin_crossing import twin_crossing_note
 from smarig.preisach import Everett, FodSurface, FodTable, ForcTable, Mirrored, surface_forms
 from smarig.record import FORC_PROTOCOL, OWN_ZERO, Run, load_run
-from smarig.replay import Model, NoiseRecord, file_hash, model_metadata, pooled_conditions, provenance
+from smarig.replay import (
+    Model,
+    NoiseRecord,
+    file_hash,
+    load_model,
+    model_metadata,
+    pooled_conditions,
+    provenance,
+)
 
 _LARGEST_VALUE = 1e30
 _UNEXPLAINED_SHARE = 0.9  # of the output's standard deviation: a fit with larger residuals hardly follows it
@@ -88,6 +101,7 @@ def identify(
     extension: str = NONE,
     load_from: str | None = None,
     slopes: float = 0.0,
+    reference: Model | str | Path | None = None,
 ) -> Identification:
     """Identify a Preisach model from runs (or paths) of any protocol.
 
@@ -99,8 +113,9 @@ def identify(
     −y), like that of a magnet. Surfaces and tables of ascending curves, and all models of magnetic reversal curves,
     are fitted in that mirror. ``extension`` adds one of the extended models of §3.5, or the "best" of them on runs
     left out; the model then predicts with it. ``load_from`` names a condition of the runs, "stress": one positive
-    measure, shifted by it, for all loads. Raises UsageError for unknown names, and DataError if the runs contain too
-    little.
+    measure, shifted by it, for all loads. Runs of continuous sweeps also give the time constant of the heating, with
+    which their inputs are computed; ``reference``, a model of the same wire (or its path), gives its R/hA too. Raises
+    UsageError for unknown names, and DataError if the runs contain too little.
     """
     _check_words(surface, weights, symmetric, slopes)
     if extension not in extension_names():
@@ -112,6 +127,9 @@ def identify(
     if load_from is not None:
         check_load_settings(surface, select, anchor, symmetric, extension)
         return identify_loads(given, load_from)
+    heating = heating_of_sweeps(loaded, _known_hysteresis(reference))
+    if heating is not None:
+        loaded = with_fitted_inputs(loaded, heating)
     everything = _first_order_curves(loaded, surface)
     data = everything if select is None else selected(everything, select)
     choice = choose_surface(data, anchor=anchor, weights=weights) if surface == BEST_KIND else None
@@ -132,7 +150,7 @@ def identify(
         mirrored=found.mirrored,
         fit=found.figures,
         noise_floor=NoiseRecord(value=floor.value, unit=floor.unit, source=floor.source),
-        provenance=tuple(provenance(run) for run in loaded),
+        provenance=tuple(provenance(run) for run in given),
         twin=any(run.twin for run in loaded),
         created=datetime.now(UTC).isoformat(timespec="seconds"),
         parameters=fit.names if fit else (),
@@ -141,6 +159,7 @@ def identify(
         warnings=(*curves.warnings, *found.warnings, *late, *pooled_conditions(loaded)),
         **model_metadata(loaded),
     )
+    model = heating.model(model) if heating else model
     remarks = assumed_starts_text(assumed_starts(model, loaded), model.unit)
     if found.positive and select is None and zeros_disagree(model, loaded):
         remarks += _zeros_remark(loaded, found.positive, symmetric)
@@ -155,10 +174,18 @@ def identify(
         positive=found.positive,
         rows=rows_of_runs(given, data, select, found.points),
         crossing_note=twin_crossing_note(loaded) if curves.cross else "",
+        rows=rows_of_runs(loaded if heating else given, data, select, found.points),
+        heating=heating,
     )
     if extension == NONE:
         return plain
     return _extended(plain, loaded, extension, anchor, weights, symmetric, slopes)
+
+
+def _known_hysteresis(reference: Model | str | Path | None) -> Everett | None:
+    if reference is None:
+        return None
+    return (reference if isinstance(reference, Model) else load_model(reference)).hysteresis
 
 
 def _zeros_remark(runs: Sequence[Run], common: PositiveFit, symmetric: bool) -> list[str]:
@@ -292,11 +319,12 @@ def _positive(
     inputs = np.concatenate([run.points()[0] for run in runs])
     if np.ptp(inputs) == 0:
         raise DataError(f"The input is {inputs[0]:g} at every point. The output is not driven.")
-    fit, table, warnings = fit_positive(observations, symmetric=symmetric), None, []
+    nodes = sweep_nodes(runs) if not points_alone else None
+    fit, table, warnings = fit_positive(observations, nodes=nodes, symmetric=symmetric), None, []
     spread = spread_about_zeros(observations)
     if fit.rms > _UNEXPLAINED_SHARE * spread:
         turned = replace(observations, y=-observations.y)
-        negative = fit_positive(turned, symmetric=symmetric)
+        negative = fit_positive(turned, nodes=nodes, symmetric=symmetric)
         if negative.rms < fit.rms:  # as of strain, which falls while a wire gets hot
             observations = turned
             fit, table = negative, FodTable(negative.table.nodes, -negative.table.values, negative.table.unit)

@@ -33,6 +33,7 @@ from smarig.replay import (
     recorded_start,
     simulate_runs,
     simulate_samples,
+    with_heating_of,
 )
 
 Array = NDArray[np.float64]
@@ -117,7 +118,9 @@ def verify(
     still simulated. With ``offset`` "known", a run with an unknown encoder zero is an error; "fitted" always fits
     an offset. Raises DataError if units differ or the memory of a run is never known.
     """
-    several = [without_dropouts(run) for run in ([runs] if isinstance(runs, Run) else runs)]
+    several = [
+        with_heating_of(model, without_dropouts(run)) for run in ([runs] if isinstance(runs, Run) else runs)
+    ]
     for run in several:
         check_output(model, run)
     selected = selected_points(several, select)

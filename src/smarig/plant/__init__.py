@@ -45,7 +45,6 @@ if TYPE_CHECKING:
     from smarig.plant.thermal_stages import EARLY_STAGES as EARLY_STAGES
     from smarig.plant.thermal_stages import ThermalStages as ThermalStages
     from smarig.plant.thermal_stages import apply_hooks as apply_hooks
-    from smarig.plant.wire_phases import WirePhases as WirePhases
     from smarig.plant.thermomechanical.characteristics import isobaric_loop as isobaric_loop
     from smarig.plant.thermomechanical.characteristics import isothermal_loop as isothermal_loop
     from smarig.plant.thermomechanical.kinetics import AUSTENITE as AUSTENITE
@@ -58,5 +57,6 @@ if TYPE_CHECKING:
     from smarig.plant.thermomechanical.thermomechanical_plant import (
         thermomechanical_travel as thermomechanical_travel,
     )
+    from smarig.plant.wire_phases import WirePhases as WirePhases
 else:
     __getattr__, __dir__, __all__ = lazy_exports(__name__)

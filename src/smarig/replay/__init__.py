@@ -10,12 +10,14 @@ if TYPE_CHECKING:
     from smarig.replay.conditions import pooled_conditions as pooled_conditions
     from smarig.replay.conditions import recorded_conditions as recorded_conditions
     from smarig.replay.extended_model import extended_operator as extended_operator
+    from smarig.replay.heated_input import with_heating_of as with_heating_of
     from smarig.replay.measured_input import MeasuredInput as MeasuredInput
     from smarig.replay.measured_input import driven_by_input as driven_by_input
     from smarig.replay.memory_history import MemoryHistory as MemoryHistory
     from smarig.replay.memory_history import memory_histories as memory_histories
     from smarig.replay.memory_history import memory_states as memory_states
     from smarig.replay.memory_history import recorded_start as recorded_start
+    from smarig.replay.model_file import ActuatorRecord as ActuatorRecord
     from smarig.replay.model_file import Model as Model
     from smarig.replay.model_file import NoiseRecord as NoiseRecord
     from smarig.replay.model_file import load_model as load_model

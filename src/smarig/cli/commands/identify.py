@@ -12,6 +12,7 @@ from smarig.identification import BEST_KIND, extension_names, surface_kinds
 EPILOG = """\b
 Examples:
   smarig identify fod.run.sqlite --surface exponential -o wire.model.json
+  smarig identify sweeps.run.sqlite -o wire.model.json
   smarig identify fod.run.sqlite loops.run.sqlite --surface positive -o wire.model.json
   smarig identify fod.run.sqlite loops.run.sqlite --surface exponential --extension best -o wire.model.json
   smarig identify 50_MPa.run.sqlite 150_MPa.run.sqlite --load-from stress -o wire.model.json
@@ -59,6 +60,12 @@ Examples:
     metavar="WEIGHT",
     help="Also fit the slopes along the curves (thesis §9.2), with this weight; the outputs have 1.",
 )
+@click.option(
+    "--reference",
+    metavar="MODEL",
+    type=FILE,
+    help="A model of the same wire, from which a run of continuous sweeps also determines R/hA.",
+)
 @click.option("-o", "--out", type=FILE, required=True, help="Model file (*.model.json).")
 @click.option("--force", is_flag=True, help="Replace an existing model file.")
 @json_option
@@ -71,13 +78,14 @@ def command(
     extension: str,
     load_from: str | None,
     slopes: float,
+    reference: Path | None,
     out: Path,
     force: bool,
 ) -> None:
     """Identify a Preisach model from runs with first-order curves or, with --surface positive, from any runs."""
     from smarig.identification import identify
 
-    check_distinct(out, *runs)
+    check_distinct(out, reference, *runs)
     check_writable(out, force=force, kind=MODEL)
     result = identify(
         runs,
@@ -88,6 +96,7 @@ def command(
         extension=extension,
         load_from=load_from,
         slopes=slopes,
+        reference=reference,
     )
     result.model.save(out, force=force)
     for warning in result.warnings:
@@ -97,5 +106,6 @@ def command(
     found = {**result.to_json(), "model": str(out)}
     extended = [result.extension.text] if result.extension else []
     loads = [result.load.text] if result.load else []
+    heating = [result.heating.text] if result.heating else []
     rows = [rows.text for rows in result.rows]
-    emit(found, "\n".join([repr(result), *extended, *loads, *rows, f"Model: {out}"]))
+    emit(found, "\n".join([repr(result), *extended, *loads, *heating, *rows, f"Model: {out}"]))

@@ -24,8 +24,24 @@ def adapted_nodes(observations: Observations, intervals: int) -> Array:
         few = _thinned(
             np.array([lower, used.min(), observations.alpha.min(), used.max(), upper]), SAME_LEVEL * span
         )
-    place, share = _activity(observations, span)
-    nodes = few.tolist()
+    return _halved(few, *_activity(observations, span), intervals)
+
+
+def nodes_along(inputs: Array, outputs: Array, branch: NDArray[np.int64], intervals: int) -> Array:
+    """The same along a dense path: inputs and outputs (k,), and the number of the monotone branch of each.
+
+    Nodes reach from the smallest to the largest input.
+    """
+    span = float(np.ptp(inputs))
+    same = branch[1:] == branch[:-1]
+    low, high = (end(inputs[1:], inputs[:-1])[same] for end in (np.minimum, np.maximum))
+    ends = np.array([inputs.min(), inputs.max()])
+    return _halved(ends, *_shares(low, high, np.abs(np.diff(outputs))[same], ends, span), intervals)
+
+
+def _halved(few: Array, place: Array, share: Array, intervals: int) -> Array:
+    """The nodes with the widest interval halved until there are enough."""
+    nodes, span = few.tolist(), few[-1] - few[0]
     while len(nodes) <= intervals:
         at = np.array(nodes)
         width = np.diff(at) / span + np.diff(np.interp(at, place, share))
@@ -49,9 +65,16 @@ def _activity(observations: Observations, span: float) -> tuple[Array, Array]:
     at = _last_terms(observations)
     order = np.lexsort((observations.beta[at], observations.curve))
     u, y, curve = observations.beta[at][order], observations.y[order], observations.curve[order]
-    used = (curve[1:] == curve[:-1]) & (np.diff(u) > 1e-9 * span)
-    low, high, change = u[:-1][used], u[1:][used], np.abs(np.diff(y))[used]
-    edges = np.linspace(observations.lower, observations.upper, 65)
+    used = curve[1:] == curve[:-1]
+    ends = np.array([observations.lower, observations.upper])
+    return _shares(u[:-1][used], u[1:][used], np.abs(np.diff(y))[used], ends, span)
+
+
+def _shares(low: Array, high: Array, change: Array, ends: Array, span: float) -> tuple[Array, Array]:
+    """Cumulative share (65,) of the output changes between pairs of inputs, over the input (65,)."""
+    used = high - low > 1e-9 * span
+    low, high, change = low[used], high[used], change[used]
+    edges = np.linspace(ends[0], ends[1], 65)
     share = np.array([np.sum(change * np.clip((e - low) / (high - low), 0.0, 1.0)) for e in edges])
     return edges, share / share[-1] if share.size and share[-1] > 0 else (edges - edges[0]) / span
 

@@ -212,7 +212,11 @@ def _posed_problem(
     problem = MeasureProblem.of(triangle, all_observations, scale, zero)
     by_smoothing: dict[float, float] = {}
     if smoothing is None and (masks or symmetric):
-        coarse = adapted_nodes(observations, min(int(COARSE * more), fine))
+        coarse = (
+            adapted_nodes(observations, min(int(COARSE * more), fine))
+            if nodes is None
+            else np.append(triangle.nodes[:-1:2], triangle.nodes[-1])
+        )
         same = np.array_equal(coarse, triangle.nodes)
         rough = problem if same else MeasureProblem.of(Triangle(coarse), all_observations, scale, zero)
         smoothing, errors = _chosen_smoothing(rough, masks, all_observations, observations)

@@ -1,0 +1,1 @@
+"""Identification from continuous sweeps: the lag of the heating together with the hysteresis."""

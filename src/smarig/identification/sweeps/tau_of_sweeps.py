@@ -1,0 +1,160 @@
+"""τ of the heating from sweeps at two rates, with an interval that includes what the model does not describe.
+
+At one rate r a lag of r τ looks like a wider hysteresis; at another rate it has another width. The search is coarse
+first, then a cubic through the least squares with the density eliminated. Residuals along a sweep are correlated,
+because the error of a model is a smooth function of the input. So the sweep is the unit that counts: with g the slope
+of the residuals r by log τ,
+
+    Var log τ = Σ_sweeps (Σ g r)² / (Σ g²)²        (Liang & Zeger, Biometrika 73:13, 1986),
+
+with Student's t of the number of sweeps. The interval is never narrower than that of independent blocks, whose variance
+is the mean square of the residuals and not that of the encoder's noise.
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import fminbound
+
+from smarig.core import DataError
+from smarig.identification.interval_estimate import Estimate, quantile
+from smarig.identification.sweeps.lag_problem import LagProblem
+from smarig.identification.sweeps.sweep_rates import rate_ratio
+from smarig.identification.sweeps.sweep_record import SweepRecord
+
+Array = NDArray[np.float64]
+FACTOR = 4.0  # τ is searched within this factor of the actuator's value
+COARSE, FINE = 20, 50  # intervals of the triangle of the search and of the result
+LEAST_RATE_RATIO = 1.25
+LEAST_COUNTS = 20.0  # of motion
+LEAST_SIGNAL = 10.0  # standard deviation of the motion over the noise: noise alone moves the best τ too
+WIDEST = 0.2  # of τ: a wider half interval counts as not determined
+_GRID = 11
+_STEP, _OFFSETS = 0.02, (-2, -1, 0, 1, 2)  # of log τ, and multiples of it
+_ROUNDS = 4
+
+
+@dataclass(frozen=True, eq=False)
+class SweptTau:
+    """τ, the residual rms of block means, and the rms that noise alone would leave, in output units."""
+
+    tau: Estimate
+    rms: float
+    noise: float
+    blocks: int
+    sweeps: int
+    rate_ratio: float
+
+
+def tau_of_sweeps(records: Sequence[SweepRecord]) -> SweptTau:
+    """τ of the wire of these records. Raises DataError with the reason if they do not determine it."""
+    names = ", ".join(r.run.path.name for r in records)
+    ratio = rate_ratio(records)
+    _check_excitation(records, names, ratio)
+    log_tau = _search(LagProblem.of(records, COARSE), math.log(records[0].actuator.tau_s), names)
+    problem = LagProblem.of(records, FINE)
+    log_tau, slope, residual = _refined(problem, log_tau)
+    half = _half_width(slope, residual, problem.sweep)
+    if not half < WIDEST:
+        raise DataError(
+            f"{names}: the time constant τ cannot be determined: its 95 % interval is ± {min(half, 9.99):.0%}. The "
+            "sweeps move the wire too little for its noise, or no Preisach model follows them. Measure more or larger "
+            "reversal curves."
+        )
+    tau = math.exp(log_tau)
+    sweeps = int(np.unique(problem.sweep).size)
+    text = f"position in {sweeps} sweeps of {names} at rates of ratio {ratio:.2g}, together with the density"
+    return SweptTau(
+        tau=Estimate(tau, (tau * math.exp(-half), tau * math.exp(half)), "s", text, residual.size),
+        rms=float(np.sqrt(np.mean(residual**2))),
+        noise=float(np.sqrt(np.mean([r.noise**2 for r in records]))),
+        blocks=residual.size,
+        sweeps=sweeps,
+        rate_ratio=ratio,
+    )
+
+
+def _check_excitation(records: Sequence[SweepRecord], names: str, ratio: float) -> None:
+    for record in records:
+        y, per_count = record.branches()[1], record.run.info.output.resolution
+        motion = float(np.ptp(y)) if y.size else 0.0
+        if motion == 0 or motion < LEAST_COUNTS * per_count:
+            size = f"{motion / per_count:.3g} counts" if per_count else f"{motion:.3g} {record.run.unit}"
+            raise DataError(
+                f"{record.run.path}: the output moves by {size} only, too little to identify a lag of the heating. "
+                "Sweep over a larger range of inputs."
+            )
+        if float(np.std(y)) < LEAST_SIGNAL * record.noise:
+            raise DataError(
+                f"{record.run.path}: the noise of the output, {record.noise:.3g} {record.run.unit} in short means, is "
+                f"more than 1/{LEAST_SIGNAL:g} of the standard deviation of its motion, so a lag of the heating cannot "
+                "be identified. Sweep over a larger range of inputs, or reduce the noise."
+            )
+    if ratio < LEAST_RATE_RATIO:
+        raise DataError(
+            f"{names}: all sweeps pass the same inputs at one rate (ratio {ratio:.2g}). A lag of the heating cannot be "
+            "distinguished from a wider hysteresis then, so τ cannot be determined. Measure with two rates, at least a "
+            f"factor of {LEAST_RATE_RATIO:g} apart (setting rates_K_per_s), or measure settled points."
+        )
+
+
+def _search(problem: LagProblem, guess: float, names: str) -> float:
+    """log τ of the least J on a coarse triangle."""
+
+    def objective(log_tau: float) -> float:
+        return problem.projected(log_tau)[0]
+
+    grid = guess + np.linspace(-1, 1, _GRID) * math.log(FACTOR)
+    k = int(np.argmin([objective(x) for x in grid.tolist()]))
+    if k in (0, grid.size - 1):
+        raise DataError(
+            f"{names}: the time constant τ cannot be determined: no value within a factor of {FACTOR:g} of the "
+            f"actuator's {math.exp(guess):.3g} s follows the sweeps best. Check the actuator of the rig, and whether "
+            "another effect than the heating delays the position."
+        )
+    return np.asarray(fminbound(objective, grid[k - 1], grid[k + 1], xtol=5e-3), dtype=float).item()
+
+
+def _refined(problem: LagProblem, log_tau: float) -> tuple[float, Array, Array]:
+    """(log τ of the least J, slope of the residuals by log τ, residuals).
+
+    The minimum of a cubic through five values, because J rises faster on one side, and has small kinks where inputs
+    cross the cells of the triangle.
+    """
+    slope = np.empty(0)
+    for _ in range(_ROUNDS):
+        found = [problem.projected(log_tau + k * _STEP) for k in _OFFSETS]
+        vertex = _least([objective for objective, _ in found])
+        slope = (found[-2][1] - found[1][1]) / (2 * _STEP)
+        log_tau += vertex * _STEP
+        if abs(vertex) <= 1:
+            break
+    return log_tau, slope, problem.projected(log_tau)[1]
+
+
+def _least(values: Sequence[float]) -> float:
+    """The offset at which a cubic through values at ``_OFFSETS`` is least; at most the last offset away.
+
+    >>> round(_least([(k - 0.3) ** 2 + 0.1 * (k - 0.3) ** 3 for k in _OFFSETS]), 6)
+    0.3
+    """
+    cubic = np.polynomial.Polynomial.fit(_OFFSETS, values, 3)
+    grid = np.linspace(_OFFSETS[0], _OFFSETS[-1], 4001)
+    return float(grid[int(np.argmin(cubic(grid)))])
+
+
+def _half_width(slope: Array, residual: Array, sweep: NDArray[np.int64]) -> float:
+    """Half-width of the 95 % interval of log τ; inf if the residuals do not depend on τ."""
+    curvature = float(slope @ slope)
+    if curvature == 0:
+        return math.inf
+    clusters = np.bincount(sweep, slope * residual)
+    moved = np.bincount(sweep, slope**2)
+    # sweeps that hardly depend on τ do not count as repetitions
+    effective = curvature**2 / max(float(moved @ moved), 1e-300)
+    score = float(clusters @ clusters) * effective / max(effective - 1, 1.0)
+    independent = float(np.mean(residual**2)) * curvature
+    return quantile(effective - 1) * math.sqrt(max(score, independent)) / curvature
