@@ -59,7 +59,7 @@ def test_the_interval_contains_the_choice_of_readings():
     """A curved plateau without noise: other choices of its readings give other temperatures."""
     loop = known_loop(3, kind="ramp", noise=1e-5, drift=0.0)
     straight = run_figures(run_of(loop.u, loop.y)).means["A_f"]
-    curved = loop.y + 0.3 * np.ptp(loop.y) * np.maximum(loop.u / loop.u.max() - 0.5, 0) ** 2
+    curved = loop.y + 0.3 * np.ptp(loop.y) * np.maximum((loop.u - loop.truth["A_f"]) / loop.u.max(), 0) ** 2
     wide = run_figures(run_of(loop.u, curved)).means["A_f"]
     assert np.diff(wide.ci95)[0] > 5 * np.diff(straight.ci95)[0]
 
