@@ -19,8 +19,8 @@ from smarig.core import (
 def shipped_names(folder: str) -> list[str]:
     """Names of the files that ship in a folder of configs/.
 
-    >>> shipped_names("actuators")
-    ['gorbet_one_wire', 'gorbet_two_wire']
+    >>> shipped_names("campaigns")
+    ['characterise', 'quick_look']
     """
     return sorted(p.stem for p in (shipped("configs") / folder).glob("*.toml"))
 

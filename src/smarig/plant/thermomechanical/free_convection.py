@@ -42,7 +42,7 @@ def free_convection_W_per_m2_K(diameter_m: float, wire_degC: float, ambient_degC
     """The heat transfer coefficient h of a horizontal cylinder.
 
     >>> round(free_convection_W_per_m2_K(0.3e-3, 196.1, 22.0), 1)
-    73.3
+    74.7
     """
     difference_K = max(abs(wire_degC - ambient_degC), _LEAST_DIFFERENCE_K)
     film_degC = 0.5 * (wire_degC + ambient_degC)

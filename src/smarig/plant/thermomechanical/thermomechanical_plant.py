@@ -112,7 +112,7 @@ def thermomechanical_travel(actuator: Actuator) -> float:
     """The way between both ends: each wire is heated in turn to the temperature of [heating], in the rig's unit.
 
     >>> round(thermomechanical_travel(Actuator.named("thermomechanical_one_wire")), 1)
-    12.9
+    13.0
     """
     plant = ThermomechanicalPlant(actuator, actuator.tau_s / 10, ambient_degC=AMBIENT_DEGC)
     current_A = actuator.file.heating.reference_current.value
