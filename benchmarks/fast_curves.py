@@ -45,8 +45,9 @@ class HiddenHeating:
     tau: float
     gain: float
 
-    def hooks(self, _context: EffectContext) -> Mapping[Stage, Hook]:
+    def hooks(self, context: EffectContext) -> Mapping[Stage, Hook]:
         """Factors on the lag and on the source."""
+        del context
         return {
             Stage.LAG: lambda lag, _now: lag * self.tau,
             Stage.SOURCE: lambda source, _now: source * self.gain,

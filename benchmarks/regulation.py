@@ -26,7 +26,7 @@ from benchmarks.disturbance_comparison import (
 from smarig.config import load_rig
 from smarig.control import BoundaryPlane, Psi, plan_approach, regulate
 from smarig.core import Sample
-from smarig.plant import Actuator
+from smarig.plant import Actuator, Plant
 from smarig.preisach import THESIS_SURFACES, Everett, Preisach, thesis_surface
 from smarig.protocols import Setup
 from smarig.rig import Guard, Twin, TwinSettings
@@ -237,4 +237,6 @@ def _reached(rig: str, currents_A: Sequence[float], plane: BoundaryPlane, ell: f
     twin = Twin(file, replace(actuator, file=slower), TwinSettings(seed=1))
     for current_A in currents_A:
         twin.step(current_A)
-    return plane.distance(plane.state(twin.specimen.plant.operator.state), ell) / plane.area
+    plant = twin.specimen.plant
+    assert isinstance(plant, Plant)  # noqa: S101 - this rig is a twin with an operator
+    return plane.distance(plane.state(plant.operator.state), ell) / plane.area

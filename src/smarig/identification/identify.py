@@ -172,7 +172,6 @@ def identify(
         curves=curves,
         choice=choice,
         positive=found.positive,
-        rows=rows_of_runs(given, data, select, found.points),
         crossing_note=twin_crossing_note(loaded) if curves.cross else "",
         rows=rows_of_runs(loaded if heating else given, data, select, found.points),
         heating=heating,

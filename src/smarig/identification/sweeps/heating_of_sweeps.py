@@ -108,7 +108,7 @@ def heating_of_sweeps(runs: Sequence[Run], reference: Everett | None = None) -> 
     found: dict[str, Estimate | str] = {
         "tau": swept.tau,
         "R_over_hA": gain_of_sweeps(records, swept.tau.value, reference),
-        **resistances([record.run for record in records]),
+        **resistances([record.run for record in records], swept.tau.value),
     }
     return HeatingOfSweeps(
         swept=swept,
