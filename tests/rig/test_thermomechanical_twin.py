@@ -44,19 +44,19 @@ def test_holds_within_a_narrow_transformation_are_no_slip():
     assert guard.alarms() == []
 
 
+def driven(guard, currents_A):
+    for current_A in currents_A:
+        for _ in range(600):
+            guard.step(current_A)
+
+
 def test_motion_is_judged_by_the_travel_of_the_wires():
     """2 % of their travel is no motion, although it is 7 % of the travel of the surface in [hysteresis]."""
     rig = TamperedRig("two_wire_thermomechanical", lambda s: s._replace(counts=round(0.02 * s.counts)))
     actuator = Actuator.named(rig.file.actuator)
     guard = Guard(rig, rig.file.limits, actuator, Plausibility(rig.file, actuator))
-
-    def drive():
-        for current_A in (1.0, 0.0, -1.0):
-            for _ in range(600):
-                guard.step(current_A)
-
     with pytest.raises(LimitExceeded, match="did not move"):
-        drive()
+        driven(guard, (1.0, 0.0, -1.0))
 
 
 def test_effects_and_initial_states_are_those_of_an_operator():
