@@ -1,5 +1,7 @@
 """Temperatures of a twin's run against those of the exact major loop of its Preisach operator."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -46,6 +48,13 @@ def test_both_scales_are_given(run):
     assert one["above_ambient_K"] == pytest.approx(one["value"])
     assert found["ambient_degC"] == pytest.approx(22.0, abs=0.1)
     assert found["twin"] is True
+
+
+def test_temperatures_that_no_thermometer_measured_say_so(run):
+    assert any("No thermometer measured these temperatures" in note for note in run_figures(run).notes)
+    quantity = {**run.meta["input"], "from": "thermocouple"}
+    measured = replace(run, meta={**run.meta, "input": quantity})
+    assert not any("No thermometer" in note for note in run_figures(measured).notes)
 
 
 def test_first_order_curves_give_an_assembled_heating_branch(tmp_path):

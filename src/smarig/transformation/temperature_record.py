@@ -23,7 +23,7 @@ class TemperatureRecord:
     """Temperature ``u`` and output ``y`` (k,) in measured order, both known in every row.
 
     ``to_degC_K`` is added to u to give °C, None if the ambient temperature is not known; ``ambient_degC`` is its mean.
-    ``notes`` state which readings were left out.
+    ``notes`` state which readings were left out, and where temperatures were not measured.
     """
 
     u: Array
@@ -63,6 +63,11 @@ def temperature_record(run: Run) -> TemperatureRecord:
     if ambient.size and np.ptp(ambient) > _MOVED_K:
         notes.append(
             f"The ambient temperature moved from {ambient.min():.1f} to {ambient.max():.1f} °C; its mean was used."
+        )
+    if "heating model" in (run.info.input.from_ or ""):
+        notes.append(
+            "No thermometer measured these temperatures: they come from the heating model along the current. Its error "
+            "is not in the intervals."
         )
     mean = float(ambient.mean()) if ambient.size else None
     return TemperatureRecord(
