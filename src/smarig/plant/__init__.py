@@ -45,6 +45,7 @@ if TYPE_CHECKING:
     from smarig.plant.thermal_stages import EARLY_STAGES as EARLY_STAGES
     from smarig.plant.thermal_stages import ThermalStages as ThermalStages
     from smarig.plant.thermal_stages import apply_hooks as apply_hooks
+    from smarig.plant.thermomechanical.characteristics import antagonist_path as antagonist_path
     from smarig.plant.thermomechanical.characteristics import isobaric_loop as isobaric_loop
     from smarig.plant.thermomechanical.characteristics import isothermal_loop as isothermal_loop
     from smarig.plant.thermomechanical.kinetics import AUSTENITE as AUSTENITE

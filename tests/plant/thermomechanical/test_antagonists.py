@@ -1,11 +1,14 @@
 """Two wires on one shaft: stress and angle against a root finder on the printed equations."""
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 from scipy.optimize import brentq
 
 from plant.thermomechanical.brinson import TABLE_1, Branches, constants, strain
-from smarig.plant import Actuator, Material, ThermomechanicalPlant, differential_stress
+from smarig.core import UsageError
+from smarig.plant import Actuator, Material, ThermomechanicalPlant, antagonist_path, differential_stress
 
 NAME = "thermomechanical_two_wire"
 C = constants(**{k: getattr(Material.of(Actuator.named(NAME).file), k) for k in TABLE_1})
@@ -51,6 +54,28 @@ def test_stress_and_angle_at_every_tick(seed):
         angle = np.degrees(LENGTH_MM * (second - first) / (2 * RADIUS_MM))
         assert plant.position == pytest.approx(angle, abs=1e-4)
     assert max(stresses) - min(stresses) > 50.0
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_a_path_of_temperatures_against_the_root_finder(seed):
+    """Both wires anywhere between cold and hot, also both hot and both cold again, and slack."""
+    rng = np.random.default_rng(seed)
+    corners = [[22.0, 22.0], *rng.uniform(15.0, 180.0, (8, 2)).tolist(), [22.0, 22.0], [170.0, 22.0]]
+    pairs = np.concatenate([np.linspace(a, b, 40) for a, b in pairwise(corners)])
+    stress_MPa, strains = antagonist_path(Material.of(Actuator.named(NAME).file), 0.03, pairs)
+    wires = [Branches(0.0, 1.0), Branches(0.0, 1.0)]
+    for pair, sigma, reached in zip(pairs.tolist(), stress_MPa.tolist(), strains.tolist(), strict=True):
+        assert sigma == pytest.approx(solved(wires, pair), rel=1e-6, abs=1e-6)
+        assert sum(reached) == pytest.approx(TOTAL, abs=1e-9) or sigma == 0.0
+        expected = [strain(C, sigma, T, w.xi_S + w.xi_T, w.xi_S) for w, T in zip(wires, pair, strict=True)]
+        assert reached == pytest.approx(expected, rel=1e-6, abs=1e-9)
+
+
+def test_a_path_needs_pairs():
+    material = Material.of(Actuator.named(NAME).file)
+    for wrong in ([22.0, 30.0], [[22.0, np.nan]], [[1.0, 2.0, 3.0]]):
+        with pytest.raises(UsageError, match="pairs of finite numbers"):
+            antagonist_path(material, 0.03, wrong)
 
 
 def test_the_thesis_s_force_balance_lies_near():

@@ -1,9 +1,12 @@
-"""Characteristics of the alloy alone: stress over strain at one temperature, strain over temperature at one stress.
+"""Characteristics of the alloy alone: stress over strain at one temperature, strain over temperature at one stress, and
+two wires against each other at given temperatures.
 
-The thesis measures its actuator only (5.1.2); these are the curves of a tensile test and of a wire under dead weight.
+The thesis measures its actuator only (5.1.2); these are the curves of a tensile test, of a wire under dead weight, and
+of both wires of the differential actuator without their heating.
 """
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
+from functools import partial
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -66,6 +69,58 @@ def isobaric_loop(
         phase = transformed(material, phase, temperature_degC, stress_MPa)
         found.append(material.strain(stress_MPa, temperature_degC, phase.martensite, phase.detwinned))
     return np.array(found)
+
+
+def antagonist_path(
+    material: Material, pre_strain: float, temperatures_degC: ArrayLike
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Stress (n,) in MPa of two equal wires, and their strains (n, 2), at each pair of temperatures (n, 2).
+
+        σ₁ = σ₂ = σ,      ε₁(σ) + ε₂(σ) = 2 ε_p
+
+    Both start as twinned martensite, stretched by the pre-strain at the first pair. Temperatures are monotone between
+    two pairs. Both wires are slack (σ = 0) where they are longer than that.
+    """
+    pairs = np.asarray(temperatures_degC, dtype=float)
+    if pairs.ndim != 2 or pairs.shape[1:] != (2,) or not np.all(np.isfinite(pairs)):
+        raise UsageError("The temperatures must be pairs of finite numbers, one of each wire.")
+    phases, stress_MPa = (TWINNED_MARTENSITE, TWINNED_MARTENSITE), 0.0
+    least_slope = 2.0 * SAFETY / max(material.austenite_MPa, material.martensite_MPa)
+    stresses, strains = [], []
+    for pair in pairs.tolist():
+        evaluate = partial(_excess, material, pair, phases, 2.0 * pre_strain)
+        now = evaluate(stress_MPa)
+        if now[0] > 0.0 and now[0] / least_slope >= stress_MPa > 0.0:
+            at_zero = evaluate(0.0)
+            stress_MPa, now = (0.0, at_zero) if at_zero[0] > 0.0 else (stress_MPa, now)
+        if now[0] <= 0.0 or stress_MPa > 0.0:
+            stress_MPa, (phases, reached) = increasing_root(
+                evaluate, stress_MPa, now, least_slope, tolerance=TOLERANCE_MPA
+            )
+        else:
+            phases, reached = now[1]
+        stresses.append(stress_MPa)
+        strains.append(reached)
+    return np.array(stresses), np.array(strains)
+
+
+_Pair = tuple[tuple[Phase, Phase], tuple[float, float]]
+
+
+def _excess(
+    material: Material,
+    temperatures_degC: Sequence[float],
+    phases: tuple[Phase, Phase],
+    total_strain: float,
+    stress_MPa: float,
+) -> tuple[float, _Pair]:
+    """By how much both strains exceed their sum at a stress, with the phases and strains there."""
+    ends = [transformed(material, p, T, stress_MPa) for p, T in zip(phases, temperatures_degC)]
+    first, second = (
+        material.strain(stress_MPa, T, end.martensite, end.detwinned)
+        for end, T in zip(ends, temperatures_degC)
+    )
+    return first + second - total_strain, ((ends[0], ends[1]), (first, second))
 
 
 def _numbers(values: ArrayLike, what: str) -> Iterable[float]:
