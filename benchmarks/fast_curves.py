@@ -55,7 +55,7 @@ class HiddenHeating:
 
 
 @dataclass(frozen=True)
-class Wire:
+class ComparedWire:
     """One wire of the comparison."""
 
     number: int
@@ -104,15 +104,17 @@ def _finite(value: float) -> float | None:
     return float(value) if np.isfinite(value) else None
 
 
-def _wire(number: int) -> Wire:
+def _wire(number: int) -> ComparedWire:
     rig, truth = WIRES[number]
     rng = np.random.default_rng([number, 2026])
     heating = HiddenHeating(float(rng.uniform(0.6, 1.6)), float(rng.uniform(0.9, 1.1)))
     hysteresis = thesis_surface(truth) if isinstance(truth, str) else random_truth(truth, rig)
-    return Wire(number, rig, truth if isinstance(truth, str) else f"random {truth}", hysteresis, heating)
+    return ComparedWire(
+        number, rig, truth if isinstance(truth, str) else f"random {truth}", hysteresis, heating
+    )
 
 
-def _compared(wire: Wire, folder: Path) -> dict[str, Any]:
+def _compared(wire: ComparedWire, folder: Path) -> dict[str, Any]:
     settled = _measured(wire, "first_order_descending", {}, folder / f"settled_{wire.number}.run.sqlite")
     held = _measured(
         wire,
@@ -148,7 +150,7 @@ def _compared(wire: Wire, folder: Path) -> dict[str, Any]:
     }
 
 
-def _tau_error(wire: Wire, result: Identification) -> dict[str, Any]:
+def _tau_error(wire: ComparedWire, result: Identification) -> dict[str, Any]:
     if result.heating is None:
         raise AssertionError("A run of sweeps was not recognised.")
     true_s = (
@@ -167,7 +169,7 @@ def _counts(result: Identification, held: Run) -> float:
     return verify(result.model, held).runs[0].settled.rms / held.info.output.resolution
 
 
-def _measured(wire: Wire, protocol: str, settings: dict[str, Any], out: Path) -> Run:
+def _measured(wire: ComparedWire, protocol: str, settings: dict[str, Any], out: Path) -> Run:
     twin = TwinSettings(
         seed=10 * wire.number + len(protocol), hysteresis=wire.hysteresis, effects=(wire.heating,)
     )

@@ -78,10 +78,10 @@ def _heated_from_cold(x: Array) -> NDArray[np.bool_]:
 
 
 def _segments(i: Array, v: Array, x: Array, used: NDArray[np.bool_], order: int) -> Segments:
-    """Rows of each uninterrupted stretch: i, i x, i x² up to ``order`` columns, and the voltage."""
+    """Rows of each uninterrupted segment: i, i x, i x² up to ``order`` columns, and the voltage."""
     rows = np.flatnonzero(used)
-    stretches = np.split(rows, np.flatnonzero(np.diff(rows) > 1) + 1) if rows.size else []
-    return [(np.column_stack([i[k] * x[k] ** p for p in range(order)]), v[k]) for k in stretches]
+    segments = np.split(rows, np.flatnonzero(np.diff(rows) > 1) + 1) if rows.size else []
+    return [(np.column_stack([i[k] * x[k] ** p for p in range(order)]), v[k]) for k in segments]
 
 
 def _fit(segments: Segments) -> LinearFit | None:
