@@ -43,6 +43,7 @@ ADDED = {
     "rows",
     "severity",
     "suspects",
+    "transformation",
     "thermomechanical_one_wire",
     "thermomechanical_two_wire",
     "two_wire_thermomechanical",
