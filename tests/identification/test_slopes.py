@@ -1,6 +1,7 @@
 """A surface fit that also matches slopes (§9.2), against a direct minimisation, and the note on the twin's crossing."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -11,6 +12,7 @@ from smarig.cli import run as cli
 from smarig.core import UsageError
 from smarig.identification.fod_data import FodData
 from smarig.identification.surface.surface_fit import fit_surface
+from smarig.identification.twin_crossing import twin_crossing_note
 from smarig.preisach import THESIS_PARTITIONS, FodSurface, thesis_surface
 from smarig.theory import loop_area
 
@@ -147,3 +149,6 @@ def test_the_twins_crossing_is_named_as_its_own(capsys, curves, tmp_path):
         partition_K=(-185, -60, 0, 60, 185),
     )
     assert "crossing_note" not in smarig.identify(two, "exponential").to_json()
+    values = {**curves.info.actuator_values, "thermomechanical": {"pre_strain": 0.03}}
+    assert twin_crossing_note([curves])
+    assert not twin_crossing_note([replace(curves, meta={**curves.meta, "actuator_values": values})])

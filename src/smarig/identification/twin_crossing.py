@@ -29,8 +29,10 @@ def twin_crossing_note(runs: Sequence[Run]) -> str:
 
 
 def _surface_name(run: Run) -> str:
-    """The surface of Table 5.1 that a twin simulates; "" for a bench or for another surface."""
+    """The surface of Table 5.1 that a twin simulates; "" for a bench, another surface, or a thermomechanical wire."""
     values: Any = run.info.actuator_values
-    section = values.get("hysteresis") if isinstance(values, dict) else None
+    if not run.twin or not isinstance(values, dict) or values.get("thermomechanical"):
+        return ""
+    section = values.get("hysteresis")
     name = section.get("surface") if isinstance(section, dict) else None
-    return name if run.twin and isinstance(name, str) else ""
+    return name if isinstance(name, str) else ""

@@ -88,7 +88,9 @@ def run_stress(run: AnyRun) -> StressRange | None:
     """The stress over a run of two wires; None for others, or if its actuator file is not available."""
     try:
         actuator = recorded_actuator(run)
-        if actuator is None:
+        if (
+            actuator is None or actuator.file.thermomechanical is not None
+        ):  # its surface is not that of the wire
             return None
         return stress_over_run(run, actuator, thesis_surface(actuator.file.hysteresis.surface))
     except SmarigError:
