@@ -149,6 +149,8 @@ def test_the_twins_crossing_is_named_as_its_own(capsys, curves, tmp_path):
         partition_K=(-185, -60, 0, 60, 185),
     )
     assert "crossing_note" not in smarig.identify(two, "exponential").to_json()
+    with pytest.raises(UsageError, match="leaves no weight to the outputs"):
+        smarig.identify(two, "exponential", slopes=1e100)
     values = {**curves.info.actuator_values, "thermomechanical": {"pre_strain": 0.03}}
     assert twin_crossing_note([curves])
     assert not twin_crossing_note([replace(curves, meta={**curves.meta, "actuator_values": values})])

@@ -140,3 +140,14 @@ def test_a_formula_runs_on_the_twin(tmp_path):
     )
     settled = [s.target for s in run.steps if s.verdict == "settled"]
     assert settled == pytest.approx([50, 90, 50, 10, 50], abs=1e-9)
+
+
+@pytest.mark.parametrize("text", ["min(90, (10**308*10 - 10**308*10))", "max(1, tan(t)*10**308*10*0)"])
+def test_what_is_no_number_is_not_hidden_by_a_minimum(text):
+    with pytest.raises(UsageError, match="has no finite value"):
+        Formula(text)(1.0)
+
+
+def test_an_infinite_number_is_refused():
+    with pytest.raises(UsageError, match="a number that is too large"):
+        Formula("min(90, 1e400)")

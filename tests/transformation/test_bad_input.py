@@ -60,6 +60,13 @@ def test_the_good_loop_beside_them_is_exact():
     assert found.means["width"].value == pytest.approx(10, abs=0.1)
 
 
+@pytest.mark.parametrize("factor", [1e-310, 1e120])
+def test_numbers_that_no_wire_gives_are_refused(factor):
+    u, y = loop()
+    with pytest.raises(UsageError, match="which no wire gives"):
+        run_figures(run_of(u, factor * y))
+
+
 @pytest.mark.parametrize("value", [np.nan, np.inf])
 def test_an_array_with_a_reading_that_is_no_number_is_refused(value):
     y = curve(RAMP)

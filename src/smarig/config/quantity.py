@@ -1,5 +1,6 @@
 """A physical quantity of a configuration file: value, unit and source, in the unit that its key requires."""
 
+import math
 from dataclasses import dataclass
 from typing import Annotated
 
@@ -21,13 +22,20 @@ class Quantity(TomlTable):
 
 @dataclass(frozen=True)
 class InUnit:
-    """Requires one unit."""
+    """Requires one unit, and a value that some wire or mechanism could have."""
 
     unit: str
+    least: float = -math.inf
+    most: float = math.inf
 
     def __call__(self, q: Quantity) -> Quantity:
         if q.unit != self.unit:
             raise ValueError(f"unit is '{q.unit}', expected '{self.unit}'")
+        return q
+
+    def _plausible(self, q: Quantity) -> Quantity:
+        if not self.least <= q.value <= self.most:
+            raise ValueError(f"value {q.value:g} must lie between {self.least:g} and {self.most:g}")
         return q
 
 
@@ -39,7 +47,7 @@ class PositiveIn(InUnit):
         super().__call__(q)
         if q.value <= 0:
             raise ValueError(f"value {q.value:g} must be positive")
-        return q
+        return self._plausible(q)
 
 
 @dataclass(frozen=True)
@@ -50,12 +58,20 @@ class NotNegativeIn(InUnit):
         super().__call__(q)
         if q.value < 0:
             raise ValueError(f"value {q.value:g} must not be negative")
-        return q
+        return self._plausible(q)
 
 
-Millimetres = Annotated[Quantity, AfterValidator(PositiveIn("mm"))]
+@dataclass(frozen=True)
+class WithinIn(InUnit):
+    """Requires a value of either sign within bounds in one unit."""
+
+    def __call__(self, q: Quantity) -> Quantity:
+        return self._plausible(super().__call__(q))
+
+
+Millimetres = Annotated[Quantity, AfterValidator(PositiveIn("mm", 1e-4, 1e6))]
 Ohms = Annotated[Quantity, AfterValidator(PositiveIn("ohm"))]
 Kelvin = Annotated[Quantity, AfterValidator(PositiveIn("K"))]
 Amperes = Annotated[Quantity, AfterValidator(PositiveIn("A"))]
-Density = Annotated[Quantity, AfterValidator(PositiveIn("kg/m^3"))]
-SpecificHeat = Annotated[Quantity, AfterValidator(PositiveIn("J/(kg K)"))]
+Density = Annotated[Quantity, AfterValidator(PositiveIn("kg/m^3", 1.0, 1e5))]
+SpecificHeat = Annotated[Quantity, AfterValidator(PositiveIn("J/(kg K)", 1.0, 1e6))]

@@ -4,17 +4,17 @@ from typing import Annotated, Literal
 
 from pydantic import AfterValidator, model_validator
 
-from smarig.config.quantity import InUnit, NotNegativeIn, PositiveIn, Quantity
+from smarig.config.quantity import NotNegativeIn, PositiveIn, Quantity, WithinIn
 from smarig.core import TomlTable
 
-Celsius = Annotated[Quantity, AfterValidator(InUnit("degC"))]
-Megapascals = Annotated[Quantity, AfterValidator(PositiveIn("MPa"))]
-Slope = Annotated[Quantity, AfterValidator(PositiveIn("MPa/K"))]
-Share = Annotated[Quantity, AfterValidator(PositiveIn("1"))]
-PerKelvin = Annotated[Quantity, AfterValidator(NotNegativeIn("1/K"))]
-Resistivity = Annotated[Quantity, AfterValidator(PositiveIn("ohm m"))]
-Newtons = Annotated[Quantity, AfterValidator(PositiveIn("N"))]
-LatentHeat = Annotated[Quantity, AfterValidator(NotNegativeIn("J/kg"))]
+Celsius = Annotated[Quantity, AfterValidator(WithinIn("degC", -273.15, 1000.0))]
+Megapascals = Annotated[Quantity, AfterValidator(PositiveIn("MPa", 1.0, 1e6))]
+Slope = Annotated[Quantity, AfterValidator(PositiveIn("MPa/K", 0.1, 1000.0))]
+Share = Annotated[Quantity, AfterValidator(PositiveIn("1", 1e-5, 0.2))]
+PerKelvin = Annotated[Quantity, AfterValidator(NotNegativeIn("1/K", 0.0, 0.01))]
+Resistivity = Annotated[Quantity, AfterValidator(PositiveIn("ohm m", 1e-9, 1e-3))]
+Newtons = Annotated[Quantity, AfterValidator(PositiveIn("N", 1e-6, 1e6))]
+LatentHeat = Annotated[Quantity, AfterValidator(NotNegativeIn("J/kg", 0.0, 1e6))]
 
 LARGEST_STRESS_MPA = 1000.0  # the phase diagram is checked up to here; NiTi yields below
 

@@ -69,6 +69,7 @@ from smarig.replay import (
     provenance,
 )
 
+LARGEST_SLOPE_WEIGHT = 1000.0
 _LARGEST_VALUE = 1e30
 _UNEXPLAINED_SHARE = 0.9  # of the output's standard deviation: a fit with larger residuals hardly follows it
 _NO_HYSTERESIS = 1 - 1e-6  # share of the measure on the diagonal: hardly any hysteresis is left
@@ -227,6 +228,10 @@ def _check_words(surface: str, weights: str, symmetric: bool, slopes: float) -> 
         raise UsageError(f"There is no surface '{surface}'{suggestion(surface, known)}.")
     if weights not in ROOT_WEIGHT:
         raise UsageError(f"Weights '{weights}' are not one of {', '.join(ROOT_WEIGHT)}.")
+    if slopes > LARGEST_SLOPE_WEIGHT:
+        raise UsageError(
+            f"The weight of slopes {slopes:g} leaves no weight to the outputs. Give at most {LARGEST_SLOPE_WEIGHT:g}."
+        )
     if slopes and surface not in surface_forms():
         raise UsageError(
             f"The weight of slopes applies to a fitted surface ({', '.join(surface_forms())}), not to '{surface}'."

@@ -7,6 +7,7 @@ evaluated; every other element is refused by name.
 import ast
 import math
 import operator
+import warnings
 from collections.abc import Callable
 
 from smarig.core import UsageError, shown
@@ -28,8 +29,8 @@ _FUNCTIONS: dict[str, tuple[int, Callable[..., float]]] = {
     "log": (1, math.log),
     "sqrt": (1, math.sqrt),
     "abs": (1, math.fabs),
-    "min": (2, min),
-    "max": (2, max),
+    "min": (2, lambda a, b: a + b if math.isnan(a + b) else min(a, b)),  # not a number stays none
+    "max": (2, lambda a, b: a + b if math.isnan(a + b) else max(a, b)),
 }
 _Evaluated = Callable[[float], float]
 
@@ -49,7 +50,9 @@ class Formula:
         if not self.text or len(self.text) > LONGEST_TEXT:
             raise UsageError(f"A temperature profile must have 1 to {LONGEST_TEXT} characters.")
         try:
-            tree = ast.parse(self.text, mode="eval")
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore", SyntaxWarning)  # of what is refused anyhow
+                tree = ast.parse(self.text, mode="eval")
         except (SyntaxError, ValueError):
             raise self._error(
                 "is not a formula of t; write for instance 87+60*sin(2*pi*t/600)*exp(-t/1800)"
@@ -116,9 +119,12 @@ class Formula:
         if isinstance(value, bool) or not isinstance(value, int | float):
             raise self._error(f"contains {shown(value, 20)}, which is not a real number")
         try:
-            return float(value)
+            number = float(value)
         except OverflowError:
-            raise self._error("contains a number that is too large") from None
+            number = math.inf
+        if math.isinf(number):
+            raise self._error("contains a number that is too large")
+        return number
 
     def _error(self, reason: str) -> UsageError:
         return UsageError(f"The profile {shown(self.text)} {reason}.")

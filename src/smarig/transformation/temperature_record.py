@@ -15,6 +15,7 @@ from smarig.record import Run
 Array = NDArray[np.float64]
 _ZERO_DEGC_K = 273.15
 _OF_TWO_WIRES = "T1 - T2"
+_LARGEST = 1e100
 _MOVED_K = 1.0  # a larger range of the ambient temperature is stated
 
 
@@ -59,6 +60,7 @@ def temperature_record(run: Run) -> TemperatureRecord:
             f"{int(lost.sum())} rows were left out whose temperature reads exactly 0, far from its neighbours."
         )
         u, y = u[~lost], y[~lost]
+    _check_size(run, u, y)
     ambient = run["ambient_degC"][np.isfinite(run["ambient_degC"])]
     if ambient.size and np.ptp(ambient) > _MOVED_K:
         notes.append(
@@ -95,6 +97,16 @@ def _check_input(run: Run) -> None:
         raise UsageError(
             f"The hysteresis input of {run.name} is a difference of the temperatures of two wires, which has no "
             "transformation temperatures. Use a run of one wire."
+        )
+
+
+def _check_size(run: Run, u: Array, y: Array) -> None:
+    """Raise UsageError for numbers whose squares no computer holds."""
+    largest, travel = max(float(np.abs(u).max()), float(np.abs(y).max())), float(np.ptp(y)) if y.size else 0.0
+    if largest > _LARGEST or 0.0 < travel < 1.0 / _LARGEST:
+        raise UsageError(
+            f"{run.name} has numbers of the size {largest if largest > _LARGEST else travel:.3g}, which no wire gives. "
+            "Check units and missing values in its mapping file."
         )
 
 

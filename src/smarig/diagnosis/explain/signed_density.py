@@ -77,7 +77,7 @@ def _choose_density(
     signed_result: DensitySearchResult | None = None
 
     def search_with_signed() -> DensitySearchResult:
-        report_progress("with a density that is negative somewhere")
+        report_progress("Comparing with densities that may be negative")
         return _with_levels(
             DensitySearchResult(*signed, criticise(signed[0]), []), original, criticise, report_progress
         )
