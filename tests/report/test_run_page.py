@@ -109,6 +109,14 @@ def test_the_page_of_a_run_that_ended_early_states_the_cause_at_the_top(end, wor
     assert "Incomplete" not in Page(run_page(run_of())).visible
 
 
+def test_limits_are_those_of_the_run_and_those_that_were_not_set_have_no_row():
+    values = {"limits": {"temperature_max_K": 105.0, "stress_max_MPa": 300.0, "voltage_max_V": None}}
+    page = Page(run_page(run_of(rig_values=values)))
+    assert page.row("Limits: temperature max")[1:3] == ["105", "K"]
+    assert page.row("Limits: stress max")[1:3] == ["300", "MPa"]
+    assert "None" not in page.visible
+
+
 def test_conditions_are_values_with_units():
     stress = {"mean": 51.25, "unit": "MPa", "min": 49.9, "max": 50.0}
     page = Page(run_page(run_of(conditions={"stress": stress, "specimen": {"text": "A3"}})))

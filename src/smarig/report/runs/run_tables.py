@@ -113,6 +113,8 @@ def _rig_rows(run: Run) -> Iterable[Row]:
     for group in ("limits", "amplifier", "encoder"):
         part = rig.get(group)
         for key, value in part.items() if isinstance(part, dict) else ():
+            if value is None:  # a limit that was not set
+                continue
             name, unit = _name_and_unit(key)
             yield (
                 f"{group.capitalize()}: {name}",
@@ -124,7 +126,15 @@ def _rig_rows(run: Run) -> Iterable[Row]:
 
 def _name_and_unit(key: str) -> tuple[str, str]:
     """``current_rate_A_per_s`` → ("current rate", "A/s"): the name of a setting ends in its unit."""
-    units = {"_A_per_s": "A/s", "_A": "A", "_V": "V", "_K": "K", "_s": "s", "_counts": "counts"}
+    units = {
+        "_A_per_s": "A/s",
+        "_MPa": "MPa",
+        "_A": "A",
+        "_V": "V",
+        "_K": "K",
+        "_s": "s",
+        "_counts": "counts",
+    }
     for ending, unit in units.items():
         if key.endswith(ending):
             return key.removesuffix(ending).replace("_", " "), unit
