@@ -115,7 +115,7 @@ def test_the_signed_density_is_chosen_where_it_is_likelier_than_all_explanations
     seen, searches = world.find_explanations()
     assert (seen.base.hysteresis, best_evidence(seen)) == ("signed", best)
     assert searches == ["positive", "signed"]
-    assert world.said.count("with a density that is negative somewhere") == 1
+    assert world.said.count("Comparing with densities that may be negative") == 1
 
 
 def test_it_is_chosen_where_no_effect_explains_anything_with_the_other(monkeypatch):
