@@ -32,7 +32,7 @@ from smarig.report.runs.run_tables import conditions_table, provenance_table, qu
 from smarig.report.runs.time_figures import initialisation_figure, time_series_figure
 
 Parts = Iterator[Html | Figure]
-_ALL_POINTS = 10_000  # per channel over all runs, so that the page stays below 7 MB with any number of runs
+_ALL_POINTS = 3_000  # per channel over all runs, so that the page stays below 1 MB
 
 
 def characterisation_page(evidence: Evidence) -> str:
@@ -74,11 +74,11 @@ def _time(e: Evidence) -> Parts:
     points = min(POINTS, _ALL_POINTS // max(1, len(e.runs)))
     for run in _with_samples(e):
         if run.has("t_s"):
-            yield time_series_figure(run, points)
+            yield time_series_figure(run, points, explore=False)
 
 
 def _hysteresis_graphs(e: Evidence) -> Parts:
-    graphs = [hysteresis_figure(run).html() for run in _with_samples(e) if len(run.settled) >= 2]
+    graphs = [hysteresis_figure(run, explore=False).html() for run in _with_samples(e) if len(run.settled) >= 2]
     if graphs:
         yield tag("div", *graphs, class_="pairs")
 

@@ -11,7 +11,7 @@ from smarig.report.closed_loop.loop_result import is_closed_loop
 from smarig.report.components.figure import Figure
 from smarig.report.components.html import Html, bullets, cards, joined, notice, paragraph, tag
 from smarig.report.components.numbers import duration, number, thousands
-from smarig.report.components.page import Section, page
+from smarig.report.components.page import LIBRARY, Section, page
 from smarig.report.components.run_description import (
     capitalised,
     count_size,
@@ -38,11 +38,11 @@ if TYPE_CHECKING:  # of these packages, most runs need nothing: they take a seco
     from smarig.replay import Model
 
 
-def run_page(run: Run, *, library: str = "", certified: "tuple[Model, str, str] | None" = None) -> str:
+def run_page(run: Run, *, library: str = LIBRARY, certified: "tuple[Model, str, str] | None" = None) -> str:
     """The HTML page of a run: time series, hysteresis graph, conditions, marks, events and provenance.
 
-    ``library`` is the address of Plotly's script if pages share it, "" to embed it. A closed loop has its own sections
-    and, with ``certified`` (a model, its file name and hash), the certificate of that model.
+    ``library`` is the address of the interactive library, relative to the page. A closed loop has its own sections and,
+    with ``certified`` (a model, its file name and hash), the certificate of that model.
     """
     data = list(_figure_parts(run)) or [paragraph("The run has no samples to draw.")]
     sections = [

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-POINTS = 1600  # a trace stays under 3000 points
+POINTS = 1000  # a drawing is about 560 pixels wide: two for each
 
 
 def envelope(values: NDArray[np.float64], points: int = POINTS) -> NDArray[np.intp]:

@@ -1,9 +1,11 @@
-"""A figure: panels of Plotly traces, a title sentence, and a self-contained caption.
+"""A figure: panels, a title sentence, and a self-contained caption.
 
-Traces and layouts are plain dictionaries in Plotly's schema, with arrays packed in base64.
+Traces and layouts are plain dictionaries in Plotly's schema, with arrays packed in base64. A page shows each panel as a
+vector drawing; panels to ``explore`` also carry their data, which the interactive library draws on request.
 """
 
 import base64
+import gzip
 import html
 import json
 import math
@@ -37,7 +39,8 @@ WATERMARK = {
 class Panel:
     """One plot: traces and layout (Plotly schema), height in CSS pixels; a ``wide`` panel takes a whole row.
 
-    On pages narrower than ``min_width_px`` the panel keeps that width and scrolls inside its frame.
+    ``explore``: readers want to zoom or turn it. On pages narrower than ``min_width_px`` the panel keeps that width and
+    scrolls inside its frame.
     """
 
     data: Sequence[Trace]
@@ -45,6 +48,7 @@ class Panel:
     height: int = 420
     wide: bool = False
     min_width_px: int = 0
+    explore: bool = False
 
 
 @dataclass(frozen=True)
@@ -61,20 +65,20 @@ class Figure:
     min_width_px: int = 560
 
     def html(self) -> Html:
-        """The figure as HTML; the page's script draws its plots."""
+        """The figure as HTML, with its panels drawn as SVG."""
         panels = [_panel(panel, self) for panel in self.panels]
         badge = joined([label_badge(self.label), " "]) if self.label else ""
         words = joined([part for part in self.caption if part], " ")
         caption = tag("figcaption", badge, tag("b", self.title), " ", words)
-        kind = "panels one" if len(panels) == 1 else "panels"
-        half_range = {"tabindex": 0, "role": "group", "aria_label": self.title} if self._is_scrollable else {}
-        frame = tag("div", *panels, class_=kind, style=f"--least:{self.min_width_px}px", **half_range)
-        return tag("figure", frame, caption)
+        is_single = len(panels) == 1 and not self.panels[0].wide
+        scrolls = {"tabindex": 0, "role": "group", "aria_label": self.title} if self._is_scrollable else {}
+        frame = tag("div", *panels, class_="panels", style=f"--least:{self.min_width_px}px", **scrolls)
+        return tag("figure", frame, caption, class_="single" if is_single else "")
 
     @property
     def _is_scrollable(self) -> bool:
         """Whether a panel may be wider than a small screen, so that the frame must scroll by keyboard."""
-        return any(panel.min_width_px for panel in self.panels)
+        return any(panel.wide or panel.min_width_px for panel in self.panels)
 
 
 def label_badge(label: str) -> Html:
@@ -83,18 +87,28 @@ def label_badge(label: str) -> Html:
 
 
 def _panel(panel: Panel, figure: Figure) -> Html:
-    layout = dict(panel.layout)
-    if figure.label:
-        layout["annotations"] = [
-            *layout.get("annotations", ()),
-            WATERMARK | _watermark_position(layout) | {"text": figure.label},
-        ]
-    text = json.dumps({"data": list(panel.data), "layout": layout}, allow_nan=False, ensure_ascii=False)
-    # "<" must not end the enclosing script element
-    script = Html(f'<script type="application/json">{text.replace("<", chr(92) + "u003c")}</script>')
-    size = f"--high:{panel.height}px" + (f";min-width:{panel.min_width_px}px" if panel.min_width_px else "")
-    plot = tag("div", script, class_="plot", style=size, role="img", aria_label=alt_text(panel, figure))
+    from smarig.report.drawing import (
+        WIDE_PX,
+        svg_of,
+    )  # Matplotlib takes a second: not for pages without figures
+
+    drawn = Html(svg_of(panel, figure.label))
+    data = _explored(panel, figure.label) if panel.explore else ""
+    least = panel.min_width_px or (WIDE_PX * 0.6 if panel.wide else 0)
+    style = {"style": f"min-width:{least:.0f}px"} if least else {}
+    plot = tag("div", drawn, data, class_="plot", role="img", aria_label=alt_text(panel, figure), **style)
     return tag("div", plot, class_="cell wide" if panel.wide else "cell")
+
+
+def _explored(panel: Panel, label: str) -> Html:
+    """The data of a panel for the interactive library, compressed."""
+    layout = dict(panel.layout) | {"height": panel.height}
+    if label:
+        mark = WATERMARK | _watermark_position(layout) | {"text": label}
+        layout["annotations"] = [*layout.get("annotations", ()), mark]
+    text = json.dumps({"data": list(panel.data), "layout": layout}, allow_nan=False, ensure_ascii=False)
+    packed_text = base64.b64encode(gzip.compress(text.encode(), mtime=0)).decode("ascii")
+    return Html(f'<script type="application/gzip" class="explored">{packed_text}</script>')
 
 
 def _watermark_position(layout: Mapping[str, Any]) -> dict[str, str]:

@@ -1,6 +1,7 @@
-"""Assembles a page: one HTML file with navigation, banners, style sheet and scripts.
+"""Assembles a page: one HTML file with navigation, banners, style sheet, drawings and a script.
 
-Plotly's script is embedded once per page, or stored once in a folder of pages. A page loads nothing from the network.
+The interactive library (Plotly) is stored once in a folder of pages and loaded when a reader explores a figure. A page
+loads nothing from the network.
 """
 
 import json
@@ -9,14 +10,13 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from plotly.offline import get_plotlyjs
-
 from smarig.core import atomic_file
 from smarig.report.components.figure import Figure
 from smarig.report.components.html import Html, escaped, joined, tag
 from smarig.report.components.style import CSS, template
 
-LIBRARY = "smarig-figures.js"  # Plotly's script, shared by the pages of a folder
+LIBRARY = "smarig-figures.js"  # Plotly's script, beside the pages of a folder
+_EXPLORED = 'class="explored"'  # marks the data of a figure that can be explored
 GENERATOR = "smarig"
 SIMULATED_TEXT = "every number on this page comes from a software simulation. No wire was measured."
 
@@ -38,12 +38,12 @@ def page(
     label: str = "",
     simulated: str = SIMULATED_TEXT,
     notices: Sequence[Html] = (),
-    library: str = "",
+    library: str = LIBRARY,
 ) -> str:
     """The page as HTML. ``notices`` (for example of incomplete runs) precede all sections.
 
-    ``label`` and ``simulated`` form the banner of simulated data. ``library`` is the address of Plotly's script in
-    the same folder, "" to embed it.
+    ``label`` and ``simulated`` form the banner of simulated data. ``library`` is the address of the interactive
+    library, relative to the page.
     """
     words = f"{label}: {simulated}" if label else ""
     banner = tag("aside", words, class_="twinbar", aria_label="Simulated, not measured") if label else ""
@@ -52,10 +52,15 @@ def page(
     top = tag("div", banner, tag("nav", skip, *links, aria_label="Sections"), class_="sticky")
     header = tag("header", tag("h1", title), tag("p", lead, class_="lead"), *notices, class_="top")
     body = tag("main", *(_section(k, s) for k, s in enumerate(sections, start=1)))
-    drawn = 'class="plot' in body
-    scripts = _scripts(library) if drawn else Html("")
+    script = Html(f"<script>{figure_script()}</script>") if "<svg" in body else ""
     whole = tag(
-        "body", top, header, body, _footer(words, library if drawn else ""), scripts, data_library=library
+        "body",
+        top,
+        header,
+        body,
+        _footer(words, library if _EXPLORED in body else ""),
+        script,
+        data_library=library,
     )
     head = _head(f"{label} · {title}" if label else title)
     return f'<!DOCTYPE html>\n<html lang="en">{head}\n{whole}</html>\n'
@@ -77,32 +82,31 @@ def _section(number: int, section: Section) -> Html:
     return tag("section", tag("h2", section.title), *parts, id=f"section-{number}")
 
 
-def _scripts(library: str) -> Html:
-    missing = tag("noscript", tag("p", "The figures on this page need JavaScript; the tables do not."))
-    plotly = tag("script", src=library) if library else Html(f"<script>{get_plotlyjs()}</script>")
-    return joined([missing, plotly, Html(f"\n<script>{figure_script()}</script>")])
-
-
 def _footer(words: str, library: str) -> Html:
-    alone = (
-        f"Its figures need the file {library}, which was written with it"
-        if library
-        else "This file is self-contained"
+    beside = f' "Explore" needs the file {library}, which was written with this page.' if library else ""
+    footer_text = (
+        f"Written by smarig. This file is self-contained and loads nothing from the network.{beside}"
     )
-    footer_text = f"Written by smarig. {alone}; the page loads nothing from the network."
     return tag("footer", tag("p", f"{words} {footer_text}".strip()))
 
 
 def write_page(html: str, path: str | Path, force: bool = False) -> Path:
-    """Write a page atomically; raises the errors of ``atomic_file``."""
+    """Write a page atomically, and the interactive library if the page expects it beside itself.
+
+    Raises the errors of ``atomic_file``.
+    """
     file = Path(path)
     with atomic_file(file, force=force) as part:
         part.write_text(html, encoding="utf-8")
+    if _EXPLORED in html and f'data-library="{LIBRARY}"' in html:
+        write_library(file.parent)
     return file
 
 
 def write_library(folder: Path) -> Path:
     """Write Plotly's script into a folder of pages if it is missing or of another version."""
+    from plotly.offline import get_plotlyjs
+
     file, text = folder / LIBRARY, get_plotlyjs()
     if not file.is_file() or file.read_text(encoding="utf-8") != text:
         with atomic_file(file, force=True) as part:
@@ -121,44 +125,51 @@ def is_smarig_page(path: Path) -> bool:
 _DRAW_SCRIPT = """
 (function(){
  const template=TEMPLATE, config={displaylogo:false,responsive:true,displayModeBar:false};
- const plots=[...document.querySelectorAll('.plot')];
- if(!window.Plotly){ plots.forEach(div=>div.textContent=
-  'This figure needs the file '+document.body.dataset.library+', which was written with this page.'); return; }
- let next=0;
- function draw(div){
-  const source=div.querySelector('script'); if(!source) return;
-  const spec=JSON.parse(source.textContent); source.remove();
-  spec.layout.template=template; spec.layout.autosize=true;
+ const library=document.body.dataset.library; let loading=null;
+ function load(){ return loading=loading||new Promise((done,fail)=>{ const script=document.createElement('script');
+  script.src=library; script.onload=done; script.onerror=()=>{ loading=null; fail(); }; document.body.append(script); }); }
+ async function unpacked(plot){ const text=plot.querySelector('script.explored').textContent;
+  const bytes=Uint8Array.from(atob(text),c=>c.charCodeAt(0));
+  const stream=new Blob([bytes]).stream().pipeThrough(new DecompressionStream('gzip'));
+  return JSON.parse(await new Response(stream).text()); }
+ function button(words,act){ const made=document.createElement('button');
+  made.type='button'; made.textContent=words; made.onclick=()=>act(made); return made; }
+ async function explore(plot,pressed){
+  const old=plot.parentNode.querySelector('.live');
+  if(old){ Plotly.purge(old); plot.parentNode.querySelector('.choices')?.remove(); old.remove();
+   plot.style.display=''; pressed.textContent='Explore'; return; }
+  try{ await load(); }catch{ pressed.textContent='The file '+library+' is missing beside this page.';
+   pressed.disabled=true; return; }
+  const spec=await unpacked(plot), live=document.createElement('div'), narrow=plot.clientWidth<520;
+  live.className='live'; spec.layout.template=template; spec.layout.autosize=true;
   const menu=(spec.layout.updatemenus||[])[0]; delete spec.layout.updatemenus;
-  if(div.clientWidth<520){ spec.layout.margin=Object.assign({l:52,r:8,t:40,b:46},spec.layout.narrow||{});
+  if(narrow){ spec.layout.margin=Object.assign({l:52,r:8,t:40,b:46},spec.layout.narrow||{});
    spec.layout.font={size:11}; }
-  Plotly.newPlot(div,spec.data,spec.layout,config);
-  if(menu) choices(div,menu);
+  plot.style.display='none'; plot.after(live); Plotly.newPlot(live,spec.data,spec.layout,config);
+  if(menu) choices(live,menu);
+  pressed.textContent='Drawing';
  }
- function choices(div,menu){
+ function choices(live,menu){
   const bar=document.createElement('div'); bar.className='choices'; bar.role='group';
   bar.setAttribute('aria-label','What is shown');
-  menu.buttons.forEach((one,k)=>{ const button=document.createElement('button');
-   button.type='button'; button.textContent=one.label; button.setAttribute('aria-pressed',k===(menu.active||0));
-   button.onclick=()=>{ [...bar.children].forEach(b=>b.setAttribute('aria-pressed',b===button));
-    Plotly[one.method](div,...one.args); };
-   bar.append(button); });
-  div.before(bar);
+  menu.buttons.forEach((one,k)=>{ const choice=button(one.label,()=>{
+    [...bar.children].forEach(b=>b.setAttribute('aria-pressed',b===choice)); Plotly[one.method](live,...one.args); });
+   choice.setAttribute('aria-pressed',k===(menu.active||0)); bar.append(choice); });
+  live.before(bar);
  }
- function step(){ if(next<plots.length){ draw(plots[next++]); setTimeout(step,0); } }
- function all(){ while(next<plots.length) draw(plots[next++]); }
- function fit(size){ plots.forEach(div=>Plotly.relayout(div,
-  {width:div.clientWidth,height:div.clientHeight,'font.size':size})); }
- addEventListener('beforeprint',()=>{ all(); document.querySelectorAll('details').forEach(d=>d.open=true);
-  document.body.classList.add('printing'); fit(10); });
- addEventListener('afterprint',()=>{ document.body.classList.remove('printing');
-  plots.forEach(div=>Plotly.relayout(div,{width:null,height:null,autosize:true,
-   'font.size':div.clientWidth<520?11:13})); });
- step();
+ function save(plot){ const copy=plot.querySelector('svg').cloneNode(true);
+  copy.style.display=''; copy.removeAttribute('aria-hidden'); copy.setAttribute('font-family','Arial, Helvetica, sans-serif');
+  const link=document.createElement('a'), n=[...document.querySelectorAll('.plot')].indexOf(plot)+1;
+  link.href=URL.createObjectURL(new Blob([copy.outerHTML],{type:'image/svg+xml'}));
+  link.download='figure-'+n+'.svg'; link.click(); }
+ document.querySelectorAll('.plot').forEach(plot=>{ const tools=document.createElement('div'); tools.className='tools';
+  if(plot.querySelector('script.explored')) tools.append(button('Explore',pressed=>explore(plot,pressed)));
+  tools.append(button('SVG',()=>save(plot))); plot.after(tools); });
+ addEventListener('beforeprint',()=>document.querySelectorAll('details').forEach(d=>d.open=true));
 })();
 """
 
 
 def figure_script() -> str:
-    """The drawing script, with the template of all figures."""
+    """The script of figures: saving a drawing, and exploring it with the interactive library."""
     return _DRAW_SCRIPT.replace("TEMPLATE", json.dumps(template()))

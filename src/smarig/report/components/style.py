@@ -125,7 +125,13 @@ code{font:13px/1.4 ui-monospace,SFMono-Regular,Menlo,Consolas,monospace;overflow
 figure{margin:22px 0 30px;counter-increment:figure;break-inside:avoid}
 figure .panels{display:grid;grid-template-columns:repeat(auto-fit,minmax(min(100%,var(--least,560px)),1fr));gap:10px;
  overflow-x:auto}
-.cell{min-width:0}.cell.wide{grid-column:1/-1}.plot{width:100%;min-width:0;position:relative;height:var(--high)}
+.cell{min-width:0}.cell.wide{grid-column:1/-1}.plot{min-width:0;position:relative;max-width:760px}
+.wide>.plot{max-width:none}.plot svg{display:block;width:100%;height:auto}.plot svg text{font-family:FONT}
+.tools{display:flex;gap:10px;justify-content:flex-end;max-width:760px}.wide>.tools{max-width:none}
+.tools button{border:0;padding:2px 4px;font-size:12px;color:var(--grey);background:none;text-decoration:underline}
+.tools button:hover{color:var(--blue)}
+@media (min-width:1000px){figure.single{display:grid;grid-template-columns:minmax(0,660px) minmax(240px,1fr);gap:0 28px;
+ align-items:center}.pairs figure.single{display:block}}
 .choices{display:flex;flex-wrap:wrap;gap:6px}
 button,input,select{font:inherit;font-size:14px;color:var(--ink);background:#fff;border:1px solid #8b939e;
  border-radius:3px;padding:5px 10px}
@@ -174,18 +180,14 @@ footer p{color:var(--grey);font-size:13px;border-top:1px solid var(--line);margi
  .stacked tr{border-top:2px solid var(--ink);padding:4px 0 10px}.stacked tbody th{font-weight:600;padding-right:0}
  .stacked td{display:flex;justify-content:space-between;gap:16px;padding-right:0;text-align:right}
  .stacked td::before{content:attr(data-column);color:var(--grey);text-align:left}}
-/* The script sets .printing before it fits the figures to the paper, so that widths agree on screen and paper */
-body.printing{width:700px;font-size:10pt}.printing .sticky{position:static}.printing nav{display:none}
-.printing main,.printing header.top,.printing footer{padding:0;max-width:none}.printing section{margin:20px 0}
-.printing .plot{height:calc(var(--high)*.66);min-width:0!important}
-.printing .cards{grid-template-columns:repeat(5,1fr);gap:6px}
-.printing .card{padding:6px 8px}.printing .card strong{font-size:12pt}
-.printing .card span,.printing .card small{font-size:8pt}
-.printing .pairs,.printing .columns,.printing .panels{grid-template-columns:minmax(0,1fr) minmax(0,1fr);gap:6px}
-.printing .panels.one,.printing .pairs .panels{grid-template-columns:minmax(0,1fr)}
-.printing figcaption,.printing table,.printing caption{font-size:8pt}.printing th,.printing td{padding:2px 8px 2px 0}
-.printing .choices,.printing .search{display:none}
-.printing .columns td{white-space:normal}.printing td{min-width:2.5em}.printing .table{overflow:visible}
 @media print{@page{size:A4;margin:14mm 12mm}h2,h3{break-after:avoid}tr,.card,.notice{break-inside:avoid}
- .twinbar,.notice,.card,.twin,.severity{-webkit-print-color-adjust:exact;print-color-adjust:exact}}
+ .twinbar,.notice,.card,.twin,.severity{-webkit-print-color-adjust:exact;print-color-adjust:exact}
+ body{font-size:10pt}.sticky{position:static}nav,.choices,.search,.tools{display:none}
+ main,header.top,footer{padding:0;max-width:none}section{margin:20px 0}
+ .cards{grid-template-columns:repeat(5,1fr);gap:6px}.card{padding:6px 8px}.card strong{font-size:12pt}
+ .card span,.card small{font-size:8pt}.plot{min-width:0!important}
+ .pairs,.columns,.panels{grid-template-columns:minmax(0,1fr) minmax(0,1fr)!important;gap:6px}
+ .single .panels,.pairs .panels{grid-template-columns:minmax(0,1fr)!important}
+ figcaption,table,caption{font-size:8pt}th,td{padding:2px 8px 2px 0}
+ .columns td{white-space:normal}td{min-width:2.5em}.table{overflow:visible}}
 """.replace("FONT", FONT)

@@ -142,10 +142,10 @@ def density_figure(found: Mapping[str, Identification], chosen: str, run: Run) -
         f"{name} {100 * density_report_of(found[name]).reversible_share:.1f} %" for name in grids
     )
     return Figure(
-        [Panel(data, layout, 500, min_width_px=SURFACE_MIN_PX), _reversible(found, grids, run)],
+        [Panel(data, layout, 440, min_width_px=SURFACE_MIN_PX, explore=True), _reversible(found, grids, run)],
         f"μ(α, β) of the {first} surface, and the reversible part g.",
         [
-            "First panel: μ as in the map, with colours centred at zero; use the buttons to select a surface. Second "
+            "First panel: μ as in the map, with colours centred at zero; explore to select a surface. Second "
             "panel: g(β) = ∂y/∂β on α = β, the relays of zero width, which μ does not contain. A simulation with μ "
             f"alone lacks their part of the travel ({shares}).",
             run_caption(run),
@@ -165,4 +165,4 @@ def _reversible(found: Mapping[str, Identification], names: Mapping[str, object]
         "xaxis": axis(f"β ({run.input_unit})"),
         "yaxis": axis(f"g ({run.unit}/{run.input_unit})", rangemode="tozero"),
     }
-    return Panel(data, layout, 500)
+    return Panel(data, layout, 440)

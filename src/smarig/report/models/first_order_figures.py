@@ -143,9 +143,8 @@ def replay_figure(found: Mapping[str, Identification], run: Run) -> Figure:
     for name, one in found.items():
         u, y = resimulated(one, inputs, initial=recorded_start(run) or "negative")
         data = [
-            line(inputs, outputs, "measured, joined", GREY, dash="dash", width=1),
-            dots(inputs, outputs, "measured", INK, size=4, showlegend=False),
-            line(u, y, f"model, {_model_label(name)}", surface_colour(name), width=1.8),
+            line(u, y, f"model, {_model_label(name)}", surface_colour(name), width=1.4),
+            dots(inputs, outputs, "measured", INK, size=4),
         ]
         layout = {"xaxis": axis(input_title(run)), "yaxis": axis(output_title(run))}
         panels.append(Panel(data, layout, 400))
@@ -153,8 +152,7 @@ def replay_figure(found: Mapping[str, Identification], run: Run) -> Figure:
         panels,
         "The identification input, re-simulated with each surface.",
         [
-            "Dashed: the measured points, joined in order. Coloured: the Preisach operator with the same sequence of "
-            "inputs, drawn also between the points. "
+            "Points: measured. Lines: the Preisach operator with the same sequence of inputs. "
             + "; ".join(_error_text(n, f) for n, f in found.items())
             + ".",
             run_caption(run),

@@ -135,7 +135,7 @@ def output_grid(found: Identification, n: int = 41) -> tuple[Array, Array, Array
     return s * alpha, s * beta, s * np.asarray(image(found).y(alpha, beta))
 
 
-def density_grid(found: Identification, n: int = 81) -> tuple[Array, Array, Array] | None:
+def density_grid(found: Identification, n: int = 51) -> tuple[Array, Array, Array] | None:
     """Grids of α, β, μ(α, β) over the half-plane α ≥ β; None for tables, whose μ is constant on cells."""
     surface = _analytic(image(found))
     if surface is None:

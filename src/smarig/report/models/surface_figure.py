@@ -38,12 +38,12 @@ def surface_figure(found: Mapping[str, Identification], chosen: str, run: Run) -
         "showlegend": False,
     }
     return Figure(
-        [Panel([points, *surfaces], layout, 520, min_width_px=SURFACE_MIN_PX)],
+        [Panel([points, *surfaces], layout, 440, min_width_px=SURFACE_MIN_PX, explore=True)],
         f"FOD surface y(α, β), {chosen}.",
         [
             f"Output after the input turns at {turn} and reaches {here}. "
             f"{f'Black: the {len(d)} measured points of these curves' if d.curves else 'No such curve was measured'}. "
-            "Use the buttons to select a surface. Drag to rotate.",
+            "Explore: select a surface, rotate.",
             run_caption(run),
         ],
         source_label(run),

@@ -1,6 +1,6 @@
-"""The figure of output against input: settled points joined in order, with the direction (Figs. 5.7 to 5.13).
+"""The figure of output against input: the path through the samples, and the settled points (Figs. 5.7 to 5.13).
 
-Runs without steps (reversal curves, thermal cycles) are drawn from their samples.
+Runs without samples of the motion are drawn from their settled points, joined in order.
 """
 
 from typing import Any
@@ -22,14 +22,17 @@ from smarig.report.components.run_description import (
     source_label,
 )
 from smarig.report.components.style import BAD, COOLING, HEATING, INK, colours
+from smarig.report.runs.sample_path import sample_path
 
 Array = NDArray[np.float64]
 _GROUPS = 8  # number of distinguishable colours
 _MOST = 200  # largest number of settled points with a mark each
+_SHORTEST_SWEEP = 0.3  # of the ranges: shorter sweeps have no arrow
+_MEAN = "the mean output over the settle window of one hold"
 
 
-def hysteresis_figure(run: Run) -> Figure:
-    """The hysteresis graph of any run with an input and an output."""
+def hysteresis_figure(run: Run, *, explore: bool = True) -> Figure:
+    """The hysteresis graph of any run with an input and an output; ``explore`` as in Panel."""
     settled = run.settled
     if len(settled) >= 2:
         data, words = _step_traces(run)
@@ -39,7 +42,7 @@ def hysteresis_figure(run: Run) -> Figure:
     size = count_size(run)
     resolution = f"Resolution {size:.3g}{spaced(run.unit)}." if size else ""
     return Figure(
-        [Panel(data, layout, 450)],
+        [Panel(data, layout, 420, explore=explore)],
         f"Hysteresis of the {protocol_name(run)} run.",
         [words, resolution, run_caption(run)],
         source_label(run),
@@ -49,51 +52,57 @@ def hysteresis_figure(run: Run) -> Figure:
 def direction_traces(
     u: Array, y: Array, *, width: float = 1.3, names: tuple[str, str] = ("rising input", "falling input")
 ) -> list[Trace]:
-    """Points joined in order, rising and falling in two colours, with an arrow in the middle of each long segment."""
+    """A path in two colours, rising and falling input, with an arrow in the middle of each long sweep."""
     du = np.diff(u)
-    long = np.hypot(du / (np.ptp(u) or 1), np.diff(y) / (np.ptp(y) or 1)) > 0.06
     traces = []
     for chosen, name, colour in ((du > 0, names[0], HEATING), (du <= 0, names[1], COOLING)):
         k = np.flatnonzero(chosen)
         if not k.size:
             continue
-        gap = np.full(k.size, np.nan)
-        joined_u, joined_y = (
-            np.stack([u[k], u[k + 1], gap], 1).ravel(),
-            np.stack([y[k], y[k + 1], gap], 1).ravel(),
-        )
-        traces.append(line(joined_u, joined_y, name, colour, width=width))
-        k = k[long[k]]
-        gap = np.full(k.size, np.nan)
-        mid_u, mid_y = (np.stack([v[k], (v[k] + 1.2 * v[k + 1]) / 2.2, gap], 1).ravel() for v in (u, y))
-        sizes = {"size": [0, 9, 0] * k.size, "angleref": "previous", "line": {"width": 0}}
-        traces.append(
-            dots(mid_u, mid_y, name, colour, symbol="arrow", marker=sizes, showlegend=False, hoverinfo="skip")
-        )
+        sweeps = np.split(k, np.flatnonzero(np.diff(k) > 1) + 1)
+        rows = np.concatenate([[*sweep, sweep[-1] + 1, -1] for sweep in sweeps])
+        traces.append(line(*_with_gaps(u, y, rows), name, colour, width=width))
+        ends = [_arrow_rows(u, y, sweep) for sweep in sweeps]
+        rows = np.concatenate([np.array([], dtype=int), *(end for end in ends if end is not None)])
+        if rows.size:
+            sizes = {"size": [0, 9, 0] * (rows.size // 3), "angleref": "previous", "line": {"width": 0}}
+            look = {"symbol": "arrow", "marker": sizes, "showlegend": False, "hoverinfo": "skip"}
+            traces.append(dots(*_with_gaps(u, y, rows), name, colour, **look))
     return traces
+
+
+def _with_gaps(u: Array, y: Array, rows: NDArray[np.intp]) -> tuple[Array, Array]:
+    """u and y at these rows, NaN where the row is −1."""
+    return np.where(rows >= 0, u[rows], np.nan), np.where(rows >= 0, y[rows], np.nan)
+
+
+def _arrow_rows(u: Array, y: Array, sweep: NDArray[np.intp]) -> NDArray[np.intp] | None:
+    """Rows of the two ends of an arrow in the middle of a sweep, and a gap; None if the sweep is short."""
+    rows = np.append(sweep, sweep[-1] + 1)
+    x, z = u[rows] / (np.ptp(u) or 1), y[rows] / (np.ptp(y) or 1)
+    travelled = np.cumsum(np.hypot(np.diff(x, prepend=x[0]), np.diff(z, prepend=z[0])))
+    if travelled[-1] < _SHORTEST_SWEEP:
+        return None
+    head = max(int(np.searchsorted(travelled, travelled[-1] / 2)), 1)
+    return np.array([rows[max(head - 4, 0)], rows[head], -1])
 
 
 def _step_traces(run: Run) -> tuple[list[Trace], str]:
     u, y = run.points()
-    verdicts = np.array([step.verdict for step in run.settled])
-    good = verdicts == "settled"
-    data = direction_traces(u, y)
+    good = np.array([step.verdict for step in run.settled]) == "settled"
     single = all(s.n <= 1 for s in run.settled)
-    what = "one reading, as recorded" if single else "the mean output over the settle window of one hold"
+    kept = np.array([], dtype=int) if single else sample_path(run["input"], run["position"], count_size(run))
+    if kept.size > u.size:
+        data = direction_traces(run["input"][kept], run["position"][kept])
+        words = f"Lines: the path through all samples. Each point is {_MEAN}."
+    else:
+        data = direction_traces(u, y)
+        words = f"Each point is {'one reading, as recorded' if single else _MEAN}. Lines join the points in order."
     if u.size <= _MOST:
         labels = [f"{s.branch} · step {s.index}" for s in run.settled]
         shown = [words for words, keep in zip(labels, good) if keep]
-        data.append(
-            dots(
-                u[good],
-                y[good],
-                f"{int(good.sum())} {'readings' if single else 'settled points'}",
-                INK,
-                size=4.5,
-                text=_safe(shown),
-            )
-        )
-    words = f"Each point is {what}. Lines join the points in order."
+        name = f"{int(good.sum())} {'readings' if single else 'settled points'}"
+        data.append(dots(u[good], y[good], name, INK, size=4.5, text=_safe(shown)))
     if not good.all():
         late = int(np.sum(~good))
         data.append(

@@ -54,10 +54,10 @@ def time_unit(span_s: float) -> tuple[float, str]:
     return (3600.0, "h") if span_s > 6 * 3600 else (60.0, "min") if span_s > 600 else (1.0, "s")
 
 
-def time_series_figure(run: Run, points: int = POINTS) -> Figure:
+def time_series_figure(run: Run, points: int = POINTS, *, explore: bool = True) -> Figure:
     """Current, hysteresis input and output against time in stacked rows, with quality marks.
 
-    Each channel has at most ``points`` points: the minimum and the maximum of equal segments.
+    Each channel has at most ``points`` points: the minimum and the maximum of equal segments. ``explore``: as in Panel.
     """
     t, t_title = time_axis(run)
     names = [row for row in _ROWS if run.has(row[0])]
@@ -106,7 +106,7 @@ def time_series_figure(run: Run, points: int = POINTS) -> Figure:
         " Marked: " + ", ".join(f"{m['name']}" for m in quality_markers) + "." if quality_markers else ""
     )
     return Figure(
-        [Panel([*data, *quality_markers], layout, max(220, 150 * len(names) + 60))],
+        [Panel([*data, *quality_markers], layout, max(200, 116 * len(names) + 50), explore=explore)],
         f"{capitalised(protocol_name(run))} against time.",
         [_rows_text(run), thinned + kept_out, run_caption(run)],
         source_label(run),

@@ -1,0 +1,17 @@
+"""Draws the panels of figures as vector graphics (SVG, PDF) with Matplotlib.
+
+Panels are in Plotly's schema, which the interactive view also reads; this package draws the part of it that pages use.
+"""
+
+from typing import TYPE_CHECKING
+
+from smarig.core.lazy_exports import lazy_exports
+
+if TYPE_CHECKING:
+    from smarig.report.drawing.drawing import NARROW_PX as NARROW_PX
+    from smarig.report.drawing.drawing import WIDE_PX as WIDE_PX
+    from smarig.report.drawing.drawing import WIDTH_PX as WIDTH_PX
+    from smarig.report.drawing.drawing import save_figure as save_figure
+    from smarig.report.drawing.drawing import svg_of as svg_of
+else:
+    __getattr__, __dir__, __all__ = lazy_exports(__name__)

@@ -1,0 +1,156 @@
+"""Draws a panel, as SVG text for a page or as a file."""
+
+import io
+import math
+import zlib
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from matplotlib import rc_context
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.backends.backend_pdf import FigureCanvasPdf
+from matplotlib.backends.backend_svg import FigureCanvasSVG
+from matplotlib.figure import Figure as MplFigure
+
+from smarig.report.components.figure import WATERMARK, Panel
+from smarig.report.drawing.compact_svg import compact_svg
+from smarig.report.drawing.field_traces import draw_contour, draw_map, draw_solid_points, draw_surface
+from smarig.report.drawing.margins import LEGEND_ROW_PX, set_margins
+from smarig.report.drawing.markup import plain_text
+from smarig.report.drawing.panel_axes import finish_axes, panel_axes
+from smarig.report.drawing.plot_style import STYLE
+from smarig.report.drawing.point_traces import draw_bars, draw_points
+from smarig.report.drawing.trace_values import is_shown
+
+NARROW_PX, WIDTH_PX, WIDE_PX = 380, 560, 1130  # three, two, one panel a row
+_CHARACTER_PX, _HANDLE_PX = 6.2, 42.0  # of an entry of a legend
+_MARK_PX = 16.0  # height of the label of simulated data
+_NO_METADATA = {"Date": None, "Creator": None, "Format": None, "Type": None}
+
+
+def svg_of(panel: Panel, label: str = "", width_px: int = WIDTH_PX) -> str:
+    """The panel as an ``svg`` element. ``label`` marks simulated data."""
+    with rc_context(STYLE | {"svg.hashsalt": _salt(panel)}):
+        drawing = draw_panel(panel, label, width_px)
+        text = io.StringIO()
+        FigureCanvasSVG(drawing).print_svg(text, metadata=_NO_METADATA)
+    return compact_svg(text.getvalue())
+
+
+def save_figure(panel: Panel, path: Path, label: str = "") -> None:
+    """Write the panel as an SVG, PDF or PNG file, by the end of its name."""
+    width_px = WIDE_PX if panel.wide else WIDTH_PX
+    canvases = {".svg": FigureCanvasSVG, ".pdf": FigureCanvasPdf, ".png": FigureCanvasAgg}
+    with rc_context(STYLE | {"svg.fonttype": "path"}):
+        drawing = draw_panel(panel, label, width_px)
+        canvas = canvases[path.suffix](drawing)
+        canvas.print_figure(path, dpi=72 if path.suffix != ".png" else 144)
+
+
+def draw_panel(panel: Panel, label: str, width_px: int) -> MplFigure:
+    """The drawing of a panel; 1 point is 1 CSS pixel."""
+    measured = "constrained" if _needs_measuring(panel) else None
+    drawing = MplFigure(figsize=(width_px / 72, panel.height / 72), dpi=72, layout=measured)
+    if "scene" in panel.layout:
+        _draw_solid(drawing, panel)
+    else:
+        _draw_flat(drawing, panel, width_px)
+    if label:
+        _mark(drawing, label, at_top=panel.layout.get("legend", {}).get("orientation") != "v")
+    return drawing
+
+
+def _draw_flat(drawing: MplFigure, panel: Panel, width_px: int) -> None:
+    layout = panel.layout
+    axes = panel_axes(drawing, layout)
+    rows = list(axes.values())
+    has_legend = layout.get("showlegend", len(panel.data) > 1)
+    for trace in panel.data:
+        if is_shown(trace):
+            _draw(axes[str(trace.get("yaxis", "y"))], trace, has_legend)
+    finish_axes(axes, layout)
+    if "title" in layout:
+        rows[0].set_title(plain_text(layout["title"]["text"]), loc="left")
+    legend_rows = _legend(drawing, rows, layout.get("legend", {}), width_px) if has_legend else 0
+    if not _needs_measuring(panel):
+        set_margins(drawing, rows, max(LEGEND_ROW_PX * legend_rows, _MARK_PX))
+
+
+def _needs_measuring(panel: Panel) -> bool:
+    """Whether a scale, names of cells or a legend stand beside the axes."""
+    beside = panel.layout.get("legend", {}).get("orientation") == "v"
+    return beside or any(trace.get("type") == "heatmap" for trace in panel.data)
+
+
+def _draw(axes: Axes, trace: dict[str, Any], legend: bool) -> None:
+    kind = trace.get("type", "scatter")
+    if kind == "scatter":
+        named = legend and trace.get("showlegend", True) and trace.get("name")
+        draw_points(axes, trace, label=plain_text(trace["name"]) if named else None)
+    elif kind == "bar":
+        draw_bars(axes, trace)
+    elif kind == "heatmap":
+        draw_map(axes, trace)
+    elif kind == "contour":
+        draw_contour(axes, trace)
+    else:
+        raise ValueError(f"A trace of type '{kind}' cannot be drawn.")
+
+
+def _legend(drawing: MplFigure, rows: list[Axes], given: Mapping[str, Any], width_px: int) -> int:
+    """Draw the legend; the number of its rows above the axes."""
+    handles: dict[str, Any] = {}
+    for row in rows:
+        for handle, name in zip(*row.get_legend_handles_labels()):
+            handles.setdefault(name, handle)
+    if not handles:
+        return 0
+    if given.get("orientation") == "v":
+        title = plain_text(given.get("title", {}).get("text", ""))
+        drawing.legend(
+            list(handles.values()), list(handles), loc="outside right upper", title=title, alignment="left"
+        )
+        return 0
+    entry_px = _HANDLE_PX + _CHARACTER_PX * max(len(name) for name in handles)
+    columns = max(1, min(len(handles), math.floor((width_px - 40) / entry_px)))
+    drawing.legend(list(handles.values()), list(handles), loc="outside upper left", ncols=columns)
+    return math.ceil(len(handles) / columns)
+
+
+def _draw_solid(drawing: MplFigure, panel: Panel) -> None:
+    from mpl_toolkits.mplot3d.axes3d import Axes3D
+
+    axes: Any = drawing.add_subplot(projection="3d")
+    assert isinstance(axes, Axes3D)
+    scene = panel.layout["scene"]
+    for trace in panel.data:
+        if is_shown(trace):
+            (draw_surface if trace["type"] == "surface" else draw_solid_points)(axes, trace)
+    for side in "xyz":
+        getattr(axes, f"set_{side}label")(
+            plain_text(scene.get(f"{side}axis", {}).get("title", {}).get("text", ""))
+        )
+    axes.view_init(elev=22, azim=-52)
+    axes.set_box_aspect((1.1, 1.1, 0.75), zoom=0.95)
+    drawing.subplots_adjust(left=0.0, right=0.96, bottom=0.02, top=1.0)
+
+
+def _mark(drawing: MplFigure, label: str, *, at_top: bool) -> None:
+    drawing.text(
+        0.998,
+        0.995 if at_top else 0.01,
+        label,
+        ha="right",
+        va="top" if at_top else "bottom",
+        fontsize=WATERMARK["font"]["size"],
+        color=WATERMARK["font"]["color"],
+        bbox={"facecolor": WATERMARK["bgcolor"], "edgecolor": "none", "pad": 2.0},
+        in_layout=False,
+    )
+
+
+def _salt(panel: Panel) -> str:
+    """What makes the ids of a drawing different from those of others on the page, and the same each time."""
+    return f"{zlib.crc32(repr((panel.layout, panel.data)).encode()):08x}"

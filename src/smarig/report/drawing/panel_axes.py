@@ -1,0 +1,137 @@
+"""Axes of a panel: rows with a common abscissa, titles, ranges, ticks, lines across, and notes."""
+
+from collections.abc import Mapping
+from typing import Any
+
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure as MplFigure
+from matplotlib.ticker import MaxNLocator, MultipleLocator, NullFormatter, NullLocator, ScalarFormatter
+
+from smarig.report.components.numbers import raised
+from smarig.report.drawing.colour_scales import colour, dash
+from smarig.report.drawing.markup import plain_text
+
+Layout = Mapping[str, Any]
+
+
+class _PlainNumbers(ScalarFormatter):
+    """Numbers at ticks, with a common power of ten as in "× 10⁻³"."""
+
+    def get_offset(self) -> str:
+        power = self.orderOfMagnitude  # pyright: ignore[reportAttributeAccessIssue]
+        return f"× 10{raised(power)}" if power else ""
+
+
+def row_names(layout: Layout) -> list[str]:
+    """Names of the vertical axes of a layout, from above: "yaxis", "yaxis2"."""
+    names = sorted((key for key in layout if key.startswith("yaxis")), key=lambda key: int(key[5:] or 1))
+    return names or ["yaxis"]
+
+
+def panel_axes(drawing: MplFigure, layout: Layout) -> dict[str, Axes]:
+    """The axes of each row by the name that traces use ("y", "y2")."""
+    names = row_names(layout)
+    heights = [_height(layout.get(name, {})) for name in names]
+    rows = drawing.subplots(len(names), 1, sharex=True, squeeze=False, height_ratios=heights)[:, 0]
+    axes = {f"y{name[5:]}": row for name, row in zip(names, rows)}
+    for name, row in zip(names, rows):
+        _set_axis(row, "y", layout.get(name, {}))
+        if layout.get(name, {}).get("mirror", True) is False:
+            row.spines[["top", "right"]].set_visible(False)
+    for row in rows[:-1]:
+        row.tick_params(labelbottom=False)
+    return axes
+
+
+def _height(axis: Mapping[str, Any]) -> float:
+    low, high = axis.get("domain", (0.0, 1.0))
+    return max(high - low, 0.01)
+
+
+def finish_axes(axes: dict[str, Axes], layout: Layout) -> None:
+    """Set what depends on the drawn data: the abscissa, equal scales, lines across, and notes."""
+    rows = list(axes.values())
+    _set_axis(rows[-1], "x", layout.get("xaxis", {}))
+    for name, row in zip(row_names(layout), rows):
+        _set_range(row, "y", layout.get(name, {}))
+        if layout.get(name, {}).get("rangemode") == "tozero":
+            row.set_ylim(bottom=min(0.0, row.get_ylim()[0]))
+        if layout.get(name, {}).get("scaleanchor"):
+            row.set_aspect("equal", adjustable="box")
+    _set_range(rows[-1], "x", layout.get("xaxis", {}))
+    for shape in layout.get("shapes", ()):
+        _line_across(rows, shape)
+    for note in layout.get("annotations", ()):
+        _note(rows[0], note)
+
+
+def _set_axis(axes: Axes, side: str, given: Mapping[str, Any]) -> None:
+    which = axes.xaxis if side == "x" else axes.yaxis
+    title = given.get("title", {})
+    which.set_label_text(
+        plain_text(title.get("text", "")), **({"size": title["font"]["size"]} if "font" in title else {})
+    )
+    if given.get("type") == "log":
+        (axes.set_xscale if side == "x" else axes.set_yscale)("log")
+    if "tickvals" in given:
+        which.set_ticks(given["tickvals"], [plain_text(t) for t in given.get("ticktext", given["tickvals"])])
+        which.set_minor_locator(NullLocator())
+        which.set_minor_formatter(NullFormatter())
+    elif given.get("type") != "log":
+        which.set_major_formatter(_PlainNumbers(useOffset=False))
+    if "tickvals" in given:
+        pass
+    elif isinstance(given.get("dtick"), int) and given.get("type") != "log":
+        which.set_major_locator(MultipleLocator(given["dtick"]))
+    elif "nticks" in given and given.get("type") != "log":
+        which.set_major_locator(MaxNLocator(given["nticks"]))
+    if given.get("ticks") == "":
+        which.set_tick_params(length=0)
+    if given.get("showgrid") is False:
+        which.grid(visible=False)
+    if given.get("tickangle"):
+        which.set_tick_params(rotation=-given["tickangle"])
+
+
+def _set_range(axes: Axes, side: str, given: Mapping[str, Any]) -> None:
+    limits = axes.set_xlim if side == "x" else axes.set_ylim
+    if "range" in given:
+        low, high = (10.0**end if given.get("type") == "log" else end for end in given["range"])
+        limits(low, high)
+    if given.get("autorange") == "reversed":
+        (axes.invert_xaxis if side == "x" else axes.invert_yaxis)()
+
+
+def _line_across(rows: list[Axes], shape: Mapping[str, Any]) -> None:
+    given = shape.get("line", {})
+    style: dict[str, Any] = {
+        "color": colour(given.get("color", "black")),
+        "linewidth": given.get("width", 1.0),
+        "linestyle": dash(given.get("dash", "solid")),
+        "zorder": 0.6,
+    }
+    for row in rows:
+        if shape["x0"] == shape["x1"]:
+            row.axvline(shape["x0"], **style)
+        else:
+            row.axhline(shape["y0"], **style)
+
+
+def _note(axes: Axes, note: Mapping[str, Any]) -> None:
+    inside = note.get("xref", "x") != "x"
+    frame = (
+        {"facecolor": colour(note["bgcolor"]), "edgecolor": "none", "pad": 2.0} if "bgcolor" in note else None
+    )
+    font = note.get("font", {})
+    axes.text(
+        note["x"],
+        note["y"],
+        plain_text(note["text"]),
+        transform=axes.transAxes if inside else axes.transData,
+        ha={"auto": "center"}.get(note.get("xanchor", "center"), note.get("xanchor", "center")),
+        va={"middle": "center"}.get(note.get("yanchor", "center"), note.get("yanchor", "center")),
+        fontsize=font.get("size", 12),
+        color=colour(font.get("color", "black")),
+        bbox=frame,
+        zorder=5,
+    )
