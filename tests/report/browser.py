@@ -30,12 +30,6 @@ FLAGS = (
     "--use-angle=swiftshader",
     "--host-resolver-rules=MAP * ~NOTFOUND , EXCLUDE 127.0.0.1",
 )
-_SETTLED = """new Promise(done => { const look = () =>
-  document.readyState === 'complete' && !document.querySelector('.plot:not(.js-plotly-plot)')
-  ? requestAnimationFrame(() => done(true)) : setTimeout(look, 20); look(); })"""
-
-_FITTED = """window.Plotly
-  ? Promise.all([...document.querySelectorAll('.js-plotly-plot')].map(p => Plotly.Plots.resize(p))).then(() => 0) : 0"""
 
 
 def chromium() -> str:
@@ -93,8 +87,8 @@ class Browser:
                 return answer["result"]
             self.events.append(answer)
 
-    def open(self, page: Path, width: int = 1280, height: int = 900, *, drawn: bool = True) -> "Tab":
-        """A page in a new tab of this size, loaded, and (unless ``drawn`` is false) with its last figure drawn."""
+    def open(self, page: Path, width: int = 1280, height: int = 900) -> "Tab":
+        """A loaded page in a new tab of this size."""
         target = self.call("Target.createTarget", url="about:blank")["targetId"]
         session = self.call("Target.attachToTarget", targetId=target, flatten=True)["sessionId"]
         for domain in ("Page", "Runtime", "Network", "Log"):
@@ -102,8 +96,7 @@ class Browser:
         tab = Tab(self, session, target, page)
         tab.resize(width, height)
         self.call("Page.navigate", session, url=page.resolve().as_uri())
-        ready = _SETTLED if drawn else "document.readyState === 'complete'"
-        while not (tab.run("location.href !== 'about:blank'") and tab.run(ready)):
+        while not tab.run("location.href !== 'about:blank' && document.readyState === 'complete'"):
             pass
         return tab
 
@@ -135,7 +128,11 @@ class Tab:
         size = {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": width < 600}
         self.browser.call("Page.bringToFront", self.session)  # a tab behind another is not drawn
         self.browser.call("Emulation.setDeviceMetricsOverride", self.session, **size)
-        self.run(_FITTED)
+
+    def on_paper(self, is_on: bool = True) -> None:
+        """Show the page as it is printed on A4, or on the screen again."""
+        self.browser.call("Emulation.setEmulatedMedia", self.session, media="print" if is_on else "")
+        self.resize(703 if is_on else 1280)  # 186 mm
 
     def complaints(self) -> list[str]:
         """Every error on the console and every uncaught exception (the browser's own remarks on speed are none)."""

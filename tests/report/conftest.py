@@ -6,7 +6,6 @@ import pytest
 
 import smarig.report.drawing
 
-
 _DRAW = smarig.report.drawing.svg_of
 
 
@@ -18,10 +17,12 @@ def figures_as_data():
         yield
 
 
-@pytest.fixture
-def drawings(monkeypatch):
-    """Figures are drawn."""
-    monkeypatch.setattr(smarig.report.drawing, "svg_of", _DRAW)
+@pytest.fixture(scope="module")
+def drawings():
+    """Figures are drawn in the tests of this module."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(smarig.report.drawing, "svg_of", _DRAW)
+        yield
 
 
 def _data(panel, label="", width_px=0):

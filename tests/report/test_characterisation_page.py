@@ -44,9 +44,7 @@ def page(text):
 DIAGNOSIS = "diagnosis/report.html"  # a separate page in the same folder
 
 
-def test_it_is_one_small_file_that_loads_nothing(page, text):
-    assert len(text.encode()) < 7e6
-    assert text.count("plotly.js v") == 1
+def test_it_loads_nothing(page, text):
     for name, attributes in page.tags:
         assert name not in ("link", "iframe", "object", "embed", "base", "img")
         for key in LOADING:

@@ -1,7 +1,11 @@
 """The components of pages: escaping, packed arrays, decimation that keeps peaks, and atomic writing."""
 
+import base64
+import gzip
 import json
 import os
+import re
+from dataclasses import replace
 
 import numpy as np
 import plotly.graph_objects as go
@@ -12,7 +16,7 @@ from smarig.core.errors import StorageError, UsageError
 from smarig.report.components.decimate import envelope, path
 from smarig.report.components.figure import Figure, Panel, axis, line, packed
 from smarig.report.components.html import Html, table, tag
-from smarig.report.components.page import Section, page, write_page
+from smarig.report.components.page import LIBRARY, Section, page, write_page
 
 EVIL = "</script><script>alert('x')</script><img src=http://evil.example/a.png>"
 
@@ -32,18 +36,38 @@ def test_nothing_a_person_typed_becomes_markup_anywhere():
     text = page(EVIL, EVIL, [Section(EVIL, EVIL, [tag("p", EVIL), figure(EVIL)])], label="TWIN")
     parsed = Page(text)
     assert not [attrs for name, attrs in parsed.tags if name == "img"]
-    assert len([1 for name, _ in parsed.tags if name == "script"]) == 3  # one figure, Plotly, the drawing
+    assert (
+        len([1 for name, _ in parsed.tags if name == "script"]) == 2
+    )  # one figure, and the script of figures
     assert EVIL in parsed.visible
     name = parsed.plots[0]["data"][0]["name"]
     assert "<" not in name, "Plotly reads markup in names"
 
 
-def test_plotly_is_embedded_once_and_only_where_there_is_a_figure():
+def test_the_script_of_figures_is_there_once_and_only_where_there_is_a_figure():
     plain = page("t", "", [Section("s", "s", [tag("p", "no figure")])])
     drawn = page("t", "", [Section("s", "s", [figure(), figure()]), Section("r", "r", [figure()])])
     assert len(plain) < 20_000
-    assert drawn.count("plotly.js v") == 1
+    assert (plain.count("<script>"), drawn.count("<script>")) == (0, 1)
     assert len(Page(drawn).plots) == 3
+
+
+def explored(html):
+    """The data of the figures that can be explored."""
+    found = re.findall(r'class="explored">([^<]*)</script>', html)
+    return [json.loads(gzip.decompress(base64.b64decode(text))) for text in found]
+
+
+def test_the_library_is_beside_pages_that_can_be_explored_and_only_there(tmp_path):
+    panel = replace(figure().panels[0], explore=True)
+    page_html = page("t", "", [Section("s", "s", [Figure([panel], "t", [], "TWIN")])])
+    write_page(page("t", "", [Section("s", "s", [figure()])]), tmp_path / "a" / "plain.html")
+    write_page(page_html, tmp_path / "b" / "turned.html")
+    assert not (tmp_path / "a" / LIBRARY).exists()
+    assert (tmp_path / "b" / LIBRARY).stat().st_size > 1_000_000
+    (spec,) = explored(page_html)
+    assert spec["data"][0]["name"] == "y"
+    assert spec["layout"]["annotations"][0]["text"] == "TWIN"
 
 
 def test_arrays_come_back_with_their_gaps_and_shape():
@@ -72,11 +96,16 @@ def test_a_twin_is_labelled_in_the_banner_the_title_each_caption_and_each_plot()
 
 
 def test_the_label_stands_at_the_frame_where_axes_of_one_scale_leave_paper_empty():
-    free = Figure([Panel([], {"xaxis": axis("u (K)"), "yaxis": axis("y (mm)")})], "t", [], "TWIN")
-    plane = Figure(
-        [Panel([], {"xaxis": axis("β (K)", constrain="domain"), "yaxis": axis("α (K)")})], "t", [], "TWIN"
+    free = Figure(
+        [Panel([], {"xaxis": axis("u (K)"), "yaxis": axis("y (mm)")}, explore=True)], "t", [], "TWIN"
     )
-    marks = [Page(each.html()).plots[0]["layout"]["annotations"][0] for each in (free, plane)]
+    plane = Figure(
+        [Panel([], {"xaxis": axis("β (K)", constrain="domain"), "yaxis": axis("α (K)")}, explore=True)],
+        "t",
+        [],
+        "TWIN",
+    )
+    marks = [explored(each.html())[0]["layout"]["annotations"][0] for each in (free, plane)]
     assert [(m["xref"], m["yref"]) for m in marks] == [("paper", "paper"), ("x domain", "y domain")]
 
 

@@ -65,7 +65,7 @@ def test_a_folder_gets_an_index_a_page_for_each_run_and_one_library(folder):
     assert "plotly" not in text
     inner = made.pages[0].report.read_text(encoding="utf-8")
     assert len(inner) < 300_000
-    assert f'src="../{LIBRARY}"' in inner
+    assert f'data-library="../{LIBRARY}"' in inner
     assert (folder / LIBRARY).stat().st_size > 1_000_000
 
 

@@ -32,7 +32,7 @@ def smarig_(*words):
 
 
 @pytest.fixture(scope="module")
-def pages(tmp_path_factory):
+def pages(tmp_path_factory, drawings):
     """A page of each kind, made as people make them."""
     chromium()
     folder = tmp_path_factory.mktemp("pages")
@@ -90,7 +90,7 @@ def browser(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def opened(browser, pages):
-    """Opens a page of a kind, once: drawing figures in three dimensions without a graphics card takes seconds."""
+    """Opens a page of a kind, once."""
     tabs = {}
 
     def opening(kind, width=1280):
@@ -106,9 +106,12 @@ def opened(browser, pages):
 def test_nothing_complains_and_nothing_leaves(opened, pages, kind):
     tab = opened(kind)
     assert tab.complaints() == []
-    own = {pages[kind].resolve().as_uri()}
-    shared = {(pages["index"].parent / "smarig-figures.js").resolve().as_uri()} if kind == "run" else set()
-    assert set(tab.requests()) == own | shared
+    assert set(tab.requests()) == {pages[kind].resolve().as_uri()}
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_page_is_small(pages, kind):
+    assert pages[kind].stat().st_size < 1.0e6
 
 
 @pytest.mark.parametrize("width", [1280, 400])
@@ -121,7 +124,9 @@ def test_everyone_can_read_it_on_a_desk_and_on_a_phone(opened, kind, width):
     assert tab.violations() == []
 
 
-PLOTS = "[...document.querySelectorAll('.plot')].map(p => [p.ariaLabel, p.role, p.innerText, p.offsetHeight])"
+PLOTS = (
+    "[...document.querySelectorAll('.plot')].map(p => [p.ariaLabel, p.role, p.textContent, p.offsetHeight])"
+)
 
 
 @pytest.mark.parametrize("kind", [kind for kind in KINDS if kind != "index"])
@@ -136,11 +141,25 @@ def test_every_figure_is_drawn_labelled_and_described(opened, kind):
         assert height > 150
 
 
+def explore(tab, k=0):
+    """Press the k-th Explore button, and wait for what it shows."""
+    tab.run(
+        f"[...document.querySelectorAll('.tools button')].filter(b => b.innerText === 'Explore')[{k}].click()"
+    )
+    return tab.run(
+        """new Promise(done => { const look = () => {
+        const live = document.querySelector('.live .main-svg, .live canvas');
+        const said = [...document.querySelectorAll('.tools button')].find(b => b.disabled);
+        live || said ? done(said ? said.innerText : 'drawn') : setTimeout(look, 50); }; look(); })"""
+    )
+
+
 def test_a_page_without_its_library_states_what_it_needs(browser, pages, tmp_path):
     alone = tmp_path / "alone.html"
     alone.write_bytes(pages["run"].read_bytes())
-    tab = browser.open(alone, drawn=False)
-    assert "needs the file smarig-figures.js" in tab.run("document.querySelector('.plot').innerText")
+    tab = browser.open(alone)
+    assert explore(tab) == "The file smarig-figures.js is missing beside this page."
+    assert tab.run("document.querySelector('.plot svg').getBoundingClientRect().height") > 100
     tab.close()
 
 
@@ -175,23 +194,27 @@ def test_the_index_is_searched_and_ordered_by_keys_alone(opened):
     assert tab.run("document.querySelector('th[data-key=seed]').ariaSort") == "descending"
 
 
-def test_a_choice_in_a_figure_is_a_button_that_keys_reach(opened):
-    tab = opened("characterise")
+def test_a_choice_in_a_figure_is_a_button_that_keys_reach(browser, pages):
+    tab = browser.open(pages["characterise"])
+    assert explore(tab) == "drawn"
     second = "document.querySelectorAll('.choices button')[1]"
     tab.run(f"{second}.focus()")
     tab.key("Enter", 13)
     assert tab.run(f"{second}.ariaPressed") == "true"
-    surfaces = (
-        "document.querySelector('.choices + .plot').data.filter(t => t.type === 'surface' && t.visible)"
-    )
+    surfaces = "document.querySelector('.live').data.filter(t => t.type === 'surface' && t.visible)"
     shown = tab.run(f"{surfaces}.map(t => t.name)")
     assert shown == [tab.run(f"{second}.innerText")]
+    tab.close()
 
 
-def test_on_paper_the_controls_are_hidden_and_the_twin_label_is_not(opened):
-    tab = opened("comparison")
-    tab.run("dispatchEvent(new Event('beforeprint'))")
-    assert tab.run("getComputedStyle(document.querySelector('nav')).display") == "none"
-    assert tab.run("document.querySelector('.twinbar').offsetHeight") > 10
-    assert tab.run("document.body.scrollWidth") == 700
-    tab.run("dispatchEvent(new Event('afterprint'))")
+@pytest.mark.parametrize("kind", KINDS)
+def test_on_paper_the_controls_are_hidden_and_the_twin_label_is_not(opened, kind):
+    tab = opened(kind)
+    tab.on_paper()
+    try:
+        for controls in ("nav", ".tools", ".search"):
+            assert tab.run(f"[...document.querySelectorAll('{controls}')].every(x => !x.offsetHeight)")
+        assert tab.run("document.querySelector('.twinbar').offsetHeight") > 10
+        assert tab.run("document.documentElement.scrollWidth") <= 703
+    finally:
+        tab.on_paper(False)

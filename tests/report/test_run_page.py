@@ -59,9 +59,22 @@ def test_the_direction_of_travel_is_drawn(twin):
     page = Page(run_page(twin[1]))
     for name, sign in (("rising input", 1), ("falling input", -1)):
         trace = page.traces(name)[0]
-        moves = np.diff(unpacked(trace["x"]).reshape(-1, 3)[:, :2], axis=1)
+        moves = np.diff(unpacked(trace["x"]))
+        moves = moves[np.isfinite(moves)]
         assert moves.size
-        assert np.all(np.sign(moves) == sign)
+        assert np.all(moves * sign >= 0)
+
+
+def test_the_path_is_that_of_the_samples_and_not_of_chords_between_settled_points(twin):
+    run = twin[1]
+    drawn = [Page(run_page(run)).traces(name)[0] for name in ("rising input", "falling input")]
+    points = np.concatenate([np.stack([unpacked(t["x"]), unpacked(t["y"])], 1) for t in drawn])
+    points = points[np.isfinite(points).all(axis=1)]
+    samples = np.stack([run["input"], run["position"]], 1).astype(np.float32)
+    assert len(points) > 3 * len(run.settled)
+    assert set(map(tuple, points.astype(np.float32))) <= set(map(tuple, samples))
+    gap = np.abs(run["input"][:, None] - points[:, 0][None]).min(axis=1).max()
+    assert gap < 0.02 * np.ptp(run["input"])
 
 
 def test_initialisation_shows_the_wire_against_the_commands(twin):

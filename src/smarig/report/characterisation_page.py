@@ -78,7 +78,9 @@ def _time(e: Evidence) -> Parts:
 
 
 def _hysteresis_graphs(e: Evidence) -> Parts:
-    graphs = [hysteresis_figure(run, explore=False).html() for run in _with_samples(e) if len(run.settled) >= 2]
+    graphs = [
+        hysteresis_figure(run, explore=False).html() for run in _with_samples(e) if len(run.settled) >= 2
+    ]
     if graphs:
         yield tag("div", *graphs, class_="pairs")
 

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-POINTS = 1000  # a drawing is about 560 pixels wide: two for each
+POINTS = 1600  # a trace stays under 3000 points
 
 
 def envelope(values: NDArray[np.float64], points: int = POINTS) -> NDArray[np.intp]:

@@ -87,12 +87,11 @@ def label_badge(label: str) -> Html:
 
 
 def _panel(panel: Panel, figure: Figure) -> Html:
-    from smarig.report.drawing import (
-        WIDE_PX,
-        svg_of,
-    )  # Matplotlib takes a second: not for pages without figures
+    # imported here: Matplotlib takes a second, and pages without figures do not need it
+    from smarig.report.drawing import NARROW_PX, WIDE_PX, WIDTH_PX, svg_of
 
-    drawn = Html(svg_of(panel, figure.label))
+    width_px = WIDE_PX if panel.wide else NARROW_PX if figure.min_width_px <= NARROW_PX else WIDTH_PX
+    drawn = Html(svg_of(panel, figure.label, width_px))
     data = _explored(panel, figure.label) if panel.explore else ""
     least = panel.min_width_px or (WIDE_PX * 0.6 if panel.wide else 0)
     style = {"style": f"min-width:{least:.0f}px"} if least else {}

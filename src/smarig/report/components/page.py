@@ -12,7 +12,7 @@ from typing import Any
 
 from smarig.core import atomic_file
 from smarig.report.components.figure import Figure
-from smarig.report.components.html import Html, escaped, joined, tag
+from smarig.report.components.html import Html, escaped, tag
 from smarig.report.components.style import CSS, template
 
 LIBRARY = "smarig-figures.js"  # Plotly's script, beside the pages of a folder
@@ -127,7 +127,8 @@ _DRAW_SCRIPT = """
  const template=TEMPLATE, config={displaylogo:false,responsive:true,displayModeBar:false};
  const library=document.body.dataset.library; let loading=null;
  function load(){ return loading=loading||new Promise((done,fail)=>{ const script=document.createElement('script');
-  script.src=library; script.onload=done; script.onerror=()=>{ loading=null; fail(); }; document.body.append(script); }); }
+  script.src=library; script.onload=done; script.onerror=()=>{ loading=null; fail(); };
+  document.body.append(script); }); }
  async function unpacked(plot){ const text=plot.querySelector('script.explored').textContent;
   const bytes=Uint8Array.from(atob(text),c=>c.charCodeAt(0));
   const stream=new Blob([bytes]).stream().pipeThrough(new DecompressionStream('gzip'));
@@ -158,7 +159,7 @@ _DRAW_SCRIPT = """
   live.before(bar);
  }
  function save(plot){ const copy=plot.querySelector('svg').cloneNode(true);
-  copy.style.display=''; copy.removeAttribute('aria-hidden'); copy.setAttribute('font-family','Arial, Helvetica, sans-serif');
+  copy.removeAttribute('aria-hidden'); copy.setAttribute('font-family','Arial, Helvetica, sans-serif');
   const link=document.createElement('a'), n=[...document.querySelectorAll('.plot')].indexOf(plot)+1;
   link.href=URL.createObjectURL(new Blob([copy.outerHTML],{type:'image/svg+xml'}));
   link.download='figure-'+n+'.svg'; link.click(); }

@@ -189,5 +189,6 @@ footer p{color:var(--grey);font-size:13px;border-top:1px solid var(--line);margi
  .pairs,.columns,.panels{grid-template-columns:minmax(0,1fr) minmax(0,1fr)!important;gap:6px}
  .single .panels,.pairs .panels{grid-template-columns:minmax(0,1fr)!important}
  figcaption,table,caption{font-size:8pt}th,td{padding:2px 8px 2px 0}
- .columns td{white-space:normal}td{min-width:2.5em}.table{overflow:visible}}
+ .columns td,.runs td,.runs tbody th,.named{white-space:normal}td{min-width:2.5em}.table{overflow:visible}
+ .runs table{font-size:7pt}.runs td{min-width:0}}
 """.replace("FONT", FONT)

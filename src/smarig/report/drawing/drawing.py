@@ -120,10 +120,7 @@ def _legend(drawing: MplFigure, rows: list[Axes], given: Mapping[str, Any], widt
 
 
 def _draw_solid(drawing: MplFigure, panel: Panel) -> None:
-    from mpl_toolkits.mplot3d.axes3d import Axes3D
-
     axes: Any = drawing.add_subplot(projection="3d")
-    assert isinstance(axes, Axes3D)
     scene = panel.layout["scene"]
     for trace in panel.data:
         if is_shown(trace):

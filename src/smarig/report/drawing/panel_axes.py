@@ -18,8 +18,8 @@ class _PlainNumbers(ScalarFormatter):
     """Numbers at ticks, with a common power of ten as in "× 10⁻³"."""
 
     def get_offset(self) -> str:
-        power = self.orderOfMagnitude  # pyright: ignore[reportAttributeAccessIssue]
-        return f"× 10{raised(power)}" if power else ""
+        power = super().get_offset().partition("e")[2].replace("−", "-")
+        return f"× 10{raised(int(power))}" if power else ""
 
 
 def row_names(layout: Layout) -> list[str]:

@@ -10,9 +10,7 @@ _COUNTS = 1.6  # of the output: less is the resolution of its readings
 _MOST_SAMPLES = 40_000  # that are looked at one by one
 
 
-def sample_path(
-    u: NDArray[np.float64], y: NDArray[np.float64], count: float = 0.0
-) -> NDArray[np.intp]:
+def sample_path(u: NDArray[np.float64], y: NDArray[np.float64], count: float = 0.0) -> NDArray[np.intp]:
     """Indices (k,) of samples along the path (u, y), (n,) each: known ones that moved since the last one kept.
 
     Holds become single points. Motion below the resolution of the output, ``count``, is not shown.
