@@ -6,9 +6,11 @@ import xml.etree.ElementTree as ET
 import numpy as np
 import pytest
 
-from smarig.report.components.figure import Panel, axis, dots, line, log_axis, packed
+from smarig.core import UsageError
+from smarig.report.components.figure import Figure, Panel, axis, dots, line, log_axis, packed
+from smarig.report.components.page import Section, page
 from smarig.report.components.style import DASHES, SYMBOLS
-from smarig.report.drawing import save_figure, svg_of
+from smarig.report.drawing import figures_saved_in, save_figure, svg_of
 from smarig.report.drawing.compact_svg import compact_svg
 from smarig.report.drawing.markup import plain_text
 
@@ -177,14 +179,23 @@ def test_only_ids_that_something_refers_to_remain():
     )
 
 
-@pytest.mark.parametrize("end", ["svg", "pdf", "png"])
-def test_a_figure_becomes_a_file(tmp_path, end):
-    file = tmp_path / f"loop.{end}"
-    save_figure(Panel([line([0, 1], [0, 1], "a", BLUE)], LAYOUT), file, "TWIN")
-    start = file.read_bytes()[:300]
-    assert {"svg": b"<svg", "pdf": b"%PDF", "png": b"PNG"}[end] in start + (
-        file.read_bytes() if end == "svg" else b""
-    )
+@pytest.mark.parametrize(("end", "start"), [(".svg", b"<?xml"), (".pdf", b"%PDF"), (".png", b"\x89PNG")])
+def test_a_panel_becomes_a_file(tmp_path, end, start):
+    save_figure(Panel([line([0, 1], [0, 1], "a", BLUE)], LAYOUT), tmp_path / "loop", end, "TWIN")
+    assert (tmp_path / "loop").read_bytes().startswith(start)
+
+
+def test_the_figures_of_a_page_are_saved_while_it_is_made(tmp_path):
+    panels = [Panel([line([0, k], [0, 1], "a", BLUE)], LAYOUT) for k in (1, 2)]
+    one, two = Figure(panels[:1], "Hysteresis: μ of the run.", [], ""), Figure(panels, "Errors", [], "")
+    with figures_saved_in(tmp_path / "new") as files:
+        page("t", "", [Section("s", "s", [one, two])])
+    names = ["01-hysteresis-mu-of-the-run", "02-errors-a", "02-errors-b"]
+    assert [file.name for file in files] == [f"{name}.{end}" for name in names for end in ("svg", "pdf")]
+    assert all(file.stat().st_size > 500 for file in files)
+    with figures_saved_in(tmp_path / "new"), pytest.raises(UsageError, match="exists"):
+        one.html()
+    one.html()  # outside of the block nothing is saved
 
 
 def test_markup_of_labels():

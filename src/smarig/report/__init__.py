@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from smarig.report.components.comparison_labels import distinct_names as distinct_names
     from smarig.report.components.page import write_page as write_page
     from smarig.report.diagnosis_page import diagnosis_page as diagnosis_page
+    from smarig.report.drawing import figures_saved_in as figures_saved_in
     from smarig.report.folder_report import INDEX_FILE as INDEX_FILE
     from smarig.report.folder_report import page_path as page_path
     from smarig.report.folder_report import report_folder as report_folder

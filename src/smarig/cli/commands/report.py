@@ -6,7 +6,7 @@ from pathlib import Path
 import click
 
 from smarig.cli.output import check_distinct, emit, json_option, show_message
-from smarig.cli.parameter_types import ANY_PATH, FILE, own_effects
+from smarig.cli.parameter_types import ANY_PATH, FILE, FOLDER, own_effects
 from smarig.core import UsageError
 
 EPILOG = """\b
@@ -16,6 +16,7 @@ Examples:
   smarig report monday.run.sqlite tuesday.run.sqlite -o two_days.html
   smarig report --model exponential.model.json --model positive.model.json validation.run.sqlite
   smarig report --model wire.model.json held.run.sqlite
+  smarig report validation.run.sqlite --figures figures
 """
 
 
@@ -29,13 +30,33 @@ Examples:
     help="Verify this model on the runs. Several models are compared.",
 )
 @click.option("-o", "--out", type=FILE, help="The HTML file; default: in the folder of the (first) run.")
-@click.option("--force", is_flag=True, help="Replace existing pages.")
+@click.option(
+    "--figures", type=FOLDER, metavar="DIR", help="Also save the figures of the page in DIR, as SVG and PDF."
+)
+@click.option("--force", is_flag=True, help="Replace existing pages and figures.")
 @own_effects
 @json_option
-def command(runs: tuple[Path, ...], models: tuple[Path, ...], out: Path | None, force: bool) -> None:
+def command(
+    runs: tuple[Path, ...], models: tuple[Path, ...], out: Path | None, figures: Path | None, force: bool
+) -> None:
     """Write offline HTML pages: of one run (finished, interrupted or imported), of every run in a folder
     with a searchable index, of several runs compared, or of models compared on the same runs. With one model,
     the page of a closed loop includes the certificate of that model."""
+    if figures is None:
+        _pages(runs, models, out, force)
+        return
+    from smarig.report import figures_saved_in
+
+    if len(runs) == 1 and runs[0].is_dir() and not models:
+        raise UsageError(
+            "--figures saves the figures of one page, but a folder gets a page for each run. Name a run."
+        )
+    with figures_saved_in(figures, force):
+        _pages(runs, models, out, force)
+    show_message(f"Figures: {figures}")
+
+
+def _pages(runs: tuple[Path, ...], models: tuple[Path, ...], out: Path | None, force: bool) -> None:
     from smarig.report import run_files
 
     if len(runs) == 1 and runs[0].is_dir() and not models:

@@ -66,7 +66,13 @@ class Figure:
 
     def html(self) -> Html:
         """The figure as HTML, with its panels drawn as SVG."""
-        panels = [_panel(panel, self) for panel in self.panels]
+        # imported here: Matplotlib takes a second, and pages without figures do not need it
+        from smarig.report.drawing import NARROW_PX, WIDE_PX, WIDTH_PX, save_if_asked
+
+        usual_px = NARROW_PX if self.min_width_px <= NARROW_PX else WIDTH_PX
+        widths_px = [WIDE_PX if panel.wide else usual_px for panel in self.panels]
+        save_if_asked(self, widths_px)
+        panels = [_panel(panel, self, width_px) for panel, width_px in zip(self.panels, widths_px)]
         badge = joined([label_badge(self.label), " "]) if self.label else ""
         words = joined([part for part in self.caption if part], " ")
         caption = tag("figcaption", badge, tag("b", self.title), " ", words)
@@ -86,14 +92,12 @@ def label_badge(label: str) -> Html:
     return tag("span", f"{label} · simulated, not hardware", class_="twin")
 
 
-def _panel(panel: Panel, figure: Figure) -> Html:
-    # imported here: Matplotlib takes a second, and pages without figures do not need it
-    from smarig.report.drawing import NARROW_PX, WIDE_PX, WIDTH_PX, svg_of
+def _panel(panel: Panel, figure: Figure, width_px: int) -> Html:
+    from smarig.report.drawing import svg_of
 
-    width_px = WIDE_PX if panel.wide else NARROW_PX if figure.min_width_px <= NARROW_PX else WIDTH_PX
     drawn = Html(svg_of(panel, figure.label, width_px))
     data = _explored(panel, figure.label) if panel.explore else ""
-    least = panel.min_width_px or (WIDE_PX * 0.6 if panel.wide else 0)
+    least = panel.min_width_px or (0.6 * width_px if panel.wide else 0)
     style = {"style": f"min-width:{least:.0f}px"} if least else {}
     plot = tag("div", drawn, data, class_="plot", role="img", aria_label=alt_text(panel, figure), **style)
     return tag("div", plot, class_="cell wide" if panel.wide else "cell")

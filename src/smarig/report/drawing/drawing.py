@@ -39,14 +39,13 @@ def svg_of(panel: Panel, label: str = "", width_px: int = WIDTH_PX) -> str:
     return compact_svg(text.getvalue())
 
 
-def save_figure(panel: Panel, path: Path, label: str = "") -> None:
-    """Write the panel as an SVG, PDF or PNG file, by the end of its name."""
-    width_px = WIDE_PX if panel.wide else WIDTH_PX
-    canvases = {".svg": FigureCanvasSVG, ".pdf": FigureCanvasPdf, ".png": FigureCanvasAgg}
-    with rc_context(STYLE | {"svg.fonttype": "path"}):
+def save_figure(panel: Panel, path: Path, kind: str, label: str = "", width_px: int = WIDTH_PX) -> None:
+    """Write the panel to a file of a kind: ".svg", ".pdf" or ".png". ``label`` marks simulated data."""
+    canvases: dict[str, Any] = {".svg": FigureCanvasSVG, ".pdf": FigureCanvasPdf, ".png": FigureCanvasAgg}
+    with rc_context(STYLE):
         drawing = draw_panel(panel, label, width_px)
-        canvas = canvases[path.suffix](drawing)
-        canvas.print_figure(path, dpi=72 if path.suffix != ".png" else 144)
+        with path.open("wb") as file:
+            canvases[kind](drawing).print_figure(file, format=kind[1:], dpi=144)
 
 
 def draw_panel(panel: Panel, label: str, width_px: int) -> MplFigure:
