@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from smarig.core import DataError, UsageError, spaced
 from smarig.identification.assumed_starts import assumed_starts, assumed_starts_text
+from smarig.identification.error_verdict import ErrorVerdict, error_verdict
 from smarig.identification.fod_data import first_order_points
 from smarig.identification.measured.load_dependence import expected_rms
 from smarig.identification.noise_floor import noise_floor
@@ -76,12 +77,18 @@ class RunVerification:
     warnings: tuple[str, ...]
     expected: float | None = None
 
+    @property
+    def verdict(self) -> ErrorVerdict:
+        """How the error compares with the noise of the readings."""
+        return error_verdict(self.settled.rms, self.noise_floor, self.settled.nrmse)
+
     def to_json(self) -> dict[str, Any]:
         """Plain values, as the command line prints them."""
         return {
             "run": self.run,
             **self.settled.to_json(),
             "noise_floor": self.noise_floor,
+            "verdict": self.verdict.level.value,
             "offset": self.offset,
             "offset_kind": self.offset_kind,
             **({"expected_rms": self.expected} if self.expected is not None else {}),

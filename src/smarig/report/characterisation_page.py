@@ -1,6 +1,6 @@
 """The page of a characterisation: its figures, tables and sentences in order."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 
 from smarig.identification import NO_CURVES, POSITIVE_KIND
 from smarig.record import Run
@@ -8,13 +8,15 @@ from smarig.report.components.decimate import POINTS
 from smarig.report.components.figure import Figure
 from smarig.report.components.html import Html, bullets, notice, paragraph, tag
 from smarig.report.components.page import Section, page
-from smarig.report.components.run_description import protocol_name, source_label
+from smarig.report.components.run_description import count_size, protocol_name, source_label
 from smarig.report.diagnosis.verdict_text import findings
+from smarig.report.models.assessment import assessment
 from smarig.report.models.characterisation_cards import characterisation_cards, model_recommendation
 from smarig.report.models.density_figures import density_figure, maps_figure
 from smarig.report.models.evidence import Evidence
 from smarig.report.models.first_order_figures import curves_figure, parameters_figure, replay_figure
 from smarig.report.models.identification_plot_data import density_report_of
+from smarig.report.models.loop_figure import loop_figure
 from smarig.report.models.model_tables import (
     M_P,
     calibration_table,
@@ -31,14 +33,18 @@ from smarig.report.runs.representation_figure import representation_figure
 from smarig.report.runs.run_tables import conditions_table, provenance_table, quality_table
 from smarig.report.runs.time_figures import initialisation_figure, time_series_figure
 
+_REST_COUNTS = 4.0
 Parts = Iterator[Html | Figure]
 _ALL_POINTS = 3_000  # per channel over all runs, so that the page stays below 1 MB
 
 
 def characterisation_page(evidence: Evidence) -> str:
-    """The self-contained HTML page of a characterisation, in the order of chapter 5."""
+    """The HTML page of a characterisation: what was found, then its evidence in the order of chapter 5."""
     runs = list(evidence.runs.values())
-    sections = [Section(title, short, list(parts(evidence))) for title, short, parts in _SECTIONS]
+    sections = [
+        Section(title, short, list(parts(evidence)), folded)
+        for title, short, parts, folded in _sections(evidence)
+    ]
     return page(
         evidence.title,
         run_lead(runs[0]) if runs else "No runs",
@@ -48,8 +54,17 @@ def characterisation_page(evidence: Evidence) -> str:
     )
 
 
-def _summary(e: Evidence) -> Parts:
+def _first_screen(e: Evidence) -> Parts:
+    """What was measured, whether the model is good, what to do; the loops; the key figures."""
+    yield assessment(e).html()
+    run = _training_run(e)
+    figure = loop_figure(e, run) if run is not None else None
+    if figure:
+        yield figure
     yield characterisation_cards(e)
+
+
+def _summary(e: Evidence) -> Parts:
     yield model_recommendation(e)
 
 
@@ -73,8 +88,14 @@ def _findings(e: Evidence) -> Parts:
 def _time(e: Evidence) -> Parts:
     points = min(POINTS, _ALL_POINTS // max(1, len(e.runs)))
     for run in _with_samples(e):
-        if run.has("t_s"):
+        if run.has("t_s") and not (run.info.protocol == "initialise" and _rests(run)):
             yield time_series_figure(run, points, explore=False)
+
+
+def _rests(run: Run) -> bool:
+    """Whether the output only shows noise."""
+    low, high = run.extremes("position") or (0.0, 0.0)
+    return high - low < _REST_COUNTS * count_size(run)
 
 
 def _hysteresis_graphs(e: Evidence) -> Parts:
@@ -218,17 +239,24 @@ def _provenance(e: Evidence) -> Parts:
     )
 
 
-_SECTIONS = (
-    ("Summary", "Summary", _summary),
-    ("Rig and conditions", "Rig", _rig),
-    ("Findings and warnings", "Findings", _findings),
-    ("Time series of the runs", "Time series", _time),
-    ("Hysteresis graphs", "Hysteresis", _hysteresis_graphs),
-    ("Initialisation", "Initialisation", _initialisation),
-    ("Is it a Preisach system? Wiping-out and congruency", "Representation", _representation),
-    ("First-order curves and the model", "Curves and model", _curves),
-    ("Weighting function μ and reversible part g", "Density μ", _density),
-    ("Validation on held-out data", "Validation", _validation),
-    ("Diagnosis of the model", "Diagnosis", _model_errors),
-    ("Provenance", "Provenance", _provenance),
-)
+def _sections(e: Evidence) -> tuple[tuple[str, str, Callable[[Evidence], Parts], bool], ...]:
+    """Titles, names in the navigation, contents, and whether folded: what was found first, evidence below."""
+    quiet = e.diagnosis is None or e.diagnosis.verdict.word in ("silent", "not_identifiable")
+    diagnosis = ("Diagnosis of the model", "Diagnosis", _model_errors, False)
+    model = (
+        ("Which model the theorems apply to", "Theorems", _summary, False),
+        ("Findings and warnings", "Findings", _findings, False),
+        ("Is it a Preisach system? Wiping-out and congruency", "Representation", _representation, False),
+        ("First-order curves and the model", "Curves and model", _curves, True),
+        ("Weighting function μ and reversible part g", "Density μ", _density, True),
+        ("Validation on held-out data", "Validation", _validation, True),
+    )
+    data = (
+        ("Hysteresis graphs", "Hysteresis", _hysteresis_graphs, True),
+        ("Time series of the runs", "Time series", _time, True),
+        ("Initialisation", "Initialisation", _initialisation, True),
+        ("Rig and conditions", "Rig", _rig, True),
+        ("Provenance", "Provenance", _provenance, True),
+    )
+    ordered = (*model, diagnosis) if quiet else (diagnosis, *model)
+    return (("", "", _first_screen, False), *ordered, *data)

@@ -50,13 +50,13 @@ def run_page(run: Run, *, library: str = LIBRARY, certified: "tuple[Model, str, 
         *_loop_sections(run, certified),
         *_transformation_sections(run),
         Section("Measurement", "Measurement", data),
-        Section("Rig and conditions", "Rig", [conditions_table(run)]),
         Section(
             "Data quality",
             "Data quality",
             [quality_table({protocol_name(run): run}), steps_table(run), events_table(run)],
         ),
-        Section("Provenance", "Provenance", [provenance_table({protocol_name(run): run})]),
+        Section("Rig and conditions", "Rig", [conditions_table(run)], folded=True),
+        Section("Provenance", "Provenance", [provenance_table({protocol_name(run): run})], folded=True),
     ]
     title = f"{capitalised(protocol_name(run))} run"
     notices = [*ending_notices([run]), *_warnings(run)]
@@ -97,19 +97,19 @@ def _transformation_sections(run: Run) -> list[Section]:
 
 
 def _figure_parts(run: Run) -> Iterator[Figure | Html]:
+    """The hysteresis first, unless the section of a closed loop contains it; then the channels against time."""
     if not len(run):
         return
-    if run.has("t_s") and any(run.has(name) for name in ("current_A", "input", "position")):
-        yield time_series_figure(run)
+    if not is_closed_loop(run):
+        if np.isfinite(run["input"] + run["position"]).any() or len(run.settled) >= 2:
+            yield hysteresis_figure(run)
+        if run.info.protocol in ("wiping_out", "congruency"):
+            yield from _representation_parts(run, run.info.protocol)
     start = initialisation_figure(run)
     if start:
         yield start
-    if is_closed_loop(run):  # the section of the loop contains its hysteresis
-        return
-    if np.isfinite(run["input"] + run["position"]).any() or len(run.settled) >= 2:
-        yield hysteresis_figure(run)
-    if run.info.protocol in ("wiping_out", "congruency"):
-        yield from _representation_parts(run, run.info.protocol)
+    if run.has("t_s") and any(run.has(name) for name in ("current_A", "input", "position")):
+        yield time_series_figure(run)
 
 
 def _representation_parts(run: Run, property_name: str) -> Iterator[Figure | Html]:

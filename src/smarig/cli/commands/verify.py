@@ -1,12 +1,16 @@
 """``smarig verify``: the error of a model on measured runs."""
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
 from smarig.cli.output import emit, json_option, show_message
 from smarig.cli.parameter_types import FILE, own_effects
 from smarig.core import spaced
+
+if TYPE_CHECKING:
+    from smarig.identification import RunVerification
 
 
 @click.command("verify", epilog="\b\nExample:\n  smarig verify wire.model.json validation.run.sqlite")
@@ -24,7 +28,8 @@ def command(model: Path, runs: tuple[Path, ...], select: str | None) -> None:
     from smarig.record import load_run
     from smarig.replay import load_model
 
-    found = verify(load_model(model), [load_run(r) for r in runs], select=select).to_json()
+    result = verify(load_model(model), [load_run(r) for r in runs], select=select)
+    found = result.to_json()
     unit = found["unit"]
     for run in found["runs"]:
         for warning in run.get("warnings", ()):
@@ -35,7 +40,16 @@ def command(model: Path, runs: tuple[Path, ...], select: str | None) -> None:
         f"{_floor(run, unit)}{_expected(run, unit)}"
         for run in found["runs"]
     ]
-    emit(found, "\n".join(lines))
+    emit(found, "\n".join([*lines, *(_verdict(run, model) for run in result.runs)]))
+
+
+def _verdict(run: "RunVerification", model: Path) -> str:
+    """Whether the error is good, and what to do if not."""
+    from smarig.identification import ErrorLevel
+
+    found = run.verdict
+    more = f" (smarig diagnose {model} finds the cause)" if found.level == ErrorLevel.POOR else ""
+    return f"Verdict: {found.text}{more}."
 
 
 def _expected(run: dict, unit: str) -> str:

@@ -23,11 +23,12 @@ SIMULATED_TEXT = "every number on this page comes from a software simulation. No
 
 @dataclass(frozen=True)
 class Section:
-    """A section of a page; ``short`` is its name in the navigation."""
+    """A section of a page; ``short`` is its name in the navigation. A ``folded`` one opens on request."""
 
     title: str
     short: str
     parts: Sequence[Html | Figure]
+    folded: bool = False
 
 
 def page(
@@ -48,11 +49,11 @@ def page(
     words = f"{label}: {simulated}" if label else ""
     banner = tag("aside", words, class_="twinbar", aria_label="Simulated, not measured") if label else ""
     skip = tag("a", "Skip to the content", href="#section-1", class_="skip")
-    links = [tag("a", s.short, href=f"#section-{k}") for k, s in enumerate(sections, start=1)]
+    links = [tag("a", s.short, href=f"#section-{k}") for k, s in enumerate(sections, start=1) if s.short]
     top = tag("div", banner, tag("nav", skip, *links, aria_label="Sections"), class_="sticky")
     header = tag("header", tag("h1", title), tag("p", lead, class_="lead"), *notices, class_="top")
     body = tag("main", *(_section(k, s) for k, s in enumerate(sections, start=1)))
-    script = Html(f"<script>{figure_script()}</script>") if "<svg" in body else ""
+    script = Html(f"<script>{_FOLD_SCRIPT}{figure_script() if '<svg' in body else ''}</script>")
     whole = tag(
         "body",
         top,
@@ -79,7 +80,10 @@ def _head(title: str) -> Html:
 
 def _section(number: int, section: Section) -> Html:
     parts = [part.html() if isinstance(part, Figure) else escaped(part) for part in section.parts]
-    return tag("section", tag("h2", section.title), *parts, id=f"section-{number}")
+    heading = tag("h2", section.title) if section.title else ""
+    if section.folded:
+        return tag("section", tag("details", tag("summary", heading), *parts), id=f"section-{number}")
+    return tag("section", heading, *parts, id=f"section-{number}", class_="" if heading else "first")
 
 
 def _footer(words: str, library: str) -> Html:
@@ -121,6 +125,13 @@ def is_smarig_page(path: Path) -> bool:
     with path.open(encoding="utf-8", errors="replace") as file:
         return f'name="generator" content="{GENERATOR}"' in file.read(600)
 
+
+# A link to a folded section opens it.
+_FOLD_SCRIPT = """
+(function(){ function open(){ const at=location.hash&&document.querySelector(location.hash+'>details');
+  if(at){ at.open=true; at.scrollIntoView(); } }
+ addEventListener('hashchange',open); open(); })();
+"""
 
 _DRAW_SCRIPT = """
 (function(){
@@ -166,7 +177,6 @@ _DRAW_SCRIPT = """
  document.querySelectorAll('.plot').forEach(plot=>{ const tools=document.createElement('div'); tools.className='tools';
   if(plot.querySelector('script.explored')) tools.append(button('Explore',pressed=>explore(plot,pressed)));
   tools.append(button('SVG',()=>save(plot))); plot.after(tools); });
- addEventListener('beforeprint',()=>document.querySelectorAll('details').forEach(d=>d.open=true));
 })();
 """
 

@@ -110,6 +110,9 @@ h1{font-size:clamp(24px,3.4vw,36px);line-height:1.15;margin:28px 0 6px;letter-sp
 section{margin:44px 0;counter-increment:section}
 h2{font-size:23px;margin:0 0 12px;padding-top:14px;border-top:2px solid var(--ink);line-height:1.25}
 h2::before{content:counter(section) "  ";color:var(--grey);font-weight:400}
+section.first{margin:0 0 36px;counter-increment:none}section>details>summary{list-style-position:outside}
+section>details>summary h2{display:inline-block;width:calc(100% - 1.2em);vertical-align:top}
+section>details:not([open])>summary h2{font-weight:500}
 h3{font-size:17px;margin:26px 0 6px}
 p,li{max-width:78ch;overflow-wrap:anywhere}
 code{font:13px/1.4 ui-monospace,SFMono-Regular,Menlo,Consolas,monospace;overflow-wrap:anywhere}

@@ -127,7 +127,7 @@ def resimulated(
     return u, np.array([operator.step(float(v)) for v in u])
 
 
-def output_grid(found: Identification, n: int = 41) -> tuple[Array, Array, Array]:
+def output_grid(found: Identification, n: int = 31) -> tuple[Array, Array, Array]:
     """Grids (n, n) of reversal input, input, and output over the Preisach plane, for a surface plot."""
     s, lower, upper = sign(found), found.data.lower, found.data.upper
     alpha, t = np.meshgrid(np.linspace(lower, upper, n), np.linspace(0, 1, n), indexing="ij")

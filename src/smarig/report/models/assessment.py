@@ -1,0 +1,152 @@
+"""What a characterisation measured, whether its model is good, and what to do now: three sentences and a level."""
+
+from dataclasses import dataclass
+
+from smarig.core import spaced
+from smarig.diagnosis import Diagnosis
+from smarig.identification import ErrorLevel, ErrorVerdict, error_verdict
+from smarig.record import Run
+from smarig.report.components.html import Html, notice, paragraph, tag
+from smarig.report.components.numbers import duration
+from smarig.report.components.run_description import display_unit, duration_s
+from smarig.report.diagnosis.verdict_text import strengths_text
+from smarig.report.models.evidence import Evidence
+from smarig.report.models.model_tables import pooled_rms
+
+_TESTS = {"wiping_out": "Wiping-out", "congruency": "Congruency"}
+
+
+@dataclass(frozen=True)
+class Assessment:
+    """The sentences of the first screen. ``level``: "good", "warning" or "bad"."""
+
+    level: str
+    measured: str
+    quality: str
+    advice: str
+
+    def html(self) -> Html:
+        """A box in the colour of the level."""
+        return notice(
+            self.level, paragraph(self.measured), paragraph(tag("b", self.quality)), paragraph(self.advice)
+        )
+
+
+def assessment(e: Evidence) -> Assessment:
+    """The assessment of a characterisation, built from its figures."""
+    verdict, error = _held_out(e)
+    cause = _cause(e.diagnosis)
+    levels = {_quality_level(e, verdict), cause.level}
+    level = "bad" if "bad" in levels else "warning" if "warning" in levels else "good"
+    return Assessment(level, _measured(e), _quality(e, verdict, error), _advice(e, verdict, cause))
+
+
+@dataclass(frozen=True)
+class _Cause:
+    """What the diagnosis found: its ``level``, a sentence, and what to do."""
+
+    level: str
+    text: str
+    advice: str
+
+
+def _measured(e: Evidence) -> str:
+    runs = list(e.runs.values())
+    if not runs:
+        return "No run was made."
+    run = max(runs, key=lambda each: _extent(each, "position"))
+    hours = duration(sum(duration_s(each) for each in runs if duration_s(each) == duration_s(each)))
+    settled = sum(len(each.settled) for each in runs)
+    stroke = f"{_extent(run, 'position'):.3g}{spaced(display_unit(run.unit))}"
+    if run.has("input"):
+        stroke += f" over {_extent(run, 'input'):.3g}{spaced(display_unit(run.input_unit))}"
+    count = "1 run" if len(runs) == 1 else f"{len(runs)} runs"
+    return f"Measured: a stroke of {stroke}, {settled} settled points in {count}, {hours} on the rig."
+
+
+def _extent(run: Run, column: str) -> float:
+    """The range of a column; 0 if nothing is known."""
+    low, high = run.extremes(column) or (0.0, 0.0)
+    return high - low
+
+
+def _held_out(e: Evidence) -> tuple[ErrorVerdict | None, str]:
+    """The verdict on the held-out error of the chosen model, and the error as text."""
+    found = e.verifications.get(e.chosen)
+    rms = pooled_rms(found)
+    if found is None or rms is None:
+        return None, ""
+    floors = [run.noise_floor for run in found.runs if run.noise_floor]
+    share = max(run.settled.nrmse for run in found.runs)
+    return error_verdict(rms, max(floors, default=None), share), f"{rms:.2g}{spaced(found.unit)} rms"
+
+
+def _quality_level(e: Evidence, verdict: ErrorVerdict | None) -> str:
+    if e.best is None:
+        return "bad"
+    if verdict is None:
+        return "warning"
+    levels = {ErrorLevel.GOOD: "good", ErrorLevel.POOR: "bad"}
+    return levels.get(verdict.level, "warning")
+
+
+def _quality(e: Evidence, verdict: ErrorVerdict | None, error: str) -> str:
+    if e.best is None:
+        return "No model was identified."
+    if verdict is None:
+        return f"The {e.chosen} model was not tested: no run was held out."
+    rejected = [_TESTS.get(test.name, test.name) for test in e.representation if not test.holds]
+    no_preisach = (
+        f" {' and '.join(rejected)} fail{'s' if len(rejected) == 1 else ''}, so it is an approximation."
+    )
+    return f"The {e.chosen} model predicts held-out data to {error}, {verdict.text}.{no_preisach if rejected else ''}"
+
+
+def _cause(d: Diagnosis | None) -> _Cause:
+    """What the diagnosis says, in one sentence each."""
+    if d is None:
+        return _Cause("good", "", "")
+    word, best = d.verdict.word, d.best
+    if word == "named" and best is not None:
+        return _Cause("bad", f"Cause: {strengths_text(best)}.", _named_advice(d))
+    if word == "ambiguous":
+        return _Cause(
+            "bad",
+            f"Cause: one of {', '.join(d.verdict.names)}.",
+            "Make the run that the diagnosis proposes; it tells them apart.",
+        )
+    if word == "unknown":
+        on = f" It depends on {d.verdict.depends_on}." if d.verdict.depends_on else ""
+        return _Cause(
+            "bad",
+            f"Something acts on this wire that no effect of the catalogue explains.{on}",
+            "See the diagnosis.",
+        )
+    if word == "not_identifiable":
+        return _Cause("warning", "These data cannot show any effect.", "Make a longer run.")
+    if d.first.alarm:
+        return _Cause(
+            "warning", "The residuals are larger than noise.", "Repeat the run before you rely on it."
+        )
+    return _Cause("good", "No disturbance was found.", "")
+
+
+def _named_advice(d: Diagnosis) -> str:
+    gain = d.gain
+    if gain is not None and gain.extended < gain.base:
+        better = f"{gain.base:.2g} → {gain.extended:.2g}{spaced(d.timeline.unit)}"
+        return f"Use the extended model (held-out error {better}), or remove the cause and measure again."
+    return "Remove the cause and measure again; the extended model does not predict better."
+
+
+def _advice(e: Evidence, verdict: ErrorVerdict | None, cause: _Cause) -> str:
+    if e.best is None:
+        return "Run first_order_descending over the whole range, then identify."
+    if cause.level != "good":
+        return f"{cause.text} {cause.advice}"
+    if verdict is None:
+        return f"{cause.text} Measure a validation run, then verify the model on it.".strip()
+    if verdict.level == ErrorLevel.GOOD:
+        return f"{cause.text} The model can be used as it is.".strip()
+    found = "The diagnosis names no cause" if e.diagnosis is not None else "No diagnosis was made"
+    return f"{found}. Use the model within this error, or measure more curves where the error is large."

@@ -1,0 +1,70 @@
+"""The main figure of a characterisation: measured loops with the model, and its errors on held-out data."""
+
+import numpy as np
+
+from smarig.core import spaced
+from smarig.identification import RunVerification
+from smarig.record import Run
+from smarig.replay import recorded_start
+from smarig.report.components.figure import Figure, Panel, Trace, axis, dots, line
+from smarig.report.components.run_description import count_size, input_title, output_title, source_label
+from smarig.report.components.style import GREY, INK, MODEL
+from smarig.report.models.evidence import Evidence
+from smarig.report.models.identification_plot_data import resimulated
+from smarig.report.runs.representation_figure import noise_band
+from smarig.report.runs.sample_path import sample_path
+
+
+def loop_figure(e: Evidence, training: Run) -> Figure | None:
+    """Measured path and settled points with the chosen model; its errors on the first held-out run, if there is one."""
+    if e.best is None or len(training.settled) < 2:
+        return None
+    panels = [Panel(_loops(e, training), _axes(training), 400, explore=True)]
+    words = f"Grey: the path of the samples; dots: settled points; green: the {e.chosen} model with the same inputs."
+    held_out = _held_out(e)
+    if held_out is not None:
+        verification, run = held_out
+        panels.append(_error_panel(verification, run))
+        floor = verification.noise_floor
+        band = f"; band: ± 2 σ of the noise floor, {floor:.2g}{spaced(run.unit)}" if floor else ""
+        words += f" Second panel: model − measured on the held-out run, rms {verification.settled.rms:.2g}"
+        words += f"{spaced(run.unit)}, n = {verification.settled.n}{band}."
+    return Figure(panels, "Measured loops and the model.", [words], source_label(training), 460)
+
+
+def _axes(run: Run) -> dict[str, object]:
+    return {"xaxis": axis(input_title(run)), "yaxis": axis(output_title(run))}
+
+
+def _loops(e: Evidence, run: Run) -> list[Trace]:
+    inputs, outputs = run.points()
+    drawn: list[Trace] = []
+    kept = sample_path(run["input"], run["position"], count_size(run))
+    if kept.size > inputs.size:
+        drawn.append(line(run["input"][kept], run["position"][kept], "measured", "#9aa3ad", width=2.2))
+    assert e.best is not None  # noqa: S101 - checked by the caller
+    u, y = resimulated(e.best, inputs, initial=recorded_start(run) or "negative")
+    drawn.append(line(u, y, f"{e.chosen} model", MODEL, width=1.2))
+    drawn.append(dots(inputs, outputs, "settled points", INK, size=4))
+    return drawn
+
+
+def _held_out(e: Evidence) -> tuple[RunVerification, Run] | None:
+    found = e.verifications.get(e.chosen)
+    runs = {str(run.path): run for run in e.runs.values()}
+    for one in found.runs if found else ():
+        if one.run in runs:
+            return one, runs[one.run]
+    return None
+
+
+def _error_panel(found: RunVerification, run: Run) -> Panel:
+    error = np.where(found.counted, found.predicted - found.measured, np.nan)
+    low, high = float(np.min(found.input)), float(np.max(found.input))
+    data: list[Trace] = []
+    if found.noise_floor:
+        data.append(noise_band(low, high, 2 * found.noise_floor, "± 2 σ of the noise"))
+    data.append(line([low, high], [0, 0], "zero", GREY, width=1, showlegend=False))
+    data.append(dots(found.input, error, "model − measured, held out", INK, size=6))
+    layout = {"xaxis": axis(input_title(run)), "yaxis": axis(f"Model − measured ({run.unit})")}
+    return Panel(data, layout, 400)

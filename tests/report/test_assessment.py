@@ -1,0 +1,101 @@
+"""The first sentences of a characterisation say what its figures say, for every pattern of figures."""
+
+import itertools
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from report.pages import run_of, step
+from smarig.identification import ErrorLevel, error_verdict
+from smarig.plant.effects.walking import walking
+from smarig.report.models.assessment import assessment
+
+WORDS = ("named", "ambiguous", "unknown", "not_identifiable", "silent", "doubtful", None)
+ERRORS = {
+    "none": None,
+    "good": (0.01, 0.02),
+    "fair": (0.05, 0.02),
+    "poor": (0.2, 0.02),
+    "unmeasured": (0.2, None),
+}
+
+
+def run():
+    t = np.arange(100.0)
+    columns = {"t_s": t, "input": t, "position": t / 10}
+    return run_of(columns, (step(0, 1.0, 2.0), step(1, 2.0, 3.0)), output={"unit": "mm"}, input={"unit": "K"})
+
+
+def diagnosis(word, gains):
+    if word is None:
+        return None
+    effect = walking(0.3)
+    best = SimpleNamespace(effects=(effect,), spread={}) if word == "named" else None
+    return SimpleNamespace(
+        verdict=SimpleNamespace(
+            word="silent" if word == "doubtful" else word, names=("walking", "creep"), depends_on="level"
+        ),
+        best=best,
+        first=SimpleNamespace(alarm=word == "doubtful"),
+        gain=SimpleNamespace(base=0.5, extended=0.1 if gains else 0.6),
+        timeline=SimpleNamespace(unit="mm"),
+    )
+
+
+def evidence(word, error, *, model=True, holds=True, gains=True):
+    rms_floor = ERRORS[error]
+    one = rms_floor and SimpleNamespace(
+        noise_floor=rms_floor[1], settled=SimpleNamespace(n=5, rms=rms_floor[0], nrmse=rms_floor[0] / 10)
+    )
+    return SimpleNamespace(
+        runs={"made": run()},
+        representation=(SimpleNamespace(name="congruency", holds=holds),),
+        best=object() if model else None,
+        chosen="table",
+        verifications={"table": SimpleNamespace(runs=(one,), unit="mm")} if one else {},
+        diagnosis=diagnosis(word, gains),
+    )
+
+
+@pytest.mark.parametrize(
+    ("word", "error", "model", "holds", "gains"),
+    list(itertools.product(WORDS, ERRORS, *[(True, False)] * 3)),
+)
+def test_no_sentence_contradicts_the_figures(word, error, model, holds, gains):
+    found = assessment(evidence(word, error, model=model, holds=holds, gains=gains))
+    text = f"{found.measured} {found.quality} {found.advice}"
+    assert (
+        found.measured
+        == "Measured: a stroke of 9.9 mm over 99 K, 2 settled points in 1 run, 99 s on the rig."
+    )
+    loud = word in ("named", "ambiguous", "unknown")
+    usable = model and error == "good" and word in ("silent", None)
+    assert ("can be used as it is" in text) == usable
+    assert (found.level == "good") == usable
+    assert (found.level == "bad") == (not model or error == "poor" or loud)
+    assert ("the noise floor: good" in text) == (model and error == "good")
+    assert ("Congruency fails" in text) == (model and error != "none" and not holds)
+    if model:
+        assert ("Cause: walking" in text) == (word == "named")
+        assert ("Use the extended model" in text) == (word == "named" and gains)
+        assert ("No disturbance" in text) == (word == "silent" and error in ("good", "none"))
+    else:
+        assert "No model was identified" in text
+    assert all(sentence.endswith(".") for sentence in (found.measured, found.quality, found.advice))
+    assert "  " not in text
+
+
+@pytest.mark.parametrize(
+    ("rms", "floor", "share", "level"),
+    [
+        (0.1, 0.1, 0.5, ErrorLevel.GOOD),
+        (0.2, 0.1, 0.0, ErrorLevel.FAIR),
+        (0.9, 0.1, 0.0, ErrorLevel.POOR),
+        (0.9, None, 0.3, ErrorLevel.POOR),
+        (0.9, None, 0.01, ErrorLevel.UNKNOWN),
+        (0.0, 0.0, 0.0, ErrorLevel.UNKNOWN),
+    ],
+)
+def test_the_verdict_follows_the_noise_and_without_it_the_travel(rms, floor, share, level):
+    assert error_verdict(rms, floor, share).level == level
