@@ -76,7 +76,7 @@ def test_a_regulated_run_shows_where_it_went_in_the_plane(runs):
     assert [disturbance_shading.min(), disturbance_shading.max()] == pytest.approx(found.disturbance_s)
     assert found.disturbance_s[0] == pytest.approx(60.0, abs=0.2)
     assert "predicted" in page.card("Distance from B")
-    assert all("TWIN" in caption for caption in page.captions)
+    assert all(any(a["text"] == "TWIN" for a in plot["layout"]["annotations"]) for plot in page.plots)
 
 
 def test_the_transient_is_the_largest_error_since_the_disturbance(runs):

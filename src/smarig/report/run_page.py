@@ -14,6 +14,7 @@ from smarig.report.components.numbers import duration, number, thousands
 from smarig.report.components.page import LIBRARY, Section, page
 from smarig.report.components.run_description import (
     capitalised,
+    conditions_text,
     count_size,
     display_unit,
     duration_s,
@@ -132,15 +133,8 @@ def representation_notice(test: "Representation") -> Html:
 
 
 def run_lead(run: Run) -> str:
-    """A line that names wire, rig and origin of a run."""
-    wire, rig = run.info.wire, run.info.rig
-    imported = run.info.imported.file if run.info.imported else None
-    parts = [
-        f"Wire {wire}" if wire else "",
-        f"rig {rig}" if rig else "",
-        f"imported from {imported}" if imported else "",
-    ]
-    return ", ".join(part for part in parts if part) or run.path.name
+    """A line with the conditions of a run: wire, rig, seed, ambient temperature, origin of the input."""
+    return capitalised(conditions_text(run)) or run.path.name
 
 
 def run_cards(run: Run) -> Html:

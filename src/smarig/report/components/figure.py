@@ -73,9 +73,8 @@ class Figure:
         widths_px = [WIDE_PX if panel.wide else usual_px for panel in self.panels]
         save_if_asked(self, widths_px)
         panels = [_panel(panel, self, width_px) for panel, width_px in zip(self.panels, widths_px)]
-        badge = joined([label_badge(self.label), " "]) if self.label else ""
         words = joined([part for part in self.caption if part], " ")
-        caption = tag("figcaption", badge, tag("b", self.title), " ", words)
+        caption = tag("figcaption", tag("b", self.title), " ", words)
         is_single = len(panels) == 1 and not self.panels[0].wide
         scrolls = {"tabindex": 0, "role": "group", "aria_label": self.title} if self._is_scrollable else {}
         frame = tag("div", *panels, class_="panels", style=f"--least:{self.min_width_px}px", **scrolls)
@@ -85,11 +84,6 @@ class Figure:
     def _is_scrollable(self) -> bool:
         """Whether a panel may be wider than a small screen, so that the frame must scroll by keyboard."""
         return any(panel.wide or panel.min_width_px for panel in self.panels)
-
-
-def label_badge(label: str) -> Html:
-    """The badge at the beginning of a caption."""
-    return tag("span", f"{label} · simulated, not hardware", class_="twin")
 
 
 def _panel(panel: Panel, figure: Figure, width_px: int) -> Html:

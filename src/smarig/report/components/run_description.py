@@ -22,23 +22,21 @@ def protocol_name(run: AnyRun) -> str:
 
 
 def run_caption(run: AnyRun) -> str:
-    """The last sentence of a caption: n, sample rate, rig, wire, seed, ambient temperature and origin of the input.
-
-    Unknown items are omitted.
-    """
+    """The last sentence of a caption: the number of steps and samples. The page states the conditions once."""
     settled = len(run.settled)
-    n = (
-        f"n = {settled} steps of {thousands(len(run))} samples"
-        if settled
-        else f"n = {thousands(len(run))} samples"
-    )
+    samples = f"{thousands(len(run))} samples"
+    return f"n = {settled} steps of {samples}." if settled else f"n = {samples}."
+
+
+def conditions_text(run: AnyRun) -> str:
+    """Rig, wire, seed, ambient temperature and origin of the input; unknown items are omitted."""
     rig = run.info.rig
-    where = [n, f"rig {rig}" if rig else "", f"wire {run.info.wire}" if run.info.wire else ""]
+    where = [f"wire {run.info.wire}" if run.info.wire else "", f"rig {rig}" if rig else ""]
     where += [f"imported from {run.info.imported.file}" if run.info.imported else ""]
     where += [f"seed {run.info.seed}" if source_label(run) and run.info.has("seed") else "", _ambient(run)]
     source = run.info.input.from_
     where += [f"input from the {source}" if source else ""]
-    return "; ".join(part for part in where if part) + "."
+    return ", ".join(part for part in where if part)
 
 
 def _ambient(run: AnyRun) -> str:

@@ -51,9 +51,9 @@ def colours(n: int) -> list[str]:
     stops = ((0, 34, 78), (60, 77, 110), (124, 123, 120), (187, 173, 108), (233, 205, 75))
     picked = []
     for k in range(n):
-        run_caption = (len(stops) - 1) * k / max(n - 1, 1)
-        i = min(int(run_caption), len(stops) - 2)
-        mixed = (round(a + (run_caption - i) * (b - a)) for a, b in zip(stops[i], stops[i + 1]))
+        at = (len(stops) - 1) * k / max(n - 1, 1)
+        i = min(int(at), len(stops) - 2)
+        mixed = (round(a + (at - i) * (b - a)) for a, b in zip(stops[i], stops[i + 1]))
         picked.append("rgb({},{},{})".format(*mixed))
     return picked
 

@@ -10,7 +10,7 @@ from smarig.diagnosis import Diagnosis, memory_covariance, memory_slopes
 from smarig.preisach import sensitivities
 from smarig.replay import OUTPUT_DEPENDENT_KINDS, Prediction, ReadingSeries, Timeline, plant_model_of, predict
 from smarig.report.components.numbers import number
-from smarig.report.components.run_description import protocol_name, source_label
+from smarig.report.components.run_description import protocol_name
 from smarig.report.components.style import INK, MODEL
 
 Array = NDArray[np.float64]
@@ -85,26 +85,13 @@ def models_text(predictions: DiagnosisPredictions, half_ranges: Sequence[float])
 
 
 def diagnosis_caption(d: Diagnosis, *, dotted: bool = False) -> tuple[str, ...]:
-    """The last sentence of a caption: runs and rig; ``dotted`` if dotted lines show the starts of runs."""
+    """The last sentence of a caption: the training runs; ``dotted`` if dotted lines show the starts of runs."""
     protocols = ", ".join(dict.fromkeys(map(protocol_name, d.timeline.runs)))
     parts = [
         f"{len(d.timeline.runs)} training run{'s' if len(d.timeline.runs) > 1 else ''} ({protocols}"
         + ("; dotted lines: starts of runs)" if dotted and len(d.timeline.runs) > 1 else ")"),
-        *rig_text(d),
     ]
     return ("; ".join(part for part in parts if part) + ".",)
-
-
-def rig_text(d: Diagnosis) -> tuple[str, ...]:
-    """Rig, wire and seed, if known."""
-    run = d.timeline.runs[0]
-    rig, wire, seed = run.info.rig, run.info.wire, run.info.seed
-    known = (
-        f"rig {rig}" if rig else "",
-        f"wire {wire}" if wire else "",
-        f"seed {seed}" if source_label(run) and seed is not None else "",
-    )
-    return tuple(part for part in known if part)
 
 
 def rms(values: ArrayLike, weight: Array | None = None) -> float:

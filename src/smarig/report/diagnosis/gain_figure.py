@@ -7,12 +7,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.core import capitalised
 from smarig.diagnosis import Diagnosis, HeldOutGain
 from smarig.report.components.figure import AXIS_MARGIN, Figure, Panel, Trace, axis, dots, line, log_axis
 from smarig.report.components.run_description import display_unit, source_label
 from smarig.report.components.style import FAINT, GREY, INK, MODEL
-from smarig.report.diagnosis.diagnosis_predictions import Array, rig_text, rms
+from smarig.report.diagnosis.diagnosis_predictions import Array, rms
 from smarig.report.diagnosis.verdict_text import gain_text
 from smarig.report.runs.representation_figure import noise_band
 
@@ -50,7 +49,6 @@ def _caption(gain: HeldOutGain, d: Diagnosis, unit: str) -> list[str]:
         if _pale_readings(gain).any()
         else "",
         gain_text(gain, d),
-        capitalised("; ".join(rig_text(d)) + ".") if rig_text(d) else "",
     ]
 
 

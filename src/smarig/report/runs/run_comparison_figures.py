@@ -12,6 +12,7 @@ from smarig.report.components.figure import Figure, Panel, Trace, axis, line, pl
 from smarig.report.components.html import Html, joined, tag
 from smarig.report.components.numbers import number
 from smarig.report.components.run_description import (
+    conditions_text,
     display_unit,
     input_title,
     output_title,
@@ -187,7 +188,7 @@ def runs_text(runs: Sequence[AlignedRun]) -> Html:
 
 def runs_caption(runs: Sequence[tuple[int, str, Run]]) -> Html:
     """Caption text on runs given as (colour index, name, run)."""
-    captions = [run_caption(run).removesuffix(".").split("; ") for _, _, run in runs]
+    captions = [[run_caption(run).removesuffix("."), *conditions_text(run).split(", ")] for _, _, run in runs]
     shared = [part for part in captions[0] if all(part in other for other in captions)]
     own = ["; ".join(part for part in parts if part not in shared) for parts in captions]
     each = [
