@@ -35,7 +35,8 @@ def error_verdict(rms: float, floor: float | None, share: float) -> ErrorVerdict
         if ratio <= GOOD_RATIO:
             return ErrorVerdict(ErrorLevel.GOOD, "at the noise floor: good")
         level = ErrorLevel.FAIR if ratio <= POOR_RATIO else ErrorLevel.POOR
-        return ErrorVerdict(level, f"{ratio:.2g} × the noise floor: {level}")
+        size = f"{ratio:.2g}" if ratio < 100 else f"{ratio:.0f}"
+        return ErrorVerdict(level, f"{size} × the noise floor: {level}")
     percent = f"{100 * share:.2g} % of the travel"
     if share > POOR_SHARE:
         return ErrorVerdict(ErrorLevel.POOR, f"{percent}: poor; the noise is unknown")

@@ -5,6 +5,7 @@ from typing import Any
 
 from smarig.core import spaced
 from smarig.identification.density_report import DensityReport
+from smarig.identification.error_verdict import ErrorVerdict, error_verdict
 from smarig.identification.extended.choose_extension import ExtensionChoice
 from smarig.identification.fod_data import FodData
 from smarig.identification.measured.load_dependence import LoadDependence
@@ -50,6 +51,13 @@ class Identification:
         """Warnings about the model, one or two sentences each."""
         return self.model.warnings
 
+    @property
+    def fit_verdict(self) -> ErrorVerdict:
+        """How the error of the fit compares with the noise of the readings."""
+        hysteresis, rms = self.model.hysteresis, float(self.model.fit["rms"])
+        travel = abs(hysteresis.y_upper - hysteresis.y_lower)
+        return error_verdict(rms, self.model.noise_floor.value, rms / travel if travel else 0.0)
+
     def to_json(self) -> dict[str, Any]:
         """The JSON object of the command line; errors in ``unit``, μ in unit per squared input unit."""
         model, d, choice = self.model, self.density, self.choice
@@ -62,6 +70,7 @@ class Identification:
             "points": model.fit["points"],
             "curves": self.data.curves,
             **{key: model.fit[key] for key in ("rms", "norm2", "weighted_norm2")},
+            "verdict": self.fit_verdict.level.value,
             "mu_min": plain(d.mu_min),
             "mu_max": plain(d.mu_max),
             "classes": {"M_PC": d.M_PC, "M_P": d.M_P},

@@ -83,7 +83,7 @@ def command(
     force: bool,
 ) -> None:
     """Identify a Preisach model from runs with first-order curves or, with --surface positive, from any runs."""
-    from smarig.identification import identify
+    from smarig.identification import ErrorLevel, identify
 
     check_distinct(out, reference, *runs)
     check_writable(out, force=force, kind=MODEL)
@@ -103,9 +103,15 @@ def command(
         show_message(f"Warning: {warning}")
     if result.crossing_note:
         show_message(result.crossing_note)
+    if result.fit_verdict.level == ErrorLevel.POOR:
+        show_message(
+            f"Warning: The fit is poor, {result.fit_verdict.text.removesuffix(': poor')}. The data do not follow this "
+            f"model, or something else acts on them: smarig diagnose {out} --train RUN finds the cause."
+        )
     found = {**result.to_json(), "model": str(out)}
     extended = [result.extension.text] if result.extension else []
     loads = [result.load.text] if result.load else []
     heating = [result.heating.text] if result.heating else []
     rows = [rows.text for rows in result.rows]
-    emit(found, "\n".join([repr(result), *extended, *loads, *heating, *rows, f"Model: {out}"]))
+    verdict = f"Fit: {result.fit_verdict.text}"
+    emit(found, "\n".join([repr(result), verdict, *extended, *loads, *heating, *rows, f"Model: {out}"]))
