@@ -3,6 +3,8 @@
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+
 from smarig.core import spaced
 from smarig.identification.density_report import DensityReport
 from smarig.identification.error_verdict import ErrorVerdict, error_verdict
@@ -55,7 +57,7 @@ class Identification:
     def fit_verdict(self) -> ErrorVerdict:
         """How the error of the fit compares with the noise of the readings."""
         hysteresis, rms = self.model.hysteresis, float(self.model.fit["rms"])
-        travel = abs(hysteresis.y_upper - hysteresis.y_lower)
+        travel = float(np.ptp(self.model.predict([hysteresis.lower, hysteresis.upper])))
         return error_verdict(rms, self.model.noise_floor.value, rms / travel if travel else 0.0)
 
     def to_json(self) -> dict[str, Any]:

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import t as student
+from scipy.special import stdtrit  # not scipy.stats, which takes a second to import
 
 from smarig.core import spaced
 
@@ -90,4 +90,4 @@ def linear_fit(segments: Sequence[tuple[Array, Array]]) -> LinearFit | None:
 
 def quantile(freedom: float) -> float:
     """Student's 97.5 % point for (effective) degrees of freedom, at least one."""
-    return float(student.ppf(0.975, max(freedom, 1.0)))
+    return float(stdtrit(max(freedom, 1.0), 0.975))

@@ -20,7 +20,7 @@ from smarig.report.drawing.field_traces import draw_contour, draw_map, draw_soli
 from smarig.report.drawing.margins import LEGEND_ROW_PX, set_margins
 from smarig.report.drawing.markup import plain_text
 from smarig.report.drawing.panel_axes import finish_axes, panel_axes
-from smarig.report.drawing.plot_style import STYLE
+from smarig.report.drawing.plot_style import style
 from smarig.report.drawing.point_traces import draw_bars, draw_points
 from smarig.report.drawing.trace_values import is_shown
 
@@ -32,7 +32,7 @@ _NO_METADATA = {"Date": None, "Creator": None, "Format": None, "Type": None}
 
 def svg_of(panel: Panel, label: str = "", width_px: int = WIDTH_PX) -> str:
     """The panel as an ``svg`` element. ``label`` marks simulated data."""
-    with rc_context(STYLE | {"svg.hashsalt": _salt(panel)}):
+    with rc_context(style(**{"svg.hashsalt": _salt(panel)})):
         drawing = draw_panel(panel, label, width_px)
         text = io.StringIO()
         FigureCanvasSVG(drawing).print_svg(text, metadata=_NO_METADATA)
@@ -42,7 +42,7 @@ def svg_of(panel: Panel, label: str = "", width_px: int = WIDTH_PX) -> str:
 def save_figure(panel: Panel, path: Path, kind: str, label: str = "", width_px: int = WIDTH_PX) -> None:
     """Write the panel to a file of a kind: ".svg", ".pdf" or ".png". ``label`` marks simulated data."""
     canvases: dict[str, Any] = {".svg": FigureCanvasSVG, ".pdf": FigureCanvasPdf, ".png": FigureCanvasAgg}
-    with rc_context(STYLE):
+    with rc_context(style()):
         drawing = draw_panel(panel, label, width_px)
         with path.open("wb") as file:
             canvases[kind](drawing).print_figure(file, format=kind[1:], dpi=144)

@@ -32,7 +32,7 @@ def draw_map(axes: Axes, trace: Trace) -> None:
     )
     if trace.get("showscale", True):
         scale = axes.figure.colorbar(drawn, ax=axes, pad=0.02, fraction=0.05, aspect=30)
-        scale.outline.set_visible(False)  # pyright: ignore[reportCallIssue]
+        scale.outline.set_visible(False)
         scale.set_label(plain_text(trace.get("colorbar", {}).get("title", {}).get("text", "")))
     if "text" in trace:
         _cell_texts(axes, trace, np.asarray(z))

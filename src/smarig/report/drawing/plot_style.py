@@ -5,7 +5,7 @@ from typing import Any
 from smarig.report.components.style import INK
 
 _GRID = "#eceff3"
-STYLE: dict[str, Any] = {
+_STYLE: dict[str, Any] = {
     "font.family": ["sans-serif"],
     "font.sans-serif": ["DejaVu Sans", "Arial", "Helvetica"],
     "font.size": 12.5,
@@ -46,3 +46,8 @@ STYLE: dict[str, Any] = {
     "pdf.fonttype": 42,
     "mathtext.default": "regular",
 }
+
+
+def style(**more: Any) -> Any:
+    """The settings of Matplotlib for a drawing; ``more`` replaces some."""
+    return _STYLE | more

@@ -140,7 +140,7 @@ def _labels(axes: Axes, trace: Trace) -> None:
     across = rest[0] if rest else "center"
     dx = {"left": -1, "right": 1}.get(across, 0) * _LABEL_PX
     dy = {"top": 1, "bottom": -1}.get(upright, 0) * _LABEL_PX
-    aligned = {
+    aligned: dict[str, Any] = {
         "ha": {"left": "right", "right": "left"}.get(across, "center"),
         "va": {"top": "bottom", "bottom": "top"}.get(upright, "center"),
     }
