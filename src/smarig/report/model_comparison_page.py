@@ -1,6 +1,7 @@
 """The page that compares models: errors on the same runs, residuals, densities and provenance."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -8,20 +9,21 @@ import numpy as np
 from smarig.core import spaced
 from smarig.identification import PredictionErrors, RunVerification, density_report, verify
 from smarig.record import Run
-from smarig.replay import Model
+from smarig.replay import Model, simulate_samples, with_heating_of
 from smarig.report.components.comparison_labels import banner, check_comparable_count
 from smarig.report.components.figure import Figure, Panel, Trace, axis, dots, line
 from smarig.report.components.html import Html, bullets, joined, notice, paragraph, table
 from smarig.report.components.numbers import number
 from smarig.report.components.page import Section, page
 from smarig.report.components.run_description import (
+    count_size,
     display_unit,
     input_title,
     output_title,
     run_caption,
     source_label,
 )
-from smarig.report.components.style import COMPARED, GREY, INK, SYMBOLS
+from smarig.report.components.style import COMPARED, DASHES, GREY, INK, MEASURED, SYMBOLS
 from smarig.report.models.density_figures import map_panel, per_square
 from smarig.report.models.identification_plot_data import density_of, hysteresis_description
 from smarig.report.models.model_tables import M_P, M_PC
@@ -29,6 +31,7 @@ from smarig.report.run_page import ending_notices
 from smarig.report.runs.representation_figure import noise_band
 from smarig.report.runs.run_comparison_figures import coloured_name
 from smarig.report.runs.run_tables import provenance_table, quality_table
+from smarig.report.runs.sample_path import sample_path
 
 _Verifications = Mapping[str, Mapping[str, RunVerification]]  # run → model → verification
 
@@ -44,7 +47,7 @@ def models_page(models: Mapping[str, Model], runs: Mapping[str, Run]) -> str:
     check_comparable_count(list(models), "models")
     found = {name: verify(model, list(runs.values())).runs for name, model in models.items()}
     verifications = {run: {name: found[name][k] for name in models} for k, run in enumerate(runs)}
-    figures = [residuals_figure(name, run, verifications[name]) for name, run in runs.items()]
+    figures = [residuals_figure(name, run, models, verifications[name]) for name, run in runs.items()]
     sections = [
         Section(
             "Errors",
@@ -151,16 +154,16 @@ def _origin(k: int, name: str, model: Model) -> Sequence[object]:
     )
 
 
-def residuals_figure(name: str, run: Run, verifications: Mapping[str, RunVerification]) -> Figure:
-    """A run as measured and as predicted by each model; model − measured in order and against the input."""
+def residuals_figure(
+    name: str, run: Run, models: Mapping[str, Model], verifications: Mapping[str, RunVerification]
+) -> Figure:
+    """The measured loop with those of the models; model − measured against the input, and in order."""
     one = next(iter(verifications.values()))
     order = np.arange(one.input.size, dtype=float) + 1
     thin = slice(None, None, -(-order.size // _MOST_MARKS))
-    data: list[Trace] = [line(order[thin], one.measured[thin], "measured", INK, width=1.2)]
-    for k, (model, each) in enumerate(verifications.items()):
-        data.append(dots(order[thin], each.predicted[thin], model, COMPARED[k], symbol=SYMBOLS[k], size=7))
+    data = loop_traces(run, models, verifications) or _point_traces(verifications, thin)
     x_title = "Settled point, in order of measurement"
-    first = {"xaxis": axis(x_title), "yaxis": axis(output_title(run))}
+    first = {"xaxis": axis(input_title(run)), "yaxis": axis(output_title(run))}
     unit, floor = display_unit(run.unit), one.noise_floor
     sizes = "; ".join(
         f"{m}: rms {number(e.settled.rms)}{spaced(unit)}, n = {e.settled.n}" for m, e in verifications.items()
@@ -169,9 +172,9 @@ def residuals_figure(name: str, run: Run, verifications: Mapping[str, RunVerific
     zero = ", ".join(f"{m} {number(offset)}{spaced(unit)}" for m, offset in fitted.items())
     return Figure(
         [
-            Panel(data, first, 380, wide=True),
-            _residual_panel(verifications, order, x_title, unit, floor),
+            Panel(data, first, 400, explore=True),
             _residual_panel(verifications, one.input, input_title(run), unit, floor),
+            replace(_residual_panel(verifications, order, x_title, unit, floor), wide=True, height=280),
         ],
         f"Run {name} and the predictions of the models.",
         [
@@ -182,12 +185,46 @@ def residuals_figure(name: str, run: Run, verifications: Mapping[str, RunVerific
             f"The zero of the output is unknown, so one additive offset per model was fitted: {zero}."
             if fitted
             else "",
-            f"The first panel shows one point in {thin.step}." if thin.step > 1 else "",
+            f"The first panel shows one point in {thin.step}."
+            if thin.step > 1 and _drawn_points(data)
+            else "",
             run_caption(run),
         ],
         source_label(run),
         460,
     )
+
+
+def loop_traces(
+    run: Run, models: Mapping[str, Model], verifications: Mapping[str, RunVerification]
+) -> list[Trace]:
+    """The path of the samples as measured and as each model predicts it; empty for a run of points only."""
+    kept = sample_path(run["input"], run["position"], count_size(run))
+    if not run.settled or kept.size <= len(run.settled):
+        return []
+    data: list[Trace] = [line(run["input"][kept], run["position"][kept], "measured", MEASURED, width=2.4)]
+    for k, (name, model) in enumerate(models.items()):
+        along = with_heating_of(model, run)
+        y = simulate_samples(model, along)[kept] + verifications[name].offset
+        data.append(line(along["input"][kept], y, name, COMPARED[k], width=1.2, dash=DASHES[k]))
+    points = next(iter(verifications.values()))
+    data.append(dots(points.input, points.measured, "settled points", INK, size=4))
+    return data
+
+
+def _point_traces(verifications: Mapping[str, RunVerification], thin: slice) -> list[Trace]:
+    one = next(iter(verifications.values()))
+    data: list[Trace] = [line(one.input[thin], one.measured[thin], "measured", MEASURED, width=1.6)]
+    for k, (name, each) in enumerate(verifications.items()):
+        data.append(
+            dots(each.input[thin], each.predicted[thin], name, COMPARED[k], symbol=SYMBOLS[k], size=6)
+        )
+    return data
+
+
+def _drawn_points(data: Sequence[Trace]) -> bool:
+    """Whether the traces show points, not paths."""
+    return not any(trace["name"] == "settled points" for trace in data)
 
 
 def _residual_panel(

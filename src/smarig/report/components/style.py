@@ -11,7 +11,7 @@ INK, GREY, FAINT = "#1b1f24", "#6b7280", "#d9dde3"
 HEATING, COOLING = "#D55E00", "#0072B2"  # vermilion: rising input, blue: falling input
 CURRENT, TEMPERATURE, POSITION = "#E69F00", "#D55E00", "#0072B2"
 FIRST, SECOND, GOOD, BAD = "#0072B2", "#D55E00", "#009E73", "#D55E00"
-MODEL = "#009E73"
+MODEL, MEASURED = "#009E73", "#9aa3ad"  # measured paths lie below those of models
 _OTHER_SURFACES = {"table": "#6b7280", "positive": "#009E73"}
 # Compared items, in the order of the command line.
 COMPARED = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#1b1f24", "#6b7280")

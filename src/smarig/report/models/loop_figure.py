@@ -8,7 +8,7 @@ from smarig.record import Run
 from smarig.replay import recorded_start
 from smarig.report.components.figure import Figure, Panel, Trace, axis, dots, line
 from smarig.report.components.run_description import count_size, input_title, output_title, source_label
-from smarig.report.components.style import GREY, INK, MODEL
+from smarig.report.components.style import GREY, INK, MEASURED, MODEL
 from smarig.report.models.evidence import Evidence
 from smarig.report.models.identification_plot_data import resimulated
 from smarig.report.runs.representation_figure import noise_band
@@ -41,7 +41,7 @@ def _loops(e: Evidence, run: Run) -> list[Trace]:
     drawn: list[Trace] = []
     kept = sample_path(run["input"], run["position"], count_size(run))
     if kept.size > inputs.size:
-        drawn.append(line(run["input"][kept], run["position"][kept], "measured", "#9aa3ad", width=2.2))
+        drawn.append(line(run["input"][kept], run["position"][kept], "measured", MEASURED, width=2.4))
     assert e.best is not None  # noqa: S101 - checked by the caller
     u, y = resimulated(e.best, inputs, initial=recorded_start(run) or "negative")
     drawn.append(line(u, y, f"{e.chosen} model", MODEL, width=1.2))
