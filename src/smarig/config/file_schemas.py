@@ -23,6 +23,9 @@ class WireSection(TomlTable):
     specific_heat: SpecificHeat  # specific heat of the alloy
 
 
+TwinHeat = Literal["mean_resistance", "phase_resistance"]
+
+
 class HeatingSection(TomlTable):
     """Determines the temperature: resistances and one known steady state (5.3)."""
 
@@ -30,6 +33,7 @@ class HeatingSection(TomlTable):
     resistance_austenite: Ohms  # resistance of the hot wire
     reference_current: Amperes  # current of the known steady state
     reference_temperature: Kelvin  # temperature above ambient at that current; gives R/hA (5.3)
+    twin_heat: TwinHeat = "mean_resistance"  # a twin's heat: i² times the mean resistance (5.1), or V·i
 
 
 class TransmissionSection(TomlTable):

@@ -22,6 +22,7 @@ from smarig.report.components.run_description import (
     source_label,
 )
 from smarig.report.components.severity_mark import severity_mark
+from smarig.report.runs.derived_quantities import DerivedQuantities
 from smarig.report.runs.hysteresis_figure import hysteresis_figure
 from smarig.report.runs.run_tables import (
     conditions_table,
@@ -38,11 +39,18 @@ if TYPE_CHECKING:  # of these packages, most runs need nothing: they take a seco
     from smarig.replay import Model
 
 
-def run_page(run: Run, *, library: str = "", certified: "tuple[Model, str, str] | None" = None) -> str:
+def run_page(
+    run: Run,
+    *,
+    library: str = "",
+    certified: "tuple[Model, str, str] | None" = None,
+    derived: DerivedQuantities | None = None,
+) -> str:
     """The HTML page of a run: time series, hysteresis graph, conditions, marks, events and provenance.
 
     ``library`` is the address of Plotly's script if pages share it, "" to embed it. A closed loop has its own sections
-    and, with ``certified`` (a model, its file name and hash), the certificate of that model.
+    and, with ``certified`` (a model, its file name and hash), the certificate of that model. ``derived``: stress
+    and energy of the run, if already computed.
     """
     data = list(_figure_parts(run)) or [paragraph("The run has no samples to draw.")]
     sections = [
@@ -50,7 +58,7 @@ def run_page(run: Run, *, library: str = "", certified: "tuple[Model, str, str] 
         *_loop_sections(run, certified),
         *_transformation_sections(run),
         Section("Measurement", "Measurement", data),
-        Section("Rig and conditions", "Rig", [conditions_table(run)]),
+        Section("Rig and conditions", "Rig", [conditions_table(run, derived)]),
         Section(
             "Data quality",
             "Data quality",
