@@ -20,6 +20,7 @@ ADDED = {
     "continuous_reversal_curves",
     "crossing_note",
     "discrepancy",
+    "energy",
     "extension",
     "flexinol_015",
     "flexinol_031",
