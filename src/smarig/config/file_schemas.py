@@ -3,14 +3,18 @@
 Physical quantities have no defaults. The comment after each key is its text in the reference.
 """
 
+import math
 from pathlib import Path
 from typing import Any, Literal
 
 from pydantic import Field, model_validator
 
 from smarig.config.quantity import Amperes, Density, Kelvin, Millimetres, Ohms, SpecificHeat
-from smarig.config.thermomechanical_file import ThermomechanicalSection
+from smarig.config.thermomechanical_file import LARGEST_STRESS_MPA, ThermomechanicalSection
 from smarig.core import Number, TomlTable
+
+MOST_A = 1e4  # no wire needs more
+TAU_RANGE_S = (1e-3, 1e5)  # of a wire in air: from micrometres to a bar
 
 
 class WireSection(TomlTable):
@@ -64,6 +68,23 @@ class ActuatorFile(TomlTable):
     notes: str = ""  # a remark
 
     @model_validator(mode="after")
+    def _time_constant_of_a_wire(self) -> "ActuatorFile":
+        """Values that are possible alone may make no wire together: τ = ρ c_p V T_ref/(R I_ref²) shows it."""
+        wire, heat = self.wire, self.heating
+        volume_m3 = math.pi / 4 * wire.diameter.value**2 * wire.active_length.value * 1e-9
+        mean_ohm = (heat.resistance_martensite.value + heat.resistance_austenite.value) / 2
+        power_W = mean_ohm * heat.reference_current.value**2
+        capacity_J_per_K = wire.density.value * wire.specific_heat.value * volume_m3
+        tau_s = capacity_J_per_K * heat.reference_temperature.value / power_W
+        if not TAU_RANGE_S[0] <= tau_s <= TAU_RANGE_S[1]:
+            raise ValueError(
+                f"the values of [wire] and [heating] give a thermal time constant of {tau_s:.3g} s, which must lie "
+                f"between {TAU_RANGE_S[0]:g} and {TAU_RANGE_S[1]:g} s; check diameter, active_length and "
+                "reference_current"
+            )
+        return self
+
+    @model_validator(mode="after")
     def _load_fits_arrangement(self) -> "ActuatorFile":
         t, two = self.thermomechanical, self.arrangement == "two_wire"
         if t is None:
@@ -77,26 +98,46 @@ class ActuatorFile(TomlTable):
             raise ValueError(
                 "a thermomechanical wire has its position in mm, a pair of them in deg; set transmission.unit"
             )
+        if t.shaft_torque is not None:
+            self._check_torque(t.shaft_torque.value)
         return self
+
+    def _check_torque(self, torque_Nmm: float) -> None:
+        """Raise ValueError for a torque that one wire has no shaft for, or that would break a wire."""
+        if self.arrangement != "two_wire":
+            raise ValueError(
+                "one wire has no thermomechanical.shaft_torque; its load is thermomechanical.force"
+            )
+        section_mm2 = math.pi / 4 * self.wire.diameter.value**2
+        stress_MPa = abs(torque_Nmm) / (section_mm2 * self.transmission.radius.value)
+        if stress_MPa > LARGEST_STRESS_MPA:
+            raise ValueError(
+                f"thermomechanical.shaft_torque loads a wire with {stress_MPa:.4g} MPa more than the other; at most "
+                f"{LARGEST_STRESS_MPA:g} MPa are allowed"
+            )
 
 
 class LimitsFile(TomlTable):
     """[limits]: checked by the host on every tick. The device has limits of its own."""
 
-    current_min_A: Number  # smallest current; negative for two wires only
-    current_max_A: Number  # largest current
-    current_rate_A_per_s: Number = Field(gt=0)  # largest rate of change
-    temperature_max_K: Number = Field(gt=0)  # largest predicted or measured wire temperature above ambient
+    current_min_A: Number = Field(ge=-MOST_A)  # smallest current; negative for two wires only
+    current_max_A: Number = Field(le=MOST_A)  # largest current
+    current_rate_A_per_s: Number = Field(ge=1e-6, le=1e9)  # largest rate of change
+    temperature_max_K: Number = Field(
+        ge=1, le=5000
+    )  # largest predicted or measured wire temperature above ambient
     resistance_tolerance: Number = Field(
-        default=0.1, gt=0, le=1
+        default=0.1, ge=1e-6, le=1
     )  # share by which V/I may differ from the wire's
     voltage_max_V: Number | None = Field(
-        default=None, gt=0
+        default=None, ge=1e-6, le=1e9
     )  # across the wire; else what the largest current needs
     stress_max_MPa: Number | None = Field(
-        default=None, gt=0
+        default=None, ge=1e-3, le=1e6
     )  # two wires: largest predicted stress, both wires hot
-    cycles_max: int | None = Field(default=None, strict=True, gt=0)  # cycles of the wire over all its runs
+    cycles_max: int | None = Field(
+        default=None, strict=True, gt=0, le=10**15
+    )  # cycles of the wire over all its runs
 
     @model_validator(mode="after")
     def _ordered(self) -> "LimitsFile":
@@ -112,9 +153,9 @@ class LimitsFile(TomlTable):
 class AmplifierFile(TomlTable):
     """[amplifier]: saturation and read-back noise (standard deviations)."""
 
-    saturation_A: Number = Field(gt=0)  # largest current that the amplifier delivers
-    current_noise_A: Number = Field(ge=0)  # standard deviation of one current reading
-    voltage_noise_V: Number = Field(ge=0)  # standard deviation of one voltage reading
+    saturation_A: Number = Field(gt=0, le=MOST_A)  # largest current that the amplifier delivers
+    current_noise_A: Number = Field(ge=0, le=MOST_A)  # standard deviation of one current reading
+    voltage_noise_V: Number = Field(ge=0, le=1e6)  # standard deviation of one voltage reading
 
 
 class EncoderFile(TomlTable):
@@ -149,11 +190,11 @@ class LinksFile(TomlTable):
 class ProtectionFile(TomlTable):
     """[protection]: limits that the amplifier enforces, in addition to those of [limits] and the lease."""
 
-    slew_max_A_per_s: Number = Field(gt=0)  # largest rate of change of the current
-    resistance_min_ohm: Number = Field(ge=0)  # a smaller value is a short circuit
-    resistance_max_ohm: Number = Field(gt=0)  # a larger value is a broken wire or clamp
-    heat_max_A2s: Number = Field(gt=0)  # largest i²t integral
-    heat_settle_s: Number = Field(gt=0)  # time constant with which the i²t integral decays
+    slew_max_A_per_s: Number = Field(ge=1e-6, le=1e9)  # largest rate of change of the current
+    resistance_min_ohm: Number = Field(ge=0, le=1e9)  # a smaller value is a short circuit
+    resistance_max_ohm: Number = Field(gt=0, le=1e9)  # a larger value is a broken wire or clamp
+    heat_max_A2s: Number = Field(ge=1e-9, le=1e12)  # largest i²t integral
+    heat_settle_s: Number = Field(ge=1e-3, le=1e9)  # time constant with which the i²t integral decays
 
 
 class SimulatorFile(TomlTable):
@@ -182,8 +223,8 @@ class RigFile(TomlTable):
     period_s: Number = Field(ge=1e-3, le=60)  # duration of a tick
     ambient_degC: Number = Field(ge=-273.15, le=1000)  # temperature of the room
     lease_s: Number = Field(ge=0.01, le=60)  # time without commands after which the amplifier switches off
-    temperature_noise_K: Number = Field(ge=0)  # noise of the hysteresis input, standard deviation
-    temperature_noise_time_s: Number = Field(gt=0)  # correlation time of this noise
+    temperature_noise_K: Number = Field(ge=0, le=1000)  # noise of the hysteresis input, standard deviation
+    temperature_noise_time_s: Number = Field(ge=1e-3, le=1e9)  # correlation time of this noise
     hidden_effect: bool = False  # twin: an effect is drawn from the seed
     limits: LimitsFile  # enforced by the host on every tick
     amplifier: AmplifierFile  # the amplifier of a twin
