@@ -13,7 +13,7 @@ from smarig.config.quantity import Amperes, Density, Kelvin, Millimetres, Ohms, 
 from smarig.config.thermomechanical_file import LARGEST_STRESS_MPA, ThermomechanicalSection
 from smarig.core import Number, TomlTable
 
-MOST_A = 1e4  # no wire needs more
+LEAST_A, MOST_A = 1e-6, 1e4  # no wire needs less, or more
 TAU_RANGE_S = (1e-3, 1e5)  # of a wire in air: from micrometres to a bar
 
 
@@ -145,8 +145,10 @@ class LimitsFile(TomlTable):
             raise ValueError(
                 "current_min_A ≤ 0 ≤ current_max_A is required, because zero current must always be allowed"
             )
-        if self.current_min_A == self.current_max_A:
-            raise ValueError("current_min_A and current_max_A are both 0, so no current can be driven")
+        if max(-self.current_min_A, self.current_max_A) < LEAST_A:
+            raise ValueError(
+                f"current_min_A and current_max_A are both 0, or below {LEAST_A:g} A, so no current can be driven"
+            )
         return self
 
 
