@@ -47,9 +47,7 @@ class ThermomechanicalSection(TomlTable):
     heat_loss: Literal["free_convection", "constant"]  # Churchill and Chu (1975), or the h of [heating]
     force: Newtons | None = None  # one wire: the weight
     pre_strain: Share | None = None  # two wires: strain of each after assembly
-    shaft_torque: Torque | None = (
-        None  # two wires: constant load on the shaft, which wire 1 lifts if positive
-    )
+    shaft_torque: Torque | None = None  # two wires: constant load on the shaft; wire 1 lifts a positive one
 
     @property
     def width_K(self) -> float:
