@@ -9,7 +9,7 @@ from typing import Any, Literal
 
 from pydantic import Field, model_validator
 
-from smarig.config.quantity import Amperes, Density, Kelvin, Millimetres, Ohms, SpecificHeat
+from smarig.config.quantity import Amperes, Density, Kelvin, Millimetres, Ohms, PulleyRadius, SpecificHeat
 from smarig.config.thermomechanical_file import LARGEST_STRESS_MPA, ThermomechanicalSection
 from smarig.core import Number, TomlTable
 
@@ -44,7 +44,7 @@ class TransmissionSection(TomlTable):
     """Converts contraction into encoder angle and into the rig's unit of position."""
 
     unit: Literal["mm", "deg"]  # unit of position, here and in every file made with this wire
-    radius: Millimetres  # radius of the pulley that the wire turns
+    radius: PulleyRadius  # radius of the pulley that the wire turns
 
 
 class HysteresisSection(TomlTable):
@@ -99,22 +99,40 @@ class ActuatorFile(TomlTable):
                 "a thermomechanical wire has its position in mm, a pair of them in deg; set transmission.unit"
             )
         if t.shaft_torque is not None:
-            self._check_torque(t.shaft_torque.value)
+            if not two:
+                raise ValueError(
+                    "one wire has no thermomechanical.shaft_torque; its load is thermomechanical.force"
+                )
+            self._check_stress("shaft_torque", abs(t.shaft_torque.value) / self.transmission.radius.value)
+        if t.force is not None:
+            self._check_stress("force", t.force.value)
+        for phase in ("martensite", "austenite"):
+            self._check_resistivity(t, phase)
         return self
 
-    def _check_torque(self, torque_Nmm: float) -> None:
-        """Raise ValueError for a torque that one wire has no shaft for, or that would break a wire."""
-        if self.arrangement != "two_wire":
-            raise ValueError(
-                "one wire has no thermomechanical.shaft_torque; its load is thermomechanical.force"
-            )
-        section_mm2 = math.pi / 4 * self.wire.diameter.value**2
-        stress_MPa = abs(torque_Nmm) / (section_mm2 * self.transmission.radius.value)
+    def _check_stress(self, load: str, force_N: float) -> None:
+        """Raise ValueError for a load that would break a wire."""
+        stress_MPa = force_N / self._section_mm2
         if stress_MPa > LARGEST_STRESS_MPA:
             raise ValueError(
-                f"thermomechanical.shaft_torque loads a wire with {stress_MPa:.4g} MPa more than the other; at most "
-                f"{LARGEST_STRESS_MPA:g} MPa are allowed"
+                f"thermomechanical.{load} stresses a wire by {stress_MPa:.4g} MPa; at most {LARGEST_STRESS_MPA:g} MPa "
+                "are allowed"
             )
+
+    def _check_resistivity(self, t: ThermomechanicalSection, phase: str) -> None:
+        """Raise ValueError if resistivity and resistance are those of different wires."""
+        length_mm = self.wire.active_length.value
+        ohm = 1e3 * getattr(t, f"resistivity_{phase}").value * length_mm / self._section_mm2
+        stated_ohm = getattr(self.heating, f"resistance_{phase}").value
+        if not 0.5 < ohm / stated_ohm < 2.0:
+            raise ValueError(
+                f"thermomechanical.resistivity_{phase} and the size of the wire give {ohm:.4g} ohm, but "
+                f"heating.resistance_{phase} is {stated_ohm:g} ohm"
+            )
+
+    @property
+    def _section_mm2(self) -> float:
+        return math.pi / 4 * self.wire.diameter.value**2
 
 
 class LimitsFile(TomlTable):

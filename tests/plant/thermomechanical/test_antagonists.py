@@ -105,7 +105,10 @@ def test_the_work_of_the_torque_balances():
 @pytest.mark.parametrize(
     ("values", "says"),
     [
-        ({"value": 1e4, "unit": "N mm", "source": "s"}, "more than the other; at most 1000 MPa"),
+        (
+            {"value": 1e4, "unit": "N mm", "source": "s"},
+            "shaft_torque stresses a wire by .* MPa; at most 1000 MPa",
+        ),
         ({"value": 1.0, "unit": "N m", "source": "s"}, "expected 'N mm'"),
     ],
 )
@@ -113,6 +116,28 @@ def test_a_torque_that_no_wire_bears_is_refused(values, says):
     file = Actuator.named(NAME).file
     tables = file.model_dump(mode="json")
     tables["thermomechanical"]["shaft_torque"] = values
+    with pytest.raises(ValueError, match=says):
+        type(file).model_validate(tables)
+
+
+@pytest.mark.parametrize(
+    ("table", "key", "value", "says"),
+    [
+        ("thermomechanical", "force", 1e5, "force stresses a wire by .* MPa; at most 1000 MPa"),
+        (
+            "thermomechanical",
+            "resistivity_austenite",
+            1e-4,
+            "give .* ohm, but heating.resistance_austenite is 4.5",
+        ),
+        ("wire", "active_length", 1e5, "time constant|heating.resistance_martensite is 5 ohm"),
+        ("transmission", "radius", 1e5, "must lie between 0.01 and 1000"),
+    ],
+)
+def test_values_that_no_wire_has_are_refused(table, key, value, says):
+    file = Actuator.named("thermomechanical_one_wire").file
+    tables = file.model_dump(mode="json")
+    tables[table][key]["value"] = value
     with pytest.raises(ValueError, match=says):
         type(file).model_validate(tables)
 
