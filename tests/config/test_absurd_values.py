@@ -8,7 +8,7 @@ from pydantic import ValidationError
 
 from smarig.config import ActuatorFile, RigFile, load_actuator, load_rig
 from smarig.core import SmarigError
-from smarig.plant import Actuator
+from smarig.plant import Actuator, thermomechanical_travel
 from smarig.rig.twin import Twin, TwinSettings
 
 ABSURD = (0, -1, 1e-300, 1e300, 1e-5, 1e5, math.nan, math.inf)
@@ -44,7 +44,9 @@ def tried(rig, actuator):
     try:
         file, wire = RigFile.model_validate(rig), Actuator(ActuatorFile.model_validate(actuator))
         twin = Twin(file, wire, TwinSettings(seed=1))
-        samples = [twin.step(i)[0] for i in (0.0, 0.1, 0.2, 0.1, 0.0)]
+        samples = [twin.step(i)[0] for i in (0.0, 0.3, 1.0, 1.0, 1.0, 0.2)]
+        if wire.file.thermomechanical:
+            assert math.isfinite(thermomechanical_travel(wire))
     except (ValidationError, SmarigError) as error:
         return str(error)
     assert all(math.isfinite(s.position) and math.isfinite(s.voltage_V) for s in samples)
