@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from pathlib import Path
 
-from figures import curves, diagnosed, memory, rig, safety
+from figures import curves, diagnosed, memory, rig, safety, shaft
 from figures.canvas import Picture
 
 FOLDER = Path(__file__).resolve().parent
@@ -20,6 +20,7 @@ PICTURES: dict[str, Callable[[], Picture]] = {
     "signatures": diagnosed.signatures,
     "lookalikes": diagnosed.similar_effects,
     "found_by_size": diagnosed.found_by_size,
+    "one_input": shaft.one_input,
     "repeating": safety.repeating,
     "lease": safety.lease,
 }

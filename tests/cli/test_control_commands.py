@@ -371,6 +371,33 @@ def test_regulate_states_what_is_certified_of_its_integral_gain(capsys, one, num
     assert says in err
 
 
+def test_certify_prints_the_gain_that_regulate_takes(capsys, one):
+    """The gain of the circle criterion, 1/(λ (dT + (T/2) coth(T/2τ))), with λ from a grid of branches."""
+    status, out, _ = call(capsys, "certify", one, "--samples", "0", "--json")
+    found = json.loads(out)["integral_action"]
+    assert status == 0
+    assert found["gain_unit"] == "K/(mm·s)"
+    model, tau_s = load_model(one), 5.33
+    F, h = model.hysteresis.everett, 0.05
+    pairs = [(b, a) for a in np.arange(0.0, 170, 5.0) for b in np.arange(a, 174, 1.0)]
+    rising = max((F(b + h, a) - F(b, a)) / h for b, a in pairs)
+    falling = max((F(b, a) - F(b, a + h)) / h for b, a in pairs if a + h < b)
+    steepest = max(rising, falling)
+    lag_s = 0.1 + 0.05 / np.tanh(0.05 / tau_s)
+    assert found["gain_any_state"] == pytest.approx(1 / (steepest * lag_s), rel=0.02)
+    _, _, err = call(capsys, "regulate", one, "--setpoint", "6", "--controller", "integral", *ON, "--dry-run")
+    assert f"Integral gain {found['gain_from_rest']:.4g} K/(mm·s);" in err
+    _, text, _ = call(capsys, "certify", one, "--samples", "0")
+    assert f"up to {found['gain_from_rest']:.4g} K/(mm·s) from rest" in text
+
+
+def test_without_the_rig_of_the_model_there_is_no_gain(capsys, tmp_path):
+    elsewhere = model_file(tmp_path, "one_e", rig="a_rig_of_others")
+    found = json.loads(call(capsys, "certify", elsewhere, "--samples", "0", "--json")[1])["integral_action"]
+    assert found["gain_from_rest"] is None
+    assert found["gain_times_lag"] > 0
+
+
 def test_an_integral_gain_is_recorded_with_its_limits(one):
     from smarig.app import ModelSource, regulation
     from smarig.config import load_rig
@@ -388,6 +415,13 @@ def test_a_model_whose_output_falls_has_no_integral_gain_of_its_own(capsys, two)
     assert "no integral gain is certified" in err
     status, _, err = call(capsys, "regulate", two, *words, "--controller-set", "gain=0.01")
     assert "no convergence is certified with this model" in err
+
+
+def test_regulate_points_to_track_for_the_velocity(capsys, one):
+    words = ("--setpoint", "6", "--controller", "constant_gain", *ON, "--dry-run")
+    status, _, err = call(capsys, "regulate", one, *words)
+    assert status == 2
+    assert "scheduled_gain its velocity: smarig track --controller" in err
 
 
 # --- list -----------------------------------------------------------------------------------------------

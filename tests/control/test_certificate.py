@@ -17,8 +17,8 @@ from smarig.certify.certificate_scope import (
     scheduling,
 )
 from smarig.certify.certificate_units import Units
+from smarig.certify.certify_hysteresis import certificate
 from smarig.certify.hypothesis import Hypothesis, coverage
-from smarig.certify.model_certificate import certificate
 from smarig.certify.passivity import passivity
 from smarig.core.errors import UsageError
 from smarig.preisach.hysteresis.fod_table import FodTable

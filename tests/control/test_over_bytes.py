@@ -6,7 +6,7 @@ import pytest
 
 from control.model_files import model_of
 from rig.bench.broken_rig import LEASE_S, rig_file
-from smarig.certify.model_certificate import certificate
+from smarig.certify.certify_hysteresis import certificate
 from smarig.certify.rig_assessment import RigAssessment
 from smarig.config import load_rig
 from smarig.control.controller_settings import TRACKING_CONTROLLERS, VELOCITY_CONTROLLERS, default_numbers

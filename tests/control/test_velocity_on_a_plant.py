@@ -6,7 +6,7 @@ import pytest
 
 from control.driven import drive
 from smarig.app.velocity_loop import velocity_factory
-from smarig.certify.model_certificate import certificate
+from smarig.certify.certify_hysteresis import certificate
 from smarig.certify.rig_assessment import RigAssessment
 from smarig.certify.velocity import k_e, velocity_loop
 from smarig.control.tracking import Reference

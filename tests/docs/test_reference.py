@@ -29,7 +29,7 @@ def test_every_key_of_a_configuration_file_has_a_text():
 def test_units_of_quantities_are_found():
     page = keys.pages()["keys"]
     assert "| `diameter` | quantity | mm | needed |" in page
-    assert "| `current_rate_A_per_s` | number, >\u00a00 | A/s | needed |" in page
+    assert "| `current_rate_A_per_s` | number, ≥ 1e-06, ≤ 1000000000 | A/s | needed |" in page
 
 
 def test_every_column_and_key_of_a_file_has_a_text():

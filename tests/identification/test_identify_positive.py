@@ -193,7 +193,7 @@ def test_reversal_curves_are_fitted_in_the_mirror():
 
 
 def test_a_dense_record_is_thinned_but_its_memory_is_not(monkeypatch):
-    monkeypatch.setattr(import_module("smarig.identification.identify"), "MOST_OBSERVATIONS", 300)
+    monkeypatch.setattr(import_module("smarig.identification.fitted_hysteresis"), "MOST_OBSERVATIONS", 300)
     inputs = swept(0.0, 174.1, 20.0, 140.0, 35.0, 120.0, 5.0, 150.0, 30.0, 90.0, points=100)
     k = int(np.flatnonzero(inputs == 5.0)[0]) + 32  # one sample, not kept, that changes everything after it
     inputs[k] = 165.0

@@ -170,6 +170,28 @@ def test_a_run_without_hashes_has_gaps_only(whole, tmp_path):
     assert salvage(path).missing == ((7, 9),)
 
 
+@pytest.mark.parametrize("share", [0.3, 0.5, 0.99])
+def test_a_file_cut_off_says_so(whole, tmp_path, share):
+    image = whole.read_bytes()
+    path = tmp_path / "cut.run.sqlite"
+    path.write_bytes(image[: int(share * len(image))])
+    cut_off = f"he file was cut off after {share:.0%} ({path.stat().st_size:,} of {len(image):,} bytes)"
+    assert any(cut_off in s for s in check_run(path).sentences())
+    found = salvage(path)
+    assert cut_off in found.sentence()
+    assert "no gap is known" not in found.sentence()
+    assert ("no sample is missing" in found.sentence()) == (len(found.samples) == 2500)
+    assert salvage(whole).cut_off is None
+
+
+def test_without_hashes_what_came_later_is_not_known(whole, tmp_path):
+    path = shutil.copy(whole, tmp_path / "a.run.sqlite")
+    with edited(path) as db:
+        db.execute("DELETE FROM sample WHERE tick > 2000")
+    assert "whether samples followed the last one is not known" in salvage(path).sentence()
+    assert "no sample is missing" in salvage(whole).sentence()
+
+
 def test_what_stands_beside_a_killed_run_is_saved_too(tmp_path):
     path, out = tmp_path / "a.run.sqlite", tmp_path / "saved.run.sqlite"
     killed(KILLED_WHILE_RECORDING, path)

@@ -10,6 +10,7 @@ if TYPE_CHECKING:
     from smarig.app.closed_loop import track as track
     from smarig.app.loop_model import ClosedLoop as ClosedLoop
     from smarig.app.loop_model import ModelSource as ModelSource
+    from smarig.app.loop_model import timing_of as timing_of
     from smarig.app.proposal import propose_run as propose_run
     from smarig.app.proposal import write_campaign as write_campaign
     from smarig.app.regulation_loop import regulation as regulation

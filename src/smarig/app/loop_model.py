@@ -7,8 +7,8 @@ from pathlib import Path
 from typing import Any
 
 from smarig.config import RigFile
-from smarig.control import ControllerModel
-from smarig.core import UsageError
+from smarig.control import ControllerModel, LoopTiming
+from smarig.core import SmarigError, UsageError
 from smarig.plant import Actuator, effects_from_json
 from smarig.protocols import Setup
 from smarig.replay import Model, load_model
@@ -75,6 +75,18 @@ def controller_model_for(model: Model, rig: RigFile) -> ControllerModel:
     )
     _check_motion(controller_model, model)
     return controller_model
+
+
+def timing_of(model: Model) -> LoopTiming | None:
+    """The timing of a loop on the rig of a model, with a tick of dead time; None if its files are not at hand, or of
+    another wire."""
+    try:
+        setup = Setup.of(model.rig)
+    except SmarigError:
+        return None
+    if setup.actuator.name != model.actuator.name or model.input.unit != "K":
+        return None
+    return LoopTiming(setup.period_s, setup.tau_s, setup.period_s)
 
 
 def _check_motion(controller_model: ControllerModel, model: Model) -> None:

@@ -10,6 +10,7 @@ from smarig.control import (
     SETPOINT_CONTROLLERS,
     START_STATES,
     TRACKING_CONTROLLERS,
+    VELOCITY_CONTROLLERS,
     SetpointController,
     check_times,
     finite_number,
@@ -95,7 +96,8 @@ def _regulator(
     if name not in known:
         raise UsageError(
             f"No regulating controller '{name}'{suggestion(name, known)}. "
-            f"The controllers {', '.join(catalogue_names(TRACKING_CONTROLLERS))} are for tracking."
+            f"The controllers {', '.join(catalogue_names(TRACKING_CONTROLLERS))} track a position, and "
+            f"{', '.join(catalogue_names(VELOCITY_CONTROLLERS))} its velocity: smarig track --controller."
         )
     allowed = list(optional_numbers(SETPOINT_CONTROLLERS, name))
     numbers = {}

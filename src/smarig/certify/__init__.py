@@ -7,6 +7,7 @@ from smarig.core.lazy_exports import lazy_exports
 if TYPE_CHECKING:
     from smarig.certify.certificate_scope import CONTROL_FINDINGS as CONTROL_FINDINGS
     from smarig.certify.certificate_units import Units as Units
+    from smarig.certify.certify_hysteresis import certificate as certificate
     from smarig.certify.hypothesis import Hypothesis as Hypothesis
     from smarig.certify.hypothesis import failing as failing
     from smarig.certify.hysteresis_analysis import HysteresisAnalysis as HysteresisAnalysis
@@ -15,7 +16,6 @@ if TYPE_CHECKING:
     from smarig.certify.measured_passivity import reading_noise as reading_noise
     from smarig.certify.measured_passivity import segment_passivity as segment_passivity
     from smarig.certify.model_certificate import ModelCertificate as ModelCertificate
-    from smarig.certify.model_certificate import certificate as certificate
     from smarig.certify.model_posterior import ModelPosterior as ModelPosterior
     from smarig.certify.model_posterior import model_posterior as model_posterior
     from smarig.certify.position_supply_rate import PositionController as PositionController

@@ -11,17 +11,22 @@ from typing import Any
 
 from smarig.certify.certificate_units import Units, with_unit
 from smarig.certify.hysteresis_analysis import HysteresisAnalysis
+from smarig.control import IntegralGains, LoopTiming, integral_gain_unit, integral_gains
 from smarig.theory import largest_slope
 
 
 @dataclass(frozen=True)
 class IntegralConvergence:
-    """``slope`` λ, output per input; ``holds`` whether any gain is proved, with the reason if not."""
+    """``slope`` λ, output per input; ``holds`` whether any gain is proved, with the reason if not.
+
+    ``gains`` are those of a rig, None if nothing is proved or no rig was given.
+    """
 
     holds: bool
     slope: float
     why: str
     units: Units
+    gains: IntegralGains | None = None
 
     @property
     def gain_times_lag(self) -> float | None:
@@ -37,8 +42,14 @@ class IntegralConvergence:
         return (
             f"Integral action on the position converges to every set-point of the range if k·(τ + dead time) is below "
             f"{limit} (steepest slope {with_unit(self.slope, self.units.slope)}); from rest up to about a quarter of "
-            "it without overshoot, within a count (smarig regulate --controller integral)."
+            f"it without overshoot, within a count (smarig regulate --controller integral).{self._gain_text}"
         )
+
+    @property
+    def _gain_text(self) -> str:
+        if self.gains is None:
+            return ""
+        return f" On the rig of the model: a gain k up to {self.gains.limits_text(self.units.output)}."
 
     def to_json(self) -> dict[str, Any]:
         """Plain values; a slope that is not finite is None."""
@@ -47,6 +58,9 @@ class IntegralConvergence:
             "largest_slope": self.slope if math.isfinite(self.slope) else None,
             "gain_times_lag": self.gain_times_lag,
             "unit": self._unit,
+            "gain_from_rest": self.gains and self.gains.from_rest,
+            "gain_any_state": self.gains and self.gains.any_state,
+            "gain_unit": integral_gain_unit(self.units.output),
             "text": self.text,
         }
 
@@ -55,8 +69,10 @@ class IntegralConvergence:
         return f"{self.units.input}/{self.units.output}" if self.units.gain else ""
 
 
-def integral_convergence(analysis: HysteresisAnalysis) -> IntegralConvergence:
-    """What is proved for a hysteresis.
+def integral_convergence(
+    analysis: HysteresisAnalysis, timing: LoopTiming | None = None
+) -> IntegralConvergence:
+    """What is proved for a hysteresis, and the gains for the timing of a rig.
 
     >>> from smarig.preisach import thesis_surface
     >>> found = integral_convergence(HysteresisAnalysis.of(thesis_surface("one_e")))
@@ -74,4 +90,5 @@ def integral_convergence(analysis: HysteresisAnalysis) -> IntegralConvergence:
         return IntegralConvergence(False, slope, why, analysis.units)
     if slope <= 0.0:
         return IntegralConvergence(False, slope, "its output does not move", analysis.units)
-    return IntegralConvergence(True, slope, "", analysis.units)
+    gains = integral_gains(analysis.hysteresis, timing) if timing else None
+    return IntegralConvergence(True, slope, "", analysis.units, gains)

@@ -1,11 +1,10 @@
-"""The certificate of a hysteresis before a loop is closed around it: chapter 8 applied to one model.
+"""The certificate of a hysteresis before a loop is closed around it: its results, as text and as JSON.
 
 It contains the classes (Def. 4.1), dissipativity, the storage and its bias from u(0) = 0 (Thm 8.1), Thm 8.2 for every
 requested velocity controller, and its ``scope``. A number that no theorem gives is None.
 """
 
 import math
-from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass
 from typing import Any
 
@@ -19,16 +18,13 @@ from smarig.certify.certificate_scope import (
     scheduling,
 )
 from smarig.certify.certificate_units import Units, with_unit
-from smarig.certify.hypothesis import Hypothesis, all_hold, coverage, failing
-from smarig.certify.hysteresis_analysis import HysteresisAnalysis
-from smarig.certify.integral_convergence import IntegralConvergence, integral_convergence
-from smarig.certify.passivity import PassivityCounterexample, counterexample
-from smarig.certify.position_assumptions import IndistinguishableStates, indistinguishable_states
-from smarig.certify.storage_bound import StorageBound, storage_bound
-from smarig.certify.velocity.stability import Stability, basis, controller_stability
-from smarig.control import TRACKING_CONTROLLERS, VELOCITY_CONTROLLERS, controller_numbers
-from smarig.core import UsageError, catalogue_entry, catalogue_names
-from smarig.preisach import Everett, Initial, Preisach
+from smarig.certify.hypothesis import Hypothesis, coverage, failing
+from smarig.certify.integral_convergence import IntegralConvergence
+from smarig.certify.passivity import PassivityCounterexample
+from smarig.certify.position_assumptions import IndistinguishableStates
+from smarig.certify.storage_bound import StorageBound
+from smarig.certify.velocity.stability import Stability
+from smarig.preisach import Initial
 from smarig.theory import DissipativityCertificate as Dissipativity
 from smarig.theory import MeasureClasses
 
@@ -257,92 +253,6 @@ class ModelCertificate:
             "indistinguishable_states": self.indistinguishable and self.indistinguishable.to_json(),
             "limits": [asdict(limit) for limit in self.limits],
         }
-
-
-def certificate(
-    hysteresis: Everett,
-    controllers: Mapping[str, Mapping[str, Any]] | None = None,
-    units: Units | None = None,
-) -> ModelCertificate:
-    """Certify a hysteresis with velocity controllers, given by name with the numbers that differ from the defaults.
-
-    ``controllers``: the whole catalogue if None. ``units``: those of the hysteresis if None. Raises UsageError for a
-    controller that feeds back the position.
-
-    >>> from smarig.preisach import thesis_surface
-    >>> found = certificate(thesis_surface("one_e"), {"constant_gain": {"gain": 4.0}})
-    >>> found.passive, found.classes.M_P, found.controllers[0].k_e
-    (True, False, 2.0)
-    >>> certificate(thesis_surface("two_p"), {"constant_gain": {"gain": 4.0}}).controllers[0].k_e is None
-    True
-    """
-    requested = (
-        {name: {} for name in catalogue_names(VELOCITY_CONTROLLERS)} if controllers is None else controllers
-    )
-    _check_names(requested)
-    numbers_by_controller = {
-        name: controller_numbers(VELOCITY_CONTROLLERS, name, pairs) for name, pairs in requested.items()
-    }
-    built_controllers = {
-        name: catalogue_entry(VELOCITY_CONTROLLERS, name)(**numbers)
-        for name, numbers in numbers_by_controller.items()
-    }
-    hysteresis_analysis = HysteresisAnalysis.of(hysteresis, units)
-    initial = initial_of(hysteresis_analysis.hysteresis)
-    stored = storage_bound(hysteresis_analysis, Preisach(hysteresis_analysis.hysteresis, initial).state)
-    basis_of_model = basis(hysteresis_analysis, initial, stored)
-    is_two_sided = initial == "anhysteretic" and hysteresis.lower < 0.0 < hysteresis.upper
-    return ModelCertificate(
-        initial=initial,
-        classes=hysteresis_analysis.classes,
-        dissipativity=hysteresis_analysis.dissipativity,
-        undecided=hysteresis_analysis.undecided,
-        storage_bound=stored,
-        counterexample=_counterexample(hysteresis_analysis, initial),
-        controllers=tuple(
-            ControllerResult(
-                name,
-                numbers_by_controller[name],
-                controller_stability(basis_of_model, built_controllers[name]),
-            )
-            for name in built_controllers
-        ),
-        scope=CertificateScope(
-            stored.basis,
-            hysteresis_analysis.monotone.holds,
-            all_hold(basis_of_model.hypotheses),
-            hysteresis_analysis.units,
-        ),
-        integral=integral_convergence(hysteresis_analysis),
-        indistinguishable=indistinguishable_states(hysteresis) if is_two_sided else None,
-    )
-
-
-def _check_names(requested: Iterable[str]) -> None:
-    """Raise UsageError for position loops, which are not misspelt names."""
-    for name in requested:
-        if name in catalogue_names(TRACKING_CONTROLLERS):
-            raise UsageError(
-                f"'{name}' is a position loop (smarig track and regulate), which Thm 8.2 does not cover. certify "
-                f"accepts {', '.join(catalogue_names(VELOCITY_CONTROLLERS))}. "
-                f"{CONTROL_FINDINGS} describes position loops."
-            )
-
-
-def initial_of(hysteresis: Everett) -> Initial:
-    """The state at u(0) = 0: cold for a wire on one side of zero, B* for two wires."""
-    return "negative" if hysteresis.lower >= 0 else "anhysteretic"
-
-
-def _counterexample(
-    hysteresis_analysis: HysteresisAnalysis, initial: Initial
-) -> PassivityCounterexample | None:
-    try:
-        return counterexample(hysteresis_analysis, initial)
-    except (
-        UsageError
-    ):  # there is none, or its loop is too small to repay the approach within the cycles that are tried
-        return None
 
 
 def _as_dicts(hypotheses: tuple[Hypothesis, ...]) -> list[dict[str, Any]]:

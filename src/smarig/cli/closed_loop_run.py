@@ -4,6 +4,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from smarig.cli.output import check_distinct, emit, show_message
+from smarig.cli.progress import preview_progress
 from smarig.cli.run_options import RunOptions, check_target, print_warnings, run_summary
 from smarig.core import Interrupted, UsageError
 from smarig.record import load_run
@@ -27,7 +28,9 @@ def run_closed_loop(loop: "ClosedLoop", options: RunOptions, out: Path | None, *
         check_target(out, force=options.force or options.dry_run)
     if loop.statement:
         show_message(loop.statement)
-    cost = preview(loop.protocol, session.file, protocol_factory=loop.make)
+    cost = preview(
+        loop.protocol, session.file, protocol_factory=loop.make, report=preview_progress(quiet=options.quiet)
+    )
     if options.dry_run or out is None:
         emit({"preview": cost.__dict__}, cost.sentence())
         return

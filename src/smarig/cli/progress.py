@@ -1,10 +1,10 @@
 """Choice of the progress display on stderr: panel at a terminal, log lines elsewhere, JSON lines, or
 nothing."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
-from smarig.cli.output import json_requested
+from smarig.cli.output import json_requested, show_message
 from smarig.cli.panel.log_lines import JsonLogLines, LogLines
 from smarig.cli.panel.panel_thread import PanelThread
 from smarig.cli.panel.run_status import PanelRunInfo, RunStatus
@@ -30,3 +30,12 @@ def progress(
     display_type = JsonLogLines if json_requested() else PanelThread if terminal.supports_panel else LogLines
     with display_type(status, terminal) as listener:
         yield listener
+
+
+def preview_progress(*, quiet: bool = False) -> Callable[[float], None] | None:
+    """What tells the user how far the preview of a long run has come; None for nothing."""
+    return None if quiet else _show_previewed
+
+
+def _show_previewed(reached_s: float) -> None:
+    show_message(f"Preview on the twin: {reached_s / 3600:.1f} h of the run so far.")

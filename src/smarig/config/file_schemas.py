@@ -3,14 +3,18 @@
 Physical quantities have no defaults. The comment after each key is its text in the reference.
 """
 
+import math
 from pathlib import Path
 from typing import Any, Literal
 
 from pydantic import Field, model_validator
 
-from smarig.config.quantity import Amperes, Density, Kelvin, Millimetres, Ohms, SpecificHeat
-from smarig.config.thermomechanical_file import ThermomechanicalSection
+from smarig.config.quantity import Amperes, Density, Kelvin, Millimetres, Ohms, PulleyRadius, SpecificHeat
+from smarig.config.thermomechanical_file import LARGEST_STRESS_MPA, ThermomechanicalSection
 from smarig.core import Number, TomlTable
+
+LEAST_A, MOST_A = 1e-6, 1e4  # no wire needs less, or more
+TAU_RANGE_S = (1e-3, 1e5)  # of a wire in air: from micrometres to a bar
 
 
 class WireSection(TomlTable):
@@ -23,6 +27,9 @@ class WireSection(TomlTable):
     specific_heat: SpecificHeat  # specific heat of the alloy
 
 
+TwinHeat = Literal["mean_resistance", "phase_resistance"]
+
+
 class HeatingSection(TomlTable):
     """Determines the temperature: resistances and one known steady state (5.3)."""
 
@@ -30,13 +37,14 @@ class HeatingSection(TomlTable):
     resistance_austenite: Ohms  # resistance of the hot wire
     reference_current: Amperes  # current of the known steady state
     reference_temperature: Kelvin  # temperature above ambient at that current; gives R/hA (5.3)
+    twin_heat: TwinHeat = "mean_resistance"  # a twin's heat: i² times the mean resistance (5.1), or V·i
 
 
 class TransmissionSection(TomlTable):
     """Converts contraction into encoder angle and into the rig's unit of position."""
 
     unit: Literal["mm", "deg"]  # unit of position, here and in every file made with this wire
-    radius: Millimetres  # radius of the pulley that the wire turns
+    radius: PulleyRadius  # radius of the pulley that the wire turns
 
 
 class HysteresisSection(TomlTable):
@@ -60,6 +68,23 @@ class ActuatorFile(TomlTable):
     notes: str = ""  # a remark
 
     @model_validator(mode="after")
+    def _time_constant_of_a_wire(self) -> "ActuatorFile":
+        """Values that are possible alone may make no wire together: τ = ρ c_p V T_ref/(R I_ref²) shows it."""
+        wire, heat = self.wire, self.heating
+        volume_m3 = math.pi / 4 * wire.diameter.value**2 * wire.active_length.value * 1e-9
+        mean_ohm = (heat.resistance_martensite.value + heat.resistance_austenite.value) / 2
+        power_W = mean_ohm * heat.reference_current.value**2
+        capacity_J_per_K = wire.density.value * wire.specific_heat.value * volume_m3
+        tau_s = capacity_J_per_K * heat.reference_temperature.value / power_W
+        if not TAU_RANGE_S[0] <= tau_s <= TAU_RANGE_S[1]:
+            raise ValueError(
+                f"the values of [wire] and [heating] give a thermal time constant of {tau_s:.3g} s, which must lie "
+                f"between {TAU_RANGE_S[0]:g} and {TAU_RANGE_S[1]:g} s; check diameter, active_length and "
+                "reference_current"
+            )
+        return self
+
+    @model_validator(mode="after")
     def _load_fits_arrangement(self) -> "ActuatorFile":
         t, two = self.thermomechanical, self.arrangement == "two_wire"
         if t is None:
@@ -73,26 +98,64 @@ class ActuatorFile(TomlTable):
             raise ValueError(
                 "a thermomechanical wire has its position in mm, a pair of them in deg; set transmission.unit"
             )
+        if t.shaft_torque is not None:
+            if not two:
+                raise ValueError(
+                    "one wire has no thermomechanical.shaft_torque; its load is thermomechanical.force"
+                )
+            self._check_stress("shaft_torque", abs(t.shaft_torque.value) / self.transmission.radius.value)
+        if t.force is not None:
+            self._check_stress("force", t.force.value)
+        for phase in ("martensite", "austenite"):
+            self._check_resistivity(t, phase)
         return self
+
+    def _check_stress(self, load: str, force_N: float) -> None:
+        """Raise ValueError for a load that would break a wire."""
+        stress_MPa = force_N / self._section_mm2
+        if stress_MPa > LARGEST_STRESS_MPA:
+            raise ValueError(
+                f"thermomechanical.{load} stresses a wire by {stress_MPa:.4g} MPa; at most {LARGEST_STRESS_MPA:g} MPa "
+                "are allowed"
+            )
+
+    def _check_resistivity(self, t: ThermomechanicalSection, phase: str) -> None:
+        """Raise ValueError if resistivity and resistance are those of different wires."""
+        length_mm = self.wire.active_length.value
+        ohm = 1e3 * getattr(t, f"resistivity_{phase}").value * length_mm / self._section_mm2
+        stated_ohm = getattr(self.heating, f"resistance_{phase}").value
+        if not 0.5 < ohm / stated_ohm < 2.0:
+            raise ValueError(
+                f"thermomechanical.resistivity_{phase} and the size of the wire give {ohm:.4g} ohm, but "
+                f"heating.resistance_{phase} is {stated_ohm:g} ohm"
+            )
+
+    @property
+    def _section_mm2(self) -> float:
+        return math.pi / 4 * self.wire.diameter.value**2
 
 
 class LimitsFile(TomlTable):
     """[limits]: checked by the host on every tick. The device has limits of its own."""
 
-    current_min_A: Number  # smallest current; negative for two wires only
-    current_max_A: Number  # largest current
-    current_rate_A_per_s: Number = Field(gt=0)  # largest rate of change
-    temperature_max_K: Number = Field(gt=0)  # largest predicted or measured wire temperature above ambient
+    current_min_A: Number = Field(ge=-MOST_A)  # smallest current; negative for two wires only
+    current_max_A: Number = Field(le=MOST_A)  # largest current
+    current_rate_A_per_s: Number = Field(ge=1e-6, le=1e9)  # largest rate of change
+    temperature_max_K: Number = Field(
+        ge=1, le=5000
+    )  # largest predicted or measured wire temperature above ambient
     resistance_tolerance: Number = Field(
-        default=0.1, gt=0, le=1
+        default=0.1, ge=1e-6, le=1
     )  # share by which V/I may differ from the wire's
     voltage_max_V: Number | None = Field(
-        default=None, gt=0
+        default=None, ge=1e-6, le=1e9
     )  # across the wire; else what the largest current needs
     stress_max_MPa: Number | None = Field(
-        default=None, gt=0
+        default=None, ge=1e-3, le=1e6
     )  # two wires: largest predicted stress, both wires hot
-    cycles_max: int | None = Field(default=None, strict=True, gt=0)  # cycles of the wire over all its runs
+    cycles_max: int | None = Field(
+        default=None, strict=True, gt=0, le=10**15
+    )  # cycles of the wire over all its runs
 
     @model_validator(mode="after")
     def _ordered(self) -> "LimitsFile":
@@ -100,17 +163,19 @@ class LimitsFile(TomlTable):
             raise ValueError(
                 "current_min_A ≤ 0 ≤ current_max_A is required, because zero current must always be allowed"
             )
-        if self.current_min_A == self.current_max_A:
-            raise ValueError("current_min_A and current_max_A are both 0, so no current can be driven")
+        if max(-self.current_min_A, self.current_max_A) < LEAST_A:
+            raise ValueError(
+                f"current_min_A and current_max_A are both 0, or below {LEAST_A:g} A, so no current can be driven"
+            )
         return self
 
 
 class AmplifierFile(TomlTable):
     """[amplifier]: saturation and read-back noise (standard deviations)."""
 
-    saturation_A: Number = Field(gt=0)  # largest current that the amplifier delivers
-    current_noise_A: Number = Field(ge=0)  # standard deviation of one current reading
-    voltage_noise_V: Number = Field(ge=0)  # standard deviation of one voltage reading
+    saturation_A: Number = Field(gt=0, le=MOST_A)  # largest current that the amplifier delivers
+    current_noise_A: Number = Field(ge=0, le=MOST_A)  # standard deviation of one current reading
+    voltage_noise_V: Number = Field(ge=0, le=1e6)  # standard deviation of one voltage reading
 
 
 class EncoderFile(TomlTable):
@@ -145,11 +210,11 @@ class LinksFile(TomlTable):
 class ProtectionFile(TomlTable):
     """[protection]: limits that the amplifier enforces, in addition to those of [limits] and the lease."""
 
-    slew_max_A_per_s: Number = Field(gt=0)  # largest rate of change of the current
-    resistance_min_ohm: Number = Field(ge=0)  # a smaller value is a short circuit
-    resistance_max_ohm: Number = Field(gt=0)  # a larger value is a broken wire or clamp
-    heat_max_A2s: Number = Field(gt=0)  # largest i²t integral
-    heat_settle_s: Number = Field(gt=0)  # time constant with which the i²t integral decays
+    slew_max_A_per_s: Number = Field(ge=1e-6, le=1e9)  # largest rate of change of the current
+    resistance_min_ohm: Number = Field(ge=0, le=1e9)  # a smaller value is a short circuit
+    resistance_max_ohm: Number = Field(gt=0, le=1e9)  # a larger value is a broken wire or clamp
+    heat_max_A2s: Number = Field(ge=1e-9, le=1e12)  # largest i²t integral
+    heat_settle_s: Number = Field(ge=1e-3, le=1e9)  # time constant with which the i²t integral decays
 
 
 class SimulatorFile(TomlTable):
@@ -178,8 +243,8 @@ class RigFile(TomlTable):
     period_s: Number = Field(ge=1e-3, le=60)  # duration of a tick
     ambient_degC: Number = Field(ge=-273.15, le=1000)  # temperature of the room
     lease_s: Number = Field(ge=0.01, le=60)  # time without commands after which the amplifier switches off
-    temperature_noise_K: Number = Field(ge=0)  # noise of the hysteresis input, standard deviation
-    temperature_noise_time_s: Number = Field(gt=0)  # correlation time of this noise
+    temperature_noise_K: Number = Field(ge=0, le=1000)  # noise of the hysteresis input, standard deviation
+    temperature_noise_time_s: Number = Field(ge=1e-3, le=1e9)  # correlation time of this noise
     hidden_effect: bool = False  # twin: an effect is drawn from the seed
     limits: LimitsFile  # enforced by the host on every tick
     amplifier: AmplifierFile  # the amplifier of a twin

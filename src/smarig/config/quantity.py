@@ -70,8 +70,9 @@ class WithinIn(InUnit):
 
 
 Millimetres = Annotated[Quantity, AfterValidator(PositiveIn("mm", 1e-4, 1e6))]
-Ohms = Annotated[Quantity, AfterValidator(PositiveIn("ohm"))]
-Kelvin = Annotated[Quantity, AfterValidator(PositiveIn("K"))]
-Amperes = Annotated[Quantity, AfterValidator(PositiveIn("A"))]
+PulleyRadius = Annotated[Quantity, AfterValidator(PositiveIn("mm", 1e-2, 1e3))]
+Ohms = Annotated[Quantity, AfterValidator(PositiveIn("ohm", 1e-4, 1e6))]
+Kelvin = Annotated[Quantity, AfterValidator(PositiveIn("K", 1.0, 5000.0))]
+Amperes = Annotated[Quantity, AfterValidator(PositiveIn("A", 1e-6, 1e4))]
 Density = Annotated[Quantity, AfterValidator(PositiveIn("kg/m^3", 1.0, 1e5))]
 SpecificHeat = Annotated[Quantity, AfterValidator(PositiveIn("J/(kg K)", 1.0, 1e6))]

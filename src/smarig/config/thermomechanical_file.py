@@ -14,6 +14,7 @@ Share = Annotated[Quantity, AfterValidator(PositiveIn("1", 1e-5, 0.2))]
 PerKelvin = Annotated[Quantity, AfterValidator(NotNegativeIn("1/K", 0.0, 0.01))]
 Resistivity = Annotated[Quantity, AfterValidator(PositiveIn("ohm m", 1e-9, 1e-3))]
 Newtons = Annotated[Quantity, AfterValidator(PositiveIn("N", 1e-6, 1e6))]
+Torque = Annotated[Quantity, AfterValidator(WithinIn("N mm", -1e6, 1e6))]
 LatentHeat = Annotated[Quantity, AfterValidator(NotNegativeIn("J/kg", 0.0, 1e6))]
 
 LARGEST_STRESS_MPA = 1000.0  # the phase diagram is checked up to here; NiTi yields below
@@ -46,6 +47,7 @@ class ThermomechanicalSection(TomlTable):
     heat_loss: Literal["free_convection", "constant"]  # Churchill and Chu (1975), or the h of [heating]
     force: Newtons | None = None  # one wire: the weight
     pre_strain: Share | None = None  # two wires: strain of each after assembly
+    shaft_torque: Torque | None = None  # two wires: constant load on the shaft; wire 1 lifts a positive one
 
     @property
     def width_K(self) -> float:

@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from smarig.control.regulation.boundary_plane import BoundaryPlane as BoundaryPlane
     from smarig.control.regulation.integral_gain import IntegralGains as IntegralGains
     from smarig.control.regulation.integral_gain import LoopTiming as LoopTiming
+    from smarig.control.regulation.integral_gain import integral_gain_unit as integral_gain_unit
     from smarig.control.regulation.integral_gain import integral_gains as integral_gains
     from smarig.control.regulation.regulation_protocol import REGULATION_PLANNED as REGULATION_PLANNED
     from smarig.control.regulation.regulation_protocol import SETPOINT_DISTURBED as SETPOINT_DISTURBED

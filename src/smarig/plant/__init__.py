@@ -52,6 +52,8 @@ if TYPE_CHECKING:
     from smarig.plant.thermomechanical.kinetics import TWINNED_MARTENSITE as TWINNED_MARTENSITE
     from smarig.plant.thermomechanical.kinetics import Phase as Phase
     from smarig.plant.thermomechanical.material import Material as Material
+    from smarig.plant.thermomechanical.shaft import load_MPa_of as load_MPa_of
+    from smarig.plant.thermomechanical.shaft import shaft_strain as shaft_strain
     from smarig.plant.thermomechanical.thermomechanical_plant import (
         ThermomechanicalPlant as ThermomechanicalPlant,
     )

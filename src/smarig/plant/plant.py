@@ -34,12 +34,18 @@ class Plant:
         initial: Initial,
         dt_s: float,
         effects: Sequence[SupportsHooks] = (),
+        *,
+        phase_heating: bool = False,
     ) -> None:
+        """``phase_heating``: a current heats with R(ξ), so the heat is V·i; else with R̄, as in the thesis (5.1)."""
         self.actuator = actuator
         self.operator = Preisach(hysteresis, initial)
         span = hysteresis.everett(hysteresis.upper, hysteresis.lower)
         self._y_lower, self._per_stroke = hysteresis.y_lower, 1.0 / span if span else 0.0
         self._chains = hook_chains(effects, EffectContext(actuator, hysteresis, initial))
+        self._phase_heating = phase_heating
+        if phase_heating:
+            self._chains[Stage.RESISTANCE] = (self._with_phase, *self._chains[Stage.RESISTANCE])
         self._no_effects = not any(self._chains.values())
         self._phases = WirePhases(hysteresis) if actuator.two_wire else None
         self.now = PlantState(dt_s=dt_s, output=self.operator.y, share=self.share)
@@ -132,9 +138,14 @@ class Plant:
         return (self.share,) if self._phases is None else tuple(self._phases.austenite)
 
     def resistance_ohm(self, current_A: float) -> float:
-        """The present resistance of the wire that carries a current."""
+        """The present resistance of the wire that carries a current. With ``phase_heating``, that which heated it."""
+        if self._phase_heating:
+            return self.now.resistance * self.actuator.resistance_ohm
         wires = self.austenite
         return self.now.resistance * self.actuator.resistance_at_ohm(wires[-1 if current_A < 0 else 0])
+
+    def _with_phase(self, factor: float, now: PlantState) -> float:
+        return factor * self.actuator.resistance_at_ohm(now.austenite) / self.actuator.resistance_ohm
 
 
 def step_with_feedback(

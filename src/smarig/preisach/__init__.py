@@ -5,6 +5,8 @@ from typing import TYPE_CHECKING
 from smarig.core.lazy_exports import lazy_exports
 
 if TYPE_CHECKING:
+    from smarig.preisach.checked_input import input_array as input_array
+    from smarig.preisach.checked_input import input_number as input_number
     from smarig.preisach.compiled import compiled_available as compiled_available
     from smarig.preisach.everett import Everett as Everett
     from smarig.preisach.hysteresis.fod_surface import FodSurface as FodSurface
@@ -31,8 +33,6 @@ if TYPE_CHECKING:
     from smarig.preisach.inverse import bracketed_root as bracketed_root
     from smarig.preisach.operator import Initial as Initial
     from smarig.preisach.operator import Preisach as Preisach
-    from smarig.preisach.operator import input_array as input_array
-    from smarig.preisach.operator import input_number as input_number
     from smarig.preisach.sensitivity import sensitivities as sensitivities
     from smarig.preisach.state import State as State
     from smarig.preisach.turning_points import turning_points as turning_points

@@ -19,6 +19,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from smarig.core import DataError, UsageError
 from smarig.preisach import compiled as fast
+from smarig.preisach.checked_input import NAN_INPUT, input_array, input_number, not_a_number, vector
 from smarig.preisach.everett import Everett, from_diagonal
 from smarig.preisach.hysteresis.fod_surface import FodSurface
 from smarig.preisach.hysteresis.fod_table import FodTable
@@ -28,7 +29,6 @@ from smarig.preisach.kernel import ExtremaStack, KernelInput, follow, keyed, pyt
 from smarig.preisach.state import State as State
 
 Array = NDArray[np.float64]
-_NAN = "The input of the Preisach operator is NaN."
 Initial = Literal["negative", "positive", "anhysteretic"] | State
 
 
@@ -165,10 +165,10 @@ class Preisach:
         try:
             inside = self._lower < u < self._upper
         except (TypeError, ValueError):
-            raise _not_a_number(u) from None
+            raise not_a_number(u) from None
         if not inside:
             if u != u:
-                raise DataError(_NAN)
+                raise DataError(NAN_INPUT)
             u = self._lower if u <= self._lower else self._upper
             return self.y if u == self.u else self._saturate(u)
         a, b = self._keyed.place(self._params, u)
@@ -192,7 +192,7 @@ class Preisach:
         try:
             u = min(max(u, self._lower), self._upper)
         except (TypeError, ValueError):
-            raise _not_a_number(u) from None
+            raise not_a_number(u) from None
         if u != u or u in (self._lower, self._upper):
             saved = self._stack, self.u, self.y
             y = self.step(u)
@@ -294,7 +294,7 @@ class Preisach:
         The memory changes, as with ``follow``. If an output cannot be reached, a DataError names the sample, and the
         memory is that before the sample. UsageError for another shape.
         """
-        targets = _vector(y, "The inverse", "output")
+        targets = vector(y, "The inverse", "output")
         u = np.empty(targets.size)
         for k, target in enumerate(targets.tolist()):
             try:
@@ -314,39 +314,3 @@ class Preisach:
             f"Preisach({type(h).__name__}, range [{h.lower:g}, {h.upper:g}], "
             f"u={self.u:g}, y={self.y:g}, {self._stack.top - 1} remembered extrema)"
         )
-
-
-def input_array(u: Sequence[float] | ArrayLike) -> Array:
-    """Inputs (n,) as floats. UsageError for another shape, DataError for NaN."""
-    inputs = _vector(u, "The Preisach operator", "input")
-    if inputs.size and np.isnan(
-        inputs.min()
-    ):  # the minimum is NaN if any input is; this needs no extra memory
-        where = int(np.argmax(np.isnan(inputs)))
-        raise DataError(f"The input of the Preisach operator is NaN at sample {where}.")
-    return inputs
-
-
-def input_number(u: float) -> float:
-    """One input as a float. UsageError if it is not a number, DataError for NaN."""
-    try:
-        nan = math.isnan(u)
-    except (TypeError, ValueError, OverflowError):
-        raise _not_a_number(u) from None
-    if nan:
-        raise DataError(_NAN)
-    return u
-
-
-def _not_a_number(u: object) -> UsageError:
-    return UsageError(f"The Preisach operator needs a number as its input, got {u!r:.40}.")
-
-
-def _vector(values: Sequence[float] | ArrayLike, what: str, of: str) -> Array:
-    try:
-        row = np.asarray(values, dtype=float)
-    except (TypeError, ValueError):
-        raise UsageError(f"{what} needs a one-dimensional {of} of numbers.") from None
-    if row.ndim != 1:
-        raise UsageError(f"{what} needs a one-dimensional {of}, got shape {row.shape}.")
-    return row

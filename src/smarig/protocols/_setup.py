@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 from smarig.config import LimitsFile, load_rig
+from smarig.core import ConfigError
 from smarig.plant import Actuator
 
 _MARGIN_K = 0.5
@@ -20,6 +21,13 @@ class Setup:
     actuator: Actuator
     limits: LimitsFile
     period_s: float
+
+    def __post_init__(self) -> None:
+        if self.limits.current_min_A < 0 and not self.actuator.two_wire:
+            raise ConfigError(
+                f"limits.current_min_A is {self.limits.current_min_A:g}, but {self.actuator.name} is one wire, which "
+                "no negative current drives. Set it to 0."
+            )
 
     @classmethod
     def of(cls, rig: str) -> "Setup":

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Literal
 
-from smarig.core import DataError, UsageError, printable
+from smarig.core import DataError, UsageError, capitalised, printable
 from smarig.record.opened_run import opened_for_reading
 from smarig.record.run import Run, load_run
 from smarig.record.salvage import Salvaged, salvage
@@ -85,6 +85,8 @@ class RunCheck:
             *self.remarks,
             *(f"Damage: {problem}." for problem in self.problems),
         ]
+        if self.salvaged and self.salvaged.cut_text:
+            found.append(f"{capitalised(self.salvaged.cut_text)}.")
         if self.missing:
             found.append(f"Missing samples: ticks {ticks_text(self.missing)}.")
         if self.unverified:

@@ -16,7 +16,7 @@ from smarig.record.opened_run import recovered_file
 from smarig.record.page_scan import PageScan
 from smarig.record.run_end import store_end
 from smarig.record.salvaged_rows import placed, readable_keys
-from smarig.record.table_hashes import damaged_rows
+from smarig.record.table_hashes import damaged_rows, is_hashed
 from smarig.record.tick_ranges import Ticks, missing_and_unverified, ticks_json, ticks_text
 
 _NEVER_CLOSED = "the run was never closed"
@@ -37,6 +37,7 @@ class Salvaged:
     unreadable_pages: int = 0  # that the disk does not give
     missing: tuple[Ticks, ...] = ()
     unverified: tuple[Ticks, ...] = ()
+    cut_off: tuple[int, int] | None = None  # bytes that the file has, and those that its header states
 
     @property
     def cause(self) -> str:
@@ -45,6 +46,23 @@ class Salvaged:
         if isinstance(end, dict):
             return str(end.get("cause") or _UNKNOWN)
         return _UNKNOWN if "run" in self.damaged_tables else _NEVER_CLOSED
+
+    @property
+    def cut_text(self) -> str:
+        """How much of the file is missing at its end; "" if nothing."""
+        if self.cut_off is None:
+            return ""
+        held, stated = self.cut_off
+        return f"the file was cut off after {held / stated:.0%} ({held:,} of {stated:,} bytes)"
+
+    @property
+    def _no_gap_text(self) -> str:
+        """Without hashes, nothing tells what came after the last sample."""
+        if is_hashed(self.meta) and "sample" not in self.damaged_tables:
+            return "no sample is missing"
+        return (
+            "no tick is missing between its samples, and whether samples followed the last one is not known"
+        )
 
     def amount(self) -> str:
         """How much it is."""
@@ -62,7 +80,8 @@ class Salvaged:
     def sentence(self) -> str:
         """What is missing and what may be wrong."""
         parts = [
-            f"ticks {ticks_text(self.missing)} are missing" if self.missing else "no gap is known",
+            *([self.cut_text] if self.cut_text else []),
+            f"ticks {ticks_text(self.missing)} are missing" if self.missing else self._no_gap_text,
             *([f"in ticks {ticks_text(self.unverified)} a value may be wrong"] if self.unverified else []),
             *([f"the disk does not give {self.unreadable_pages} pages"] if self.unreadable_pages else []),
             *([f"the keys {', '.join(self.lost_keys)} are lost"] if self.lost_keys else []),
@@ -98,7 +117,23 @@ def salvage(file: Path) -> Salvaged:
         scan.unreadable,
         tuple(missing),
         tuple(unverified),
+        _cut_off(file),
     )
+
+
+def _cut_off(file: Path) -> tuple[int, int] | None:
+    """The bytes of a database file, and those that its header states, if it is shorter (SQLite file format, 1.3)."""
+    try:
+        with file.open("rb") as opened:
+            header = opened.read(32)
+    except OSError:  # a disk that does not give the first page
+        return None
+    if len(header) < 32 or not header.startswith(b"SQLite format 3\0"):
+        return None
+    page_bytes = int.from_bytes(header[16:18], "big")
+    stated = int.from_bytes(header[28:32], "big") * (65536 if page_bytes == 1 else page_bytes)
+    held = file.stat().st_size
+    return (held, stated) if held < stated else None
 
 
 def _damaged_tables(meta: dict[str, Any], tables: dict[str, list[tuple]]) -> tuple[str, ...]:

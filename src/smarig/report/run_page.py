@@ -23,6 +23,7 @@ from smarig.report.components.run_description import (
     source_label,
 )
 from smarig.report.components.severity_mark import severity_mark
+from smarig.report.runs.derived_quantities import DerivedQuantities
 from smarig.report.runs.hysteresis_figure import hysteresis_figure
 from smarig.report.runs.run_tables import (
     conditions_table,
@@ -39,11 +40,18 @@ if TYPE_CHECKING:  # of these packages, most runs need nothing: they take a seco
     from smarig.replay import Model
 
 
-def run_page(run: Run, *, library: str = LIBRARY, certified: "tuple[Model, str, str] | None" = None) -> str:
-    """The HTML page of a run: time series, hysteresis graph, conditions, marks, events and provenance.
+def run_page(
+    run: Run,
+    *,
+    library: str = LIBRARY,
+    certified: "tuple[Model, str, str] | None" = None,
+    derived: DerivedQuantities | None = None,
+) -> str:
+    """The HTML page of a run: hysteresis graph, time series, marks, events, conditions and provenance.
 
     ``library`` is the address of the interactive library, relative to the page. A closed loop has its own sections and,
-    with ``certified`` (a model, its file name and hash), the certificate of that model.
+    with ``certified`` (a model, its file name and hash), the certificate of that model. ``derived``: stress and energy
+    of the run, if already computed.
     """
     data = list(_figure_parts(run)) or [paragraph("The run has no samples to draw.")]
     sections = [
@@ -56,7 +64,7 @@ def run_page(run: Run, *, library: str = LIBRARY, certified: "tuple[Model, str, 
             "Data quality",
             [quality_table({protocol_name(run): run}), steps_table(run), events_table(run)],
         ),
-        Section("Rig and conditions", "Rig", [conditions_table(run)], folded=True),
+        Section("Rig and conditions", "Rig", [conditions_table(run, derived)], folded=True),
         Section("Provenance", "Provenance", [provenance_table({protocol_name(run): run})], folded=True),
     ]
     title = f"{capitalised(protocol_name(run))} run"

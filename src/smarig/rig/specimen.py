@@ -159,6 +159,7 @@ def plant_of(rig: RigFile, actuator: Actuator, settings: TwinSettings) -> Plant 
         settings.initial or hysteresis.initial,
         rig.period_s,
         (*hidden, *settings.effects),
+        phase_heating=actuator.file.heating.twin_heat == "phase_resistance",
     )
 
 

@@ -3,6 +3,7 @@
 The estimate follows the rig's own model; the settling times of a real wire differ.
 """
 
+import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -17,6 +18,7 @@ from smarig.runner.run_control import RunControl
 from smarig.runner.runner import Runner
 
 MAX_SAMPLES = 5_000_000  # nearly six days at 10 Hz
+SAMPLES_BETWEEN_LOOKS, REPORT_EVERY_S = 5000, 3.0
 BYTES_PER_SAMPLE = 90  # measured on run files, with a margin
 
 ProtocolFactory = Callable[[Setup], Protocol]
@@ -44,20 +46,30 @@ class Preview:
 
 
 class _Peaks:
-    """The extremes of a run."""
+    """The extremes of a run. ``report`` is told its time every few seconds of real time."""
 
-    def __init__(self) -> None:
+    def __init__(self, report: Callable[[float], None] | None) -> None:
         self.current_A = self.temperature_K = 0.0
         self.samples = self.timed_out = 0
+        self._report, self._reported_s = report, time.monotonic()
 
     def sample(self, s: Sample, _step: int | None, input_K: float) -> None:
         self.samples += 1
+        if self._report and not self.samples % SAMPLES_BETWEEN_LOOKS and self._is_due():
+            self._report(s.t_s)
         if self.samples > MAX_SAMPLES:
             raise UsageError(
                 f"The run would take more than {s.t_s / 86400:.1f} days. Reduce its settings, or split it."
             )
         self.current_A = max(self.current_A, abs(s.current_A))
         self.temperature_K = max(self.temperature_K, abs(input_K))
+
+    def _is_due(self) -> bool:
+        now_s = time.monotonic()
+        if now_s - self._reported_s < REPORT_EVERY_S:
+            return False
+        self._reported_s = now_s
+        return True
 
     def step(self, result: StepResult) -> None:
         self.timed_out += result.verdict is StepVerdict.TIMED_OUT
@@ -70,16 +82,18 @@ def preview(
     control: RunControl | None = None,
     chooser: Chooser | None = None,
     protocol_factory: ProtocolFactory | None = None,
+    report: Callable[[float], None] | None = None,
 ) -> Preview:
     """Run a protocol on the rig's noise-free twin. Raises UsageError if it would exceed the limits.
 
     ``chooser`` is for protocols that take one. ``protocol_factory`` makes a closed loop, whose protocol is not in the
-    catalogue.
+    catalogue. ``report``, if given, is told the time that the preview has reached, in seconds of the run, every few
+    seconds: every tick is simulated, about 100,000 a second.
     """
     actuator = Actuator.named(rig.actuator)
     nothing_hidden = rig.model_copy(update={"hidden_effect": False})  # a preview must not reveal it
     twin = Twin(nothing_hidden, actuator, TwinSettings(noise=False))
-    peaks = _Peaks()
+    peaks = _Peaks(report)
     runner = Runner(
         Guard(twin, rig.limits, actuator, stress=stress_limit(rig, actuator)),
         twin.position_per_count,

@@ -75,7 +75,7 @@ def command(
     is printed. The probability that the model is dissipative follows from models drawn from the uncertainty of its
     identification. The certificate covers the hysteresis alone; it does not cover the closed loops of the commands
     track and regulate."""
-    from smarig.app import ModelSource
+    from smarig.app import ModelSource, timing_of
     from smarig.certify import PositionController, certificate
     from smarig.core import check_writable
     from smarig.identification import passivity_of_run
@@ -89,7 +89,8 @@ def command(
         check_distinct(out, model, *runs)
         check_writable(out, force=force, kind=PAGE)
     numbers = {controller: parse_pairs(pairs)} if controller else None
-    found = certificate(source.model.hysteresis, numbers, certificate_units(source.model))
+    units, timing = certificate_units(source.model), timing_of(source.model)
+    found = certificate(source.model.hysteresis, numbers, units, timing)
     model_origin = certified_model(source.model, source.name, source.sha256)
     further = Further(
         {path.name: passivity_of_run(load_run(path), source.model) for path in runs},

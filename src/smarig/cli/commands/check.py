@@ -8,6 +8,7 @@ import click
 
 from smarig.cli.output import emit, json_option, show_message
 from smarig.cli.parameter_types import FILE, PROTOCOL, RIG
+from smarig.cli.progress import preview_progress
 from smarig.cli.run_file_check import check_run_file, is_run_file
 from smarig.config import RigFile, load_rig
 from smarig.core import ConfigError, LeaseExpired, RigFault, UsageError
@@ -92,7 +93,7 @@ def _check_rig(rig: str, protocol: str | None, pairs: tuple[str, ...], preview_o
         found["lease_trips"] = _lease_trips(Twin.named(rig))
     lines = [f"{_LABELS.get(key, key):>20}: {_short(value)}" for key, value in found.items()]
     if protocol:
-        cost = preview(protocol, file, parse_pairs(pairs))
+        cost = preview(protocol, file, parse_pairs(pairs), report=preview_progress())
         found["preview"] = cost.__dict__
         lines.append(f"{'preview':>20}: {cost.sentence()}")
     rig_is_fit = True

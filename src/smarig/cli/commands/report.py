@@ -98,7 +98,7 @@ def _is_loop(file: Path) -> bool:
 def _run(file: Path, out: Path | None, force: bool, model: Path | None = None) -> None:
     from smarig.app import ModelSource
     from smarig.record import load_run
-    from smarig.report import page_path, run_page, run_stress, write_page
+    from smarig.report import derived_quantities, page_path, run_page, write_page
     from smarig.transformation import headline
 
     target = out or page_path(file)
@@ -106,11 +106,11 @@ def _run(file: Path, out: Path | None, force: bool, model: Path | None = None) -
     run = load_run(file)
     loaded = ModelSource.of(model) if model else None
     certified = (loaded.model, loaded.name, loaded.sha256) if loaded else None
-    write_page(run_page(run, certified=certified), target, force=force)
+    derived = derived_quantities(run)
+    write_page(run_page(run, certified=certified, derived=derived), target, force=force)
     page = {"report": str(target), "complete": run.complete, "cause": run.cause}
-    stress = run_stress(run)
     found = {name: e.to_json() for name, e in headline(run).items()} if run.has("input") else {}
-    figures = ({"stress": stress.to_json()} if stress else {}) | ({"transformation": found} if found else {})
+    figures = derived.to_json() | ({"transformation": found} if found else {})
     emit({**page, "reports": [page], **figures}, f"Report: {target}")
 
 

@@ -7,7 +7,7 @@ import click
 
 from smarig.cli.output import emit, json_option, show_message
 from smarig.cli.parameter_types import ANY_PATH, EXPERIMENT
-from smarig.cli.progress import STREAMS
+from smarig.cli.progress import STREAMS, preview_progress
 from smarig.cli.run_options import RunOptions, check_target, print_warnings, run_options, run_summary
 from smarig.config import CampaignFile, CampaignStep, load_campaign, load_rig, shipped_names
 from smarig.core import UsageError, catalogue_names, suggestion
@@ -51,7 +51,8 @@ def command(
     plan = _plan(experiment, parse_pairs(pairs))
     steps = plan.step
     file = load_rig(options.rig)
-    costs = [preview(s.protocol, file, s.set, chooser=informed_choice) for s in steps]
+    report = preview_progress(quiet=options.quiet)
+    costs = [preview(s.protocol, file, s.set, chooser=informed_choice, report=report) for s in steps]
     if options.dry_run:
         lines = [c.sentence() for c in costs] + [f"total: {sum(c.duration_s for c in costs) / 3600:.2f} h"]
         emit({"preview": [c.__dict__ for c in costs]}, "\n".join(lines))

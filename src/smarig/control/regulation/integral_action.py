@@ -9,13 +9,14 @@ encoder could show. The source itself is clipped, so it leaves a limit as soon a
 
 import math
 
-from smarig.control.regulation.integral_gain import IntegralGains
+from smarig.control.regulation.integral_gain import IntegralGains, integral_gain_unit
+from smarig.core import spaced
 
 
 class IntegralAction:
     """Integral action that holds a set-point; ``gain`` in K/s per unit of position, ``limits_K`` of the source.
 
-    ``certified`` are the largest gains with a proof for the model, None without one.
+    ``certified`` are the largest gains with a proof for the model, None without one; ``unit`` is that of the position.
 
     >>> loop = IntegralAction(gain=2.0, period_s=0.5, limits_K=(0.0, 100.0), count=0.1)
     >>> loop.start(50.0)
@@ -30,8 +31,9 @@ class IntegralAction:
         limits_K: tuple[float, float],
         count: float = 0.0,
         certified: IntegralGains | None = None,
+        unit: str = "",
     ) -> None:
-        self.gain, self.count, self.certified = gain, count, certified
+        self.gain, self.count, self.certified, self.unit = gain, count, certified, unit
         self._per_tick = gain * period_s
         self._low_K, self._high_K = limits_K
         self.start(0.0)
@@ -60,8 +62,9 @@ class IntegralAction:
     def statement(self) -> str:
         """What is proved about this loop, in a sentence."""
         if self.certified is None:
-            return f"Integral gain {self.gain:.4g}: no convergence is certified with this model."
-        return self.certified.statement(self.gain)
+            unit = spaced(integral_gain_unit(self.unit))
+            return f"Integral gain {self.gain:.4g}{unit}: no convergence is certified with this model."
+        return self.certified.statement(self.gain, self.unit)
 
     def _clipped(self, source_K: float) -> float:
         return min(max(source_K, self._low_K), self._high_K)

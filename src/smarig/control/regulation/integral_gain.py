@@ -15,9 +15,18 @@ import math
 from dataclasses import dataclass
 
 from smarig.control.argument_checks import not_negative, positive
-from smarig.core import UsageError
+from smarig.core import UsageError, spaced
 from smarig.preisach import Everett
 from smarig.theory import largest_slope, monotone
+
+
+def integral_gain_unit(unit: str) -> str:
+    """The unit of an integral gain for outputs in ``unit``; "" if that is not known.
+
+    >>> integral_gain_unit("mm")
+    'K/(mm·s)'
+    """
+    return f"K/({unit}·s)" if unit else ""
 
 
 @dataclass(frozen=True)
@@ -67,12 +76,23 @@ class IntegralGains:
     slope: float
     timing: LoopTiming
 
-    def statement(self, gain: float) -> str:
-        """What is proved about a loop with this gain around the model, in two sentences."""
+    def limits_text(self, unit: str) -> str:
+        """Both gains with their unit, and the timing for which they hold. ``unit``: of the output.
+
+        >>> IntegralGains(0.52, 0.13, 0.35, LoopTiming(0.1, 5.3, 0.1)).limits_text("mm")
+        '0.13 K/(mm·s) from rest and 0.52 K/(mm·s) from any state (τ 5.3 s, dead time 0.1 s, no noise)'
+        """
+        gain_unit = spaced(integral_gain_unit(unit))
+        return (
+            f"{self.from_rest:.4g}{gain_unit} from rest and {self.any_state:.4g}{gain_unit} from any state "
+            f"(τ {self.timing.tau_s:.3g} s, dead time {self.timing.delay_ticks * self.timing.period_s:.3g} s, no noise)"
+        )
+
+    def statement(self, gain: float, unit: str = "") -> str:
+        """What is proved about a loop with this gain around the model, in two sentences. ``unit``: of the output."""
         head = (
-            f"Integral gain {gain:.4g}; convergence of this model is certified up to {self.from_rest:.4g} from rest "
-            f"and {self.any_state:.4g} from any state (τ {self.timing.tau_s:.3g} s, dead time "
-            f"{self.timing.delay_ticks * self.timing.period_s:.3g} s, no noise)."
+            f"Integral gain {gain:.4g}{spaced(integral_gain_unit(unit))}; convergence of this model is certified up to "
+            f"{self.limits_text(unit)}."
         )
         if gain <= self.from_rest * (1 + 1e-12):
             return f"{head} From rest it does not overshoot and stays within a count of the set-point."

@@ -8,7 +8,8 @@ from collections.abc import Mapping
 
 from smarig.config import LinkFile, RigFile
 from smarig.core import ConfigError, Quality, SmarigError
-from smarig.device.drivers._conversation import Conversation, Status
+from smarig.device.drivers._conversation import Status
+from smarig.device.drivers._line_device import LineDevice
 from smarig.device.drivers._roles import CurrentReading
 from smarig.device.encoding.crc import crc16
 from smarig.device.encoding.link_faults import Rebooted, Refused
@@ -43,12 +44,11 @@ def _settings(rig: RigFile) -> dict[str, float]:
     }
 
 
-class SmarigAmplifier:
+class SmarigAmplifier(LineDevice):
     """Off until a current is set. ``settings``: values in units by register of the settings block."""
 
     def __init__(self, link: Link, settings: dict[str, float]) -> None:
-        self.map = load_register_map("amplifier")
-        self.talk = Conversation(link, self.map)
+        super().__init__(link, "amplifier")
         self._settings = {name: self.map[name].value.encode(value) for name, value in settings.items()}
         self._orders = {name: int(code) for code, name in self.map["order"].values.items()}
         self._states = {name: int(code) for code, name in self.map["state"].values.items()}
@@ -91,16 +91,6 @@ class SmarigAmplifier:
         status = self._ordered({"current": raw}, armed=True)
         self._raw = 0 if self.tripped else raw
         return status.values["tick"]
-
-    @property
-    def reconnections(self) -> int:
-        """How often its line was lost and opened again."""
-        return self.talk.reconnections
-
-    @property
-    def identity(self) -> str:
-        """The device, its map and its number of starts."""
-        return self.talk.identity
 
     def since(self, tick: int, at_most: int) -> list[CurrentReading]:
         """Readings from a tick on. The exchange renews the lease."""

@@ -2,7 +2,7 @@
 
 from smarig.config import LinkFile, RigFile
 from smarig.core import Quality
-from smarig.device.drivers._conversation import Conversation
+from smarig.device.drivers._line_device import LineDevice
 from smarig.device.drivers._roles import PositionReading
 from smarig.device.encoding.register import load_register_map
 from smarig.device.links.link import Link, let_go_on_failure
@@ -15,25 +15,14 @@ def smarig_encoder_daq(where: LinkFile, rig: RigFile) -> "SmarigEncoderDaq":
         return SmarigEncoderDaq(link, rig.period_s)
 
 
-class SmarigEncoderDaq:
+class SmarigEncoderDaq(LineDevice):
     """The encoder DAQ. The constructor performs the handshake and writes the period."""
 
     def __init__(self, link: Link, period_s: float) -> None:
-        self.map = load_register_map("encoder_daq")
-        self.talk = Conversation(link, self.map)
+        super().__init__(link, "encoder_daq")
         _, self._ambient, _ = self.map.fields("counts", "ambient", "marks")
         self.talk.handshake()
         self.talk.settings({"period": self.map["period"].value.encode(period_s)})
-
-    @property
-    def reconnections(self) -> int:
-        """How often its line was lost and opened again."""
-        return self.talk.reconnections
-
-    @property
-    def identity(self) -> str:
-        """The device, its map and its number of starts."""
-        return self.talk.identity
 
     def since(self, tick: int, at_most: int) -> list[PositionReading]:
         """Samples of its ring, from a tick on."""

@@ -17,8 +17,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.core import UsageError
 from smarig.diagnosis.critique.critique import ALPHA, MIN_SPREAD_NATS
+from smarig.diagnosis.critique.settings import check_settings
 from smarig.diagnosis.diagnosis_verdict import LEAD_SCALE_NATS, DiagnosisVerdict
 from smarig.diagnosis.thermal.thermal_fit import (
     WHITE,
@@ -176,11 +176,7 @@ def diagnose_transient(
     without them, and UsageError for invalid settings.
     """
     started, report_progress = time.monotonic(), progress or (lambda _: None)
-    if not 0 < alpha < 0.5 or nulls < 1 / alpha:
-        raise UsageError(
-            f"{nulls} null data sets cannot resolve the false alarm probability {alpha:g}. Use more of them, "
-            "or a probability between 0 and 0.5."
-        )
+    check_settings(alpha, nulls, seed)
     x = thermal_record_of(run if isinstance(run, Run) else load_run(run))
     available = [n for n in extensions(x) if n not in without]
     noise = _noise(x, available)

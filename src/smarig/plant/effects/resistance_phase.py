@@ -3,7 +3,9 @@
     R(ξ) = R̄ [1 + ρ (ξ − ½)],    T_ss = (R(ξ)/hA) i²        ρ = (R_A − R_M)/R̄
 
 With R_M > R_A (ρ < 0) heating decreases as the wire transforms, which gives the skew of thesis §5.4.1. In the
-differential rig ξ is that of the wire that carries the current. The voltage shows R itself.
+differential rig ξ is that of the wire that carries the current. The voltage of the phase, R_M + ξ (R_A − R_M) of the
+actuator file, is multiplied by the same factor. So the heat is V·i only if the file's ``twin_heat`` is that of the
+phase (docs/explanation/heat_of_a_twin.md).
 """
 
 from collections.abc import Mapping

@@ -5,6 +5,7 @@ The thesis measures its actuator only (5.1.2); these are the curves of a tensile
 of both wires of the differential actuator without their heating.
 """
 
+import math
 from collections.abc import Iterable, Sequence
 from functools import partial
 
@@ -15,6 +16,7 @@ from smarig.core import UsageError
 from smarig.plant.thermomechanical.kinetics import AUSTENITE, TWINNED_MARTENSITE, Phase, transformed
 from smarig.plant.thermomechanical.material import Material
 from smarig.plant.thermomechanical.monotone_root import increasing_root
+from smarig.plant.thermomechanical.shaft import extra_stresses_MPa
 
 SAFETY, TOLERANCE_MPA = 0.9, 1e-9
 
@@ -72,23 +74,30 @@ def isobaric_loop(
 
 
 def antagonist_path(
-    material: Material, pre_strain: float, temperatures_degC: ArrayLike
+    material: Material, pre_strain: float, temperatures_degC: ArrayLike, load_MPa: float = 0.0
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Stress (n,) in MPa of two equal wires, and their strains (n, 2), at each pair of temperatures (n, 2).
+    """Smaller stress (n,) in MPa of two equal wires, and their strains (n, 2), at each pair of temperatures (n, 2).
 
-        σ₁ = σ₂ = σ,      ε₁(σ) + ε₂(σ) = 2 ε_p
+        σ₁ − σ₂ = load,      ε₁(σ₁) + ε₂(σ₂) = 2 ε_p
 
     Both start as twinned martensite, stretched by the pre-strain at the first pair. Temperatures are monotone between
-    two pairs. Both wires are slack (σ = 0) where they are longer than that.
+    two pairs. ``load_MPa``: the torque on the shaft over A r, which wire 1 carries (wire 2, if negative). The less
+    loaded wire is slack (σ = 0) where both are longer than that; without a load both are.
     """
     pairs = np.asarray(temperatures_degC, dtype=float)
     if pairs.ndim != 2 or pairs.shape[1:] != (2,) or not np.all(np.isfinite(pairs)):
         raise UsageError("The temperatures must be pairs of finite numbers, one of each wire.")
-    phases, stress_MPa = (TWINNED_MARTENSITE, TWINNED_MARTENSITE), 0.0
+    if not math.isfinite(load_MPa):
+        raise UsageError(f"The load must be a finite number of MPa, not {load_MPa}.")
+    phases, stress_MPa, extra_MPa = (
+        (TWINNED_MARTENSITE, TWINNED_MARTENSITE),
+        0.0,
+        extra_stresses_MPa(load_MPa),
+    )
     least_slope = 2.0 * SAFETY / max(material.austenite_MPa, material.martensite_MPa)
     stresses, strains = [], []
     for pair in pairs.tolist():
-        evaluate = partial(_excess, material, pair, phases, 2.0 * pre_strain)
+        evaluate = partial(_excess, material, pair, phases, 2.0 * pre_strain, extra_MPa)
         now = evaluate(stress_MPa)
         if now[0] > 0.0 and now[0] / least_slope >= stress_MPa > 0.0:
             at_zero = evaluate(0.0)
@@ -112,13 +121,15 @@ def _excess(
     temperatures_degC: Sequence[float],
     phases: tuple[Phase, Phase],
     total_strain: float,
+    extra_MPa: tuple[float, float],
     stress_MPa: float,
 ) -> tuple[float, _Pair]:
-    """By how much both strains exceed their sum at a stress, with the phases and strains there."""
-    ends = [transformed(material, p, T, stress_MPa) for p, T in zip(phases, temperatures_degC)]
+    """By how much both strains exceed their sum at a smaller stress, with the phases and strains there."""
+    stresses = [stress_MPa + extra for extra in extra_MPa]
+    ends = [transformed(material, p, T, s) for p, T, s in zip(phases, temperatures_degC, stresses)]
     first, second = (
-        material.strain(stress_MPa, T, end.martensite, end.detwinned)
-        for end, T in zip(ends, temperatures_degC)
+        material.strain(s, T, end.martensite, end.detwinned)
+        for end, T, s in zip(ends, temperatures_degC, stresses)
     )
     return first + second - total_strain, ((ends[0], ends[1]), (first, second))
 

@@ -6,6 +6,7 @@ from typing import Protocol
 from smarig.config import ActuatorFile
 from smarig.core import ConfigError
 from smarig.plant.thermomechanical.monotone_root import increasing_root
+from smarig.plant.thermomechanical.shaft import extra_stresses_MPa, load_MPa_of, shaft_strain
 from smarig.plant.thermomechanical.wire import Heating, Wire, WireState
 
 MM, TOLERANCE_MPA = 1000.0, 1e-5
@@ -58,12 +59,12 @@ class DeadWeight:
 
 
 class Antagonists:
-    """Two equal wires on one shaft: equal stress, and strains that add up to twice the pre-strain.
+    """Two equal wires on one shaft: strains that add up to twice the pre-strain, and stresses that carry the torque.
 
-        σ₁ = σ₂ = σ,      ε₁(σ) + ε₂(σ) = 2 ε_p,      θ = L (ε₂ − ε₁)/(2 r)
+        σ₁ − σ₂ = M/(A r),      ε₁(σ₁) + ε₂(σ₂) = 2 ε_p,      θ = L (ε₂ − ε₁)/(2 r)
 
-    Wires cannot push: where the sum of the strains is larger at σ = 0, both are slack. The angle is in degrees,
-    positive if wire 1 contracts.
+    Wires cannot push: where the sum of the strains is larger with the smaller stress at 0, that wire is slack; without
+    a torque both are. The angle is in degrees, positive if wire 1 contracts.
     """
 
     def __init__(self, wires: tuple[Wire, Wire], file: ActuatorFile, ambient_degC: float) -> None:
@@ -72,22 +73,27 @@ class Antagonists:
             raise ConfigError(
                 f"Actuator {file.name} has no thermomechanical.pre_strain. Give the strain of both wires."
             )
-        self.wires, self.total_strain = wires, 2.0 * pre_strain.value
+        self.wires, self.pre_strain, self.total_strain = wires, pre_strain.value, 2.0 * pre_strain.value
+        self.load_MPa = load_MPa_of(file)
+        self._extra_MPa = extra_stresses_MPa(self.load_MPa)
         self._degrees = math.degrees(wires[0].length_m * MM / (2.0 * file.transmission.radius.value))
         stiffest_MPa = max(wires[0].material.austenite_MPa, wires[0].material.martensite_MPa)
         self._least_slope = SAFETY * 2.0 / stiffest_MPa
         self._share, self._rise_MPa = 1.0, 0.0  # of the last step: nearly the same in the next one
         for wire in wires:
             wire.start(ambient_degC)
-        stress_MPa = self._assembled_MPa()
-        for wire in wires:
-            wire.load(stress_MPa)
+        self._stress_MPa = self._assembled_MPa()  # the smaller one
+        for wire, extra_MPa in zip(wires, self._extra_MPa):
+            wire.load(self._stress_MPa + extra_MPa)
 
     def _assembled_MPa(self) -> float:
-        """The stress after both cold wires were stretched by the pre-strain."""
+        """The smaller stress after both cold wires were stretched by the pre-strain, under the torque."""
 
         def excess(stress_MPa: float) -> tuple[float, None]:
-            return sum(wire.loaded(stress_MPa).strain for wire in self.wires) - self.total_strain, None
+            each = zip(self.wires, self._extra_MPa)
+            return sum(
+                wire.loaded(stress_MPa + extra).strain for wire, extra in each
+            ) - self.total_strain, None
 
         at_zero = excess(0.0)
         return increasing_root(excess, 0.0, at_zero, self._least_slope)[0] if at_zero[0] < 0 else 0.0
@@ -97,14 +103,15 @@ class Antagonists:
         if force_N is not None:
             raise ConfigError("Two wires load each other; they take no force.")
         first, second = self.wires
+        first_extra, second_extra = self._extra_MPa
         first.begin(heating[0])
         second.begin(heating[1])
 
         def excess(stress_MPa: float) -> tuple[float, tuple[WireState, WireState]]:
-            ends = first.at_stress(stress_MPa), second.at_stress(stress_MPa)
+            ends = first.at_stress(stress_MPa + first_extra), second.at_stress(stress_MPa + second_extra)
             return ends[0].strain + ends[1].strain - self.total_strain, ends
 
-        before_MPa = first.state.stress_MPa
+        before_MPa = self._stress_MPa
         guess = max(before_MPa + self._rise_MPa, 0.0)
         at_guess = excess(guess)
         way = at_guess[0] / self._least_slope
@@ -117,12 +124,12 @@ class Antagonists:
             )
         if abs(way) > LEAST_WAY_MPA:
             self._share = min(max((guess - stress_MPa) / way, LEAST_SHARE), 1.0)
-        self._rise_MPa = stress_MPa - before_MPa
+        self._stress_MPa, self._rise_MPa = stress_MPa, stress_MPa - before_MPa
         first.commit(ends[0])
         second.commit(ends[1])
 
     @property
     def position(self) -> float:
         """Angle of the shaft in degrees."""
-        first, second = self.wires
-        return self._degrees * (second.state.strain - first.state.strain)
+        first, second = (wire.state.strain for wire in self.wires)
+        return self._degrees * shaft_strain(first, second, self.pre_strain, self.load_MPa)

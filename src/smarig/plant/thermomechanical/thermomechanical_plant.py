@@ -92,7 +92,7 @@ class ThermomechanicalPlant:
 
     @property
     def stress_MPa(self) -> float:
-        """The stress, equal in both wires of a pair."""
+        """The stress of wire 1; that of wire 2 is equal without a torque on the shaft."""
         return self.mechanism.wires[0].state.stress_MPa
 
     @property

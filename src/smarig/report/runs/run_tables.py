@@ -3,19 +3,14 @@
 import hashlib
 import tomllib
 from collections.abc import Iterable, Mapping, Sequence
-from contextlib import suppress
 from datetime import UTC, datetime
 from typing import Any
 
 import numpy as np
-from pydantic import ValidationError
 
-from smarig.config import ActuatorFile
 from smarig.core import SmarigError
-from smarig.plant import Actuator
-from smarig.preisach import thesis_surface
-from smarig.record import AnyRun, Run
-from smarig.replay import StressRange, condition_text, recorded_conditions, stress_over_run
+from smarig.record import Run
+from smarig.replay import condition_text, recorded_conditions
 from smarig.report.components.html import Html, joined, paragraph, table, tag
 from smarig.report.components.numbers import duration, number, thousands
 from smarig.report.components.run_description import (
@@ -26,6 +21,7 @@ from smarig.report.components.run_description import (
     quality_counts,
 )
 from smarig.report.components.severity_mark import severity_mark
+from smarig.report.runs.derived_quantities import DerivedQuantities, derived_quantities, recorded_actuator
 
 Row = Sequence[Any]
 
@@ -33,9 +29,10 @@ Row = Sequence[Any]
 # --- rig and conditions ----------------------------------------------------------------------------------
 
 
-def conditions_table(run: Run) -> Html:
-    """Rig, conditions and constants of a run: quantity, value, unit, source."""
-    rows = [*_run_rows(run), *_stress_rows(run), *_rig_rows(run), *_actuator_rows(run)]
+def conditions_table(run: Run, derived: DerivedQuantities | None = None) -> Html:
+    """Rig, conditions and constants of a run: quantity, value, unit, source. ``derived``: if already computed."""
+    derived = derived or derived_quantities(run)
+    rows = [*_run_rows(run), *_derived_rows(run, derived), *_rig_rows(run), *_actuator_rows(run)]
     return table(("Quantity", "Value", "Unit", "Source"), rows, "Rig and conditions.")
 
 
@@ -69,40 +66,37 @@ def _run_rows(run: Run) -> Iterable[Row]:
         yield key.replace("_", " ").capitalize(), condition_text(own), display_unit(own.unit), "imported file"
 
 
-def _stress_rows(run: Run) -> Iterable[Row]:
-    stress = run_stress(run)
+def _derived_rows(run: Run, derived: DerivedQuantities) -> Iterable[Row]:
+    stress, energy = derived.stress, derived.energy
     if stress is not None:
         text = (
             f"{stress.least_MPa:.0f} to {stress.most_MPa:.0f} ({stress.change_percent:.1f} % from "
             f"{stress.cold_MPa:.0f} with both wires cold)"
         )
+        source = "force balance of both wires, heated by the measured current"
+        yield "Stress in the wires", text, "MPa", source
+    if energy is not None:
+        heat = f"{number(energy.mean_resistance_J, 4)} (the energy differs by {energy.difference_percent:+.2f} %)"
+        yield "Electrical energy", number(energy.electrical_J, 4), "J", "∫ V i dt of the readings"
         yield (
-            "Stress in the wires",
-            text,
-            "MPa",
-            "force balance of both wires, heated by the measured current",
+            "Heat of the heating model",
+            heat,
+            "J",
+            f"∫ R̄ i² dt with the mean resistance (5.1){_twin_heat(run)}",
         )
 
 
-def run_stress(run: AnyRun) -> StressRange | None:
-    """The stress over a run of two wires; None for others, or if its actuator file is not available."""
-    try:
-        actuator = recorded_actuator(run)
-        if (
-            actuator is None or actuator.file.thermomechanical is not None
-        ):  # its surface is not that of the wire
-            return None
-        return stress_over_run(run, actuator, thesis_surface(actuator.file.hysteresis.surface))
-    except SmarigError:
-        return None
-
-
-def recorded_actuator(run: AnyRun) -> Actuator | None:
-    """The actuator as it was in the run, else that of the file of this name. Raises SmarigError if there is none."""
-    if run.info.actuator_values:
-        with suppress(ValidationError):  # of another version
-            return Actuator(ActuatorFile.model_validate(run.info.actuator_values))
-    return Actuator.named(run.info.actuator) if run.info.actuator else None
+def _twin_heat(run: Run) -> str:
+    """What heated a twin, which its readings alone do not tell."""
+    if run.info.source != "twin":
+        return ""
+    actuator = recorded_actuator(run)
+    if actuator is None:
+        return ""
+    if actuator.file.thermomechanical is not None:
+        return "; this twin is heated by V i"
+    by_phase = actuator.file.heating.twin_heat == "phase_resistance"
+    return f"; this twin is heated by {'V i' if by_phase else 'it, as in the thesis'}"
 
 
 def _rig_rows(run: Run) -> Iterable[Row]:

@@ -81,6 +81,7 @@ REACH: dict[str, dict[str, Reach]] = {
         "heating.resistance_austenite": Reach.NUMBERS,
         "heating.reference_current": Reach.NUMBERS,
         "heating.reference_temperature": Reach.NUMBERS,
+        "heating.twin_heat": Reach.TWIN,
         "transmission.unit": Reach.NUMBERS,
         "transmission.radius": Reach.NUMBERS,
         "hysteresis.surface": Reach.TWIN,

@@ -46,20 +46,16 @@ def _of_mirrored(hysteresis: Mirrored) -> Extreme:
 @largest_slope.register
 def _of_surface(hysteresis: FodSurface) -> Extreme:
     s = hysteresis
-    rising = least(
-        lambda a, b: -s.strip_alpha(a, b),
-        lambda a, b: enclosure.rise(s, a, b).times(-1.0),
-        s.lower,
-        s.upper,
-        _TOLERANCE,
-    ).negated()
-    falling = least(
-        lambda a, b: -s.strip_beta(a, b),
-        lambda a, b: enclosure.fall(s, a, b).times(-1.0),
-        s.lower,
-        s.upper,
-        _TOLERANCE,
-    ).negated()
+    rising, falling = (
+        least(
+            lambda a, b, slope=slope: -slope(a, b),
+            lambda a, b, bounds=bounds: bounds(s, a, b).times(-1.0),
+            s.lower,
+            s.upper,
+            _TOLERANCE,
+        ).negated()
+        for slope, bounds in ((s.strip_alpha, enclosure.rise), (s.strip_beta, enclosure.fall))
+    )
     steeper = max(rising, falling, key=lambda e: e.value)
     return Extreme(steeper.value, steeper.at, max(rising.bound, falling.bound))
 

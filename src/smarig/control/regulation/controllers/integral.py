@@ -21,11 +21,11 @@ def integral(
     delay_s (s): dead time of the rig beyond its tick; one tick unless given
     """
     timing = LoopTiming(setup.period_s, setup.tau_s, setup.period_s if delay_s is None else delay_s)
-    limits_K = (setup.lower_K, setup.upper_K)
+    unit, limits_K = setup.actuator.unit, (setup.lower_K, setup.upper_K)
     if gain is None:
         gains = integral_gains(hysteresis, timing)
-        return IntegralAction(gains.from_rest, setup.period_s, limits_K, count, gains)
-    return IntegralAction(gain, setup.period_s, limits_K, count, _certified(hysteresis, timing))
+        return IntegralAction(gains.from_rest, setup.period_s, limits_K, count, gains, unit)
+    return IntegralAction(gain, setup.period_s, limits_K, count, _certified(hysteresis, timing), unit)
 
 
 def _certified(hysteresis: Everett, timing: LoopTiming) -> IntegralGains | None:
