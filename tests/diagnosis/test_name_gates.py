@@ -9,6 +9,7 @@ import pytest
 from smarig.diagnosis.diagnosis_verdict import DiagnosisVerdict
 from smarig.diagnosis.explain.channel_misfit import ChannelMisfit
 from smarig.diagnosis.explain.discrepancy import Discrepancy
+from smarig.diagnosis.explain.separate_evidence import SeparateEvidence
 from smarig.diagnosis.held_out_gain import HeldOutGain
 from smarig.diagnosis.name_gates import NameEvidence, gated
 from smarig.plant import effects_from_pairs
@@ -177,8 +178,16 @@ def test_nothing_is_silent_while_a_discrepancy_stands_out(before, depends_on):
     ],
 )
 def test_noise_and_draughts_stay_silent(before):
-    found = gated(SILENT, replace(GOOD, levels=(), before=before, after=None))
+    found = gated(SILENT, replace(GOOD, levels=(), before=before, after=None, gain=gain(0.2, 0.2)))
     assert found.verdict is SILENT
+
+
+@pytest.mark.parametrize(("base", "word"), [(0.1, "silent"), (0.48, "silent"), (0.52, "unknown")])
+def test_nothing_is_silent_while_held_out_runs_are_missed_by_many_times_the_floor(base, word):
+    """First-order curves alone fit any wire: a run with other histories shows that it is no Preisach operator."""
+    found = gated(SILENT, replace(GOOD, levels=(), before=QUIET, after=None, gain=gain(base, base)))
+    assert found.verdict.word == word
+    assert ("5 × what noise" in found.reason) == (word == "unknown")
 
 
 @pytest.mark.parametrize(
@@ -193,7 +202,7 @@ def test_noise_and_draughts_stay_silent(before):
 )
 def test_a_name_that_wires_without_an_effect_get_as_well_is_none(change, word, variable):
     """Unless held-out runs bear it out beyond doubt; a discrepancy is a finding by itself."""
-    small = replace(GOOD, alarm=False, gain=gain(1.0, 0.7), before=replace(QUIET, gain=12.0))
+    small = replace(GOOD, alarm=False, gain=gain(1.0, 0.7, floor=0.3), before=replace(QUIET, gain=12.0))
     found = gated(NAMED, replace(small, **change))
     assert (found.verdict.word, found.verdict.depends_on) == (word, variable)
     assert ("wires without an effect" in found.reason) == (word != "named")
@@ -204,7 +213,72 @@ def test_a_name_that_wires_without_an_effect_get_as_well_is_none(change, word, v
 def test_nothing_is_silent_while_the_error_is_many_times_the_noise(times_noise, word):
     """No positive density follows a wire that is no Preisach operator, though each candidate gains little."""
     before = replace(QUIET, variable="step", gain=22.9)
-    found = gated(SILENT, replace(GOOD, levels=(), before=before, times_noise=times_noise))
+    at_floor = gain(0.1, 0.1)
+    found = gated(SILENT, replace(GOOD, levels=(), before=before, times_noise=times_noise, gain=at_floor))
     assert found.verdict.word == word
     assert found.verdict.depends_on == ("step" if word == "unknown" else None)
     assert ("31 × their noise" in found.reason) == (word == "unknown")
+
+
+def separate(name, nats=400.0, beside=300.0, **by_kind):
+    (effect,) = effects_from_pairs([name])
+    return SeparateEvidence(effect, nats, by_kind, beside)
+
+
+STILL_WRONG = replace(GOOD, gain=gain(2.0, 0.8))  # R = 0.84, 8 × the floor
+
+
+@pytest.mark.parametrize(
+    ("one", "words"),
+    [
+        (separate("settling=2", settled=300.0, moving=100.0), ""),
+        (separate("settling=2", beside=150.0, settled=300.0), "dependence on one variable explains most"),
+        # What only transients show: in them, mostly in settled positions, in the resistance
+        (separate("wire_lag=50", settled=10.0, moving=390.0), ""),
+        (separate("wire_lag=50", settled=300.0, moving=100.0), "is in the moving positions"),
+        (separate("latent_heat=24", moving=-30.0, resistance=430.0), "is in the moving positions"),
+        (separate("wire_lag=50", nats=20.0, moving=20.0), "is in the moving positions"),  # less than chance
+        (separate("amplifier_gain=2", settled=100.0, current=300.0), ""),
+        # A part of a classical density, whatever its likelihood:
+        (separate("r_phase=5", nats=900.0, beside=900.0, settled=900.0), "part of a classical density"),
+    ],
+)
+def test_an_effect_in_a_wrong_model_needs_evidence_of_its_own(one, words):
+    kind = one.effect.kind
+    named = DiagnosisVerdict("named", (((kind.name,), 1.0),))
+    found_level = SimpleNamespace(
+        best=SimpleNamespace(effects=(one.effect,), spread={(kind.name, kind.primary.name): 0.1}), gain=400.0
+    )
+    found = gated(named, replace(STILL_WRONG, levels=(found_level,), separate=(one,)))
+    if not words:
+        assert found.verdict is named
+    else:
+        assert found.verdict.word == "unknown"
+        assert found.verdict.names == ()
+        assert words in found.reason
+
+
+def test_held_out_runs_bear_on_effects_of_positions_in_a_wrong_model():
+    one = separate("settling=2", settled=400.0)
+    found = gated(NAMED, replace(STILL_WRONG, gain=gain(1.0, 0.8), fitted_ratio=0.98, separate=(one,)))
+    assert found.verdict.word == "unknown"
+    assert "most of the error of the held-out runs remains (R = 0.36)" in found.reason
+
+
+def test_in_a_wrong_model_the_candidates_are_those_with_evidence_of_their_own():
+    """The set of an unknown finding holds no effect that only stands in for an error of the operator."""
+    effects = separate("wire_lag=50", moving=390.0), separate("r_phase=5", settled=400.0)
+    both = DiagnosisVerdict("unknown", ((("r_phase", "wire_lag"), 1.0),), "history")
+    spread = {("r_phase", "share_percent"): 0.1, ("wire_lag", "change_percent"): 0.1}
+    best = SimpleNamespace(effects=tuple(s.effect for s in effects), spread=spread)
+    evidence = replace(STILL_WRONG, levels=(SimpleNamespace(best=best, gain=400.0),), separate=effects)
+    found = gated(both, evidence)
+    assert found.verdict.names == ("wire_lag",)
+    assert found.verdict.depends_on is not None
+    assert found.verdict.explanations == both.explanations
+
+
+def test_evidence_of_its_own_counts_only_where_the_model_is_wrong():
+    """An effect that brings the model near the floor is judged by the gates for all."""
+    one = separate("r_phase=5", settled=400.0)
+    assert gated(NAMED, replace(GOOD, separate=(one,))).verdict is NAMED

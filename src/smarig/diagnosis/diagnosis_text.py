@@ -38,12 +38,20 @@ def text_lines(d: "Diagnosis") -> Iterator[str]:
         yield from _not_preisach(d)
     yield from _learned(d)
     if best is not None:
-        opening = {"named": "Found", "ambiguous": "Ambiguous, best explanation"}.get(
-            d.verdict.word, "Best explanation, but not sufficient"
+        unsure = (
+            "Best explanation, but not sufficient"
+            if d.verdict.compatible is None
+            else "Candidate, not proved"
         )
+        opening = {"named": "Found", "ambiguous": "Ambiguous, best explanation"}.get(d.verdict.word, unsure)
         for effect in d.effects():
             values = ", ".join(parameter_text(n, v) for n, v in effect["parameters"].items())
             yield f"{opening}: {effect['name']} ({values}), score {effect['probability']:.2f}."
+    if d.refused:
+        yield (
+            f"No candidates: {', '.join(d.refused)}. They follow a part of the error, but nothing speaks for them that "
+            "an error of the operator does not explain too."
+        )
     if d.verdict.word == "ambiguous":
         yield f"The likeliest causes, with 0.9 of the score together: {', '.join(d.verdict.names)}."
     yield (

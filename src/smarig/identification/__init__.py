@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from smarig.identification.calibration.holds import valid_rows as valid_rows
     from smarig.identification.density_report import DensityReport as DensityReport
     from smarig.identification.density_report import density_report as density_report
+    from smarig.identification.extended.choose_extension import ExtensionChoice as ExtensionChoice
     from smarig.identification.extended.fitted_extension import extension_names as extension_names
     from smarig.identification.fod_data import fod_data as fod_data
     from smarig.identification.forc.forc_density import fod_density as fod_density

@@ -40,4 +40,5 @@ resistance_phase = EffectType(
         ),
     ),
     act=_act,
+    shown_by=("resistance",),
 )
