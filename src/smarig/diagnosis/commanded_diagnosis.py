@@ -68,7 +68,7 @@ class Diagnosis(NotebookDisplay):
     ``reason`` says why an effect is not named. ``discrepancy`` is the flexible dependence that explains most without
     effects, ``remaining`` the same with the best effects.
     ``learned`` is a law in place of effects, if none is named; if there is none, ``learned_reason`` is a clause on
-    why. ``separate`` is the evidence of each effect of the best explanation, if the model stays wrong with them.
+    why. ``separate`` is the evidence of each effect of the best explanation, if the operator fails.
     ``model`` is the extended model if effects were found or a law was learned, else the given one. ``gain`` is
     None without held-out runs. ``numerics`` is the error of the diagnosis's own time steps at settled points.
     ``separating_run`` is the proposal of ``smarig.app.proposal``, if it was requested.
@@ -221,7 +221,7 @@ def diagnose_commanded(
     evidence = NameEvidence(
         tuple(levels), effect_nats, before, after, gain, ratio, first.alarm, times_noise, channels
     )
-    if evidence.wrong and after is not None:
+    if evidence.operator_fails and after is not None:
         report_progress("separating the evidence of each effect")
         separate = separate_evidence(timeline, levels[-1].explanations[0], after)
         evidence = replace(evidence, separate=separate)

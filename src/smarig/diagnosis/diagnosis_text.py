@@ -14,6 +14,7 @@ if TYPE_CHECKING:
 
 FAR_OFF_RATIO = 10.0  # times the rms error of a refitted density: the model is of another wire or state
 INADEQUATE_RATIO = 3.0  # times the noise: worth a sentence
+INADEQUATE_HELD_OUT = 5.0  # times the floor of held-out runs: the same
 MIN_UNRECORDED_S = 60.0  # shorter gaps: two commands typed one after the other
 DOUBT = "something stands out, but no effect and no variable explains enough of it"
 AT_FLOOR = "The base model already reaches the floor of what can be predicted."
@@ -148,7 +149,9 @@ def gain_text(gain: HeldOutGain, unit: str) -> str:
 def held_out_text(gain: HeldOutGain, unit: str) -> str:
     """The errors on held-out runs where no extended model is offered."""
     given = f" (given model: {gain.original:.4g}{spaced(unit)})" if gain.original is not None else ""
-    return f"Held-out runs, {gain.blocks} blocks: rms error {gain.base:.4g}{spaced(unit)}{given}."
+    ratio = gain.base / gain.floor
+    many = f", {ratio:.0f} × what noise and an uncertain density leave" if ratio > INADEQUATE_HELD_OUT else ""
+    return f"Held-out runs, {gain.blocks} blocks: rms error {gain.base:.4g}{spaced(unit)}{many}{given}."
 
 
 def unknown_text(d: "Diagnosis") -> str:

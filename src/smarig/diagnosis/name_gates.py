@@ -67,7 +67,7 @@ class NameEvidence:
     rms error of the training runs' settled positions with the effects over that without. ``alarm``: whether hardly any
     wire without an effect shows as much. ``times_noise`` is the rms error without effects, in units of all noise.
     ``channels`` are the misfits of the channels besides the position. ``separate`` is the evidence of each effect by
-    itself, computed if the model stays ``wrong`` with them.
+    itself, computed if the operator fails.
     """
 
     levels: tuple[SearchLevel, ...]
@@ -90,8 +90,16 @@ class NameEvidence:
 
     @property
     def wrong(self) -> bool:
-        """Whether the model is wrong with the effects too, whatever their likelihood."""
-        return self.misses_by >= SILENT_RATIO
+        """Whether the model misses training runs without and held-out runs with the effects by many times the noise.
+
+        Held-out runs alone may need a part of the density that the training runs do not determine.
+        """
+        return self.misses_by >= SILENT_RATIO and self.times_noise >= SILENT_RATIO
+
+    @property
+    def operator_fails(self) -> bool:
+        """Whether the model stays wrong, or minor loops do not return without the effects."""
+        return self.wrong or (self.before.not_preisach and self.before.gain >= DISCREPANCY_NATS)
 
     @property
     def decisive_channel(self) -> ChannelMisfit | None:
@@ -103,18 +111,30 @@ class NameEvidence:
 def gated(verdict: DiagnosisVerdict, evidence: NameEvidence) -> GatedVerdict:
     """The verdict with names that passed all gates only.
 
-    Where the model stays wrong, the effects without evidence of their own are no candidates either.
+    Effects without evidence of their own are no candidates either where the model stays wrong, or where minor loops do
+    not return and another gate refused the name.
     """
     found = _by_gates(verdict, evidence)
-    if not found.verdict.explanations or not evidence.wrong or not evidence.separate:
+    if not found.verdict.explanations or not evidence.separate:
+        return found
+    named = found.verdict.word != "unknown"
+    if named and not evidence.wrong:
         return found
     failed = {s.effect.kind.name: why for s in evidence.separate if (why := _without_own(s, evidence))}
-    names = tuple(s.effect.kind.name for s in evidence.separate if s.effect.kind.name not in failed)
-    if not failed:
+    if named and not failed and (_borne_out(evidence.gain) or evidence.decisive_channel):
         return found
+    names = tuple(s.effect.kind.name for s in evidence.separate if s.effect.kind.name not in failed)
     variable = found.verdict.depends_on or _variable(verdict, evidence)
-    reason = found.reason or next(iter(failed.values()))
+    reason = found.reason or next(iter(failed.values()), "") or _still_wrong(verdict, evidence)
     return GatedVerdict(replace(_unknown(found.verdict, variable), compatible=names), reason)
+
+
+def _still_wrong(verdict: DiagnosisVerdict, evidence: NameEvidence) -> str:
+    names, runs = (
+        " + ".join(verdict.explanations[0][0]),
+        "held-out runs" if evidence.gain else "training runs",
+    )
+    return f"with {names}, the model still misses the {runs} by {evidence.misses_by:.0f} × their noise"
 
 
 def _without_own(one: SeparateEvidence, evidence: NameEvidence) -> str:
@@ -162,13 +182,6 @@ def _if_adequate(verdict: DiagnosisVerdict, evidence: NameEvidence) -> GatedVerd
     if evidence.times_noise >= SILENT_RATIO:
         reason = f"the model misses these runs by {evidence.times_noise:.0f} × their noise"
         return GatedVerdict(_unknown(verdict, before.depends_on or None), reason)
-    gain = evidence.gain
-    if gain is not None and gain.base >= SILENT_RATIO * gain.floor:
-        reason = (
-            f"the model misses the held-out runs by {gain.base / gain.floor:.0f} × what noise and an uncertain density "
-            "leave, and the training runs do not show why"
-        )
-        return GatedVerdict(_unknown(verdict, None), reason)
     return GatedVerdict(verdict)
 
 

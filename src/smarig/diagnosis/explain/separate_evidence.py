@@ -15,7 +15,7 @@ from smarig.diagnosis.explain.discrepancy import Discrepancy, likeliest_discrepa
 from smarig.diagnosis.explain.explanation import Explanation
 from smarig.diagnosis.explain.joint_density import joint_density
 from smarig.diagnosis.refit.refit import Refit
-from smarig.plant import Effect
+from smarig.plant import POSITIONS, Effect
 from smarig.replay import OUTPUT_DEPENDENT_KINDS, Timeline
 
 
@@ -24,18 +24,23 @@ class SeparateEvidence:
     """The gain of one effect over the same explanation without it, in nats.
 
     ``nats``: of all readings; ``by_kind``: of each kind, given the kinds before it, in the order of the stack;
-    ``beside``: of all readings, beside the likeliest discrepancy of each model.
+    ``over_discrepancy``: of all readings, beside the likeliest discrepancy of each model.
     """
 
     effect: Effect
     nats: float
     by_kind: dict[str, float]
-    beside: float
+    over_discrepancy: float
 
     @property
     def own(self) -> float:
         """The part of the gain that no density can make up for: that of the kinds of readings that show the effect."""
         return sum(nats for kind, nats in self.by_kind.items() if kind in self.effect.kind.shown_by)
+
+    @property
+    def whole(self) -> float:
+        """The gain in positions and in the readings that show the effect."""
+        return sum(n for kind, n in self.by_kind.items() if kind in (*POSITIONS, *self.effect.kind.shown_by))
 
 
 def separate_evidence(
@@ -49,8 +54,10 @@ def separate_evidence(
         model, refitted = joint_density(timeline, replace(best.plant_model, effects=others), best.refitted)
         without = nats_by_kind(timeline, refitted)
         nats = best.evidence - refitted.log_evidence
-        beside = nats + remaining.gain - likeliest_discrepancy(timeline, model, refitted).gain
-        found.append(SeparateEvidence(effect, nats, {k: with_all[k] - without[k] for k in with_all}, beside))
+        over_discrepancy = nats + remaining.gain - likeliest_discrepancy(timeline, model, refitted).gain
+        found.append(
+            SeparateEvidence(effect, nats, {k: with_all[k] - without[k] for k in with_all}, over_discrepancy)
+        )
     return tuple(found)
 
 

@@ -17,12 +17,12 @@ _TESTS = {"wiping_out": "wiping-out", "congruency": "congruency"}
 class PreisachVerdict:
     """The verdict ``holds`` (None: nothing tests it), the sentences on why, and rms errors on held-out runs by model.
 
-    ``beside``: effects with which the operator describes the runs. ``errors`` begins with the chosen classical model.
+    ``effects``: those with which the operator describes the runs. ``errors`` begins with the chosen classical model.
     ``noise`` is that of the held-out points, in ``unit``.
     """
 
     holds: bool | None
-    beside: tuple[str, ...]
+    effects: tuple[str, ...]
     why: tuple[str, ...]
     errors: tuple[tuple[str, float], ...]
     noise: float | None
@@ -33,8 +33,8 @@ class PreisachVerdict:
         """The verdict in one sentence."""
         if self.holds is None:
             return "These runs do not test whether this wire is a Preisach operator."
-        if self.beside:
-            return f"A Preisach operator alone does not describe this wire; with {' + '.join(self.beside)} it does."
+        if self.effects:
+            return f"A Preisach operator alone does not describe this wire; with {' + '.join(self.effects)} it does."
         if self.holds:
             return "These runs give no evidence that this wire is not a Preisach operator."
         return "This wire is no Preisach operator."
@@ -45,12 +45,12 @@ class PreisachVerdict:
         if not self.errors:
             return ""
         noise = self.noise
-        told = [
+        parts = [
             f"{name} {rms:.3g}{spaced(self.unit)}" + (f" ({rms / noise:.0f} × noise)" if noise else "")
             for name, rms in self.errors
         ]
         level = f"; noise {noise:.2g}{spaced(self.unit)}" if noise else ""
-        return f"Rms error on held-out runs: {', '.join(told)}{level}."
+        return f"Rms error on held-out runs: {', '.join(parts)}{level}."
 
     def sentences(self) -> list[str]:
         """The headline, why, and the errors."""
@@ -61,7 +61,7 @@ class PreisachVerdict:
         errors = [{"model": name, "rms": rms} for name, rms in self.errors]
         return {
             "holds": self.holds,
-            "with": list(self.beside),
+            "with": list(self.effects),
             "sentences": self.sentences(),
             "held_out": {"errors": errors, "noise": self.noise, "unit": self.unit},
         }
@@ -85,7 +85,7 @@ def preisach_verdict(e: Evidence) -> PreisachVerdict:
     extension = [_extension_text(e.extension)] if e.extension and against else []
     return PreisachVerdict(
         holds=not against if tested else None,
-        beside=_beside(e.diagnosis) if against else (),
+        effects=_explaining_effects(e.diagnosis) if against else (),
         why=(*against, *kept, *extension),
         errors=tuple(_errors(e)),
         noise=_noise(e.verifications.get(e.chosen)),
@@ -93,7 +93,7 @@ def preisach_verdict(e: Evidence) -> PreisachVerdict:
     )
 
 
-def _beside(d: Diagnosis | None) -> tuple[str, ...]:
+def _explaining_effects(d: Diagnosis | None) -> tuple[str, ...]:
     """The effects that explain what speaks against an operator alone."""
     if d is None or d.verdict.word != "named" or (d.gain and d.gain.extended >= SILENT_RATIO * d.gain.floor):
         return ()
