@@ -124,7 +124,7 @@ def gated(verdict: DiagnosisVerdict, evidence: NameEvidence) -> GatedVerdict:
     if named and not failed and (_borne_out(evidence.gain) or evidence.decisive_channel):
         return found
     names = tuple(s.effect.kind.name for s in evidence.separate if s.effect.kind.name not in failed)
-    variable = found.verdict.depends_on or _variable(verdict, evidence)
+    variable = _variable(verdict, evidence)
     reason = found.reason or next(iter(failed.values()), "") or _still_wrong(verdict, evidence)
     return GatedVerdict(replace(_unknown(found.verdict, variable), compatible=names), reason)
 
