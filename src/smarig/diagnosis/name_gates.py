@@ -130,11 +130,10 @@ def gated(verdict: DiagnosisVerdict, evidence: NameEvidence) -> GatedVerdict:
 
 
 def _still_wrong(verdict: DiagnosisVerdict, evidence: NameEvidence) -> str:
-    names, runs = (
-        " + ".join(verdict.explanations[0][0]),
-        "held-out runs" if evidence.gain else "training runs",
-    )
-    return f"with {names}, the model still misses the {runs} by {evidence.misses_by:.0f} × their noise"
+    names, times = " + ".join(verdict.explanations[0][0]), f"{evidence.misses_by:.0f} ×"
+    if evidence.gain is None:
+        return f"with {names}, the model still misses the training runs by {times} their noise"
+    return f"with {names}, the model still misses the held-out runs by {times} what noise and an uncertain density leave"
 
 
 def _without_own(one: SeparateEvidence, evidence: NameEvidence) -> str:
