@@ -133,7 +133,8 @@ def _still_wrong(verdict: DiagnosisVerdict, evidence: NameEvidence) -> str:
     names, times = " + ".join(verdict.explanations[0][0]), f"{evidence.misses_by:.0f} ×"
     if evidence.gain is None:
         return f"with {names}, the model still misses the training runs by {times} their noise"
-    return f"with {names}, the model still misses the held-out runs by {times} what noise and an uncertain density leave"
+    floor = "what noise and an uncertain density leave"
+    return f"with {names}, the model still misses the held-out runs by {times} {floor}"
 
 
 def _without_own(one: SeparateEvidence, evidence: NameEvidence) -> str:
