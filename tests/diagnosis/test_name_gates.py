@@ -9,6 +9,7 @@ import pytest
 from smarig.diagnosis.diagnosis_verdict import DiagnosisVerdict
 from smarig.diagnosis.explain.channel_misfit import ChannelMisfit
 from smarig.diagnosis.explain.discrepancy import Discrepancy
+from smarig.diagnosis.explain.separate_evidence import SeparateEvidence
 from smarig.diagnosis.held_out_gain import HeldOutGain
 from smarig.diagnosis.name_gates import NameEvidence, gated
 from smarig.plant import effects_from_pairs
@@ -177,7 +178,7 @@ def test_nothing_is_silent_while_a_discrepancy_stands_out(before, depends_on):
     ],
 )
 def test_noise_and_draughts_stay_silent(before):
-    found = gated(SILENT, replace(GOOD, levels=(), before=before, after=None))
+    found = gated(SILENT, replace(GOOD, levels=(), before=before, after=None, gain=gain(0.2, 0.2)))
     assert found.verdict is SILENT
 
 
@@ -193,7 +194,7 @@ def test_noise_and_draughts_stay_silent(before):
 )
 def test_a_name_that_wires_without_an_effect_get_as_well_is_none(change, word, variable):
     """Unless held-out runs bear it out beyond doubt; a discrepancy is a finding by itself."""
-    small = replace(GOOD, alarm=False, gain=gain(1.0, 0.7), before=replace(QUIET, gain=12.0))
+    small = replace(GOOD, alarm=False, gain=gain(1.0, 0.7, floor=0.3), before=replace(QUIET, gain=12.0))
     found = gated(NAMED, replace(small, **change))
     assert (found.verdict.word, found.verdict.depends_on) == (word, variable)
     assert ("wires without an effect" in found.reason) == (word != "named")
@@ -204,7 +205,105 @@ def test_a_name_that_wires_without_an_effect_get_as_well_is_none(change, word, v
 def test_nothing_is_silent_while_the_error_is_many_times_the_noise(times_noise, word):
     """No positive density follows a wire that is no Preisach operator, though each candidate gains little."""
     before = replace(QUIET, variable="step", gain=22.9)
-    found = gated(SILENT, replace(GOOD, levels=(), before=before, times_noise=times_noise))
+    at_floor = gain(0.1, 0.1)
+    found = gated(SILENT, replace(GOOD, levels=(), before=before, times_noise=times_noise, gain=at_floor))
     assert found.verdict.word == word
     assert found.verdict.depends_on == ("step" if word == "unknown" else None)
     assert ("31 × their noise" in found.reason) == (word == "unknown")
+
+
+def separate(name, nats=400.0, over_discrepancy=300.0, **by_kind):
+    (effect,) = effects_from_pairs([name])
+    return SeparateEvidence(effect, nats, by_kind, over_discrepancy)
+
+
+STILL_WRONG = replace(GOOD, gain=gain(3.0, 0.8), times_noise=12.0)  # R = 0.93, 8 × the floor
+
+
+@pytest.mark.parametrize(
+    ("one", "words"),
+    [
+        (separate("settling=2", settled=300.0, moving=100.0), ""),
+        (
+            separate("settling=2", over_discrepancy=150.0, settled=300.0),
+            "dependence on one variable explains most",
+        ),
+        # What only transients show: in them, mostly in settled positions, in the resistance
+        (separate("wire_lag=50", settled=10.0, moving=390.0), ""),
+        (separate("wire_lag=50", settled=300.0, moving=100.0), "is in the moving positions"),
+        (separate("latent_heat=24", moving=-30.0, resistance=430.0), "is in the moving positions"),
+        (separate("latent_heat=24", settled=50.0, moving=90.0, resistance=220.0), ""),
+        (separate("wire_lag=50", nats=20.0, moving=20.0), "is in the moving positions"),  # less than chance
+        (separate("amplifier_gain=2", settled=100.0, current=300.0), ""),
+        # A part of a classical density, whatever its likelihood:
+        (
+            separate("r_phase=5", nats=900.0, over_discrepancy=900.0, settled=900.0),
+            "part of a classical density",
+        ),
+    ],
+)
+def test_an_effect_in_a_wrong_model_needs_evidence_of_its_own(one, words):
+    kind = one.effect.kind
+    named = DiagnosisVerdict("named", (((kind.name,), 1.0),))
+    found_level = SimpleNamespace(
+        best=SimpleNamespace(effects=(one.effect,), spread={(kind.name, kind.primary.name): 0.1}), gain=400.0
+    )
+    found = gated(named, replace(STILL_WRONG, levels=(found_level,), separate=(one,)))
+    if not words:
+        assert found.verdict is named
+    else:
+        assert found.verdict.word == "unknown"
+        assert found.verdict.names == ()
+        assert words in found.reason
+
+
+def test_held_out_runs_bear_on_effects_of_positions_in_a_wrong_model():
+    one = separate("settling=2", settled=400.0)
+    found = gated(NAMED, replace(STILL_WRONG, gain=gain(1.0, 0.8), fitted_ratio=0.98, separate=(one,)))
+    assert found.verdict.word == "unknown"
+    assert "most of the error of the held-out runs remains (R = 0.36)" in found.reason
+
+
+def test_in_a_wrong_model_the_candidates_are_those_with_evidence_of_their_own():
+    """The set of an unknown finding holds no effect that only stands in for an error of the operator."""
+    effects = separate("wire_lag=50", moving=390.0), separate("r_phase=5", settled=400.0)
+    both = DiagnosisVerdict("unknown", ((("r_phase", "wire_lag"), 1.0),), "history")
+    spread = {("r_phase", "share_percent"): 0.1, ("wire_lag", "change_percent"): 0.1}
+    best = SimpleNamespace(effects=tuple(s.effect for s in effects), spread=spread)
+    evidence = replace(STILL_WRONG, levels=(SimpleNamespace(best=best, gain=400.0),), separate=effects)
+    found = gated(both, evidence)
+    assert found.verdict.names == ("wire_lag",)
+    assert found.verdict.depends_on is not None
+    assert found.verdict.explanations == both.explanations
+
+
+@pytest.mark.parametrize("channels", [(), (replace(CURRENT, after=1.2),)])
+def test_a_model_that_stays_wrong_names_nothing_that_held_out_runs_do_not_bear_out(channels):
+    """Unless another channel carries the name; else an effect with evidence of its own is a candidate."""
+    one = separate("settling=2", settled=400.0)
+    found = gated(NAMED, replace(STILL_WRONG, gain=gain(1.0, 0.6), channels=channels, separate=(one,)))
+    assert found.verdict.word == ("named" if channels else "unknown")
+    assert found.verdict.names == ("settling",)
+    assert ("still misses the held-out runs by 6 ×" in found.reason) == (not channels)
+
+
+def test_evidence_of_its_own_counts_only_where_the_model_is_wrong():
+    """An effect that brings the model near the floor is judged by the gates for all."""
+    one = separate("r_phase=5", settled=400.0)
+    assert gated(NAMED, replace(GOOD, separate=(one,))).verdict is NAMED
+    assert gated(NAMED, replace(STILL_WRONG, times_noise=2.0, separate=(one,))).verdict is NAMED
+
+
+@pytest.mark.parametrize(
+    ("before", "names"),
+    [
+        (replace(QUIET, variable="walk", gain=900.0), ()),  # minor loops do not return
+        (replace(QUIET, variable="time", gain=900.0), ("settling",)),  # another gate alone: the nearest name
+    ],
+)
+def test_where_minor_loops_do_not_return_a_refused_name_is_no_candidate(before, names):
+    """An effect near the floor, of which a flexible dependence on the history explains most."""
+    one = separate("settling=2", over_discrepancy=70.0, settled=400.0)
+    found = gated(NAMED, replace(GOOD, before=before, separate=(one,) if not names else ()))
+    assert found.verdict.word == "unknown"
+    assert found.verdict.names == names

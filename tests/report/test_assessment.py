@@ -38,7 +38,11 @@ def diagnosis(word, gains):
         ),
         best=best,
         first=SimpleNamespace(alarm=word == "doubtful"),
-        gain=SimpleNamespace(base=0.5, extended=0.1 if gains else 0.6),
+        gain=SimpleNamespace(base=0.5, extended=0.1 if gains else 0.6, floor=1.0),
+        discrepancy=SimpleNamespace(not_preisach=False, gain=0.0),
+        learned=None,
+        extended=word == "named",
+        error=SimpleNamespace(unit="mm"),
         timeline=SimpleNamespace(unit="mm"),
     )
 
@@ -48,10 +52,12 @@ def evidence(word, error, *, model=True, holds=True, gains=True):
     one = rms_floor and SimpleNamespace(
         noise_floor=rms_floor[1], settled=SimpleNamespace(n=5, rms=rms_floor[0], nrmse=rms_floor[0] / 10)
     )
+    test = SimpleNamespace(name="congruency", holds=holds, rms=0.3, noise=0.1, unit="mm", p_value=0.5)
     return SimpleNamespace(
         runs={"made": run()},
-        representation=(SimpleNamespace(name="congruency", holds=holds),),
-        best=object() if model else None,
+        representation=(test,),
+        extension=None,
+        best=SimpleNamespace(model=SimpleNamespace(unit="mm")) if model else None,
         chosen="table",
         verifications={"table": SimpleNamespace(runs=(one,), unit="mm")} if one else {},
         diagnosis=diagnosis(word, gains),
@@ -75,7 +81,9 @@ def test_no_sentence_contradicts_the_figures(word, error, model, holds, gains):
     assert (found.level == "good") == usable
     assert (found.level == "bad") == (not model or error == "poor" or loud)
     assert ("the noise floor: good" in text) == (model and error == "good")
-    assert ("Congruency fails" in text) == (model and error != "none" and not holds)
+    rejected = model and error != "none" and not holds
+    assert ("Preisach operator" in text) == rejected
+    assert ("no Preisach operator" in text) == (rejected and word != "named")
     if model:
         assert ("Cause: walking" in text) == (word == "named")
         assert ("Use the extended model" in text) == (word == "named" and gains)

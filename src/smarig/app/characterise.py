@@ -13,6 +13,7 @@ from smarig.core import DataError, StorageError, UsageError
 from smarig.diagnosis import DIAGNOSIS_JSON, DIAGNOSIS_PAGE, Diagnosis, diagnose_commanded, write_diagnosis
 from smarig.diagnosis import DIAGNOSIS_MODEL as EXTENDED
 from smarig.identification import (
+    POSITIVE_KIND,
     Identification,
     Representation,
     SurfaceChoice,
@@ -27,7 +28,15 @@ from smarig.plant import Actuator
 from smarig.protocols import with_loaded_protocols
 from smarig.record import Run, check_not_recording, load_run
 from smarig.replay import Model
-from smarig.report import Evidence, characterisation_page, diagnosis_page, write_page
+from smarig.report import (
+    Evidence,
+    ExtensionEvidence,
+    against_preisach,
+    characterisation_page,
+    diagnosis_page,
+    preisach_verdict,
+    write_page,
+)
 from smarig.runner import (
     Listener,
     Preview,
@@ -62,6 +71,7 @@ class Characterisation:
             "identify": chosen.to_json(),
             "verify": {name: v.to_json() for name, v in e.verifications.items()},
             "representation": [r.to_json() for r in e.representation],
+            "preisach": preisach_verdict(e).to_json(),
             "diagnose": e.diagnosis.to_json() | {"out": str(self.out / DIAGNOSIS)} if e.diagnosis else None,
             "discoveries": list(e.discoveries),
             "warnings": list(e.warnings),
@@ -190,10 +200,15 @@ def _analyse(
     chosen, choice = _choose_surface(train, results)
     actuator = Actuator.named(load_rig(rig).actuator)
     diagnosis, diagnosis_warnings = _try_diagnosis(results[chosen].model, plan, runs, progress)
+    representation = _representation(runs)
+    extension = None
+    if held_out and against_preisach(representation, diagnosis):
+        progress("extensions of the operator")
+        extension = _try_extensions([run for run in runs.values() if run not in held_out], held_out)
     return Evidence(
         title=f"Characterisation of {runs[next(iter(runs))].info.wire}",
         runs=runs,
-        representation=_representation(runs),
+        representation=representation,
         identifications=results,
         chosen=chosen,
         verifications=verified,
@@ -214,7 +229,23 @@ def _analyse(
         seconds=time.monotonic() - started,
         choice=choice,
         diagnosis=diagnosis,
+        extension=extension,
     )
+
+
+def _try_extensions(runs: list[Run], held_out: list[Run]) -> ExtensionEvidence | None:
+    """The best extension of a positive measure of all these runs, or None if they do not determine any."""
+    settled = [run for run in runs if run.settled]
+    try:
+        best = identify(settled, surface=POSITIVE_KIND, extension="best")
+    except DataError:
+        return None
+    if best.extension is None:
+        return None
+    if not best.extension.values:  # the classical model is the best
+        return ExtensionEvidence(best.extension, verify(best.model, held_out), None)
+    classical = identify(settled, surface=POSITIVE_KIND)
+    return ExtensionEvidence(best.extension, verify(classical.model, held_out), verify(best.model, held_out))
 
 
 def _try_diagnosis(

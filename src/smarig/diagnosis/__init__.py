@@ -53,7 +53,9 @@ if TYPE_CHECKING:
     from smarig.diagnosis.measured.learned_law import LearnedLaw as LearnedLaw
     from smarig.diagnosis.measured.measured_diagnosis import MeasuredDiagnosis as MeasuredDiagnosis
     from smarig.diagnosis.measured.measured_diagnosis import diagnose_measured as diagnose_measured
+    from smarig.diagnosis.name_gates import DISCREPANCY_NATS as DISCREPANCY_NATS
     from smarig.diagnosis.name_gates import NORMAL_95 as NORMAL_95
+    from smarig.diagnosis.name_gates import SILENT_RATIO as SILENT_RATIO
     from smarig.diagnosis.refit.memory_noise import memory_covariance as memory_covariance
     from smarig.diagnosis.refit.memory_noise import memory_slopes as memory_slopes
     from smarig.diagnosis.refit.refit import Refit as Refit

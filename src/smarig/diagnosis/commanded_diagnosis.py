@@ -27,6 +27,7 @@ from smarig.diagnosis.explain.joint_density import (
 from smarig.diagnosis.explain.learned_term_fit import LearnedTermFit, learned_term
 from smarig.diagnosis.explain.parameter_fit import ParameterFit
 from smarig.diagnosis.explain.search import SearchLevel
+from smarig.diagnosis.explain.separate_evidence import SeparateEvidence, separate_evidence
 from smarig.diagnosis.explain.signed_density import find_explanations
 from smarig.diagnosis.held_out_gain import HeldOutGain, held_out_gain
 from smarig.diagnosis.name_gates import NameEvidence, gated
@@ -67,7 +68,8 @@ class Diagnosis(NotebookDisplay):
     ``reason`` says why an effect is not named. ``discrepancy`` is the flexible dependence that explains most without
     effects, ``remaining`` the same with the best effects.
     ``learned`` is a law in place of effects, if none is named; if there is none, ``learned_reason`` is a clause on
-    why. ``model`` is the extended model if effects were found or a law was learned, else the given one. ``gain`` is
+    why. ``separate`` is the evidence of each effect of the best explanation, if the operator fails.
+    ``model`` is the extended model if effects were found or a law was learned, else the given one. ``gain`` is
     None without held-out runs. ``numerics`` is the error of the diagnosis's own time steps at settled points.
     ``separating_run`` is the proposal of ``smarig.app.proposal``, if it was requested.
     """
@@ -88,6 +90,7 @@ class Diagnosis(NotebookDisplay):
     alpha: float
     nulls: int
     seconds: float
+    separate: tuple[SeparateEvidence, ...] = ()
     learned: LearnedTermFit | None = None
     learned_reason: str = ""
     separating_run: dict[str, Any] | None = None
@@ -97,6 +100,14 @@ class Diagnosis(NotebookDisplay):
         """The best explanation, or None if the verdict has none."""
         has_explanation = self.verdict.word in ("named", "ambiguous") or self.verdict.explanations
         return self.levels[-1].best if self.levels and has_explanation else None
+
+    @property
+    def refused(self) -> tuple[str, ...]:
+        """The effects of the best explanation that only stand in for what the model lacks."""
+        best, compatible = self.best, self.verdict.compatible
+        if best is None or compatible is None:
+            return ()
+        return tuple(e.kind.name for e in best.effects if e.kind.name not in compatible)
 
     @property
     def left(self) -> str | None:
@@ -207,12 +218,14 @@ def diagnose_commanded(
     effect_nats = levels[-1].explanations[0].evidence - seen.plain.log_evidence if levels else 0.0
     base_rms = settled_rms(timeline, base)
     ratio, times_noise = settled_rms(timeline, extended) / base_rms, base_rms / before.noise
-    found = gated(
-        decided,
-        NameEvidence(
-            tuple(levels), effect_nats, before, after, gain, ratio, first.alarm, times_noise, channels
-        ),
+    evidence = NameEvidence(
+        tuple(levels), effect_nats, before, after, gain, ratio, first.alarm, times_noise, channels
     )
+    if evidence.operator_fails and after is not None:
+        report_progress("separating the evidence of each effect")
+        separate = separate_evidence(timeline, levels[-1].explanations[0], after)
+        evidence = replace(evidence, separate=separate)
+    found = gated(decided, evidence)
     verdict = found.verdict
     offered, learned, learned_reason = verdict.word in ("named", "ambiguous"), None, ""
     if verdict.word == "unknown":
@@ -241,6 +254,7 @@ def diagnose_commanded(
         gain=gain if offered or gain is None else gain.without_extension(),
         model=_extended(original, extended, train_runs, verdict) if offered else original,
         numerics=numerics(timeline, base),
+        separate=evidence.separate,
         learned=learned,
         learned_reason=learned_reason,
         alpha=alpha,

@@ -25,6 +25,7 @@ def diagnosis_json(d: "Diagnosis") -> dict[str, Any]:
         "set": list(d.verdict.names),
         "depends_on": d.verdict.depends_on,
         "reason": d.reason or None,
+        "no_candidates": list(d.refused),
         "not_identifiable": list(d.visibility.invisible),
         "error": {
             "unit": e.unit,
@@ -51,9 +52,13 @@ def diagnosis_json(d: "Diagnosis") -> dict[str, Any]:
 
 
 def effects_json(d: "Diagnosis") -> list[dict[str, Any]]:
-    """The effects of the best explanation: name, score, parameters with 95 % intervals."""
-    best = d.best
-    return [] if best is None else [_effect(p, best, d.verdict) for p in best.effects]
+    """The effects of the best explanation that are candidates: name, score, parameters with 95 % intervals."""
+    best, compatible = d.best, d.verdict.compatible
+    if best is None:
+        return []
+    return [
+        _effect(p, best, d.verdict) for p in best.effects if compatible is None or p.kind.name in compatible
+    ]
 
 
 def _effect(effect: Any, best: ParameterFit, verdict: DiagnosisVerdict) -> dict[str, Any]:

@@ -14,6 +14,7 @@ if TYPE_CHECKING:
 
 FAR_OFF_RATIO = 10.0  # times the rms error of a refitted density: the model is of another wire or state
 INADEQUATE_RATIO = 3.0  # times the noise: worth a sentence
+INADEQUATE_HELD_OUT = 5.0  # times the floor of held-out runs: the same
 MIN_UNRECORDED_S = 60.0  # shorter gaps: two commands typed one after the other
 DOUBT = "something stands out, but no effect and no variable explains enough of it"
 AT_FLOOR = "The base model already reaches the floor of what can be predicted."
@@ -38,12 +39,20 @@ def text_lines(d: "Diagnosis") -> Iterator[str]:
         yield from _not_preisach(d)
     yield from _learned(d)
     if best is not None:
-        opening = {"named": "Found", "ambiguous": "Ambiguous, best explanation"}.get(
-            d.verdict.word, "Best explanation, but not sufficient"
+        unsure = (
+            "Best explanation, but not sufficient"
+            if d.verdict.compatible is None
+            else "Candidate, not proved"
         )
+        opening = {"named": "Found", "ambiguous": "Ambiguous, best explanation"}.get(d.verdict.word, unsure)
         for effect in d.effects():
             values = ", ".join(parameter_text(n, v) for n, v in effect["parameters"].items())
             yield f"{opening}: {effect['name']} ({values}), score {effect['probability']:.2f}."
+    if d.refused:
+        yield (
+            f"No candidates: {', '.join(d.refused)}. They follow a part of the error, but nothing speaks for them that "
+            "an error of the operator does not explain too."
+        )
     if d.verdict.word == "ambiguous":
         yield f"The likeliest causes, with 0.9 of the score together: {', '.join(d.verdict.names)}."
     yield (
@@ -140,7 +149,9 @@ def gain_text(gain: HeldOutGain, unit: str) -> str:
 def held_out_text(gain: HeldOutGain, unit: str) -> str:
     """The errors on held-out runs where no extended model is offered."""
     given = f" (given model: {gain.original:.4g}{spaced(unit)})" if gain.original is not None else ""
-    return f"Held-out runs, {gain.blocks} blocks: rms error {gain.base:.4g}{spaced(unit)}{given}."
+    ratio = gain.base / gain.floor
+    many = f", {ratio:.0f} × what noise and an uncertain density leave" if ratio > INADEQUATE_HELD_OUT else ""
+    return f"Held-out runs, {gain.blocks} blocks: rms error {gain.base:.4g}{spaced(unit)}{many}{given}."
 
 
 def unknown_text(d: "Diagnosis") -> str:

@@ -28,16 +28,20 @@ MIN_REMAINDER_NATS = (
 class DiagnosisVerdict:
     """The word; explanations (tuples of effect names) with probabilities, likeliest first; a variable if unknown.
 
-    ``names`` is the set: all effects of the explanations that together reach ``SET_PROBABILITY``.
+    ``names`` is the set: all effects of the explanations that together reach ``SET_PROBABILITY``. ``compatible``: those
+    that a model which is wrong in other ways leaves as candidates; None if it restricts nothing.
     """
 
     word: VerdictWord
     explanations: tuple[tuple[tuple[str, ...], float], ...] = ()
     depends_on: str | None = None
+    compatible: tuple[str, ...] | None = None
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Effects of the likeliest explanations that cover ``SET_PROBABILITY``."""
+        """Effects of the likeliest explanations that cover ``SET_PROBABILITY``, or the compatible ones."""
+        if self.compatible is not None:
+            return self.compatible
         found: dict[str, None] = {}
         total = 0.0
         for names, p in self.explanations:

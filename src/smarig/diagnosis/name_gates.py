@@ -3,6 +3,10 @@
 A name needs values inside their bounds with an interval that excludes "no effect", a larger gain than any flexible
 discrepancy, nothing left that a discrepancy explains, and held-out runs that bear it out. Otherwise the finding is the
 variable on which the errors depend.
+
+Where the model misses held-out runs by many times their noise even with the effects, its operator is wrong, and what an
+effect seems to explain may be a part of that. There an effect is a candidate only by evidence of its own
+(``own_evidence``), and without evidence of their own for all of them none is named.
 """
 
 from collections.abc import Iterator
@@ -15,7 +19,9 @@ from smarig.diagnosis.explain.channel_misfit import ChannelMisfit
 from smarig.diagnosis.explain.discrepancy import Discrepancy
 from smarig.diagnosis.explain.explanation import SD_INFLATION
 from smarig.diagnosis.explain.search import SearchLevel
+from smarig.diagnosis.explain.separate_evidence import SeparateEvidence
 from smarig.diagnosis.held_out_gain import HeldOutGain
+from smarig.diagnosis.own_evidence import own_evidence_failure
 from smarig.plant import Effect
 
 DISCREPANCY_NATS = 25.0  # gain of a discrepancy that noise alone does not reach
@@ -60,7 +66,8 @@ class NameEvidence:
     are the likeliest discrepancies without and with them; ``gain`` is that on held-out runs. ``fitted_ratio`` is the
     rms error of the training runs' settled positions with the effects over that without. ``alarm``: whether hardly any
     wire without an effect shows as much. ``times_noise`` is the rms error without effects, in units of all noise.
-    ``channels`` are the misfits of the channels besides the position.
+    ``channels`` are the misfits of the channels besides the position. ``separate`` is the evidence of each effect by
+    itself, computed if the operator fails.
     """
 
     levels: tuple[SearchLevel, ...]
@@ -72,6 +79,27 @@ class NameEvidence:
     alarm: bool
     times_noise: float = 1.0
     channels: tuple[ChannelMisfit, ...] = ()
+    separate: tuple[SeparateEvidence, ...] = ()
+
+    @property
+    def misses_by(self) -> float:
+        """The error that the effects leave, in units of what noise and an uncertain density leave."""
+        if self.gain is None:
+            return self.fitted_ratio * self.times_noise
+        return self.gain.extended / self.gain.floor
+
+    @property
+    def wrong(self) -> bool:
+        """Whether the model misses training runs without and held-out runs with the effects by many times the noise.
+
+        Held-out runs alone may need a part of the density that the training runs do not determine.
+        """
+        return self.misses_by >= SILENT_RATIO and self.times_noise >= SILENT_RATIO
+
+    @property
+    def operator_fails(self) -> bool:
+        """Whether the model stays wrong, or minor loops do not return without the effects."""
+        return self.wrong or (self.before.not_preisach and self.before.gain >= DISCREPANCY_NATS)
 
     @property
     def decisive_channel(self) -> ChannelMisfit | None:
@@ -81,7 +109,42 @@ class NameEvidence:
 
 
 def gated(verdict: DiagnosisVerdict, evidence: NameEvidence) -> GatedVerdict:
-    """The verdict with names that passed all gates only."""
+    """The verdict with names that passed all gates only.
+
+    Effects without evidence of their own are no candidates either where the model stays wrong, or where minor loops do
+    not return and another gate refused the name.
+    """
+    found = _by_gates(verdict, evidence)
+    if not found.verdict.explanations or not evidence.separate:
+        return found
+    named = found.verdict.word != "unknown"
+    if named and not evidence.wrong:
+        return found
+    failed = {s.effect.kind.name: why for s in evidence.separate if (why := _without_own(s, evidence))}
+    if named and not failed and (_borne_out(evidence.gain) or evidence.decisive_channel):
+        return found
+    names = tuple(s.effect.kind.name for s in evidence.separate if s.effect.kind.name not in failed)
+    variable = _variable(verdict, evidence)
+    reason = found.reason or next(iter(failed.values()), "") or _still_wrong(verdict, evidence)
+    return GatedVerdict(replace(_unknown(found.verdict, variable), compatible=names), reason)
+
+
+def _still_wrong(verdict: DiagnosisVerdict, evidence: NameEvidence) -> str:
+    names, times = " + ".join(verdict.explanations[0][0]), f"{evidence.misses_by:.0f} ×"
+    if evidence.gain is None:
+        return f"with {names}, the model still misses the training runs by {times} their noise"
+    floor = "what noise and an uncertain density leave"
+    return f"with {names}, the model still misses the held-out runs by {times} {floor}"
+
+
+def _without_own(one: SeparateEvidence, evidence: NameEvidence) -> str:
+    """Why an effect is no candidate beside a model that is wrong, or nothing."""
+    share = evidence.gain.removable_share if evidence.gain else None
+    return next(_failures_of(one.effect, evidence.levels[-1]), "") or own_evidence_failure(one, share)
+
+
+def _by_gates(verdict: DiagnosisVerdict, evidence: NameEvidence) -> GatedVerdict:
+    """The verdict after the gates for all effects together."""
     if verdict.word in ("silent", "not_identifiable"):
         return _if_adequate(verdict, evidence)
     if not verdict.explanations:
@@ -161,13 +224,17 @@ def _held_out_failures(names: str, evidence: NameEvidence) -> Iterator[str]:
 def _parameter_failures(level: SearchLevel) -> Iterator[str]:
     """Strengths within a standard deviation of a bound, or with an interval that contains no effect."""
     for effect in level.best.effects:
-        kind, strength = effect.kind, effect.strength
-        p = kind.primary
-        near = max(AT_BOUND_SHARE * (p.upper - p.lower), level.best.spread.get((kind.name, p.name), 0.0))
-        if p.upper - strength < near or (p.lower != 0 and strength - p.lower < near):
-            yield f"the {p.name} of {kind.name} lies at the bound of its search"
-        if _may_be_absent(effect, level):
-            yield f"the interval of {kind.name} contains no effect"
+        yield from _failures_of(effect, level)
+
+
+def _failures_of(effect: Effect, level: SearchLevel) -> Iterator[str]:
+    kind, strength = effect.kind, effect.strength
+    p = kind.primary
+    near = max(AT_BOUND_SHARE * (p.upper - p.lower), level.best.spread.get((kind.name, p.name), 0.0))
+    if p.upper - strength < near or (p.lower != 0 and strength - p.lower < near):
+        yield f"the {p.name} of {kind.name} lies at the bound of its search"
+    if _may_be_absent(effect, level):
+        yield f"the interval of {kind.name} contains no effect"
 
 
 def _may_be_absent(effect: Effect, level: SearchLevel) -> bool:

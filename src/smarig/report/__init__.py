@@ -24,6 +24,9 @@ if TYPE_CHECKING:
     from smarig.report.folder_report import run_files as run_files
     from smarig.report.model_comparison_page import models_page as models_page
     from smarig.report.models.evidence import Evidence as Evidence
+    from smarig.report.models.evidence import ExtensionEvidence as ExtensionEvidence
+    from smarig.report.models.preisach_verdict import against_preisach as against_preisach
+    from smarig.report.models.preisach_verdict import preisach_verdict as preisach_verdict
     from smarig.report.notebook import plot as plot
     from smarig.report.run_comparison_page import comparison_page as comparison_page
     from smarig.report.run_page import run_page as run_page

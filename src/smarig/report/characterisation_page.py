@@ -24,6 +24,7 @@ from smarig.report.models.model_tables import (
     errors_table,
     parameters_table,
 )
+from smarig.report.models.preisach_verdict import preisach_verdict
 from smarig.report.models.surface_figure import surface_figure
 from smarig.report.models.tradeoff_figure import tradeoff_figure
 from smarig.report.models.validation_figure import validation_figure
@@ -66,6 +67,14 @@ def _first_screen(e: Evidence) -> Parts:
 
 def _summary(e: Evidence) -> Parts:
     yield model_recommendation(e)
+
+
+def _preisach_notice(e: Evidence) -> Html:
+    """Whether the wire is a Preisach operator, why, and the errors of its models."""
+    verdict = preisach_verdict(e)
+    styles = {True: "good", False: "bad", None: "warning"}
+    headline, *rest = verdict.sentences()
+    return notice(styles[verdict.holds], paragraph(tag("b", headline)), bullets(rest))
 
 
 def _rig(e: Evidence) -> Parts:
@@ -118,6 +127,7 @@ def _initialisation(e: Evidence) -> Parts:
 
 
 def _representation(e: Evidence) -> Parts:
+    yield _preisach_notice(e)
     for test in e.representation:
         yield representation_notice(test)
         for run in e.of(test.name)[:1]:

@@ -41,6 +41,7 @@ from smarig.runner import Listener, Preview, RunControl, twin_source
     is_flag=True,
     help="Continue after an interruption: keep finished runs and resume the others.",
 )
+@click.option("--quiet", is_flag=True, help="Show no panel, no log lines and no progress.")
 @live_options
 @notify_option
 @json_option
@@ -52,6 +53,7 @@ def command(
     wire: str,
     force: bool,
     go_on: bool,
+    quiet: bool,
     notify: NotifyOptions,
     live: LiveOptions,
 ) -> None:
@@ -65,7 +67,7 @@ def command(
     def listener_factory(cost: Preview) -> AbstractContextManager[Listener]:
         place = f"run {next(run_number)} of {len(load_campaign(campaign).step)}"
         what_runs = run_info(file, cost, out, wire=wire or file.wire, source=source, place=place)
-        return with_watchers(progress(what_runs), [*watchers, *watch.listeners(what_runs)])
+        return with_watchers(progress(what_runs, quiet=quiet), [*watchers, *watch.listeners(what_runs)])
 
     title, subject = f"{campaign} on {file.name}", Subject(wire or file.wire, file.name, campaign, str(out))
     with live_view(live, file, source, {}, title) as watchers, notified(notify, control, subject) as watch:
@@ -79,7 +81,7 @@ def command(
             go_on=go_on,
             control=control,
             listener_factory=listener_factory,
-            progress=show_message,
+            progress=None if quiet else show_message,
         )
     found = done.to_json()
     diagnosis = done.evidence.diagnosis
@@ -98,5 +100,6 @@ def _text(found: dict, diagnosis: str) -> str:
                 f"Validation with {name}: {run['rms']:.3g} {verified['unit']} rms error, n = {run['n']}."
             )
     lines += [diagnosis] if diagnosis else []
+    lines += found["preisach"]["sentences"]
     lines += [f"Report: {found['report']}", f"Model:  {found['model']}"]
     return "\n".join(lines)

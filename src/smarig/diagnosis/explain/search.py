@@ -153,8 +153,13 @@ def _required_gain_nats(levels: Sequence[SearchLevel]) -> float:
 
 
 def _starts(critique: Critique, count: int) -> list[Effect]:
-    """The named candidates that gain most, at their best strengths."""
-    return [s.candidate.best(critique.refitted.data)[0] for s in critique.best(count)]
+    """The named candidates that gain most, at their best strengths.
+
+    Not those that are a part of a classical density: what they gain is an error of the density, or of other readings.
+    """
+    ranked = [s.candidate for s in critique.best(len(critique.scores))]
+    shown = [c for c in ranked if c.kind is not None and c.kind.shown_by]
+    return [c.best(critique.refitted.data)[0] for c in shown[:count]]
 
 
 def _extended_starts(level: SearchLevel, first: Critique) -> list[EffectSet]:

@@ -54,5 +54,6 @@ convection = EffectType(
         ),
     ),
     act=_act,
+    shown_by=("moving",),
     output_independent=True,
 )

@@ -32,5 +32,6 @@ coulomb_friction = EffectType(
     separated_by="a manual push in the middle of a branch; another pulley",
     parameters=(Parameter("half_width_K", "K", 0.0, 8.0, 2.0, "1 N on a 0.2 mm wire is 4.5 K"),),
     act=_act,
+    shown_by=(),
     output_independent=True,
 )

@@ -40,5 +40,6 @@ dead_zone = EffectType(
         ),
     ),
     act=_act,
+    shown_by=("current", "resistance", "moving"),
     output_independent=True,
 )

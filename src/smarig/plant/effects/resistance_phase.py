@@ -42,4 +42,5 @@ resistance_phase = EffectType(
         ),
     ),
     act=_act,
+    shown_by=("resistance",),
 )

@@ -37,5 +37,6 @@ saturation = EffectType(
         ),
     ),
     act=_act,
+    shown_by=("current", "resistance", "moving"),
     output_independent=True,
 )

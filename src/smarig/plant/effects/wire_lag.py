@@ -36,5 +36,6 @@ wire_lag = EffectType(
         ),
     ),
     act=_act,
+    shown_by=("moving",),
     output_independent=True,
 )

@@ -12,9 +12,7 @@ from smarig.report.components.run_description import display_unit, duration_s
 from smarig.report.diagnosis.verdict_text import strengths_text
 from smarig.report.models.evidence import Evidence
 from smarig.report.models.model_tables import pooled_rms
-
-_TESTS = {"wiping_out": "Wiping-out", "congruency": "Congruency"}
-
+from smarig.report.models.preisach_verdict import preisach_verdict
 
 @dataclass(frozen=True)
 class Assessment:
@@ -95,11 +93,9 @@ def _quality(e: Evidence, verdict: ErrorVerdict | None, error: str) -> str:
         return "No model was identified."
     if verdict is None:
         return f"The {e.chosen} model was not tested: no run was held out."
-    rejected = [_TESTS.get(test.name, test.name) for test in e.representation if not test.holds]
-    no_preisach = (
-        f" {' and '.join(rejected)} fail{'s' if len(rejected) == 1 else ''}, so it is an approximation."
-    )
-    return f"The {e.chosen} model predicts held-out data to {error}, {verdict.text}.{no_preisach if rejected else ''}"
+    preisach = preisach_verdict(e)
+    against = f" {preisach.headline}" if preisach.holds is False else ""
+    return f"The {e.chosen} model predicts held-out data to {error}, {verdict.text}.{against}"
 
 
 def _cause(d: Diagnosis | None) -> _Cause:

@@ -4,8 +4,27 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from smarig.diagnosis import Diagnosis
-from smarig.identification import Calibration, Identification, Representation, SurfaceChoice, Verification
+from smarig.identification import (
+    Calibration,
+    ExtensionChoice,
+    Identification,
+    Representation,
+    SurfaceChoice,
+    Verification,
+)
 from smarig.record import Run
+
+
+@dataclass(frozen=True)
+class ExtensionEvidence:
+    """The extensions of §3.5 on all runs that are not held out, and the held-out errors without and with the best one.
+
+    ``extended`` is None if none predicts runs left out better.
+    """
+
+    choice: ExtensionChoice
+    classical: Verification
+    extended: Verification | None
 
 
 @dataclass(frozen=True)
@@ -14,7 +33,8 @@ class Evidence:
 
     ``identifications`` and ``verifications`` (on held-out runs) are keyed by surface name. ``chosen`` is the surface
     in the model file. ``choice`` holds the errors of all kinds on held-out curves (None: too few curves). ``diagnosis``
-    is that of the chosen model (None: not made). ``discoveries`` and ``warnings`` are sentences; ``seconds`` is
+    is that of the chosen model (None: not made). ``extension`` is there only if a test of §5.3 or the diagnosis speaks
+    against a Preisach operator. ``discoveries`` and ``warnings`` are sentences; ``seconds`` is
     computing time.
     """
 
@@ -31,6 +51,7 @@ class Evidence:
     calibration: Calibration | None = None
     choice: SurfaceChoice | None = None
     diagnosis: Diagnosis | None = None
+    extension: ExtensionEvidence | None = None
 
     @property
     def best(self) -> Identification | None:
