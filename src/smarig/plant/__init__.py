@@ -37,6 +37,8 @@ if TYPE_CHECKING:
     from smarig.plant.learned_effect import NOT_LEARNED as NOT_LEARNED
     from smarig.plant.learned_effect import LearnedShape as LearnedShape
     from smarig.plant.learned_effect import learned_effect_type as learned_effect_type
+    from smarig.plant.load import Load as Load
+    from smarig.plant.load import load_of as load_of
     from smarig.plant.measured_input import PassThroughActuator as PassThroughActuator
     from smarig.plant.measured_input import is_testable as is_testable
     from smarig.plant.plant import Plant as Plant
