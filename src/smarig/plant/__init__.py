@@ -43,6 +43,7 @@ if TYPE_CHECKING:
     from smarig.plant.measured_input import is_testable as is_testable
     from smarig.plant.plant import Plant as Plant
     from smarig.plant.plant import step_with_feedback as step_with_feedback
+    from smarig.plant.power_temperature import PowerTemperature as PowerTemperature
     from smarig.plant.stress import differential_stress as differential_stress
     from smarig.plant.thermal_stages import EARLY_STAGES as EARLY_STAGES
     from smarig.plant.thermal_stages import ThermalStages as ThermalStages

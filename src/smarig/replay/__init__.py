@@ -33,6 +33,9 @@ if TYPE_CHECKING:
     from smarig.replay.provenance import missing_earlier_runs as missing_earlier_runs
     from smarig.replay.provenance import model_metadata as model_metadata
     from smarig.replay.provenance import provenance as provenance
+    from smarig.replay.rig_record import load_of_run as load_of_run
+    from smarig.replay.rig_record import load_records as load_records
+    from smarig.replay.rig_record import stress_of_samples as stress_of_samples
     from smarig.replay.sample_predictors import HysteresisPredictor as HysteresisPredictor
     from smarig.replay.sample_predictors import NamedPredictor as NamedPredictor
     from smarig.replay.sample_predictors import PlantPredictor as PlantPredictor
@@ -47,6 +50,8 @@ if TYPE_CHECKING:
     from smarig.replay.timeline import ReadingSeries as ReadingSeries
     from smarig.replay.timeline import Timeline as Timeline
     from smarig.replay.timeline_from_runs import build_timeline as build_timeline
+    from smarig.replay.wire_temperature import temperature_source as temperature_source
+    from smarig.replay.wire_temperature import with_wire_temperature as with_wire_temperature
     from smarig.replay.wire_stress import StressRange as StressRange
     from smarig.replay.wire_stress import stress_over_run as stress_over_run
 else:
