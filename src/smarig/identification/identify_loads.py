@@ -17,10 +17,22 @@ from smarig.identification.rows_used import THINNED, rows_used
 from smarig.identification.surface.curve_report import curve_report
 from smarig.identification.surface.fit_figures import error_figures
 from smarig.identification.surface.surface_kinds import BEST_KIND, POSITIVE_KIND
-from smarig.measurement import InputRecord, input_records
+from smarig.measurement import InputRecord
 from smarig.preisach import FodTable
 from smarig.record import Run
-from smarig.replay import Model, NoiseRecord, driven_by_input, model_metadata, pooled_conditions, provenance
+from smarig.replay import (
+    Model,
+    NoiseRecord,
+    TemperatureSource,
+    driven_by_input,
+    load_records,
+    model_metadata,
+    pooled_conditions,
+    provenance,
+    stress_of_samples,
+    temperature_source,
+    with_wire_temperature,
+)
 
 
 def check_load_settings(
@@ -43,7 +55,7 @@ def identify_loads(runs: Sequence[Run], condition: str) -> Identification:
 
     Raises DataError for other runs, or if they do not state several values of it.
     """
-    records = _records(runs)
+    source, records = _records(runs)
     data = first_order_points(runs)
     found = fit_load_dependence(records, condition)
     table = found.hysteresis
@@ -61,7 +73,7 @@ def identify_loads(runs: Sequence[Run], condition: str) -> Identification:
         twin=any(run.twin for run in runs),
         created=datetime.now(UTC).isoformat(timespec="seconds"),
         warnings=(*_warnings(found), *pooled_conditions(runs, {condition})),
-        measurement=found.part.to_json(),
+        measurement={**found.part.to_json(), **({"temperature": source} if source else {})},
         **model_metadata(runs),
     )
     plan = reading_plan(records)
@@ -83,17 +95,27 @@ def identify_loads(runs: Sequence[Run], condition: str) -> Identification:
     )
 
 
-def _records(runs: Sequence[Run]) -> list[InputRecord]:
+def _records(runs: Sequence[Run]) -> tuple[TemperatureSource | None, list[InputRecord]]:
+    """The records of runs, and the source of the temperature in those of a rig."""
+    measured = [driven_by_input([run]) for run in runs]
+    if any(measured) and not all(measured):
+        raise DataError(
+            "Some of the runs have a heating current or settled steps, others only a measured input. Loads are identified "
+            "from runs of one kind."
+        )
+    source = None if all(measured) else temperature_source(runs)
     for run in runs:
-        if not driven_by_input([run]):
+        if source and not run.settled:
+            raise DataError(f"{run.path} has no settled points. Loads are identified from settled points.")
+        if stress_of_samples(run) is not None:
             raise DataError(
-                f"{run.path} has a heating current or settled steps. Loads are identified from runs with a measured "
-                "input, such as a temperature."
+                f"The load of {run.path} changes over time. Identify the model from runs under constant loads; it then "
+                "predicts runs under a load that changes."
             )
-    records = input_records(runs)
+    records = load_records([with_wire_temperature(run, source) for run in runs] if source else runs)
     if len(records) < len(runs):
         raise DataError("A run contains no row in which input and output are known. Leave it out.")
-    return records
+    return source, records
 
 
 def _warnings(found: LoadDependence) -> list[str]:

@@ -23,17 +23,19 @@ from smarig.identification.run_zeros import has_own_zero
 from smarig.record import FORC_PROTOCOL, Run, continues_run
 from smarig.replay import (
     Model,
+    applied_inputs,
     check_output,
+    driven_by_input,
     file_hash,
     foreign_conditions,
     missing_earlier_runs,
     out_of_range,
     provenance,
-    recorded_conditions,
     recorded_start,
     simulate_runs,
     simulate_samples,
     with_heating_of,
+    with_wire_temperature,
 )
 
 Array = NDArray[np.float64]
@@ -118,9 +120,7 @@ def verify(
     still simulated. With ``offset`` "known", a run with an unknown encoder zero is an error; "fitted" always fits
     an offset. Raises DataError if units differ or the memory of a run is never known.
     """
-    several = [
-        with_heating_of(model, without_dropouts(run)) for run in ([runs] if isinstance(runs, Run) else runs)
-    ]
+    several = [_with_inputs(model, run) for run in ([runs] if isinstance(runs, Run) else runs)]
     for run in several:
         check_output(model, run)
     selected = selected_points(several, select)
@@ -142,6 +142,14 @@ def verify(
             )
         )
     return Verification(model.name, model.unit, tuple(counted))
+
+
+def _with_inputs(model: Model, run: Run) -> Run:
+    """The run with the inputs that the model has: by its heating, or by its source of the wire's temperature."""
+    found = with_heating_of(model, without_dropouts(run))
+    if model.temperature is None or driven_by_input([found]):
+        return found
+    return with_wire_temperature(found, model.temperature)
 
 
 def selected_points(runs: Sequence[Run], select: str | None) -> list[NDArray[np.bool_]]:
@@ -180,7 +188,7 @@ def _verified(
     if before is not None and kind == "fitted" and offset != "fitted":
         shift, kind = before.offset, before.offset_kind
     span = float(np.ptp(measured))
-    outside = int(np.sum(out_of_range(model, inputs[counts])))
+    outside = int(np.sum(out_of_range(model, applied_inputs(model, run)[counts])))
     early = 0 if run.info.protocol == FORC_PROTOCOL else int(np.sum(selected & ~counts))
     return RunVerification(
         run=str(run.path),
@@ -205,8 +213,12 @@ def _verified(
 def _expected(model: Model, run: Run) -> float | None:
     """The rms error to be expected from loads left out of the fit, if the model depends on a load."""
     load = model.fit.get("load")
-    own = recorded_conditions(run).get(load["condition"]) if isinstance(load, dict) else None
-    return expected_rms(load, float(own.value)) if load and own and not isinstance(own.value, str) else None
+    stored = run.info.conditions.get(load["condition"]) if isinstance(load, dict) else None
+    if not isinstance(load, dict) or not isinstance(stored, dict):
+        return None
+    values = {stored.get(k) for k in ("mean", "min", "max")}
+    errors = [expected_rms(load, float(v)) for v in values if isinstance(v, int | float) and np.isfinite(v)]
+    return max((e for e in errors if e is not None), default=None)
 
 
 def _errors(error: Array, span: float) -> PredictionErrors:
@@ -255,11 +267,20 @@ def known_offset(model: Model, run: Run) -> float | None:
             return 0.0
     if mine.protocol == FORC_PROTOCOL:
         return 0.0
+    if model.temperature is not None:
+        return 0.0 if _zeroed_alike(model, run) else None
     start = recorded_start(run)
     zeroed = "" if run.info.source == "import" else "power-up"  # others zero their sensors anywhere
     if start is not None and run.info.text_of("encoder_zero", zeroed) == "power-up":
         return -model.operator().reset(start)
     return None
+
+
+def _zeroed_alike(model: Model, run: Run) -> bool:
+    """Whether a run and those of a model of loads were all zeroed at power-up: each under its load, in one state."""
+    mine = provenance(run)
+    zeros = {mine.encoder_zero, *(p.encoder_zero for p in model.provenance)}
+    return zeros == {"power-up"} and recorded_start(run) is not None and run.info.source != "import"
 
 
 def _validity_warnings(model: Model, run: Run) -> list[str]:

@@ -131,7 +131,9 @@ def _knots(path: Path) -> tuple[tuple[float, ...], tuple[float, ...]]:
         raise DataError(f"Load {path} must begin with the header {','.join(COLUMNS)}.")
     table = profile_numbers(path, rows, len(COLUMNS))
     if len(table) > MOST_ROWS:
-        raise DataError(f"Load {path} has more than {MOST_ROWS} rows. Give fewer; the load is linear in between.")
+        raise DataError(
+            f"Load {path} has more than {MOST_ROWS} rows. Give fewer; the load is linear in between."
+        )
     if len(table) < 2 or not np.isfinite(table).all() or np.any(np.diff(table[:, 0]) <= 0):
         raise DataError(f"Load {path} needs at least two rows with finite values and increasing times.")
     return tuple(table[:, 0].tolist()), tuple(table[:, 1].tolist())

@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from smarig.replay.heated_input import with_heating_of as with_heating_of
     from smarig.replay.measured_input import MeasuredInput as MeasuredInput
     from smarig.replay.measured_input import driven_by_input as driven_by_input
+    from smarig.replay.measured_prediction import applied_inputs as applied_inputs
     from smarig.replay.memory_history import MemoryHistory as MemoryHistory
     from smarig.replay.memory_history import memory_histories as memory_histories
     from smarig.replay.memory_history import memory_states as memory_states
@@ -50,6 +51,7 @@ if TYPE_CHECKING:
     from smarig.replay.timeline import ReadingSeries as ReadingSeries
     from smarig.replay.timeline import Timeline as Timeline
     from smarig.replay.timeline_from_runs import build_timeline as build_timeline
+    from smarig.replay.wire_temperature import TemperatureSource as TemperatureSource
     from smarig.replay.wire_temperature import temperature_source as temperature_source
     from smarig.replay.wire_temperature import with_wire_temperature as with_wire_temperature
     from smarig.replay.wire_stress import StressRange as StressRange

@@ -89,10 +89,26 @@ def simulate_rig_samples(model: Model, run: Run) -> Array:
     return found
 
 
+def applied_inputs(model: Model, run: Run) -> Array:
+    """Inputs of the hysteresis at the points of a run, (k,): of a model of loads of a rig, shifted by the stress."""
+    inputs = run.points()[0]
+    if model.temperature is None or driven_by_input([run]):
+        return inputs
+    part, record = MeasurementPart.from_json(model.measurement), _record_of(run, samples=False)
+    u = changed(record, part.effects).input
+    if record.readings is not None:
+        return u[record.readings]
+    every = np.full(len(run), np.nan)
+    every[record.row] = u
+    return every[rows_of_settled(run)] if run.settled else u
+
+
 def _record_of(run: Run, *, samples: bool) -> InputRecord:
     records = load_records([run], samples=samples)
     if not records:
-        raise DataError(f"{run.name} has fewer than three points. A model of several loads cannot be simulated along it.")
+        raise DataError(
+            f"{run.name} has fewer than three points. A model of several loads cannot be simulated along it."
+        )
     return records[0]
 
 

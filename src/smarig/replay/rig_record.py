@@ -93,5 +93,7 @@ def rows_of_settled(run: Run) -> NDArray[np.int64]:
     """The last sample of each settled step (k,). Raises DataError if the run has no clock."""
     ends = [s.t_end_s for s in run.settled]
     if any(end is None for end in ends):
-        raise DataError(f"{run.name} has steps without a time of their end, so its samples cannot be matched.")
+        raise DataError(
+            f"{run.name} has steps without a time of their end, so its samples cannot be matched."
+        )
     return np.maximum(np.searchsorted(run["t_s"], np.array(ends, dtype=float), side="right") - 1, 0)

@@ -64,7 +64,9 @@ def open_rig(
             if file.simulator is not None:
                 pace = file.simulator.speed if speed is None else speed
             if file.simulator is not None and file.simulator.start:
-                links = open_.enter_context(_started_simulator(rig, file.simulator, links, settings, pace, file.load))
+                links = open_.enter_context(
+                    _started_simulator(rig, file.simulator, links, settings, pace, file.load)
+                )
             found = _open_bench(file, actuator, links, pace, open_)
         open_.callback(found.close)
         with _confirmed_shutdown(found):

@@ -2,8 +2,8 @@
 
     v = u − (σ − σ₀)/C,    y(σ) interpolated between y_k = z_k + g_k P[v] at the loads σ_k
 
-The slope C is searched for with one measure P for all loads. Each load then has a measure of its own if that predicts
-loads left out better.
+The slope C is searched for with one measure P for all loads, and with a part k u of the output (thermal expansion, of
+either sign) if the readings need one. Each load then has a measure of its own if that predicts loads left out better.
 """
 
 from collections.abc import Sequence
@@ -17,11 +17,13 @@ from smarig.core import DataError, UsageError, spaced, suggestion
 from smarig.identification.measured.left_out_errors import chosen_smoothing
 from smarig.identification.measured.measured_fit import MeasuredFit, fit_measured, measured_problem
 from smarig.identification.measured.measured_hypothesis import Comparison, MeasuredHypothesis, compared
+from smarig.identification.measured.own_measures import OwnMeasure, own_measure
 from smarig.identification.measured.reading_weights import reading_weights
 from smarig.measurement import (
     SAME_SHARE,
     ConditionTable,
     InputRecord,
+    MeasurementEffect,
     MeasurementEffectType,
     MeasurementPart,
     condition_groups,
@@ -32,6 +34,7 @@ from smarig.preisach import FodTable
 Array = NDArray[np.float64]
 OWN_ADVANTAGE = 0.9  # of the error at loads left out, at most: measures of their own are the larger model
 FEWEST_TO_LEAVE_OUT = 3
+PROPORTIONAL = "proportional_part"
 
 
 @dataclass(frozen=True)
@@ -120,11 +123,12 @@ def fit_load_dependence(records: Sequence[InputRecord], condition: str) -> LoadD
     _check_loads(records, condition)
     plain = compared(records, len(records))
     rough = _searched(plain, kind, records)
+    present = _proportional(plain, rough)
     weight = reading_weights(rough.fit)
-    problem = measured_problem(plain.plan, rough.effects, weight=weight)
+    problem = measured_problem(plain.plan, (*present, *rough.effects), weight=weight)
     smoothing = chosen_smoothing(problem, gains=rough.fit.gains)
     comparison = replace(plain, smoothing=smoothing, weight=weight)
-    return _with_measures(comparison, _searched(comparison, kind, records), condition)
+    return _with_measures(comparison, _searched(comparison, kind, records, present), condition)
 
 
 def _effect_of(condition: str) -> MeasurementEffectType:
@@ -152,15 +156,30 @@ def _check_loads(records: Sequence[InputRecord], condition: str) -> None:
 
 
 def _searched(
-    comparison: Comparison, kind: MeasurementEffectType, records: Sequence[InputRecord]
+    comparison: Comparison,
+    kind: MeasurementEffectType,
+    records: Sequence[InputRecord],
+    present: Sequence[MeasurementEffect] = (),
 ) -> MeasuredHypothesis:
     parameters = kind.parameters(records) or ()
-    return comparison.searched(kind, parameters, (), {"reference": records[0].conditions[kind.by_condition]})
+    return comparison.searched(
+        kind, parameters, present, {"reference": records[0].conditions[kind.by_condition]}
+    )
+
+
+def _proportional(comparison: Comparison, rough: MeasuredHypothesis) -> tuple[MeasurementEffect, ...]:
+    """A part of the output proportional to the input, if settled readings are predicted better with it."""
+    if any(r.readings is None for r in comparison.plan.records):
+        return ()
+    kinds = {k.name: k for k in measurement_effect_types()}
+    part = (kinds[PROPORTIONAL](),)
+    return part if comparison.evaluated((*part, *rough.effects)).misfit < OWN_ADVANTAGE * rough.misfit else ()
 
 
 def _with_measures(comparison: Comparison, found: MeasuredHypothesis, condition: str) -> LoadDependence:
     """The result with one measure, or with one for each load."""
-    effect, loads = found.effects[0], _Loads.of(comparison, found.fit, condition)
+    effect = next(e for e in found.effects if e.kind.by_condition)
+    loads = _Loads.of(comparison, found.fit, condition)
     parameter = next(iter(effect.kind.parameters(comparison.plan.records) or ()))
     left_out = loads.left_out()
     inner = np.array([(k.one, k.own) for k in left_out if not k.beyond]).reshape(-1, 2)
@@ -175,7 +194,9 @@ def _with_measures(comparison: Comparison, found: MeasuredHypothesis, condition:
         interval=found.intervals[parameter.name],
         at_bound=bool(found.at_bound),
         hysteresis=found.fit.table,
-        part=MeasurementPart(found.effects, (), table, loads.own_tables() if own else ()),
+        part=MeasurementPart((effect,), (), table, loads.own_tables())
+        if own
+        else MeasurementPart(found.effects, tuple(found.fit.amplitudes.tolist()), table),
         table=table,
         own=own,
         left_out=left_out,
@@ -193,14 +214,16 @@ class _Loads:
     condition: str
     table: ConditionTable
     group: NDArray[np.int64]
-    each: tuple[MeasuredFit, ...]
+    each: tuple[OwnMeasure, ...]
 
     @classmethod
     def of(cls, comparison: Comparison, fit: MeasuredFit, condition: str) -> "_Loads":
         plan = fit.problem.plan
         group = np.array(condition_groups([r.conditions[condition] for r in plan.records]))[plan.record]
+        proportional = bool(fit.amplitudes.size)
         each = tuple(
-            fit_measured(fit.problem, comparison.smoothing, group == k) for k in range(int(group.max()) + 1)
+            own_measure(fit, comparison.smoothing, group == k, proportional=proportional)
+            for k in range(int(group.max()) + 1)
         )
         table = _table(fit, np.ones(group.size, dtype=bool), condition)
         return cls(comparison.smoothing, fit, condition, table, group, each)
@@ -228,7 +251,7 @@ class _Loads:
         kept, value = self.group != k, self.table.values[k]
         y = self.fit.problem.plan.y[~kept]
         again = fit_measured(self.fit.problem, self.smoothing, kept, gains=self.fit.gains, free_gains=True)
-        one = _table(again, kept, self.condition).outputs(again.shape[~kept], value)
+        one = _table(again, kept, self.condition).outputs(again.shape[~kept], value) + _terms(again)[~kept]
         others = [j for j in range(len(self.each)) if j != k]
         rest = ConditionTable(
             self.condition,
@@ -240,8 +263,12 @@ class _Loads:
     @property
     def own_zeros(self) -> tuple[float, ...]:
         """Zero of each load with its own measure."""
-        zero = self.fit.problem.observations.zero
-        return tuple(float(np.mean(f.zeros[zero[self.group == k]])) for k, f in enumerate(self.each))
+        return tuple(float(np.mean(f.zeros[self.group == k])) for k, f in enumerate(self.each))
+
+
+def _terms(fit: MeasuredFit) -> Array:
+    """What the terms add to the output at all readings (m,)."""
+    return fit.problem.terms @ fit.amplitudes
 
 
 def _table(fit: MeasuredFit, used: NDArray[np.bool_], condition: str) -> ConditionTable:

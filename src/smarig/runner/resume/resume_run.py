@@ -59,7 +59,14 @@ def session_for(
     with damaged_record_as_data_error(run):
         seed, noise = int(run.info.seed or 0), bool(launch["noise"])
         twin = TwinSettings(seed, noise, effects=effects_from_pairs(launch["effects"]))
-        session = Session(name, twin=twin, speed=speed or launch["speed"], wire=run_wire, control=control, load=str(launch.get(LOAD, "")))
+        session = Session(
+            name,
+            twin=twin,
+            speed=speed or launch["speed"],
+            wire=run_wire,
+            control=control,
+            load=str(launch.get(LOAD, "")),
+        )
         if session.load and session.load.changes:
             raise UsageError(
                 f"The load of {run.path.name} changes over time, which cannot be taken up again. Start the run again."
