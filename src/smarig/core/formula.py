@@ -1,4 +1,4 @@
-"""A profile over time given as text, such as a temperature T(t) or a load F(t): arithmetic of t, never executed as Python.
+"""A profile over time given as text, such as T(t) or a load F(t): arithmetic of t, never executed as Python.
 
 The text is parsed into a syntax tree, and only numbers, t, pi, e, + − * / **, parentheses and a few functions are
 evaluated; every other element is refused by name.

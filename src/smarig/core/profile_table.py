@@ -13,7 +13,7 @@ _LARGEST_BYTES = 10_000_000
 
 
 def profile_rows(path: Path) -> list[list[str]]:
-    """The cells of a CSV file, line by line. Raises UsageError if it cannot be read, DataError if it is no text table."""
+    """The cells of a CSV file, line by line. UsageError if it cannot be read, DataError if it is no text table."""
     if not path.is_file() or path.stat().st_size > _LARGEST_BYTES:
         raise UsageError(f"Profile {path} cannot be read: the file is missing or larger than 10 MB.")
     try:
@@ -26,7 +26,7 @@ def profile_rows(path: Path) -> list[list[str]]:
 
 
 def profile_numbers(path: Path, rows: list[list[str]], columns: int) -> NDArray[np.float64]:
-    """The first ``columns`` of all rows after the header, (n, columns). Raises DataError with the line of a wrong cell."""
+    """The first ``columns`` of all rows after the header, (n, columns). DataError names the line of a wrong cell."""
     values = []
     for number, row in enumerate(rows[1:], start=2):
         try:

@@ -100,8 +100,8 @@ def _records(runs: Sequence[Run]) -> tuple[TemperatureSource | None, list[InputR
     measured = [driven_by_input([run]) for run in runs]
     if any(measured) and not all(measured):
         raise DataError(
-            "Some of the runs have a heating current or settled steps, others only a measured input. Loads are identified "
-            "from runs of one kind."
+            "Some of the runs have a heating current or settled steps, others only a measured input. Loads are "
+            "identified from runs of one kind."
         )
     source = None if all(measured) else temperature_source(runs)
     for run in runs:

@@ -23,7 +23,7 @@ LARGEST_STRESS_MPA = 1000.0  # NiTi yields below
 
 @dataclass(frozen=True)
 class Load:
-    """The force on a wire with a section in mm²: ``force_N``, or a ``formula`` of t, or knots (``time_s``, ``forces_N``).
+    """The force on a wire with a section in mm²: ``force_N``, a ``formula`` of t, or knots (``time_s``, ``forces_N``).
 
     Before the first knot and after the last one the force stays.
     """
@@ -60,9 +60,9 @@ class Load:
         stress_MPa = force_N / self.section_mm2
         if not 0 <= stress_MPa <= LARGEST_STRESS_MPA:
             raise UsageError(
-                f"The load is {force_N:.4g} N{where}, which is {stress_MPa:.4g} MPa in this wire. Give a load between 0 and "
-                f"{LARGEST_STRESS_MPA:g} MPa ({LARGEST_STRESS_MPA * self.section_mm2:.3g} N): a wire only pulls, and it "
-                "yields above."
+                f"The load is {force_N:.4g} N{where}, which is {stress_MPa:.4g} MPa in this wire. Give a load between "
+                f"0 and {LARGEST_STRESS_MPA:g} MPa ({LARGEST_STRESS_MPA * self.section_mm2:.3g} N): a wire only "
+                "pulls, and it yields above."
             )
         return force_N
 
@@ -116,8 +116,8 @@ def load_of(rig: RigFile, actuator: Actuator) -> Load | None:
         raise ConfigError(f"Rig {rig.name} has two wires, which load each other. Remove the load.")
     if wire is None and (rig.kind == "twin" or rig.simulator is not None):
         raise ConfigError(
-            f"The wire of {rig.name} is a Preisach operator, which does not depend on a load. Remove the load, or use a "
-            "rig whose actuator has a table [thermomechanical]."
+            f"The wire of {rig.name} is a Preisach operator, which does not depend on a load. Remove the load, or use "
+            "a rig whose actuator has a table [thermomechanical]."
         )
     if stated.file:
         return Load(section_mm2, None, "", *_knots(Path(stated.file))).checked()

@@ -116,7 +116,8 @@ class RunInfo(StoredTable):
     ``encoder_zero``, ``initial`` state of the wire. Resuming: ``device``, ``shift`` of its ticks and counts,
     ``launch_args``, ``own_files``, ``closed_loop``, ``history_until_tick``. Closing: ``end``, ``hashes``.
     ``salvaged``: what is known to be missing. ``conditions`` that runs are compared by; the ``load`` of a rig's wire.
-    Imports: ``imported``, ``warnings``, ``repairs``, ``t0_s``, ``header``, ``companions``, ``forc``. Simulations: ``model`` and the run it was simulated ``along``.
+    Imports: ``imported``, ``warnings``, ``repairs``, ``t0_s``, ``header``, ``companions``, ``forc``. Simulations:
+    ``model`` and the run it was simulated ``along``.
     """
 
     schema_version: int | None = None

@@ -48,13 +48,15 @@ if TYPE_CHECKING:
     from smarig.replay.simulation import simulate as simulate
     from smarig.replay.simulation import simulate_runs as simulate_runs
     from smarig.replay.simulation import simulate_samples as simulate_samples
+    from smarig.replay.stress_strain import StressStrain as StressStrain
+    from smarig.replay.stress_strain import stress_strain as stress_strain
     from smarig.replay.timeline import ReadingSeries as ReadingSeries
     from smarig.replay.timeline import Timeline as Timeline
     from smarig.replay.timeline_from_runs import build_timeline as build_timeline
+    from smarig.replay.wire_stress import StressRange as StressRange
+    from smarig.replay.wire_stress import stress_over_run as stress_over_run
     from smarig.replay.wire_temperature import TemperatureSource as TemperatureSource
     from smarig.replay.wire_temperature import temperature_source as temperature_source
     from smarig.replay.wire_temperature import with_wire_temperature as with_wire_temperature
-    from smarig.replay.wire_stress import StressRange as StressRange
-    from smarig.replay.wire_stress import stress_over_run as stress_over_run
 else:
     __getattr__, __dir__, __all__ = lazy_exports(__name__)

@@ -42,8 +42,8 @@ SATURATION_SHARE = (
 def simulate_measured(model: Model, runs: Sequence[Run]) -> list[Array]:
     """Outputs at the rows of runs in which input and output are known, (k,) each; NaN where the memory is unknown.
 
-    Of runs of a rig: at their settled points, (k,). Raises DataError for such runs unless the model is one of loads of a
-    rig.
+    Of runs of a rig: at their settled points, (k,). Raises DataError for such runs unless the model is one of loads of
+    a rig.
     """
     for run in runs:
         if run.settled and model.temperature is None:

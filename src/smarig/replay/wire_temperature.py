@@ -49,8 +49,8 @@ def with_wire_temperature(run: Run, source: str) -> Run:
         actuator = _actuator(run)
         if source not in SOURCES or actuator is None or not (run.has("voltage_V") and run.has("current_A")):
             raise DataError(
-                f"The model has the temperature of the wire as its input (by {source}), but {run.name} has not measured "
-                "it. Give runs with the same readings as those of the model."
+                f"The model has the temperature of the wire as its input (by {source}), but {run.name} has not "
+                "measured it. Give runs with the same readings as those of the model."
             )
         power = run["voltage_V"] * run["current_A"]
         wire = PowerTemperature(actuator)

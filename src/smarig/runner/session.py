@@ -200,7 +200,7 @@ class Session:
             recorder.close(cause, t_s=runner.t_s, severity=severity)
 
     def _describe_load(self, recorder: Recorder, runner: Runner, start_s: float) -> None:
-        """The load between the first and the last sample. A load that is not plausible there has ended the run itself."""
+        """The load between the first and the last sample. One that is not plausible has ended the run itself."""
         with suppress(SmarigError):
             found = load_metadata(self.load, (start_s, max(runner.t_s, start_s)))
             recorder.describe("conditions", found["conditions"])
