@@ -1,6 +1,7 @@
 """Identification of one model from runs under several loads."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from datetime import UTC, datetime
 
 import numpy as np
@@ -12,6 +13,12 @@ from smarig.identification.fod_data import first_order_points
 from smarig.identification.identification_result import Identification
 from smarig.identification.measured.load_dependence import LoadDependence, fit_load_dependence
 from smarig.identification.measured.reading_plan import reading_plan
+from smarig.identification.measured.zero_by_load import (
+    REFERENCE,
+    ZERO_SLOPE,
+    with_zero_slope,
+    zero_slope,
+)
 from smarig.identification.noise_floor import noise_floor
 from smarig.identification.rows_used import THINNED, rows_used
 from smarig.identification.surface.curve_report import curve_report
@@ -55,6 +62,8 @@ def identify_loads(runs: Sequence[Run], condition: str) -> Identification:
 
     Raises DataError for other runs, or if they do not state several values of it.
     """
+    everything, changing = runs, [run for run in runs if stress_of_samples(run) is not None]
+    runs = [run for run in runs if run not in changing]
     source, records = _records(runs)
     data = first_order_points(runs)
     found = fit_load_dependence(records, condition)
@@ -69,13 +78,14 @@ def identify_loads(runs: Sequence[Run], condition: str) -> Identification:
         mirrored=False,
         fit={**figures, "points": found.error.size, "select": None, "load": found.to_json()},
         noise_floor=NoiseRecord(value=floor.value, unit=floor.unit, source=floor.source),
-        provenance=tuple(provenance(run) for run in runs),
+        provenance=tuple(provenance(run) for run in everything),
         twin=any(run.twin for run in runs),
         created=datetime.now(UTC).isoformat(timespec="seconds"),
         warnings=(*_warnings(found), *pooled_conditions(runs, {condition})),
         measurement={**found.part.to_json(), **({"temperature": source} if source else {})},
         **model_metadata(runs),
     )
+    model = _with_zero_by_load(model, found, changing) if changing else model
     plan = reading_plan(records)
     return Identification(
         model=model,
@@ -95,6 +105,21 @@ def identify_loads(runs: Sequence[Run], condition: str) -> Identification:
     )
 
 
+def _with_zero_by_load(model: Model, found: LoadDependence, changing: Sequence[Run]) -> Model:
+    """The model with zeros by load from runs under changing loads."""
+    slope = zero_slope(model, changing)
+    reference_MPa = next(e for e in found.part.effects if e.kind.by_condition).values["reference"]
+    table = with_zero_slope(found.table, slope.value, reference_MPa)
+    return replace(
+        model,
+        measurement={**model.measurement, "table": table.to_json()},
+        fit={
+            **model.fit,
+            "load": {**model.fit["load"], ZERO_SLOPE: slope.to_json(), REFERENCE: reference_MPa},
+        },
+    )
+
+
 def _records(runs: Sequence[Run]) -> tuple[TemperatureSource | None, list[InputRecord]]:
     """The records of runs, and the source of the temperature in those of a rig."""
     measured = [driven_by_input([run]) for run in runs]
@@ -107,11 +132,6 @@ def _records(runs: Sequence[Run]) -> tuple[TemperatureSource | None, list[InputR
     for run in runs:
         if source and not run.settled:
             raise DataError(f"{run.path} has no settled points. Loads are identified from settled points.")
-        if stress_of_samples(run) is not None:
-            raise DataError(
-                f"The load of {run.path} changes over time. Identify the model from runs under constant loads; it then "
-                "predicts runs under a load that changes."
-            )
     records = load_records([with_wire_temperature(run, source) for run in runs] if source else runs)
     if len(records) < len(runs):
         raise DataError("A run contains no row in which input and output are known. Leave it out.")

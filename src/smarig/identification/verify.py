@@ -15,7 +15,8 @@ from numpy.typing import NDArray
 from smarig.core import DataError, UsageError, spaced
 from smarig.identification.assumed_starts import assumed_starts, assumed_starts_text
 from smarig.identification.fod_data import first_order_points
-from smarig.identification.measured.load_dependence import expected_rms
+from smarig.identification.measured.load_dependence import expected_rms, is_far
+from smarig.identification.measured.zero_by_load import fitted_zero_slope, stress_at_start, zero_slope_of
 from smarig.identification.noise_floor import noise_floor
 from smarig.identification.point_selection import matches
 from smarig.identification.rows_used import without_dropouts
@@ -34,6 +35,7 @@ from smarig.replay import (
     recorded_start,
     simulate_runs,
     simulate_samples,
+    stress_at_points,
     with_heating_of,
     with_wire_temperature,
 )
@@ -184,6 +186,7 @@ def _verified(
             f"{run.path}: no point can be predicted, because the memory at its start is unknown and it never "
             "saturates. Also give the run before it, or start runs in saturation."
         )
+    predicted, by_load = _with_fitted_zero_slope(model, run, predicted, measured)
     shift, kind = _offset(model, run, (measured - predicted)[counts], offset)
     if before is not None and kind == "fitted" and offset != "fitted":
         shift, kind = before.offset, before.offset_kind
@@ -193,7 +196,7 @@ def _verified(
     return RunVerification(
         run=str(run.path),
         settled=_errors((predicted + shift - measured)[counts], span),
-        transient=None if select is not None else _transient(model, run, shift),
+        transient=None if select is not None or by_load else _transient(model, run, shift),
         noise_floor=noise_floor(run).value,
         offset=shift,
         offset_kind=kind,
@@ -203,11 +206,30 @@ def _verified(
         counted=counts,
         warnings=(
             *_validity_warnings(model, run),
+            *by_load,
+            *_far_loads(model, run),
             *_warnings(model, early, outside, kind, missing, encoder=run.has("counts")),
             *(assumed_starts_text(assumed_starts(model, [run]), model.unit) if before is None else ()),
         ),
         expected=_expected(model, run),
     )
+
+
+def _with_fitted_zero_slope(
+    model: Model, run: Run, predicted: Array, measured: Array
+) -> tuple[Array, list[str]]:
+    """Predictions (k,) with a slope over the load that is fitted to the run itself, if its load changes and the model
+    does not know the slope, and a sentence that says so.
+    """
+    stress_MPa = stress_at_points(run)
+    if model.temperature is None or stress_MPa is None or zero_slope_of(model) is not None:
+        return predicted, []
+    slope, _ = fitted_zero_slope(stress_MPa, measured - predicted, model.unit)
+    return predicted + slope.value * (stress_MPa - np.nanmean(stress_MPa)), [
+        "The model was made from runs that were each zeroed under their own load, so it does not know how the position "
+        f"changes with the load alone. A slope of {slope.value:.3g} {slope.unit} was fitted to this run. To identify "
+        "it, add a run under a load that changes to those of identify."
+    ]
 
 
 def _expected(model: Model, run: Run) -> float | None:
@@ -216,9 +238,28 @@ def _expected(model: Model, run: Run) -> float | None:
     stored = run.info.conditions.get(load["condition"]) if isinstance(load, dict) else None
     if not isinstance(load, dict) or not isinstance(stored, dict):
         return None
-    values = {stored.get(k) for k in ("mean", "min", "max")}
-    errors = [expected_rms(load, float(v)) for v in values if isinstance(v, int | float) and np.isfinite(v)]
+    errors = [expected_rms(load, v) for v in _extremes(stored)]
     return max((e for e in errors if e is not None), default=None)
+
+
+def _extremes(stored: dict[str, Any]) -> list[float]:
+    """Mean, least and largest value of a condition of a run."""
+    values = [stored.get(k) for k in ("mean", "min", "max")]
+    return [float(v) for v in values if isinstance(v, int | float) and np.isfinite(v)]
+
+
+def _far_loads(model: Model, run: Run) -> list[str]:
+    """A sentence for a load of which the runs of the model tell nothing."""
+    load = model.fit.get("load")
+    stored = run.info.conditions.get(load["condition"]) if isinstance(load, dict) else None
+    if not isinstance(load, dict) or not isinstance(stored, dict):
+        return []
+    if not any(is_far(load["values"], v) for v in _extremes(stored)):
+        return []
+    return [
+        f"The {load['condition']} of the run lies farther outside that of the model's runs than these lie apart. What "
+        "error is to be expected there is not known."
+    ]
 
 
 def _errors(error: Array, span: float) -> PredictionErrors:
@@ -254,6 +295,8 @@ def known_offset(model: Model, run: Run) -> float | None:
     It is 0 for the training runs, for runs of the same session with the same encoder zero, and for reversal curves
     (absolute). It is −y(initial state) for a run zeroed at power-up in a named state.
     """
+    if model.temperature is not None and not driven_by_input([run]):
+        return _offset_under_load(model, run)
     mine = provenance(run)
     for made_from in model.provenance:
         same_file = mine.sha256 and mine.sha256 == made_from.sha256
@@ -267,13 +310,25 @@ def known_offset(model: Model, run: Run) -> float | None:
             return 0.0
     if mine.protocol == FORC_PROTOCOL:
         return 0.0
-    if model.temperature is not None:
-        return 0.0 if _zeroed_alike(model, run) else None
     start = recorded_start(run)
     zeroed = "" if run.info.source == "import" else "power-up"  # others zero their sensors anywhere
     if start is not None and run.info.text_of("encoder_zero", zeroed) == "power-up":
         return -model.operator().reset(start)
     return None
+
+
+def _offset_under_load(model: Model, run: Run) -> float | None:
+    """The offset of a model of loads of a rig: −c (σ − σ₀) of the load under which the run was zeroed, if it is known.
+
+    Without c, it is 0 for a constant load: its zero is then that of the runs that the model was made from.
+    """
+    known, start_MPa = zero_slope_of(model), stress_at_start(run)
+    if not _zeroed_alike(model, run) or start_MPa is None:
+        return None
+    if known is None:
+        return None if stress_at_points(run) is not None else 0.0
+    slope, reference_MPa = known
+    return -slope * (start_MPa - reference_MPa)
 
 
 def _zeroed_alike(model: Model, run: Run) -> bool:

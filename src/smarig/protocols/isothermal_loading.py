@@ -15,9 +15,9 @@ def isothermal_loading(
     """Readings at constant current while the load changes: a stress–strain loop, if the load rises and falls.
 
     The load is that of the rig over time ([load] of the rig file, or ``--load``), as a formula or a file. It should
-    stay at its first value for ``lead_s``, in which the wire reaches ``input_K`` above ambient, and then change so slowly
-    that the wire gives off its latent heat. ``points`` readings are taken over ``duration_s``; each is the mean of the
-    last samples of its hold. At a current, the temperature follows the resistance, so it is constant only at
+    stay at its first value for ``lead_s``, in which the wire reaches ``input_K`` above ambient, and then change so
+    slowly that the wire gives off its latent heat. ``points`` readings are taken over ``duration_s``; each is the mean
+    of the last samples of its hold. At a current, the temperature follows the resistance, so it is constant only at
     ``input_K`` = 0, in a room or chamber at the temperature of the test.
     """
     checked_count("points", points, 2, 100_000)

@@ -36,6 +36,7 @@ if TYPE_CHECKING:
     from smarig.replay.provenance import provenance as provenance
     from smarig.replay.rig_record import load_of_run as load_of_run
     from smarig.replay.rig_record import load_records as load_records
+    from smarig.replay.rig_record import stress_at_points as stress_at_points
     from smarig.replay.rig_record import stress_of_samples as stress_of_samples
     from smarig.replay.sample_predictors import HysteresisPredictor as HysteresisPredictor
     from smarig.replay.sample_predictors import NamedPredictor as NamedPredictor

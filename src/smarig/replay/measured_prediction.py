@@ -29,7 +29,7 @@ from smarig.preisach import Everett, Initial, Preisach, State
 from smarig.record import Run, continues_run
 from smarig.replay.measured_input import driven_by_input
 from smarig.replay.model_file import Model
-from smarig.replay.rig_record import load_records, rows_of_settled
+from smarig.replay.rig_record import load_records, means_over_windows
 from smarig.replay.wire_temperature import with_wire_temperature
 
 Array = NDArray[np.float64]
@@ -76,7 +76,7 @@ def _simulate_rig_runs(model: Model, part: MeasurementPart, runs: Sequence[Run])
         else:
             every = np.full(len(run), np.nan)
             every[record.row] = y
-            found.append(every[rows_of_settled(warm)] if run.settled else y)
+            found.append(means_over_windows(run, every) if run.settled else y)
     return found
 
 
@@ -100,7 +100,7 @@ def applied_inputs(model: Model, run: Run) -> Array:
         return u[record.readings]
     every = np.full(len(run), np.nan)
     every[record.row] = u
-    return every[rows_of_settled(run)] if run.settled else u
+    return means_over_windows(run, every) if run.settled else u
 
 
 def _record_of(run: Run, *, samples: bool) -> InputRecord:

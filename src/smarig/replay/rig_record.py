@@ -10,7 +10,6 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.core import DataError
 from smarig.measurement import InputRecord, input_records, recorded_means
 from smarig.plant import Load
 from smarig.record import Run, continues_run
@@ -33,6 +32,19 @@ def stress_of_samples(run: Run) -> Array | None:
         return None
     t = np.where(np.isfinite(run["t_s"]), run["t_s"], 0.0)
     return load.stress_MPa(t)
+
+
+def stress_at_points(run: Run) -> Array | None:
+    """Mean stress in MPa over the window of each settled point (k,); None for a constant or unknown load."""
+    stress_MPa = stress_of_samples(run)
+    return None if stress_MPa is None else means_over_windows(run, stress_MPa)
+
+
+def means_over_windows(run: Run, values: Array) -> Array:
+    """Mean of sampled values (n,) over the window of each settled point (k,), NaN where one is not known."""
+    return np.array(
+        [values[run.window(s)].mean() if run.window(s) != slice(0, 0) else np.nan for s in run.settled]
+    )
 
 
 def load_records(runs: Sequence[Run], *, samples: bool = False) -> list[InputRecord]:
@@ -87,13 +99,3 @@ def _samples(run: Run, stress_MPa: Array | None) -> InputRecord | None:
     if stress_MPa is None:
         return record
     return replace(record, histories={STRESS: stress_MPa[record.row]})
-
-
-def rows_of_settled(run: Run) -> NDArray[np.int64]:
-    """The last sample of each settled step (k,). Raises DataError if the run has no clock."""
-    ends = [s.t_end_s for s in run.settled]
-    if any(end is None for end in ends):
-        raise DataError(
-            f"{run.name} has steps without a time of their end, so its samples cannot be matched."
-        )
-    return np.maximum(np.searchsorted(run["t_s"], np.array(ends, dtype=float), side="right") - 1, 0)

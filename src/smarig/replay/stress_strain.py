@@ -9,7 +9,7 @@ from pydantic import ValidationError
 from smarig.config import ActuatorFile
 from smarig.core import DataError
 from smarig.record import Run
-from smarig.replay.rig_record import stress_of_samples
+from smarig.replay.rig_record import stress_at_points
 
 Array = NDArray[np.float64]
 
@@ -29,7 +29,7 @@ def stress_strain(run: Run) -> StressStrain:
 
     Raises DataError unless the run states a load that changes, the wire's length, and readings in mm.
     """
-    stress_MPa = stress_of_samples(run)
+    stress_MPa = stress_at_points(run)
     if stress_MPa is None or not run.settled or run.unit != "mm":
         raise DataError(
             f"{run.path} has no stress–strain curve: it needs a load that changes and readings in mm."
@@ -38,8 +38,5 @@ def stress_strain(run: Run) -> StressStrain:
         length_mm = ActuatorFile.model_validate(run.info.actuator_values).wire.active_length.value
     except ValidationError:
         raise DataError(f"{run.path} does not state the length of its wire.") from None
-    windows = [run.window(s) for s in run.settled]
-    position = np.array([s.position for s in run.settled], dtype=float)
-    return StressStrain(
-        np.array([float(np.mean(stress_MPa[w])) for w in windows]), (position[0] - position) / length_mm
-    )
+    position = run.points()[1]
+    return StressStrain(stress_MPa, (position[0] - position) / length_mm)

@@ -8,6 +8,7 @@ either sign) if the readings need one. Each load then has a measure of its own i
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -280,11 +281,21 @@ def _table(fit: MeasuredFit, used: NDArray[np.bool_], condition: str) -> Conditi
 
 
 def expected_rms(stored: dict[str, Any], value: float) -> float | None:
-    """The error to be expected at a value of the condition, from loads left out; None if the load was measured."""
+    """The error to be expected at a value of the condition, from loads left out; None if the load was measured, or if
+    it is farther from the others than these are apart: nothing is known of it then.
+    """
     values = [float(v) for v in stored["values"]]
     if min(abs(value - v) for v in values) <= SAME_SHARE * (max(values) - min(values)):
         return None
+    if is_far(values, value):
+        return None
     return stored["between_rms" if values[0] < value < values[-1] else "beyond_rms"]
+
+
+def is_far(values: Sequence[float], value: float) -> bool:
+    """Whether a value lies farther outside increasing ones than the widest gap between them."""
+    widest = max((b - a for a, b in pairwise(values)), default=0.0)
+    return not values[0] - widest <= value <= values[-1] + widest
 
 
 def _rms(x: Array) -> float:
