@@ -27,6 +27,8 @@ ADDED = {
     "indistinguishable_states",
     "integral",
     "integral_action",
+    "isothermal_loading",
+    "load",
     "learned",
     "measured",
     "noise",

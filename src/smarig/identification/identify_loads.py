@@ -64,6 +64,8 @@ def identify_loads(runs: Sequence[Run], condition: str) -> Identification:
     """
     everything, changing = runs, [run for run in runs if stress_of_samples(run) is not None]
     runs = [run for run in runs if run not in changing]
+    if not runs:
+        raise DataError("The load changes in all of these runs. Give runs under several constant loads, too.")
     source, records = _records(runs)
     data = first_order_points(runs)
     found = fit_load_dependence(records, condition)

@@ -10,18 +10,23 @@ LONGEST_S = 1e6
 
 
 def isothermal_loading(
-    setup: Setup, *, input_K: float = 0.0, lead_s: float = 120.0, duration_s: float = 1800.0, points: int = 90
+    setup: Setup,
+    *,
+    input_K: float | None = None,
+    lead_s: float = 120.0,
+    duration_s: float = 1800.0,
+    points: int = 90,
 ) -> Protocol:
     """Readings at constant current while the load changes: a stress–strain loop, if the load rises and falls.
 
     The load is that of the rig over time ([load] of the rig file, or ``--load``), as a formula or a file. It should
-    stay at its first value for ``lead_s``, in which the wire reaches ``input_K`` above ambient, and then change so
-    slowly that the wire gives off its latent heat. ``points`` readings are taken over ``duration_s``; each is the mean
-    of the last samples of its hold. At a current, the temperature follows the resistance, so it is constant only at
-    ``input_K`` = 0, in a room or chamber at the temperature of the test.
+    stay at its first value for ``lead_s``, in which the wire reaches ``input_K`` above ambient (by default half of the
+    rig's range), and then change so slowly that the wire gives off its latent heat. ``points`` readings are taken over
+    ``duration_s``; each is the mean of the last samples of its hold. At a current, the temperature follows the
+    resistance, so it is constant only at ``input_K`` = 0, in a room or chamber at the temperature of the test.
     """
     checked_count("points", points, 2, 100_000)
-    (held_K,) = checked_inputs(setup, [input_K], "input_K")
+    (held_K,) = checked_inputs(setup, [setup.upper_K / 2 if input_K is None else input_K], "input_K")
     for name, seconds in (("lead_s", lead_s), ("duration_s", duration_s)):
         if not 0 < seconds <= LONGEST_S or not math.isfinite(seconds):
             raise UsageError(f"{name} must be positive and at most {LONGEST_S:g}, got {seconds:g}.")

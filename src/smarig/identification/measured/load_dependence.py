@@ -124,11 +124,11 @@ def fit_load_dependence(records: Sequence[InputRecord], condition: str) -> LoadD
     _check_loads(records, condition)
     plain = compared(records, len(records))
     rough = _searched(plain, kind, records)
-    present = _proportional(plain, rough)
     weight = reading_weights(rough.fit)
-    problem = measured_problem(plain.plan, (*present, *rough.effects), weight=weight)
+    problem = measured_problem(plain.plan, rough.effects, weight=weight)
     smoothing = chosen_smoothing(problem, gains=rough.fit.gains)
     comparison = replace(plain, smoothing=smoothing, weight=weight)
+    present = _proportional(comparison, rough.effects)
     return _with_measures(comparison, _searched(comparison, kind, records, present), condition)
 
 
@@ -168,13 +168,16 @@ def _searched(
     )
 
 
-def _proportional(comparison: Comparison, rough: MeasuredHypothesis) -> tuple[MeasurementEffect, ...]:
+def _proportional(
+    comparison: Comparison, effects: Sequence[MeasurementEffect]
+) -> tuple[MeasurementEffect, ...]:
     """A part of the output proportional to the input, if settled readings are predicted better with it."""
     if any(r.readings is None for r in comparison.plan.records):
         return ()
     kinds = {k.name: k for k in measurement_effect_types()}
     part = (kinds[PROPORTIONAL](),)
-    return part if comparison.evaluated((*part, *rough.effects)).misfit < OWN_ADVANTAGE * rough.misfit else ()
+    with_part, without = comparison.evaluated((*part, *effects)), comparison.evaluated(effects)
+    return part if with_part.misfit < OWN_ADVANTAGE * without.misfit else ()
 
 
 def _with_measures(comparison: Comparison, found: MeasuredHypothesis, condition: str) -> LoadDependence:
