@@ -49,7 +49,7 @@ if TYPE_CHECKING:
     from smarig.replay.simulation import simulate as simulate
     from smarig.replay.simulation import simulate_runs as simulate_runs
     from smarig.replay.simulation import simulate_samples as simulate_samples
-    from smarig.replay.stress_strain import StressStrain as StressStrain
+    from smarig.replay.stress_strain import StressStrainCurve as StressStrainCurve
     from smarig.replay.stress_strain import stress_strain as stress_strain
     from smarig.replay.timeline import ReadingSeries as ReadingSeries
     from smarig.replay.timeline import Timeline as Timeline

@@ -15,14 +15,14 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
-class StressStrain:
+class StressStrainCurve:
     """Stress in MPa and strain (k,) at the readings of a run; strain counts from the first reading."""
 
     stress_MPa: Array
     strain: Array
 
 
-def stress_strain(run: Run) -> StressStrain:
+def stress_strain(run: Run) -> StressStrainCurve:
     """The stress–strain curve of a run: means over the window of each reading.
 
         σ = F/A,      ε = −y/L        y: contraction, L: active length
@@ -39,4 +39,4 @@ def stress_strain(run: Run) -> StressStrain:
     except ValidationError:
         raise DataError(f"{run.path} does not state the length of its wire.") from None
     position = run.points()[1]
-    return StressStrain(stress_MPa, (position[0] - position) / length_mm)
+    return StressStrainCurve(stress_MPa, (position[0] - position) / length_mm)
