@@ -13,12 +13,7 @@ from smarig.identification.fod_data import first_order_points
 from smarig.identification.identification_result import Identification
 from smarig.identification.measured.load_dependence import LoadDependence, fit_load_dependence
 from smarig.identification.measured.reading_plan import reading_plan
-from smarig.identification.measured.zero_by_load import (
-    REFERENCE,
-    ZERO_SLOPE,
-    with_zero_slope,
-    zero_slope,
-)
+from smarig.identification.measured.zero_by_load import zero_slope
 from smarig.identification.noise_floor import noise_floor
 from smarig.identification.rows_used import THINNED, rows_used
 from smarig.identification.surface.curve_report import curve_report
@@ -87,7 +82,14 @@ def identify_loads(runs: Sequence[Run], condition: str) -> Identification:
         measurement={**found.part.to_json(), **({"temperature": source} if source else {})},
         **model_metadata(runs),
     )
-    model = _with_zero_by_load(model, found, changing) if changing else model
+    if changing:
+        reference_MPa = next(e for e in found.part.effects if e.kind.by_condition).values["reference"]
+        found = found.with_zero_slope(zero_slope(model, changing, reference_MPa))
+        model = replace(
+            model,
+            measurement={**model.measurement, **found.part.to_json()},
+            fit={**model.fit, "load": found.to_json()},
+        )
     plan = reading_plan(records)
     return Identification(
         model=model,
@@ -104,21 +106,6 @@ def identify_loads(runs: Sequence[Run], condition: str) -> Identification:
             THINNED,
         ),
         load=found,
-    )
-
-
-def _with_zero_by_load(model: Model, found: LoadDependence, changing: Sequence[Run]) -> Model:
-    """The model with zeros by load from runs under changing loads."""
-    slope = zero_slope(model, changing)
-    reference_MPa = next(e for e in found.part.effects if e.kind.by_condition).values["reference"]
-    table = with_zero_slope(found.table, slope.value, reference_MPa)
-    return replace(
-        model,
-        measurement={**model.measurement, "table": table.to_json()},
-        fit={
-            **model.fit,
-            "load": {**model.fit["load"], ZERO_SLOPE: slope.to_json(), REFERENCE: reference_MPa},
-        },
     )
 
 

@@ -323,7 +323,7 @@ def _offset_under_load(model: Model, run: Run) -> float | None:
     Without c, it is 0 for a constant load: its zero is then that of the runs that the model was made from.
     """
     known, start_MPa = zero_slope_of(model), stress_at_start(run)
-    if not _zeroed_alike(model, run) or start_MPa is None:
+    if not _zeroed_at_power_up(model, run) or start_MPa is None:
         return None
     if known is None:
         return None if stress_at_points(run) is not None else 0.0
@@ -331,7 +331,7 @@ def _offset_under_load(model: Model, run: Run) -> float | None:
     return -slope * (start_MPa - reference_MPa)
 
 
-def _zeroed_alike(model: Model, run: Run) -> bool:
+def _zeroed_at_power_up(model: Model, run: Run) -> bool:
     """Whether a run and those of a model of loads were all zeroed at power-up: each under its load, in one state."""
     mine = provenance(run)
     zeros = {mine.encoder_zero, *(p.encoder_zero for p in model.provenance)}

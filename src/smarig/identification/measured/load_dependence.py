@@ -20,6 +20,7 @@ from smarig.identification.measured.measured_fit import MeasuredFit, fit_measure
 from smarig.identification.measured.measured_hypothesis import Comparison, MeasuredHypothesis, compared
 from smarig.identification.measured.own_measures import OwnMeasure, own_measure
 from smarig.identification.measured.reading_weights import reading_weights
+from smarig.identification.measured.zero_by_load import ZERO_SLOPE, ZeroSlope, with_zero_slope
 from smarig.measurement import (
     SAME_SHARE,
     ConditionTable,
@@ -57,7 +58,8 @@ class LoadDependence:
 
     ``value`` of the ``parameter`` of the effect (C) has a 95 % ``interval``; ``at_bound``: it lies at the end of its
     search. ``hysteresis`` is the one measure of all loads. ``own``: each load has its own, in ``part``. ``table`` holds
-    gain and zero of each load. ``error`` (m,) are measured minus fitted outputs at the readings.
+    gain and zero of each load. ``error`` (m,) are measured minus fitted outputs at the readings. ``zero_slope``: how
+    the position of a wire of a rig changes with the load alone, None if no run shows it.
     """
 
     condition: str
@@ -73,6 +75,12 @@ class LoadDependence:
     left_out: tuple[LeftOutLoad, ...]
     error: Array
     smoothing: float
+    zero_slope: ZeroSlope | None = None
+
+    def with_zero_slope(self, slope: ZeroSlope) -> "LoadDependence":
+        """The same with the zeros of a wire that this load moves."""
+        table = with_zero_slope(self.table, slope)
+        return replace(self, table=table, part=replace(self.part, table=table), zero_slope=slope)
 
     def left_out_rms(self, *, beyond: bool) -> float | None:
         """Rms error at loads left out, between the others or beyond them; None if none was left out."""
@@ -96,8 +104,15 @@ class LoadDependence:
         return (
             f"{self.parameter} = {self.value:.3g}{spaced(self.unit)} [{low:.3g}, {high:.3g}] from "
             f"{self.condition} {loads}; "
-            f"{'one measure for each load' if self.own else 'one measure for all loads'}.{left_out}"
+            f"{'one measure for each load' if self.own else 'one measure for all loads'}.{left_out}{self._zero_text}"
         )
+
+    @property
+    def _zero_text(self) -> str:
+        if self.zero_slope is None:
+            return ""
+        z, (low, high) = self.zero_slope, self.zero_slope.interval
+        return f" The load alone moves the position by {z.value:.3g}{spaced(z.unit)} [{low:.3g}, {high:.3g}]."
 
     def to_json(self) -> dict[str, Any]:
         """Plain values, as in the model file and on the command line."""
@@ -112,6 +127,7 @@ class LoadDependence:
             ],
             "between_rms": self.left_out_rms(beyond=False),
             "beyond_rms": self.left_out_rms(beyond=True),
+            **({ZERO_SLOPE: self.zero_slope.to_json()} if self.zero_slope else {}),
         }
 
 

@@ -18,21 +18,27 @@ from smarig.replay import Model, simulate_runs, stress_at_points, stress_of_samp
 
 Array = NDArray[np.float64]
 LEAST_CHANGE_MPA = 1.0
-ZERO_SLOPE, REFERENCE = "zero_slope", "reference_MPa"  # keys of the load in the fit of a model
+ZERO_SLOPE = "zero_slope"  # key of the load in the fit of a model
 FEWEST_POINTS = 3
 
 
 @dataclass(frozen=True)
 class ZeroSlope:
-    """c in output units per MPa with its 95 % interval, from what a model leaves of runs under changing loads."""
+    """c in output units per MPa with its 95 % interval; ``reference_MPa`` is σ₀."""
 
     value: float
     interval: tuple[float, float]
     unit: str
+    reference_MPa: float = 0.0
 
     def to_json(self) -> dict[str, Any]:
         """Plain values."""
-        return {"value": self.value, "ci95": list(self.interval), "unit": self.unit}
+        return {
+            "value": self.value,
+            "ci95": list(self.interval),
+            "unit": self.unit,
+            "reference_MPa": self.reference_MPa,
+        }
 
 
 def fitted_zero_slope(stress_MPa: Array, rest: Array, unit: str) -> tuple[ZeroSlope, float]:
@@ -52,11 +58,11 @@ def fitted_zero_slope(stress_MPa: Array, rest: Array, unit: str) -> tuple[ZeroSl
     return ZeroSlope(slope, (slope - half, slope + half), f"{unit}/MPa"), mean
 
 
-def zero_slope(model: Model, runs: Sequence[Run]) -> ZeroSlope:
+def zero_slope(model: Model, runs: Sequence[Run], reference_MPa: float) -> ZeroSlope:
     """The slope from runs under changing loads, each with a zero of its own."""
     parts = [_about_means(model, run) for run in runs]
     stress_MPa, rest = (np.concatenate(column) for column in zip(*parts, strict=True))
-    return fitted_zero_slope(stress_MPa, rest, model.unit)[0]
+    return replace(fitted_zero_slope(stress_MPa, rest, model.unit)[0], reference_MPa=reference_MPa)
 
 
 def _about_means(model: Model, run: Run) -> tuple[Array, Array]:
@@ -73,12 +79,12 @@ def zero_slope_of(model: Model) -> tuple[float, float] | None:
     """(c, σ₀) of a model; None if its runs did not show it."""
     load = model.fit.get("load")
     stored = load.get(ZERO_SLOPE) if isinstance(load, dict) else None
-    return (float(stored["value"]), float(load[REFERENCE])) if isinstance(stored, dict) and load else None
+    return (float(stored["value"]), float(stored["reference_MPa"])) if isinstance(stored, dict) else None
 
 
-def with_zero_slope(table: ConditionTable, slope: float, reference_MPa: float) -> ConditionTable:
+def with_zero_slope(table: ConditionTable, slope: ZeroSlope) -> ConditionTable:
     """The table with c (σ − σ₀) added to its zeros."""
-    added = (slope * (np.array(table.values) - reference_MPa)).tolist()
+    added = (slope.value * (np.array(table.values) - slope.reference_MPa)).tolist()
     return replace(table, zeros=tuple(z + a for z, a in zip(table.zeros, added)))
 
 
