@@ -1,6 +1,7 @@
 """One model of several loads from settled points of a rig: exact for a wire with this law, honest for another one."""
 
 import os
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -181,3 +182,10 @@ def test_two_weights_between_are_predicted_within_twice_the_noise(tmp_path):
         checked = verify(found.model, runs[weight]).runs[0]
         assert checked.offset_kind == "known"
         assert checked.settled.rms <= 2 * checked.noise_floor
+
+
+def test_a_damaged_slope_of_a_model_is_refused_in_a_sentence():
+    wire, found = modelled(0)
+    load = {**found.model.fit["load"], "zero_slope": {"value": 0.1}}
+    with pytest.raises(DataError, match="reference_MPa"):
+        verify(replace(found.model, fit={**found.model.fit, "load": load}), changing(wire, 30))

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.core import DataError
+from smarig.core import DataError, stored_number
 from smarig.measurement import ConditionTable
 from smarig.record import Run
 from smarig.replay import Model, simulate_runs, stress_at_points, stress_of_samples
@@ -76,10 +76,17 @@ def _about_means(model: Model, run: Run) -> tuple[Array, Array]:
 
 
 def zero_slope_of(model: Model) -> tuple[float, float] | None:
-    """(c, σ₀) of a model; None if its runs did not show it."""
+    """(c, σ₀) of a model; None if its runs did not show it. Raises DataError if its file is damaged."""
     load = model.fit.get("load")
     stored = load.get(ZERO_SLOPE) if isinstance(load, dict) else None
-    return (float(stored["value"]), float(stored["reference_MPa"])) if isinstance(stored, dict) else None
+    if stored is None:
+        return None
+    if not isinstance(stored, dict):
+        raise DataError(f"Model '{model.name}' is damaged: its {ZERO_SLOPE} is no table.")
+    value, reference_MPa = (
+        stored_number(stored.get(key), f"{key} of {ZERO_SLOPE}") for key in ("value", "reference_MPa")
+    )
+    return value, reference_MPa
 
 
 def with_zero_slope(table: ConditionTable, slope: ZeroSlope) -> ConditionTable:
