@@ -25,7 +25,7 @@ from simulators.pace import HOST_TIMEOUT_s, LockStep, Pace, RealTime
 from simulators.server import Server, TickTrace
 from simulators.simulated_bench import AMPLIFIER, DAQ, SimulatedBench
 from simulators.transports import Port, Pty, TcpPort
-from smarig.config import RigFile, load_rig
+from smarig.config import RigFile, load_rig, with_load
 from smarig.core import SmarigError, UsageError
 from smarig.device import load_register_map
 from smarig.plant import Actuator, effects_from_arguments
@@ -52,6 +52,7 @@ FOLDER = click.Path(path_type=Path, file_okay=False)
     metavar="NAME=STRENGTH",
     help="Effect of the twin, as in smarig run; repeatable.",
 )
+@click.option("--load", default="", help="Force on the wire, as in smarig run.")
 @click.option("--lock-step", is_flag=True, help="Advance the time only when the host requests samples.")
 @click.option(
     "--gone-after",
@@ -73,6 +74,7 @@ def main(
     framing: str | None,
     seed: int,
     effects: tuple[str, ...],
+    load: str,
     lock_step: bool,
     host_timeout_s: float,
     speed: float | None,
@@ -87,7 +89,7 @@ def main(
             raise UsageError(
                 "Give either --lock-step or --speed: time either waits for the host or follows the clock."
             )
-        file = load_rig(rig)
+        file = with_load(load_rig(rig), load) if load else load_rig(rig)
         faults = load_faults(faults_file) if faults_file else ()
         framings = {name: _framing(file, name, framing) for name in (AMPLIFIER, DAQ)}
         settings = TwinSettings(seed=seed, effects=effects_from_arguments(effects))

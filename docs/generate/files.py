@@ -62,7 +62,9 @@ RUN_KEYS = {
     "model": "simulation: name of the model",
     "along": "simulation: the run whose inputs the model followed",
     "imported": "import: the file, its hash, its mapping",
-    "conditions": "import: values that the mapping keeps in addition to the channels",
+    "conditions": "values that runs are compared by, with mean, min and max: the load of a rig's wire and its stress; "
+    "import: those that the mapping keeps in addition to the channels",
+    "load": "of a rig with one wire: the force in N, or its formula or knots over time, and the section of the wire",
     "repairs": "import with --repair: by kind, the rows that were masked or dropped",
     "header": "import: the header of the table that was read, in files of several",
     "t0_s": "import: --t0",

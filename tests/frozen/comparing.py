@@ -31,6 +31,8 @@ ADDED = {
     "indistinguishable_states",
     "integral",
     "integral_action",
+    "isothermal_loading",
+    "load",
     "learned",
     "measured",
     "no_candidates",

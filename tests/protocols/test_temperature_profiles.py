@@ -9,9 +9,8 @@ from hypothesis import strategies as st
 
 import smarig
 from protocols.test_every_protocol import targets
-from smarig.core import DataError, UsageError
+from smarig.core import DataError, Formula, UsageError
 from smarig.protocols import Setup, build_protocol
-from smarig.protocols._formula import Formula
 
 
 def test_a_formula_is_sampled_at_even_times():

@@ -15,6 +15,7 @@ from smarig.cli.panel.keyboard import keys
 from smarig.cli.panel.run_status import run_info
 from smarig.cli.parameter_types import RIG, SEED, FiniteNumber
 from smarig.cli.progress import progress
+from smarig.config import RigFile, load_rig, with_load
 from smarig.core import RUN, Quality, UsageError, check_replaceable
 from smarig.plant import effects_from_arguments
 from smarig.record import AnyRun, check_not_recording
@@ -31,6 +32,7 @@ class RunOptions(NamedTuple):
     effects: tuple[str, ...]
     seed: int
     speed: float | None
+    load: str
     wire: str
     notes: str
     dry_run: bool
@@ -42,7 +44,12 @@ class RunOptions(NamedTuple):
     def session(self) -> Session:
         """A session with these options, not opened yet."""
         twin = TwinSettings(seed=self.seed, effects=effects_from_arguments(self.effects))
-        return Session(self.rig, twin=twin, speed=self.speed, wire=self.wire)
+        return Session(self.rig, twin=twin, speed=self.speed, wire=self.wire, load=self.load)
+
+    def rig_file(self) -> RigFile:
+        """The rig file, with the load that was given."""
+        file = load_rig(self.rig)
+        return with_load(file, self.load) if self.load else file
 
     @contextmanager
     def open_session(
@@ -98,6 +105,13 @@ _OPTIONS = (
         "--speed",
         type=FiniteNumber(0, min_open=True),
         help="Twin: real time × SPEED (default: as fast as possible).",
+    ),
+    click.option(
+        "--load",
+        default="",
+        metavar="N|FORMULA|FILE",
+        help="Force on a single wire: in N, a formula of the time t in s, or a CSV file with time_s and force_N "
+        "(default: that of the rig file).",
     ),
     click.option("--wire", default="", help="Identity of the wire (default: that of the rig file)."),
     click.option("--notes", default="", help="Note to store with the run."),

@@ -67,11 +67,13 @@ def merged_tables(base: dict[str, Any], mine: dict[str, Any]) -> dict[str, Any]:
 
 
 def _with_resolved_paths(table: dict[str, Any], folder: Path) -> dict[str, Any]:
-    """A rig's table with resolved paths of its own drivers and actuator, if they are in the rig file's folder."""
-    actuator, links = table.get("actuator"), table.get("links")
+    """A rig's table with paths of its own drivers, actuator and load that are relative to the rig file's folder."""
+    actuator, links, load = (table.get(key) for key in ("actuator", "links", "load"))
     resolved = dict(table)
     if isinstance(actuator, str):
         resolved["actuator"] = _sibling_path(actuator, folder)
+    if isinstance(load, dict) and isinstance(load.get("file"), str):
+        resolved["load"] = load | {"file": str((folder / load["file"]).resolve())}
     if isinstance(links, dict):
         resolved["links"] = {
             device: link | {"driver": str((folder / link["driver"]).resolve())}

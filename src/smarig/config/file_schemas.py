@@ -9,6 +9,7 @@ from typing import Any, Literal
 
 from pydantic import Field, model_validator
 
+from smarig.config.load_file import LoadFile
 from smarig.config.quantity import Amperes, Density, Kelvin, Millimetres, Ohms, PulleyRadius, SpecificHeat
 from smarig.config.thermomechanical_file import LARGEST_STRESS_MPA, ThermomechanicalSection
 from smarig.core import Number, TomlTable
@@ -246,6 +247,7 @@ class RigFile(TomlTable):
     temperature_noise_K: Number = Field(ge=0, le=1000)  # noise of the hysteresis input, standard deviation
     temperature_noise_time_s: Number = Field(ge=1e-3, le=1e9)  # correlation time of this noise
     hidden_effect: bool = False  # twin: an effect is drawn from the seed
+    load: LoadFile | None = None  # force on a single wire; else that of a thermomechanical wire's file
     limits: LimitsFile  # enforced by the host on every tick
     amplifier: AmplifierFile  # the amplifier of a twin
     encoder: EncoderFile  # the encoder of a twin

@@ -47,12 +47,15 @@ if TYPE_CHECKING:
     from smarig.core.file_content import RUN as RUN
     from smarig.core.file_content import TOML as TOML
     from smarig.core.file_content import content_kind as content_kind
+    from smarig.core.formula import Formula as Formula
     from smarig.core.new_file import check_regular as check_regular
     from smarig.core.new_file import new_file as new_file
     from smarig.core.notebook_display import NotebookDisplay as NotebookDisplay
     from smarig.core.number_text import number_from_text as number_from_text
     from smarig.core.process_lock import check_free as check_free
     from smarig.core.process_lock import process_lock as process_lock
+    from smarig.core.profile_table import profile_numbers as profile_numbers
+    from smarig.core.profile_table import profile_rows as profile_rows
     from smarig.core.resources import make_importable as make_importable
     from smarig.core.resources import shipped as shipped
     from smarig.core.sample import NAN as NAN

@@ -1,6 +1,7 @@
 """Identification of one model from runs under several loads."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from datetime import UTC, datetime
 
 import numpy as np
@@ -12,15 +13,28 @@ from smarig.identification.fod_data import first_order_points
 from smarig.identification.identification_result import Identification
 from smarig.identification.measured.load_dependence import LoadDependence, fit_load_dependence
 from smarig.identification.measured.reading_plan import reading_plan
+from smarig.identification.measured.zero_by_load import zero_slope
 from smarig.identification.noise_floor import noise_floor
 from smarig.identification.rows_used import THINNED, rows_used
 from smarig.identification.surface.curve_report import curve_report
 from smarig.identification.surface.fit_figures import error_figures
 from smarig.identification.surface.surface_kinds import BEST_KIND, POSITIVE_KIND
-from smarig.measurement import InputRecord, input_records
+from smarig.measurement import InputRecord
 from smarig.preisach import FodTable
 from smarig.record import Run
-from smarig.replay import Model, NoiseRecord, driven_by_input, model_metadata, pooled_conditions, provenance
+from smarig.replay import (
+    Model,
+    NoiseRecord,
+    TemperatureSource,
+    driven_by_input,
+    load_records,
+    model_metadata,
+    pooled_conditions,
+    provenance,
+    stress_of_samples,
+    temperature_source,
+    with_wire_temperature,
+)
 
 
 def check_load_settings(
@@ -43,7 +57,11 @@ def identify_loads(runs: Sequence[Run], condition: str) -> Identification:
 
     Raises DataError for other runs, or if they do not state several values of it.
     """
-    records = _records(runs)
+    everything, changing = runs, [run for run in runs if stress_of_samples(run) is not None]
+    runs = [run for run in runs if run not in changing]
+    if not runs:
+        raise DataError("The load changes in all of these runs. Give runs under several constant loads, too.")
+    source, records = _records(runs)
     data = first_order_points(runs)
     found = fit_load_dependence(records, condition)
     table = found.hysteresis
@@ -57,13 +75,21 @@ def identify_loads(runs: Sequence[Run], condition: str) -> Identification:
         mirrored=False,
         fit={**figures, "points": found.error.size, "select": None, "load": found.to_json()},
         noise_floor=NoiseRecord(value=floor.value, unit=floor.unit, source=floor.source),
-        provenance=tuple(provenance(run) for run in runs),
+        provenance=tuple(provenance(run) for run in everything),
         twin=any(run.twin for run in runs),
         created=datetime.now(UTC).isoformat(timespec="seconds"),
         warnings=(*_warnings(found), *pooled_conditions(runs, {condition})),
-        measurement=found.part.to_json(),
+        measurement={**found.part.to_json(), **({"temperature": source} if source else {})},
         **model_metadata(runs),
     )
+    if changing:
+        reference_MPa = next(e for e in found.part.effects if e.kind.by_condition).values["reference"]
+        found = found.with_zero_slope(zero_slope(model, changing, reference_MPa))
+        model = replace(
+            model,
+            measurement={**model.measurement, **found.part.to_json()},
+            fit={**model.fit, "load": found.to_json()},
+        )
     plan = reading_plan(records)
     return Identification(
         model=model,
@@ -83,17 +109,22 @@ def identify_loads(runs: Sequence[Run], condition: str) -> Identification:
     )
 
 
-def _records(runs: Sequence[Run]) -> list[InputRecord]:
+def _records(runs: Sequence[Run]) -> tuple[TemperatureSource | None, list[InputRecord]]:
+    """The records of runs, and the source of the temperature in those of a rig."""
+    measured = [driven_by_input([run]) for run in runs]
+    if any(measured) and not all(measured):
+        raise DataError(
+            "Some of the runs have a heating current or settled steps, others only a measured input. Loads are "
+            "identified from runs of one kind."
+        )
+    source = None if all(measured) else temperature_source(runs)
     for run in runs:
-        if not driven_by_input([run]):
-            raise DataError(
-                f"{run.path} has a heating current or settled steps. Loads are identified from runs with a measured "
-                "input, such as a temperature."
-            )
-    records = input_records(runs)
+        if source and not run.settled:
+            raise DataError(f"{run.path} has no settled points. Loads are identified from settled points.")
+    records = load_records([with_wire_temperature(run, source) for run in runs] if source else runs)
     if len(records) < len(runs):
         raise DataError("A run contains no row in which input and output are known. Leave it out.")
-    return records
+    return source, records
 
 
 def _warnings(found: LoadDependence) -> list[str]:

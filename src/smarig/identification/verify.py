@@ -16,7 +16,8 @@ from smarig.core import DataError, UsageError, spaced
 from smarig.identification.assumed_starts import assumed_starts, assumed_starts_text
 from smarig.identification.error_verdict import ErrorVerdict, error_verdict
 from smarig.identification.fod_data import first_order_points
-from smarig.identification.measured.load_dependence import expected_rms
+from smarig.identification.measured.load_dependence import expected_rms, is_far
+from smarig.identification.measured.zero_by_load import fitted_zero_slope, stress_at_start, zero_slope_of
 from smarig.identification.noise_floor import noise_floor
 from smarig.identification.point_selection import matches
 from smarig.identification.rows_used import without_dropouts
@@ -24,17 +25,20 @@ from smarig.identification.run_zeros import has_own_zero
 from smarig.record import FORC_PROTOCOL, Run, continues_run
 from smarig.replay import (
     Model,
+    applied_inputs,
     check_output,
+    driven_by_input,
     file_hash,
     foreign_conditions,
     missing_earlier_runs,
     out_of_range,
     provenance,
-    recorded_conditions,
     recorded_start,
     simulate_runs,
     simulate_samples,
+    stress_at_points,
     with_heating_of,
+    with_wire_temperature,
 )
 
 Array = NDArray[np.float64]
@@ -125,9 +129,7 @@ def verify(
     still simulated. With ``offset`` "known", a run with an unknown encoder zero is an error; "fitted" always fits
     an offset. Raises DataError if units differ or the memory of a run is never known.
     """
-    several = [
-        with_heating_of(model, without_dropouts(run)) for run in ([runs] if isinstance(runs, Run) else runs)
-    ]
+    several = [_with_inputs(model, run) for run in ([runs] if isinstance(runs, Run) else runs)]
     for run in several:
         check_output(model, run)
     selected = selected_points(several, select)
@@ -149,6 +151,14 @@ def verify(
             )
         )
     return Verification(model.name, model.unit, tuple(counted))
+
+
+def _with_inputs(model: Model, run: Run) -> Run:
+    """The run with the inputs that the model has: by its heating, or by its source of the wire's temperature."""
+    found = with_heating_of(model, without_dropouts(run))
+    if model.temperature is None or driven_by_input([found]):
+        return found
+    return with_wire_temperature(found, model.temperature)
 
 
 def selected_points(runs: Sequence[Run], select: str | None) -> list[NDArray[np.bool_]]:
@@ -183,16 +193,17 @@ def _verified(
             f"{run.path}: no point can be predicted, because the memory at its start is unknown and it never "
             "saturates. Also give the run before it, or start runs in saturation."
         )
+    predicted, by_load = _with_fitted_zero_slope(model, run, predicted, measured)
     shift, kind = _offset(model, run, (measured - predicted)[counts], offset)
     if before is not None and kind == "fitted" and offset != "fitted":
         shift, kind = before.offset, before.offset_kind
     span = float(np.ptp(measured))
-    outside = int(np.sum(out_of_range(model, inputs[counts])))
+    outside = int(np.sum(out_of_range(model, applied_inputs(model, run)[counts])))
     early = 0 if run.info.protocol == FORC_PROTOCOL else int(np.sum(selected & ~counts))
     return RunVerification(
         run=str(run.path),
         settled=_errors((predicted + shift - measured)[counts], span),
-        transient=None if select is not None else _transient(model, run, shift),
+        transient=None if select is not None or by_load else _transient(model, run, shift),
         noise_floor=noise_floor(run).value,
         offset=shift,
         offset_kind=kind,
@@ -202,6 +213,8 @@ def _verified(
         counted=counts,
         warnings=(
             *_validity_warnings(model, run),
+            *by_load,
+            *_far_loads(model, run),
             *_warnings(model, early, outside, kind, missing, encoder=run.has("counts")),
             *(assumed_starts_text(assumed_starts(model, [run]), model.unit) if before is None else ()),
         ),
@@ -209,11 +222,51 @@ def _verified(
     )
 
 
+def _with_fitted_zero_slope(
+    model: Model, run: Run, predicted: Array, measured: Array
+) -> tuple[Array, list[str]]:
+    """Predictions (k,) with a slope over the load that is fitted to the run itself, if its load changes and the model
+    does not know the slope, and a sentence that says so.
+    """
+    stress_MPa = stress_at_points(run)
+    if model.temperature is None or stress_MPa is None or zero_slope_of(model) is not None:
+        return predicted, []
+    slope, _ = fitted_zero_slope(stress_MPa, measured - predicted, model.unit)
+    return predicted + slope.value * (stress_MPa - np.nanmean(stress_MPa)), [
+        "The model was made from runs that were each zeroed under their own load, so it does not know how the position "
+        f"changes with the load alone. A slope of {slope.value:.3g} {slope.unit} was fitted to this run. To identify "
+        "it, add a run under a load that changes to those of identify."
+    ]
+
+
 def _expected(model: Model, run: Run) -> float | None:
     """The rms error to be expected from loads left out of the fit, if the model depends on a load."""
     load = model.fit.get("load")
-    own = recorded_conditions(run).get(load["condition"]) if isinstance(load, dict) else None
-    return expected_rms(load, float(own.value)) if load and own and not isinstance(own.value, str) else None
+    stored = run.info.conditions.get(load["condition"]) if isinstance(load, dict) else None
+    if not isinstance(load, dict) or not isinstance(stored, dict):
+        return None
+    errors = [expected_rms(load, v) for v in _extremes(stored)]
+    return max((e for e in errors if e is not None), default=None)
+
+
+def _extremes(stored: dict[str, Any]) -> list[float]:
+    """Mean, least and largest value of a condition of a run."""
+    values = [stored.get(k) for k in ("mean", "min", "max")]
+    return [float(v) for v in values if isinstance(v, int | float) and np.isfinite(v)]
+
+
+def _far_loads(model: Model, run: Run) -> list[str]:
+    """A sentence for a load of which the runs of the model tell nothing."""
+    load = model.fit.get("load")
+    stored = run.info.conditions.get(load["condition"]) if isinstance(load, dict) else None
+    if not isinstance(load, dict) or not isinstance(stored, dict):
+        return []
+    if not any(is_far(load["values"], v) for v in _extremes(stored)):
+        return []
+    return [
+        f"The {load['condition']} of the run lies farther outside that of the model's runs than these lie apart. What "
+        "error is to be expected there is not known."
+    ]
 
 
 def _errors(error: Array, span: float) -> PredictionErrors:
@@ -249,6 +302,8 @@ def known_offset(model: Model, run: Run) -> float | None:
     It is 0 for the training runs, for runs of the same session with the same encoder zero, and for reversal curves
     (absolute). It is −y(initial state) for a run zeroed at power-up in a named state.
     """
+    if model.temperature is not None and not driven_by_input([run]):
+        return _offset_under_load(model, run)
     mine = provenance(run)
     for made_from in model.provenance:
         same_file = mine.sha256 and mine.sha256 == made_from.sha256
@@ -267,6 +322,27 @@ def known_offset(model: Model, run: Run) -> float | None:
     if start is not None and run.info.text_of("encoder_zero", zeroed) == "power-up":
         return -model.operator().reset(start)
     return None
+
+
+def _offset_under_load(model: Model, run: Run) -> float | None:
+    """The offset of a model of loads of a rig: −c (σ − σ₀) of the load under which the run was zeroed, if it is known.
+
+    Without c, it is 0 for a constant load: its zero is then that of the runs that the model was made from.
+    """
+    known, start_MPa = zero_slope_of(model), stress_at_start(run)
+    if not _zeroed_at_power_up(model, run) or start_MPa is None:
+        return None
+    if known is None:
+        return None if stress_at_points(run) is not None else 0.0
+    slope, reference_MPa = known
+    return -slope * (start_MPa - reference_MPa)
+
+
+def _zeroed_at_power_up(model: Model, run: Run) -> bool:
+    """Whether a run and those of a model of loads were all zeroed at power-up: each under its load, in one state."""
+    mine = provenance(run)
+    zeros = {mine.encoder_zero, *(p.encoder_zero for p in model.provenance)}
+    return zeros == {"power-up"} and recorded_start(run) is not None and run.info.source != "import"
 
 
 def _validity_warnings(model: Model, run: Run) -> list[str]:

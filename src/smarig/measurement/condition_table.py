@@ -53,6 +53,32 @@ class ConditionTable:
         share = self._bounded(k, float((value - x[k]) / (x[k + 1] - x[k])))
         return (1 - share) * y[k] + share * y[k + 1]
 
+    def outputs_along(self, shapes: Array, values: Array) -> Array:
+        """Outputs (n,) with a value of the condition for each of n shapes; otherwise as ``outputs``.
+
+        >>> table = ConditionTable("stress", (50.0, 100.0), (1.0, 2.0), (0.0, 1.0))
+        >>> table.outputs_along(np.array([0.0, 2.0]), np.array([50.0, 75.0])).tolist()
+        [0.0, 3.5]
+        """
+        if values.size == 0 or np.all(values == values[0]):
+            return self.outputs(shapes, float(values[0])) if values.size else np.empty(0)
+        y = np.array(self.gains)[:, None] * shapes + np.array(self.zeros)[:, None]
+        x, each = np.array(self.values), np.arange(values.size)
+        if x.size == 1:
+            return y[0]
+        k = np.clip(np.searchsorted(x, values) - 1, 0, x.size - 2)
+        shares = (values - x[k]) / (x[k + 1] - x[k])
+        share = np.array([self._bounded(int(i), float(s)) for i, s in zip(k, shares)])
+        found = (1 - share) * y[k, each] + share * y[k + 1, each]
+        inside = (values >= x[0]) & (values <= x[-1])
+        if x.size > 2 and inside.any():
+            from scipy.interpolate import PchipInterpolator  # imported here: takes half a second
+
+            powers, distance = PchipInterpolator(x, y).c, values - x[k]
+            cubic = sum(c[k, each] * distance**p for c, p in zip(powers, (3, 2, 1, 0)))
+            found = np.where(inside, cubic, found)
+        return found
+
     def _bounded(self, k: int, share: float) -> float:
         """The share at which the gain between values k and k + 1 does not fall below its least."""
         least, a, b = LEAST_GAIN * max(self.gains), self.gains[k], self.gains[k + 1]

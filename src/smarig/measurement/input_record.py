@@ -1,7 +1,7 @@
 """Runs with a measured input as plain arrays: input, output, clock, cycles and conditions of each row."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from itertools import pairwise
 
 import numpy as np
@@ -26,6 +26,8 @@ class InputRecord:
     each row, continued over the runs of one list. ``conditions`` are the mean values recorded with the run, by name.
     ``row`` are the rows of the run. ``dropouts`` rows were left out because the input reads exactly 0 there, far from
     the rows around them. ``continues``: the record starts in the final state of the one before it in its list.
+    ``noise`` is the standard deviation of the input's noise, None if it must be estimated. ``readings`` are the rows
+    whose outputs are readings, None if all are. ``histories`` (n,) are conditions that change over the record.
     """
 
     name: str
@@ -40,6 +42,14 @@ class InputRecord:
     dropouts: int = 0
     input_unit: str = ""
     continues: bool = False
+    noise: float | None = None
+    readings: Integers | None = None
+    histories: Mapping[str, Array] = field(default_factory=dict)
+
+    def condition(self, name: str) -> Array:
+        """The value of a condition at every row (n,). Raises KeyError if the record does not state it."""
+        found = self.histories.get(name)
+        return np.full(self.u.size, self.conditions[name]) if found is None else found
 
     def __len__(self) -> int:
         return self.u.size
@@ -68,7 +78,7 @@ def input_records(runs: Sequence[Run]) -> list[InputRecord]:
                 t=run["t_s"][row] if clock else row.astype(float),
                 clock=clock,
                 cycle=cycle,
-                conditions=_conditions(run),
+                conditions=recorded_means(run),
                 row=row,
                 initial=run.info.initial,
                 dropouts=int(lost.sum()),
@@ -96,7 +106,8 @@ def dropouts(u: Array) -> NDArray[np.bool_]:
     return zero & (np.abs(expected) > max(DROPOUT_STEPS * typical, DROPOUT_SHARE * float(np.ptp(others))))
 
 
-def _conditions(run: Run) -> dict[str, float]:
+def recorded_means(run: Run) -> dict[str, float]:
+    """The means of the conditions that a run records, by name."""
     values = {k: v.get("mean") for k, v in run.info.conditions.items() if isinstance(v, Mapping)}
     return {k: float(v) for k, v in values.items() if isinstance(v, int | float) and np.isfinite(v)}
 

@@ -126,7 +126,7 @@ def measurement_effects(stored: Sequence[Mapping[str, Any]]) -> tuple[Measuremen
 
 def changed(record: InputRecord, effects: Sequence[MeasurementEffect]) -> RecordChange:
     """The changes of several effects: inputs one after the other, terms side by side."""
-    u, noise, terms = record.u, None, [np.empty((len(record), 0))]
+    u, noise, terms = record.u, record.noise, [np.empty((len(record), 0))]
     for effect in effects:
         step = effect.kind.change(effect.values, record if u is record.u else replace(record, u=u))
         u, noise = step.input, noise if step.noise is None else step.noise

@@ -38,10 +38,13 @@ if TYPE_CHECKING:
     from smarig.plant.learned_effect import NOT_LEARNED as NOT_LEARNED
     from smarig.plant.learned_effect import LearnedShape as LearnedShape
     from smarig.plant.learned_effect import learned_effect_type as learned_effect_type
+    from smarig.plant.load import Load as Load
+    from smarig.plant.load import load_of as load_of
     from smarig.plant.measured_input import PassThroughActuator as PassThroughActuator
     from smarig.plant.measured_input import is_testable as is_testable
     from smarig.plant.plant import Plant as Plant
     from smarig.plant.plant import step_with_feedback as step_with_feedback
+    from smarig.plant.power_temperature import PowerTemperature as PowerTemperature
     from smarig.plant.stress import differential_stress as differential_stress
     from smarig.plant.thermal_stages import EARLY_STAGES as EARLY_STAGES
     from smarig.plant.thermal_stages import ThermalStages as ThermalStages

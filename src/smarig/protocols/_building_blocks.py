@@ -58,4 +58,5 @@ def checked_count(name: str, value: int, least: int, most: int) -> int:
 
 def evenly_spaced(start: float, stop: float, points: int) -> list[float]:
     """``points`` evenly spaced inputs from start (excluded) to stop (included)."""
-    return [start + (stop - start) * (k + 1) / points for k in range(points)]
+    between = [start + (stop - start) * (k + 1) / points for k in range(points - 1)]
+    return [*between, stop]  # exactly: rounding beyond the range would be refused

@@ -4,9 +4,8 @@ import math
 from pathlib import Path
 from typing import Literal
 
-from smarig.core import Mark, Protocol, Settled, UsageError
+from smarig.core import Formula, Mark, Protocol, Settled, UsageError
 from smarig.protocols._building_blocks import checked_count, checked_inputs, evenly_spaced, settle_at
-from smarig.protocols._formula import Formula
 from smarig.protocols._profile_file import profile_from_csv
 from smarig.protocols._settings import InputFile
 from smarig.protocols._setup import Setup

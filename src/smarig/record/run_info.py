@@ -115,8 +115,9 @@ class RunInfo(StoredTable):
     (``rig_sha256``), ``period_s`` of a tick, ``input`` and ``output``. Session: ``start_epoch`` (seconds since 1970),
     ``encoder_zero``, ``initial`` state of the wire. Resuming: ``device``, ``shift`` of its ticks and counts,
     ``launch_args``, ``own_files``, ``closed_loop``, ``history_until_tick``. Closing: ``end``, ``hashes``.
-    ``salvaged``: what is known to be missing. Imports: ``imported``, ``conditions``, ``warnings``, ``repairs``,
-    ``t0_s``, ``header``, ``companions``, ``forc``. Simulations: ``model`` and the run it was simulated ``along``.
+    ``salvaged``: what is known to be missing. ``conditions`` that runs are compared by; the ``load`` of a rig's wire.
+    Imports: ``imported``, ``warnings``, ``repairs``, ``t0_s``, ``header``, ``companions``, ``forc``. Simulations:
+    ``model`` and the run it was simulated ``along``.
     """
 
     schema_version: int | None = None
@@ -154,6 +155,7 @@ class RunInfo(StoredTable):
     salvaged: Mapping[str, Any] = field(default_factory=dict)
     imported: ImportInfo | None = None
     conditions: Mapping[str, Any] = field(default_factory=dict)
+    load: Mapping[str, Any] = field(default_factory=dict)
     warnings: tuple[str, ...] = ()
     repairs: Mapping[str, Any] = field(default_factory=dict)
     t0_s: float | None = None

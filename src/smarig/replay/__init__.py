@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from smarig.replay.heated_input import with_heating_of as with_heating_of
     from smarig.replay.measured_input import MeasuredInput as MeasuredInput
     from smarig.replay.measured_input import driven_by_input as driven_by_input
+    from smarig.replay.measured_prediction import applied_inputs as applied_inputs
     from smarig.replay.memory_history import MemoryHistory as MemoryHistory
     from smarig.replay.memory_history import memory_histories as memory_histories
     from smarig.replay.memory_history import memory_states as memory_states
@@ -35,6 +36,10 @@ if TYPE_CHECKING:
     from smarig.replay.provenance import missing_earlier_runs as missing_earlier_runs
     from smarig.replay.provenance import model_metadata as model_metadata
     from smarig.replay.provenance import provenance as provenance
+    from smarig.replay.rig_record import load_of_run as load_of_run
+    from smarig.replay.rig_record import load_records as load_records
+    from smarig.replay.rig_record import stress_at_points as stress_at_points
+    from smarig.replay.rig_record import stress_of_samples as stress_of_samples
     from smarig.replay.sample_predictors import HysteresisPredictor as HysteresisPredictor
     from smarig.replay.sample_predictors import NamedPredictor as NamedPredictor
     from smarig.replay.sample_predictors import PlantPredictor as PlantPredictor
@@ -46,10 +51,15 @@ if TYPE_CHECKING:
     from smarig.replay.simulation import simulate as simulate
     from smarig.replay.simulation import simulate_runs as simulate_runs
     from smarig.replay.simulation import simulate_samples as simulate_samples
+    from smarig.replay.stress_strain import StressStrainCurve as StressStrainCurve
+    from smarig.replay.stress_strain import stress_strain as stress_strain
     from smarig.replay.timeline import ReadingSeries as ReadingSeries
     from smarig.replay.timeline import Timeline as Timeline
     from smarig.replay.timeline_from_runs import build_timeline as build_timeline
     from smarig.replay.wire_stress import StressRange as StressRange
     from smarig.replay.wire_stress import stress_over_run as stress_over_run
+    from smarig.replay.wire_temperature import TemperatureSource as TemperatureSource
+    from smarig.replay.wire_temperature import temperature_source as temperature_source
+    from smarig.replay.wire_temperature import with_wire_temperature as with_wire_temperature
 else:
     __getattr__, __dir__, __all__ = lazy_exports(__name__)

@@ -11,6 +11,7 @@ from smarig.replay.model_file import ConditionRecord, Model
 Value = float | str
 SAME_SHARE = 0.1  # of the largest value: a smaller difference is one condition
 SAME_K = 3.0  # temperatures in °C or K that differ by less are one condition
+SAME_CAUSE = {"load": "stress"}  # a condition that another one states already
 MODELLED = {"stress": "stress"}  # conditions that a model can depend on, with the value of --load-from
 PHRASES = {
     "stress": "under {}",
@@ -59,7 +60,7 @@ def pooled_conditions(runs: Sequence[Run], modelled: Collection[str] = ()) -> li
     records, found = [recorded_conditions(run) for run in runs], []
     for name in dict.fromkeys(n for r in records for n in r):
         values = _distinct([r[name] for r in records if name in r])
-        if len(values) < 2 or name in modelled:
+        if len(values) < 2 or name in modelled or SAME_CAUSE.get(name) in records[0]:
             continue
         advice = f" Use --load-from {MODELLED[name]} to model the load." if name in MODELLED else ""
         found.append(
@@ -73,7 +74,10 @@ def foreign_conditions(model: Model, run: Run) -> list[str]:
     found = []
     known = [p.conditions for p in model.provenance]
     depends = (model.measurement.get("table") or {}).get("condition")
-    for name, own in recorded_conditions(run).items():
+    conditions = recorded_conditions(run)
+    for name, own in conditions.items():
+        if SAME_CAUSE.get(name) in conditions:
+            continue
         values = _distinct([c[name] for c in known if name in c])
         if not values or any(
             v.unit != own.unit or same_condition(own.value, v.value, v.unit) for v in values

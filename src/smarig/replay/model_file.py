@@ -137,6 +137,12 @@ class Model(NotebookDisplay):
     measurement: dict[str, Any] = field(default_factory=dict)
 
     @property
+    def temperature(self) -> str | None:
+        """Source of the input of a model of loads of a rig (``wire_temperature``); None for other models."""
+        source = self.measurement.get("temperature")
+        return source if isinstance(source, str) else None
+
+    @property
     def unit(self) -> str:
         """Unit of the output."""
         return self.output.unit

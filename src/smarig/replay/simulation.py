@@ -16,7 +16,7 @@ from smarig.preisach import Everett
 from smarig.record import FORC_PROTOCOL, Run, continues_run
 from smarig.replay.extended_model import Operator
 from smarig.replay.measured_input import build_measured_input_timeline, driven_by_input
-from smarig.replay.measured_prediction import simulate_measured
+from smarig.replay.measured_prediction import simulate_measured, simulate_rig_samples
 from smarig.replay.memory_history import (
     INPUT_TOLERANCE,
     input_path,
@@ -77,6 +77,8 @@ def simulate_samples(model: Model, run: Run) -> Array:
     NaN while the memory is unknown; an unknown input holds the last one. With effects: along the currents.
     """
     check_input(model, run)
+    if model.measurement and model.temperature is not None and not driven_by_input([run]):
+        return simulate_rig_samples(model, run)
     if model.measurement:
         known = np.isfinite(run["input"]) & np.isfinite(run["position"])
         y = np.full(len(run), np.nan)

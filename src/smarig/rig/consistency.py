@@ -3,9 +3,9 @@
 from collections.abc import Iterator
 
 from smarig.config import LinksFile, ProtectionFile, RigFile
-from smarig.core import ConfigError, UsageError, catalogue_names, resolve_name, suggestion
+from smarig.core import ConfigError, DataError, UsageError, catalogue_names, resolve_name, suggestion
 from smarig.device import ATTEMPTS, load_register_map
-from smarig.plant import Actuator
+from smarig.plant import Actuator, load_of
 from smarig.rig.stress_limit import stress_limit
 
 DRIVERS = "smarig.device.drivers"
@@ -14,7 +14,7 @@ OVER_CURRENT = 1.05  # of the largest current; above it the amplifier trips by i
 
 def inconsistencies(file: RigFile) -> list[str]:
     """The inconsistencies, one sentence each; none for a twin."""
-    found = list(_stress(file))
+    found = [*_stress(file), *_load(file)]
     if file.links is None or file.protection is None:
         return found
     return [*found, *_links(file, file.links), *_protection(file, file.protection)]
@@ -24,6 +24,13 @@ def _stress(file: RigFile) -> Iterator[str]:
     try:
         stress_limit(file, Actuator.named(file.actuator))
     except ConfigError as wrong:
+        yield str(wrong)
+
+
+def _load(file: RigFile) -> Iterator[str]:
+    try:
+        load_of(file, Actuator.named(file.actuator))
+    except (ConfigError, DataError, UsageError) as wrong:
         yield str(wrong)
 
 

@@ -14,7 +14,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any
 
-from smarig.config import LinkFile, LinksFile, RigFile, SimulatorFile
+from smarig.config import LinkFile, LinksFile, LoadFile, RigFile, SimulatorFile
 from smarig.core import (
     ConfigError,
     Interrupted,
@@ -64,7 +64,9 @@ def open_rig(
             if file.simulator is not None:
                 pace = file.simulator.speed if speed is None else speed
             if file.simulator is not None and file.simulator.start:
-                links = open_.enter_context(_started_simulator(rig, file.simulator, links, settings, pace))
+                links = open_.enter_context(
+                    _started_simulator(rig, file.simulator, links, settings, pace, file.load)
+                )
             found = _open_bench(file, actuator, links, pace, open_)
         open_.callback(found.close)
         with _confirmed_shutdown(found):
@@ -119,7 +121,12 @@ def _open_instrument(link: LinkFile, file: RigFile, role: type, role_text: str) 
 
 @contextmanager
 def _started_simulator(
-    rig: str, how: SimulatorFile, links: LinksFile, settings: TwinSettings, speed: float
+    rig: str,
+    how: SimulatorFile,
+    links: LinksFile,
+    settings: TwinSettings,
+    speed: float,
+    load: LoadFile | None,
 ) -> Iterator[LinksFile]:
     """The links of the devices while they run. They detect the end of this process at the end of their input."""
     if settings.initial is not None or not settings.noise:
@@ -139,6 +146,7 @@ def _started_simulator(
     effects = [word for pair in effects_to_arguments(with_type) for word in ("--effect", pair)]
     files = {"--faults": how.faults, "--device-library": how.library, "--trace": how.trace}
     extra = [word for option, path in files.items() if path for word in (option, path)]
+    extra += [f"--load={load.text}"] if load else []
     command = [sys.executable, "-m", "simulators", "--rig", rig, "--framing", links.amplifier.framing]
     folder = tempfile.TemporaryDirectory(prefix="smarig-", ignore_cleanup_errors=True)
     search = [str(shipped("simulators").parent), os.environ.get("PYTHONPATH", "")]

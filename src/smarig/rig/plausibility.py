@@ -7,7 +7,7 @@ import math
 
 from smarig.config import RigFile
 from smarig.core import Quality, Sample
-from smarig.plant import Actuator, thermomechanical_travel
+from smarig.plant import Actuator, load_of, thermomechanical_travel
 from smarig.preisach import thesis_surface
 from smarig.rig.electrical_plausibility import ElectricalPlausibility
 from smarig.rig.rig import Alarm
@@ -56,6 +56,8 @@ class Plausibility:
         self._ticks_in_a_row = {"blind": 0, "temperature": 0}
         self._temperature_ticks = round(TEMPERATURE_TAUS * actuator.tau_s / rig.period_s)
         self._two_wire = actuator.two_wire
+        load = load_of(rig, actuator)
+        self._load_moves = load is not None and load.changes
         self.suspect = False
         self._max_stale = max(MAX_STALE_SAMPLES, round(rig.lease_s / rig.period_s))
         self._last_end = ""  # last end reached, cold or hot; below: extent of the position since then
@@ -131,7 +133,7 @@ class Plausibility:
             self._settling_ticks -= 1
             self._rest_point = (self._rest_point[0], counts)
         moved = counts - self._rest_point[1]
-        if abs(moved) <= SLIP_LIMIT * self._travel:
+        if self._load_moves or abs(moved) <= SLIP_LIMIT * self._travel:
             return []
         self._rest_point = (input_K, counts)
         text = f"The position moved by {moved} counts without heating. Check whether the wire slips."

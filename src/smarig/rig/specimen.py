@@ -14,7 +14,7 @@ import numpy as np
 from smarig.config import RigFile
 from smarig.core import UsageError
 from smarig.device import load_register_map
-from smarig.plant import Actuator, Plant, SupportsHooks, ThermomechanicalPlant, mystery_effects
+from smarig.plant import Actuator, Plant, SupportsHooks, ThermomechanicalPlant, load_of, mystery_effects
 from smarig.preisach import Everett, Initial, thesis_surface
 
 _COUNTS, _CURRENT, _VOLTAGE, _AMBIENT_FLUCTUATION = range(4)
@@ -76,6 +76,8 @@ class Specimen:
         self.tick = 0
         self.file, self.actuator = rig, actuator
         self.plant = plant_of(rig, actuator, settings)
+        load = load_of(rig, actuator)
+        self._force = load.force() if load and load.changes and settings.hysteresis is None else None
         self.position_per_count = actuator.position_per_count(rig.encoder.counts_per_rev)
         self._scales = register_scales()
         self._noise = [TickNoise(settings.seed, channel) for channel in range(4)]
@@ -108,7 +110,7 @@ class Specimen:
             self._ambient_fluctuation_K = (
                 self._ambient_fluctuation_K * self._ambient_fluctuation_decay + self._sd_K * innovation
             )
-        self.plant.step(limited_A, self._ambient_fluctuation_K)
+        self._step(limited_A)
         counts = self.plant.sensed(self._encoder_counts())
         if self._sd_counts:
             counts += self._sd_counts * self._noise[_COUNTS].at(tick)
@@ -126,6 +128,14 @@ class Specimen:
             s.no_temperature,
             limited_A != output_A,
         )
+
+    def _step(self, limited_A: float) -> None:
+        plant = self.plant
+        if self._force is None or not isinstance(plant, ThermomechanicalPlant):
+            plant.step(limited_A, self._ambient_fluctuation_K)
+        else:
+            force_N = self._force(self.tick * self.file.period_s)
+            plant.step(limited_A, self._ambient_fluctuation_K, force_N)
 
     def counts_now(self) -> int:
         """The present counts since power-up, without noise."""
@@ -151,7 +161,9 @@ def plant_of(rig: RigFile, actuator: Actuator, settings: TwinSettings) -> Plant 
             raise UsageError(
                 f"The wire of {actuator.name} starts cold under its load. Give no initial state."
             )
-        return ThermomechanicalPlant(actuator, rig.period_s, rig.ambient_degC)
+        load = load_of(rig, actuator)
+        force_N = load.force()(0.0) if load else None
+        return ThermomechanicalPlant(actuator, rig.period_s, rig.ambient_degC, force_N)
     hidden = mystery_effects(settings.seed, actuator.file.arrangement) if rig.hidden_effect else ()
     return Plant(
         actuator,

@@ -8,12 +8,16 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from smarig.config import RigFile
 from smarig.core import Interrupted, SmarigError, catalogue_names
-from smarig.plant import EFFECTS, Actuator, Effect, effects_to_pairs
+from smarig.plant import EFFECTS, Actuator, Effect, Load, effects_to_pairs
 from smarig.rig import TwinSettings
 
 LAUNCH_ARGS = "begun_with"  # key of the arguments needed to resume a run
+LOAD = "load"  # key of the load of a run
+LOAD_TIMES = 1001  # at which a load that changes is evaluated
 CLOSED_LOOP = "closed_loop"  # key of runs whose protocol is not in the catalogue
 
 
@@ -56,10 +60,31 @@ def experiment_metadata(
     }
 
 
+def load_metadata(load: Load | None, t_s: tuple[float, float] = (0.0, 0.0)) -> dict[str, Any]:
+    """The load of a run, and its force and stress as conditions: mean, least and largest between two times in s."""
+    if load is None:
+        return {}
+    stress_MPa = load.stress_MPa(np.linspace(*t_s, LOAD_TIMES) if load.changes else [0.0])
+    values = {"load": ("N", stress_MPa * load.section_mm2), "stress": ("MPa", stress_MPa)}
+    conditions = {
+        name: {"unit": unit, "mean": float(x.mean()), "min": float(x.min()), "max": float(x.max())}
+        for name, (unit, x) in values.items()
+    }
+    return {LOAD: load.to_json(), "conditions": conditions}
+
+
 def launch_args(
-    rig: str, wire: str, speed: float | None, twin: TwinSettings, settings: Mapping[str, Any]
+    rig: str,
+    wire: str,
+    speed: float | None,
+    twin: TwinSettings,
+    settings: Mapping[str, Any],
+    load: str = "",
 ) -> dict:
-    """The arguments from which `smarig resume` rebuilds the run: rig file, its wire, effects of the twin, settings."""
+    """The arguments from which `smarig resume` rebuilds the run: rig file, its wire, effects of the twin, settings.
+
+    ``load``: that given in place of the rig file's, "" for none.
+    """
     path = Path(rig)
     with_type = [e for e in twin.effects if isinstance(e, Effect) and e.kind.name in catalogue_names(EFFECTS)]
     return {
@@ -68,6 +93,7 @@ def launch_args(
         "speed": speed,
         "effects": effects_to_pairs(with_type) if len(with_type) == len(twin.effects) else None,
         "noise": twin.noise,
+        **({LOAD: load} if load else {}),
         "settings": json.loads(json.dumps(dict(settings), default=_to_json)),
     }
 

@@ -14,9 +14,9 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
 
-from smarig.config import LimitsFile, RigFile, actuator_text, load_rig, rig_text
+from smarig.config import LimitsFile, RigFile, actuator_text, load_rig, rig_text, with_load
 from smarig.core import LimitExceeded, Protocol, Sample, SmarigError, StorageError, resolve_name
-from smarig.plant import Actuator
+from smarig.plant import Actuator, load_of
 from smarig.protocols import PROTOCOLS, Chooser, Setup, build_protocol
 from smarig.record import (
     CONTINUED,
@@ -45,6 +45,7 @@ from smarig.runner.run_metadata import (
     cause_of,
     experiment_metadata,
     launch_args,
+    load_metadata,
     outlives_session,
     twin_source,
 )
@@ -65,10 +66,15 @@ class Session:
         speed: float | None = None,
         wire: str = "",
         control: RunControl | None = None,
+        load: str = "",
     ) -> None:
-        self.file: RigFile = load_rig(rig)
+        """``load``: force in N, formula of t or CSV file, in place of the rig file's."""
+        file = load_rig(rig)
+        self.file: RigFile = with_load(file, load) if load else file
+        self._given_load = self.file.load.text if load and self.file.load else ""
         self._name = rig
         self.actuator = Actuator.named(self.file.actuator)
+        self.load = load_of(self.file, self.actuator)
         self.description = rig_description(
             rig_text(rig), actuator_text(self.file.actuator), self.file, self.actuator.file
         )
@@ -156,7 +162,9 @@ class Session:
         check_free_space(out, cost.bytes)
         before = self.history()
         check_cycle_limit(before, self.file.limits)
+        start_s = self.rig.tick * self.file.period_s
         meta = self._describe(protocol, settings, notes)
+        meta |= load_metadata(self.load, (start_s, start_s + cost.duration_s))
         meta |= {CLOSED_LOOP: True} if protocol_factory else {}
         if before is not None:
             meta["wire_history"] = before.sentence()
@@ -177,7 +185,7 @@ class Session:
 
     def carry_out(self, recorder: Recorder, runner: Runner, protocol: Protocol, *, new_run: bool) -> None:
         """Run to the end, however it ends, and close the record with its cause."""
-        cause, severity = "done", end_severity(None)
+        cause, severity, start_s = "done", end_severity(None), runner.t_s
         try:
             runner.run(protocol)
         except BaseException as error:
@@ -186,8 +194,16 @@ class Session:
         finally:
             recorder.describe("encoder_zero", self._zero)
             recorder.describe("shift", asdict(runner.shift))
+            if self.load and self.load.changes and new_run:
+                self._describe_load(recorder, runner, start_s)
             self._save_history(recorder, runner.t_s, new_run)
             recorder.close(cause, t_s=runner.t_s, severity=severity)
+
+    def _describe_load(self, recorder: Recorder, runner: Runner, start_s: float) -> None:
+        """The load between the first and the last sample. One that is not plausible has ended the run itself."""
+        with suppress(SmarigError):
+            found = load_metadata(self.load, (start_s, max(runner.t_s, start_s)))
+            recorder.describe("conditions", found["conditions"])
 
     def moment(self) -> dict[str, Any]:
         """Data of the event at which a recording begins: the time of day, and the predicted heat of both wires."""
@@ -274,7 +290,9 @@ class Session:
             OWN_FILES: used_own_files(
                 protocol, self.settings.effects, self.file, str(settings.get("controller", ""))
             ),
-            LAUNCH_ARGS: launch_args(self._name, self.file.wire, self._speed, self.settings, settings),
+            LAUNCH_ARGS: launch_args(
+                self._name, self.file.wire, self._speed, self.settings, settings, self._given_load
+            ),
         }
 
 

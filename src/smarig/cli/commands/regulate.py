@@ -87,14 +87,13 @@ def command(
     counts as the model's least output. The input path to B_ℓ accounts for the wire's thermal lag.
     """
     from smarig.app import ModelSource, regulation
-    from smarig.config import load_rig
 
     source = ModelSource.of(model)
     if source.model.effects:
         show_message(f"{model.name} has effects. The path to B_ℓ is planned from its hysteresis alone.")
     loop = regulation(
         source,
-        load_rig(options.rig),
+        options.rig_file(),
         setpoint,
         within=within,
         hold_s=hold_s,

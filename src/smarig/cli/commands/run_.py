@@ -9,7 +9,7 @@ from smarig.cli.output import emit, json_option, show_message
 from smarig.cli.parameter_types import ANY_PATH, EXPERIMENT
 from smarig.cli.progress import STREAMS, preview_progress
 from smarig.cli.run_options import RunOptions, check_target, print_warnings, run_options, run_summary
-from smarig.config import CampaignFile, CampaignStep, load_campaign, load_rig, shipped_names
+from smarig.config import CampaignFile, CampaignStep, load_campaign, shipped_names
 from smarig.core import UsageError, catalogue_names, suggestion
 from smarig.protocols import parse_pairs, refuse_closed_loops, with_loaded_protocols
 from smarig.record import stored_run
@@ -50,7 +50,7 @@ def command(
     session = options.session()
     plan = _plan(experiment, parse_pairs(pairs))
     steps = plan.step
-    file = load_rig(options.rig)
+    file = session.file
     report = preview_progress(quiet=options.quiet)
     costs = [preview(s.protocol, file, s.set, chooser=informed_choice, report=report) for s in steps]
     if options.dry_run:

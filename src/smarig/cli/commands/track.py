@@ -85,9 +85,8 @@ def command(
     with k_e (Thm 8.2), and each hypothesis is listed with whether this rig satisfies it.
     """
     from smarig.app import ModelSource, tracking
-    from smarig.config import load_rig
 
     source = ModelSource.of(model)
     chosen = (parse_pairs(pairs), controller, parse_pairs(numbers), offset_K)
-    loop = tracking(source, load_rig(options.rig), reference, *chosen)
+    loop = tracking(source, options.rig_file(), reference, *chosen)
     run_closed_loop(loop, options, out, model, Path(reference))

@@ -2,12 +2,13 @@
 
     v = u − (σ − σ₀)/C,    y(σ) interpolated between y_k = z_k + g_k P[v] at the loads σ_k
 
-The slope C is searched for with one measure P for all loads. Each load then has a measure of its own if that predicts
-loads left out better.
+The slope C is searched for with one measure P for all loads, and with a part k u of the output (thermal expansion, of
+either sign) if the readings need one. Each load then has a measure of its own if that predicts loads left out better.
 """
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -17,11 +18,14 @@ from smarig.core import DataError, UsageError, spaced, suggestion
 from smarig.identification.measured.left_out_errors import chosen_smoothing
 from smarig.identification.measured.measured_fit import MeasuredFit, fit_measured, measured_problem
 from smarig.identification.measured.measured_hypothesis import Comparison, MeasuredHypothesis, compared
+from smarig.identification.measured.own_measures import OwnMeasure, own_measure
 from smarig.identification.measured.reading_weights import reading_weights
+from smarig.identification.measured.zero_by_load import ZERO_SLOPE, ZeroSlope, with_zero_slope
 from smarig.measurement import (
     SAME_SHARE,
     ConditionTable,
     InputRecord,
+    MeasurementEffect,
     MeasurementEffectType,
     MeasurementPart,
     condition_groups,
@@ -32,6 +36,7 @@ from smarig.preisach import FodTable
 Array = NDArray[np.float64]
 OWN_ADVANTAGE = 0.9  # of the error at loads left out, at most: measures of their own are the larger model
 FEWEST_TO_LEAVE_OUT = 3
+PROPORTIONAL = "proportional_part"
 
 
 @dataclass(frozen=True)
@@ -53,7 +58,8 @@ class LoadDependence:
 
     ``value`` of the ``parameter`` of the effect (C) has a 95 % ``interval``; ``at_bound``: it lies at the end of its
     search. ``hysteresis`` is the one measure of all loads. ``own``: each load has its own, in ``part``. ``table`` holds
-    gain and zero of each load. ``error`` (m,) are measured minus fitted outputs at the readings.
+    gain and zero of each load. ``error`` (m,) are measured minus fitted outputs at the readings. ``zero_slope``: how
+    the position of a wire of a rig changes with the load alone, None if no run shows it.
     """
 
     condition: str
@@ -69,6 +75,12 @@ class LoadDependence:
     left_out: tuple[LeftOutLoad, ...]
     error: Array
     smoothing: float
+    zero_slope: ZeroSlope | None = None
+
+    def with_zero_slope(self, slope: ZeroSlope) -> "LoadDependence":
+        """The same with the zeros of a wire that this load moves."""
+        table = with_zero_slope(self.table, slope)
+        return replace(self, table=table, part=replace(self.part, table=table), zero_slope=slope)
 
     def left_out_rms(self, *, beyond: bool) -> float | None:
         """Rms error at loads left out, between the others or beyond them; None if none was left out."""
@@ -92,8 +104,15 @@ class LoadDependence:
         return (
             f"{self.parameter} = {self.value:.3g}{spaced(self.unit)} [{low:.3g}, {high:.3g}] from "
             f"{self.condition} {loads}; "
-            f"{'one measure for each load' if self.own else 'one measure for all loads'}.{left_out}"
+            f"{'one measure for each load' if self.own else 'one measure for all loads'}.{left_out}{self._zero_text}"
         )
+
+    @property
+    def _zero_text(self) -> str:
+        if self.zero_slope is None:
+            return ""
+        z, (low, high) = self.zero_slope, self.zero_slope.interval
+        return f" The load alone moves the position by {z.value:.3g}{spaced(z.unit)} [{low:.3g}, {high:.3g}]."
 
     def to_json(self) -> dict[str, Any]:
         """Plain values, as in the model file and on the command line."""
@@ -108,6 +127,7 @@ class LoadDependence:
             ],
             "between_rms": self.left_out_rms(beyond=False),
             "beyond_rms": self.left_out_rms(beyond=True),
+            **({ZERO_SLOPE: self.zero_slope.to_json()} if self.zero_slope else {}),
         }
 
 
@@ -124,7 +144,8 @@ def fit_load_dependence(records: Sequence[InputRecord], condition: str) -> LoadD
     problem = measured_problem(plain.plan, rough.effects, weight=weight)
     smoothing = chosen_smoothing(problem, gains=rough.fit.gains)
     comparison = replace(plain, smoothing=smoothing, weight=weight)
-    return _with_measures(comparison, _searched(comparison, kind, records), condition)
+    present = _proportional(comparison, rough.effects)
+    return _with_measures(comparison, _searched(comparison, kind, records, present), condition)
 
 
 def _effect_of(condition: str) -> MeasurementEffectType:
@@ -152,15 +173,33 @@ def _check_loads(records: Sequence[InputRecord], condition: str) -> None:
 
 
 def _searched(
-    comparison: Comparison, kind: MeasurementEffectType, records: Sequence[InputRecord]
+    comparison: Comparison,
+    kind: MeasurementEffectType,
+    records: Sequence[InputRecord],
+    present: Sequence[MeasurementEffect] = (),
 ) -> MeasuredHypothesis:
     parameters = kind.parameters(records) or ()
-    return comparison.searched(kind, parameters, (), {"reference": records[0].conditions[kind.by_condition]})
+    return comparison.searched(
+        kind, parameters, present, {"reference": records[0].conditions[kind.by_condition]}
+    )
+
+
+def _proportional(
+    comparison: Comparison, effects: Sequence[MeasurementEffect]
+) -> tuple[MeasurementEffect, ...]:
+    """A part of the output proportional to the input, if settled readings are predicted better with it."""
+    if any(r.readings is None for r in comparison.plan.records):
+        return ()
+    kinds = {k.name: k for k in measurement_effect_types()}
+    part = (kinds[PROPORTIONAL](),)
+    with_part, without = comparison.evaluated((*part, *effects)), comparison.evaluated(effects)
+    return part if with_part.misfit < OWN_ADVANTAGE * without.misfit else ()
 
 
 def _with_measures(comparison: Comparison, found: MeasuredHypothesis, condition: str) -> LoadDependence:
     """The result with one measure, or with one for each load."""
-    effect, loads = found.effects[0], _Loads.of(comparison, found.fit, condition)
+    effect = next(e for e in found.effects if e.kind.by_condition)
+    loads = _Loads.of(comparison, found.fit, condition)
     parameter = next(iter(effect.kind.parameters(comparison.plan.records) or ()))
     left_out = loads.left_out()
     inner = np.array([(k.one, k.own) for k in left_out if not k.beyond]).reshape(-1, 2)
@@ -175,7 +214,9 @@ def _with_measures(comparison: Comparison, found: MeasuredHypothesis, condition:
         interval=found.intervals[parameter.name],
         at_bound=bool(found.at_bound),
         hysteresis=found.fit.table,
-        part=MeasurementPart(found.effects, (), table, loads.own_tables() if own else ()),
+        part=MeasurementPart((effect,), (), table, loads.own_tables())
+        if own
+        else MeasurementPart(found.effects, tuple(found.fit.amplitudes.tolist()), table),
         table=table,
         own=own,
         left_out=left_out,
@@ -193,14 +234,16 @@ class _Loads:
     condition: str
     table: ConditionTable
     group: NDArray[np.int64]
-    each: tuple[MeasuredFit, ...]
+    each: tuple[OwnMeasure, ...]
 
     @classmethod
     def of(cls, comparison: Comparison, fit: MeasuredFit, condition: str) -> "_Loads":
         plan = fit.problem.plan
         group = np.array(condition_groups([r.conditions[condition] for r in plan.records]))[plan.record]
+        proportional = bool(fit.amplitudes.size)
         each = tuple(
-            fit_measured(fit.problem, comparison.smoothing, group == k) for k in range(int(group.max()) + 1)
+            own_measure(fit, comparison.smoothing, group == k, proportional=proportional)
+            for k in range(int(group.max()) + 1)
         )
         table = _table(fit, np.ones(group.size, dtype=bool), condition)
         return cls(comparison.smoothing, fit, condition, table, group, each)
@@ -228,7 +271,7 @@ class _Loads:
         kept, value = self.group != k, self.table.values[k]
         y = self.fit.problem.plan.y[~kept]
         again = fit_measured(self.fit.problem, self.smoothing, kept, gains=self.fit.gains, free_gains=True)
-        one = _table(again, kept, self.condition).outputs(again.shape[~kept], value)
+        one = _table(again, kept, self.condition).outputs(again.shape[~kept], value) + _terms(again)[~kept]
         others = [j for j in range(len(self.each)) if j != k]
         rest = ConditionTable(
             self.condition,
@@ -240,8 +283,12 @@ class _Loads:
     @property
     def own_zeros(self) -> tuple[float, ...]:
         """Zero of each load with its own measure."""
-        zero = self.fit.problem.observations.zero
-        return tuple(float(np.mean(f.zeros[zero[self.group == k]])) for k, f in enumerate(self.each))
+        return tuple(float(np.mean(f.zeros[self.group == k])) for k, f in enumerate(self.each))
+
+
+def _terms(fit: MeasuredFit) -> Array:
+    """What the terms add to the output at all readings (m,)."""
+    return fit.problem.terms @ fit.amplitudes
 
 
 def _table(fit: MeasuredFit, used: NDArray[np.bool_], condition: str) -> ConditionTable:
@@ -253,11 +300,21 @@ def _table(fit: MeasuredFit, used: NDArray[np.bool_], condition: str) -> Conditi
 
 
 def expected_rms(stored: dict[str, Any], value: float) -> float | None:
-    """The error to be expected at a value of the condition, from loads left out; None if the load was measured."""
+    """The error to be expected at a value of the condition, from loads left out; None if the load was measured, or if
+    it is farther from the others than these are apart: nothing is known of it then.
+    """
     values = [float(v) for v in stored["values"]]
     if min(abs(value - v) for v in values) <= SAME_SHARE * (max(values) - min(values)):
         return None
+    if is_far(values, value):
+        return None
     return stored["between_rms" if values[0] < value < values[-1] else "beyond_rms"]
+
+
+def is_far(values: Sequence[float], value: float) -> bool:
+    """Whether a value lies farther outside increasing ones than the widest gap between them."""
+    widest = max((b - a for a, b in pairwise(values)), default=0.0)
+    return not values[0] - widest <= value <= values[-1] + widest
 
 
 def _rms(x: Array) -> float:

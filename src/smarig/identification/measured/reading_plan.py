@@ -70,7 +70,7 @@ class ReadingPlan:
 def reading_plan(records: Sequence[InputRecord], most: int = MOST_READINGS) -> ReadingPlan:
     """Readings spread over all branches, half by row and half by output. Raises DataError if none remains."""
     low, high = min(float(r.u.min()) for r in records), max(float(r.u.max()) for r in records)
-    turns = [reversals(r.u) for r in records]
+    turns = [reversals(r.u, r.noise) for r in records]
     branches = sum(len(t) - 1 for t in turns)
     per_branch = max(most // max(branches, 1), FEWEST_PER_BRANCH)
     rows, starts = [], []
@@ -79,6 +79,9 @@ def reading_plan(records: Sequence[InputRecord], most: int = MOST_READINGS) -> R
         if k and record.continues:
             start = StartingState(start.state)
         starts.append(start)
+        if record.readings is not None:
+            rows.append(record.readings[record.readings >= start.first])
+            continue
         own = [spread_rows(record.y, a, b, per_branch) for a, b in pairwise(ends) if a >= start.first]
         rows.append(np.unique(np.concatenate([*own, np.empty(0, dtype=np.int64)])).astype(np.int64))
     if not sum(r.size for r in rows):

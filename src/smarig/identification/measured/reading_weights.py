@@ -17,6 +17,8 @@ def reading_weights(fit: MeasuredFit) -> Array:
     The scatter is that of the recorded input about its monotone branches, so readings on a steep branch count less.
     """
     plan, slope = fit.problem.plan, local_slope(fit)
+    if any(r.readings is not None for r in plan.records):  # settled: all are alike
+        return np.ones(len(plan))
     inputs = [(r.u, monotone_branches(r.u, reversals(r.u))) for r in plan.records]
     scatter = plan.of([np.full(u.size, float(np.sqrt(np.mean((u - m) ** 2)))) for u, m in inputs])
     of_output = plan.of([np.full(len(r), input_noise_sd(r.y)) for r in plan.records])

@@ -32,7 +32,7 @@ def _parameters(records: Sequence[InputRecord]) -> tuple[SearchedParameter, ...]
 
 def _change(p: Values, record: InputRecord) -> RecordChange:
     none = RecordChange.none(record)
-    shift = (record.conditions[STRESS] - p.get("reference", 0.0)) / p["MPa_per_K"]
+    shift = (record.condition(STRESS) - p.get("reference", 0.0)) / p["MPa_per_K"]
     return RecordChange(record.u - shift, none.terms)
 
 

@@ -20,7 +20,7 @@ class WireMechanism(Protocol):
     wires: tuple[Wire, ...]
 
     def advance(self, heating: tuple[Heating, ...], force_N: float | None) -> None:
-        """Let one step pass, with one heating for each wire. ``force_N``: the load, if it is not the file's."""
+        """Let one step pass, with one heating for each wire. ``force_N``: the load, if it is not that of the start."""
         ...
 
     @property
@@ -30,13 +30,15 @@ class WireMechanism(Protocol):
 
 
 class DeadWeight:
-    """One wire under a force: σ = F/A. The position is the contraction in mm."""
+    """One wire under a force: σ = F/A. The position is the contraction in mm. ``force_N``: in place of the file's."""
 
-    def __init__(self, wire: Wire, file: ActuatorFile, ambient_degC: float) -> None:
+    def __init__(
+        self, wire: Wire, file: ActuatorFile, ambient_degC: float, force_N: float | None = None
+    ) -> None:
         force = file.thermomechanical.force if file.thermomechanical else None
         if force is None:
             raise ConfigError(f"Actuator {file.name} has no thermomechanical.force. Give the weight in N.")
-        self.wires, self.force_N = (wire,), force.value
+        self.wires, self.force_N = (wire,), force.value if force_N is None else force_N
         wire.start(ambient_degC)
         wire.load(self._stress_MPa(self.force_N))
         self._rest = wire.state.strain

@@ -18,6 +18,8 @@ AMBIENT_DEGC, REST_TICKS = 22.0, 100  # of the travel: ten time constants
 class ThermomechanicalPlant:
     """The wires of an actuator file with a table [thermomechanical], cold and loaded at the start.
 
+    ``force_N``: the load of a single wire, in place of that of the file.
+
     >>> plant = ThermomechanicalPlant(Actuator.named("thermomechanical_one_wire"), dt_s=0.1, ambient_degC=22.0)
     >>> for _ in range(600):
     ...     position_mm = plant.step(1.0)
@@ -25,7 +27,9 @@ class ThermomechanicalPlant:
     (12.5, [1.0])
     """
 
-    def __init__(self, actuator: Actuator, dt_s: float, ambient_degC: float) -> None:
+    def __init__(
+        self, actuator: Actuator, dt_s: float, ambient_degC: float, force_N: float | None = None
+    ) -> None:
         file = actuator.file
         constant_h = file.thermomechanical is not None and file.thermomechanical.heat_loss == "constant"
         wires = [
@@ -36,7 +40,7 @@ class ThermomechanicalPlant:
         self.mechanism: WireMechanism = (
             Antagonists((wires[0], wires[1]), file, ambient_degC)
             if actuator.two_wire
-            else DeadWeight(wires[0], file, ambient_degC)
+            else DeadWeight(wires[0], file, ambient_degC, force_N)
         )
         parts = max(1, math.ceil(dt_s / (MAX_PART * actuator.tau_s)))
         self._parts, self._part_s = parts, dt_s / parts
@@ -47,7 +51,7 @@ class ThermomechanicalPlant:
         """Advance one tick at constant current and return the position.
 
         The disturbance is added to the ambient temperature. ``force_N``: the load of a single wire at the end of the
-        tick; None: that of the actuator file.
+        tick; None: that of the start.
         """
         ambient_degC = self.ambient_degC + disturbance_K
         heating = Heating(current_A, ambient_degC, self._part_s)

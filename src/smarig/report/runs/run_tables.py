@@ -63,7 +63,8 @@ def _run_rows(run: Run) -> Iterable[Row]:
         if (value := getattr(info, key)) not in (None, ""):
             yield key.replace("_", " ").capitalize(), value, "", "run file"
     for key, own in recorded_conditions(run).items():
-        yield key.replace("_", " ").capitalize(), condition_text(own), display_unit(own.unit), "imported file"
+        source = "imported file" if info.imported else "run file"
+        yield key.replace("_", " ").capitalize(), condition_text(own), display_unit(own.unit), source
 
 
 def _derived_rows(run: Run, derived: DerivedQuantities) -> Iterable[Row]:

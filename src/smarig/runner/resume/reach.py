@@ -40,6 +40,9 @@ REACH: dict[str, dict[str, Reach]] = {
         "temperature_noise_K": Reach.TWIN,
         "temperature_noise_time_s": Reach.TWIN,
         "hidden_effect": Reach.TWIN,
+        "load.force_N": Reach.TWIN,
+        "load.formula": Reach.TWIN,
+        "load.file": Reach.TWIN,
         # A limit also scales many protocols. Their commands are compared with the record when they are replayed.
         "limits.current_min_A": Reach.SAFETY,
         "limits.current_max_A": Reach.SAFETY,

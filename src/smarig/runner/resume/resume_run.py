@@ -25,6 +25,7 @@ from smarig.runner.resume.replay_protocol import replay_protocol
 from smarig.runner.resume.resume_plan import COLD_TAUS, RE_ESTABLISH, ResumePlan, RigState, plan_resume
 from smarig.runner.resume.same_rig import Reach, RigChange, check_names, check_same_rig
 from smarig.runner.run_control import RunControl
+from smarig.runner.run_metadata import LOAD
 from smarig.runner.session import Session, check_free_space
 from smarig.runner.wire_heat import recorded_heat
 
@@ -58,7 +59,18 @@ def session_for(
     with damaged_record_as_data_error(run):
         seed, noise = int(run.info.seed or 0), bool(launch["noise"])
         twin = TwinSettings(seed, noise, effects=effects_from_pairs(launch["effects"]))
-        session = Session(name, twin=twin, speed=speed or launch["speed"], wire=run_wire, control=control)
+        session = Session(
+            name,
+            twin=twin,
+            speed=speed or launch["speed"],
+            wire=run_wire,
+            control=control,
+            load=str(launch.get(LOAD, "")),
+        )
+        if session.load and session.load.changes:
+            raise UsageError(
+                f"The load of {run.path.name} changes over time, which cannot be taken up again. Start the run again."
+            )
     check_same_rig(run, session)
     return session
 

@@ -1,4 +1,4 @@
-"""A temperature profile T(t) given as text: arithmetic of t, never executed as Python.
+"""A profile over time given as text, such as T(t) or a load F(t): arithmetic of t, never executed as Python.
 
 The text is parsed into a syntax tree, and only numbers, t, pi, e, + − * / **, parentheses and a few functions are
 evaluated; every other element is refused by name.
@@ -10,7 +10,8 @@ import operator
 import warnings
 from collections.abc import Callable
 
-from smarig.core import UsageError, shown
+from smarig.core.errors import UsageError
+from smarig.core.shown_text import shown
 
 LONGEST_TEXT = 500
 _OPERATORS: dict[type[ast.operator], Callable[[float, float], float]] = {
@@ -48,7 +49,7 @@ class Formula:
     def __init__(self, text: str) -> None:
         self.text = text.strip()
         if not self.text or len(self.text) > LONGEST_TEXT:
-            raise UsageError(f"A temperature profile must have 1 to {LONGEST_TEXT} characters.")
+            raise UsageError(f"A profile must have 1 to {LONGEST_TEXT} characters.")
         try:
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore", SyntaxWarning)  # of what is refused anyhow
