@@ -6,7 +6,6 @@ follows the diameter.
 """
 
 import math
-import tomllib
 from pathlib import Path
 from typing import Any
 
@@ -28,7 +27,9 @@ def random_wire(seed: int, folder: Path) -> str:
     values = Actuator.named(base.actuator).file.model_dump(mode="json", exclude_none=True)
     diameter, latent, specific = rng.uniform(0.8, 1.25), rng.uniform(0.6, 1.3), rng.uniform(0.9, 1.1)
     shift, name = rng.uniform(-6, 6), f"varied_{seed}"
-    values["name"], alloy, heating = name, values["thermomechanical"], values["heating"]
+    actuator = folder / f"{name}.toml"
+    values["name"] = str(actuator)  # a record finds its actuator by this name
+    alloy, heating = values["thermomechanical"], values["heating"]
     values["wire"]["diameter"]["value"] *= diameter
     values["wire"]["specific_heat"]["value"] *= specific
     alloy["latent_heat"]["value"] *= latent
@@ -41,7 +42,6 @@ def random_wire(seed: int, folder: Path) -> str:
         diameter**1.5
     )  # of currents for one temperature, with h A independent of the diameter by (5.3) and R/d²
     heating["reference_current"]["value"] *= scale
-    actuator = folder / f"{name}.toml"
     actuator.write_text(_toml(values))
     limits = base.limits
     rig = folder / f"{name}_rig.toml"
@@ -50,7 +50,6 @@ def random_wire(seed: int, folder: Path) -> str:
         f"period_s = {base.period_s}\n\n[limits]\ncurrent_max_A = {limits.current_max_A * scale}\n"
         f"temperature_max_K = {limits.temperature_max_K}\n\n[amplifier]\nsaturation_A = {2 * scale}\n"
     )
-    tomllib.loads(actuator.read_text())
     return str(rig)
 
 
