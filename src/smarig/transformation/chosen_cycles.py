@@ -1,4 +1,4 @@
-"""Which cycles of a run its means are taken over, and which of them are alike enough for a drift.
+"""Which cycles of a run its means are taken over, and which of them are comparable enough for a drift.
 
 All figures of a run come from the same cycles, so that span and width are those of the temperatures: the cycles that
 have every figure of the one with the most figures. A drift compares cycles, which needs the same range of temperature.
@@ -10,7 +10,7 @@ import numpy as np
 
 from smarig.transformation.cycle_figures import FIGURES, CycleFigures
 
-_ALIKE = 0.05  # of the temperature's range: the ends of alike cycles differ by less from their median
+_SAME_END = 0.05  # of the temperature's range: the ends of comparable cycles differ by less from their median
 _FEWEST = 3
 
 
@@ -54,17 +54,20 @@ def cycles_text(numbers: Sequence[int]) -> str:
     return f"cycle{'s' if len(numbers) > 1 else ''} {', '.join(parts)}"
 
 
-def alike_cycles(cycles: Sequence[CycleFigures]) -> tuple[list[CycleFigures], str]:
+def comparable_cycles(cycles: Sequence[CycleFigures]) -> tuple[list[CycleFigures], str]:
     """The cycles between about the same temperatures, and why there is no drift; "" if there are three or more."""
     ends = np.array([_ends(c) for c in cycles])
     middle = np.median(ends, axis=0)
-    near = np.all(np.abs(ends - middle) <= _ALIKE * (middle[1] - middle[0]), axis=1)
-    alike = [c for c, same in zip(cycles, near) if same]
-    if len(alike) >= _FEWEST:
-        return alike, ""
+    near = np.all(np.abs(ends - middle) <= _SAME_END * (middle[1] - middle[0]), axis=1)
+    comparable = [c for c, same in zip(cycles, near) if same]
+    if len(comparable) >= _FEWEST:
+        return comparable, ""
     if len(cycles) < _FEWEST:
         return [], f"a drift needs {_FEWEST} cycles, and there {_are(len(cycles))}"
-    return [], f"a drift needs {_FEWEST} cycles between the same temperatures, and there {_are(len(alike))}"
+    return (
+        [],
+        f"a drift needs {_FEWEST} cycles between the same temperatures, and there {_are(len(comparable))}",
+    )
 
 
 def _are(count: int) -> str:

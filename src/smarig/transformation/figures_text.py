@@ -54,7 +54,8 @@ def shown_unit(unit: str) -> str:
 def _run_lines(run: RunFigures) -> Iterator[str]:
     stress = "" if run.stress_MPa is None else f", stress {run.stress_MPa:.4g} MPa"
     above = " Temperatures are above ambient." if run.record.above_ambient else ""
-    count = f"means over {cycles_text(run.averaged)}" if len(run.averaged) > 1 else cycles_text(run.averaged)
+    one = "1 cycle" if len(run.cycles) == 1 else cycles_text(run.averaged)
+    count = f"means over {one}" if len(run.averaged) > 1 else one
     yield f"{run.name}: {count}{stress}. 95 % intervals in brackets.{above}"
     for name in FIGURES:
         if name in run.means:

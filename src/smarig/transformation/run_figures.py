@@ -10,7 +10,7 @@ from smarig.core import UsageError
 from smarig.identification import Estimate
 from smarig.record import Run
 from smarig.transformation.branch_tangents import BranchTangents, branch_tangents, with_borrowed_plateau
-from smarig.transformation.chosen_cycles import alike_cycles, complete_cycles, left_out_note
+from smarig.transformation.chosen_cycles import comparable_cycles, complete_cycles, left_out_note
 from smarig.transformation.cycle_drift import cycle_drift
 from smarig.transformation.cycle_figures import (
     DIFFERENCES,
@@ -21,7 +21,7 @@ from smarig.transformation.cycle_figures import (
     cycle_figures,
 )
 from smarig.transformation.full_branches import COOLING, HEATING, FullBranch, UnusedBranch, full_branches
-from smarig.transformation.heating_lag import lag_note, with_lag
+from smarig.transformation.lag_of_temperatures import lag_note, with_lag
 from smarig.transformation.temperature_record import TemperatureRecord, temperature_record
 
 _SMALL_STROKE = 0.5  # of the median of its direction: a branch with less is not that of a transforming wire
@@ -112,8 +112,10 @@ def run_figures(run: Run) -> RunFigures:
         raise UsageError(_no_loop(run.name, record, cycles, unused))
     averaged = complete_cycles(cycles)
     means, counts = _means(averaged)
-    alike, reason = alike_cycles(averaged)
-    drift, scattered = cycle_drift([c.number for c in alike], [c.figures for c in alike], _units(record))
+    comparable, reason = comparable_cycles(averaged)
+    drift, scattered = cycle_drift(
+        [c.number for c in comparable], [c.figures for c in comparable], _units(record)
+    )
     return RunFigures(
         run=run,
         record=record,
