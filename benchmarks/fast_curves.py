@@ -2,7 +2,8 @@
 
 Three groups of ten wires. The first has surfaces of Table 5.1 and random truths outside every family
 (``random_truths``), with a τ of 0.6 to 1.6 of the actuator's and R/hA within 10 % of it; settings of the estimator were
-chosen on them. The second has random truths and heatings that no choice has seen. The third are thermomechanical wires
+chosen on them. The second has random truths and heatings on which
+none was chosen. The third are thermomechanical wires
 (``thermomechanical_wires``): their τ is m c/(h A) without transformation at half the largest steady input. The record
 knows neither τ nor R/hA. ``first_order_descending`` waits at every
 point, ``continuous_reversal_curves`` at none. Both are identified by default settings; for the settled run the better
@@ -42,7 +43,7 @@ WIRES = (
     *(("one_wire_twin", seed) for seed in range(4)),
     ("two_wire_twin", 4),
 )
-HELD_BACK = tuple(  # random hystereses and heatings that no choice of a setting has seen
+HELD_BACK = tuple(  # random hystereses and heatings on which no setting of the estimator was chosen
     ("two_wire_twin" if seed % 3 == 2 else "one_wire_twin", seed) for seed in range(100, 110)
 )
 
