@@ -4,7 +4,7 @@ Three groups of ten wires. The first has surfaces of Table 5.1 and random truths
 (``random_truths``), with a τ of 0.6 to 1.6 of the actuator's and R/hA within 10 % of it; settings of the estimator were
 chosen on them. The second has random truths and heatings on which none was chosen. The third are thermomechanical wires
 (``thermomechanical_wires``): their τ is m c/(h A) without transformation at half the largest steady input.
-``first_order_descending`` waits at every point, ``continuous_reversal_curves`` at the lower end only. Both are identified
+``first_order_descending`` waits at every point, ``continuous_reversal_curves`` at the lower end. Both are identified
 by default settings; for the settled run the better of "best" and "positive" counts. The errors are those of ``verify``
 on a run of settled random holds; below a tenth of an encoder count they count as equal.
 """
