@@ -1,5 +1,6 @@
 """Sweeps at two rates: the wire moves at them, turns where asked, and stays within the limits."""
 
+from contextlib import suppress
 from dataclasses import replace
 from itertools import pairwise
 
@@ -7,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
-from smarig.core.command import Hold, Waveform
+from smarig.core.command import Hold, StepResult, StepVerdict, Waveform
 from smarig.core.errors import UsageError
 from smarig.protocols._settings import build_protocol
 from smarig.protocols._setup import Setup
@@ -39,12 +40,38 @@ def test_the_wire_turns_at_the_reversal_inputs(rig):
     rises = [u for name, u, _ in steps if name.startswith("rise ") and "again" not in name]
     span = setup.upper_K - setup.lower_K
     asked = [setup.lower_K + span * (k + 1) / len(rises) for k in range(len(rises))]
-    assert len(rises) == 15
+    assert len(rises) == 13
     assert [u.max() for u in rises[:-1]] == pytest.approx(asked[:-1], abs=0.025 * span)
     assert all(a.max() < b.max() for a, b in pairwise(rises))
     assert max(u.max() for name, u, _ in steps if name == "top") == pytest.approx(setup.upper_K, abs=0.1)
     falls = [u for name, u, _ in steps if name.startswith("fall")]
-    assert max(u[-1] for u in falls) < setup.lower_K + 0.03 * span + 1e-9
+    assert max(u[-1] for u in falls) < setup.lower_K + 0.05 * span + 1e-9
+
+
+def test_the_wire_rests_at_the_lower_end_until_its_position_is_constant():
+    """Counts that fall by half from rest to rest: the last two differ by less than a count."""
+    protocol, rests, counts = (
+        build_protocol("continuous_reversal_curves", Setup.of("one_wire_twin"), {}),
+        {},
+        0.0,
+    )
+    command = next(protocol)
+    with suppress(StopIteration):
+        while True:
+            branch = getattr(command, "branch", "")
+            if branch.startswith("rest"):
+                rests[branch] = rests.get(branch, 0) + 1
+                counts /= 2
+            else:
+                counts = 20.0
+            command = protocol.send(StepResult(0, StepVerdict.ELAPSED, 0.0, counts, 0.0, 1, 0.0, 0.0))
+    assert len(rests) == 14
+    assert set(rests.values()) == {5}  # 10, 5, 2.5, 1.25, 0.63
+
+
+def test_curves_below_the_usual_end_of_a_fall_are_measured():
+    steps = driven(Setup.of("one_wire_twin"), {"curves": "40"})
+    assert min(u.size for name, u, _ in steps if name.startswith(("rise", "fall"))) > 0
 
 
 @pytest.mark.parametrize("rig", RIGS)
@@ -53,12 +80,12 @@ def test_the_wire_moves_at_the_rates_in_turn(rig):
     natural = (setup.upper_K - setup.lower_K) / setup.tau_s
     rates = (0.1 * natural, 0.2 * natural)
     steps = driven(setup, {"rates_K_per_s": rates})
-    middle = {"rise 8", "rise 9", "fall 14", "fall 13"}
+    middle = {"rise 8", "rise 9", "fall 12", "fall 11"}
     seen = {n: float(np.median(np.abs(np.diff(u)))) / setup.period_s for n, u, _ in steps if n in middle}
     assert seen["rise 8"] == pytest.approx(rates[1], rel=0.01)
     assert seen["rise 9"] == pytest.approx(rates[0], rel=0.01)
-    assert seen["fall 14"] == pytest.approx(rates[0], rel=0.01)
-    assert seen["fall 13"] == pytest.approx(rates[1], rel=0.05)
+    assert seen["fall 12"] == pytest.approx(rates[0], rel=0.01)
+    assert seen["fall 11"] == pytest.approx(rates[1], rel=0.05)
 
 
 def test_currents_change_no_faster_than_the_limits_allow():

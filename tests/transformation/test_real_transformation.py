@@ -43,7 +43,13 @@ def test_both_implementations_agree_within_a_kelvin_on_nitihf(measured, stress):
 
 @pytest.mark.parametrize("stress", NITICO)
 def test_both_implementations_agree_on_nitico_where_readings_allow(measured, stress):
-    """Not M_f at 7 MPa (a plateau of 5 K), nor the heating at 50 MPa (no reading in its steepest 4 K)."""
+    """Not M_f at 7 MPa, nor the heating at 50 MPa; neither implementation is at fault.
+
+    At 7 MPa the second one finds no three readings on the plateau below M_f, and gives none. At 50 MPa 32 % of the
+    output lies between two readings at -9.5 and -5.1 °C. The steepest readings, from -5.1 to -3.8 °C, have 2.2 times
+    the slope of that chord; E3097 asks for the steepest, while the second one needs 30 % of the output and so takes
+    the chord.
+    """
     run = measured(f"sma_isobaric/cal_sample_1/{stress} MPa.txt", "sma_isobaric_1")
     found = run_figures(run)
     left_out = {7: {"M_f"}, 50: {"A_s", "A_f"}}.get(stress, set())
@@ -55,13 +61,17 @@ def test_both_implementations_agree_on_nitico_where_readings_allow(measured, str
 
 
 def test_both_implementations_agree_on_fifty_noisy_cycles(measured):
-    """The temperature has a noise of 5 K; the second implementation averages the cycles first."""
+    """The temperature has a noise of 5 K; the second implementation averages the cycles first.
+
+    Its own temperatures move by 1.9 to 3.3 K with the share of the output that its steep tangent uses (the middle half
+    to the middle fifth), so an agreement within 1 K is the choice of one share.
+    """
     run = measured("sma_cycles/cycles.txt", "sma_cycles")
     found = run_figures(run)
     (unused,) = found.unused
     assert (unused.direction, unused.cycle) == ("heating", 1), "the first heating of an untransformed wire"
     assert found.counts["A_s"] == 49
-    assert found.counts["M_s"] == 50
+    assert found.counts["M_s"] == 49, "all figures are of the same cycles"
     u, y = run["input"], run["position"]
     turns = [0]
     for k in range(1, u.size):  # turns of 150 K or more

@@ -52,6 +52,9 @@ if TYPE_CHECKING:
     from smarig.plant.thermomechanical.characteristics import antagonist_path as antagonist_path
     from smarig.plant.thermomechanical.characteristics import isobaric_loop as isobaric_loop
     from smarig.plant.thermomechanical.characteristics import isothermal_loop as isothermal_loop
+    from smarig.plant.thermomechanical.free_convection import (
+        free_convection_W_per_m2_K as free_convection_W_per_m2_K,
+    )
     from smarig.plant.thermomechanical.kinetics import AUSTENITE as AUSTENITE
     from smarig.plant.thermomechanical.kinetics import TWINNED_MARTENSITE as TWINNED_MARTENSITE
     from smarig.plant.thermomechanical.kinetics import Phase as Phase

@@ -28,6 +28,8 @@ def run_json(run: RunFigures) -> dict[str, Any]:
             }
             for c in run.cycles
         ],
+        "averaged_cycles": list(run.averaged),
+        "no_drift": run.no_drift,
         "drift": {name: e.to_json() for name, e in run.drift.items()},
         "unused": [u.to_json() for u in run.unused],
         "notes": list(run.notes),

@@ -4,6 +4,7 @@ from collections.abc import Iterator, Mapping, Sequence
 
 from smarig.core import spaced
 from smarig.identification import Estimate
+from smarig.transformation.chosen_cycles import cycles_text
 from smarig.transformation.cycle_figures import FIGURES, TEMPERATURES
 from smarig.transformation.run_figures import RunFigures
 from smarig.transformation.stress_dependence import StressSlope
@@ -53,7 +54,8 @@ def shown_unit(unit: str) -> str:
 def _run_lines(run: RunFigures) -> Iterator[str]:
     stress = "" if run.stress_MPa is None else f", stress {run.stress_MPa:.4g} MPa"
     above = " Temperatures are above ambient." if run.record.above_ambient else ""
-    count = f"{len(run.cycles)} cycle{'s' if len(run.cycles) != 1 else ''}"
+    one = "1 cycle" if len(run.cycles) == 1 else cycles_text(run.averaged)
+    count = f"means over {one}" if len(run.averaged) > 1 else one
     yield f"{run.name}: {count}{stress}. 95 % intervals in brackets.{above}"
     for name in FIGURES:
         if name in run.means:
@@ -63,6 +65,8 @@ def _run_lines(run: RunFigures) -> Iterator[str]:
     if run.drift:
         yield "  drift per cycle:"
         yield from (f"  {line}" for line in _drift_lines(run.drift))
+    if run.no_drift and len(run.cycles) > 1:
+        yield f"  drift not given: {run.no_drift}."
     yield from (f"  {note}" for note in run.notes)
     unit = shown_unit(run.record.input_unit)
     yield from (f"  Not used: {u.sentence(unit)}" for u in run.unused[:_MOST_UNUSED])

@@ -33,13 +33,17 @@ _FEWEST = 10
 
 @dataclass(frozen=True, eq=False)
 class FullBranch:
-    """Readings u and y (n,) in measured order; ``cycle`` counts from 1. ``curves`` it was assembled from, 1 if none."""
+    """Readings u and y (n,) in measured order; ``cycle`` counts from 1. ``curves`` it was assembled from, 1 if none.
+
+    ``rate_K_per_s`` is the mean rate of the temperature, None if it settled at each reading or if times are not known.
+    """
 
     direction: str
     cycle: int
     u: Array
     y: Array
     curves: int = 1
+    rate_K_per_s: float | None = None
 
     def rising(self) -> tuple[Array, Array]:
         """The readings in the order of rising temperature."""
@@ -120,7 +124,13 @@ def _in_cycles(record: TemperatureRecord, full: list[tuple[int, int]]) -> Iterat
         cycle += not second
         waiting = -1 if second else b
         u, y = _averaged(record.u[a : b + 1], record.y[a : b + 1])
-        yield FullBranch(_direction(record.u, a, b), cycle, u, y)
+        yield FullBranch(_direction(record.u, a, b), cycle, u, y, rate_K_per_s=_rate(record, a, b))
+
+
+def _rate(record: TemperatureRecord, a: int, b: int) -> float | None:
+    if record.t_s is None or not record.t_s[b] > record.t_s[a]:
+        return None
+    return float(abs(record.u[b] - record.u[a]) / (record.t_s[b] - record.t_s[a]))
 
 
 def _averaged(u: Array, y: Array) -> tuple[Array, Array]:

@@ -10,6 +10,7 @@ from smarig.core import UsageError
 from smarig.identification import Estimate
 from smarig.record import Run
 from smarig.transformation.branch_tangents import BranchTangents, branch_tangents, with_borrowed_plateau
+from smarig.transformation.chosen_cycles import comparable_cycles, complete_cycles, left_out_note
 from smarig.transformation.cycle_drift import cycle_drift
 from smarig.transformation.cycle_figures import (
     DIFFERENCES,
@@ -20,6 +21,7 @@ from smarig.transformation.cycle_figures import (
     cycle_figures,
 )
 from smarig.transformation.full_branches import COOLING, HEATING, FullBranch, UnusedBranch, full_branches
+from smarig.transformation.lag_of_temperatures import lag_note, with_lag
 from smarig.transformation.temperature_record import TemperatureRecord, temperature_record
 
 _SMALL_STROKE = 0.5  # of the median of its direction: a branch with less is not that of a transforming wire
@@ -31,7 +33,7 @@ _SOURCE = "tangents"
 
 @dataclass(frozen=True, eq=False)
 class RunFigures:
-    """One run. ``means`` over its cycles, by figure; ``drift`` per cycle (three cycles or more).
+    """One run. ``means`` over the cycles ``averaged``, by figure; ``drift`` per cycle, or the reason against it.
 
     The interval of a mean contains the common choice of the tangents' readings in full, and the noise averaged.
     """
@@ -42,7 +44,9 @@ class RunFigures:
     unused: tuple[UnusedBranch, ...]
     means: dict[str, Drawn]
     counts: dict[str, int]
+    averaged: tuple[int, ...]
     drift: dict[str, Estimate]
+    no_drift: str
     notes: tuple[str, ...]
 
     @property
@@ -93,19 +97,25 @@ def run_figures(run: Run) -> RunFigures:
     tangents: dict[int, BranchTangents] = {}
     for k, branch in enumerate(branches):
         try:
-            tangents[k] = branch_tangents(
+            found = branch_tangents(
                 *branch.rising(),
                 seed=k,
                 curve_seed=zlib.crc32(f"{run.name} {branch.direction}".encode()),
                 unit=_shown_unit(record.input_unit),
             )
+            tangents[k] = with_lag(found, branch, record.lag_s)
         except UsageError as error:
             unused.append(_unused(branch, str(error)))
     _leave_out_small(branches, tangents, unused)
     cycles = _cycles(branches, tangents)
     if not any(c.whole for c in cycles):
         raise UsageError(_no_loop(run.name, record, cycles, unused))
-    means, counts = _means(cycles)
+    averaged = complete_cycles(cycles)
+    means, counts = _means(averaged)
+    comparable, reason = comparable_cycles(averaged)
+    drift, scattered = cycle_drift(
+        [c.number for c in comparable], [c.figures for c in comparable], _units(record)
+    )
     return RunFigures(
         run=run,
         record=record,
@@ -113,8 +123,16 @@ def run_figures(run: Run) -> RunFigures:
         unused=tuple(unused),
         means=means,
         counts=counts,
-        drift=cycle_drift([c.number for c in cycles], [c.figures for c in cycles], _units(record)),
-        notes=(*record.notes, *_notes(cycles), *_jumps(cycles, record)),
+        averaged=tuple(c.number for c in averaged),
+        drift=drift,
+        no_drift=reason or scattered,
+        notes=(
+            *record.notes,
+            *([note] if (note := lag_note(branches, record.lag_s, "K")) else []),
+            *left_out_note(cycles, averaged),
+            *_notes(averaged),
+            *_jumps(cycles, record),
+        ),
     )
 
 
@@ -235,9 +253,8 @@ def _no_loop(
     unit = _shown_unit(record.input_unit)
     used = {d for c in cycles for d in (HEATING, COOLING) if getattr(c, d) is not None}
     have = f" It has only a {next(iter(used))} branch." if len(used) == 1 else ""
-    reasons = " ".join(u.sentence(unit) for u in unused[:3])
-    more = f" (and {len(unused) - 3} more branches)" if len(unused) > 3 else ""
-    why = f" {reasons}{more}" if reasons else ""
+    reasons = " ".join(u.sentence(unit) for u in unused)
+    why = f" {reasons}" if reasons else ""
     return (
         f"{name} contains no full loop of heating and cooling with ten readings or more on each branch.{have}{why} "
         "Heat and cool the wire through its whole transformation, for example with the protocol constant_force_cycles."

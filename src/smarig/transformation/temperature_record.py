@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from smarig.core import UsageError
 from smarig.measurement import dropouts
+from smarig.plant import Actuator
 from smarig.record import Run
 
 Array = NDArray[np.float64]
@@ -24,6 +25,8 @@ class TemperatureRecord:
     """Temperature ``u`` and output ``y`` (k,) in measured order, both known in every row.
 
     ``to_degC_K`` is added to u to give °C, None if the ambient temperature is not known; ``ambient_degC`` is its mean.
+    ``t_s`` (k,) are the times of the readings of a run that did not settle, None if they are not known. ``lag_s`` is
+    the time constant of the heating model from which temperatures come, None for measured ones and settled points.
     ``notes`` state which readings were left out, and where temperatures were not measured.
     """
 
@@ -34,6 +37,8 @@ class TemperatureRecord:
     to_degC_K: float | None
     ambient_degC: float | None
     settled: bool
+    t_s: Array | None = None
+    lag_s: float | None = None
     notes: tuple[str, ...] = ()
 
     @property
@@ -54,19 +59,22 @@ def temperature_record(run: Run) -> TemperatureRecord:
         )
     if absent := int(np.count_nonzero(~known)):
         notes.append(f"{absent} of {known.size} rows without temperature or output were left out.")
+    t_s = None if run.settled or not np.isfinite(run["t_s"]).all() else run["t_s"][known]
     u, y = u[known], y[known]
     if (lost := dropouts(u)).any():
         notes.append(
             f"{int(lost.sum())} rows were left out whose temperature reads exactly 0, far from its neighbours."
         )
         u, y = u[~lost], y[~lost]
+        t_s = None if t_s is None else t_s[~lost]
     _check_size(run, u, y)
     ambient = run["ambient_degC"][np.isfinite(run["ambient_degC"])]
     if ambient.size and np.ptp(ambient) > _MOVED_K:
         notes.append(
             f"The ambient temperature moved from {ambient.min():.1f} to {ambient.max():.1f} °C; its mean was used."
         )
-    if "heating model" in (run.info.input.from_ or ""):
+    modelled = "heating model" in (run.info.input.from_ or "")
+    if modelled:
         notes.append(
             "No thermometer measured these temperatures: they come from the heating model along the current. Its error "
             "is not in the intervals."
@@ -80,6 +88,10 @@ def temperature_record(run: Run) -> TemperatureRecord:
         to_degC_K=_to_degC_K(run, mean),
         ambient_degC=mean,
         settled=bool(run.settled),
+        t_s=t_s,
+        lag_s=Actuator.named(run.info.actuator).tau_s
+        if modelled and t_s is not None and run.info.actuator
+        else None,
         notes=tuple(notes),
     )
 

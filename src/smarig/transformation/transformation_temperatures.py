@@ -78,4 +78,4 @@ def _history(runs: Sequence[RunFigures]) -> dict[str, Estimate]:
         return {}
     figures = [c.figures for r in runs for c in r.cycles]
     units = {n: "K" if n in (*TEMPERATURES, *DIFFERENCES) else runs[0].record.unit for n in FIGURES}
-    return cycle_drift(range(1, len(figures) + 1), figures, units)
+    return cycle_drift(range(1, len(figures) + 1), figures, units)[0]

@@ -44,7 +44,7 @@ def _by_temperature(records: Sequence[SweepRecord], tau_s: float) -> Estimate | 
     segments: list[tuple[Array, Array]] = []
     for record in records:
         T, room = (record.run[name][record.first :] for name in ("temperature_degC", "ambient_degC"))
-        x = record.inputs_K(tau_s) / record.actuator.gain_K_per_A2
+        x = record.rises_K(tau_s) / record.actuator.gain_K_per_A2
         known = np.isfinite(T) & record.valid & ~at_range_end(T)
         room = np.where(np.isfinite(room), room, np.nan)
         above, columns = (T - room, x[:, None]) if np.isfinite(room[known]).all() else (T, None)

@@ -14,8 +14,9 @@ from smarig.identification.interval_estimate import Estimate
 from smarig.identification.positive.adapted_partition import nodes_along
 from smarig.identification.positive.observations import MIN_REVERSAL, branches
 from smarig.identification.sweeps.gain_of_sweeps import gain_of_sweeps
+from smarig.identification.sweeps.lag_problem import apart
 from smarig.identification.sweeps.sweep_record import SweepRecord, is_sweep_run
-from smarig.identification.sweeps.tau_of_sweeps import SweptTau, tau_of_sweeps
+from smarig.identification.sweeps.tau_of_sweeps import MISFIT, SweptTau, tau_of_sweeps
 from smarig.plant import Actuator
 from smarig.preisach import Everett
 from smarig.record import Run
@@ -23,13 +24,12 @@ from smarig.replay import ActuatorRecord, Model, memory_histories
 
 Array = NDArray[np.float64]
 INTERVALS = 50  # of the triangle of a positive measure
-MISFIT = 2.0  # times the noise: a larger residual is stated as lack of fit
 _SECTIONS = ("wire", "heating", "transmission")
 
 
 @dataclass(frozen=True, eq=False)
 class HeatingOfSweeps:
-    """Constants by name (tau, R_M, R_A, R_over_hA), reasons for those not determined, and the fit of ``tau``."""
+    """Constants by name (tau, latent_heat, R_M, R_A, R_over_hA), reasons for others, and the fit of ``tau``."""
 
     swept: SweptTau
     parameters: dict[str, Estimate]
@@ -39,7 +39,7 @@ class HeatingOfSweeps:
 
     @property
     def tau_s(self) -> float:
-        """The time constant."""
+        """The time constant; with latent heat, that without transformation at half the largest input."""
         return self.swept.tau.value
 
     @property
@@ -59,25 +59,48 @@ class HeatingOfSweeps:
             "rms": swept.rms,
             "noise": swept.noise,
             "lack_of_fit": self.lack_of_fit if np.isfinite(self.lack_of_fit) else None,
+            **({} if swept.latent is None else self._law()),
+        }
+
+    def _law(self) -> dict[str, Any]:
+        """What the law of the heating contains beyond τ."""
+        heat = self.swept.heat
+        return {
+            "latent_K_per_unit": heat.latent_K_per_unit,
+            "convection_exponent": heat.exponent,
+            "heats_by": "current" if heat.resistances_ohm is None else "electrical power",
+            "rms_constant_tau": self.swept.constant_rms,
         }
 
     @property
     def warnings(self) -> list[str]:
         """What a reader must know before he trusts τ."""
+        found = [] if self.swept.latent is None else [self._of_latent_heat()]
         if not self.lack_of_fit > MISFIT:
-            return []
+            return found
+        law = "a constant τ" if self.swept.latent is None else "latent heat"
         return [
-            f"The best Preisach model with a constant τ leaves {self.swept.rms:.3g}{spaced(self.unit)} of the sweeps "
+            *found,
+            f"The best Preisach model with {law} leaves {self.swept.rms:.3g}{spaced(self.unit)} of the sweeps "
             f"unexplained, {self.lack_of_fit:.2g} times their noise. The intervals of the heating include this, but τ "
-            "may stand for another effect. Diagnose settled runs, or verify the model on one."
+            "may stand for another effect. Diagnose settled runs, or verify the model on one.",
         ]
+
+    def _of_latent_heat(self) -> str:
+        swept = self.swept
+        return (
+            f"A constant τ leaves {swept.constant_rms:.3g}{spaced(self.unit)} of the major loop unexplained. "
+            f"Latent heat and an exponent {swept.heat.exponent:.3f} of the free convection leave "
+            f"{swept.major_rms:.3g}{spaced(self.unit)}. τ is that without transformation at half the largest input. "
+            "Predictions between settled points use τ alone."
+        )
 
     def model(self, model: Model) -> Model:
         """The model with these constants of its wire, and with the estimates in ``fit["heating"]``.
 
         R/hA stays that of the actuator: the model's inputs are in the kelvin of the record.
         """
-        kept = {name: e for name, e in self.parameters.items() if name != "R_over_hA"}
+        kept = {name: e for name, e in self.parameters.items() if name in ("tau", "R_M", "R_A")}
         file = calibrated(self.actuator.file, kept, self.actuator.name)
         constants = {key: getattr(file, key).model_dump(mode="json") for key in _SECTIONS}
         return replace(
@@ -105,8 +128,10 @@ def heating_of_sweeps(runs: Sequence[Run], reference: Everett | None = None) -> 
     if len({record.actuator.name for record in records}) > 1:
         raise DataError("The runs of sweeps were made with different actuators. Identify them separately.")
     swept = tau_of_sweeps(records)
+    records = [replace(record, heat=swept.heat) for record in records]
     found: dict[str, Estimate | str] = {
         "tau": swept.tau,
+        **({} if swept.latent is None else {"latent_heat": swept.latent}),
         "R_over_hA": gain_of_sweeps(records, swept.tau.value, reference),
         **resistances([record.run for record in records], swept.tau.value),
     }
@@ -121,7 +146,12 @@ def heating_of_sweeps(runs: Sequence[Run], reference: Everett | None = None) -> 
 
 def with_fitted_inputs(runs: Sequence[Run], heating: HeatingOfSweeps) -> list[Run]:
     """The runs; one made in sweeps as its block means and turning points, with the input that the fitted τ gives."""
-    return [_as_points(SweepRecord.of(run), heating.tau_s) if is_sweep_run(run) else run for run in runs]
+    return [
+        _as_points(replace(SweepRecord.of(run), heat=heating.swept.heat), heating.tau_s)
+        if is_sweep_run(run)
+        else run
+        for run in runs
+    ]
 
 
 def sweep_nodes(runs: Sequence[Run]) -> Array | None:
@@ -136,7 +166,7 @@ def sweep_nodes(runs: Sequence[Run]) -> Array | None:
         first += int(branch.max(initial=0)) + 1
     inputs, outputs, number = (np.concatenate(columns) for columns in zip(*parts))
     nodes = nodes_along(inputs, outputs, number, INTERVALS)
-    return np.unique(np.concatenate([[lower, upper], nodes]))
+    return apart(np.concatenate([[lower, upper], nodes]))  # cells of no width would spoil the fit
 
 
 def _as_points(record: SweepRecord, tau_s: float) -> Run:

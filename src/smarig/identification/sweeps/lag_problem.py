@@ -45,7 +45,7 @@ class LagProblem:
         inputs, outputs, sweep = (np.concatenate(parts) for parts in zip(*paths))
         ends = np.array([records[0].lower, records[0].upper])  # for every τ
         nodes = np.concatenate([ends, nodes_along(inputs, outputs, sweep, intervals)])
-        return cls(tuple(records), Triangle(_apart(nodes)), float(np.ptp(outputs)) or 1.0)
+        return cls(tuple(records), Triangle(apart(nodes)), float(np.ptp(outputs)) or 1.0)
 
     @cached_property
     def sweep(self) -> Integers:
@@ -91,7 +91,7 @@ class LagProblem:
         return self._root_area[:, None] * self.triangle.roughness_of_masses.toarray() * self._root_area
 
 
-def _apart(nodes: Array) -> Array:
+def apart(nodes: Array) -> Array:
     """The nodes in order, without those that are closer to another than a node of rounding."""
     at = np.unique(nodes)
     keep = np.diff(at, prepend=-np.inf) > CLOSEST * np.ptp(at)

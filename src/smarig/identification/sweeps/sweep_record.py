@@ -4,7 +4,7 @@ A block is a short part of one sweep, within which the input moves by at most 0.
 that at its mean input: the mean carries less noise of the encoder, and a moving wire dithers the counts.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -14,6 +14,7 @@ from smarig.config import recorded_file
 from smarig.core import DataError
 from smarig.identification.calibration.holds import valid_rows
 from smarig.identification.positive.observations import Observations
+from smarig.identification.sweeps.sweep_heat import SweepHeat, heated_along
 from smarig.plant import Actuator
 from smarig.preisach import turning_points
 from smarig.record import Run
@@ -36,6 +37,7 @@ class SweepRecord:
     ``source_K`` is the steady input of each measured current (5.3), ``dt_s`` the time since the sample before.
     ``valid`` marks positions that count. ``sweep`` numbers the steps of the run. ``first`` is the row of the first
     sample in the run, ``start_K`` the input before it. ``lower`` and ``upper`` contain every input for any τ.
+    ``heat`` is what the heating law (5.1) leaves out, nothing at first.
     """
 
     run: Run
@@ -49,6 +51,7 @@ class SweepRecord:
     start_K: float
     lower: float
     upper: float
+    heat: SweepHeat = field(default_factory=SweepHeat)
 
     @classmethod
     def of(cls, run: Run) -> "SweepRecord":
@@ -89,10 +92,39 @@ class SweepRecord:
         return self.upper - self.lower
 
     def inputs_K(self, tau_s: float) -> Array:
-        """Hysteresis input u (n,) by (5.1): first order with the time constant ``tau_s``, exact for every tick.
+        """Hysteresis input u (n,) by (5.1), or by ``heat``.
 
         For two wires u = T₁ − T₂ obeys the same law with a signed source, because both have the same τ.
         """
+        return self._constant_tau_K(tau_s) if self.heat.is_constant_tau else self._heated(tau_s)[1]
+
+    def rises_K(self, tau_s: float) -> Array:
+        """The wire's temperature above ambient (n,), to which its inputs are proportional by (5.1) only."""
+        return self._constant_tau_K(tau_s) if self.heat.is_constant_tau else self._heated(tau_s)[0]
+
+    def _heated(self, tau_s: float) -> tuple[Array, Array]:
+        return heated_along(
+            self.heat, tau_s, self.source_K, self.dt_s, self.held_position, self.start_K, self.middle_K
+        )
+
+    def with_heat(self, heat: SweepHeat) -> "SweepRecord":
+        """The record with another law of its heat, and the same blocks."""
+        found = replace(self, heat=heat)
+        found.__dict__["blocks"] = self.blocks  # cached: they do not depend on the law
+        return found
+
+    @property
+    def middle_K(self) -> float:
+        """Half the largest steady input, at which τ is that of ``heat``."""
+        return max(abs(self.lower), abs(self.upper)) / 2
+
+    @cached_property
+    def held_position(self) -> Array:
+        """Positions (n,), those that do not count replaced by the last that does."""
+        return _held(np.where(self.valid, self.position, np.nan))
+
+    def _constant_tau_K(self, tau_s: float) -> Array:
+        """First order with the time constant ``tau_s``, exact for every tick."""
         u, inputs = self.start_K, np.empty(self.source_K.size)
         decays = np.exp(-self.dt_s / tau_s)
         for k, (source, decay) in enumerate(zip(self.source_K.tolist(), decays.tolist())):
@@ -102,8 +134,8 @@ class SweepRecord:
 
     @cached_property
     def blocks(self) -> Integers:
-        """Index of the first sample of each block (b,), the same for every τ."""
-        u, width = self.inputs_K(self.actuator.tau_s).tolist(), BLOCK_SHARE * self.span_K
+        """Index of the first sample of each block (b,), the same for every τ and heat."""
+        u, width = self._constant_tau_K(self.actuator.tau_s).tolist(), BLOCK_SHARE * self.span_K
         sweep, edges = self.sweep.tolist(), [0]
         for k in range(1, len(u)):
             a = edges[-1]

@@ -1,14 +1,8 @@
 """τ of the heating from sweeps at two rates, with an interval that includes what the model does not describe.
 
 At one rate r a lag of r τ looks like a wider hysteresis; at another rate it has another width. The search is coarse
-first, then a cubic through the least squares with the density eliminated. Residuals along a sweep are correlated,
-because the error of a model is a smooth function of the input. So the sweep is the unit that counts: with g the slope
-of the residuals r by log τ,
-
-    Var log τ = Σ_sweeps (Σ g r)² / (Σ g²)²        (Liang & Zeger, Biometrika 73:13, 1986),
-
-with Student's t of the number of sweeps. The interval is never narrower than that of independent blocks, whose variance
-is the mean square of the residuals and not that of the encoder's noise.
+first, then a cubic through the least squares with the density eliminated. Where a constant τ leaves more than twice the
+noise, latent heat and free convection are tried (``latent_of_sweeps``), and kept if they explain half of the squares.
 """
 
 import math
@@ -20,8 +14,11 @@ from numpy.typing import NDArray
 from scipy.optimize import fminbound
 
 from smarig.core import DataError
-from smarig.identification.interval_estimate import Estimate, quantile
+from smarig.identification.interval_estimate import Estimate
 from smarig.identification.sweeps.lag_problem import LagProblem
+from smarig.identification.sweeps.latent_of_sweeps import LatentFit, latent_of_sweeps
+from smarig.identification.sweeps.score_interval import half_width
+from smarig.identification.sweeps.sweep_heat import SweepHeat
 from smarig.identification.sweeps.sweep_rates import rate_ratio
 from smarig.identification.sweeps.sweep_record import SweepRecord
 
@@ -31,6 +28,8 @@ COARSE, FINE = 20, 50  # intervals of the triangle of the search and of the resu
 LEAST_RATE_RATIO = 1.25
 LEAST_COUNTS = 20.0  # of motion
 LEAST_SIGNAL = 10.0  # standard deviation of the motion over the noise: noise alone moves the best τ too
+MISFIT = 2.0  # times the noise: a larger residual is stated as lack of fit, and latent heat is tried
+EXPLAINED = 0.5  # of what a constant τ leaves of the major loop, in squares: latent heat must explain as much
 WIDEST = 0.2  # of τ: a wider half interval counts as not determined
 _GRID = 11
 _STEP, _OFFSETS = 0.02, (-2, -1, 0, 1, 2)  # of log τ, and multiples of it
@@ -39,7 +38,10 @@ _ROUNDS = 4
 
 @dataclass(frozen=True, eq=False)
 class SweptTau:
-    """τ, the residual rms of block means, and the rms that noise alone would leave, in output units."""
+    """τ, the residual rms of block means, and the rms that noise alone would leave, in output units.
+
+    ``heat`` is the law along the sweeps, ``latent`` its latent heat Λ in kelvin for the whole motion, None without.
+    """
 
     tau: Estimate
     rms: float
@@ -47,6 +49,10 @@ class SweptTau:
     blocks: int
     sweeps: int
     rate_ratio: float
+    heat: SweepHeat
+    latent: Estimate | None = None
+    major_rms: float | None = None  # residual rms on the major loop, where latent heat was kept
+    constant_rms: float | None = None  # the same of the best constant τ
 
 
 def tau_of_sweeps(records: Sequence[SweepRecord]) -> SweptTau:
@@ -57,7 +63,13 @@ def tau_of_sweeps(records: Sequence[SweepRecord]) -> SweptTau:
     log_tau = _search(LagProblem.of(records, COARSE), math.log(records[0].actuator.tau_s), names)
     problem = LagProblem.of(records, FINE)
     log_tau, slope, residual = _refined(problem, log_tau)
-    half = _half_width(slope, residual, problem.sweep)
+    half = half_width(slope, residual, problem.sweep)
+    noise = float(np.sqrt(np.mean([r.noise**2 for r in records])))
+    constant_rms = float(np.sqrt(np.mean(residual**2)))
+    latent = _latent(records, log_tau, names) if constant_rms > MISFIT * noise else None
+    if latent:
+        log_tau, half = latent.log_tau, latent.half_log_tau
+        residual = LagProblem.of([r.with_heat(latent.heat) for r in records], FINE).projected(log_tau)[1]
     if not half < WIDEST:
         raise DataError(
             f"{names}: the time constant τ cannot be determined: its 95 % interval is ± {min(half, 9.99):.0%}. The "
@@ -70,11 +82,24 @@ def tau_of_sweeps(records: Sequence[SweepRecord]) -> SweptTau:
     return SweptTau(
         tau=Estimate(tau, (tau * math.exp(-half), tau * math.exp(half)), "s", text, residual.size),
         rms=float(np.sqrt(np.mean(residual**2))),
-        noise=float(np.sqrt(np.mean([r.noise**2 for r in records]))),
+        noise=noise,
         blocks=residual.size,
         sweeps=sweeps,
         rate_ratio=ratio,
+        heat=latent.heat if latent else SweepHeat(),
+        latent=latent.latent if latent else None,
+        major_rms=latent.rms if latent else None,
+        constant_rms=latent.constant_rms if latent else None,
     )
+
+
+def _latent(records: Sequence[SweepRecord], log_tau: float, names: str) -> LatentFit | None:
+    """The fit with latent heat if it is needed; not of two wires, whose output depends on two temperatures."""
+    if records[0].actuator.two_wire:
+        return None
+    found = latent_of_sweeps(records, log_tau, names)
+    kept = found is not None and found.rms**2 < (1 - EXPLAINED) * found.constant_rms**2
+    return found if kept else None
 
 
 def _check_excitation(records: Sequence[SweepRecord], names: str, ratio: float) -> None:
@@ -144,17 +169,3 @@ def _least(values: Sequence[float]) -> float:
     cubic = np.polynomial.Polynomial.fit(_OFFSETS, values, 3)
     grid = np.linspace(_OFFSETS[0], _OFFSETS[-1], 4001)
     return float(grid[int(np.argmin(cubic(grid)))])
-
-
-def _half_width(slope: Array, residual: Array, sweep: NDArray[np.int64]) -> float:
-    """Half-width of the 95 % interval of log τ; inf if the residuals do not depend on τ."""
-    curvature = float(slope @ slope)
-    if curvature == 0:
-        return math.inf
-    clusters = np.bincount(sweep, slope * residual)
-    moved = np.bincount(sweep, slope**2)
-    # sweeps that hardly depend on τ do not count as repetitions
-    effective = curvature**2 / max(float(moved @ moved), 1e-300)
-    score = float(clusters @ clusters) * effective / max(effective - 1, 1.0)
-    independent = float(np.mean(residual**2)) * curvature
-    return quantile(effective - 1) * math.sqrt(max(score, independent)) / curvature

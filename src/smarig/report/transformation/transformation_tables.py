@@ -7,7 +7,7 @@ from smarig.core import capitalised, spaced
 from smarig.report.components.html import Html, bullets, cards, joined, paragraph, table, tag
 from smarig.report.components.numbers import number, signed
 from smarig.report.components.run_description import display_unit
-from smarig.transformation import FIGURES, NAMES, TEMPERATURES, RunFigures, StressSlope, why_not
+from smarig.transformation import FIGURES, NAMES, TEMPERATURES, RunFigures, StressSlope, cycles_text, why_not
 
 _CARDS = (*TEMPERATURES, "stroke", "width")
 
@@ -45,7 +45,8 @@ def figures_table(run: RunFigures) -> Html:
     if ambient:
         header.insert(2, "°C")
     rows = [_row(run, name, ambient) for name in FIGURES]
-    return table(header, rows, f"Figures of {run.name}, means over its cycles.")
+    reason = f" No drift: {run.no_drift}." if run.no_drift and len(run.cycles) > 1 else ""
+    return table(header, rows, f"Figures of {run.name}, means over {cycles_text(run.averaged)}.{reason}")
 
 
 def _row(run: RunFigures, name: str, ambient: bool) -> list[object]:

@@ -1,0 +1,85 @@
+"""Which cycles the figures come from, when a drift is given, and what a run that did not settle says of its lag."""
+
+import numpy as np
+import pytest
+
+from smarig.core import UsageError
+from smarig.transformation import run_figures, transformation_temperatures
+from transformation.known_loops import run_of
+from transformation.test_cycles_and_stress import U, cycle, cycles
+
+
+def joined(*parts):
+    return tuple(np.concatenate(columns) for columns in zip(*parts))
+
+
+def test_all_figures_come_from_the_same_cycles():
+    """The first of three cycles heats an untransformed wire: its cooling alone must not enter the means."""
+    u, y = cycles(3, -2.0)
+    y = y.copy()
+    y[: U.size] = y[U.size]  # its heating does nothing
+    found = run_figures(run_of(u, y))
+    assert found.averaged == (2, 3)
+    assert set(found.counts.values()) == {2}
+    mean = {name: d.value for name, d in found.means.items()}
+    assert mean["span"] == pytest.approx(mean["A_f"] - mean["M_f"], abs=1e-9)
+    middle = (mean["A_s"] + mean["A_f"] - mean["M_s"] - mean["M_f"]) / 2
+    assert mean["width"] == pytest.approx(middle, abs=1e-9)
+    assert mean["M_s"] == pytest.approx(50 - 3.0, abs=0.1)
+    assert any(
+        "All figures are those of cycles 2 to 3; cycle 1 lacks A_s, A_f" in note for note in found.notes
+    )
+    assert "means over cycles 2 to 3" in str(transformation_temperatures(found.run))
+
+
+def test_three_cycles_that_scatter_have_no_drift_and_say_why():
+    parts = [cycle(shift=s, noise=0.005, seed=k) for k, s in enumerate((0.0, 3.0, -1.0))]
+    found = run_figures(run_of(*joined(*parts)))
+    assert "A_s" not in found.drift
+    assert "scatter too much to determine a drift of A_s" in found.no_drift
+    assert "drift not given: the cycles scatter" in str(transformation_temperatures(found.run))
+
+
+def test_cycles_between_other_temperatures_do_not_enter_a_drift():
+    """The second of four cycles turns 8 K earlier: it is a full cycle, but not alike."""
+    parts = [cycle(shift=-0.5 * k, noise=0.002, seed=k) for k in range(4)]
+    short = parts[1][0] <= 92
+    parts[1] = (parts[1][0][short], parts[1][1][short])
+    found = run_figures(run_of(*joined(*parts)))
+    assert len(found.averaged) == 4
+    assert found.drift["A_s"].n == 3
+    two = run_figures(run_of(*joined(*parts[1:3], parts[3])))
+    assert two.drift == {}
+    assert "3 cycles between the same temperatures, and there are 2" in two.no_drift
+
+
+def test_the_lag_of_the_heating_model_widens_the_interval():
+    """0.5 K/s and τ = 5.3 s: ± 2.7 K on each branch, in opposite directions, so twice that in the width."""
+    u, y = cycle(noise=0.002)
+    settled = run_of(u, y)
+    t = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(u)))]) / 0.5
+    fast = run_of(u, y)
+    fast.columns["t_s"] = t
+    modelled = fast.with_meta(
+        actuator="gorbet_one_wire", input={"quantity": "temperature", "unit": "degC", "from": "heating model"}
+    )
+
+    def half(found, name):
+        low, high = found.means[name].ci95
+        return (high - low) / 2
+
+    plain, lagged, measured = run_figures(settled), run_figures(modelled), run_figures(fast)
+    for name in ("A_s", "A_f", "M_s", "M_f"):
+        assert half(lagged, name) == pytest.approx(0.95 * 0.5 * 5.33, rel=0.06)
+    assert half(lagged, "width") == pytest.approx(2 * 0.95 * 0.5 * 5.33, rel=0.06)
+    assert half(measured, "A_s") == pytest.approx(half(plain, "A_s"))
+    assert any("each second of lag raises A_s and A_f by 0.5 K" in note for note in measured.notes)
+    assert any("widened by ± rate × τ" in note for note in lagged.notes)
+
+
+def test_a_refusal_gives_the_reasons_of_all_branches():
+    flat = [np.linspace(0, 100, 60), np.linspace(100, 0, 60)] * 3
+    u = np.concatenate(flat)
+    with pytest.raises(UsageError) as error:
+        run_figures(run_of(u, 1e-3 * np.random.default_rng(0).standard_normal(u.size)))
+    assert str(error.value).count("Cycle ") == 6
