@@ -14,6 +14,7 @@ from smarig.report.models.evidence import Evidence
 from smarig.report.models.model_tables import pooled_rms
 from smarig.report.models.preisach_verdict import preisach_verdict
 
+
 @dataclass(frozen=True)
 class Assessment:
     """The sentences of the first screen. ``level``: "good", "warning" or "bad"."""
