@@ -7,7 +7,6 @@ from smarig.cli.output import check_distinct, emit, show_message
 from smarig.cli.run_options import RunOptions, check_target, print_warnings, run_summary
 from smarig.core import Interrupted, UsageError
 from smarig.record import load_run
-from smarig.runner import preview
 
 if TYPE_CHECKING:
     from smarig.app import ClosedLoop
@@ -27,7 +26,7 @@ def run_closed_loop(loop: "ClosedLoop", options: RunOptions, out: Path | None, *
         check_target(out, force=options.force or options.dry_run)
     if loop.statement:
         show_message(loop.statement)
-    cost = preview(loop.protocol, session.file, protocol_factory=loop.make)
+    cost = loop.preview(session.file)
     if options.dry_run or out is None:
         emit({"preview": cost.__dict__}, cost.sentence())
         return

@@ -89,7 +89,7 @@ class SensingErrors:
 def sensing_errors(model: Model, runs: Sequence[Run]) -> list[SensingErrors]:
     """The observer of a model along runs. Raises UsageError if the model has no part ``self_sensing``."""
     if not model.self_sensing:
-        raise UsageError(f"Model '{model.name}' has no self-sensing. Identify it with --self-sensing.")
+        raise UsageError(f"Model '{model.name}' has no self-sensing. Identify it with smarig sense MODEL RUN… -o NEW.model.json.")
     sensing = SelfSensing.from_json(model.self_sensing)
     return errors_along(model, sensing, [sensed_run(model, run) for run in runs])
 
