@@ -97,8 +97,10 @@ class PositionObserver:
             deviation = innovation / math.sqrt(float(to_ohm @ self._stationary @ to_ohm) + noise)
             self._correct(to_ohm, innovation, noise)
         variance = float(to_position @ self._P @ to_position)
+        position = here.position + float(to_position @ self._x)
+        self.model.corrected(position)
         return Observation(
-            here.position + float(to_position @ self._x),
+            position,
             QUANTILE * self.sensing.interval_factor * math.sqrt(max(variance, 0.0)),
             here.position,
             reading,
@@ -114,7 +116,7 @@ class PositionObserver:
         known = self.sensing.wires[wire]
         gradient = np.zeros(self._x.size)
         gradient[0] = (known.ohm(*warmer) - known.ohm(*colder)) / (2 * self.model.offsets_K[1])
-        gradient[1:_STATES] = np.array([1.0, self.model.lag]) * known.per_position(here.wire_K, here.austenite)
+        gradient[1:_STATES] = np.array([1.0, self.model.lag]) * known.per_position(here.wire)
         gradient[_STATES + wire] = 1.0
         return gradient, known.ohm(*here)
 

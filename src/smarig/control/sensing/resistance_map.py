@@ -1,16 +1,17 @@
 """The resistance of a wire as a function of position, temperature and phase, with the uncertainty of a position from it.
 
     R = c_1 + c_y y + c_T T + c_yT y T              one wire: its phase is its position
-    R = c_1 + c_y y + c_T T + c_xi ξ + c_xiy ξ y    two wires: ξ is the own phase of the heated wire
+    R = c_1 + c_y y + c_T T + c_xi ξ + c_xiy ξ y + c_m (1 − ξ)(y − y_c)         two wires
 
-It is the first order of R = [ρ_A ξ + ρ_M (1 − ξ)] (1 + a (T − T₀)) (1 + ε)² L/A. Position and resistance share the
+ξ is the own phase of the heated wire by the model (thesis §5.5.1), y_c the position when it was last cold: what it has
+moved since is strain that it recovered, so austenite, where the model's phase does not say so already. It is the first order of R = [ρ_A ξ + ρ_M (1 − ξ)] (1 + a (T − T₀)) (1 + ε)² L/A. Position and resistance share the
 phase, so this map has little hysteresis, unlike that from temperature to position. T (kelvin above ambient) and ξ are
 those of the model, y is the position on the model's scale.
 """
 
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -19,13 +20,23 @@ from smarig.core import DataError
 
 Array = NDArray[np.float64]
 ONE_WIRE_TERMS = ("1", "y", "T", "yT")
-TWO_WIRE_TERMS = ("1", "y", "T", "xi", "xiy")
+TWO_WIRE_TERMS = ("1", "y", "T", "xi", "xiy", "m")
+COLD_SHARE = 0.1  # of the largest input: a cooler wire is cold
 
 
-def map_terms(y: ArrayLike, wire_K: ArrayLike, austenite: ArrayLike, *, two_wire: bool) -> Array:
-    """The terms (n, p) of the map at positions (n,), temperatures (n,) and phases (n,), in the order of their names."""
-    y, T, xi = (np.asarray(v, dtype=float) for v in (y, wire_K, austenite))
-    return np.stack([np.ones_like(y), y, T, *([xi, xi * y] if two_wire else [y * T])], axis=-1)
+class WireState(NamedTuple):
+    """Kelvin above ambient and ξ of the wire that carries the current, and the position when it was last cold."""
+
+    wire_K: float
+    austenite: float
+    cold_position: float
+
+
+def map_terms(y: ArrayLike, states: ArrayLike, *, two_wire: bool) -> Array:
+    """The terms (n, p) of the map at positions (n,) and states (n, 3), in the order of their names."""
+    y, (T, xi, cold) = np.asarray(y, dtype=float), np.asarray(states, dtype=float).T
+    own = [xi, xi * y, (1 - xi) * (y - cold)] if two_wire else [y * T]
+    return np.stack([np.ones_like(y), y, T, *own], axis=-1)
 
 
 @dataclass(frozen=True)
@@ -43,25 +54,21 @@ class ResistanceMap:
     time_s: float
     n: int
 
-    def ohm(self, y: float, wire_K: float, austenite: float) -> float:
-        """The resistance at a position, a temperature and a phase.
+    def ohm(self, y: float, state: WireState) -> float:
+        """The resistance at a position and a state of the wire.
 
         >>> wire = ResistanceMap({"1": 5.0, "y": -0.04, "T": 0.0, "yT": 0.0}, {}, 0.001, 1.0, 100)
-        >>> wire.ohm(10.0, 50.0, 0.0)
+        >>> wire.ohm(10.0, WireState(50.0, 0.0, 0.0))
         4.6
         """
-        c = self.coefficients
-        return (
-            c["1"]
-            + c["T"] * wire_K
-            + c.get("xi", 0.0) * austenite
-            + self.per_position(wire_K, austenite) * y
-        )
+        c, (T, xi, cold) = self.coefficients, state
+        at_zero = c["1"] + c["T"] * T + c.get("xi", 0.0) * xi - c.get("m", 0.0) * (1 - xi) * cold
+        return at_zero + self.per_position(state) * y
 
-    def per_position(self, wire_K: float, austenite: float) -> float:
+    def per_position(self, state: WireState) -> float:
         """∂R/∂y at fixed temperature and phase."""
-        c = self.coefficients
-        return c["y"] + c.get("yT", 0.0) * wire_K + c.get("xiy", 0.0) * austenite
+        c, (T, xi, _) = self.coefficients, state
+        return c["y"] + c.get("yT", 0.0) * T + c.get("xiy", 0.0) * xi + c.get("m", 0.0) * (1 - xi)
 
 
 @dataclass(frozen=True)

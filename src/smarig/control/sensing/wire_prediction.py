@@ -10,20 +10,22 @@ moves later than predicted (latent heat).
 from collections.abc import Sequence
 from typing import NamedTuple
 
+from smarig.control.sensing.resistance_map import COLD_SHARE, WireState
 from smarig.plant import Actuator, JouleHeating, WirePhases
 from smarig.preisach import Everett, Initial, Preisach
 
 
 class PredictedWire(NamedTuple):
-    """One member of the three: position, and of the wire that carries the current its kelvin above ambient and ξ."""
+    """One member of the three: position, and the state of the wire that carries the current."""
 
     position: float
-    wire_K: float
-    austenite: float
+    wire: WireState
 
 
 class WirePrediction:
     """``step(current_A)`` gives the predictions at input offsets 0, ``offset_K`` and −``offset_K``.
+
+    ``corrected(position)`` after every step tells it the best estimate of the position.
 
     >>> from smarig.preisach import thesis_surface
     >>> model = WirePrediction(Actuator.named("gorbet_one_wire"), thesis_surface("one_e"), "negative", 0.1, 2.0)
@@ -39,8 +41,10 @@ class WirePrediction:
         self.offsets_K = (0.0, offset_K, -offset_K)
         self.heating = JouleHeating(actuator, period_s)
         self.lag = 0.0
+        self._cold_K = COLD_SHARE * max(hysteresis.upper, -hysteresis.lower)
         self._operators = [Preisach(hysteresis, initial) for _ in self.offsets_K]
         self._late = self._operators[0].y
+        self._cold_positions = [self._late, self._late]
         self._phases = [WirePhases(hysteresis) if actuator.two_wire else None for _ in self.offsets_K]
 
     def wire_of(self, current_A: float) -> int:
@@ -58,8 +62,14 @@ class WirePrediction:
             if phases is not None:
                 phases.step(own_K)
                 xi = phases.austenite[wire]
-            found.append(PredictedWire(y, own_K[wire], xi))
+            found.append(PredictedWire(y, WireState(own_K[wire], xi, self._cold_positions[wire])))
         y = found[0].position
         self._late = y + (self._late - y) * self.heating.decay
         self.lag = self._late - y
         return found
+
+    def corrected(self, position: float) -> None:
+        """Take a better value of the present position as that of the wires that are cold."""
+        for wire, wire_K in enumerate(self.heating.wire_K):
+            if wire_K < self._cold_K:
+                self._cold_positions[wire] = position

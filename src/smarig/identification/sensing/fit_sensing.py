@@ -82,10 +82,12 @@ class _Columns:
         offset_K = INPUT_ERROR * (h.upper - h.lower)
         prediction = WirePrediction(sensing_actuator(model), h, run.initial, run.period_s, offset_K)
         rows = []
-        for current_A in run.current_A.tolist():
+        for current_A, position in zip(run.current_A.tolist(), run.position.tolist()):
             here, warmer, colder = prediction.step(current_A)
-            rows.append((*here, warmer.position, colder.position, prediction.lag))
-        self.predicted, self.wire_K, self.austenite, warm, cold, self.lag = np.array(rows).T
+            prediction.corrected(position)
+            rows.append((here.position, warmer.position, colder.position, prediction.lag, *here.wire))
+        self.predicted, warm, cold, self.lag = np.array(rows).T[:4]
+        self.states = np.array(rows)[:, 4:]
         self.per_K = (warm - cold) / (2 * offset_K)
         self.wire = np.array([prediction.wire_of(i) for i in run.current_A.tolist()])
 
@@ -99,7 +101,7 @@ def _wire_map(
         used = (c.wire == wire) & (np.abs(c.run.current_A) > least_A) & np.isfinite(c.run.voltage_V)
         rows = np.flatnonzero(used)
         for k in np.split(rows, np.flatnonzero(np.diff(rows) > 1) + 1) if rows.size else []:
-            terms = map_terms(c.run.position[k], c.wire_K[k], c.austenite[k], two_wire=two_wire)
+            terms = map_terms(c.run.position[k], c.states[k], two_wire=two_wire)
             segments.append((c.run.current_A[k, None] * terms, c.run.voltage_V[k]))
     fit = linear_fit(segments) if segments else None
     if fit is None or fit.n < FEWEST:

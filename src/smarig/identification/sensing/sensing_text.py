@@ -2,7 +2,7 @@
 
 from smarig.control import AMBIGUOUS_SHARE, ResistanceMap, SelfSensing
 
-_UNITS = {"1": "ohm", "y": "ohm/{}", "T": "ohm/K", "yT": "ohm/({} K)", "xi": "ohm", "xiy": "ohm/{}"}
+_UNITS = {"1": "ohm", "y": "ohm/{}", "T": "ohm/K", "yT": "ohm/({} K)", "xi": "ohm", "xiy": "ohm/{}", "m": "ohm/{}"}
 
 
 def sensing_text(sensing: SelfSensing, unit: str) -> list[str]:
