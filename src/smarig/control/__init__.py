@@ -37,6 +37,7 @@ if TYPE_CHECKING:
     from smarig.control.sensing.position_observer import AMBIGUOUS_SHARE as AMBIGUOUS_SHARE
     from smarig.control.sensing.position_observer import Observation as Observation
     from smarig.control.sensing.position_observer import PositionObserver as PositionObserver
+    from smarig.control.sensing.position_observer import is_ambiguous as is_ambiguous
     from smarig.control.sensing.resistance_feedback import OBSERVED as OBSERVED
     from smarig.control.sensing.resistance_feedback import ResistanceFeedback as ResistanceFeedback
     from smarig.control.sensing.resistance_map import ONE_WIRE_TERMS as ONE_WIRE_TERMS

@@ -11,25 +11,35 @@ A reading alone determines the position through the slope of R over y among the 
 
     s = cov(R, y)/var(y),   half-width = 1.96 √(var(R | y) + noise²) / |s|.
 
-It is ``ambiguous`` if that half-width exceeds ``AMBIGUOUS_SHARE`` of the stroke: positions so far apart have the same
-resistance.
+It is ``ambiguous`` if its 99.7 % interval, ± 3 standard deviations, is wider than ± ``AMBIGUOUS_SHARE`` of the stroke:
+positions so far apart have the same resistance.
 """
 
 import math
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 from smarig.control.sensing.resistance_map import SelfSensing
 from smarig.control.sensing.wire_prediction import PredictedWire, WirePrediction
 from smarig.plant import Actuator
 from smarig.preisach import Everett, Initial
 
-AMBIGUOUS_SHARE = 0.1  # of the stroke: a wider interval of a single reading tells no position
+AMBIGUOUS_SHARE = 0.1  # of the stroke: a wider 99.7 % interval of a single reading tells no position
 INPUT_TIME_S = 60.0  # correlation time of the input's offset: it may be another in another state
 LAG_TIME_S = 600.0  # that of the lag, which belongs to the wire
-QUANTILE = 1.96
+QUANTILE, SURE_QUANTILE = 1.96, 3.0
 _STATES = 3  # δ, e, λ; then the error of the map of each wire
+
+
+def is_ambiguous(reading_half: ArrayLike, stroke: float) -> NDArray[np.bool_]:
+    """Whether readings with half-widths (n,) of their 95 % intervals tell no position.
+
+    >>> is_ambiguous([0.5, 0.7, math.inf], stroke=10.0).tolist()
+    [False, True, True]
+    """
+    return ~(np.asarray(reading_half) * SURE_QUANTILE / QUANTILE <= AMBIGUOUS_SHARE * stroke)
 
 
 class Observation(NamedTuple):
@@ -93,7 +103,7 @@ class PositionObserver:
             slope, spread = self._alone(to_position, to_ohm, noise)
             if slope:
                 reading = here.position + innovation / slope
-                reading_half = QUANTILE * self.sensing.interval_factor * spread / abs(slope)
+                reading_half = QUANTILE * self.sensing.reading_factor * spread / abs(slope)
             deviation = innovation / math.sqrt(float(to_ohm @ self._stationary @ to_ohm) + noise)
             self._correct(to_ohm, innovation, noise)
         variance = float(to_position @ self._P @ to_position)
@@ -105,7 +115,7 @@ class PositionObserver:
             here.position,
             reading,
             reading_half,
-            not reading_half <= AMBIGUOUS_SHARE * self.sensing.stroke,
+            bool(is_ambiguous(reading_half, self.sensing.stroke)),
             deviation,
         )
 

@@ -79,8 +79,8 @@ class SelfSensing:
     smaller current gives no reading. The prediction is wrong by an offset of its input, ``input_error_K``, by
     ``output_error`` in the unit of position, with the correlation time ``output_time_s``, and by a share ``lag_error``
     of its own lag. ``interval_factor`` widens
-    the intervals, so that they contain 95 % of the positions of each run of the identification. ``stroke`` is that of
-    the model.
+    the intervals, so that they contain 95 % of the positions of each run of the identification; ``reading_factor`` does
+    so for the intervals of single readings. ``stroke`` is that of the model.
     """
 
     wires: tuple[ResistanceMap, ...]
@@ -91,6 +91,7 @@ class SelfSensing:
     output_time_s: float
     lag_error: float
     interval_factor: float
+    reading_factor: float
     stroke: float
 
     def to_json(self) -> dict[str, Any]:

@@ -66,12 +66,21 @@ def identify_sensing(model: Model, runs: Sequence[Run]) -> tuple[SelfSensing, li
         output_time_s=output_s,
         lag_error=max(lag, LAG_ERROR),
         interval_factor=1.0,
+        reading_factor=1.0,
         stroke=stroke,
     )
     errors = errors_along(model, sensing, prepared)
-    worst = max(float(np.quantile(e.error_over_half, LEVEL)) for e in errors if e.measured.size)
-    factor = max(1.0, worst)
-    return replace(sensing, interval_factor=factor), [e.widened(factor) for e in errors]
+    factors = (
+        _widening([e.error_over_half for e in errors]),
+        _widening([e.reading_over_half for e in errors]),
+    )
+    widened = replace(sensing, interval_factor=factors[0], reading_factor=factors[1])
+    return widened, [e.widened(*factors) for e in errors]
+
+
+def _widening(shares: Sequence[Array]) -> float:
+    """The factor with which the intervals contain 95 % of the positions of each run, at least 1."""
+    return max([1.0, *(float(np.quantile(s, LEVEL)) for s in shares if s.size)])
 
 
 class _Columns:

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.control import AMBIGUOUS_SHARE, PositionObserver, SelfSensing
+from smarig.control import PositionObserver, SelfSensing, is_ambiguous
 from smarig.core import UsageError
 from smarig.identification.sensing.sensed_run import SensedRun, sensed_run, sensing_actuator
 from smarig.record import Run
@@ -37,16 +37,22 @@ class SensingErrors:
     @property
     def ambiguous(self) -> NDArray[np.bool_]:
         """Where the resistance of a tick does not tell its position, (n,); also without a reading."""
-        return ~(self.reading_half <= AMBIGUOUS_SHARE * self.stroke)
+        return is_ambiguous(self.reading_half, self.stroke)
 
     @property
     def error_over_half(self) -> Array:
         """|error| over half of the interval, (n,)."""
         return np.abs(self.observed - self.measured) / self.half
 
-    def widened(self, factor: float) -> "SensingErrors":
-        """With intervals wider by a factor."""
-        return replace(self, half=self.half * factor, reading_half=self.reading_half * factor)
+    @property
+    def reading_over_half(self) -> Array:
+        """|error| over half of the interval of the readings alone, (m,), where there is one."""
+        read = np.isfinite(self.reading)
+        return (np.abs(self.reading - self.measured) / self.reading_half)[read]
+
+    def widened(self, factor: float, reading_factor: float) -> "SensingErrors":
+        """With wider intervals of the observer and of single readings."""
+        return replace(self, half=self.half * factor, reading_half=self.reading_half * reading_factor)
 
     def to_json(self) -> dict[str, Any]:
         """Errors in the unit of position; shares of the samples."""
