@@ -1,14 +1,15 @@
 """Position from resistance: regulation without an encoder, intervals and ambiguous spans, on four rigs.
 
 Each rig is commissioned with its encoder: first_order_descending for the hysteresis, and for the resistance also
-validation, continuous_reversal_curves and one regulation. Then, for each seed, a set-point is held twice, with the encoder and with the resistance, and random
-currents are applied for ten minutes. The R/hA of a Preisach twin differs by up to 3 % from that of the commissioning; a
-thermomechanical wire is no Preisach operator anyway. The encoder's readings and the twin's own position are the truth.
+validation, continuous_reversal_curves and one regulation. Then, for each seed, a set-point is held twice, with the
+encoder and with the resistance, and random currents are applied for ten minutes. The R/hA of a Preisach twin differs by
+up to 3 % from that of the commissioning; a thermomechanical wire is no Preisach operator anyway. The encoder's readings
+and the twin's own position are the truth.
 
-Two truths say where a resistance is ambiguous. ``missed``: the position from the resistance of a tick alone misses the
-twin's by more than a tenth of the stroke. ``same_ohm``: of five twins with the same currents and ambient temperatures up
-to 10 K apart, two have resistances that a reading cannot separate and positions more than a fifth of the stroke apart;
-this uses the twin's physics alone, not the model.
+Two truths show where a resistance is ambiguous. ``missed``: the position from the resistance of a tick alone misses
+the twin's by more than a tenth of the stroke. ``same_ohm``: of five twins with the same currents and ambient
+temperatures up to 10 K apart, two have resistances that a reading cannot separate and positions more than a fifth of
+the stroke apart; this uses the twin's physics alone, not the model.
 """
 
 from dataclasses import dataclass, replace
@@ -207,9 +208,7 @@ def _path(rig: CommissionedRig, seed: int) -> dict[str, Any]:
     plant = twin.specimen.plant
     start = plant.position
     initial = "anhysteretic" if rig.actuator.two_wire else "negative"
-    observer = PositionObserver(
-        rig.sensing, rig.actuator, rig.model.hysteresis, initial, rig.file.period_s
-    )
+    observer = PositionObserver(rig.sensing, rig.actuator, rig.model.hysteresis, initial, rig.file.period_s)
     rows, observed = [], []
     for current_A in _currents(rig, seed).tolist():
         sample = twin.step(current_A)[0]
@@ -224,10 +223,10 @@ def _path(rig: CommissionedRig, seed: int) -> dict[str, Any]:
             )
         )
         observed.append(observer.step(sample.voltage_V, sample.current_A))
-    return _judged(rig, np.array(rows), np.array(observed))
+    return _path_figures(rig, np.array(rows), np.array(observed))
 
 
-def _judged(rig: CommissionedRig, rows: Array, observed: Array) -> dict[str, Any]:
+def _path_figures(rig: CommissionedRig, rows: Array, observed: Array) -> dict[str, Any]:
     k, stroke = len(OFFSETS_K) + 1, rig.sensing.stroke
     current, positions, ohms = rows[:, 0], rows[:, 1 : 1 + k], rows[:, 1 + k :]
     position, half, predicted, reading, _, flagged = observed[:, :6].T

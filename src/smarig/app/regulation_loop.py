@@ -8,12 +8,12 @@ from typing import Any
 from smarig.app.loop_model import ClosedLoop, ModelSource, check_arguments, controller_model_for
 from smarig.config import RigFile
 from smarig.control import (
-    PositionObserver,
-    ResistanceFeedback,
-    SelfSensing,
     SETPOINT_CONTROLLERS,
     START_STATES,
     TRACKING_CONTROLLERS,
+    PositionObserver,
+    ResistanceFeedback,
+    SelfSensing,
     SetpointController,
     check_times,
     finite_number,

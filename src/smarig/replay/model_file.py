@@ -96,7 +96,9 @@ class _ModelFileSchema(_FrozenSchema):
         str, Any
     ] = {}  # kind and values of an extended model (§3.5); left out for a classical model
     measurement: dict[str, Any] = {}  # measurement effects of a measured input; left out if there are none
-    self_sensing: dict[str, Any] = {}  # resistance of each wire by position, and its errors; left out if there is none
+    self_sensing: dict[
+        str, Any
+    ] = {}  # resistance of each wire by position, and its errors; left out if there is none
     parameters: list[str]  # names of the covariance's rows
     covariance: list[list[float | None]]  # of the parameters
     intervals: dict[str, tuple[float | None, float | None]]  # 95 %, by name
@@ -236,7 +238,16 @@ def _to_file(model: Model) -> _ModelFileSchema:
             name: getattr(model, name)
             for name in (
                 *("name", "created", "twin", "rig", "actuator", "arrangement"),
-                *("input", "output", "mirrored", "fit", "noise_floor", "extension", "measurement", "self_sensing"),
+                *(
+                    "input",
+                    "output",
+                    "mirrored",
+                    "fit",
+                    "noise_floor",
+                    "extension",
+                    "measurement",
+                    "self_sensing",
+                ),
             )
         },
     )

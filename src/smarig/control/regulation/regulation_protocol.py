@@ -64,9 +64,10 @@ def regulate(
 
     ``setpoint`` is in the unit of the model's output, y₋ to y₊; ``within`` is the allowed distance of the approach from
     B_ℓ, a share of the plane. After ``quiet_s`` of the ``hold_s`` in closed loop, ``disturbance_K`` is added to the
-    source for ``pulse_s`` (default 4 τ). ``loop`` replaces the default PI. With ``feedback`` the position is that of the
-    wire's resistance; the encoder is only recorded, and holds last 10 τ because nothing tells when they settle. An unreachable set-point is refused at the
-    first command, before any current flows. Raises LimitExceeded if the loop diverges or readings are implausible.
+    source for ``pulse_s`` (default 4 τ). ``loop`` replaces the default PI. With ``feedback`` the position is that of
+    the wire's resistance. The encoder is then only recorded, and holds last 10 τ, because nothing shows when they have
+    settled. An unreachable set-point is refused at the first command, before any current flows. Raises LimitExceeded if
+    the loop diverges or readings are implausible.
     """
     settle = settle or Settled()
     pulse_s = PULSE_TAUS * setup.tau_s if pulse_s is None else pulse_s
@@ -165,7 +166,12 @@ def _reach(setup: Setup, hysteresis: Everett) -> tuple[float, float]:
 
 
 def _approach_to_state(
-    setup: Setup, hysteresis: Everett, setpoint: float, within: float, start: StartState, rest: Settled | Elapsed
+    setup: Setup,
+    hysteresis: Everett,
+    setpoint: float,
+    within: float,
+    start: StartState,
+    rest: Settled | Elapsed,
 ) -> tuple[Waveform | Hold | None, State, dict[str, Any]]:
     """The command from negative saturation to the start of the last move, the state at rest after that move, and the
     facts for the record.

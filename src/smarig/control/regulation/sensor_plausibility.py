@@ -23,9 +23,7 @@ class SensorPlausibility:
     ``sensor`` is what the position comes from, for the message.
     """
 
-    def __init__(
-        self, setup: Setup, hysteresis: Everett, state: State, sensor: str = "encoder"
-    ) -> None:
+    def __init__(self, setup: Setup, hysteresis: Everett, state: State, sensor: str = "encoder") -> None:
         self._sensor = sensor
         self._setup, self._operator = setup, Preisach(hysteresis, state)
         self._range = abs(hysteresis.everett(hysteresis.upper, hysteresis.lower))

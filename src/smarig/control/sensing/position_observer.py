@@ -3,9 +3,9 @@
     y = ŷ + y_δ δ + e + l λ              δ: offset of the input (K), e: error of the output, λ: of the lag l
     R = R̂ + R_δ δ + R_y (e + l λ) + b_w + v,   R̂ from the map of wire w, v = white noise of a reading, noise_V/|i|
 
-δ, e, λ and b_w are first-order Gauss–Markov processes with the standard deviations and times of the identification, and a
-Kalman filter estimates them. Without current there is no reading: the prediction goes on and its interval grows to that
-of the model alone.
+δ, e, λ and b_w are first-order Gauss–Markov processes with the standard deviations and times of the identification,
+and a Kalman filter estimates them. Without current there is no reading: the prediction goes on, and its interval grows
+to that of the model alone.
 
 A reading alone determines the position through the slope of R over y among the states that the model holds possible,
 

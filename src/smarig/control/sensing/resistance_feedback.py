@@ -12,7 +12,7 @@ from smarig.core import LimitExceeded, Mark, Quality, Sample
 
 OBSERVED = "observed position"  # label of the marks
 IMPLAUSIBLE = 5.0  # standard deviations of the expected resistance
-PATIENCE_S = 5.0  # after which an implausible or missing resistance ends the run
+LONGEST_S = 5.0  # after which an implausible or missing resistance ends the run
 BLOCK_S = 60.0  # of a mark
 
 
@@ -64,17 +64,17 @@ class ResistanceFeedback:
         self._missing_s = (
             self._missing_s + self.period_s if carries and not math.isfinite(sample.voltage_V) else 0.0
         )
-        if self._missing_s > PATIENCE_S:
+        if self._missing_s > LONGEST_S:
             raise LimitExceeded(
-                f"The wire has carried {current_A:.3g} A for {PATIENCE_S:g} s without a voltage reading, so its position is "
-                "not known. The current is at zero."
+                f"The wire has carried {current_A:.3g} A for {LONGEST_S:g} s without a voltage reading, so its "
+                "position is not known. The current is at zero."
             )
         self._implausible_s = (
             self._implausible_s + self.period_s if abs(found.deviation) > IMPLAUSIBLE else 0.0
         )
-        if self._implausible_s > PATIENCE_S:
+        if self._implausible_s > LONGEST_S:
             raise LimitExceeded(
-                f"The resistance {sample.voltage_V / current_A:.4g} ohm is {abs(found.deviation):.1f} standard deviations "
-                f"from what the model expects, for {PATIENCE_S:g} s. Check the contacts, the wire and the model. "
+                f"The resistance {sample.voltage_V / current_A:.4g} ohm is {abs(found.deviation):.1f} standard "
+                f"deviations from what the model expects, for {LONGEST_S:g} s. Check the contacts, the wire and the model. "
                 "The current is at zero."
             )

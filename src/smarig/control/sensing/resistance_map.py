@@ -1,12 +1,13 @@
-"""The resistance of a wire as a function of position, temperature and phase, with the uncertainty of a position from it.
+"""The resistance of a wire as a function of position, temperature and phase, with the errors of a position from it.
 
-    R = c_1 + c_y y + c_T T + c_yT y T              one wire: its phase is its position
-    R = c_1 + c_y y + c_T T + c_xi ξ + c_xiy ξ y + c_m (1 − ξ)(y − y_c)         two wires
+    R = c_1 + c_y y + c_T T + c_yT y T                                     one wire: its phase is its position
+    R = c_1 + c_y y + c_T T + c_xi ξ + c_xiy ξ y + c_m (1 − ξ)(y − y_c)     two wires
 
 ξ is the own phase of the heated wire by the model (thesis §5.5.1), y_c the position when it was last cold: what it has
-moved since is strain that it recovered, so austenite, where the model's phase does not say so already. It is the first order of R = [ρ_A ξ + ρ_M (1 − ξ)] (1 + a (T − T₀)) (1 + ε)² L/A. Position and resistance share the
-phase, so this map has little hysteresis, unlike that from temperature to position. T (kelvin above ambient) and ξ are
-those of the model, y is the position on the model's scale.
+moved since is strain that it recovered, so austenite, where the model's phase does not say so already. It is the first
+order of R = [ρ_A ξ + ρ_M (1 − ξ)] (1 + a (T − T₀)) (1 + ε)² L/A. Position and resistance share the phase, so this map
+has little hysteresis, unlike that from temperature to position. T (kelvin above ambient) and ξ are those of the model,
+y is the position on the model's scale.
 """
 
 from collections.abc import Mapping
@@ -24,7 +25,7 @@ TWO_WIRE_TERMS = ("1", "y", "T", "xi", "xiy", "m")
 COLD_SHARE = 0.1  # of the largest input: a cooler wire is cold
 
 
-class WireState(NamedTuple):
+class WireCondition(NamedTuple):
     """Kelvin above ambient and ξ of the wire that carries the current, and the position when it was last cold."""
 
     wire_K: float
@@ -54,18 +55,18 @@ class ResistanceMap:
     time_s: float
     n: int
 
-    def ohm(self, y: float, state: WireState) -> float:
+    def ohm(self, y: float, state: WireCondition) -> float:
         """The resistance at a position and a state of the wire.
 
         >>> wire = ResistanceMap({"1": 5.0, "y": -0.04, "T": 0.0, "yT": 0.0}, {}, 0.001, 1.0, 100)
-        >>> wire.ohm(10.0, WireState(50.0, 0.0, 0.0))
+        >>> wire.ohm(10.0, WireCondition(50.0, 0.0, 0.0))
         4.6
         """
         c, (T, xi, cold) = self.coefficients, state
         at_zero = c["1"] + c["T"] * T + c.get("xi", 0.0) * xi - c.get("m", 0.0) * (1 - xi) * cold
         return at_zero + self.per_position(state) * y
 
-    def per_position(self, state: WireState) -> float:
+    def per_position(self, state: WireCondition) -> float:
         """∂R/∂y at fixed temperature and phase."""
         c, (T, xi, _) = self.coefficients, state
         return c["y"] + c.get("yT", 0.0) * T + c.get("xiy", 0.0) * xi + c.get("m", 0.0) * (1 - xi)

@@ -10,7 +10,7 @@ moves later than predicted (latent heat).
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from smarig.control.sensing.resistance_map import COLD_SHARE, WireState
+from smarig.control.sensing.resistance_map import COLD_SHARE, WireCondition
 from smarig.plant import Actuator, JouleHeating, WirePhases
 from smarig.preisach import Everett, Initial, Preisach
 
@@ -19,7 +19,7 @@ class PredictedWire(NamedTuple):
     """One member of the three: position, and the state of the wire that carries the current."""
 
     position: float
-    wire: WireState
+    wire: WireCondition
 
 
 class WirePrediction:
@@ -62,7 +62,7 @@ class WirePrediction:
             if phases is not None:
                 phases.step(own_K)
                 xi = phases.austenite[wire]
-            found.append(PredictedWire(y, WireState(own_K[wire], xi, self._cold_positions[wire])))
+            found.append(PredictedWire(y, WireCondition(own_K[wire], xi, self._cold_positions[wire])))
         y = found[0].position
         self._late = y + (self._late - y) * self.heating.decay
         self.lag = self._late - y

@@ -18,7 +18,14 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import nnls
 
-from smarig.control import ONE_WIRE_TERMS, TWO_WIRE_TERMS, ResistanceMap, SelfSensing, WirePrediction, map_terms
+from smarig.control import (
+    ONE_WIRE_TERMS,
+    TWO_WIRE_TERMS,
+    ResistanceMap,
+    SelfSensing,
+    WirePrediction,
+    map_terms,
+)
 from smarig.core import DataError
 from smarig.identification.interval_estimate import linear_fit
 from smarig.identification.sensing.sensed_run import SensedRun, sensed_run, sensing_actuator
@@ -167,7 +174,9 @@ def _prediction_errors(columns: Sequence[_Columns]) -> tuple[list[float], float]
 def _correlation_s(segments: Sequence[Array], period_s: float) -> float:
     """The lag at which the autocorrelation of the smoothed errors falls below 1/e; at least a second."""
     block = max(1, round(1.0 / period_s))  # means of a second: noise is not correlated
-    means = [r[: r.size // block * block].reshape(-1, block).mean(axis=1) for r in segments if r.size >= block]
+    means = [
+        r[: r.size // block * block].reshape(-1, block).mean(axis=1) for r in segments if r.size >= block
+    ]
     total = sum(float(m @ m) for m in means)
     longest = int(LONGEST_CORRELATION_S / (block * period_s))
     for lag in range(1, longest):

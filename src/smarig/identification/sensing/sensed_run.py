@@ -38,9 +38,13 @@ def sensed_run(model: Model, run: Run) -> SensedRun:
     check_output(model, run)
     for name, text in (("voltage_V", "voltage"), ("current_A", "current"), ("position", "position")):
         if not run.has(name):
-            raise DataError(f"{run.name} has no measured {text}. Self-sensing needs voltage, current and position.")
+            raise DataError(
+                f"{run.name} has no measured {text}. Self-sensing needs voltage, current and position."
+            )
     if not run.info.period_s:
-        raise DataError(f"{run.name} does not say the length of a tick, so it cannot be used for self-sensing.")
+        raise DataError(
+            f"{run.name} does not say the length of a tick, so it cannot be used for self-sensing."
+        )
     current = run["current_A"]
     if not np.isfinite(current).all():
         current = np.nan_to_num(current)

@@ -65,7 +65,9 @@ class SensingErrors:
             "rms": _rms(error),
             "rms_of_stroke": (_rms(error) or 0.0) / self.stroke,
             "max_abs": float(np.abs(error).max()),
-            "r_squared": 1.0 - float(np.var(error) / np.var(self.measured)) if np.ptp(self.measured) else None,
+            "r_squared": 1.0 - float(np.var(error) / np.var(self.measured))
+            if np.ptp(self.measured)
+            else None,
             "coverage_95": float(np.mean(self.error_over_half <= 1)),
             "median_half": float(np.median(self.half)),
             "model_alone_rms": _rms(self.predicted - self.measured),
@@ -95,7 +97,9 @@ class SensingErrors:
 def sensing_errors(model: Model, runs: Sequence[Run]) -> list[SensingErrors]:
     """The observer of a model along runs. Raises UsageError if the model has no part ``self_sensing``."""
     if not model.self_sensing:
-        raise UsageError(f"Model '{model.name}' has no self-sensing. Identify it with smarig sense MODEL RUN… -o NEW.model.json.")
+        raise UsageError(
+            f"Model '{model.name}' has no self-sensing. Identify it with smarig sense MODEL RUN… -o NEW.model.json."
+        )
     sensing = SelfSensing.from_json(model.self_sensing)
     return errors_along(model, sensing, [sensed_run(model, run) for run in runs])
 
@@ -107,7 +111,9 @@ def errors_along(model: Model, sensing: SelfSensing, runs: Sequence[SensedRun]) 
         observer = PositionObserver(
             sensing, sensing_actuator(model), model.hysteresis, run.initial, run.period_s
         )
-        rows = np.array([observer.step(v, i)[:5] for v, i in zip(run.voltage_V.tolist(), run.current_A.tolist())])
+        rows = np.array(
+            [observer.step(v, i)[:5] for v, i in zip(run.voltage_V.tolist(), run.current_A.tolist())]
+        )
         position, half, predicted, reading, reading_half = rows.T
         known = np.isfinite(run.position)
         found.append(

@@ -2,7 +2,15 @@
 
 from smarig.control import AMBIGUOUS_SHARE, ResistanceMap, SelfSensing
 
-_UNITS = {"1": "ohm", "y": "ohm/{}", "T": "ohm/K", "yT": "ohm/({} K)", "xi": "ohm", "xiy": "ohm/{}", "m": "ohm/{}"}
+_UNITS = {
+    "1": "ohm",
+    "y": "ohm/{}",
+    "T": "ohm/K",
+    "yT": "ohm/({} K)",
+    "xi": "ohm",
+    "xiy": "ohm/{}",
+    "m": "ohm/{}",
+}
 
 
 def sensing_text(sensing: SelfSensing, unit: str) -> list[str]:
@@ -10,8 +18,8 @@ def sensing_text(sensing: SelfSensing, unit: str) -> list[str]:
     lines = [_map_text(k, wire, sensing, unit) for k, wire in enumerate(sensing.wires, start=1)]
     return [
         *lines,
-        f"A reading has {1e3 * sensing.noise_V:.2g} mV of noise and needs at least {sensing.least_A:.2g} A. It is ambiguous "
-        f"where its 99.7 % interval is wider than ±{AMBIGUOUS_SHARE:.0%} of the stroke. Intervals are widened by "
+        f"A reading has {1e3 * sensing.noise_V:.2g} mV of noise and needs at least {sensing.least_A:.2g} A. It is "
+        f"ambiguous where its 99.7 % interval is wider than ±{AMBIGUOUS_SHARE:.0%} of the stroke. Intervals are widened by "
         f"{sensing.interval_factor:.2f}, those of single readings by {sensing.reading_factor:.2f}.",
     ]
 
@@ -40,7 +48,7 @@ def _sign_text(wire: ResistanceMap, two_wire: bool) -> str:
         return f"The resistance of the cold wire {'rises' if low > 0 else 'falls'} with the position."
     if two_wire:
         return (
-            "The resistance does not depend on the position itself, only on the phase of this wire: it tells a position "
-            "only while this wire transforms."
+            "The resistance does not depend on the position itself, only on the phase of this wire: it shows the "
+            "position only while this wire transforms."
         )
     return "The resistance of the cold wire does not depend on the position."

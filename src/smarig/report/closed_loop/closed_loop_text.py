@@ -5,8 +5,8 @@ import numpy as np
 from smarig.control import SETTLING_BAND_COUNTS
 from smarig.report.closed_loop.hold_end import HoldEnd
 from smarig.report.closed_loop.loop_result import RegulationResult, TrackingResult
-from smarig.report.closed_loop.velocity_result import VelocityResult, velocity_verdict
 from smarig.report.closed_loop.observed_position import observed_text
+from smarig.report.closed_loop.velocity_result import VelocityResult, velocity_verdict
 from smarig.report.components.numbers import counts, number, signed
 from smarig.report.components.run_description import display_unit
 

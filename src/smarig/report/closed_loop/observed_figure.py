@@ -1,4 +1,4 @@
-"""The position of an observer beside the encoder's, with its interval and the spans where the resistance is ambiguous."""
+"""The position of an observer beside the encoder's, with its interval and the ambiguous spans."""
 
 import numpy as np
 
@@ -29,7 +29,11 @@ def observed_figure(run: Run, found: ObservedPosition) -> Figure:
         line(t[[0, -1]], [found.wanted, found.wanted], "set-point", INK, width=1.3, dash="dot"),
         line(
             *(t[outline], edge, "95 % interval", GREY),
-            **{"width": 0, "fill": "toself", "fillcolor": INTERVAL, "hoverinfo": "skip", "yaxis": "y2"},
+            width=0,
+            fill="toself",
+            fillcolor=INTERVAL,
+            hoverinfo="skip",
+            yaxis="y2",
         ),
         line(t[missed], miss[missed], "observed − encoder", INK, width=1.2, yaxis="y2", showlegend=False),
     ]

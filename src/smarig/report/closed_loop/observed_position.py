@@ -1,4 +1,4 @@
-"""The observed position of a loop that was closed by the resistance, beside the encoder's, from the marks of its record."""
+"""The observed position of a loop closed by the resistance, beside the encoder's, from the marks of its record."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -73,8 +73,9 @@ def observed_text(found: ObservedPosition, unit: str) -> str:
     return (
         f"Feedback: resistance. Observed minus encoder: rms {f['observer_rms']:.3g} {unit}, largest "
         f"{f['observer_max']:.3g} {unit}; within the 95 % interval (median ±{f['median_half']:.2g} {unit}) "
-        f"{f['coverage_95']:.1%}. Position by the encoder minus set-point: rms {f['error_rms']:.3g} {unit}, mean of the "
-        f"second half {f['steady_error']:.3g} {unit}; by the observer rms {f['observed_error_rms']:.3g} {unit}. {ambiguous}"
+        f"{f['coverage_95']:.1%}. Position by the encoder minus set-point: rms {f['error_rms']:.3g} {unit}, mean of "
+        f"the second half {f['steady_error']:.3g} {unit}; by the observer rms {f['observed_error_rms']:.3g} {unit}. "
+        f"{ambiguous}"
     )
 
 
