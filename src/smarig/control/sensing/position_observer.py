@@ -1,6 +1,6 @@
 """An observer of position: the model's prediction, corrected by the resistance as far as the resistance tells it.
 
-    y = ŷ + y_δ δ + e + l λ              δ: offset of the input (K), e: error of the output, λ: of the lag l
+    y = ŷ + y_δ δ + e + l λ              δ: error of the input (K), e: error of the output, λ: of the lag l
     R = R̂ + R_δ δ + R_y (e + l λ) + b_w + v,   R̂ from the map of wire w, v = white noise of a reading, noise_V/|i|
 
 δ, e, λ and b_w are first-order Gauss–Markov processes with the standard deviations and times of the identification,
@@ -27,7 +27,7 @@ from smarig.plant import Actuator
 from smarig.preisach import Everett, Initial
 
 AMBIGUOUS_SHARE = 0.1  # of the stroke: a wider 99.7 % interval of a single reading tells no position
-INPUT_TIME_S = 60.0  # correlation time of the input's offset: it may be another in another state
+INPUT_TIME_S = 60.0  # correlation time of the input's error: it may be another in another state
 LAG_TIME_S = 600.0  # that of the lag, which belongs to the wire
 QUANTILE, SURE_QUANTILE = 1.96, 3.0
 _STATES = 3  # δ, e, λ; then the error of the map of each wire

@@ -75,6 +75,6 @@ class ResistanceFeedback:
         if self._implausible_s > LONGEST_S:
             raise LimitExceeded(
                 f"The resistance {sample.voltage_V / current_A:.4g} ohm is {abs(found.deviation):.1f} standard "
-                f"deviations from what the model expects, for {LONGEST_S:g} s. Check the contacts, the wire and the model. "
-                "The current is at zero."
+                f"deviations from what the model expects, for {LONGEST_S:g} s. Check the contacts, the wire and the "
+                "model. The current is at zero."
             )

@@ -77,7 +77,7 @@ class SelfSensing:
     """What an observer needs beside the hysteresis: a map for each wire, and the errors of reading and prediction.
 
     ``noise_V``: standard deviation of a reading in volts, so that a resistance has ``noise_V``/|i|. ``least_A``: a
-    smaller current gives no reading. The prediction is wrong by an offset of its input, ``input_error_K``, by
+    smaller current gives no reading. The prediction is wrong by an error of its input, ``input_error_K``, by
     ``output_error`` in the unit of position, with the correlation time ``output_time_s``, and by a share ``lag_error``
     of its own lag. ``interval_factor`` widens
     the intervals, so that they contain 95 % of the positions of each run of the identification; ``reading_factor`` does

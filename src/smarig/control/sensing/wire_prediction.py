@@ -1,8 +1,9 @@
 """Position, temperatures and phases by the model from the measured current, with the effect of an offset of the input.
 
 The hysteresis is simulated three times: at the input of the heating model, and a few kelvin above and below it. The
-differences are the derivatives with respect to an offset that has always been there, which is what an error of the
-ambient temperature or of R/hA is. They contain the memory: after a reversal an offset changes less. ``lag`` is how far
+differences are the derivatives with respect to an error that has always been there: an offset of the ambient
+temperature or of R/hA. Of two wires the ambient cancels, so theirs is in proportion to the temperature, ``offset_K`` at
+the end of the range. The derivatives contain the memory: after a reversal an offset changes less. ``lag`` is how far
 the prediction lags behind itself after another time constant of the heating, the direction of errors of a wire that
 moves later than predicted (latent heat).
 """
@@ -23,7 +24,7 @@ class PredictedWire(NamedTuple):
 
 
 class WirePrediction:
-    """``step(current_A)`` gives the predictions at input offsets 0, ``offset_K`` and −``offset_K``.
+    """``step(current_A)`` gives the predictions at errors of the input of 0, ``offset_K`` and −``offset_K``.
 
     ``corrected(position)`` after every step tells it the best estimate of the position.
 
@@ -41,7 +42,8 @@ class WirePrediction:
         self.offsets_K = (0.0, offset_K, -offset_K)
         self.heating = JouleHeating(actuator, period_s)
         self.lag = 0.0
-        self._cold_K = COLD_SHARE * max(hysteresis.upper, -hysteresis.lower)
+        self._end_K = max(hysteresis.upper, -hysteresis.lower)
+        self._cold_K = COLD_SHARE * self._end_K
         self._operators = [Preisach(hysteresis, initial) for _ in self.offsets_K]
         self._late = self._operators[0].y
         self._cold_positions = [self._late, self._late]
@@ -57,8 +59,9 @@ class WirePrediction:
         first_K, second_K = self.heating.wire_K
         found = []
         for offset_K, operator, phases in zip(self.offsets_K, self._operators, self._phases):
-            y, xi = operator.step(input_K + offset_K), 0.0
-            own_K = (first_K + offset_K, second_K - offset_K)
+            factor, added_K = (1 + offset_K / self._end_K, 0.0) if phases else (1.0, offset_K)
+            y, xi = operator.step(input_K * factor + added_K), 0.0
+            own_K = (first_K * factor + added_K, second_K * factor)
             if phases is not None:
                 phases.step(own_K)
                 xi = phases.austenite[wire]

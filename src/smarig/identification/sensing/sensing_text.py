@@ -19,8 +19,8 @@ def sensing_text(sensing: SelfSensing, unit: str) -> list[str]:
     return [
         *lines,
         f"A reading has {1e3 * sensing.noise_V:.2g} mV of noise and needs at least {sensing.least_A:.2g} A. It is "
-        f"ambiguous where its 99.7 % interval is wider than ±{AMBIGUOUS_SHARE:.0%} of the stroke. Intervals are widened by "
-        f"{sensing.interval_factor:.2f}, those of single readings by {sensing.reading_factor:.2f}.",
+        f"ambiguous where its 99.7 % interval is wider than ±{AMBIGUOUS_SHARE:.0%} of the stroke. Intervals are "
+        f"widened by {sensing.interval_factor:.2f}, those of single readings by {sensing.reading_factor:.2f}.",
     ]
 
 

@@ -1,0 +1,120 @@
+"""Self-sensing identified from runs of the twin: its constants are recovered, held-out runs are within the interval."""
+
+import json
+import os
+
+import numpy as np
+import pytest
+
+from smarig.cli import run as cli
+from smarig.control import SelfSensing
+from smarig.core import DataError, UsageError
+from smarig.identification import identify, identify_sensing, sensing_errors, sensing_text
+from smarig.record import load_run
+from smarig.replay import load_model
+from smarig.report import closed_loop_result
+from smarig.runner import run
+
+LEVELS = (0.0, 40.0, 90.0, 130.0, 170.0)
+long = pytest.mark.skipif(not os.environ.get("SMARIG_LONG"), reason="campaign of an hour: SMARIG_LONG=1")
+
+
+@pytest.fixture(scope="module")
+def commissioned(tmp_path_factory):
+    """A folder with two runs, a model without and one with self-sensing."""
+    folder = tmp_path_factory.mktemp("sensing")
+    rig = "one_wire_twin"
+    fod = run("first_order_descending", rig=rig, out=folder / "fod.run.sqlite", seed=1, partition_K=LEVELS)
+    run("validation", rig=rig, out=folder / "val.run.sqlite", seed=2, points=5)
+    run("validation", rig=rig, out=folder / "held.run.sqlite", seed=3, points=8)
+    identify([fod], surface="exponential").model.save(folder / "wire.model.json")
+    words = [folder / name for name in ("wire.model.json", "fod.run.sqlite", "val.run.sqlite")]
+    assert cli(["sense", *map(str, words), "-o", str(folder / "sensing.model.json")]) == 0
+    return folder
+
+
+def test_the_resistances_of_both_phases_are_recovered(commissioned):
+    model = load_model(commissioned / "sensing.model.json")
+    sensing = SelfSensing.from_json(model.self_sensing)
+    wire = sensing.wires[0]
+    low, high = wire.intervals["1"]
+    assert low - 0.002 <= 5.0 <= high + 0.002  # R_M
+    assert wire.coefficients["1"] + wire.coefficients["y"] * sensing.stroke == pytest.approx(
+        4.5, abs=0.01
+    )  # R_A
+    assert sensing.noise_V == pytest.approx(np.hypot(0.002, 4.75 * 0.0002), rel=0.15)  # of the rig file
+    assert "falls with the position" in " ".join(sensing_text(sensing, "mm"))
+
+
+def test_a_held_out_run_is_within_its_intervals(commissioned):
+    model = load_model(commissioned / "sensing.model.json")
+    (found,) = sensing_errors(model, [load_run(commissioned / "held.run.sqlite")])
+    figures = found.to_json()
+    assert figures["coverage_95"] >= 0.93
+    assert figures["rms_of_stroke"] < 0.01
+    assert figures["r_squared"] > 0.99
+    assert figures["no_reading"] < 0.5
+
+
+def test_the_map_of_another_mechanism_states_its_error(commissioned, tmp_path):
+    """A resistance that also follows the R-phase, and one that depends on the phase by another law, are no such map."""
+    model = load_model(commissioned / "wire.model.json")
+    plain = SelfSensing.from_json(load_model(commissioned / "sensing.model.json").self_sensing)
+    from smarig.plant import effects_from_pairs
+    from smarig.rig import TwinSettings
+    from smarig.runner import Session
+
+    runs = []
+    for name, seed in (("a", 4), ("b", 5)):
+        settings = TwinSettings(seed=seed, effects=effects_from_pairs([("r_phase", None)]))
+        with Session("one_wire_twin", twin=settings) as session:
+            runs.append(load_run(session.run("validation", {"points": 6}, tmp_path / f"{name}.run.sqlite")))
+    sensing, _ = identify_sensing(model, runs[:1])
+    changed = load_model(commissioned / "wire.model.json")
+    from dataclasses import replace
+
+    (found,) = sensing_errors(replace(changed, self_sensing=sensing.to_json()), runs[1:])
+    assert sensing.wires[0].error_ohm + sensing.output_error > plain.wires[0].error_ohm + plain.output_error
+    assert found.to_json()["coverage_95"] >= 0.9
+
+
+def test_runs_that_do_not_determine_a_resistance_are_refused(commissioned):
+    model, held = load_model(commissioned / "wire.model.json"), load_run(commissioned / "held.run.sqlite")
+    blind = held.columns | {"voltage_V": np.full(len(held), np.nan)}
+    from dataclasses import replace
+
+    with pytest.raises(DataError, match="no measured voltage"):
+        identify_sensing(model, [replace(held, columns=blind)])
+    cold = held.columns | {"current_A": np.zeros(len(held))}
+    with pytest.raises(DataError, match="no resistance is known"):
+        identify_sensing(model, [replace(held, columns=cold)])
+    with pytest.raises(UsageError, match="has no self-sensing"):
+        sensing_errors(model, [held])
+
+
+def test_regulation_without_encoder_on_the_command_line(commissioned, capsys):
+    words = ["regulate", str(commissioned / "sensing.model.json"), "--setpoint", "6", "--hold-s", "60"]
+    words += ["--rig", "one_wire_twin", "--within", "0.05", "--quiet", "--json"]
+    out = commissioned / "observed.run.sqlite"
+    assert cli([*words, "--feedback", "resistance", "-o", str(out)]) == 0
+    figures = json.loads(capsys.readouterr().out)["regulate"]["self_sensing"]
+    assert figures["coverage_95"] >= 0.9
+    assert abs(figures["steady_error"]) < 0.1
+    assert figures["ambiguous"] < 0.05
+    observed = closed_loop_result(load_run(out)).observed
+    assert observed.t_s.size == 600  # every tick is in the run file
+    assert cli(["report", str(out)]) == 0
+    assert "Feedback: resistance" in out.with_name("observed.html").read_text(encoding="utf-8")
+    wire = [w.replace("sensing.model", "wire.model") for w in words]
+    assert cli([*wire, "--feedback", "resistance", "-o", str(commissioned / "no.run.sqlite")]) == 2
+    assert "has no self-sensing" in capsys.readouterr().err
+
+
+@long
+def test_campaign_of_the_benchmark():
+    from benchmarks.self_sensing import WANTED_DETECTED, run as campaign
+
+    for rig, found in campaign().items():
+        assert found["resistance"]["tripped"] == 0, rig
+        assert found["path"]["detected"] >= WANTED_DETECTED, rig
+        assert found["path"]["coverage_95"] >= 0.9, rig
