@@ -42,6 +42,7 @@ SURFACES = {
     "two_wire_thermomechanical": "positive",
 }
 SEEDS, HOLD_S, STEADY_S, PATH_S = 20, 180.0, 60.0, 300.0
+STARTS = ("diagonal", "ascending", "descending", "ascending")  # of the loops, in turn
 WITHIN = 0.05  # of the plane: the distance from B_ℓ that the approach may leave
 WANTED_DETECTED = 0.95
 GAIN = 0.03  # of R/hA
@@ -142,11 +143,23 @@ def _setpoint(model: Model, share: float) -> float:
 
 
 def _regulated(
-    rig: str, model: Path, setpoint: float, twin: TwinSettings, feedback: str, folder: Path
+    rig: str,
+    model: Path,
+    setpoint: float,
+    twin: TwinSettings,
+    feedback: str,
+    folder: Path,
+    start: str = "diagonal",
 ) -> Run | None:
     """A run that holds a set-point; None if it tripped."""
     loop = regulation(
-        ModelSource.of(model), load_rig(rig), setpoint, within=WITHIN, hold_s=HOLD_S, feedback=feedback
+        ModelSource.of(model),
+        load_rig(rig),
+        setpoint,
+        within=WITHIN,
+        hold_s=HOLD_S,
+        start=start,
+        feedback=feedback,
     )
     out = folder / f"{rig}_{feedback}.run.sqlite"
     with Session(rig, twin=twin) as session:
@@ -169,7 +182,8 @@ def _of_seed(rig: CommissionedRig, folder: Path, seed: int) -> dict[str, Any]:
     setpoint = _setpoint(rig.model, share)
     found: dict[str, Any] = {"seed": seed, "setpoint": setpoint}
     for feedback in ("encoder", "resistance"):
-        run_ = _regulated(rig.file.name, rig.path, setpoint, rig.twin(seed), feedback, folder)
+        start = STARTS[seed % len(STARTS)]
+        run_ = _regulated(rig.file.name, rig.path, setpoint, rig.twin(seed), feedback, folder, start)
         found[feedback] = None if run_ is None else _held(run_)
     return found | {"path": _path(rig, seed)}
 

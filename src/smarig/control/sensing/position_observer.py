@@ -11,7 +11,7 @@ A reading alone determines the position through the slope of R over y among the 
 
     s = cov(R, y)/var(y),   half-width = 1.96 √(var(R | y) + noise²) / |s|.
 
-It is ``ambiguous`` if its 99.7 % interval, ± 3 standard deviations, is wider than ± ``AMBIGUOUS_SHARE`` of the stroke:
+The position is limited to the ends of the model. A reading is ``ambiguous`` if its 99.7 % interval, ± 3 standard deviations, is wider than ± ``AMBIGUOUS_SHARE`` of the stroke:
 positions so far apart have the same resistance.
 """
 
@@ -79,6 +79,9 @@ class PositionObserver:
         self._stationary = np.diag(spread**2)
         self._kept = np.outer(self._decay, self._decay)
         self._added = np.diag(spread**2 * (1 - self._decay**2))
+        margin, low = 3 * sensing.output_error, hysteresis.y_lower
+        high = low + hysteresis.everett(hysteresis.upper, hysteresis.lower)
+        self._ends = min(low, high) - margin, max(low, high) + margin
         self._x, self._P = np.zeros(spread.size), self._stationary.copy()
 
     def predict(self, current_A: float, ticks: int) -> None:
@@ -107,7 +110,8 @@ class PositionObserver:
             deviation = innovation / math.sqrt(float(to_ohm @ self._stationary @ to_ohm) + noise)
             self._correct(to_ohm, innovation, noise)
         variance = float(to_position @ self._P @ to_position)
-        position = here.position + float(to_position @ self._x)
+        low, high = self._ends
+        position = min(max(here.position + float(to_position @ self._x), low), high)
         self.model.corrected(position)
         return Observation(
             position,

@@ -37,7 +37,7 @@ Array = NDArray[np.float64]
 LEAST_CURRENT = 0.05  # of the largest: a smaller current gives no reading
 FIT_CURRENT = 0.1  # of the largest: readings of the fit
 INPUT_ERROR = 0.02  # of the model's input range, at least: ambient and heat loss of later runs may differ
-MAP_ERROR = 5e-4  # of the resistance, at least
+MAP_ERROR, MAP_TIME_S = 1e-3, 60.0  # of the resistance, and its correlation time, at least: contacts drift
 OUTPUT_ERROR = 1e-3  # of the stroke, at least
 LAG_ERROR = 0.01  # of the lag, at least
 FOLDS, LEVEL = 5, 0.95
@@ -136,7 +136,7 @@ def _wire_map(
         dict(zip(names, fit.x.tolist())),
         {k: (x - d, x + d) for k, x, d in zip(names, fit.x.tolist(), fit.half.tolist())},
         max(missed, 0.0) ** 0.5 + MAP_ERROR * ohm,
-        _correlation_s(left_V, columns[0].run.period_s),
+        max(_correlation_s(left_V, columns[0].run.period_s), MAP_TIME_S),
         fit.n,
     ), noise_V
 
