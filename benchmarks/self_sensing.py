@@ -2,9 +2,9 @@
 
 Each rig is commissioned with its encoder: first_order_descending for the hysteresis, and for the resistance also
 validation, continuous_reversal_curves and one regulation. Then, for each seed, a set-point is held twice, with the
-encoder and with the resistance, and random currents are applied for five minutes. The R/hA of a Preisach twin differs by
-up to 3 % from that of the commissioning; a thermomechanical wire is no Preisach operator anyway. The encoder's readings
-and the twin's own position are the truth.
+encoder and with the resistance, and random currents are applied for five minutes. The R/hA of a Preisach twin differs
+by up to 3 % from that of the commissioning; a thermomechanical wire is no Preisach operator anyway. The encoder's
+readings and the twin's own position are the truth.
 
 Two truths show where a resistance is ambiguous. ``missed``: the position from the resistance of a tick alone misses
 the twin's by more than a tenth of the stroke. ``same_ohm``: of five twins with the same currents and ambient

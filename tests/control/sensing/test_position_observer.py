@@ -17,7 +17,7 @@ from smarig.control import (
     regulate,
 )
 from smarig.control.sensing.resistance_map import WireCondition
-from smarig.core import DataError, Drive, Hold, LimitExceeded, Sample, StepResult, StepVerdict, Waveform
+from smarig.core import DataError, Drive, Hold, LimitExceeded, StepResult, StepVerdict, Waveform
 from smarig.plant import Actuator, EffectContext, Stage
 from smarig.preisach import thesis_surface
 from smarig.protocols import Setup
@@ -170,25 +170,28 @@ def feedback():
     return ResistanceFeedback(observer(), 0.1)
 
 
-def sample_of(sample: Sample, **other) -> Sample:
-    return sample._replace(**other)
+def samples(twin):
+    return (twin.step(0.5)[0] for _ in range(100))
+
+
+def observe_all(loop, found):
+    for sample in found:
+        loop.observe(sample)
 
 
 def test_a_contact_that_opens_ends_the_run():
     twin, loop = Twin.named("one_wire_twin", seed=9), feedback()
-    for _ in range(100):
-        loop.observe(twin.step(0.5)[0])
+    observe_all(loop, samples(twin))
+    opened = (s._replace(voltage_V=s.voltage_V + 1.0 * s.current_A) for s in samples(twin))  # 1 ohm more
     with pytest.raises(LimitExceeded, match="standard deviations from what the model expects"):
-        for _ in range(100):
-            sample = twin.step(0.5)[0]
-            loop.observe(sample_of(sample, voltage_V=sample.voltage_V + 1.0 * sample.current_A))  # 1 ohm more
+        observe_all(loop, opened)
 
 
 def test_a_wire_without_a_voltage_ends_the_run():
     twin, loop = Twin.named("one_wire_twin", seed=9), feedback()
+    silent = (s._replace(voltage_V=math.nan) for s in samples(twin))
     with pytest.raises(LimitExceeded, match="without a voltage reading"):
-        for _ in range(100):
-            loop.observe(sample_of(twin.step(0.5)[0], voltage_V=math.nan))
+        observe_all(loop, silent)
 
 
 def test_regulation_by_resistance_never_looks_at_the_encoder():

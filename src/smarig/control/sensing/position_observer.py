@@ -11,8 +11,8 @@ A reading alone determines the position through the slope of R over y among the 
 
     s = cov(R, y)/var(y),   half-width = 1.96 √(var(R | y) + noise²) / |s|.
 
-The position is limited to the ends of the model. A reading is ``ambiguous`` if its 99.7 % interval, ± 3 standard deviations, is wider than ± ``AMBIGUOUS_SHARE`` of the stroke:
-positions so far apart have the same resistance.
+The position is limited to the ends of the model. A reading is ``ambiguous`` if its 99.7 % interval, ± 3 standard
+deviations, is wider than ± ``AMBIGUOUS_SHARE`` of the stroke: positions so far apart have the same resistance.
 """
 
 import math
