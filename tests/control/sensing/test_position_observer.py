@@ -17,7 +17,7 @@ from smarig.control import (
     regulate,
 )
 from smarig.control.sensing.resistance_map import WireCondition
-from smarig.core import DataError, Drive, Hold, LimitExceeded, StepResult, StepVerdict, Waveform
+from smarig.core import DataError, Drive, Elapsed, Hold, LimitExceeded, StepResult, StepVerdict, Waveform
 from smarig.plant import Actuator, EffectContext, Stage
 from smarig.preisach import thesis_surface
 from smarig.protocols import Setup
@@ -120,9 +120,8 @@ def test_two_wires_are_corrected_by_the_phase_of_the_heated_one():
 def test_without_current_the_interval_grows_and_nothing_is_read():
     twin = Twin.named("one_wire_twin", seed=6)
     watched = observer()
-    for current_A in holds(0.5, ticks=600):
-        sample = twin.step(float(current_A))[0]
-        before = watched.step(sample.voltage_V, sample.current_A)
+    lit = [watched.step(s.voltage_V, s.current_A) for s in (twin.step(0.5)[0] for _ in range(600))]
+    before = lit[-1]
     dark = [watched.step(math.nan, 0.5) for _ in range(400)]
     assert np.isfinite(before.reading)
     assert not before.ambiguous
@@ -144,10 +143,8 @@ def test_a_resistance_without_slope_gives_no_position_and_says_so():
     flat = {"1": R_M, "y": 0.0, "T": 0.001, "yT": 0.0}  # depends on the temperature alone
     sensing = by_hand(wires=(ResistanceMap(flat, {}, 0.002, 10.0, 1000),), input_error_K=0.5)
     watched, twin = observer(sensing), Twin.named("one_wire_twin", seed=8)
-    for current_A in holds(0.5, ticks=300):
-        sample = twin.step(float(current_A))[0]
-        found = watched.step(sample.voltage_V, sample.current_A)
-    assert found.ambiguous
+    seen = [watched.step(s.voltage_V, s.current_A) for s in (twin.step(0.5)[0] for _ in range(300))]
+    assert seen[-1].ambiguous
 
 
 @pytest.mark.parametrize(
@@ -209,11 +206,11 @@ def test_regulation_by_resistance_never_looks_at_the_encoder():
             reply = twin.step(command.current_A)[0]._replace(position=math.nan, counts=0)
             true.append(twin.specimen.plant.position)
         elif isinstance(command, Hold | Waveform):
-            steps = (
-                [(command.current_A, command.until.seconds)]
-                if isinstance(command, Hold)
-                else [(i, command.period_s) for i in command.currents_A]
-            )
+            if isinstance(command, Hold):
+                assert isinstance(command.until, Elapsed)  # no settling without an encoder
+                steps = [(command.current_A, command.until.seconds)]
+            else:
+                steps = [(current_A, command.period_s) for current_A in command.currents_A]
             for current_A, seconds in steps:
                 for _ in range(round(seconds / 0.1)):
                     twin.step(current_A)

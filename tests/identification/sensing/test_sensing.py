@@ -15,6 +15,7 @@ from smarig.plant import effects_from_pairs
 from smarig.record import load_run
 from smarig.replay import load_model
 from smarig.report import closed_loop_result
+from smarig.report.closed_loop.loop_result import RegulationResult
 from smarig.rig import TwinSettings
 from smarig.runner import Session, run
 
@@ -112,8 +113,10 @@ def test_regulation_without_encoder_on_the_command_line(commissioned, capsys):
     assert figures["coverage_95"] >= 0.9
     assert abs(figures["steady_error"]) < 0.1
     assert figures["ambiguous"] < 0.05
-    observed = closed_loop_result(load_run(out)).observed
-    assert observed.t_s.size == 600  # every tick is in the run file
+    result = closed_loop_result(load_run(out))
+    assert isinstance(result, RegulationResult)
+    assert result.observed is not None
+    assert result.observed.t_s.size == 600  # every tick is in the run file
     assert cli(["report", str(out)]) == 0
     assert "Feedback: resistance" in out.with_name("observed.html").read_text(encoding="utf-8")
     wire = [w.replace("sensing.model", "wire.model") for w in words]
