@@ -50,6 +50,9 @@ check validation.run.sqlite -o copy.run.sqlite
 run constant_force_cycles {RIG} -o cycles.run.sqlite --seed 1 --set cycles=1 --set points=40
 transformation cycles.run.sqlite
 report cycles.run.sqlite
+sense wire.model.json fod.run.sqlite validation.run.sqlite -o sensing.model.json
+sense sensing.model.json validation.run.sqlite
+regulate sensing.model.json --setpoint 6 --hold-s 60 --feedback resistance {RIG} -o observed.run.sqlite
 """
 TRAIN = ("wiping_out", "congruency", "first_order_descending")
 WALKING = " ".join(f"--train {name}.run.sqlite" for name in TRAIN)

@@ -19,7 +19,14 @@ def run_loop(
     check_path("The run", out)
     with Session(rig, seed=seed, wire=wire) as session:
         return load_run(
-            session.run(loop.protocol, loop.settings, out, force=force, protocol_factory=loop.make)
+            session.run(
+                loop.protocol,
+                loop.settings,
+                out,
+                force=force,
+                expected=loop.preview(session.file),
+                protocol_factory=loop.make,
+            )
         )
 
 

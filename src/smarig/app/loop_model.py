@@ -1,7 +1,7 @@
 """A model from a file, checked for use in a closed loop on a rig."""
 
 import hashlib
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -12,7 +12,7 @@ from smarig.core import SmarigError, UsageError
 from smarig.plant import Actuator, effects_from_json
 from smarig.protocols import Setup
 from smarig.replay import Model, load_model
-from smarig.runner import ProtocolFactory
+from smarig.runner import Preview, ProtocolFactory, preview
 
 LEAST_COUNTS = 10  # of the encoder, the least motion of the model that a loop can hold
 
@@ -42,13 +42,20 @@ class ModelSource:
 class ClosedLoop:
     """A closed loop ready to run: the name of its protocol, its factory, and its settings for the record.
 
-    ``statement``: what is proved about the loop, in a sentence; "" if nothing is stated.
+    ``statement``: what is proved about the loop, in a sentence; "" if nothing is stated. ``make_for_preview``: the
+    factory for a preview on a twin, if it must be another one: the resistance of a twin is not that of the wire.
     """
 
     protocol: str
     make: ProtocolFactory
     settings: dict[str, Any]
     statement: str = ""
+    make_for_preview: ProtocolFactory | None = None
+
+    def preview(self, rig: RigFile, report: Callable[[float], None] | None = None) -> Preview:
+        """Duration and range on the rig's twin; ``report`` as in ``runner.preview``."""
+        factory = self.make_for_preview or self.make
+        return preview(self.protocol, rig, protocol_factory=factory, report=report)
 
 
 def controller_model_for(model: Model, rig: RigFile) -> ControllerModel:

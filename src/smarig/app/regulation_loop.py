@@ -2,6 +2,7 @@
 flows."""
 
 from collections.abc import Mapping
+from functools import partial
 from typing import Any
 
 from smarig.app.loop_model import ClosedLoop, ModelSource, check_arguments, controller_model_for
@@ -11,6 +12,9 @@ from smarig.control import (
     START_STATES,
     TRACKING_CONTROLLERS,
     VELOCITY_CONTROLLERS,
+    PositionObserver,
+    ResistanceFeedback,
+    SelfSensing,
     SetpointController,
     check_times,
     finite_number,
@@ -20,6 +24,8 @@ from smarig.control import regulate as regulation_protocol
 from smarig.core import UsageError, catalogue_entry, catalogue_names, suggestion
 from smarig.protocols import Setup
 from smarig.replay import Model
+
+FEEDBACKS = ("encoder", "resistance")
 
 
 def regulation(
@@ -33,9 +39,11 @@ def regulation(
     disturbance_K: float = 0.0,
     controller: str = "pi",
     numbers: Mapping[str, Any] | None = None,
+    feedback: str = "encoder",
 ) -> ClosedLoop:
     """The closed loop that goes to the state with output ``setpoint`` (model's scale) and holds it.
 
+    ``feedback``: "encoder", or "resistance" for the position observed from the wire's resistance.
     Raises UsageError for arguments that do not suit the model or the rig.
     """
     check_arguments(controller, numbers)
@@ -56,6 +64,7 @@ def regulation(
     _check_push(push_K, setup)
     check_times(setup, finite_number("hold_s", hold_s), push_K)
     loop = _regulator(controller, numbers or {}, setup, model, count)
+    sensing = _sensing(feedback, model, setup)
     recorded_settings = {
         "setpoint": y,
         "within": share,
@@ -64,7 +73,7 @@ def regulation(
         "disturbance_K": push_K,
     }
 
-    def make(rig_setup: Setup):
+    def make(rig_setup: Setup, used: SelfSensing | None = sensing):
         return regulation_protocol(
             rig_setup,
             hysteresis=model.hysteresis,
@@ -74,10 +83,40 @@ def regulation(
             start=start,
             loop=loop,
             disturbance_K=push_K,
+            feedback=_feedback(used, rig_setup, model) if used else None,
         )
 
     recorded_settings |= {"controller": controller, **loop.settings()}
-    return ClosedLoop("regulate", make, source.settings() | recorded_settings, loop.statement())
+    recorded_settings |= {"feedback": feedback} if sensing else {}
+    return ClosedLoop(
+        "regulate",
+        make,
+        source.settings() | recorded_settings,
+        loop.statement(),
+        partial(make, used=None) if sensing else None,
+    )
+
+
+def _sensing(feedback: str, model: Model, setup: Setup) -> SelfSensing | None:
+    """The self-sensing of a model, None for the feedback of an encoder."""
+    if feedback not in FEEDBACKS:
+        raise UsageError(f"feedback must be one of {', '.join(FEEDBACKS)}, not '{feedback}'.")
+    if feedback == "encoder":
+        return None
+    if not model.self_sensing:
+        raise UsageError(
+            f"Model {model.name} has no self-sensing, so the resistance tells it no position. Add it with "
+            "smarig sense MODEL RUN… -o NEW.model.json."
+        )
+    sensing = SelfSensing.from_json(model.self_sensing)
+    if len(sensing.wires) != (2 if setup.two_wire else 1):
+        raise UsageError(f"The self-sensing of model {model.name} is of a rig with another number of wires.")
+    return sensing
+
+
+def _feedback(sensing: SelfSensing, setup: Setup, model: Model) -> ResistanceFeedback:
+    observer = PositionObserver(sensing, setup.actuator, model.hysteresis, "negative", setup.period_s)
+    return ResistanceFeedback(observer, setup.period_s)
 
 
 def _check_push(push_K: float, setup: Setup) -> None:

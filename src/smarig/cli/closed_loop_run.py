@@ -8,7 +8,6 @@ from smarig.cli.progress import preview_progress
 from smarig.cli.run_options import RunOptions, check_target, print_warnings, run_summary
 from smarig.core import Interrupted, UsageError
 from smarig.record import load_run
-from smarig.runner import preview
 
 if TYPE_CHECKING:
     from smarig.app import ClosedLoop
@@ -28,9 +27,7 @@ def run_closed_loop(loop: "ClosedLoop", options: RunOptions, out: Path | None, *
         check_target(out, force=options.force or options.dry_run)
     if loop.statement:
         show_message(loop.statement)
-    cost = preview(
-        loop.protocol, session.file, protocol_factory=loop.make, report=preview_progress(quiet=options.quiet)
-    )
+    cost = loop.preview(session.file, report=preview_progress(quiet=options.quiet))
     if options.dry_run or out is None:
         emit({"preview": cost.__dict__}, cost.sentence())
         return

@@ -35,6 +35,18 @@ if TYPE_CHECKING:
     from smarig.control.regulation.regulation_protocol import regulate as regulate
     from smarig.control.regulation.setpoint_pi import SetpointController as SetpointController
     from smarig.control.regulation.setpoint_pi import SetpointPI as SetpointPI
+    from smarig.control.sensing.position_observer import AMBIGUOUS_SHARE as AMBIGUOUS_SHARE
+    from smarig.control.sensing.position_observer import Observation as Observation
+    from smarig.control.sensing.position_observer import PositionObserver as PositionObserver
+    from smarig.control.sensing.position_observer import is_ambiguous as is_ambiguous
+    from smarig.control.sensing.resistance_feedback import OBSERVED as OBSERVED
+    from smarig.control.sensing.resistance_feedback import ResistanceFeedback as ResistanceFeedback
+    from smarig.control.sensing.resistance_map import ONE_WIRE_TERMS as ONE_WIRE_TERMS
+    from smarig.control.sensing.resistance_map import TWO_WIRE_TERMS as TWO_WIRE_TERMS
+    from smarig.control.sensing.resistance_map import ResistanceMap as ResistanceMap
+    from smarig.control.sensing.resistance_map import SelfSensing as SelfSensing
+    from smarig.control.sensing.resistance_map import map_terms as map_terms
+    from smarig.control.sensing.wire_prediction import WirePrediction as WirePrediction
     from smarig.control.tracking.controller_model import Controller as Controller
     from smarig.control.tracking.controller_model import ControllerModel as ControllerModel
     from smarig.control.tracking.controller_model import ReferenceFunction as ReferenceFunction

@@ -55,6 +55,10 @@ if TYPE_CHECKING:
     from smarig.identification.positive.triangle import Triangle as Triangle
     from smarig.identification.rows_used import RowsUsed as RowsUsed
     from smarig.identification.run_passivity import passivity_of_run as passivity_of_run
+    from smarig.identification.sensing.fit_sensing import identify_sensing as identify_sensing
+    from smarig.identification.sensing.sensing_errors import SensingErrors as SensingErrors
+    from smarig.identification.sensing.sensing_errors import sensing_errors as sensing_errors
+    from smarig.identification.sensing.sensing_text import sensing_text as sensing_text
     from smarig.identification.surface.choose_surface import INTERVAL_LEVEL as INTERVAL_LEVEL
     from smarig.identification.surface.choose_surface import SIMPLER_TOLERANCE as SIMPLER_TOLERANCE
     from smarig.identification.surface.choose_surface import FittedImage as FittedImage

@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from smarig.replay.model_file import load_model as load_model
     from smarig.replay.plant_model import PlantModel as PlantModel
     from smarig.replay.plant_model import actuator_for_run as actuator_for_run
+    from smarig.replay.plant_model import actuator_of as actuator_of
     from smarig.replay.plant_model import plant_model_of as plant_model_of
     from smarig.replay.prediction import OUTPUT_DEPENDENT_KINDS as OUTPUT_DEPENDENT_KINDS
     from smarig.replay.prediction import Prediction as Prediction

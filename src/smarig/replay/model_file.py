@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from pydantic import BaseModel, ConfigDict, ValidationError
 
+from smarig.control import SelfSensing
 from smarig.core import DataError, NotebookDisplay, UsageError, atomic_file, shown, spaced
 from smarig.measurement import MeasurementPart
 from smarig.plant import effects_from_json
@@ -95,6 +96,9 @@ class _ModelFileSchema(_FrozenSchema):
         str, Any
     ] = {}  # kind and values of an extended model (§3.5); left out for a classical model
     measurement: dict[str, Any] = {}  # measurement effects of a measured input; left out if there are none
+    self_sensing: dict[
+        str, Any
+    ] = {}  # resistance of each wire by position, and its errors; left out if there is none
     parameters: list[str]  # names of the covariance's rows
     covariance: list[list[float | None]]  # of the parameters
     intervals: dict[str, tuple[float | None, float | None]]  # 95 %, by name
@@ -113,6 +117,8 @@ class Model(NotebookDisplay):
     {name, parameters}, empty for the pure hysteresis. ``extension``: kind and values of an extended model (§3.5),
     empty for a classical one; ``hysteresis`` is the classical one in both cases. ``measurement``: effects between a
     recorded input or output and those of the hysteresis, empty if there are none (``measured_prediction``).
+    ``self_sensing``: resistance as a function of position, from which an observer finds the position; empty if it was
+    not identified.
     """
 
     name: str
@@ -135,6 +141,7 @@ class Model(NotebookDisplay):
     warnings: tuple[str, ...] = ()
     extension: dict[str, Any] = field(default_factory=dict)
     measurement: dict[str, Any] = field(default_factory=dict)
+    self_sensing: dict[str, Any] = field(default_factory=dict)
 
     @property
     def temperature(self) -> str | None:
@@ -174,7 +181,7 @@ class Model(NotebookDisplay):
         target = Path(path)
         with atomic_file(target, force=force) as part:
             data = _to_file(self).model_dump(mode="json")
-            for key in ("extension", "measurement"):
+            for key in ("extension", "measurement", "self_sensing"):
                 if not data[key]:
                     del data[key]
             part.write_text(_pretty(data), encoding="utf-8")
@@ -237,7 +244,16 @@ def _to_file(model: Model) -> _ModelFileSchema:
             name: getattr(model, name)
             for name in (
                 *("name", "created", "twin", "rig", "actuator", "arrangement"),
-                *("input", "output", "mirrored", "fit", "noise_floor", "extension", "measurement"),
+                *(
+                    "input",
+                    "output",
+                    "mirrored",
+                    "fit",
+                    "noise_floor",
+                    "extension",
+                    "measurement",
+                    "self_sensing",
+                ),
             )
         },
     )
@@ -263,6 +279,8 @@ def _from_file(file: _ModelFileSchema) -> Model:
         MeasurementPart.from_json(file.measurement)  # raises if invalid
         if file.effects:
             raise DataError("a model has effects of the wire or of a measured input, not both")
+    if file.self_sensing:
+        SelfSensing.from_json(file.self_sensing)  # raises if invalid
     if file.extension:
         extended_operator(file.extension, rest["hysteresis"])  # raises if invalid
     return Model(**rest)

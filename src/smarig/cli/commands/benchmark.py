@@ -52,7 +52,7 @@ def command(name: str, quick: bool, **settings: Any) -> None:
     sealed boxes (synthetic data sets with hidden effects).
 
     NAME: adaptive, critic, density, diagnosis, fast_curves, forward, identify, inverse, large, links, live, mystery,
-    one_input, real, regulation, soak, tracking, tracking_effects.
+    one_input, real, regulation, self_sensing, soak, tracking, tracking_effects.
     """
     make_importable("benchmarks")
     modules = catalogue_names("benchmarks")

@@ -17,6 +17,7 @@ EPILOG = f"""{STREAMS}
 Examples:
   smarig regulate wire.model.json --setpoint 6 --rig one_wire_twin -o held.run.sqlite
   smarig regulate wire.model.json --setpoint 6 --start ascending --disturbance-K 5 --rig one_wire_twin -o b.run.sqlite
+  smarig regulate sensing.model.json --setpoint 6 --feedback resistance --rig one_wire_twin -o r.run.sqlite
 """
 
 
@@ -66,6 +67,13 @@ Examples:
     metavar="KEY=VALUE",
     help="Parameter of the controller, such as gain; smarig list controllers --settings explains them; repeatable.",
 )
+@click.option(
+    "--feedback",
+    type=click.Choice(["encoder", "resistance"]),
+    default="encoder",
+    show_default=True,
+    help="Source of the position; resistance: from voltage and current, for a model with self-sensing.",
+)
 @run_options
 @json_option
 def command(
@@ -78,6 +86,7 @@ def command(
     push: float,
     controller: str,
     numbers: tuple[str, ...],
+    feedback: str,
     options: RunOptions,
 ) -> None:
     """Bring the wire to the state B_ℓ of the set-point (thesis §8.3), close a loop with a small gain, and
@@ -101,5 +110,6 @@ def command(
         disturbance_K=push,
         controller=controller,
         numbers=parse_pairs(numbers),
+        feedback=feedback,
     )
     run_closed_loop(loop, options, out, model)

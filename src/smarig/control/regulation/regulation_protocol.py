@@ -15,6 +15,7 @@ from smarig.control.regulation.anhysteretic_output import Psi
 from smarig.control.regulation.approach import ApproachPlan, plan_approach
 from smarig.control.regulation.sensor_plausibility import SensorPlausibility
 from smarig.control.regulation.setpoint_pi import SetpointController, SetpointPI
+from smarig.control.sensing.resistance_feedback import ResistanceFeedback
 from smarig.core import (
     Command,
     Drive,
@@ -40,6 +41,7 @@ PULSE_TAUS, QUIET_S = 4.0, 60.0
 LONGEST_S = 24 * 3600.0
 OUTPUT_WITHIN = 0.005  # of the output range: a larger error would make the loop change the state
 _COOL_TAUS = 8.0
+_REST_TAUS = 10.0  # of a hold without an encoder
 _PSI_POINTS = 128  # approximate number of recorded points of ψ
 
 
@@ -56,32 +58,38 @@ def regulate(
     disturbance_K: float = 0.0,
     quiet_s: float = QUIET_S,
     pulse_s: float | None = None,
+    feedback: ResistanceFeedback | None = None,
 ) -> Protocol:
     """Bring the wire to a state whose output is ``setpoint`` and hold it there in closed loop (§8.3).
 
     ``setpoint`` is in the unit of the model's output, y₋ to y₊; ``within`` is the allowed distance of the approach from
     B_ℓ, a share of the plane. After ``quiet_s`` of the ``hold_s`` in closed loop, ``disturbance_K`` is added to the
-    source for ``pulse_s`` (default 4 τ). ``loop`` replaces the default PI. An unreachable set-point is refused at the
-    first command, before any current flows. Raises LimitExceeded if the loop diverges or readings are implausible.
+    source for ``pulse_s`` (default 4 τ). ``loop`` replaces the default PI. With ``feedback`` the position is that of
+    the wire's resistance. The encoder is then only recorded, and holds last 10 τ, because nothing shows when they have
+    settled. An unreachable set-point is refused at the first command, before any current flows. Raises LimitExceeded if
+    the loop diverges or readings are implausible.
     """
     settle = settle or Settled()
     pulse_s = PULSE_TAUS * setup.tau_s if pulse_s is None else pulse_s
     check_times(setup, hold_s, disturbance_K, quiet_s, pulse_s)
     check_saturation(setup, hysteresis, start)
-    approach_waveform, state, facts = _approach_to_state(setup, hysteresis, setpoint, within, start, settle)
+    rest = settle if feedback is None else Elapsed(_REST_TAUS * setup.tau_s)
+    approach_waveform, state, facts = _approach_to_state(setup, hysteresis, setpoint, within, start, rest)
     rest_K = state.u
     yield Mark(REGULATION_PLANNED, {"setpoint": setpoint, "start": start, "rest_K": rest_K} | facts)
-    result = yield Hold(setup.current_for(setup.lower_K), settle, target=setup.lower_K, branch="reference")
+    result = yield Hold(setup.current_for(setup.lower_K), rest, target=setup.lower_K, branch="reference")
     encoder_offset = hysteresis.y_lower - result.position if result is not None else 0.0
     if approach_waveform is not None:
         yield approach_waveform
-    yield Hold(setup.current_for(rest_K), settle, target=rest_K, branch="arrive")
+    yield Hold(setup.current_for(rest_K), rest, target=rest_K, branch="arrive")
+    if feedback is not None:
+        _predict_approach(feedback, setup, approach_waveform, rest_K)
 
     def disturbance_at(t_s: float) -> float:
         return disturbance_K if quiet_s <= t_s < quiet_s + pulse_s else 0.0
 
     monitors = (
-        SensorPlausibility(setup, hysteresis, state),
+        SensorPlausibility(setup, hysteresis, state, "encoder" if feedback is None else "resistance"),
         DivergenceMonitor(DivergenceLimits(), _reach(setup, hysteresis)),
     )
     loop = loop or SetpointPI.for_model(setup, hysteresis)
@@ -90,12 +98,27 @@ def regulate(
         loop=loop,
         monitors=monitors,
         rest_K=rest_K,
-        wanted=setpoint - encoder_offset,
+        wanted=(setpoint, setpoint - encoder_offset),
         hold_s=hold_s,
         disturbance_at=disturbance_at,
+        feedback=feedback,
     )
     yield from ramp_to_zero(setup, last_A)
     yield Hold(0.0, Elapsed(_COOL_TAUS * setup.tau_s), branch="cool")
+
+
+def _predict_approach(
+    feedback: ResistanceFeedback, setup: Setup, approach: Waveform | Hold | None, rest_K: float
+) -> None:
+    """Bring the observer to the state of the wire after the approach, whose samples a protocol does not see."""
+    rest_s = _REST_TAUS * setup.tau_s
+    feedback.predict(setup.current_for(setup.lower_K), rest_s)
+    if isinstance(approach, Waveform):
+        for current_A in approach.currents_A:
+            feedback.predict(current_A, approach.period_s)
+    elif approach is not None:
+        feedback.predict(approach.current_A, rest_s)
+    feedback.predict(setup.current_for(rest_K), rest_s)
 
 
 def check_times(
@@ -143,7 +166,12 @@ def _reach(setup: Setup, hysteresis: Everett) -> tuple[float, float]:
 
 
 def _approach_to_state(
-    setup: Setup, hysteresis: Everett, setpoint: float, within: float, start: StartState, settle: Settled
+    setup: Setup,
+    hysteresis: Everett,
+    setpoint: float,
+    within: float,
+    start: StartState,
+    rest: Settled | Elapsed,
 ) -> tuple[Waveform | Hold | None, State, dict[str, Any]]:
     """The command from negative saturation to the start of the last move, the state at rest after that move, and the
     facts for the record.
@@ -159,7 +187,7 @@ def _approach_to_state(
     up = start == "ascending"
     outer = Preisach(hysteresis, "negative" if up else "positive")
     outer.step(outer.inverse(setpoint))
-    saturate = Hold(setup.current_for(setup.upper_K), settle, target=setup.upper_K, branch="saturate")
+    saturate = Hold(setup.current_for(setup.upper_K), rest, target=setup.upper_K, branch="saturate")
     return None if up else saturate, outer.state, _psi_facts(psi)
 
 
@@ -195,14 +223,19 @@ def _closed_loop(
     loop: SetpointController,
     monitors: tuple[SensorPlausibility, DivergenceMonitor],
     rest_K: float,
-    wanted: float,
+    wanted: tuple[float, float],
     hold_s: float,
     disturbance_at: Callable[[float], float],
+    feedback: ResistanceFeedback | None,
 ) -> Generator[Command, Any, float]:
-    """The loop, one tick at a time; marks record changes of the disturbance. Returns the last current."""
+    """The loop, one tick at a time; marks record changes of the disturbance. Returns the last current.
+
+    ``wanted``: the set-point on the model's scale, and on that of the encoder.
+    """
     sensor_plausibility, divergence_monitor = monitors
     loop.start(rest_K)
-    yield Mark(SETPOINT_LOOP_CLOSED, {"wanted_position": wanted})
+    used = {} if feedback is None else {"feedback": "resistance", "wanted_observed": wanted[0]}
+    yield Mark(SETPOINT_LOOP_CLOSED, {"wanted_position": wanted[1]} | used)
     source_K, pushed_K = rest_K, 0.0
     current_A = setup.current_for(rest_K)
     for k in range(round(hold_s / setup.period_s)):
@@ -212,11 +245,16 @@ def _closed_loop(
         commanded_K = min(max(source_K + pushed_K, setup.lower_K), setup.upper_K)
         current_A = limited_current(setup, setup.current_for(commanded_K), current_A)
         sample: Sample | None = yield Drive(current_A)
-        if sample is not None and not sample.quality & Quality.STALE:
-            error = wanted - sample.position
-            sensor_plausibility.check(source_K, sample.position, error)
+        if sample is not None and (feedback is not None or not sample.quality & Quality.STALE):
+            position = sample.position if feedback is None else feedback.observe(sample)
+            error = (wanted[1] if feedback is None else wanted[0]) - position
+            sensor_plausibility.check(source_K, position, error)
             if not pushed_K:  # a disturbed loop does not diverge
                 divergence_monitor.check(sample.t_s, error)
             source_K = loop.step(error)
+        if feedback is not None:
+            yield from feedback.blocks()
+    if feedback is not None:
+        yield from feedback.blocks(last=True)
     yield Mark(SETPOINT_LOOP_OPENED)
     return current_A

@@ -18,9 +18,13 @@ STANDSTILL = 0.03  # of the output range: a smaller motion is a standstill
 
 
 class SensorPlausibility:
-    """``check(source_K, position, error)`` at every sample of a loop that was closed at rest in ``state``."""
+    """``check(source_K, position, error)`` at every sample of a loop that was closed at rest in ``state``.
 
-    def __init__(self, setup: Setup, hysteresis: Everett, state: State) -> None:
+    ``sensor`` is what the position comes from, for the message.
+    """
+
+    def __init__(self, setup: Setup, hysteresis: Everett, state: State, sensor: str = "encoder") -> None:
+        self._sensor = sensor
         self._setup, self._operator = setup, Preisach(hysteresis, state)
         self._range = abs(hysteresis.everett(hysteresis.upper, hysteresis.lower))
         self._wire_K, self._at_limit_s = state.u, 0.0
@@ -55,6 +59,6 @@ class SensorPlausibility:
         elif abs(self._operator.y - output) > EXPECTED_MOTION * self._range:
             raise LimitExceeded(
                 f"According to the model the wire moved by {abs(self._operator.y - output):.3g}, but according to "
-                "the encoder only by "
-                f"{abs(position - read):.3g}. Check the encoder and the wire. The current is at zero."
+                f"the {self._sensor} only by "
+                f"{abs(position - read):.3g}. Check the {self._sensor} and the wire. The current is at zero."
             )

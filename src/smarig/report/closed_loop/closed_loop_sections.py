@@ -20,6 +20,8 @@ from smarig.report.closed_loop.loop_result import (
     closed_loop_result,
     is_closed_loop,
 )
+from smarig.report.closed_loop.observed_figure import observed_figure
+from smarig.report.closed_loop.observed_position import observed_text
 from smarig.report.closed_loop.regulation_plane_figure import B_ELL, regulation_plane_figure
 from smarig.report.closed_loop.velocity_sections import velocity_parts
 from smarig.report.components.html import Html, cards, joined, notice, paragraph, table, tag
@@ -103,12 +105,21 @@ def _regulation_parts(run: Run, found: RegulationResult) -> list:
     parts = [
         _regulation_cards(run, found),
         *_unsteady_notice(run, found),
+        *_observed_parts(run, found),
         regulation_plane_figure(run, found),
     ]
     held = regulation_figure(run, found)
     if held is None or found.loop is None:
         return [*parts, paragraph("The run ended during the approach, before the loop was closed.")]
     return [*parts, held, loop_hysteresis_figure(run, found.loop, moves=False)]
+
+
+def _observed_parts(run: Run, found: RegulationResult) -> list:
+    """The observer of a loop without encoder: its errors in words, and its position beside the encoder's."""
+    if found.observed is None:
+        return []
+    text = paragraph(observed_text(found.observed, display_unit(run.unit)))
+    return [text, observed_figure(run, found.observed)]
 
 
 def _regulation_cards(run: Run, found: RegulationResult) -> Html:

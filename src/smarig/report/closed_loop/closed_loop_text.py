@@ -5,6 +5,7 @@ import numpy as np
 from smarig.control import SETTLING_BAND_COUNTS
 from smarig.report.closed_loop.hold_end import HoldEnd
 from smarig.report.closed_loop.loop_result import RegulationResult, TrackingResult
+from smarig.report.closed_loop.observed_position import observed_text
 from smarig.report.closed_loop.velocity_result import VelocityResult, velocity_verdict
 from smarig.report.components.numbers import counts, number, signed
 from smarig.report.components.run_description import display_unit
@@ -80,6 +81,8 @@ def _regulation_text(found: RegulationResult, unit: str) -> str:
         lines.append(f"Largest transient after the disturbance: {largest}.")
     if found.end is not None:
         lines += [hold_end_text(found.end, unit), *filter(None, [unsteady_text(found.end, unit)])]
+    if found.observed is not None:
+        lines.append(observed_text(found.observed, display_unit(unit)))
     return "\n".join(lines)
 
 

@@ -29,6 +29,7 @@ from smarig.core import SmarigError
 from smarig.plant import Actuator
 from smarig.record import Event, Run
 from smarig.report.closed_loop.hold_end import HoldEnd, hold_end
+from smarig.report.closed_loop.observed_position import ObservedPosition, observed_position
 from smarig.report.closed_loop.velocity_result import VelocityResult
 from smarig.report.components.run_description import count_size
 
@@ -96,6 +97,7 @@ class RegulationResult:
     output minus the set-point after the approach. ``transient`` is the largest |error| of the readings after the
     disturbance starts (None without a disturbance). ``disturbance_s`` gives its start and end, ``disturbance_K`` its
     size. ``end`` describes the last segment. ``zero`` is added to the encoder's scale to obtain the model's scale.
+    ``observed`` is the position that closed the loop if that was not the encoder's.
     """
 
     setpoint_data: dict[str, Any]
@@ -108,6 +110,7 @@ class RegulationResult:
     transient: float | None
     disturbance_K: float
     end: HoldEnd | None
+    observed: ObservedPosition | None = None
 
     def to_json(self) -> dict[str, Any]:
         """The results without the curve of ψ and the boundaries, which the record contains."""
@@ -120,6 +123,7 @@ class RegulationResult:
             "last_spread": self.end and self.end.std,
             "last_s": self.end and self.end.seconds,
             "last_verdict": self.end and (self.end.verdict or None),
+            **({"self_sensing": self.observed.to_json()} if self.observed else {}),
         }
 
 
@@ -220,6 +224,7 @@ def _regulation_result(run: Run, mark: Event) -> RegulationResult:
         else None,
         disturbance_K=disturbance_K,
         end=hold_end(loop.t_s, off, loop.current_A, loop.count, disturbance_s[1] if disturbance_s else 0.0),
+        observed=observed_position(run, closed.t_s, closed.data),
     )
 
 

@@ -1,0 +1,83 @@
+"""The observed position of a loop closed by the resistance, beside the encoder's, from the marks of its record."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from smarig.control import OBSERVED
+from smarig.record import Run
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class ObservedPosition:
+    """Values (n,) of the samples in closed loop: time since it was closed, position of observer and of encoder.
+
+    Both positions are on the encoder's scale; ``half`` is half of the 95 % interval. ``wanted`` is the set-point.
+    """
+
+    t_s: Array
+    position: Array
+    half: Array
+    ambiguous: NDArray[np.bool_]
+    encoder: Array
+    wanted: float
+
+    def to_json(self) -> dict[str, Any]:
+        """Errors in the rig's unit; the encoder counts as the truth. Shares of the samples."""
+        miss = self.position - self.encoder
+        known = np.isfinite(miss)
+        if not known.any():
+            return {"n": int(self.t_s.size), "ambiguous": float(np.mean(self.ambiguous))}
+        late = known & (self.t_s >= self.t_s[-1] / 2)
+        return {
+            "n": int(known.sum()),
+            "ambiguous": float(np.mean(self.ambiguous)),
+            "observer_rms": _rms(miss[known]),
+            "observer_max": float(np.abs(miss[known]).max()),
+            "coverage_95": float(np.mean(np.abs(miss[known]) <= self.half[known])),
+            "median_half": float(np.median(self.half)),
+            "error_rms": _rms((self.encoder - self.wanted)[known]),
+            "steady_error": float(np.mean((self.encoder - self.wanted)[late])),
+            "observed_error_rms": _rms((self.position - self.wanted)[known]),
+        }
+
+
+def observed_position(run: Run, closed_s: float, data: dict[str, Any]) -> ObservedPosition | None:
+    """From the marks after the loop was closed at ``closed_s`` with this data; None without them."""
+    marks = [e.data for e in run.events if e.kind == "mark" and e.text == OBSERVED and e.t_s >= closed_s]
+    if not marks or "wanted_observed" not in data:
+        return None
+    t_s, position, half, ambiguous = (
+        np.concatenate([np.asarray(mark[name], dtype=float) for mark in marks])
+        for name in ("at_s", "position", "half", "ambiguous")
+    )
+    if not t_s.size or not t_s.size == position.size == half.size == ambiguous.size:
+        return None
+    wanted = float(data["wanted_position"])
+    position = position + wanted - float(data["wanted_observed"])
+    rows = np.clip(np.searchsorted(run["t_s"], t_s - 1e-6), 0, len(run) - 1)
+    encoder = np.where(np.abs(run["t_s"][rows] - t_s) < 1e-3, run["position"][rows], np.nan)
+    return ObservedPosition(t_s - closed_s, position, half, ambiguous > 0, encoder, wanted)
+
+
+def observed_text(found: ObservedPosition, unit: str) -> str:
+    """The result in words."""
+    f = found.to_json()
+    ambiguous = f"The resistance is ambiguous in {f['ambiguous']:.1%} of the samples."
+    if "observer_rms" not in f:
+        return f"Feedback: resistance. No encoder to compare with. {ambiguous}"
+    return (
+        f"Feedback: resistance. Observed minus encoder: rms {f['observer_rms']:.3g} {unit}, largest "
+        f"{f['observer_max']:.3g} {unit}; within the 95 % interval (median ±{f['median_half']:.2g} {unit}) "
+        f"{f['coverage_95']:.1%}. Position by the encoder minus set-point: rms {f['error_rms']:.3g} {unit}, mean of "
+        f"the second half {f['steady_error']:.3g} {unit}; by the observer rms {f['observed_error_rms']:.3g} {unit}. "
+        f"{ambiguous}"
+    )
+
+
+def _rms(values: Array) -> float:
+    return float(np.sqrt(np.mean(values**2)))
