@@ -2,7 +2,7 @@
 thesis."""
 
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass
 from pathlib import Path
@@ -24,7 +24,7 @@ from smarig.identification import (
     verify,
     wiping_out,
 )
-from smarig.plant import Actuator
+from smarig.plant import Actuator, effects_from_arguments
 from smarig.protocols import with_loaded_protocols
 from smarig.record import Run, check_not_recording, load_run
 from smarig.replay import Model
@@ -37,6 +37,7 @@ from smarig.report import (
     preisach_verdict,
     write_page,
 )
+from smarig.rig import TwinSettings
 from smarig.runner import (
     Listener,
     Preview,
@@ -84,6 +85,7 @@ def characterise(
     out: Path,
     *,
     campaign: str = "characterise",
+    effects: Sequence[str] = (),
     seed: int = 0,
     wire: str = "",
     force: bool = False,
@@ -94,6 +96,7 @@ def characterise(
 ) -> Characterisation:
     """Characterise the wire of a rig into a folder: runs, model.json, report.html.
 
+    ``effects`` of a twin are written as on the command line, "walking=0.3".
     Nothing existing is overwritten without ``force``. With ``go_on``, finished runs are kept and an
     interrupted run is resumed. Raises what the runs raise; a finished run is kept.
     """
@@ -110,7 +113,7 @@ def characterise(
         rig=rig,
         plan=plan,
         out=out,
-        seed=seed,
+        twin=TwinSettings(seed=seed, effects=effects_from_arguments(tuple(effects))),
         wire=wire,
         force=force,
         control=control,
@@ -119,7 +122,7 @@ def characterise(
     evidence = _analyse(
         rig=rig,
         out=out,
-        seed=seed,
+        options="".join(f" --effect {effect}" for effect in effects) + f" --seed {seed}",
         plan=plan,
         runs=runs,
         started=started,
@@ -160,7 +163,7 @@ def _run_all(
     rig: str,
     plan: CampaignFile,
     out: Path,
-    seed: int,
+    twin: TwinSettings,
     wire: str,
     force: bool,
     control: RunControl | None,
@@ -169,7 +172,7 @@ def _run_all(
     file = load_rig(rig)
     costs = [preview(step.protocol, file, step.set) for step in plan.step]  # before any current flows
     runs = {}
-    with Session(rig, seed=seed, wire=wire, control=control) as session:
+    with Session(rig, twin=twin, wire=wire, control=control) as session:
         for step, cost, target in zip(plan.step, costs, plan.run_files(out / "runs"), strict=True):
             with listener_factory(cost) as listener:
                 run_or_resume(
@@ -188,7 +191,7 @@ def _run_all(
 def _analyse(
     rig: str,
     out: Path,
-    seed: int,
+    options: str,
     plan: CampaignFile,
     runs: Mapping[str, Run],
     started: float,
@@ -225,7 +228,7 @@ def _analyse(
                 ]
             )
         ),
-        command=f"smarig characterise --rig {rig} --out {out} --seed {seed}",
+        command=f"smarig characterise --rig {rig} --out {out}{options}",
         seconds=time.monotonic() - started,
         choice=choice,
         diagnosis=diagnosis,

@@ -91,15 +91,17 @@ def run_options(command: Callable) -> Callable:
     return gathered
 
 
+effect_option = click.option(
+    "--effect",
+    "effects",
+    multiple=True,
+    metavar="NAME[.PARAMETER]=VALUE",
+    help="Twin: inject an effect (see 'smarig list effects'), or one of your own: ./FILE.py=3; repeatable.",
+)
+
 _OPTIONS = (
     click.option("--rig", type=RIG, required=True, help="Rig by name or path."),
-    click.option(
-        "--effect",
-        "effects",
-        multiple=True,
-        metavar="NAME[.PARAMETER]=VALUE",
-        help="Twin: inject an effect (see 'smarig list effects'), or one of your own: ./FILE.py=3; repeatable.",
-    ),
+    effect_option,
     click.option("--seed", type=SEED, default=0, show_default=True, help="Seed of the twin's noise."),
     click.option(
         "--speed",

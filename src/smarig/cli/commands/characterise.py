@@ -13,7 +13,9 @@ from smarig.cli.output import emit, json_option, show_message
 from smarig.cli.panel.run_status import run_info
 from smarig.cli.parameter_types import FOLDER, RIG, SEED, CatalogueName
 from smarig.cli.progress import STREAMS, progress
+from smarig.cli.run_options import effect_option
 from smarig.config import load_campaign, load_rig
+from smarig.plant import effects_from_arguments
 from smarig.rig import TwinSettings
 from smarig.runner import Listener, Preview, RunControl, twin_source
 
@@ -32,6 +34,7 @@ from smarig.runner import Listener, Preview, RunControl, twin_source
     show_default=True,
     help="Campaign to run, by name or path.",
 )
+@effect_option
 @click.option("--seed", type=SEED, default=0, show_default=True, help="Seed of the twin's noise.")
 @click.option("--wire", default="", help="Identity of the wire (default: that of the rig file).")
 @click.option("--force", is_flag=True, help="Replace the files in the folder.")
@@ -49,6 +52,7 @@ def command(
     rig: str,
     out: Path,
     campaign: str,
+    effects: tuple[str, ...],
     seed: int,
     wire: str,
     force: bool,
@@ -62,7 +66,8 @@ def command(
 
     run_number, control = count(1), RunControl()
     file = load_rig(rig)
-    source = twin_source(file, TwinSettings(seed))
+    twin = TwinSettings(seed, effects=effects_from_arguments(effects))
+    source = twin_source(file, twin)
 
     def listener_factory(cost: Preview) -> AbstractContextManager[Listener]:
         place = f"run {next(run_number)} of {len(load_campaign(campaign).step)}"
@@ -75,6 +80,7 @@ def command(
             rig,
             out,
             campaign=campaign,
+            effects=effects,
             seed=seed,
             wire=wire,
             force=force,
