@@ -113,12 +113,7 @@ def _cause(d: Diagnosis | None) -> _Cause:
             "Make the run that the diagnosis proposes; it tells them apart.",
         )
     if word == "unknown":
-        on = f" It depends on {d.verdict.depends_on}." if d.verdict.depends_on else ""
-        return _Cause(
-            "bad",
-            f"Something acts on this wire that no effect of the catalogue explains.{on}",
-            "See the diagnosis.",
-        )
+        return _Cause("bad", _unknown_text(d), _unknown_advice(d))
     if word == "not_identifiable":
         return _Cause("warning", "These data cannot show any effect.", "Make a longer run.")
     if d.first.alarm:
@@ -126,6 +121,20 @@ def _cause(d: Diagnosis | None) -> _Cause:
             "warning", "The residuals are larger than noise.", "Repeat the run before you rely on it."
         )
     return _Cause("good", "No disturbance was found.", "")
+
+
+def _unknown_text(d: Diagnosis) -> str:
+    depends = f" It depends on {d.verdict.depends_on}." if d.verdict.depends_on else ""
+    nearest = f" Candidates, not proved: {', '.join(d.verdict.names)}." if d.verdict.names else ""
+    return f"Something acts on this wire that no effect of the catalogue explains.{depends}{nearest}"
+
+
+def _unknown_advice(d: Diagnosis) -> str:
+    if d.verdict.depends_on is None:
+        return "Repeat the run: a real effect appears again."
+    return (
+        f"Change {d.verdict.depends_on} alone and keep everything else constant: the change shows the effect."
+    )
 
 
 def _named_advice(d: Diagnosis) -> str:
