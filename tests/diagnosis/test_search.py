@@ -10,6 +10,7 @@ from smarig.diagnosis.explain import search
 from smarig.diagnosis.explain.explanation import Explanation
 from smarig.diagnosis.explain.search import BelowRivalEvidence, search_explanations
 from smarig.plant.effects.fatigue import fatigue
+from smarig.plant.effects.r_phase import r_phase
 from smarig.plant.effects.settling import settling
 from smarig.plant.effects.slip import slip
 from smarig.plant.effects.walking import walking
@@ -17,7 +18,7 @@ from smarig.replay import PlantModel
 
 WIRE: Any = None
 ORIGINAL: Any = "the model's density"
-KINDS = {kind.name: kind for kind in (walking, settling, slip, fatigue)}
+KINDS = {kind.name: kind for kind in (walking, settling, slip, fatigue, r_phase)}
 DATA = np.array([100.0, 100.0])  # 10 000 nats are in them
 
 
@@ -85,7 +86,7 @@ class World:
         kinds = [KINDS[name] for name in self.starts]
         scores = [
             SimpleNamespace(
-                candidate=SimpleNamespace(best=lambda data, kind=kind: (kind(), 1.0)),
+                candidate=SimpleNamespace(kind=kind, best=lambda data, kind=kind: (kind(), 1.0)),
             )
             for kind in kinds
         ]
@@ -94,6 +95,7 @@ class World:
             plant_model=plant_model,
             silent=self.judged[-1] in self.enough,
             refitted=SimpleNamespace(data=DATA, coupled=1 if self.of_channel else DATA.size),
+            scores=scores,
             best=lambda count: scores[:count],
         )
 
@@ -122,6 +124,13 @@ def test_a_further_effect_must_be_worth_more_than_the_first_and_more_the_larger_
     """25 nats at least, a twentieth of the first one's where that is more, never more than 60."""
     world = World(monkeypatch, {"walking": first, "settling walking": first + more})
     assert world.search_explanations() == [("walking", first), ("settling walking", more)][:levels]
+
+
+def test_an_effect_that_is_a_part_of_a_density_is_not_tried(monkeypatch):
+    """However much it gains: r_phase, between effects that are tried."""
+    world = World(monkeypatch, {"r_phase": 900.0, "walking": 100.0}, starts=("r_phase", "walking"))
+    assert world.search_explanations() == [("walking", 100.0)]
+    assert not any("r_phase" in names for names in world.judged)
 
 
 def test_what_the_density_of_all_explains_without_an_effect_is_not_the_effects(monkeypatch):

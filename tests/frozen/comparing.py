@@ -55,6 +55,7 @@ ADDED = {
     "thermomechanical_one_wire",
     "thermomechanical_two_wire",
     "two_wire_thermomechanical",
+    "verdict",
     "wire_K",
 }  # keys that came later, on purpose
 ENDED = {"wire_history", "history_until_tick"}  # keys that runs of twins no longer have, on purpose

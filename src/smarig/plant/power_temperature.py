@@ -25,7 +25,7 @@ class PowerTemperature:
 
     >>> wire = PowerTemperature(Actuator.named("thermomechanical_one_wire"))
     >>> round(wire.steady_K(1.0, 22.0), 1)
-    45.8
+    45.7
     """
 
     def __init__(self, actuator: Actuator) -> None:

@@ -77,7 +77,7 @@ def convection_exponent(actuator: Actuator, range_K: float) -> float:
     """n of h ∝ θⁿ in still air by Churchill and Chu (1975), from a quarter of a range of temperature to all of it.
 
     >>> round(convection_exponent(Actuator.named("gorbet_one_wire"), 100.0), 3)
-    0.125
+    0.126
     """
     diameter_m = actuator.file.wire.diameter.value / 1000
     low, high = (

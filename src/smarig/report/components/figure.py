@@ -67,11 +67,11 @@ class Figure:
     def html(self) -> Html:
         """The figure as HTML, with its panels drawn as SVG."""
         # imported here: Matplotlib takes a second, and pages without figures do not need it
-        from smarig.report.drawing import NARROW_PX, WIDE_PX, WIDTH_PX, save_if_asked
+        from smarig.report.drawing import NARROW_PX, WIDE_PX, WIDTH_PX, save_if_active
 
         usual_px = NARROW_PX if self.min_width_px <= NARROW_PX else WIDTH_PX
         widths_px = [WIDE_PX if panel.wide else usual_px for panel in self.panels]
-        save_if_asked(self, widths_px)
+        save_if_active(self, widths_px)
         panels = [_panel(panel, self, width_px) for panel, width_px in zip(self.panels, widths_px)]
         words = joined([part for part in self.caption if part], " ")
         caption = tag("figcaption", tag("b", self.title), " ", words)

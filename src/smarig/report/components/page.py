@@ -87,9 +87,11 @@ def _section(number: int, section: Section) -> Html:
 
 
 def _footer(words: str, library: str) -> Html:
-    beside = f' "Explore" needs the file {library}, which was written with this page.' if library else ""
+    library_note = (
+        f' "Explore" needs the file {library}, which was written with this page.' if library else ""
+    )
     footer_text = (
-        f"Written by smarig. This file is self-contained and loads nothing from the network.{beside}"
+        f"Written by smarig. This file is self-contained and loads nothing from the network.{library_note}"
     )
     return tag("footer", tag("p", f"{words} {footer_text}".strip()))
 

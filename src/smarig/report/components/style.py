@@ -193,5 +193,5 @@ footer p{color:var(--grey);font-size:13px;border-top:1px solid var(--line);margi
  .single .panels,.pairs .panels{grid-template-columns:minmax(0,1fr)!important}
  figcaption,table,caption{font-size:8pt}th,td{padding:2px 8px 2px 0}
  .columns td,.runs td,.runs tbody th,.named{white-space:normal}td{min-width:2.5em}.table{overflow:visible}
- .runs table{font-size:7pt}.runs td{min-width:0}}
+ .runs table{font-size:7pt}.runs td,.runs th{min-width:0;padding-right:5px;overflow-wrap:anywhere}}
 """.replace("FONT", FONT)

@@ -14,6 +14,6 @@ if TYPE_CHECKING:
     from smarig.report.drawing.drawing import save_figure as save_figure
     from smarig.report.drawing.drawing import svg_of as svg_of
     from smarig.report.drawing.saved_figures import figures_saved_in as figures_saved_in
-    from smarig.report.drawing.saved_figures import save_if_asked as save_if_asked
+    from smarig.report.drawing.saved_figures import save_if_active as save_if_active
 else:
     __getattr__, __dir__, __all__ = lazy_exports(__name__)

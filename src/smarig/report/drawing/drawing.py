@@ -79,8 +79,8 @@ def _draw_flat(drawing: MplFigure, panel: Panel, width_px: int) -> None:
 
 def _needs_measuring(panel: Panel) -> bool:
     """Whether a scale, names of cells or a legend stand beside the axes."""
-    beside = panel.layout.get("legend", {}).get("orientation") == "v"
-    return beside or any(trace.get("type") == "heatmap" for trace in panel.data)
+    has_side_legend = panel.layout.get("legend", {}).get("orientation") == "v"
+    return has_side_legend or any(trace.get("type") == "heatmap" for trace in panel.data)
 
 
 def _draw(axes: Axes, trace: dict[str, Any], legend: bool) -> None:

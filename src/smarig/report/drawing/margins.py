@@ -16,7 +16,7 @@ LEGEND_ROW_PX = 18.0
 def set_margins(drawing: MplFigure, rows: Sequence[Axes], above_px: float) -> None:
     """Set the margins of rows of axes. ``above_px``: height of what stands above the axes."""
     width, height = (72 * size for size in drawing.get_size_inches())
-    left = max(_beside_px(row) for row in rows)
+    left = max(_left_px(row) for row in rows)
     below = _EDGE_PX + _TICK_PX + _lines(rows[-1].get_xlabel()) * _LINE_PX + _tick_lines(rows[-1]) * _LINE_PX
     right = _EDGE_PX + 0.5 * _CHARACTER_PX * _longest(_tick_texts(rows[-1], "x")[-1:])
     title_px = 1.3 * _LINE_PX if rows[0].get_title("left") else 0.0
@@ -33,7 +33,7 @@ def set_margins(drawing: MplFigure, rows: Sequence[Axes], above_px: float) -> No
         row.yaxis.label.set_verticalalignment("top")
 
 
-def _beside_px(row: Axes) -> float:
+def _left_px(row: Axes) -> float:
     ticks = _CHARACTER_PX * _longest(_tick_texts(row, "y"))
     return _EDGE_PX + _TICK_PX + ticks + _lines(row.get_ylabel()) * _LINE_PX
 

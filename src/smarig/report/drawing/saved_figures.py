@@ -43,7 +43,7 @@ def figures_saved_in(folder: Path, force: bool = False) -> Iterator[list[Path]]:
         _ACTIVE.reset(token)
 
 
-def save_if_asked(figure: Figure, width_px: list[int]) -> None:
+def save_if_active(figure: Figure, width_px: list[int]) -> None:
     """Save the panels of a figure, with one width each, if a folder was named."""
     active = _ACTIVE.get()
     if active is None:
