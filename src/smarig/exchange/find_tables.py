@@ -30,7 +30,7 @@ def find_tables(path: Path, others: Sequence[Path] = ()) -> list[FoundTable]:
         from smarig.exchange.workbook_file import workbook_tables
 
         return workbook_tables(path)
-    if head.startswith(b"\x89HDF") or head.startswith(b"MATLAB 7.3"):
+    if head.startswith((b"\x89HDF", b"MATLAB 7.3")):
         from smarig.exchange.hdf5_file import hdf5_tables
 
         return hdf5_tables(path)

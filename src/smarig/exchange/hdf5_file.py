@@ -1,4 +1,4 @@
-"""Reads data sets of HDF5 files with h5py: vectors of one length in a group, and tables with named fields or columns."""
+"""Reads data sets of HDF5 files with h5py: vectors of one length in a group, and tables of several columns."""
 
 from collections.abc import Iterator
 from pathlib import Path

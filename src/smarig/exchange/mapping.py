@@ -202,13 +202,13 @@ class MappingFile(TomlTable):
     def _consistent(self) -> "MappingFile":
         if bool(self.columns) == bool(self.branch):
             raise ValueError("give exactly one of [columns] and [[branch]]")
-        named = [key for key in ("mat", "workbook", "hdf5", "parquet") if getattr(self, key) is not None]
-        if len(named) > 1 or (named and "file" in self.model_fields_set):
-            raise ValueError(
-                f"give one of [file], [mat], [workbook], [hdf5] and [parquet], not {named[0]} and another"
-            )
-        if self.mat and self.branch:
-            raise ValueError("[mat] is used with [columns] only; leave out [[branch]]")
+        if self.mat and ("file" in self.model_fields_set or self.branch):
+            raise ValueError("[mat] is used with [columns] only; leave out [file] and [[branch]]")
+        places = [
+            key for key in ("file", "mat", "workbook", "hdf5", "parquet") if key in self.model_fields_set
+        ]
+        if len(places) > 1:
+            raise ValueError(f"[{places[0]}] and [{places[1]}] describe different files; give one of them")
         if self.mat and self.mat.loops != "none" and (self.time or self.steps != "none"):
             raise ValueError("the loops of [mat] have a number and no time; leave out [time] and steps")
         for key, unit in self._units():

@@ -56,7 +56,8 @@ def text_tables(path: Path) -> list[FoundTable]:
     blocks = find_blocks(dialect.rows(lines[:_MOST_LINES]), dialect.style) if dialect else []
     if not dialect or not blocks:
         raise DataError(
-            f"{path} holds no table: no {FEWEST_ROWS} lines of at least two numbers were found. Give a file of measured columns."
+            f"{path} holds no table: it has no {FEWEST_ROWS} lines of at least two numbers. "
+            "Give a file of measured columns."
         )
     found = [_table(path, lines, dialect, block, blocks) for block in blocks]
     return [table for table in found if table is not None]

@@ -1,0 +1,167 @@
+"""The result of a study as a value: what was read, how good the model is, and what to do now."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from smarig.core import spaced
+from smarig.diagnosis import Diagnosis, MeasuredDiagnosis
+from smarig.study.candidate_models import Judgement
+from smarig.study.data_split import DataSplit
+from smarig.study.imported_runs import ImportedTable
+from smarig.study.understanding import Understanding
+
+GOOD, FAIR, POOR = "good", "fair", "poor"
+_GOOD_TIMES_NOISE = 2.0
+_GOOD_NRMSE = 0.03
+_BETTER = 1.5  # times: a model that is less than so much better than a simple curve hardly earns its place
+_POOR_NRMSE = 0.15
+
+
+@dataclass(frozen=True, eq=False)
+class StudyResult:
+    """What a study found. ``judgement`` and ``split`` are None for data without an output; ``heating`` then describes
+
+    the temperature record. ``diagnosis`` is None if it was not asked for or failed, with ``diagnosis_reason``.
+    """
+
+    name: str
+    folder: Path
+    files: tuple[Path, ...]
+    understood: Understanding
+    tables: tuple[ImportedTable, ...]
+    left_out: dict[str, str]
+    split: DataSplit | None
+    judgement: Judgement | None
+    diagnosis: Diagnosis | MeasuredDiagnosis | None
+    diagnosis_reason: str
+    heating: str
+    seconds: float
+    key: str
+
+    @property
+    def unit(self) -> str:
+        """Unit of the output."""
+        return self.tables[0].run.unit
+
+    @property
+    def nrmse(self) -> float:
+        """Rms error on held-out data over the range of their output."""
+        if self.judgement is None:
+            return np.nan
+        measured = np.concatenate([r.measured[r.counted] for r in self.judgement.best.held_out])
+        return self.judgement.best.rms / float(np.ptp(measured)) if np.ptp(measured) else np.nan
+
+    @property
+    def noise(self) -> float | None:
+        """The noise of one reading: from repeated readings, else as the diagnosis estimates it; None if unknown."""
+        if self.judgement is None:
+            return None
+        floors = [r.noise_floor for r in self.judgement.best.held_out if r.noise_floor]
+        if floors:
+            return float(np.median(floors))
+        return self.diagnosis.noise if isinstance(self.diagnosis, MeasuredDiagnosis) else None
+
+    @property
+    def gain(self) -> float:
+        """Error of the best simple curve over that of the model."""
+        if self.judgement is None or not self.judgement.simple:
+            return np.nan
+        return min(self.judgement.simple.values()) / max(self.judgement.best.rms, 1e-300)
+
+    @property
+    def verdict(self) -> str:
+        """ "good", "fair" or "poor"; "" without a model."""
+        if self.judgement is None:
+            return ""
+        noise = self.noise
+        small = (
+            self.nrmse <= _GOOD_NRMSE
+            if noise is None
+            else self.judgement.best.rms <= _GOOD_TIMES_NOISE * noise
+        )
+        if small and self.gain >= _BETTER:
+            return GOOD
+        return POOR if self.gain < 1.0 or self.nrmse > _POOR_NRMSE else FAIR
+
+    def sentences(self) -> list[str]:
+        """Three sentences: how good the model is, against what, and what to do now."""
+        if self.judgement is None:
+            return [self.heating]
+        return [self._error_sentence(), self._simple_sentence(), self._next_sentence()]
+
+    def _error_sentence(self) -> str:
+        best = self.judgement.best if self.judgement else None
+        if best is None:
+            return ""
+        what = "fits the data" if self.split and self.split.kind == "none" else "predicts the held-out data"
+        noise = f", {best.rms / self.noise:.2g} × the noise of a reading" if self.noise else ""
+        judged = {GOOD: "good", FAIR: "usable, with errors to explain", POOR: "poor"}[self.verdict]
+        return (
+            f"The model ({best.name}) {what} with {best.rms:.3g}{spaced(self.unit)} rms, {100 * self.nrmse:.2g} % of "
+            f"the output's range{noise}: {judged}."
+        )
+
+    def _simple_sentence(self) -> str:
+        if self.judgement is None or not self.judgement.simple:
+            return ""
+        name, error = min(self.judgement.simple.items(), key=lambda item: item[1])
+        if self.gain >= _BETTER:
+            return f"The best simple curve ({name}) leaves {self.gain:.2g} × as much, {error:.3g}{spaced(self.unit)}."
+        if self.gain >= 1:
+            return f"A simple curve ({name}) does nearly as well: {error:.3g}{spaced(self.unit)}."
+        return f"A simple curve ({name}) does better: {error:.3g}{spaced(self.unit)}. Do not use the model as it is."
+
+    def _next_sentence(self) -> str:
+        d = self.diagnosis
+        if d is None:
+            return f"No diagnosis: {self.diagnosis_reason}"
+        first = d.text().splitlines()[0]
+        return first if first.endswith(".") else f"{first}."
+
+    def to_json(self) -> dict[str, Any]:
+        """The JSON object of the command line, which is also DIR/study.json."""
+        j = self.judgement
+        return {
+            "name": self.name,
+            "out": str(self.folder),
+            "page": str(self.folder / "index.html"),
+            "files": [str(file) for file in self.files],
+            "verdict": self.verdict or None,
+            "sentences": self.sentences(),
+            "questions": self.understood.questions,
+            "columns": {table.title: _columns(g) for table, g in zip(self.tables, self.understood.guesses)},
+            "left_out": self.left_out | self.understood.left_out,
+            "split": self.split and {"kind": self.split.kind, "reason": self.split.reason},
+            "runs": [str(table.run.path) for table in self.tables],
+            "model": j and str(self.folder / "model.json"),
+            "unit": self.unit or None,
+            "held_out": j and {"rms": j.best.rms, "nrmse": self.nrmse, "noise_floor": self.noise},
+            "models": j and {c.name: {"train_rms": c.train_rms, "held_out_rms": c.rms} for c in j.candidates},
+            "models_that_failed": (j and j.failed) or {},
+            "simple_curves": j and j.simple,
+            "diagnosis": self.diagnosis
+            and {"verdict": self.diagnosis.verdict.word, "text": self.diagnosis.text()},
+            "diagnosis_reason": self.diagnosis_reason or None,
+            "warnings": [w for table in self.tables for w in table.warnings],
+            "seconds": round(self.seconds, 2),
+            "key": self.key,
+        }
+
+
+def _columns(guess: Any) -> dict[str, Any]:
+    found = {}
+    for c in guess.columns:
+        role = guess.roles.get(c.name)
+        if role is not None:
+            found[c.name] = {
+                "role": role.role,
+                "quantity": c.quantity or None,
+                "unit": c.unit or None,
+                "reason": role.reason,
+                "unit_reason": c.unit_reason or None,
+                "confidence": round(min(role.confidence, c.unit_confidence or 1.0), 2),
+            }
+    return found
