@@ -18,6 +18,7 @@ _TAKES = {
     TOML: "`--map` takes mapping files, `--rig` rigs",
     TABLE: "`smarig study` reads tables, and `smarig import` makes runs of them",
 }
+_SQLITE = b"SQLite format 3\x00"
 _DATA = "`smarig study` and `smarig import` read data files"
 
 
@@ -35,7 +36,7 @@ def swapped_file(path: Path, wanted: str) -> str:
 
 
 def has_run_tables(path: Path) -> bool:
-    """Whether an SQLite file has the tables of a run, by the text of their definitions in its first bytes."""
+    """Whether a file may hold a run: it is no SQLite file, or its first bytes define the tables of one."""
     with path.open("rb") as file:
         head = file.read(1 << 16)
-    return b"CREATE TABLE sample" in head or b"CREATE TABLE run" in head
+    return not head.startswith(_SQLITE) or b"CREATE TABLE sample" in head or b"CREATE TABLE run" in head

@@ -19,7 +19,10 @@ def check_data_file(path: Path) -> None:
     """Raise DataError for a file that is known to hold no measured table; its sentence says what the file is."""
     with path.open("rb") as file:
         head = file.read(16)
-    if content_kind(path) in (RUN, MODEL, PAGE, TOML, "a Rerun recording"):
+    kind = content_kind(path)
+    if kind == TOML and path.suffix.lower() != ".toml":
+        kind = ""  # lines such as "Samples = 100" or "sep=;" stand before many tables
+    if kind in (RUN, MODEL, PAGE, TOML, "a Rerun recording"):
         raise DataError(swapped_file(path, TABLE))
     for start, what in _OTHERS.items():
         if head.startswith(start):

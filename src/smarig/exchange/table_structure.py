@@ -118,15 +118,18 @@ def _header_rows(
             break
         if kinds[k] == "text":
             above.append(k)
-    wide = [
-        k for k in above[:_HEADER_ROWS] if 2 * len([c for c in rows[k] if c]) > width or len(rows[k]) >= width
-    ]
+    wide = [k for k in above[:_HEADER_ROWS] if _fills(rows[k], width) or is_units_row(rows[k])]
     if not wide:
         return None, None
     for k, before in zip(wide, wide[1:]):
         if before == k - 1 and is_units_row(rows[k]) and not is_units_row(rows[before]):
             return before, k
     return wide[0], None
+
+
+def _fills(row: Sequence[str], width: int) -> bool:
+    """Whether a row has cells for most columns."""
+    return len(row) >= width or 2 * sum(bool(cell) for cell in row) > width
 
 
 def is_units_row(row: Sequence[str]) -> bool:

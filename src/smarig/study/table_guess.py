@@ -127,17 +127,20 @@ def guess_table(
     pairs = branch_pairs(columns)
     candidates = [c for c in moving if c.name not in pairs.values()]
     roles: dict[str, Role] = {}
-    time = _time(columns)
+    time = _time([c for c in columns if c.name not in (input, output)])
     if time is not None:
         roles[time.name] = Role("time", time.quantity_reason, time.quantity_confidence)
-    left = [c for c in candidates if c is not time and c.quantity not in (q.TIME, q.INDEX, q.CYCLE, q.RATE)]
+    no_signal = (q.TIME, q.INDEX, q.CYCLE, q.RATE)
+    left = [
+        c for c in candidates if c is not time and (c.quantity not in no_signal or c.name in (input, output))
+    ]
     out = _output(left, output, input)
     drive = _input(left, out, input)
-    if out is None and drive is not None and drive.quantity == q.TEMPERATURE and input is None:
-        heats = next((c for c in left if c.quantity in _HEATING), None)
-        if heats is not None:
-            roles[drive.name] = Role("temperature", "what the heating warms; there is no output", LIKELY)
-            drive = heats
+    warm = next((c for c in left if c.quantity == q.TEMPERATURE and not holds_still(c)), None)
+    heats = next((c for c in left if c.quantity in _HEATING and input in (None, c.name)), None)
+    if out is None and warm is not None and heats is not None:
+        roles[warm.name] = Role("temperature", "what the heating warms; there is no output", LIKELY)
+        drive = heats
     if (
         out is None
         and output is None
@@ -250,7 +253,7 @@ def holds_still(c: ColumnGuess) -> bool:
     if c.quantity == q.FORCE:
         return c.unit != "count" and spread <= _FORCE_SHARE * mean
     if c.quantity == q.TEMPERATURE:
-        return spread < _HELD_K
+        return c.facts.span < _HELD_K
     return c.facts.levels <= 1
 
 

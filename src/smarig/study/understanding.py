@@ -43,7 +43,7 @@ def understand(files: Sequence[Path], options: StudyOptions, ask: Ask | None = N
     lead = guess_table(
         max(tables, key=len), input=options.input, output=options.output, units=options.units, files=names
     )
-    lead, questions = _answered(lead, options, ask, names)
+    lead, options, questions = _answered(lead, options, ask, names)
     return Understanding(tuple(_guesses(tables, lead, options, names)), left_out, questions)
 
 
@@ -110,11 +110,11 @@ def _with_columns(table: FoundTable, names: set[str]) -> FoundTable:
 
 def _answered(
     guess: TableGuess, options: StudyOptions, ask: Ask | None, files: Sequence[str]
-) -> tuple[TableGuess, int]:
-    """The guess after the user has answered what is not clear, and the number of questions."""
+) -> tuple[TableGuess, StudyOptions, int]:
+    """The guess after the user has answered what is not clear, the options with the answers, and their number."""
     asked = 0
     if guess.table.format == _FORC:
-        return guess, 0
+        return guess, options, 0
     given, units = {"input": options.input, "output": options.output}, dict(options.units)
     while ask is not None and not options.accept and guess.doubts:
         doubt = guess.doubts[0]
@@ -133,7 +133,7 @@ def _answered(
         raise UnsureError(
             f"{guess.table.path}: no column looks like an input. Name one with --input NAME.", guess
         )
-    return guess, asked
+    return guess, replace(options, **given, units=units), asked
 
 
 class UnsureError(UsageError):
