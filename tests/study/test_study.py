@@ -62,7 +62,8 @@ def test_a_later_part_is_held_out_and_keeps_the_memory(tmp_path):
     (held_out,) = result.judgement.best.held_out
     assert held_out.counted.all(), "the memory is carried over, so that every reading counts"
     assert held_out.measured.size + len(result.split.train[0]) == u.size
-    assert result.judgement.best.rms < 0.04
+    assert result.judgement.best.rms < 0.1, "2.5 % of 4 mm"
+    assert result.gain > 5
 
 
 def test_an_output_without_hysteresis_earns_no_praise(tmp_path):

@@ -110,7 +110,8 @@ def _by_run(runs: Sequence[Run], named: str) -> DataSplit:
     if len(runs) < 2:
         raise UsageError("--split run needs at least two runs. Give several files, or leave it out.")
     count = max(len(runs) // _HELD_SHARE, 1)
-    held = f"{count} of {len(runs)} runs, the last, {'is' if count == 1 else 'are'} held out{named}"
+    which = "The last run is" if count == 1 else f"The last {count} of {len(runs)} runs are"
+    held = f"{which} held out{named}"
     return DataSplit(
         "run", f"{held}: a model must predict another run.", tuple(runs[:-count]), tuple(runs[-count:])
     )

@@ -35,6 +35,12 @@ def mapping_draft(guess: TableGuess, name: str) -> str:
         lines += ["", "[time]", f"column = {_s(time.name)}" + _why(guess, time)]
         lines += ['written = "clock"'] if time.facts.kind == "clock" else [f"unit = {_s(time.unit or 's')}"]
         lines += ['repeated = "mean"     # several rows have the same time'] if _repeats(time) else []
+    elif "mat" not in guess.table.layout and not guess.settled:
+        lines += [
+            "",
+            "# [time]               # no clock was found; if the rows are equally spaced, remove both signs",
+            "# period_s = 0.1",
+        ]
     lines += _column_lines(guess, channel)
     lines += ["", "[input]", f"channel = {_s(channel)}", f"quantity = {_s(_quantity(drive, 'input'))}"]
     lines += [f"unit = {_s(input_unit(drive))}"]
@@ -46,6 +52,8 @@ def mapping_draft(guess: TableGuess, name: str) -> str:
             f"quantity = {_s(_quantity(out, 'output') + turned)}",
             f"unit = {_s(output_unit(out))}",
         ]
+    if out is not None and out.quantity == q.POLARISATION:
+        lines += ['zero = "own"     # an integrated charge starts at any zero']
     lines += _condition_lines(guess)
     for other in guess.of_role("compare"):
         lines += [

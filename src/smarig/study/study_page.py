@@ -64,11 +64,14 @@ def _lead(result: StudyResult) -> str:
 
 
 def _summary(result: StudyResult) -> Iterator[Html | Figure]:
-    first, *rest = result.sentences()
+    first, *rest = [
+        s.replace(result.unit, display_unit(result.unit)) if "^" in result.unit else s
+        for s in result.sentences()
+    ]
     yield notice(
         _BOX.get(result.verdict, "bad") if result.judgement else "warning", paragraph(tag("b", first))
     )
-    yield bullets(rest)
+    yield bullets([*rest, *result.hints()])
     if result.judgement is not None:
         yield _loops_figure(result)
         yield paragraph(result.split.reason if result.split else "")

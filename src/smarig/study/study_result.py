@@ -14,9 +14,11 @@ from smarig.study.imported_runs import ImportedTable
 from smarig.study.understanding import Understanding
 
 GOOD, FAIR, POOR = "good", "fair", "poor"
-_GOOD_TIMES_NOISE = 2.0
-_GOOD_NRMSE = 0.03
+_GOOD_TIMES_NOISE = 3.0
+_GOOD_NRMSE = 0.03  # where the noise is not known
+_VERY_SMALL_NRMSE = 0.005  # below it, errors do not matter, whatever the noise
 _BETTER = 1.5  # times: a model that is less than so much better than a simple curve hardly earns its place
+_HARDLY_BETTER = 1.2
 _POOR_NRMSE = 0.15
 
 
@@ -82,15 +84,26 @@ class StudyResult:
             if noise is None
             else self.judgement.best.rms <= _GOOD_TIMES_NOISE * noise
         )
-        if small and self.gain >= _BETTER:
+        if (small or self.nrmse <= _VERY_SMALL_NRMSE) and self.gain >= _BETTER:
             return GOOD
-        return POOR if self.gain < 1.0 or self.nrmse > _POOR_NRMSE else FAIR
+        return POOR if self.gain < _HARDLY_BETTER or self.nrmse > _POOR_NRMSE else FAIR
 
     def sentences(self) -> list[str]:
         """Three sentences: how good the model is, against what, and what to do now."""
         if self.judgement is None:
             return [self.heating]
         return [self._error_sentence(), self._simple_sentence(), self._next_sentence()]
+
+    def hints(self) -> list[str]:
+        """What would show more, one sentence each."""
+        found = []
+        timed = any(table.run.has("t_s") or table.run.settled for table in self.tables)
+        if not timed and not self.understood.forc and self.judgement is not None and self.verdict != GOOD:
+            found.append(
+                "No time is recorded, so lags, creep and rates cannot be tested. If the rows are equally spaced, give "
+                "their period: period_s under [time] in mapping.toml, with --map."
+            )
+        return found
 
     def _error_sentence(self) -> str:
         best = self.judgement.best if self.judgement else None
@@ -118,8 +131,10 @@ class StudyResult:
         d = self.diagnosis
         if d is None:
             return f"No diagnosis: {self.diagnosis_reason}"
-        first = d.text().splitlines()[0]
-        return first if first.endswith(".") else f"{first}."
+        first, *rest = d.text().splitlines()
+        first = first if first.endswith(".") else f"{first}."
+        shifted = [line for line in rest if "is shifted by" in line]
+        return " ".join([first, *shifted[:1]])
 
     def to_json(self) -> dict[str, Any]:
         """The JSON object of the command line, which is also DIR/study.json."""
@@ -131,6 +146,7 @@ class StudyResult:
             "files": [str(file) for file in self.files],
             "verdict": self.verdict or None,
             "sentences": self.sentences(),
+            "hints": self.hints(),
             "questions": self.understood.questions,
             "columns": {table.title: _columns(g) for table, g in zip(self.tables, self.understood.guesses)},
             "left_out": self.left_out | self.understood.left_out,
