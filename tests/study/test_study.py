@@ -32,7 +32,7 @@ def test_three_files_become_runs_a_model_and_a_page(files, tmp_path):
     result = study(files, out, QUICK)
     assert result.verdict == "good"
     assert result.split.kind == "run"
-    assert result.judgement.best.rms < 0.04, "noise of 0.01 mm and a smooth density"
+    assert result.evaluation.best.rms < 0.04, "noise of 0.01 mm and a smooth density"
     assert result.gain > 3
     assert load_model(out / "model.json").unit == "mm"
     u = temperatures(2, 60)
@@ -59,10 +59,10 @@ def test_a_later_part_is_held_out_and_keeps_the_memory(tmp_path):
     path.write_text(csv_text(np.arange(u.size) * 0.5, u, displacements(u)), encoding="utf-8")
     result = study([path], tmp_path / "out", QUICK)
     assert result.split.kind == "time"
-    (held_out,) = result.judgement.best.held_out
+    (held_out,) = result.evaluation.best.held_out
     assert held_out.counted.all(), "the memory is carried over, so that every reading counts"
     assert held_out.measured.size + len(result.split.train[0]) == u.size
-    assert result.judgement.best.rms < 0.1, "2.5 % of 4 mm"
+    assert result.evaluation.best.rms < 0.1, "2.5 % of 4 mm"
     assert result.gain > 5
 
 
@@ -95,14 +95,14 @@ def test_questions_are_asked_and_their_answers_count(tmp_path):
     path = tmp_path / "a.csv"
     path.write_text("foo,bar\n" + "\n".join(f"{a},{b}" for a, b in zip(u, x)), encoding="utf-8")
     answers = {"Which column is the input": "foo", "Which column is the output": "bar"}
-    asked = []
+    count = []
 
     def ask(question, choices):
-        asked.append(question)
+        count.append(question)
         return answers.get(question, "mK" if "foo" in question else "um")
 
     result = study([path], tmp_path / "out", QUICK, ask=ask)
-    assert asked == [
+    assert count == [
         "Which column is the input",
         "Which column is the output",
         "Unit of 'foo'",

@@ -151,8 +151,8 @@ def _entries(
         if block.own_names:
             return None if block is not blocks[0] else entries | _at_line(block)
         start = lines[block.header][:_LONGEST_START]
-        alike = [b for b in blocks if b.header is not None and lines[b.header].startswith(start)]
-        entries |= {"header_starts": start, "table": alike.index(block) + 1}
+        similar = [b for b in blocks if b.header is not None and lines[b.header].startswith(start)]
+        entries |= {"header_starts": start, "table": similar.index(block) + 1}
         return entries | _units_rows(block)
     return entries | (
         _at_line(block) if block.own_names or not _found_by_name(lines, block) else _units_rows(block)

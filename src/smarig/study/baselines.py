@@ -13,8 +13,8 @@ _NODES = 40  # of a curve of means
 
 
 @dataclass(frozen=True, eq=False)
-class Points:
-    """Points of one run, in order: input, output, the rising (+1) or falling (−1) direction, and which count."""
+class RunPoints:
+    """RunPoints of one run, in order: input, output, the rising (+1) or falling (−1) direction, and which count."""
 
     u: Array
     y: Array
@@ -30,7 +30,7 @@ class Baseline:
     predict: Callable[[Array, Array], Array]
 
 
-def points_of(u: Array, y: Array, counted: NDArray[np.bool_]) -> Points:
+def points_of(u: Array, y: Array, counted: NDArray[np.bool_]) -> RunPoints:
     """The points with the direction of the input, whose noise does not turn it.
 
     >>> points_of(np.array([0.0, 1, 2, 1, 0]), np.zeros(5), np.ones(5, bool)).direction.tolist()
@@ -40,10 +40,10 @@ def points_of(u: Array, y: Array, counted: NDArray[np.bool_]) -> Points:
     turns = reversals(u)
     for a, b in zip(turns[:-1], turns[1:]):
         direction[a + (a > 0) : b + 1] = 1.0 if u[b] > u[a] else -1.0
-    return Points(u, y, direction, counted)
+    return RunPoints(u, y, direction, counted)
 
 
-def baselines(train: Sequence[Points]) -> list[Baseline]:
+def baselines(train: Sequence[RunPoints]) -> list[Baseline]:
     """The simple curves fitted to training points.
 
     A straight line; the mean output at each input (no hysteresis); and the mean of the rising and of the falling
@@ -69,7 +69,7 @@ def _mean_curve(u: Array, y: Array) -> Callable[[Array], Array]:
     return lambda x: np.interp(x, nodes, means)
 
 
-def baseline_rms(baseline: Baseline, held_out: Sequence[Points], free_zero: Sequence[bool]) -> float:
+def baseline_rms(baseline: Baseline, held_out: Sequence[RunPoints], free_zero: Sequence[bool]) -> float:
     """The rms error on points that count; about its mean for runs whose zero is free, as it is for the model."""
     errors = []
     for points, free in zip(held_out, free_zero):

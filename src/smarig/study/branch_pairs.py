@@ -25,9 +25,9 @@ def branch_pairs(columns: Sequence[ColumnGuess]) -> dict[str, str]:
                 if len(different) == 1:
                     found[different[0]][a] = b
     for pairs in found.values():
-        alike = {a: b for a, b in pairs.items() if by_name[a].unit == by_name[b].unit}
-        if len(alike) >= _FEWEST and any(_opposite(by_name[a], by_name[b]) for a, b in alike.items()):
-            return alike
+        similar = {a: b for a, b in pairs.items() if by_name[a].unit == by_name[b].unit}
+        if len(similar) >= _FEWEST and any(_opposite(by_name[a], by_name[b]) for a, b in similar.items()):
+            return similar
     return {}
 
 

@@ -9,7 +9,7 @@ import numpy as np
 from smarig.core import DataError, UsageError
 from smarig.identification import RunVerification, identify, verify
 from smarig.replay import Model
-from smarig.study.baselines import Points, baseline_rms, baselines, points_of
+from smarig.study.baselines import RunPoints, baseline_rms, baselines, points_of
 from smarig.study.data_split import LOAD, DataSplit
 
 _ONE_MODEL = "one model of all loads"
@@ -19,7 +19,7 @@ _SURFACES = {"table": "table of the curves", "exponential": "exponential surface
 
 
 @dataclass(frozen=True, eq=False)
-class Candidate:
+class CandidateModel:
     """A model with its errors on training and held-out runs (in-sample twice if nothing is held out)."""
 
     name: str
@@ -40,50 +40,50 @@ class Candidate:
 
 
 @dataclass(frozen=True, eq=False)
-class Judgement:
+class Evaluation:
     """All candidates, the best first; simple curves with their rms errors; and models that failed with the reason."""
 
-    candidates: tuple[Candidate, ...]
+    candidates: tuple[CandidateModel, ...]
     simple: dict[str, float]
     failed: dict[str, str]
 
     @property
-    def best(self) -> Candidate:
+    def best(self) -> CandidateModel:
         """The candidate with the least error on held-out data."""
         return self.candidates[0]
 
     @property
-    def plain(self) -> Candidate:
+    def plain(self) -> CandidateModel:
         """The candidate without a load, which a diagnosis starts from."""
         return next((c for c in self.candidates if c.name != _ONE_MODEL), self.best)
 
 
-def judge(split: DataSplit, progress: Callable[[str], None]) -> Judgement:
+def evaluate(split: DataSplit, progress: Callable[[str], None]) -> Evaluation:
     """Fit and judge the candidates, and simple curves beside them. DataError if no model can be identified."""
     found, failed = [], {}
     for name, settings in _candidates(split):
         progress(f"fitting: {name}")
         try:
             result = identify(list(split.train), **settings)
-            found.append(_judged(name, result.model, result.warnings, split))
+            found.append(_evaluated(name, result.model, result.warnings, split))
         except (DataError, UsageError) as error:
             failed[name] = str(error)
     if not found:
         raise DataError("No model can be identified. " + " ".join(dict.fromkeys(failed.values())))
     found.sort(key=lambda c: c.rms)
-    return Judgement(tuple(found), _simple(found[0]), failed)
+    return Evaluation(tuple(found), _simple(found[0]), failed)
 
 
-def with_extended(judgement: Judgement, model: Model, split: DataSplit) -> Judgement:
-    """The judgement with the extended model of a diagnosis; it comes first only if it is best on held-out data."""
+def with_extended(evaluation: Evaluation, model: Model, split: DataSplit) -> Evaluation:
+    """The evaluation with the extended model of a diagnosis; it comes first only if it is best on held-out data."""
     try:
-        extended = _judged(_EXTENDED, model, model.warnings, split)
+        extended = _evaluated(_EXTENDED, model, model.warnings, split)
     except (DataError, UsageError) as error:
-        return replace(judgement, failed=judgement.failed | {_EXTENDED: str(error)})
-    first, *rest = judgement.candidates
+        return replace(evaluation, failed=evaluation.failed | {_EXTENDED: str(error)})
+    first, *rest = evaluation.candidates
     ahead = split.kind != "none" and extended.rms < first.rms
     ordered = (extended, first, *rest) if ahead else (first, *sorted([extended, *rest], key=lambda c: c.rms))
-    return replace(judgement, candidates=ordered)
+    return replace(evaluation, candidates=ordered)
 
 
 def _candidates(split: DataSplit) -> list[tuple[str, dict[str, Any]]]:
@@ -96,7 +96,7 @@ def _candidates(split: DataSplit) -> list[tuple[str, dict[str, Any]]]:
     return found
 
 
-def _judged(name: str, model: Model, warnings: Sequence[str], split: DataSplit) -> Candidate:
+def _evaluated(name: str, model: Model, warnings: Sequence[str], split: DataSplit) -> CandidateModel:
     """The errors of a model on the training and held-out parts."""
     train, held_out = list(split.train), list(split.held_out)
     if split.select is not None:
@@ -107,17 +107,17 @@ def _judged(name: str, model: Model, warnings: Sequence[str], split: DataSplit) 
     else:
         fitted = verify(model, train).runs
         other = verify(model, held_out).runs if held_out else fitted
-    return Candidate(name, model, tuple(warnings), tuple(fitted), tuple(other))
+    return CandidateModel(name, model, tuple(warnings), tuple(fitted), tuple(other))
 
 
-def _simple(best: Candidate) -> dict[str, float]:
+def _simple(best: CandidateModel) -> dict[str, float]:
     """Errors of simple curves, fitted and judged at the same points as the model."""
     train, held_out = ([_points(r) for r in runs] for runs in (best.train, best.held_out))
     free = [r.offset_kind == "fitted" for r in best.held_out]
     return {b.name: baseline_rms(b, held_out, free) for b in baselines(train)}
 
 
-def _points(run: RunVerification) -> Points:
+def _points(run: RunVerification) -> RunPoints:
     return points_of(run.input, run.measured, run.counted & np.isfinite(run.predicted))
 
 

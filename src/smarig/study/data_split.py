@@ -43,7 +43,7 @@ def split_runs(tables: Sequence[ImportedTable], wanted: Split, folder: Path) -> 
     """
     runs = [table.run for table in tables]
     kind = _usual(runs) if wanted == "auto" else wanted
-    named = "" if wanted == "auto" else " (as asked)"
+    named = "" if wanted == "auto" else " (as requested)"
     match kind:
         case "curve":
             return _by_curve(runs, folder, named)

@@ -12,7 +12,7 @@ from threadpoolctl import threadpool_limits
 from smarig.core import DataError, SmarigError, UsageError, atomic_file
 from smarig.diagnosis import diagnose
 from smarig.identification import calibrate
-from smarig.study.candidate_models import Judgement, judge, with_extended
+from smarig.study.candidate_models import Evaluation, evaluate, with_extended
 from smarig.study.data_split import DataSplit, split_runs
 from smarig.study.imported_runs import ImportedTable, import_tables
 from smarig.study.mapping_draft import mapping_draft
@@ -57,15 +57,15 @@ def study(
     tables, left_out = import_tables(understood.guesses, folder, options.mapping, name)
     for table in tables:
         progress(f"{table.title}: {len(table.run)} rows")
-    split, judgement, heating = None, None, ""
+    split, evaluation, heating = None, None, ""
     diagnosis, why_not = None, ""
     if any(table.run.has("position") for table in tables):
         split = split_runs([t for t in tables if t.run.has("position")], options.split, folder)
-        judgement = judge(split, progress)
-        diagnosis, why_not = _diagnosed(judgement, split, options, progress)
+        evaluation = evaluate(split, progress)
+        diagnosis, why_not = _diagnosed(evaluation, split, options, progress)
         if diagnosis is not None and diagnosis.extended:
-            judgement = with_extended(judgement, diagnosis.model, split)
-        judgement.best.model.save(folder / STUDY_MODEL, force=True)
+            evaluation = with_extended(evaluation, diagnosis.model, split)
+        evaluation.best.model.save(folder / STUDY_MODEL, force=True)
     else:
         heating = _heating(tables)
     result = StudyResult(
@@ -76,7 +76,7 @@ def study(
         tables=tuple(tables),
         left_out=left_out,
         split=split,
-        judgement=judgement,
+        evaluation=evaluation,
         diagnosis=diagnosis,
         diagnosis_reason=why_not,
         heating=heating,
@@ -89,16 +89,16 @@ def study(
 
 
 def _diagnosed(
-    judgement: Judgement, split: DataSplit, options: StudyOptions, progress: Progress
+    evaluation: Evaluation, split: DataSplit, options: StudyOptions, progress: Progress
 ) -> tuple[Any, str]:
     """The diagnosis, or None and the reason why there is none."""
     if not options.diagnose:
-        return None, "it was not asked for."
+        return None, "it was not requested."
     progress("looking for the causes of the errors")
     select = split.select[0] if split.select else None
     held_out = () if split.select else split.held_out
     try:
-        found = diagnose(judgement.plain.model, list(split.train), list(held_out), select=select)
+        found = diagnose(evaluation.plain.model, list(split.train), list(held_out), select=select)
     except SmarigError as error:
         return None, str(error)
     return found, ""

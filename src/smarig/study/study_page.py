@@ -44,10 +44,10 @@ def study_page(result: StudyResult, *, library: str = "") -> str:
         Section("Result", "Result", list(_summary(result))),
         *(
             [Section("The model beside simple curves", "Comparison", list(_comparison(result)))]
-            if result.judgement
+            if result.evaluation
             else []
         ),
-        *([Section("Causes of the errors", "Causes", list(_causes(result)))] if result.judgement else []),
+        *([Section("Causes of the errors", "Causes", list(_causes(result)))] if result.evaluation else []),
         Section("Columns and their meaning", "Columns", list(_columns(result))),
         Section("What looks wrong in the data", "Data quality", list(_quality(result))),
         Section("Files", "Files", list(_files(result))),
@@ -69,17 +69,17 @@ def _summary(result: StudyResult) -> Iterator[Html | Figure]:
         for s in result.sentences()
     ]
     yield notice(
-        _BOX.get(result.verdict, "bad") if result.judgement else "warning", paragraph(tag("b", first))
+        _BOX.get(result.verdict, "bad") if result.evaluation else "warning", paragraph(tag("b", first))
     )
     yield bullets([*rest, *result.hints()])
-    if result.judgement is not None:
+    if result.evaluation is not None:
         yield _loops_figure(result)
         yield paragraph(result.split.reason if result.split else "")
 
 
 def _loops_figure(result: StudyResult) -> Figure:
     """Measured and predicted loops of the held-out runs."""
-    best = result.judgement.best if result.judgement else None
+    best = result.evaluation.best if result.evaluation else None
     runs = best.held_out[:_MOST_LOOPS] if best else ()
     run = result.tables[0].run
     layout = {"xaxis": axis(input_title(run)), "yaxis": axis(output_title(run))}
@@ -134,23 +134,23 @@ def _curves(r: RunVerification) -> list[dict]:
 
 
 def _comparison(result: StudyResult) -> Iterator[Html]:
-    judgement = result.judgement
-    if judgement is None:
+    evaluation = result.evaluation
+    if evaluation is None:
         return
     unit = f" ({display_unit(result.unit)})" if spaced(result.unit) else ""
     noise = f"noise {number(result.noise, 2)}" if result.noise else "noise not known: nothing repeats"
-    simple = min(judgement.simple.values(), default=np.nan)
+    simple = min(evaluation.simple.values(), default=np.nan)
     yield cards(
         [
-            (f"Error, rms{unit}", number(judgement.best.rms), noise),
+            (f"Error, rms{unit}", number(evaluation.best.rms), noise),
             ("Of the output's range", f"{number(100 * result.nrmse, 2)} %", "rms error"),
             (f"Best simple curve, rms{unit}", number(simple), f"{number(result.gain, 2)} × the model's"),
         ]
     )
-    rows = [(c.name, "model", number(c.train_rms), number(c.rms)) for c in judgement.candidates]
+    rows = [(c.name, "model", number(c.train_rms), number(c.rms)) for c in evaluation.candidates]
     rows += [
         (name, "simple curve", "", number(rms))
-        for name, rms in sorted(judgement.simple.items(), key=lambda i: i[1])
+        for name, rms in sorted(evaluation.simple.items(), key=lambda i: i[1])
     ]
     held = "fitted data" if result.split and result.split.kind == "none" else "held-out data"
     yield html_table(
@@ -164,16 +164,16 @@ def _comparison(result: StudyResult) -> Iterator[Html]:
             number(100 * r.settled.nrmse, 2),
             "fitted" if r.offset_kind == "fitted" else "known",
         )
-        for r in judgement.best.held_out
+        for r in evaluation.best.held_out
     ]
     yield html_table(
         ("Run", "Points", f"rms{unit}", "% of range", "Zero"), per_run, "The best model, run by run."
     )
-    yield bullets([f"Not fitted: {name}. {why}" for name, why in judgement.failed.items()])
+    yield bullets([f"Not fitted: {name}. {why}" for name, why in evaluation.failed.items()])
     yield bullets(
         [
             *dict.fromkeys(
-                [*judgement.best.warnings, *(w for r in judgement.best.held_out for w in r.warnings)]
+                [*evaluation.best.warnings, *(w for r in evaluation.best.held_out for w in r.warnings)]
             )
         ]
     )
@@ -241,5 +241,5 @@ def _files(result: StudyResult) -> Iterator[Html]:
     if left_out:
         yield html_table(("File or table", "Why it was left out"), list(left_out.items()), "Left out.")
     made = "mapping.toml (what the columns mean), runs/, study.json"
-    made += ", model.json (for smarig verify, simulate and diagnose)" if result.judgement else ""
+    made += ", model.json (for smarig verify, simulate and diagnose)" if result.evaluation else ""
     yield paragraph(f"In this folder: {made}. Computed in {number(result.seconds, 2)} s.")

@@ -8,7 +8,7 @@ import numpy as np
 
 from smarig.core import spaced
 from smarig.diagnosis import Diagnosis, MeasuredDiagnosis
-from smarig.study.candidate_models import Judgement
+from smarig.study.candidate_models import Evaluation
 from smarig.study.data_split import DataSplit
 from smarig.study.imported_runs import ImportedTable
 from smarig.study.understanding import Understanding
@@ -24,9 +24,9 @@ _POOR_NRMSE = 0.15
 
 @dataclass(frozen=True, eq=False)
 class StudyResult:
-    """What a study found. ``judgement`` and ``split`` are None for data without an output; ``heating`` then describes
+    """What a study found. ``evaluation`` and ``split`` are None for data without an output; ``heating`` then describes
 
-    the temperature record. ``diagnosis`` is None if it was not asked for or failed, with ``diagnosis_reason``.
+    the temperature record. ``diagnosis`` is None if it was not requested or failed, with ``diagnosis_reason``.
     """
 
     name: str
@@ -36,7 +36,7 @@ class StudyResult:
     tables: tuple[ImportedTable, ...]
     left_out: dict[str, str]
     split: DataSplit | None
-    judgement: Judgement | None
+    evaluation: Evaluation | None
     diagnosis: Diagnosis | MeasuredDiagnosis | None
     diagnosis_reason: str
     heating: str
@@ -51,17 +51,17 @@ class StudyResult:
     @property
     def nrmse(self) -> float:
         """Rms error on held-out data over the range of their output."""
-        if self.judgement is None:
+        if self.evaluation is None:
             return np.nan
-        measured = np.concatenate([r.measured[r.counted] for r in self.judgement.best.held_out])
-        return self.judgement.best.rms / float(np.ptp(measured)) if np.ptp(measured) else np.nan
+        measured = np.concatenate([r.measured[r.counted] for r in self.evaluation.best.held_out])
+        return self.evaluation.best.rms / float(np.ptp(measured)) if np.ptp(measured) else np.nan
 
     @property
     def noise(self) -> float | None:
         """The noise of one reading: from repeated readings, else as the diagnosis estimates it; None if unknown."""
-        if self.judgement is None:
+        if self.evaluation is None:
             return None
-        floors = [r.noise_floor for r in self.judgement.best.held_out if r.noise_floor]
+        floors = [r.noise_floor for r in self.evaluation.best.held_out if r.noise_floor]
         if floors:
             return float(np.median(floors))
         return self.diagnosis.noise if isinstance(self.diagnosis, MeasuredDiagnosis) else None
@@ -69,20 +69,20 @@ class StudyResult:
     @property
     def gain(self) -> float:
         """Error of the best simple curve over that of the model."""
-        if self.judgement is None or not self.judgement.simple:
+        if self.evaluation is None or not self.evaluation.simple:
             return np.nan
-        return min(self.judgement.simple.values()) / max(self.judgement.best.rms, 1e-300)
+        return min(self.evaluation.simple.values()) / max(self.evaluation.best.rms, 1e-300)
 
     @property
     def verdict(self) -> str:
         """ "good", "fair" or "poor"; "" without a model."""
-        if self.judgement is None:
+        if self.evaluation is None:
             return ""
         noise = self.noise
         small = (
             self.nrmse <= _GOOD_NRMSE
             if noise is None
-            else self.judgement.best.rms <= _GOOD_TIMES_NOISE * noise
+            else self.evaluation.best.rms <= _GOOD_TIMES_NOISE * noise
         )
         if (small or self.nrmse <= _VERY_SMALL_NRMSE) and self.gain >= _BETTER:
             return GOOD
@@ -90,7 +90,7 @@ class StudyResult:
 
     def sentences(self) -> list[str]:
         """Three sentences: how good the model is, against what, and what to do now."""
-        if self.judgement is None:
+        if self.evaluation is None:
             return [self.heating]
         return [self._error_sentence(), self._simple_sentence(), self._next_sentence()]
 
@@ -98,7 +98,7 @@ class StudyResult:
         """What would show more, one sentence each."""
         found = []
         timed = any(table.run.has("t_s") or table.run.settled for table in self.tables)
-        if not timed and not self.understood.forc and self.judgement is not None and self.verdict != GOOD:
+        if not timed and not self.understood.forc and self.evaluation is not None and self.verdict != GOOD:
             found.append(
                 "No time is recorded, so lags, creep and rates cannot be tested. If the rows are equally spaced, give "
                 "their period: period_s under [time] in mapping.toml, with --map."
@@ -106,21 +106,21 @@ class StudyResult:
         return found
 
     def _error_sentence(self) -> str:
-        best = self.judgement.best if self.judgement else None
+        best = self.evaluation.best if self.evaluation else None
         if best is None:
             return ""
         what = "fits the data" if self.split and self.split.kind == "none" else "predicts the held-out data"
         noise = f", {best.rms / self.noise:.2g} × the noise of a reading" if self.noise else ""
-        judged = {GOOD: "good", FAIR: "usable, with errors to explain", POOR: "poor"}[self.verdict]
+        words = {GOOD: "good", FAIR: "usable, with errors to explain", POOR: "poor"}[self.verdict]
         return (
             f"The model ({best.name}) {what} with {best.rms:.3g}{spaced(self.unit)} rms, {100 * self.nrmse:.2g} % of "
-            f"the output's range{noise}: {judged}."
+            f"the output's range{noise}: {words}."
         )
 
     def _simple_sentence(self) -> str:
-        if self.judgement is None or not self.judgement.simple:
+        if self.evaluation is None or not self.evaluation.simple:
             return ""
-        name, error = min(self.judgement.simple.items(), key=lambda item: item[1])
+        name, error = min(self.evaluation.simple.items(), key=lambda item: item[1])
         if self.gain >= _BETTER:
             return f"The best simple curve ({name}) leaves {self.gain:.2g} × as much, {error:.3g}{spaced(self.unit)}."
         if self.gain >= 1:
@@ -138,7 +138,7 @@ class StudyResult:
 
     def to_json(self) -> dict[str, Any]:
         """The JSON object of the command line, which is also DIR/study.json."""
-        j = self.judgement
+        j = self.evaluation
         return {
             "name": self.name,
             "out": str(self.folder),

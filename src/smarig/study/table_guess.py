@@ -11,7 +11,7 @@ from smarig.study import quantity_words as q
 from smarig.study.branch_pairs import branch_pairs
 from smarig.study.column_guess import LIKELY, STATED, WEAK, ColumnGuess, guess_columns
 
-UNSURE = 0.5  # a role or unit that is less sure is asked for
+UNSURE = 0.5  # a role or unit that is less sure needs an answer
 _OUTPUTS = (
     q.STRAIN,
     q.MOMENT,

@@ -112,20 +112,20 @@ def _answered(
     guess: TableGuess, options: StudyOptions, ask: Ask | None, files: Sequence[str]
 ) -> tuple[TableGuess, StudyOptions, int]:
     """The guess after the user has answered what is not clear, the options with the answers, and their number."""
-    asked = 0
+    count = 0
     if guess.table.format == _FORC:
         return guess, options, 0
     given, units = {"input": options.input, "output": options.output}, dict(options.units)
     while ask is not None and not options.accept and guess.doubts:
         doubt = guess.doubts[0]
-        asked += 1
+        count += 1
         if doubt.startswith("unit "):
             name = doubt.removeprefix("unit ")
             units[name] = ask(f"Unit of '{name}'", ())
         else:
             given[doubt] = ask(f"Which column is the {doubt}", [c.name for c in guess.columns])
         guess = guess_table(guess.table, **given, units=units, files=files)
-        if asked > 3 * len(guess.columns):
+        if count > 3 * len(guess.columns):
             break
     if guess.doubts and not options.accept:
         raise UnsureError(_needed(guess), guess)
@@ -133,7 +133,7 @@ def _answered(
         raise UnsureError(
             f"{guess.table.path}: no column looks like an input. Name one with --input NAME.", guess
         )
-    return guess, replace(options, **given, units=units), asked
+    return guess, replace(options, **given, units=units), count
 
 
 class UnsureError(UsageError):
@@ -170,9 +170,9 @@ def _guesses(
     own = [guess_table(table, files=files) for table in tables]
     units = dict(options.units)
     for name in filter(None, named.values()):
-        alike = [c for guess in own for c in guess.columns if c.name == name and c.unit]
-        if alike and name not in units:
-            widest = max(alike, key=lambda c: max(abs(c.facts.low), abs(c.facts.high)))
+        similar = [c for guess in own for c in guess.columns if c.name == name and c.unit]
+        if similar and name not in units:
+            widest = max(similar, key=lambda c: max(abs(c.facts.low), abs(c.facts.high)))
             units[name] = widest.unit
     found = []
     for guess, table in zip(own, tables):

@@ -32,7 +32,7 @@ Examples:
     type=click.Choice(["auto", "run", "time", "curve", "load", "none"]),
     default="auto",
     show_default=True,
-    help="What the model is judged on: other runs, a later part, other curves, another load.",
+    help="Data that the model is tested on: other runs, a later part, other curves, another load.",
 )
 @click.option(
     "--map",
@@ -70,7 +70,7 @@ def command(
     scheduler: str | None,
     out: Path,
 ) -> None:
-    """Read data files of any origin, say what their columns are, identify a model, judge it beside simple curves,
+    """Read data files of any origin, find what their columns mean, identify a model, compare it with simple curves,
     diagnose it, and write a page. The files given together are runs of one specimen; a folder gives a page for each
     file."""
     from smarig.study import StudyOptions
