@@ -50,11 +50,13 @@ class FoundBlock:
 def find_blocks(rows: Sequence[Sequence[str]], style: NumberStyle) -> list[FoundBlock]:
     """The tables in rows of cells, in order; trailing empty cells are left out of the rows."""
     kinds = [_row_kind(row, style) for row in rows]
+    start = kinds.index("data") if "data" in kinds else 0
+    titles = {tuple(row) for row in rows[:start] if row}
     runs: list[list[int]] = []
     for k, kind in enumerate(kinds):
         if kind != "data":
             continue
-        if runs and _joined(rows, kinds, runs[-1][1], k):
+        if runs and _joined(rows, kinds, runs[-1][1], k, titles):
             runs[-1][1] = k + 1
         else:
             runs.append([k, k + 1])
@@ -77,8 +79,11 @@ def _row_kind(row: Sequence[str], style: NumberStyle) -> str:
     return "data" if real and 2 * numbers > len(used) else "text"
 
 
-def _joined(rows: Sequence[Sequence[str]], kinds: Sequence[str], end: int, k: int) -> bool:
-    """Whether rows ``end`` … ``k`` between two blocks are only blank, or only the header of the first once more."""
+def _joined(
+    rows: Sequence[Sequence[str]], kinds: Sequence[str], end: int, k: int, titles: set[tuple[str, ...]]
+) -> bool:
+    """Whether rows ``end`` … ``k`` between two blocks are only blank, or only the header (one of
+    ``titles``) once more."""
     between = [
         i for i in range(end, k) if not (rows[i] and rows[i][0].startswith("#"))
     ]  # comments do not count
@@ -86,9 +91,7 @@ def _joined(rows: Sequence[Sequence[str]], kinds: Sequence[str], end: int, k: in
         return len(between) == 0 or len(rows[end - 1]) == len(rows[k])
     if any(kinds[i] == "blank" for i in between):
         return False
-    return all(
-        any(list(rows[j]) == list(rows[i]) for j in range(max(end - 200_000, 0), end)) for i in between
-    )
+    return all(tuple(rows[i]) in titles for i in between)
 
 
 def _block(
@@ -112,7 +115,7 @@ def _header_rows(
     rows: Sequence[Sequence[str]], kinds: Sequence[str], first: int, width: int
 ) -> tuple[int | None, int | None]:
     """The row of names and the row of units above the first row of numbers."""
-    above = []
+    above: list[int] = []
     for k in range(first - 1, max(first - 2 - _HEADER_ROWS, -1), -1):
         if kinds[k] == "data":
             break

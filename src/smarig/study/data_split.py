@@ -176,7 +176,7 @@ def _part(run: Run, rows: np.ndarray, folder: Path, title: str, *, after: bool =
         imported |= {"continues": f"{title}.run.sqlite", "continues_sha256": _hash(whole, "first")}
         meta["initial"] = CONTINUED
     columns = {name: values[rows] for name, values in run.columns.items() if run.has(name)}
-    columns["tick"] = np.arange(int(rows.sum()))
+    columns["tick"] = np.arange(int(rows.sum()), dtype=float)
     columns["quality"] = np.nan_to_num(run["quality"][rows])
     write_run(path, meta | {"imported": imported}, columns, [], force=True)
     return load_run(path)

@@ -131,10 +131,9 @@ class StudyResult:
         d = self.diagnosis
         if d is None:
             return f"No diagnosis: {self.diagnosis_reason}"
-        first, *rest = d.text().splitlines()
-        first = first if first.endswith(".") else f"{first}."
-        shifted = [line for line in rest if "is shifted by" in line]
-        return " ".join([first, *shifted[:1]])
+        lines = d.text().splitlines()
+        shifted = [line for line in lines if "is shifted by" in line][:1]
+        return " ".join([_finding(d.verdict.word, d.verdict.depends_on, lines[0], self.verdict), *shifted])
 
     def to_json(self) -> dict[str, Any]:
         """The JSON object of the command line, which is also DIR/study.json."""
@@ -165,6 +164,18 @@ class StudyResult:
             "seconds": round(self.seconds, 2),
             "key": self.key,
         }
+
+
+def _finding(word: str, depends_on: str | None, first_line: str, verdict: str) -> str:
+    """What the diagnosis says of the errors that are left, in agreement with the verdict on the model."""
+    if word == "silent":
+        left = "look like noise" if verdict == GOOD else "of the fit have no cause that it knows"
+        return f"The diagnosis finds nothing: the errors {left}."
+    if word == "unknown" and depends_on:
+        return f"The errors that are left go with the variable '{depends_on}'; no known effect explains them."
+    if word == "unknown":
+        return "The errors that are left are more than noise, but no known effect explains them."
+    return first_line if first_line.endswith(".") else f"{first_line}."
 
 
 def _columns(guess: Any) -> dict[str, Any]:

@@ -119,7 +119,7 @@ def guess_table(
 
     ``files`` are names of files of the same layout, which may state values. UsageError for a column that is missing.
     """
-    for name in filter(None, (input, output, *(units or {}))):
+    for name in [n for n in (input, output, *(units or {})) if n is not None]:
         if name not in table.names:
             raise UsageError(f"{table.path} has no column '{name}'{suggestion(name, list(table.names))}.")
     columns = guess_columns(table, units or {}, files)
