@@ -61,6 +61,7 @@ def test_a_later_part_is_held_out_and_keeps_the_memory(tmp_path):
     assert result.split.kind == "time"
     (held_out,) = result.evaluation.best.held_out
     assert held_out.counted.all(), "the memory is carried over, so that every reading counts"
+    assert not any("not recorded" in warning for warning in held_out.warnings)
     assert held_out.measured.size + len(result.split.train[0]) == u.size
     assert result.evaluation.best.rms < 0.1, "2.5 % of 4 mm"
     assert result.gain > 5

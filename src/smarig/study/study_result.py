@@ -74,17 +74,18 @@ class StudyResult:
         return min(self.evaluation.simple.values()) / max(self.evaluation.best.rms, 1e-300)
 
     @property
+    def at_noise(self) -> bool:
+        """Whether the noise is known and the error on held-out data is hardly larger."""
+        found, noise = self.evaluation, self.noise
+        return bool(found and noise is not None and found.best.rms <= _GOOD_TIMES_NOISE * noise)
+
+    @property
     def verdict(self) -> str:
         """ "good", "fair" or "poor"; "" without a model."""
         if self.evaluation is None:
             return ""
-        noise = self.noise
-        small = (
-            self.nrmse <= _GOOD_NRMSE
-            if noise is None
-            else self.evaluation.best.rms <= _GOOD_TIMES_NOISE * noise
-        )
-        if (small or self.nrmse <= _VERY_SMALL_NRMSE) and self.gain >= _BETTER:
+        small = self.at_noise or self.nrmse <= (_GOOD_NRMSE if self.noise is None else _VERY_SMALL_NRMSE)
+        if small and self.gain >= _BETTER:
             return GOOD
         return POOR if self.gain < _HARDLY_BETTER or self.nrmse > _POOR_NRMSE else FAIR
 
@@ -133,7 +134,7 @@ class StudyResult:
             return f"No diagnosis: {self.diagnosis_reason}"
         lines = d.text().splitlines()
         shifted = [line for line in lines if "is shifted by" in line][:1]
-        return " ".join([_finding(d.verdict.word, d.verdict.depends_on, lines[0], self.verdict), *shifted])
+        return " ".join([_finding(d.verdict.word, d.verdict.depends_on, lines[0], self.at_noise), *shifted])
 
     def to_json(self) -> dict[str, Any]:
         """The JSON object of the command line, which is also DIR/study.json."""
@@ -166,10 +167,10 @@ class StudyResult:
         }
 
 
-def _finding(word: str, depends_on: str | None, first_line: str, verdict: str) -> str:
-    """What the diagnosis says of the errors that are left, in agreement with the verdict on the model."""
+def _finding(word: str, depends_on: str | None, first_line: str, at_noise: bool) -> str:
+    """What the diagnosis says of the errors that are left; they look like noise only if they are as small."""
     if word == "silent":
-        left = "look like noise" if verdict == GOOD else "of the fit have no cause that it knows"
+        left = "look like noise" if at_noise else "have no cause that it knows"
         return f"The diagnosis finds nothing: the errors {left}."
     if word == "unknown" and depends_on:
         return f"The errors that are left go with the variable '{depends_on}'; no known effect explains them."
