@@ -55,7 +55,7 @@ class ColumnFacts:
         if self.rising and self.span > 0:
             return "rises evenly" if self.even else "rises"
         if self.constant:
-            return "nearly constant"
+            return "varies little"
         return "whole numbers, up and down" if self.whole else "up and down"
 
 

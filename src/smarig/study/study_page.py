@@ -29,6 +29,7 @@ from smarig.report import (
     tag,
 )
 from smarig.report import table as html_table
+from smarig.study.column_guess import STATED
 from smarig.study.study_result import FAIR, GOOD, StudyResult
 from smarig.study.table_guess import TableGuess
 
@@ -161,7 +162,7 @@ def _comparison(result: StudyResult) -> Iterator[Html]:
             _title(r),
             str(r.settled.n),
             number(r.settled.rms),
-            number(100 * r.settled.nrmse, 2),
+            number(100 * r.settled.rms / (np.ptp(r.measured[r.counted]) or np.nan), 2),
             "fitted" if r.offset_kind == "fitted" else "known",
         )
         for r in evaluation.best.held_out
@@ -170,13 +171,17 @@ def _comparison(result: StudyResult) -> Iterator[Html]:
         ("Run", "Points", f"rms{unit}", "% of range", "Zero"), per_run, "The best model, run by run."
     )
     yield bullets([f"Not fitted: {name}. {why}" for name, why in evaluation.failed.items()])
-    yield bullets(
-        [
-            *dict.fromkeys(
-                [*evaluation.best.warnings, *(w for r in evaluation.best.held_out for w in r.warnings)]
-            )
-        ]
-    )
+    yield bullets(_remarks(result))
+
+
+def _remarks(result: StudyResult) -> list[str]:
+    """What the fit and the test found, each once; curves of one run that the fit has not seen are not fitted ones."""
+    if result.evaluation is None:
+        return []
+    best = result.evaluation.best
+    found = dict.fromkeys([*best.warnings, *(w for r in best.held_out for w in r.warnings)])
+    apart = result.split is not None and result.split.select is not None
+    return [w for w in found if not (apart and w.startswith("The model was fitted to this run"))]
 
 
 def _title(r: RunVerification) -> str:
@@ -187,9 +192,9 @@ def _causes(result: StudyResult) -> Iterator[Html]:
     if result.diagnosis is None:
         yield paragraph(f"No diagnosis: {result.diagnosis_reason}")
         return
-    first, *rest = result.diagnosis.text().splitlines()
-    yield paragraph(tag("b", first))
-    yield bullets(rest)
+    lines = result.diagnosis.text().splitlines()
+    yield paragraph(tag("b", result.sentences()[-1]))
+    yield bullets(lines[1:])
 
 
 def _columns(result: StudyResult) -> Iterator[Html]:
@@ -215,8 +220,10 @@ def _rows(guess: TableGuess) -> Iterator[Sequence[str]]:
     for c in guess.columns:
         role, f = guess.roles[c.name], c.facts
         unit = f"{display_unit(c.unit)}" + (" (assumed)" if c.unit and c.unit_confidence <= 0.5 else "")
-        why = role.reason + (f"; unit: {c.unit_reason}" if c.unit_reason else "")
-        extent = f"{number(f.low)} … {number(f.high)}" if f.known.size else ""
+        why = role.reason + (
+            f"; unit: {c.unit_reason}" if c.unit_reason and c.unit_confidence < STATED else ""
+        )
+        extent = f"{number(f.low, 5)} … {number(f.high, 5)}" if f.known.size else ""
         yield (
             c.name,
             role.role,
