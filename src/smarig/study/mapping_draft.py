@@ -101,6 +101,7 @@ def output_unit(out: ColumnGuess) -> str:
 def _column_lines(guess: TableGuess, channel: str) -> list[str]:
     channels: list[tuple[str, ColumnGuess]] = [(channel, c) for c in guess.of_role("input")]
     channels += [("temperature_degC", c) for c in guess.of_role("temperature")[:1]]
+    channels += [("voltage_V", c) for c in guess.of_role("voltage")[:1]]
     channels += [("current_command_A", c) for c in guess.of_role("command")[:1]]
     channels += [("ambient_degC", c) for c in guess.of_role("ambient")[:1] if channel != "ambient_degC"]
     channels += [("position", c) for c in guess.of_role("output")]
@@ -116,7 +117,7 @@ def _column_lines(guess: TableGuess, channel: str) -> list[str]:
 def _channel_line(guess: TableGuess, key: str, name: str, c: ColumnGuess) -> str:
     scale = ", scale = -1.0" if key == "position" and guess.scale < 0 else ""
     unit = c.unit or "1"
-    return f"{key} = {{ column = {_s(name)}, unit = {_s(unit)}{scale} }}{_why(guess, c)}"
+    return f"{key} = {{ column = {_s(name)}, unit = {_s(unit)}{scale} }}{_why(guess, c) if name == c.name else ''}"
 
 
 def _mapped(guess: TableGuess) -> set[str]:

@@ -54,7 +54,8 @@ _LEAST_TURN = 0.3  # correlation of output and input above which the output clea
 
 @dataclass(frozen=True)
 class Role:
-    """What a column is used for (time, input, output, condition, ambient, command, compare, ignored), and why."""
+    """What a column is used for (time, input, output, condition, ambient, command, voltage,
+    temperature, compare, ignored), and why."""
 
     role: str
     reason: str
@@ -230,6 +231,11 @@ def _further_roles(
             roles[c.name] = Role("ambient", c.quantity_reason, c.quantity_confidence)
         elif drive is not None and c.quantity == drive.quantity == q.CURRENT and (c.commanded or _is_grid(c)):
             roles[c.name] = Role("command", "current on a grid of equal steps: the commanded one", LIKELY)
+        elif _beside_current(c, drive, columns, roles):
+            role = "voltage" if c.quantity == q.VOLTAGE else "temperature"
+            roles[c.name] = Role(
+                role, f"{c.quantity} beside the current: {c.quantity_reason}", c.quantity_confidence
+            )
         elif drive is not None and _agrees(c, drive):
             roles[c.name] = Role("compare", f"a second thermometer, which agrees with '{drive.name}'", LIKELY)
         elif (
@@ -249,7 +255,7 @@ def holds_still(c: ColumnGuess) -> bool:
     """Whether a load or a temperature was held, whatever noise it has. Other columns count if they move at all."""
     mean, spread = (abs(float(np.mean(c.facts.known))), c.facts.spread) if c.facts.known.size else (0.0, 0.0)
     if c.quantity == q.STRESS:
-        return spread <= _STRESS_SHARE * mean
+        return spread <= _STRESS_SHARE * mean or _is_noise(c.facts.known)
     if c.quantity == q.FORCE:
         return c.unit != "count" and spread <= _FORCE_SHARE * mean
     if c.quantity == q.TEMPERATURE:
@@ -257,10 +263,26 @@ def holds_still(c: ColumnGuess) -> bool:
     return c.facts.levels <= 1
 
 
+def _is_noise(x: np.ndarray) -> bool:
+    """Whether values are noise about a mean: each differs from the next as from any other, and few are far from it."""
+    sd = float(np.std(x))
+    return bool(x.size > 10 and np.std(np.diff(x)) > sd and abs(float(np.mean(x))) > 3 * sd > 0)
+
+
 def _new(c: ColumnGuess, columns: Sequence[ColumnGuess]) -> bool:
     """Whether a condition says more than a stress that is one already."""
     stress = next((g for g in columns if g.quantity == q.STRESS and holds_still(g)), None)
     return c.quantity == q.STRESS or stress is None
+
+
+def _beside_current(
+    c: ColumnGuess, drive: ColumnGuess | None, columns: Sequence[ColumnGuess], roles: dict[str, Role]
+) -> bool:
+    """Whether a column is the first voltage or temperature beside a current that drives the wire."""
+    if drive is None or drive.quantity != q.CURRENT or c.quantity not in (q.VOLTAGE, q.TEMPERATURE):
+        return False
+    before = [g for g in columns if g.name in roles and g.quantity == c.quantity]
+    return not before and c.unit_confidence > UNSURE
 
 
 def _agrees(c: ColumnGuess, drive: ColumnGuess) -> bool:
