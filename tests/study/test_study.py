@@ -54,7 +54,8 @@ def test_the_drafted_mapping_imports_the_file_again(files, tmp_path):
 
 
 def test_a_later_part_is_held_out_and_keeps_the_memory(tmp_path):
-    u = temperatures(5, 60)
+    cycles = np.linspace(0, 5, 300)
+    u = 70 - 45 * (1 - 0.15 * cycles) * np.cos(2 * np.pi * cycles)  # later cycles begin within the range
     path = tmp_path / "long.csv"
     path.write_text(csv_text(np.arange(u.size) * 0.5, u, displacements(u)), encoding="utf-8")
     result = study([path], tmp_path / "out", QUICK)
@@ -63,8 +64,8 @@ def test_a_later_part_is_held_out_and_keeps_the_memory(tmp_path):
     assert held_out.counted.all(), "the memory is carried over, so that every reading counts"
     assert not any("not recorded" in warning for warning in held_out.warnings)
     assert held_out.measured.size + len(result.split.train[0]) == u.size
-    assert result.evaluation.best.rms < 0.1, "2.5 % of 4 mm"
-    assert result.gain > 5
+    assert result.evaluation.best.rms < 0.2, "5 % of 4 mm, for loops inside those that were fitted"
+    assert result.gain > 3
 
 
 def test_an_output_without_hysteresis_earns_no_praise(tmp_path):
