@@ -21,8 +21,8 @@ if TYPE_CHECKING:
     from smarig.exchange.mapping import MappingFile as MappingFile
     from smarig.exchange.mapping import load_mapping as load_mapping
     from smarig.exchange.refused_files import check_data_file as check_data_file
-    from smarig.exchange.table_structure import known_unit as known_unit
     from smarig.exchange.unit_conversion import convert as convert
     from smarig.exchange.unit_conversion import dimension as dimension
+    from smarig.exchange.written_units import known_unit as known_unit
 else:
     __getattr__, __dir__, __all__ = lazy_exports(__name__)

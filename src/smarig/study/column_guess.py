@@ -11,6 +11,7 @@ from smarig.study import quantity_words as q
 from smarig.study.column_facts import ColumnFacts, column_facts
 
 STATED, LIKELY, WEAK, NONE = 0.95, 0.75, 0.5, 0.2  # confidences
+UNSURE = 0.5  # a role or unit that is less sure needs an answer
 _STRAIN_MM = 0.1  # larger strains are not in mm/mm
 _STRAIN_PERCENT = 15.0
 _KELVIN_ABOVE = 200.0  # a temperature that never falls below is in K

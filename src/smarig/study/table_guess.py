@@ -9,45 +9,10 @@ from smarig.core import UsageError, suggestion
 from smarig.exchange import FoundTable, dimension
 from smarig.study import quantity_words as q
 from smarig.study.branch_pairs import branch_pairs
-from smarig.study.column_guess import LIKELY, STATED, WEAK, ColumnGuess, guess_columns
+from smarig.study.column_guess import LIKELY, STATED, UNSURE, WEAK, ColumnGuess, guess_columns
+from smarig.study.signal_columns import holds_still, input_column, is_grid, output_column
 
-UNSURE = 0.5  # a role or unit that is less sure needs an answer
-_OUTPUTS = (
-    q.STRAIN,
-    q.MOMENT,
-    q.MAGNETISATION,
-    q.POLARISATION,
-    q.FLUX,
-    q.DISPLACEMENT,
-    q.ANGLE,
-    q.FORCE,
-    q.STRESS,
-    q.RESISTANCE,
-)
-_INPUTS = {
-    q.MOMENT: (q.FIELD, q.CURRENT, q.VOLTAGE, q.TEMPERATURE),
-    q.MAGNETISATION: (q.FIELD, q.CURRENT, q.VOLTAGE, q.TEMPERATURE),
-    q.FLUX: (q.FIELD, q.CURRENT, q.VOLTAGE),
-    q.POLARISATION: (q.ELECTRIC_FIELD, q.VOLTAGE, q.FIELD),
-    q.STRESS: (q.TEMPERATURE, q.STRAIN),
-}
-_MECHANICAL = (
-    q.TEMPERATURE,
-    q.CURRENT,
-    q.ELECTRIC_FIELD,
-    q.VOLTAGE,
-    q.FIELD,
-    q.POWER,
-    q.DUTY,
-    q.STRESS,
-    q.FORCE,
-)
 _HEATING = (q.CURRENT, q.VOLTAGE, q.POWER, q.DUTY)
-_STRESS_SHARE, _FORCE_SHARE, _HELD_K = (
-    0.25,
-    0.1,
-    5.0,
-)  # spreads within which a stress, force or temperature was held
 _AGREE_K = 5.0  # two thermometers whose readings differ less by their median show one temperature
 _LEAST_TURN = 0.3  # correlation of output and input above which the output clearly falls with the input
 
@@ -135,8 +100,8 @@ def guess_table(
     left = [
         c for c in candidates if c is not time and (c.quantity not in no_signal or c.name in (input, output))
     ]
-    out = _output(left, output, input)
-    drive = _input(left, out, input)
+    out = output_column(left, output, input)
+    drive = input_column(left, out, input)
     warm = next((c for c in left if c.quantity == q.TEMPERATURE and not holds_still(c)), None)
     heats = next((c for c in left if c.quantity in _HEATING and input in (None, c.name)), None)
     if out is None and warm is not None and heats is not None:
@@ -167,46 +132,9 @@ def _time(columns: Sequence[ColumnGuess]) -> ColumnGuess | None:
     return next((c for c in columns if c.quantity == q.TIME and c.facts.rising and not c.facts.missing), None)
 
 
-def _output(left: Sequence[ColumnGuess], named: str | None, not_this: str | None) -> ColumnGuess | None:
-    if named is not None:
-        return next((c for c in left if c.name == named), None)
-    able = [c for c in left if c.name != not_this and not holds_still(c)]
-    if not able:
-        return None
-    hot = any(c.quantity == q.TEMPERATURE for c in able)
-    for quantity in _OUTPUTS:
-        found = [c for c in able if c.quantity == quantity]
-        if quantity == q.STRESS and any(c.quantity == q.FORCE for c in able) and not hot:
-            continue
-        if found:
-            return max(found, key=lambda c: (c.unit_confidence > UNSURE, -able.index(c)))
-    return None
-
-
-def _input(left: Sequence[ColumnGuess], out: ColumnGuess | None, named: str | None) -> ColumnGuess | None:
-    if named is not None:
-        return next((c for c in left if c.name == named), None)
-    able = [c for c in left if c is not out and not holds_still(c)]
-    order = _INPUTS.get(out.quantity, _MECHANICAL) if out else _MECHANICAL
-    currents = [c for c in able if c.quantity == q.CURRENT]
-    if any(_is_grid(c) for c in currents):
-        order = (q.CURRENT, *order)
-    for quantity in order:
-        found = [c for c in able if c.quantity == quantity]
-        if found:
-            return min(found, key=lambda c: (c.commanded or _is_grid(c), able.index(c)))
-    nameless = [c for c in able if not c.quantity]
-    return nameless[0] if nameless else None
-
-
-def _is_grid(c: ColumnGuess) -> bool:
-    """Whether readings are those of a staircase: equal steps from row to row, with a new level in each."""
-    return c.quantity == q.CURRENT and c.facts.even and c.facts.levels == c.facts.known.size
-
-
 def _is_staircase(drive: ColumnGuess | None, guess: TableGuess) -> bool:
     """Whether each row is a settled reading, as of a staircase of currents."""
-    return bool(drive and drive.quantity == q.CURRENT and any(_is_grid(c) for c in guess.columns))
+    return bool(drive and drive.quantity == q.CURRENT and any(is_grid(c) for c in guess.columns))
 
 
 def _role(role: str, guess: ColumnGuess, named: str | None) -> Role:
@@ -229,7 +157,7 @@ def _further_roles(
             roles[c.name] = Role("ignored", "no numbers", STATED)
         elif c.quantity == q.AMBIENT and dimension(c.unit) == "temperature":
             roles[c.name] = Role("ambient", c.quantity_reason, c.quantity_confidence)
-        elif drive is not None and c.quantity == drive.quantity == q.CURRENT and (c.commanded or _is_grid(c)):
+        elif drive is not None and c.quantity == drive.quantity == q.CURRENT and (c.commanded or is_grid(c)):
             roles[c.name] = Role("command", "current on a grid of equal steps: the commanded one", LIKELY)
         elif _beside_current(c, drive, columns, roles):
             role = "voltage" if c.quantity == q.VOLTAGE else "temperature"
@@ -249,24 +177,6 @@ def _further_roles(
             )
         else:
             roles[c.name] = Role("ignored", _unused(c, out), LIKELY)
-
-
-def holds_still(c: ColumnGuess) -> bool:
-    """Whether a load or a temperature was held, whatever noise it has. Other columns count if they move at all."""
-    mean, spread = (abs(float(np.mean(c.facts.known))), c.facts.spread) if c.facts.known.size else (0.0, 0.0)
-    if c.quantity == q.STRESS:
-        return spread <= _STRESS_SHARE * mean or _is_noise(c.facts.known)
-    if c.quantity == q.FORCE:
-        return c.unit != "count" and spread <= _FORCE_SHARE * mean
-    if c.quantity == q.TEMPERATURE:
-        return c.facts.span < _HELD_K
-    return c.facts.levels <= 1
-
-
-def _is_noise(x: np.ndarray) -> bool:
-    """Whether values are noise about a mean: each differs from the next as from any other, and few are far from it."""
-    sd = float(np.std(x))
-    return bool(x.size > 10 and np.std(np.diff(x)) > sd and abs(float(np.mean(x))) > 3 * sd > 0)
 
 
 def _new(c: ColumnGuess, columns: Sequence[ColumnGuess]) -> bool:
