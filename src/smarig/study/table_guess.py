@@ -159,7 +159,7 @@ def _further_roles(
             roles[c.name] = Role("ambient", c.quantity_reason, c.quantity_confidence)
         elif drive is not None and c.quantity == drive.quantity == q.CURRENT and (c.commanded or is_grid(c)):
             roles[c.name] = Role("command", "current on a grid of equal steps: the commanded one", LIKELY)
-        elif _beside_current(c, drive, columns, roles):
+        elif _with_current(c, drive, columns, roles):
             role = "voltage" if c.quantity == q.VOLTAGE else "temperature"
             roles[c.name] = Role(
                 role, f"{c.quantity} beside the current: {c.quantity_reason}", c.quantity_confidence
@@ -185,7 +185,7 @@ def _new(c: ColumnGuess, columns: Sequence[ColumnGuess]) -> bool:
     return c.quantity == q.STRESS or stress is None
 
 
-def _beside_current(
+def _with_current(
     c: ColumnGuess, drive: ColumnGuess | None, columns: Sequence[ColumnGuess], roles: dict[str, Role]
 ) -> bool:
     """Whether a column is the first voltage or temperature beside a current that drives the wire."""
