@@ -53,6 +53,17 @@ def test_the_drafted_mapping_imports_the_file_again(files, tmp_path):
     np.testing.assert_array_equal(load_run(again)["position"], load_run(first)["position"])
 
 
+def test_a_given_mapping_counts_without_a_question(files, tmp_path):
+    study(files[:1], tmp_path / "draft", QUICK)
+    mapping = tmp_path / "mine.toml"
+    text = (tmp_path / "draft" / "mapping.toml").read_text(encoding="utf-8")
+    mapping.write_text(text.replace('quantity = "displacement"', 'quantity = "stroke"'), encoding="utf-8")
+    result = study(files, tmp_path / "out", StudyOptions(mapping=str(mapping), diagnose=False))
+    assert [table.run.info.output.quantity for table in result.tables] == ["stroke"] * 3
+    assert not (tmp_path / "out" / "mapping.toml").exists()
+    assert str(mapping) in (tmp_path / "out" / "index.html").read_text(encoding="utf-8")
+
+
 def test_a_later_part_is_held_out_and_keeps_the_memory(tmp_path):
     cycles = np.linspace(0, 5, 300)
     u = 70 - 45 * (1 - 0.15 * cycles) * np.cos(2 * np.pi * cycles)  # later cycles begin within the range

@@ -82,6 +82,7 @@ def study(
         heating=heating,
         seconds=time.monotonic() - started,
         key=key,
+        mapping=options.mapping,
     )
     _write(folder / STUDY_PAGE, study_page(result, library=library))
     _write(folder / STUDY_JSON, json.dumps(plain(result.to_json()), indent=1, ensure_ascii=False))

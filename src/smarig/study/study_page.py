@@ -201,6 +201,9 @@ def _columns(result: StudyResult) -> Iterator[Html]:
     if result.understood.forc:
         yield paragraph("A file of reversal curves states its own columns and units.")
         return
+    if result.mapping is not None:
+        yield paragraph(f"The columns are used as the given mapping {result.mapping} describes them.")
+        return
     guess = result.understood.guesses[0]
     yield html_table(
         ("Column", "Used as", "Quantity", "Unit", "Range", "Step", "Looks", "Why"),
@@ -247,6 +250,8 @@ def _files(result: StudyResult) -> Iterator[Html]:
     left_out = result.left_out | result.understood.left_out
     if left_out:
         yield html_table(("File or table", "Why it was left out"), list(left_out.items()), "Left out.")
-    made = "mapping.toml (what the columns mean), runs/, study.json"
+    made = (
+        "runs/, study.json" if result.mapping else "mapping.toml (what the columns mean), runs/, study.json"
+    )
     made += ", model.json (for smarig verify, simulate and diagnose)" if result.evaluation else ""
     yield paragraph(f"In this folder: {made}. Computed in {number(result.seconds, 2)} s.")

@@ -24,9 +24,11 @@ _POOR_NRMSE = 0.15
 
 @dataclass(frozen=True, eq=False)
 class StudyResult:
-    """What a study found. ``evaluation`` and ``split`` are None for data without an output; ``heating`` then describes
+    """What a study found.
 
-    the temperature record. ``diagnosis`` is None if it was not requested or failed, with ``diagnosis_reason``.
+    ``evaluation`` and ``split`` are None for data without an output; ``heating`` then describes the temperature record.
+    ``diagnosis`` is None if it was not requested or failed, with ``diagnosis_reason``. ``mapping`` is a mapping file
+    that was given, None if one was drafted.
     """
 
     name: str
@@ -42,6 +44,7 @@ class StudyResult:
     heating: str
     seconds: float
     key: str
+    mapping: str | None = None
 
     @property
     def unit(self) -> str:
@@ -148,7 +151,9 @@ class StudyResult:
             "sentences": self.sentences(),
             "hints": self.hints(),
             "questions": self.understood.questions,
-            "columns": {table.title: _columns(g) for table, g in zip(self.tables, self.understood.guesses)},
+            "columns": {}
+            if self.mapping
+            else {table.title: _columns(g) for table, g in zip(self.tables, self.understood.guesses)},
             "left_out": self.left_out | self.understood.left_out,
             "split": self.split and {"kind": self.split.kind, "reason": self.split.reason},
             "runs": [str(table.run.path) for table in self.tables],

@@ -113,8 +113,8 @@ def _answered(
 ) -> tuple[TableGuess, StudyOptions, int]:
     """The guess after the user has answered what is not clear, the options with the answers, and their number."""
     count = 0
-    if guess.table.format == _FORC:
-        return guess, options, 0
+    if guess.table.format == _FORC or options.mapping is not None:
+        return guess, options, 0  # these data, or the given mapping, say it themselves
     given, units = {"input": options.input, "output": options.output}, dict(options.units)
     while ask is not None and not options.accept and guess.doubts:
         doubt = guess.doubts[0]
@@ -165,6 +165,9 @@ def _guesses(
     """The guesses of all tables, with the roles of the leading one and one unit for each column."""
     if lead.table.format == _FORC:
         return [replace(lead, table=table) for table in tables]
+    if options.mapping is not None:  # it describes one table of each file
+        by_file = {table.path: table for table in reversed(tables)}
+        return [replace(lead, table=table) for table in reversed(by_file.values())]
     drive, out = lead.first("input"), lead.first("output")
     named = {"input": drive.name if drive else None, "output": out.name if out else None}
     own = [guess_table(table, files=files) for table in tables]

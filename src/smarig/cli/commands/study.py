@@ -118,6 +118,8 @@ def _columns_text(result: "StudyResult") -> str:
     """The columns with their roles, and the drafted mapping."""
     if result.understood.forc:
         return "Reversal curves, which state their own columns."
+    if result.mapping is not None:
+        return f"Columns as described by mapping {result.mapping}."
     lines = ["Columns:"]
     guess = result.understood.guesses[0]
     for c in guess.columns:
