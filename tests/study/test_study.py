@@ -53,6 +53,16 @@ def test_the_drafted_mapping_imports_the_file_again(files, tmp_path):
     np.testing.assert_array_equal(load_run(again)["position"], load_run(first)["position"])
 
 
+def test_one_loop_is_not_compared_with_its_own_branches(tmp_path):
+    u = temperatures(1, 120)
+    path = tmp_path / "loop.csv"
+    path.write_text(csv_text(np.arange(u.size) * 0.5, u, displacements(u)), encoding="utf-8")
+    result = study([path], tmp_path / "out", QUICK)
+    assert result.split.kind == "none"
+    assert set(result.evaluation.simple) == {"straight line", "mean curve, no hysteresis"}
+    assert result.verdict == "good"
+
+
 def test_a_given_mapping_counts_without_a_question(files, tmp_path):
     study(files[:1], tmp_path / "draft", QUICK)
     mapping = tmp_path / "mine.toml"

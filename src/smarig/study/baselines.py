@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from smarig.measurement import reversals
 
 Array = NDArray[np.float64]
+BRANCHES = "rising and falling branch"
 _NODES = 40  # of a curve of means
 
 
@@ -56,7 +57,7 @@ def baselines(train: Sequence[RunPoints]) -> list[Baseline]:
     found.append(Baseline("mean curve, no hysteresis", lambda x, _: mean(x)))
     if min((d > 0).sum(), (d < 0).sum()) >= _NODES // 4:
         up, down = _mean_curve(u[d > 0], y[d > 0]), _mean_curve(u[d < 0], y[d < 0])
-        found.append(Baseline("rising and falling branch", lambda x, way: np.where(way > 0, up(x), down(x))))
+        found.append(Baseline(BRANCHES, lambda x, way: np.where(way > 0, up(x), down(x))))
     return found
 
 

@@ -9,7 +9,7 @@ import numpy as np
 from smarig.core import DataError, UsageError
 from smarig.identification import RunVerification, identify, verify
 from smarig.replay import Model
-from smarig.study.baselines import RunPoints, baseline_rms, baselines, points_of
+from smarig.study.baselines import BRANCHES, RunPoints, baseline_rms, baselines, points_of
 from smarig.study.data_split import LOAD, DataSplit
 
 _ONE_MODEL = "one model of all loads"
@@ -71,7 +71,7 @@ def evaluate(split: DataSplit, progress: Callable[[str], None]) -> Evaluation:
     if not found:
         raise DataError("No model can be identified. " + " ".join(dict.fromkeys(failed.values())))
     found.sort(key=lambda c: c.rms)
-    return Evaluation(tuple(found), _simple(found[0]), failed)
+    return Evaluation(tuple(found), _simple(found[0], split), failed)
 
 
 def with_extended(evaluation: Evaluation, model: Model, split: DataSplit) -> Evaluation:
@@ -110,11 +110,15 @@ def _evaluated(name: str, model: Model, warnings: Sequence[str], split: DataSpli
     return CandidateModel(name, model, tuple(warnings), tuple(fitted), tuple(other))
 
 
-def _simple(best: CandidateModel) -> dict[str, float]:
-    """Errors of simple curves, fitted and judged at the same points as the model."""
+def _simple(best: CandidateModel, split: DataSplit) -> dict[str, float]:
+    """Errors of simple curves, fitted and tested at the same points as the model.
+
+    If nothing is held out, both branches of the one loop are left out: their mean is the measured loop itself.
+    """
     train, held_out = ([_points(r) for r in runs] for runs in (best.train, best.held_out))
     free = [r.offset_kind == "fitted" for r in best.held_out]
-    return {b.name: baseline_rms(b, held_out, free) for b in baselines(train)}
+    known = [b for b in baselines(train) if split.kind != "none" or b.name != BRANCHES]
+    return {b.name: baseline_rms(b, held_out, free) for b in known}
 
 
 def _points(run: RunVerification) -> RunPoints:
