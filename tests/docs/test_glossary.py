@@ -38,6 +38,8 @@ REPEATED_MODULES = {
     "diagnose": "command of the command line, and what it does",
     "csv": "a reader and a writer of one format",
     "mat": "a reader and a writer of one format",
+    "study": "command of the command line, and what it does",
+    "parquet": "a reader and a writer of one format",
     "pi": "the tracking controller and the set-point controller of that name, each in its catalogue",
     "inverse": "the inverse of the operator, and the tracking controller of that name in the catalogue",
     "measured_input": "the drive of a simulation (plant), and how it is taken from runs (replay)",

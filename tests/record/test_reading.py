@@ -134,7 +134,11 @@ def test_what_is_no_run_is_refused_in_one_sentence(tmp_path, kind: str):
     with pytest.raises(DataError) as refusal:
         load_run(file)
     words = str(refusal.value)
-    assert words.startswith(f"{file} is not a run file, or is damaged: ")
+    swapped = {
+        "text": "is a table of numbers, not a run: ",
+        "another database": "is an SQLite database, but no run ",
+    }
+    assert words.startswith(f"{file} {swapped.get(kind, 'is not a run file, or is damaged: ')}")
     assert "\n" not in words
     assert refusal.value.exit_status == 4
 

@@ -10,7 +10,15 @@ from collections.abc import Iterator, Sequence
 import click
 
 from smarig.cli.output import report_error
-from smarig.core import Interrupted, SmarigError, UsageError, catalogue_names, own_file_error, own_files
+from smarig.core import (
+    Interrupted,
+    SmarigError,
+    UsageError,
+    catalogue_names,
+    own_file_error,
+    own_files,
+    suggestion,
+)
 
 EPILOG = """\b
 Examples:
@@ -26,6 +34,15 @@ class _Commands(click.Group):
     def list_commands(self, ctx: click.Context) -> list[str]:
         del ctx
         return [name.rstrip("_") for name in catalogue_names("smarig.cli.commands")]
+
+    def resolve_command(
+        self, ctx: click.Context, args: list[str]
+    ) -> tuple[str | None, click.Command | None, list[str]]:
+        """The command of the first argument; an unknown one is an error that suggests the nearest."""
+        names = self.list_commands(ctx)
+        if args and args[0] not in names and not args[0].startswith("-"):
+            raise UsageError(f"There is no command '{args[0]}'{suggestion(args[0], names)}.")
+        return super().resolve_command(ctx, args)
 
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
         del ctx

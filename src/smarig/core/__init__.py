@@ -45,6 +45,7 @@ if TYPE_CHECKING:
     from smarig.core.file_content import MODEL as MODEL
     from smarig.core.file_content import PAGE as PAGE
     from smarig.core.file_content import RUN as RUN
+    from smarig.core.file_content import TABLE as TABLE
     from smarig.core.file_content import TOML as TOML
     from smarig.core.file_content import content_kind as content_kind
     from smarig.core.formula import Formula as Formula
@@ -67,6 +68,8 @@ if TYPE_CHECKING:
     from smarig.core.shown_text import printable as printable
     from smarig.core.shown_text import shown as shown
     from smarig.core.stored_number import stored_number as stored_number
+    from smarig.core.swapped_file import has_run_tables as has_run_tables
+    from smarig.core.swapped_file import swapped_file as swapped_file
     from smarig.core.toml_file import Number as Number
     from smarig.core.toml_file import TomlTable as TomlTable
     from smarig.core.toml_file import check_table as check_table

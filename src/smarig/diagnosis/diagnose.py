@@ -12,7 +12,7 @@ from smarig.diagnosis.commanded_diagnosis import Diagnosis, diagnose_commanded
 from smarig.diagnosis.critique.critique import ALPHA, NULL_DATA_SETS
 from smarig.diagnosis.measured.measured_diagnosis import MeasuredDiagnosis, diagnose_measured
 from smarig.diagnosis.run_checks import check_comparable
-from smarig.measurement import measurement_effect_types
+from smarig.measurement import has_measured_input, measurement_effect_types
 from smarig.plant import effect_types
 from smarig.record import Run, load_run
 from smarig.replay import Model, driven_by_input, file_hash, load_model
@@ -78,8 +78,19 @@ def _check(train: Sequence[Run], held_out: Sequence[Run], without: Sequence[str]
 
 
 def _by_input(runs: Sequence[Run]) -> list[Run]:
-    """Runs whose settled points are their rows and whose targets are a measured input: the heating is not known."""
-    return [_points_as_rows(run) if run.settled else run for run in runs]
+    """Runs whose settled points are their rows and whose targets are a measured input: the heating is not known.
+
+    The current of a run without settled points is its input, and no more.
+    """
+    return [_points_as_rows(run) if run.settled else _without_current(run) for run in runs]
+
+
+def _without_current(run: Run) -> Run:
+    """The run without its currents, if their heating of the wire is not known; its input may be that current."""
+    if has_measured_input(run) or not run.has("input"):
+        return run
+    blank = {name: np.full(len(run), np.nan) for name in ("current_A", "current_command_A")}
+    return replace(run, columns={**run.columns, **blank})
 
 
 def _points_as_rows(run: Run) -> Run:

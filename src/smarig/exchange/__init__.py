@@ -10,12 +10,19 @@ if TYPE_CHECKING:
     from smarig.exchange.drift import correct_drift_if_it_helps as correct_drift_if_it_helps
     from smarig.exchange.drift import drift_corrected as drift_corrected
     from smarig.exchange.exporting import export_run as export_run
+    from smarig.exchange.find_tables import find_tables as find_tables
     from smarig.exchange.finding_kind import finding_kind as finding_kind
     from smarig.exchange.forc_file import ForcFile as ForcFile
     from smarig.exchange.forc_file import read_forc as read_forc
+    from smarig.exchange.found_table import FoundColumn as FoundColumn
+    from smarig.exchange.found_table import FoundTable as FoundTable
     from smarig.exchange.importing import ImportReport as ImportReport
     from smarig.exchange.importing import import_file as import_file
     from smarig.exchange.mapping import MappingFile as MappingFile
     from smarig.exchange.mapping import load_mapping as load_mapping
+    from smarig.exchange.refused_files import check_data_file as check_data_file
+    from smarig.exchange.unit_conversion import convert as convert
+    from smarig.exchange.unit_conversion import dimension as dimension
+    from smarig.exchange.written_units import known_unit as known_unit
 else:
     __getattr__, __dir__, __all__ = lazy_exports(__name__)

@@ -13,6 +13,7 @@ from typing import Any
 from smarig.core import DataError, StorageError, UsageError, catalogue_entry, in_unit
 from smarig.exchange.mapping import mapping_text
 from smarig.exchange.reader_result import RunDraft
+from smarig.exchange.refused_files import check_data_file
 from smarig.exchange.repair import Repair, repaired
 from smarig.exchange.rig_constants import RigConstants
 from smarig.record import CONTINUED, Run, load_run, write_run
@@ -60,6 +61,7 @@ def import_file(
     if t0 is not None and not math.isfinite(t0):
         raise UsageError(f"--t0 is {t0}. Give a time in seconds.")
     read = catalogue_entry("smarig.exchange.readers", format)
+    check_data_file(source)
     if target.exists() and not force:
         raise UsageError(f"{target} exists; give another name or --force to replace it.")
     before = load_run(continues) if continues is not None else None

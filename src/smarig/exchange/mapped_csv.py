@@ -28,8 +28,20 @@ Array = NDArray[np.float64]
 def read_mapped_csv(path: Path, mapping: MappingFile) -> RunDraft:
     """Read a text table as its mapping describes; DataError, ConfigError or UsageError with line and column."""
     f = mapping.file
-    known = tuple(mapping.used()) if not f.names else ()
-    table = read_table(path, TableLayout(known, f.names, f.delimiter, f.decimal, f.header_starts, f.table))
+    layout = TableLayout(
+        known=tuple(mapping.used()) if not f.names else (),
+        names=f.names,
+        delimiter=f.delimiter,
+        decimal=f.decimal,
+        header_starts=f.header_starts,
+        table=f.table,
+        thousands=f.thousands,
+        header_line=f.header_line,
+        units_rows=f.units_rows,
+        clock=mapping.time.column if mapping.time and mapping.time.written == "clock" else "",
+        text=tuple(mapping.ignore),
+    )
+    table = read_table(path, layout)
     require_columns(mapping, list(table.columns), path)
     return mapped_draft(path, table, mapping)
 

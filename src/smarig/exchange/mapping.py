@@ -45,6 +45,9 @@ class TextLayout(TomlTable):
     names: tuple[str, ...] = ()  # names of the columns, if there is no header row
     delimiter: Literal["", "comma", "semicolon", "tab", "space"] = ""  # between columns; empty: detected
     decimal: Literal[".", ","] = "."  # decimal sign
+    thousands: Literal["", ",", ".", "'", "space"] = ""  # between groups of three digits
+    header_line: int = Field(default=0, ge=0)  # line of the header, from 1; 0: where the columns are found
+    units_rows: int = Field(default=0, ge=0, le=10)  # rows under the header that are skipped, such as units
     header_starts: str = ""  # start of the header of each table, in files of several tables
     table: int = Field(default=1, ge=1)  # number of the table in such a file, from 1
 
@@ -67,11 +70,31 @@ class MatLayout(TomlTable):
         return self
 
 
+class WorkbookLayout(TomlTable):
+    """[workbook]: a sheet of an Excel workbook, with its header row."""
+
+    sheet: str  # name of the sheet
+    header_row: int = Field(default=1, ge=0)  # row of the names, from 1; 0: there is none, names gives them
+    units_rows: int = Field(default=0, ge=0, le=10)  # rows under the header that are skipped, such as units
+    names: tuple[str, ...] = ()  # names of the columns, in place of those in the header
+
+
+class Hdf5Layout(TomlTable):
+    """[hdf5]: data sets of one length in a group of an HDF5 file; columns of a table are named DATASET/COLUMN."""
+
+    group: str = "/"  # path of the group
+
+
+class ParquetLayout(TomlTable):
+    """[parquet]: columns of a Parquet file; it has no entries."""
+
+
 class TimeAxis(TomlTable):
     """[time]: a column, or a period with ``rows_per_period`` rows, within which the column then counts."""
 
     column: str = ""  # name of the column of times
     unit: Unit = "s"  # unit of the column
+    written: Literal["number", "clock"] = "number"  # "clock": times of day or dates, such as 12:03:04.5
     period_s: float | None = Field(default=None, gt=0)  # duration of a period in which the column counts
     rows_per_period: int = Field(default=1, ge=1)  # rows per period
     repeated: Literal["refuse", "mean", "keep_order"] = "refuse"  # treatment of rows with the same time
@@ -81,6 +104,8 @@ class TimeAxis(TomlTable):
         _check_convertible(self.unit, "s", "unit")
         if not self.column and self.period_s is None:
             raise ValueError("give 'column' or 'period_s', or leave out [time] for data without time")
+        if self.written == "clock" and (not self.column or self.unit != "s"):
+            raise ValueError('written = "clock" needs a column, and no unit')
         return self
 
 
@@ -158,6 +183,9 @@ class MappingFile(TomlTable):
     output: OutputChannel | None = None  # quantity and unit of the position
     file: TextLayout = TextLayout()  # layout of the text
     mat: MatLayout | None = None  # variables of MATLAB files
+    workbook: WorkbookLayout | None = None  # sheet of an Excel workbook
+    hdf5: Hdf5Layout | None = None  # group of an HDF5 file
+    parquet: ParquetLayout | None = None  # columns of a Parquet file
     time: TimeAxis | None = None  # time axis; leave out if the data have no time
     columns: dict[ChannelName, Column] = Field(default_factory=dict)  # columns, by channel
     branch: tuple[Branch, ...] = ()  # in place of columns: several branches in one row
@@ -176,6 +204,11 @@ class MappingFile(TomlTable):
             raise ValueError("give exactly one of [columns] and [[branch]]")
         if self.mat and ("file" in self.model_fields_set or self.branch):
             raise ValueError("[mat] is used with [columns] only; leave out [file] and [[branch]]")
+        places = [
+            key for key in ("file", "mat", "workbook", "hdf5", "parquet") if key in self.model_fields_set
+        ]
+        if len(places) > 1:
+            raise ValueError(f"[{places[0]}] and [{places[1]}] describe different files; give one of them")
         if self.mat and self.mat.loops != "none" and (self.time or self.steps != "none"):
             raise ValueError("the loops of [mat] have a number and no time; leave out [time] and steps")
         for key, unit in self._units():
@@ -202,6 +235,12 @@ class MappingFile(TomlTable):
         for where, columns in self.tables():
             yield from ((f"{where}.{channel}.unit", column.unit) for channel, column in columns.items())
         yield from ((f"conditions.{name}.unit", c.unit) for name, c in self.conditions.items())
+
+    @property
+    def format(self) -> str:
+        """The format of the files that it describes, as import names it."""
+        names = {"mat": self.mat, "xlsx": self.workbook, "hdf5": self.hdf5, "parquet": self.parquet}
+        return next((name for name, layout in names.items() if layout is not None), "csv")
 
     def tables(self) -> list[tuple[str, dict[ChannelName, Column]]]:
         """Column tables with their names, in the order in which they are unfolded."""

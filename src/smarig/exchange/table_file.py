@@ -49,7 +49,7 @@ def read_table(path: Path, layout: TableLayout) -> Table:
 
 
 def _read_by_blocks(path: Path, layout: TableLayout) -> Table:
-    if layout.header_starts or path.stat().st_size > text_table.MAX_BYTES:
+    if layout.header_starts or layout.clock or path.stat().st_size > text_table.MAX_BYTES:
         raise _UnusualError
     with path.open("rb") as file:
         head = _head(path, file, layout)
@@ -61,7 +61,7 @@ def _read_by_blocks(path: Path, layout: TableLayout) -> Table:
             if not block.endswith(b"\n"):
                 block, dropped = _complete(block, head, line)
                 notes += dropped
-            columns, lines = _parsed(path, block, head, layout.decimal)
+            columns, lines = _parsed(path, block, head, layout)
             rows = slice(filled, filled + lines.size)
             data[:, rows], where[rows] = columns, lines + line
             filled, line = rows.stop, line + block.count(b"\n")
@@ -83,7 +83,7 @@ def _head(path: Path, file: BinaryIO, layout: TableLayout) -> _Head:
     if any(len(line.splitlines()) > 1 for line in lines) or min(b"".join(raw), default=0) < _FIRST_TEXT:
         raise _UnusualError
     start, names, delimiter = text_table.header(path, lines, layout)
-    first = start + 1 - bool(layout.names)
+    first = layout.first_row(start)
     offset = skipped + sum(len(line) + 1 for line in raw[:first])
     return _Head([line for line in lines[:start] if line.strip()], names, delimiter, first + 1, offset)
 
@@ -110,10 +110,10 @@ def _complete(block: bytes, head: _Head, line: int) -> tuple[bytes, list[str]]:
 
 
 def _parsed(
-    path: Path, block: bytes, head: _Head, decimal: str
+    path: Path, block: bytes, head: _Head, layout: TableLayout
 ) -> tuple[Sequence[NDArray[np.float64]] | NDArray[np.float64], NDArray[np.int64]]:
     """The columns of a block, and the numbers of their lines in it, from 0."""
-    numbers = numbers_of(block, len(head.names), head.delimiter, decimal) if block else None
+    numbers = numbers_of(block, len(head.names), head.delimiter, layout.decimal) if block else None
     if numbers is not None:
         return numbers.T, np.arange(len(numbers))
     if not block.isascii() or _has_other_breaks(block) or min(block, default=_FIRST_TEXT) < _FIRST_TEXT:
@@ -122,8 +122,7 @@ def _parsed(
     text_table.check_lines(path, lines, text_table.MAX_LINE)
     cells, where = text_table.cells(path, lines, 0, head.names, head.delimiter, False)
     columns = [
-        text_table.numbers(path, name, [row[k] for row in cells], where, decimal)
-        for k, name in enumerate(head.names)
+        layout.column(path, name, [row[k] for row in cells], where) for k, name in enumerate(head.names)
     ]
     return columns, np.array(where, dtype=np.int64) - 1
 

@@ -5,7 +5,6 @@ A cell is a number, empty (NaN), or an error that names its line and column.
 
 import csv
 import io
-import re
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -14,20 +13,23 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.core import DataError, UsageError, number_from_text, shown
+from smarig.core import DataError, UsageError, shown
+from smarig.exchange.cell_values import clock_column, is_number, number_column
 
 MAX_BYTES = 500_000_000
 MAX_COLUMNS = 10_000
 MAX_LINE = 1_000_000  # characters: 10 000 columns of 100
 HEADER_WITHIN = 200  # lines searched for the header
 DELIMITERS = {"tab": "\t", "semicolon": ";", "comma": ",", "space": None}
-_MISSING = {"", "nan", "na", "n/a", "null", "none", "-", "--"}
-_DECIMAL_COMMA = re.compile(r"[+-]?\d+,\d+(e[+-]?\d+)?", re.IGNORECASE)
 
 
 @dataclass(frozen=True)
 class TableLayout:
-    """The layout of the text: ``known`` columns identify the header row; ``names`` are given if there is none."""
+    """The layout of the text: ``known`` columns identify the header row; ``names`` are given if there is none.
+
+    ``header_line`` is its line, from 1, where its columns do not identify it; ``units_rows`` rows under it are skipped.
+    ``clock`` is a column of clock times; cells of ``text`` columns that are no numbers are NaN.
+    """
 
     known: tuple[str, ...] = ()
     names: tuple[str, ...] = ()
@@ -35,6 +37,27 @@ class TableLayout:
     decimal: str = "."
     header_starts: str = ""
     table: int = 1
+    thousands: str = ""
+    header_line: int = 0
+    units_rows: int = 0
+    clock: str = ""
+    text: tuple[str, ...] = ()
+
+    def first_row(self, start: int) -> int:
+        """The line of the first row, from 0, if the header (or the first row without one) is in line ``start``."""
+        if self.names and not self.header_line:
+            return start
+        return start + 1 + self.units_rows
+
+    def column(
+        self, path: Path, name: str, cells: Sequence[str], where: Sequence[int]
+    ) -> NDArray[np.float64]:
+        """The values of a column's cells; DataError with line and column for a cell that is no number."""
+        if name == self.clock:
+            return clock_column(path, name, cells, where)
+        return number_column(
+            path, name, cells, where, self.decimal, thousands=self.thousands, lenient=name in self.text
+        )
 
 
 @dataclass(frozen=True)
@@ -83,18 +106,18 @@ def _table(path: Path, text: str, lines: list[str], notes: list[str], layout: Ta
         max((k for k in range(start) if not lines[k].strip()), default=-1) + 1 if layout.header_starts else 0
     )
     preamble = [line for line in lines[begin:start] if line.strip()]
-    first = start + 1 - bool(layout.names)
+    first = layout.first_row(start)
     if not layout.header_starts:
         notes += preamble_notes(preamble)
     if not text.endswith("\n") and len(split(lines[-1], delimiter)) < len(names):
         notes.append(incomplete_note(len(lines)))
         lines.pop()
-    rows, where = cells(path, lines, first, names, delimiter, bool(layout.header_starts))
+    again = "" if layout.names and not layout.header_line else lines[start]
+    rows, where = cells(path, lines, first, names, delimiter, bool(layout.header_starts), again)
     if len(rows) < 2:
         raise DataError(f"{path} holds {len(rows)} sample(s). At least two are needed.")
     columns = {
-        name: numbers(path, name, [row[k] for row in rows], where, layout.decimal)
-        for k, name in enumerate(names)
+        name: layout.column(path, name, [row[k] for row in rows], where) for k, name in enumerate(names)
     }
     notes += missing_notes(columns)
     return Table(columns, np.array(where, dtype=np.int64), preamble_keys(preamble), tuple(notes))
@@ -140,6 +163,11 @@ def read_text(path: Path) -> tuple[str, list[str]]:
         raise DataError(f"{path} is a MATLAB file. Import it with --format mat and a mapping (--map).")
     if data[:2] in (b"\xff\xfe", b"\xfe\xff"):
         return data.decode("utf-16", errors="replace"), ["The file is UTF-16 text."]
+    for first, encoding in ((1, "utf-16-le"), (0, "utf-16-be")):  # without a mark; every second byte is zero
+        if len(data) > 8 and data[first : 2 * HEADER_WITHIN : 2].count(0) > 0.9 * len(
+            data[first : 2 * HEADER_WITHIN : 2]
+        ):
+            return data.decode(encoding, errors="replace"), ["The file is UTF-16 text without a mark."]
     if any(byte < 9 for byte in set(data)):
         raise DataError(f"{path} is a binary file, not a text table.")
     try:
@@ -174,6 +202,14 @@ def header(path: Path, lines: Sequence[str], layout: TableLayout) -> tuple[int, 
                 f"there is no table {layout.table}."
             )
         start = found[layout.table - 1]
+    elif layout.header_line:
+        start = min(layout.header_line, len(lines)) - 1
+        if layout.names:
+            return (
+                start,
+                list(layout.names),
+                choices[0] if layout.delimiter else _widest(lines[start + 1 :], choices),
+            )
     elif layout.names:
         return _first_numbers(path, lines, layout, choices)
     else:
@@ -186,6 +222,11 @@ def header(path: Path, lines: Sequence[str], layout: TableLayout) -> tuple[int, 
     if twice:
         raise DataError(f"{path}, line {start + 1}: column {shown(twice[0])} appears more than once.")
     return start, names, delimiter
+
+
+def _widest(lines: Sequence[str], choices: Sequence[str | None]) -> str | None:
+    """The delimiter that splits the next lines into most cells."""
+    return max(choices, key=lambda d: max((len(split(line, d)) for line in lines[:5]), default=0))
 
 
 def _recognised(line: str, delimiter: str | None, known: Sequence[str]) -> tuple[int, int]:
@@ -202,10 +243,29 @@ def _best_header(path: Path, lines: Sequence[str], known: Sequence[str], choices
     if not scores[best]:
         shown = ", ".join(known[:6])
         raise DataError(
-            f"{path} has no header row: none of the expected columns ({shown}, …) was found "
-            f"in its first {len(scores)} lines. Name the file's columns with a mapping file (--map)."
+            f"{path} has {_first_names(lines, choices)}: none of the expected columns ({shown}, …) was found "
+            f"in its first {len(scores)} lines. Name the file's columns with a mapping file (--map); "
+            "`smarig study` drafts one."
         )
     return best
+
+
+def _first_names(lines: Sequence[str], choices: Sequence[str | None]) -> str:
+    """What stands above the first row of numbers: "no header row", or names that are not the expected ones."""
+    before = ""
+    for line in lines[:HEADER_WITHIN]:
+        rows = [(d, split(line, d)) for d in choices]
+        found = [
+            (d, row)
+            for d, row in rows
+            if len(row) > 1 and all(is_number(x, ".") or is_number(x, ",") for x in row)
+        ]
+        if found:
+            names = split(before, max(found, key=lambda pair: len(pair[1]))[0])
+            named = len(names) > 1 and not any(is_number(x, ".") for x in names)
+            return f"other columns ({', '.join(names)[:120]})" if named else "no header row"
+        before = line
+    return "no header row"
 
 
 def _first_numbers(
@@ -213,7 +273,11 @@ def _first_numbers(
 ) -> tuple[int, list[str], str | None]:
     for k, line in enumerate(lines[:HEADER_WITHIN]):
         rows = {d: split(line, d) for d in choices}
-        numeric = {d: c for d, c in rows.items() if c and all(_is_number(x, layout.decimal) for x in c)}
+        numeric = {
+            d: c
+            for d, c in rows.items()
+            if c and all(is_number(x, layout.decimal, layout.thousands) for x in c)
+        }
         for d, cells in numeric.items():
             if len(cells) == len(layout.names):
                 return k, list(layout.names), d
@@ -233,8 +297,11 @@ def cells(
     names: Sequence[str],
     delimiter: str | None,
     ends_blank: bool,
+    again: str = "",
 ) -> tuple[list[list[str]], list[int]]:
-    """The cells of the rows from line ``first`` on, and the number of each line, from 1."""
+    """The cells of the rows from line ``first`` on, and the number of each line, from 1; ``again``: a header that a
+    logger may have written once more.
+    """
     rows: list[list[str]] = []
     where: list[int] = []
     for k in range(first, len(lines)):
@@ -243,9 +310,11 @@ def cells(
             if ends_blank:
                 break
             continue
-        if line.startswith("#"):
+        if line.startswith("#") or (again and line.strip() == again.strip()):
             continue
         row = split(line, delimiter)
+        if ends_blank and not any(is_number(cell, ".") or is_number(cell, ",") for cell in row):
+            break  # a title of the next table
         missing = len(names) - len(row)
         if missing < 0 or (delimiter is None and missing > 0):
             raise DataError(
@@ -254,34 +323,6 @@ def cells(
         rows.append(row + [""] * missing)
         where.append(k + 1)
     return rows, where
-
-
-def numbers(
-    path: Path, name: str, cells: Sequence[str], where: Sequence[int], decimal: str
-) -> NDArray[np.float64]:
-    """The numbers of a column's cells, NaN for those that say that there is none."""
-    out = np.empty(len(cells))
-    for k, cell in enumerate(cells):
-        try:
-            out[k] = number_from_text(cell.replace(",", ".") if decimal == "," else cell)
-        except ValueError:
-            if cell.lower() not in _MISSING:
-                hint = "; declare decimal = ',' in a mapping file" if _DECIMAL_COMMA.fullmatch(cell) else ""
-                raise DataError(
-                    f"{path}, line {where[k]}, column '{name}': {shown(cell, 40)} is not a number{hint}."
-                ) from None
-            out[k] = np.nan
-    if np.isinf(out).any():
-        raise DataError(f"{path}, line {where[int(np.argmax(np.isinf(out)))]}, column '{name}' is infinite.")
-    return out
-
-
-def _is_number(cell: str, decimal: str) -> bool:
-    try:
-        number_from_text(cell.replace(",", ".") if decimal == "," else cell)
-    except ValueError:
-        return False
-    return True
 
 
 def _key(line: str) -> tuple[str, str]:

@@ -99,7 +99,18 @@ _POWERS = str.maketrans("⁻¹²³", "-123")
 _PRODUCT = re.compile(r"[\s·⋅×*.]+")
 _SPELLINGS = {
     _PRODUCT.sub("", unit): unit for unit in UNITS if " " in unit or unit.endswith("h") or "deg" in unit
-} | {"": "1", "-": "1", "Ohm": "ohm", "kOhm": "kohm", "MOhm": "Mohm", "ml": "mL", "l": "L", "sec": "s"}
+} | {
+    "": "1",
+    "-": "1",
+    "Ohm": "ohm",
+    "kOhm": "kohm",
+    "MOhm": "Mohm",
+    "ml": "mL",
+    "l": "L",
+    "sec": "s",
+    "inch": "in",
+    "inches": "in",
+}
 _LONG = 4  # letters: a name of this length that misses a unit by one letter is a slip
 
 

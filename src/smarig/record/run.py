@@ -12,12 +12,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from smarig.core import (
+    RUN,
     DataError,
     NotebookDisplay,
     Severity,
     UsageError,
     printable,
     severity_of,
+    swapped_file,
 )
 from smarig.record.any_run import BLOCK_ROWS, AnyRun
 from smarig.record.metadata import (
@@ -189,7 +191,8 @@ def reading(file: Path) -> Iterator[None]:
         yield
     except (sqlite3.Error, ValueError, TypeError, IndexError, OverflowError) as error:
         raise DataError(
-            f"{file} is not a run file, or is damaged: {printable(str(error), 300)}. {salvage_hint(file)}"
+            swapped_file(file, RUN)
+            or f"{file} is not a run file, or is damaged: {printable(str(error), 300)}. {salvage_hint(file)}"
         ) from None
 
 

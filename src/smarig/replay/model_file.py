@@ -11,7 +11,16 @@ from numpy.typing import ArrayLike, NDArray
 from pydantic import BaseModel, ConfigDict, ValidationError
 
 from smarig.control import SelfSensing
-from smarig.core import DataError, NotebookDisplay, UsageError, atomic_file, shown, spaced
+from smarig.core import (
+    MODEL,
+    DataError,
+    NotebookDisplay,
+    UsageError,
+    atomic_file,
+    shown,
+    spaced,
+    swapped_file,
+)
 from smarig.measurement import MeasurementPart
 from smarig.plant import effects_from_json
 from smarig.preisach import Everett, Initial, Preisach, dump_hysteresis, load_hysteresis
@@ -209,7 +218,8 @@ def load_model(path: str | Path) -> Model:
     try:
         raw = json.loads(file.read_text(encoding="utf-8"))
     except (ValueError, RecursionError) as error:
-        raise DataError(f"{file} is not a model file: it is not JSON ({error}).") from None
+        swapped = swapped_file(file, MODEL)
+        raise DataError(swapped or f"{file} is not a model file: it is not JSON ({error}).") from None
     if not isinstance(raw, dict) or raw.get("format") != FORMAT:
         raise DataError(f'{file} is not a model file: it lacks "format": "{FORMAT}".')
     if raw.get("schema_version") != VERSION:

@@ -53,8 +53,9 @@ def actuator_of(model: Model) -> Actuator:
     record = model.actuator
     if not record.parameters:
         raise DataError(
-            f"Model '{model.name}' does not contain its wire's constants. Effects act through heating, so identify the "
-            "model from runs that name their actuator."
+            f"Model '{model.name}' does not contain its wire's constants, through which effects of heating act. Import "
+            "the runs with --rig RIG and identify the model again, or use `smarig diagnose`, which needs no constants "
+            "for runs with a measured input."
         )
     return Actuator(
         check_table(

@@ -15,7 +15,28 @@ if TYPE_CHECKING:
     from smarig.report.closed_loop.loop_result import is_closed_loop as is_closed_loop
     from smarig.report.components import style as style
     from smarig.report.components.comparison_labels import distinct_names as distinct_names
+    from smarig.report.components.decimate import path as path
+    from smarig.report.components.figure import Figure as Figure
+    from smarig.report.components.figure import Panel as Panel
+    from smarig.report.components.figure import axis as axis
+    from smarig.report.components.figure import dots as dots
+    from smarig.report.components.figure import line as line
+    from smarig.report.components.html import Html as Html
+    from smarig.report.components.html import bullets as bullets
+    from smarig.report.components.html import cards as cards
+    from smarig.report.components.html import notice as notice
+    from smarig.report.components.html import paragraph as paragraph
+    from smarig.report.components.html import table as table
+    from smarig.report.components.html import tag as tag
+    from smarig.report.components.numbers import number as number
+    from smarig.report.components.page import LIBRARY as LIBRARY
+    from smarig.report.components.page import Section as Section
+    from smarig.report.components.page import page as page
+    from smarig.report.components.page import write_library as write_library
     from smarig.report.components.page import write_page as write_page
+    from smarig.report.components.run_description import display_unit as display_unit
+    from smarig.report.components.run_description import input_title as input_title
+    from smarig.report.components.run_description import output_title as output_title
     from smarig.report.diagnosis_page import diagnosis_page as diagnosis_page
     from smarig.report.drawing import figures_saved_in as figures_saved_in
     from smarig.report.folder_report import INDEX_FILE as INDEX_FILE

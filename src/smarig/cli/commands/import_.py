@@ -25,13 +25,13 @@ Examples:
     "format_",
     required=True,
     type=CatalogueName("readers"),
-    help="Format of the file: csv, forc, mat.",
+    help="Format of the file: csv, forc, hdf5, mat, parquet, xlsx.",
 )
 @click.option(
     "--map",
     "mapping",
     type=CatalogueName("imports"),
-    help="Mapping file, by name or path: optional for csv, required for mat.",
+    help="Mapping file, by name or path: optional for csv, none for forc, required for all others.",
 )
 @click.option("--rig", type=RIG, help="Rig whose actuator and encoder give temperature and position.")
 @click.option("--t0", type=float, help="Start of this file, in s, on a clock shared with other runs.")

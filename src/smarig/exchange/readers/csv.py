@@ -16,7 +16,8 @@ def csv(path: Path, *, rig: str | None = None, mapping: str | None = None) -> Ru
     if mapping is None:
         return read_own_csv(path, RigConstants.named(rig) if rig else None)
     described = load_mapping(mapping)
-    if described.mat is not None:
-        raise UsageError(f"Mapping {described.name} describes MATLAB files. Use --format mat.")
+    if described.format != "csv":
+        kind = "MATLAB files" if described.format == "mat" else f"files of the format {described.format}"
+        raise UsageError(f"Mapping {described.name} describes {kind}. Use --format {described.format}.")
     draft = read_mapped_csv(path, described)
     return with_heating_model(draft, RigConstants.named(rig)) if rig else draft

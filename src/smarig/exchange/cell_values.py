@@ -1,0 +1,172 @@
+"""Numbers from the cells of a table: decimal sign, thousands, clock times, and words for a missing value."""
+
+import re
+from collections.abc import Sequence
+from datetime import UTC, datetime
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from smarig.core import DataError, number_from_text, shown
+
+MISSING = {
+    *(
+        "",
+        "nan",
+        "na",
+        "n/a",
+        "#n/a",
+        "#na",
+        "#nv",
+        "null",
+        "none",
+        "-",
+        "--",
+        "---",
+        "?",
+        "inf",
+        "-inf",
+        "+inf",
+    ),
+    *(
+        "overflow",
+        "overload",
+        "ovld",
+        "invalid",
+        "error",
+        "#div/0!",
+        "#value!",
+        "#ref!",
+        "#num!",
+        "1.#qnan",
+        "nan(ind)",
+    ),
+}
+_INFINITE = {
+    "inf",
+    "-inf",
+    "+inf",
+}  # a missing value while a table is searched for; an error where it is read
+_DECIMAL_COMMA = re.compile(r"[+-]?\d+,\d+(e[+-]?\d+)?", re.IGNORECASE)
+_THOUSANDS = {",": ",", ".": r"\.", "'": "['’]", "space": r"[\s\u00a0\u202f]"}
+_CLOCK = re.compile(r"(?:(\d+)[ T])?(\d{1,3}):(\d{2})(?::(\d{2})(?:[.,:](\d+))?)?")
+_DATE = re.compile(
+    r"(\d{1,4})[./-](\d{1,2})[./-](\d{1,4})[ T,;]+(\d{1,2}):(\d{2})(?::(\d{2})(?:[.,](\d+))?)?"
+    r"(?:\s*([AaPp][Mm]))?(?:Z|[+-]\d{2}:?\d{2})?"
+)
+
+
+def plain_number(cell: str, decimal: str, thousands: str = "") -> str:
+    """The text of a number as Python writes it.
+
+    >>> plain_number("1.234,5", ",", "."), plain_number("12,5", ","), plain_number("1'000.5", ".", "'")
+    ('1234.5', '12.5', '1000.5')
+    """
+    if thousands and re.fullmatch(
+        rf"[+-]?\d{{1,3}}({_THOUSANDS[thousands]}\d{{3}})+(\{decimal}\d*)?([eE][+-]?\d+)?", cell
+    ):
+        cell = re.sub(_THOUSANDS[thousands], "", cell)
+    return cell.replace(",", ".") if decimal == "," and "." not in cell else cell
+
+
+def is_number(cell: str, decimal: str, thousands: str = "") -> bool:
+    """Whether a cell holds a finite or missing number that is written as one.
+
+    >>> is_number("1,5", ","), is_number("1,5", "."), is_number("nan", ".")
+    (True, False, False)
+    """
+    try:
+        value = number_from_text(plain_number(cell, decimal, thousands))
+    except ValueError:
+        return False
+    return bool(np.isfinite(value))
+
+
+def is_missing(cell: str) -> bool:
+    """Whether a cell says that there is no value.
+
+    >>> is_missing("n/a"), is_missing("0")
+    (True, False)
+    """
+    return cell.lower() in MISSING
+
+
+def clock_seconds(cell: str) -> float | None:
+    """Seconds of a time of day, a duration, or a date with a time (from 1970, without its zone); None for other texts.
+
+    A date of day, month and year in numbers is read in that order unless the year comes first or the month is above 12.
+
+    >>> clock_seconds("00:01:30.5"), clock_seconds("1970-01-01 00:00:02"), clock_seconds("12.5")
+    (90.5, 2.0, None)
+    """
+    text = cell.strip()
+    if match := _CLOCK.fullmatch(text):
+        days, hours, minutes, seconds, fraction = match.groups()
+        whole = 86400 * int(days or 0) + 3600 * int(hours) + 60 * int(minutes) + int(seconds or 0)
+        return whole + float(f"0.{fraction}" if fraction else 0)
+    match = _DATE.fullmatch(text)
+    if match is None:
+        return None
+    a, b, c, hour, minute, second, fraction, half = match.groups()
+    year, month, day = (a, b, c) if len(a) == 4 else (c, b, a)
+    if int(month) > 12:
+        month, day = day, month
+    noon = 12 * (half.lower() == "pm") - 12 * (int(hour) == 12) if half else 0
+    try:
+        at = datetime(
+            int(year) + 2000 * (len(year) < 3),
+            int(month),
+            int(day),
+            int(hour) + noon,
+            int(minute),
+            int(second or 0),
+            tzinfo=UTC,
+        )
+    except ValueError:
+        return None
+    return at.timestamp() + float(f"0.{fraction}" if fraction else 0)
+
+
+def clock_column(path: Path, name: str, cells: Sequence[str], where: Sequence[int]) -> NDArray[np.float64]:
+    """Seconds (n,) from the first reading of a column of clock times; midnight is passed over. DataError with line."""
+    out = np.empty(len(cells))
+    for k, cell in enumerate(cells):
+        seconds = clock_seconds(cell)
+        if seconds is None and not is_missing(cell):
+            raise DataError(f"{path}, line {where[k]}, column '{name}': {shown(cell, 40)} is not a time.")
+        out[k] = np.nan if seconds is None else seconds
+    known = out[np.isfinite(out)]
+    if known.size and known.max() <= 86400:  # times of day
+        days = np.cumsum(np.diff(out, prepend=out[:1]) < -43200)
+        out = out + 86400 * days
+    return out - (known[0] if known.size else 0.0)
+
+
+def number_column(
+    path: Path,
+    name: str,
+    cells: Sequence[str],
+    where: Sequence[int],
+    decimal: str,
+    *,
+    thousands: str = "",
+    lenient: bool = False,
+) -> NDArray[np.float64]:
+    """The numbers of a column's cells, NaN for those that say that there is none; ``lenient``: for any other text."""
+    out = np.empty(len(cells))
+    for k, cell in enumerate(cells):
+        try:
+            out[k] = number_from_text(plain_number(cell, decimal, thousands))
+        except ValueError:
+            if not lenient and not is_missing(cell):
+                hint = "; declare decimal = ',' in a mapping file" if _DECIMAL_COMMA.fullmatch(cell) else ""
+                raise DataError(
+                    f"{path}, line {where[k]}, column '{name}': {shown(cell, 40)} is not a number{hint}."
+                ) from None
+            out[k] = np.nan
+    if lenient:
+        out[np.isinf(out)] = np.nan
+    if np.isinf(out).any():
+        raise DataError(f"{path}, line {where[int(np.argmax(np.isinf(out)))]}, column '{name}' is infinite.")
+    return out

@@ -1,0 +1,58 @@
+"""Finds the tables in a data file of any format that is known."""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from smarig.core import DataError, UsageError
+from smarig.exchange.forc_file import read_forc
+from smarig.exchange.found_table import FoundColumn, FoundTable
+from smarig.exchange.importing import LARGEST_BYTES
+from smarig.exchange.refused_files import check_data_file
+
+_HEAD = 4096  # bytes
+_FORC_WORDS = (b"first-order reversal curves", b"micromag", b"direct moment vs. field; first")
+
+
+def find_tables(path: Path, others: Sequence[Path] = ()) -> list[FoundTable]:
+    """The tables of a file, in order. A file of reversal curves is one table without columns to choose.
+
+    ``others`` are files given with it, of which some may belong to it. Raises UsageError for a missing file or extra,
+    and DataError for a file that holds no table.
+    """
+    if not path.is_file():
+        raise UsageError(f"There is no file {path}.")
+    if path.stat().st_size > LARGEST_BYTES:
+        raise DataError(f"{path} is larger than {LARGEST_BYTES // 10**9} GB. Split it.")
+    check_data_file(path)
+    with path.open("rb") as file:
+        head = file.read(_HEAD)
+    if head.startswith(b"PK"):
+        from smarig.exchange.workbook_file import workbook_tables
+
+        return workbook_tables(path)
+    if head.startswith((b"\x89HDF", b"MATLAB 7.3")):
+        from smarig.exchange.hdf5_file import hdf5_tables
+
+        return hdf5_tables(path)
+    if head.startswith(b"PAR1"):
+        from smarig.exchange.parquet_file import parquet_tables
+
+        return parquet_tables(path)
+    if head.startswith(b"MATLAB 5"):
+        from smarig.exchange.mat_tables import mat_tables
+
+        return mat_tables(path, others)
+    if any(word in head[:400].lower() for word in _FORC_WORDS):
+        return [_forc(path)]
+    from smarig.exchange.text_dialect import text_tables
+
+    return text_tables(path)
+
+
+def _forc(path: Path) -> FoundTable:
+    file = read_forc(path)
+    columns = (
+        FoundColumn("field", file.units[0], file.field),
+        FoundColumn("moment", file.units[1], file.moment),
+    )
+    return FoundTable(path, "forc", "", columns, {}, file.header)

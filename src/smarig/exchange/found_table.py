@@ -1,0 +1,58 @@
+"""A table found in a data file before anybody has said what its columns mean."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from smarig.exchange.text_table import Table
+
+CLOCK, NUMBER, TEXT = "clock", "number", "text"
+
+
+@dataclass(frozen=True, eq=False)
+class FoundColumn:
+    """A column: its name, the unit as written apart from the name ("" for none), values (n,), and kind.
+
+    Values are NaN where no number stands; those of a ``clock`` column are seconds from its first reading.
+    """
+
+    name: str
+    unit: str
+    values: NDArray[np.float64]
+    kind: str = NUMBER
+
+
+@dataclass(frozen=True, eq=False)
+class FoundTable:
+    """A table of a file: its columns, and ``layout``, the tables of a mapping file that describe where it stands.
+
+    ``format`` is the reader that reads it, ``name`` tells it from others in the same file ("" if it is alone), and
+    ``header`` are keys and values that stand before it. ``with_files`` are further files that belong to it.
+    """
+
+    path: Path
+    format: str
+    name: str
+    columns: tuple[FoundColumn, ...]
+    layout: dict[str, dict[str, Any]]
+    header: dict[str, str]
+    with_files: tuple[Path, ...] = ()
+
+    def __len__(self) -> int:
+        return self.columns[0].values.size if self.columns else 0
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The names of its columns."""
+        return tuple(column.name for column in self.columns)
+
+
+def found_columns(table: Table, units: dict[str, str], kinds: dict[str, str]) -> tuple[FoundColumn, ...]:
+    """The columns of a table that was read."""
+    return tuple(
+        FoundColumn(name, units.get(name, ""), values, kinds.get(name, NUMBER))
+        for name, values in table.columns.items()
+    )

@@ -1,0 +1,24 @@
+"""Reads data sets of an HDF5 file with a mapping file."""
+
+from pathlib import Path
+
+from smarig.core import UsageError
+from smarig.exchange.hdf5_file import read_hdf5
+from smarig.exchange.mapped_csv import mapped_draft
+from smarig.exchange.mapping import load_mapping
+from smarig.exchange.reader_result import RunDraft
+from smarig.exchange.rig_constants import RigConstants
+from smarig.exchange.with_heating_model import with_heating_model
+
+
+def hdf5(path: Path, *, rig: str | None = None, mapping: str | None = None) -> RunDraft:
+    """Data sets of an HDF5 file, described by a mapping file with a [hdf5] table."""
+    if mapping is None:
+        raise UsageError(
+            f"{path} needs a mapping file (--map) that names its columns; `smarig study` drafts one."
+        )
+    described = load_mapping(mapping)
+    if described.hdf5 is None:
+        raise UsageError(f"Mapping {described.name} has no [hdf5] table. Use --format {described.format}.")
+    draft = mapped_draft(path, read_hdf5(path, described, described.hdf5), described)
+    return with_heating_model(draft, RigConstants.named(rig)) if rig else draft

@@ -1,0 +1,184 @@
+"""Finds the tables in rows of cells: blocks of numbers, the names above them, and units between both."""
+
+import re
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from smarig.exchange.cell_values import clock_seconds, is_missing, is_number
+from smarig.exchange.found_table import CLOCK, NUMBER, TEXT
+from smarig.exchange.written_units import is_units_row
+
+FEWEST_ROWS = 3  # of a table
+_HEADER_ROWS = 4  # rows above the numbers that are searched for names and units
+_COMMENT = re.compile(r"^\s*(?:#+|%+|//+|;+|\*+)\s*")
+_BRACKETED = re.compile(r"[\[(<{](.*)[\])>}]")
+
+
+@dataclass(frozen=True)
+class NumberStyle:
+    """How a table writes numbers: decimal sign, and what stands between thousands."""
+
+    decimal: str = "."
+    thousands: str = ""
+
+    def kind(self, cell: str) -> str:
+        """Whether a cell is a number (or a word for a missing one), a clock time or another text."""
+        mixed = self.decimal == "," and "." in cell and "," not in cell and not self.thousands
+        if is_missing(cell) or (is_number(cell, self.decimal, self.thousands) and not mixed):
+            return NUMBER
+        return CLOCK if clock_seconds(cell) is not None else TEXT
+
+
+@dataclass(frozen=True)
+class FoundBlock:
+    """A table in rows (0 is the first): row of its names (None without), first row of numbers, and the row after it.
+
+    ``names`` are unique; ``own_names`` says that they differ from the cells of the header. ``units`` are the cells of
+    a row of units, "" where there is none. ``kinds`` are those of the columns. ``header`` counts equal headers before.
+    """
+
+    header: int | None
+    first: int
+    stop: int
+    names: tuple[str, ...]
+    units: tuple[str, ...]
+    kinds: tuple[str, ...]
+    own_names: bool
+
+
+def find_blocks(rows: Sequence[Sequence[str]], style: NumberStyle) -> list[FoundBlock]:
+    """The tables in rows of cells, in order; trailing empty cells are left out of the rows."""
+    kinds = [_row_kind(row, style) for row in rows]
+    start = kinds.index("data") if "data" in kinds else 0
+    titles = {tuple(row) for row in rows[:start] if row}
+    runs: list[list[int]] = []
+    for k, kind in enumerate(kinds):
+        if kind != "data":
+            continue
+        if runs and _joined(rows, kinds, runs[-1][1], k, titles):
+            runs[-1][1] = k + 1
+        else:
+            runs.append([k, k + 1])
+    found = [_block(rows, kinds, a, b, style) for a, b in runs]
+    return [block for block in found if block is not None]
+
+
+def _row_kind(row: Sequence[str], style: NumberStyle) -> str:
+    """ "data" for a row that holds mostly numbers, "text", or "blank"."""
+    filled = [style.kind(cell) if cell else "" for cell in row]
+    used = [kind for kind in filled if kind]
+    if row and row[0].startswith("#"):
+        return "text"
+    if not used:
+        return "blank"
+    numbers = sum(kind != TEXT for kind in used)
+    real = any(
+        kind == CLOCK or (kind == NUMBER and not is_missing(cell)) for kind, cell in zip(filled, row) if cell
+    )
+    return "data" if real and 2 * numbers > len(used) else "text"
+
+
+def _joined(
+    rows: Sequence[Sequence[str]], kinds: Sequence[str], end: int, k: int, titles: set[tuple[str, ...]]
+) -> bool:
+    """Whether rows ``end`` … ``k`` between two blocks are only blank, or only the header (one of
+    ``titles``) once more."""
+    between = [
+        i for i in range(end, k) if not (rows[i] and rows[i][0].startswith("#"))
+    ]  # comments do not count
+    if all(kinds[i] == "blank" for i in between):
+        return len(between) == 0 or len(rows[end - 1]) == len(rows[k])
+    if any(kinds[i] == "blank" for i in between):
+        return False
+    return all(tuple(rows[i]) in titles for i in between)
+
+
+def _block(
+    rows: Sequence[Sequence[str]], kinds: Sequence[str], first: int, stop: int, style: NumberStyle
+) -> FoundBlock | None:
+    data = [row for k, row in enumerate(rows[first:stop], first) if kinds[k] == "data"]
+    width = Counter(len(row) for row in data).most_common(1)[0][0] if data else 0
+    width = max([width, *(len(row) for row in data)])
+    if len(data) < FEWEST_ROWS or width < 2:
+        return None
+    header, unit_row = _header_rows(rows, kinds, first, width)
+    written = list(rows[header]) if header is not None else []
+    names, own = _names(written, width)
+    units = [_unbracketed(cell) for cell in (rows[unit_row] if unit_row is not None else [])]
+    units += [""] * (len(names) - len(units))
+    columns = tuple(_column_kind([row[k] for row in data if k < len(row)], style) for k in range(len(names)))
+    return FoundBlock(header, first, stop, names, tuple(units[: len(names)]), columns, own)
+
+
+def _header_rows(
+    rows: Sequence[Sequence[str]], kinds: Sequence[str], first: int, width: int
+) -> tuple[int | None, int | None]:
+    """The row of names and the row of units above the first row of numbers."""
+    above: list[int] = []
+    for k in range(first - 1, max(first - 2 - _HEADER_ROWS, -1), -1):
+        if kinds[k] == "data":
+            break
+        if kinds[k] == "text":
+            above.append(k)
+    wide = [k for k in above[:_HEADER_ROWS] if _fills(rows[k], width) or is_units_row(rows[k])]
+    if not wide:
+        return None, None
+    for k, before in zip(wide, wide[1:]):
+        if before == k - 1 and is_units_row(rows[k]) and not is_units_row(rows[before]):
+            return before, k
+    return wide[0], None
+
+
+def _fills(row: Sequence[str], width: int) -> bool:
+    """Whether a row has cells for most columns."""
+    return len(row) >= width or 2 * sum(bool(cell) for cell in row) > width
+
+
+def _names(written: Sequence[str], width: int) -> tuple[tuple[str, ...], bool]:
+    """Unique names of the columns, and whether they differ from what the header's cells say."""
+    cells = [_COMMENT.sub("", cell) if k == 0 else cell for k, cell in enumerate(written)]
+    if len(cells) == width + 1 and not cells[0]:
+        cells = cells[1:]
+    if len(cells) > width:
+        cells = _with_brackets_joined(cells)
+    if not cells or len([c for c in cells if c]) * 2 < min(width, len(cells)):
+        cells = []
+    names = [cell or f"column {k + 1}" for k, cell in enumerate(cells)]
+    names += [f"column {k + 1}" for k in range(len(names), width)]
+    times: Counter[str] = Counter()
+    unique = []
+    for name in names:
+        times[name] += 1
+        unique.append(name if times[name] == 1 else f"{name} ({times[name]})")
+    plain = [cell or f"column {k + 1}" for k, cell in enumerate(written)]
+    return tuple(unique), unique != plain
+
+
+def _with_brackets_joined(cells: Sequence[str]) -> list[str]:
+    """Cells of a header that blanks divide, with units in brackets joined to the names before them."""
+    out: list[str] = []
+    for cell in cells:
+        if out and (
+            cell[:1] in "[("
+            or out[-1].count("(") + out[-1].count("[") > out[-1].count(")") + out[-1].count("]")
+        ):
+            out[-1] = f"{out[-1]} {cell}"
+        else:
+            out.append(cell)
+    return out
+
+
+def _unbracketed(cell: str) -> str:
+    match = _BRACKETED.fullmatch(cell.strip())
+    return (match[1] if match else cell).strip()
+
+
+def _column_kind(cells: Sequence[str], style: NumberStyle) -> str:
+    """The kind of a column: that of most of its cells that are not missing."""
+    found = Counter(style.kind(cell) for cell in cells[:5000] if not is_missing(cell))
+    if not found:
+        return NUMBER
+    if found[TEXT]:
+        return TEXT
+    return CLOCK if found[CLOCK] > found[NUMBER] else NUMBER

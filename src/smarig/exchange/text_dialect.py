@@ -1,0 +1,174 @@
+"""Finds the tables in a text whatever its dialect: delimiter, decimal sign, thousands, headers, units rows."""
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import product
+from pathlib import Path
+
+from smarig.core import DataError
+from smarig.exchange.found_table import CLOCK, TEXT, FoundTable, found_columns
+from smarig.exchange.table_file import read_table
+from smarig.exchange.table_structure import FEWEST_ROWS, FoundBlock, NumberStyle, find_blocks
+from smarig.exchange.text_table import (
+    DELIMITERS,
+    HEADER_WITHIN,
+    MAX_LINE,
+    TableLayout,
+    check_lines,
+    preamble_keys,
+    read_text,
+    split,
+)
+
+_SAMPLE = 250  # lines at the beginning, and as many from the rest, by which the dialect is chosen
+_MOST_LINES = 40_000  # a longer file counts as one table after its first lines
+_STYLES = (
+    NumberStyle("."),
+    NumberStyle(","),
+    *(
+        NumberStyle(decimal, thousands)
+        for decimal in ".,"
+        for thousands in (",", ".", "'", "space")
+        if decimal != thousands
+    ),
+)
+_SEPARATOR_LINE = re.compile(r"sep=(.)", re.IGNORECASE)
+_LONGEST_START = 60  # characters of a header by which tables of one file are told apart
+
+
+@dataclass(frozen=True)
+class _Dialect:
+    delimiter: str  # a key of DELIMITERS
+    style: NumberStyle
+
+    def rows(self, lines: Sequence[str]) -> list[list[str]]:
+        """The cells of each line."""
+        return [split(line, DELIMITERS[self.delimiter]) for line in lines]
+
+
+def text_tables(path: Path) -> list[FoundTable]:
+    """The tables of a text file, in order; DataError if it holds none."""
+    text, _ = read_text(path)
+    lines = text.splitlines()
+    check_lines(path, lines, MAX_LINE)
+    dialect = _chosen(lines)
+    blocks = find_blocks(dialect.rows(lines[:_MOST_LINES]), dialect.style) if dialect else []
+    if not dialect or not blocks:
+        raise DataError(
+            f"{path} holds no table: it has no {FEWEST_ROWS} lines of at least two numbers. "
+            "Give a file of measured columns."
+        )
+    found = [_table(path, lines, dialect, block, blocks) for block in blocks]
+    return [table for table in found if table is not None]
+
+
+def _chosen(lines: Sequence[str]) -> _Dialect | None:
+    """The dialect in which most cells of the text are numbers."""
+    sample = list(lines[:_SAMPLE])
+    rest = lines[_SAMPLE:_MOST_LINES]
+    middle = max((len(rest) - _SAMPLE) // 2, 0)
+    sample += rest[middle : middle + _SAMPLE]
+    stated = _SEPARATOR_LINE.fullmatch(lines[0].strip().strip('"')) if lines else None
+    delimiters = [name for name, sign in DELIMITERS.items() if not stated or sign == stated[1]] or list(
+        DELIMITERS
+    )
+    best, most = None, 0.0
+    for delimiter, style in product(delimiters, _STYLES):
+        quoted = any('"' in line for line in sample)
+        signs = (style.decimal, style.thousands)
+        if not quoted and (DELIMITERS[delimiter] in signs or (delimiter == "space" and "space" in signs)):
+            continue
+        dialect = _Dialect(delimiter, style)
+        rated = _rating(dialect, sample) - 1e-6 * bool(style.thousands) - 1e-7 * _STYLES.index(style)
+        if rated > most * (1 + 1e-9) + 1e-9:
+            best, most = dialect, rated
+    return best
+
+
+def _rating(dialect: _Dialect, sample: Sequence[str]) -> float:
+    """The number of numbers in tables, less that of other texts in their rows."""
+    rows = dialect.rows(sample)
+    total = 0.0
+    for block in find_blocks(rows, dialect.style):
+        for row in rows[block.first : block.stop]:
+            kinds = [dialect.style.kind(cell) for cell in row if cell]
+            total += sum(1.0 if kind != TEXT else -0.6 for kind in kinds)
+    return total
+
+
+def _table(
+    path: Path,
+    lines: Sequence[str],
+    dialect: _Dialect,
+    block: FoundBlock,
+    blocks: Sequence[FoundBlock],
+) -> FoundTable | None:
+    entries = _entries(lines, dialect, block, blocks)
+    if entries is None:
+        return None
+    kinds = dict(zip(block.names, block.kinds))
+    clock = next((name for name, kind in kinds.items() if kind == CLOCK), "")
+    layout = TableLayout(
+        known=() if "names" in entries else block.names,
+        names=tuple(entries.get("names", ())),
+        delimiter=dialect.delimiter,
+        decimal=dialect.style.decimal,
+        header_starts=entries.get("header_starts", ""),
+        table=entries.get("table", 1),
+        thousands=dialect.style.thousands,
+        header_line=entries.get("header_line", 0),
+        units_rows=entries.get("units_rows", 0),
+        clock=clock,
+        text=tuple(name for name, kind in kinds.items() if kind != "number" and name != clock),
+    )
+    table = read_table(path, layout)
+    begin = max((b.stop for b in blocks if b.stop <= block.first), default=0)
+    before = lines[begin : block.first if block.header is None else block.header]
+    number = blocks.index(block) + 1
+    return FoundTable(
+        path=path,
+        format="csv",
+        name=f"table {number}" if len(blocks) > 1 else "",
+        columns=found_columns(table, dict(zip(block.names, block.units)), kinds),
+        layout={"file": entries},
+        header=preamble_keys([line.strip("# ") for line in before if line.strip()]),
+    )
+
+
+def _entries(
+    lines: Sequence[str], dialect: _Dialect, block: FoundBlock, blocks: Sequence[FoundBlock]
+) -> dict | None:
+    """The [file] table of a mapping; None for a further table without a header, which no mapping can describe."""
+    entries: dict = {"delimiter": dialect.delimiter}
+    if dialect.style.decimal != ".":
+        entries["decimal"] = dialect.style.decimal
+    if dialect.style.thousands:
+        entries["thousands"] = dialect.style.thousands
+    if block.header is None:
+        return entries | {"names": list(block.names)} if block is blocks[0] else None
+    if len(blocks) > 1:
+        if block.own_names:
+            return None if block is not blocks[0] else entries | _at_line(block)
+        start = lines[block.header][:_LONGEST_START]
+        similar = [b for b in blocks if b.header is not None and lines[b.header].startswith(start)]
+        entries |= {"header_starts": start, "table": similar.index(block) + 1}
+        return entries | _units_rows(block)
+    return entries | (
+        _at_line(block) if block.own_names or not _found_by_name(lines, block) else _units_rows(block)
+    )
+
+
+def _found_by_name(lines: Sequence[str], block: FoundBlock) -> bool:
+    """Whether the header is near enough to the beginning, and no comment, so that its names identify it."""
+    header = block.header or 0
+    return header < HEADER_WITHIN and not lines[header].startswith("#")
+
+
+def _at_line(block: FoundBlock) -> dict:
+    return {"header_line": (block.header or 0) + 1, "names": list(block.names)} | _units_rows(block)
+
+
+def _units_rows(block: FoundBlock) -> dict:
+    skipped = block.first - (block.header or 0) - 1
+    return {"units_rows": skipped} if skipped else {}

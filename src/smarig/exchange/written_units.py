@@ -1,0 +1,104 @@
+"""Units as data files of other programs and languages write them."""
+
+import re
+from collections.abc import Sequence
+
+from smarig.exchange.units import UNITS, spelled
+
+_BRACKETED = re.compile(r"[\[(<{](.*)[\])>}]")
+
+
+def is_units_row(row: Sequence[str]) -> bool:
+    """Whether the cells of a row are units, in brackets or not.
+
+    >>> is_units_row(["s", "°C", "[mm]"]), is_units_row(["Time", "Temperature"]), is_units_row(["", "(N)", "-"])
+    (True, False, True)
+    """
+    cells = [cell.strip() for cell in row if cell.strip()]
+    units = [_BRACKETED.fullmatch(cell) is not None or is_unit(cell) or cell in ("-", "--") for cell in cells]
+    return bool(cells) and sum(units) >= max(1, (3 * len(cells) + 3) // 4)
+
+
+def is_unit(text: str) -> bool:
+    """Whether a text is a unit that is known, however it is spelled.
+
+    >>> is_unit("°C"), is_unit("N/mm²"), is_unit("stC"), is_unit("Temp")
+    (True, True, True, False)
+    """
+    return known_unit(text) != ""
+
+
+_FOREIGN = {  # spellings of other programs and languages
+    "c": "degC",
+    "stc": "degC",
+    "celsius": "degC",
+    "deg.c": "degC",
+    "deg c": "degC",
+    "grad c": "degC",
+    "°": "deg",
+    "kelvin": "K",
+    "sec": "s",
+    "secs": "s",
+    "seconds": "s",
+    "sek": "s",
+    "sekunden": "s",
+    "second": "s",
+    "minutes": "min",
+    "minuten": "min",
+    "hours": "h",
+    "hr": "h",
+    "std": "h",
+    "msec": "ms",
+    "millimeter": "mm",
+    "volts": "V",
+    "volt": "V",
+    "amps": "A",
+    "amp": "A",
+    "ampere": "A",
+    "newton": "N",
+    "inch": "in",
+    "inches": "in",
+    '"': "in",
+    "percent": "%",
+    "pct": "%",
+    "prozent": "%",
+    "n/mm^2": "MPa",
+    "n/mm2": "MPa",
+    "n/mm²": "MPa",
+    "mm/mm": "mm/mm",
+    "m/m": "mm/mm",
+    "in/in": "mm/mm",
+    "microstrain": "ppm",
+    "µm/m": "ppm",
+    "um/m": "ppm",
+    "oersted": "Oe",
+    "gauss": "G",
+    "tesla": "T",
+    "am2": "A m^2",
+    "counts": "count",
+    "adc": "count",
+    "uc/cm2": "uC/cm^2",
+    "µc/cm²": "uC/cm^2",
+    "µc/cm2": "uC/cm^2",
+    "ohms": "ohm",
+    "fahrenheit": "degF",
+    "f": "degF",
+}
+_CASED = {"C": "degC", "F": "degF"}  # one letter that stands for a temperature beside a name of one only
+
+
+def known_unit(text: str, *, temperature: bool = False) -> str:
+    """The one spelling of a unit, "" if it is unknown; ``temperature``: C and F are degrees.
+
+    >>> known_unit("sec"), known_unit("N/mm²"), known_unit("C"), known_unit("C", temperature=True), known_unit("rpm")
+    ('s', 'MPa', 'C', 'degC', '')
+    """
+    word = text.strip().strip("[](){}<>").strip()
+    if temperature and word in _CASED:
+        return _CASED[word]
+    if not word or word == "-":
+        return ""
+    if spelled(word) in UNITS:
+        return spelled(word)
+    found = _FOREIGN.get(word.lower(), "")
+    return "" if len(word) == 1 and word != '"' and word != "°" else found

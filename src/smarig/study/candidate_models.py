@@ -1,0 +1,130 @@
+"""Identifies the models that the data allow and judges each on the held-out data."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from smarig.core import DataError, UsageError
+from smarig.identification import RunVerification, identify, verify
+from smarig.replay import Model
+from smarig.study.baselines import BRANCHES, RunPoints, baseline_rms, baselines, points_of
+from smarig.study.data_split import LOAD, DataSplit
+
+_ONE_MODEL = "one model of all loads"
+_POSITIVE = "positive measure"
+_EXTENDED = "extended model of the diagnosis"
+_SURFACES = {"table": "table of the curves", "exponential": "exponential surface"}
+
+
+@dataclass(frozen=True, eq=False)
+class CandidateModel:
+    """A model with its errors on training and held-out runs (in-sample twice if nothing is held out)."""
+
+    name: str
+    model: Model
+    warnings: tuple[str, ...]
+    train: tuple[RunVerification, ...]
+    held_out: tuple[RunVerification, ...]
+
+    @property
+    def rms(self) -> float:
+        """Rms error over all held-out points."""
+        return _pooled(self.held_out)
+
+    @property
+    def train_rms(self) -> float:
+        """Rms error over all training points."""
+        return _pooled(self.train)
+
+
+@dataclass(frozen=True, eq=False)
+class Evaluation:
+    """All candidates, the best first; simple curves with their rms errors; and models that failed with the reason."""
+
+    candidates: tuple[CandidateModel, ...]
+    simple: dict[str, float]
+    failed: dict[str, str]
+
+    @property
+    def best(self) -> CandidateModel:
+        """The candidate with the least error on held-out data."""
+        return self.candidates[0]
+
+    @property
+    def plain(self) -> CandidateModel:
+        """The candidate without a load, which a diagnosis starts from."""
+        return next((c for c in self.candidates if c.name != _ONE_MODEL), self.best)
+
+
+def evaluate(split: DataSplit, progress: Callable[[str], None]) -> Evaluation:
+    """Fit and judge the candidates, and simple curves beside them. DataError if no model can be identified."""
+    found, failed = [], {}
+    for name, settings in _candidates(split):
+        progress(f"fitting: {name}")
+        try:
+            result = identify(list(split.train), **settings)
+            found.append(_evaluated(name, result.model, result.warnings, split))
+        except (DataError, UsageError) as error:
+            failed[name] = str(error)
+    if not found:
+        raise DataError("No model can be identified. " + " ".join(dict.fromkeys(failed.values())))
+    found.sort(key=lambda c: c.rms)
+    return Evaluation(tuple(found), _simple(found[0], split), failed)
+
+
+def with_extended(evaluation: Evaluation, model: Model, split: DataSplit) -> Evaluation:
+    """The evaluation with the extended model of a diagnosis; it comes first only if it is best on held-out data."""
+    try:
+        extended = _evaluated(_EXTENDED, model, model.warnings, split)
+    except (DataError, UsageError) as error:
+        return replace(evaluation, failed=evaluation.failed | {_EXTENDED: str(error)})
+    first, *rest = evaluation.candidates
+    ahead = split.kind != "none" and extended.rms < first.rms
+    ordered = (extended, first, *rest) if ahead else (first, *sorted([extended, *rest], key=lambda c: c.rms))
+    return replace(evaluation, candidates=ordered)
+
+
+def _candidates(split: DataSplit) -> list[tuple[str, dict[str, Any]]]:
+    if split.select is not None:
+        chosen = {"select": split.select[0]}
+        return [(name, {"surface": kind, **chosen}) for kind, name in _SURFACES.items()]
+    found: list[tuple[str, dict[str, Any]]] = [(_POSITIVE, {"surface": "positive"})]
+    if split.kind == "load":
+        found.append((_ONE_MODEL, {"load_from": LOAD}))
+    return found
+
+
+def _evaluated(name: str, model: Model, warnings: Sequence[str], split: DataSplit) -> CandidateModel:
+    """The errors of a model on the training and held-out parts."""
+    train, held_out = list(split.train), list(split.held_out)
+    if split.select is not None:
+        fitted, other = (verify(model, train, select=select).runs for select in split.select)
+    elif split.continued:
+        both = verify(model, [*train, *held_out]).runs
+        fitted, other = both[: len(train)], both[len(train) :]
+    else:
+        fitted = verify(model, train).runs
+        other = verify(model, held_out).runs if held_out else fitted
+    return CandidateModel(name, model, tuple(warnings), tuple(fitted), tuple(other))
+
+
+def _simple(best: CandidateModel, split: DataSplit) -> dict[str, float]:
+    """Errors of simple curves, fitted and tested at the same points as the model.
+
+    If nothing is held out, both branches of the one loop are left out: their mean is the measured loop itself.
+    """
+    train, held_out = ([_points(r) for r in runs] for runs in (best.train, best.held_out))
+    free = [r.offset_kind == "fitted" for r in best.held_out]
+    known = [b for b in baselines(train) if split.kind != "none" or b.name != BRANCHES]
+    return {b.name: baseline_rms(b, held_out, free) for b in known}
+
+
+def _points(run: RunVerification) -> RunPoints:
+    return points_of(run.input, run.measured, run.counted & np.isfinite(run.predicted))
+
+
+def _pooled(runs: Sequence[RunVerification]) -> float:
+    total = sum(r.settled.n * r.settled.rms**2 for r in runs)
+    return float(np.sqrt(total / sum(r.settled.n for r in runs)))

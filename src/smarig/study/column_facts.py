@@ -1,0 +1,89 @@
+"""What the numbers of a column look like: range, step, order, repeated values."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from smarig.exchange import FoundColumn
+
+Array = NDArray[np.float64]
+CONSTANT_SHARE = 0.1  # of the mean: a column that varies less counts as a condition
+_EVEN_SHARE = 0.02  # of the step: steps that differ less are equal
+
+
+@dataclass(frozen=True, eq=False)
+class ColumnFacts:
+    """Facts about a column: ``values`` (n,), ``missing`` of them, range, ``spread`` of all but
+    the outermost 2 %, and median ``step`` between different rows.
+
+    ``rising``: no row is below the one before. ``even``: the steps are equal. ``whole``: all are whole numbers.
+    ``constant``: all lie within a tenth of their mean. ``levels`` is the number of different values.
+    """
+
+    name: str
+    written_unit: str
+    kind: str
+    values: Array
+    missing: int
+    low: float
+    high: float
+    step: float
+    spread: float
+    rising: bool
+    even: bool
+    whole: bool
+    constant: bool
+    levels: int
+
+    @property
+    def span(self) -> float:
+        """Highest minus lowest value."""
+        return self.high - self.low
+
+    @property
+    def known(self) -> Array:
+        """The values that are numbers."""
+        return self.values[np.isfinite(self.values)]
+
+    def looks(self) -> str:
+        """What the numbers look like, in a few words."""
+        if not self.known.size:
+            return "no numbers"
+        if self.levels == 1:
+            return "one value throughout"
+        if self.rising and self.span > 0:
+            return "rises evenly" if self.even else "rises"
+        if self.constant:
+            return "varies little"
+        return "whole numbers, up and down" if self.whole else "up and down"
+
+
+def column_facts(column: FoundColumn) -> ColumnFacts:
+    """The facts about a column.
+
+    >>> column_facts(FoundColumn("t", "s", np.arange(5.0))).looks()
+    'rises evenly'
+    """
+    x = column.values[np.isfinite(column.values)]
+    steps = np.diff(x)
+    moved = np.abs(steps[steps != 0])
+    step = float(np.median(moved)) if moved.size else 0.0
+    mean = float(np.mean(np.abs(x))) if x.size else 0.0
+    spread = np.quantile(x, 0.98) - np.quantile(x, 0.02) if x.size else 0.0
+    return ColumnFacts(
+        name=column.name,
+        written_unit=column.unit,
+        kind=column.kind,
+        values=column.values,
+        missing=int(column.values.size - x.size),
+        low=float(x.min()) if x.size else np.nan,
+        high=float(x.max()) if x.size else np.nan,
+        step=step,
+        spread=float(spread),
+        rising=bool(x.size > 1 and (steps >= 0).all() and x[-1] > x[0]),
+        even=bool(moved.size > 1 and moved.size == steps.size and np.ptp(moved) <= _EVEN_SHARE * step),
+        whole=bool(x.size and (x == np.round(x)).all()),
+        constant=bool(x.size and spread <= CONSTANT_SHARE * mean),
+        levels=int(np.unique(x).size),
+    )

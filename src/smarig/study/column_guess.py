@@ -1,0 +1,215 @@
+"""Guesses the quantity and unit of each column of a table, each with its reason and a confidence."""
+
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from smarig.exchange import FoundTable, dimension, known_unit
+from smarig.study import quantity_words as q
+from smarig.study.column_facts import ColumnFacts, column_facts
+
+STATED, LIKELY, WEAK, NONE = 0.95, 0.75, 0.5, 0.2  # confidences
+UNSURE = 0.5  # a role or unit that is less sure needs an answer
+_STRAIN_MM = 0.1  # larger strains are not in mm/mm
+_STRAIN_PERCENT = 15.0
+_KELVIN_ABOVE = 200.0  # a temperature that never falls below is in K
+_IN_NAME = re.compile(r"(?<![\d.])(-?\d+(?:[.,]\d+)?)\s*_?(MPa|N|degC|°C|C|Hz)(?![A-Za-z])")
+
+
+@dataclass(frozen=True, eq=False)
+class ColumnGuess:
+    """The meaning of a column: quantity and unit, each with the reason and a confidence between 0 and 1."""
+
+    facts: ColumnFacts
+    label: str
+    quantity: str
+    quantity_reason: str
+    quantity_confidence: float
+    unit: str
+    unit_reason: str
+    unit_confidence: float
+    commanded: bool = False
+
+    @property
+    def name(self) -> str:
+        """The name of the column in the file."""
+        return self.facts.name
+
+    def corrected(self, unit: str) -> "ColumnGuess":
+        """The guess with a unit that the user gave."""
+        quantity = self.quantity or q.quantity_of_unit(unit)
+        return replace(
+            self,
+            unit=unit,
+            unit_reason="given by you",
+            unit_confidence=1.0,
+            quantity=quantity,
+            quantity_confidence=max(self.quantity_confidence, LIKELY if quantity else 0.0),
+        )
+
+
+def guess_columns(
+    table: FoundTable, units: Mapping[str, str], files: Sequence[str] = ()
+) -> list[ColumnGuess]:
+    """A guess for each column of a table. ``units`` are given by the user; ``files`` names of files of this layout."""
+    guesses = [_by_name(column_facts(column)) for column in table.columns]
+    guesses = _by_numbers(guesses, [table.path.name, table.path.stem, *files])
+    guesses = [_with_unit(guess) for guess in guesses]
+    return [g.corrected(units[g.name]) if g.name in units else g for g in guesses]
+
+
+def _by_name(facts: ColumnFacts) -> ColumnGuess:
+    """The quantity by name and unit."""
+    nameless = bool(re.fullmatch(r"column \d+|\S+/column \d+", facts.name))
+    label, written = q.name_and_unit("" if nameless else facts.name, facts.written_unit)
+    quantity, commanded = q.quantity_of_name(label.split("/")[-1]) if label else ("", False)
+    unit = known_unit(
+        written, temperature=quantity in (q.TEMPERATURE, q.AMBIENT) or label.strip().lower() in ("t", "temp")
+    )
+    if label.strip() in ("T", "ϑ", "θ", "Θ") and dimension(unit or "K") == "temperature":
+        quantity = q.TEMPERATURE if unit or not (facts.rising and facts.even) else q.TIME
+    by_unit = q.quantity_of_unit(unit)
+    confidence = LIKELY if quantity else 0.0
+    reason = f"its name '{label}'" if quantity else ""
+    if (
+        by_unit
+        and dimension(unit) not in q.DIMENSIONS.get(quantity, ())
+        and quantity not in (q.RATE, q.INDEX)
+    ):
+        quantity, reason, confidence = by_unit, f"its unit {unit}", LIKELY
+    elif by_unit and quantity:
+        confidence, reason = STATED, f"its name '{label}' and its unit {unit}"
+    if facts.kind == "clock":
+        quantity, unit, reason, confidence = q.TIME, "s", "clock times", STATED
+    if written and not unit and quantity:
+        unit_reason, unit_confidence = f"written as '{written}', which is unknown", NONE
+    else:
+        unit_reason, unit_confidence = ("stated in the file", STATED) if unit else ("", 0.0)
+    return ColumnGuess(
+        facts, label, quantity, reason, confidence, unit, unit_reason, unit_confidence, commanded
+    )
+
+
+def _by_numbers(guesses: list[ColumnGuess], files: Sequence[str]) -> list[ColumnGuess]:
+    """Quantities of columns whose names and units say nothing, by their numbers and by the names of the files."""
+    out = []
+    for k, guess in enumerate(guesses):
+        f = guess.facts
+        if guess.quantity or not f.known.size:
+            out.append(guess)
+        elif f.rising and f.whole and f.even:
+            out.append(_found(guess, q.INDEX, "whole numbers that rise evenly", LIKELY))
+        elif f.rising and k == 0 and f.levels > 0.5 * f.known.size:
+            out.append(_found(guess, q.TIME, "rises from row to row, in the first column", LIKELY))
+        elif f.levels <= 3 and f.span < 1e-3 and not f.constant:
+            out.append(
+                _found(guess, q.INDEX, "two or three tiny values in turn: a time within a pair of rows", WEAK)
+            )
+        elif f.constant and (found := _value_in_name(f, files)):
+            out.append(
+                _found(guess, found, f"its value {np.mean(f.known):.4g} is in the file's name", LIKELY)
+            )
+        else:
+            out.append(guess)
+    unknown = [g for g in out if not g.quantity and g.facts.known.size and g.facts.span > 0]
+    warm = [g for g in unknown if _like_temperature(g.facts)]
+    widest = max(warm, key=lambda g: g.facts.span, default=None)
+    warm = [g for g in warm if widest is not None and _near(g.facts, widest.facts)]
+    has_temperature = any(g.quantity == q.TEMPERATURE for g in out)
+    for guess in warm if not has_temperature else []:
+        reason = (
+            f"goes up and down from {guess.facts.low:.3g} to {guess.facts.high:.3g}, as temperatures in °C do"
+        )
+        out[out.index(guess)] = _found(guess, q.TEMPERATURE, reason, LIKELY)
+    for guess in [g for g in out if g in unknown]:
+        loaded = any(g.quantity == q.STRESS for g in out)
+        most = max(abs(guess.facts.low), abs(guess.facts.high))
+        if most < _STRAIN_MM or (loaded and most < _STRAIN_PERCENT):
+            reason = "its range is that of a strain" + (" beside a stress" if loaded else "")
+            out[out.index(guess)] = _found(guess, q.STRAIN, reason, 0.7)
+        elif any(g.quantity == q.TEMPERATURE for g in out) and not guess.facts.constant:
+            out[out.index(guess)] = _found(guess, q.DISPLACEMENT, "what moves beside a temperature", 0.6)
+    return out
+
+
+def _near(a: ColumnFacts, b: ColumnFacts) -> bool:
+    """Whether two columns show one quantity: their medians differ by less than a fifth of the wider range."""
+    return bool(
+        abs(np.nanmedian(a.values) - np.nanmedian(b.values)) <= 0.2 * b.span and a.span > 0.5 * b.span
+    )
+
+
+def _like_temperature(f: ColumnFacts) -> bool:
+    """Whether numbers may be temperatures of a wire in °C: they pass 15 and begin between −60 and 200."""
+    return not f.constant and f.span > 15 and f.low > -200 and 15 < f.high < 800 and -60 < f.known[0] < 200
+
+
+def _value_in_name(f: ColumnFacts, files: Sequence[str]) -> str:
+    """The quantity of a nearly constant column whose value a file's name states with a unit."""
+    mean = float(np.mean(f.known))
+    for text in files:
+        for value, unit in _IN_NAME.findall(text):
+            if abs(float(value.replace(",", ".")) - mean) <= 0.05 * abs(mean):
+                return {"MPa": q.STRESS, "N": q.FORCE, "Hz": "frequency"}.get(unit, q.TEMPERATURE)
+    return ""
+
+
+def conditions_in_name(stem: str) -> dict[str, tuple[float, str]]:
+    """Conditions that a file's name states with their units: value and unit by name.
+
+    >>> conditions_in_name("wire_150MPa")
+    {'stress': (150.0, 'MPa')}
+    """
+    names = {"MPa": ("stress", "MPa"), "N": ("load", "N"), "Hz": ("frequency", "Hz")}
+    found = {}
+    for value, unit in _IN_NAME.findall(stem):
+        if unit in names:
+            found[names[unit][0]] = (float(value.replace(",", ".")), names[unit][1])
+    return found
+
+
+def _found(guess: ColumnGuess, quantity: str, reason: str, confidence: float) -> ColumnGuess:
+    return replace(guess, quantity=quantity, quantity_reason=reason, quantity_confidence=confidence)
+
+
+def _with_unit(guess: ColumnGuess) -> ColumnGuess:
+    """The guess with a unit where the file states none."""
+    f = guess.facts
+    if guess.unit or not guess.quantity or not f.known.size:
+        return guess
+    most = max(abs(f.low), abs(f.high))
+    match guess.quantity:
+        case q.TEMPERATURE | q.AMBIENT:
+            unit = "K" if f.low > _KELVIN_ABOVE else "degC"
+            reason, sure = f"{f.low:.3g} to {f.high:.3g} are plausible temperatures in {unit}", LIKELY
+        case q.STRAIN:
+            unit = "mm/mm" if most < _STRAIN_MM else "%" if most < _STRAIN_PERCENT else "ppm"
+            reason, sure = f"{most:.3g} would be an impossible strain in another unit", LIKELY
+        case q.STRESS:
+            unit = "Pa" if most > 1e5 else "MPa"
+            reason, sure = f"{most:.3g} is a usual stress in {unit}", LIKELY
+        case q.TIME:
+            unit, reason, sure = "s", "the usual unit of time", 0.7
+        case q.CURRENT | q.VOLTAGE | q.RESISTANCE | q.POWER:
+            unit = {q.CURRENT: "A", q.VOLTAGE: "V", q.RESISTANCE: "ohm", q.POWER: "W"}[guess.quantity]
+            reason, sure = "the SI unit, as none is stated", WEAK
+        case q.DUTY:
+            unit, reason, sure = ("%" if 1 < most <= 100 else "1" if most <= 1 else "count"), "its range", 0.6
+        case q.FORCE if f.whole and most > 100:
+            unit, reason, sure = "count", "whole numbers: readings of a converter", 0.7
+        case q.FORCE:
+            unit, reason, sure = "N", "the SI unit, as none is stated", WEAK
+        case q.DISPLACEMENT:
+            unit, reason, sure = "mm", "assumed: no unit is stated", WEAK
+        case q.ANGLE:
+            unit, reason, sure = "deg", "assumed: no unit is stated", WEAK
+        case q.FIELD:
+            unit = "A/m" if most > 20 else "T"
+            reason, sure = f"{most:.3g} would be extreme in another unit", WEAK
+        case q.FLUX:
+            unit, reason, sure = "T", f"{most:.3g} is a usual flux density in T", 0.7
+        case _:
+            return guess
+    return replace(guess, unit=unit, unit_reason=reason, unit_confidence=sure)

@@ -1,0 +1,166 @@
+"""A study of each of many files: in parallel, continued where it was interrupted, and compared on one page."""
+
+import json
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from smarig.core import SmarigError, UsageError, atomic_file
+from smarig.report import LIBRARY, write_library
+from smarig.study.parallel import completed
+from smarig.study.studies_page import studies_page
+from smarig.study.study import STUDY_JSON, STUDY_PAGE, plain, study
+from smarig.study.study_options import StudyOptions, study_key
+
+MOST_FILES = 100_000
+_NOT_DATA = (".md", ".py", ".m", ".html", ".htm", ".toml", ".yaml", ".yml", ".ini", ".log", ".zip", ".gz")
+
+
+@dataclass(frozen=True)
+class FileOutcome:
+    """What became of one file: its folder, the JSON object of its study, or the reason of its failure.
+
+    ``reused``: an earlier result with equal file and options was kept.
+    """
+
+    file: str
+    folder: str
+    found: dict[str, Any] | None = None
+    failure: str = ""
+    reused: bool = False
+
+
+def files_of(places: Sequence[Path]) -> list[Path]:
+    """The files given, and all in the given folders and below, in order; hidden files, texts and programs are left out.
+
+    Raises UsageError for a place that does not exist, or if nothing is left.
+    """
+    found: list[Path] = []
+    for place in places:
+        if place.is_dir():
+            found += [p for p in sorted(place.rglob("*")) if p.is_file() and _may_hold_data(p, place)]
+        elif place.is_file():
+            found.append(place)
+        else:
+            raise UsageError(f"There is no file {place}.")
+    if not found:
+        raise UsageError(f"There is no file in {', '.join(map(str, places))}.")
+    if len(found) > MOST_FILES:
+        raise UsageError(f"These are {len(found)} files, more than {MOST_FILES}. Study a part of them.")
+    return list(dict.fromkeys(found))
+
+
+def study_each(
+    places: Sequence[Path],
+    out: Path,
+    options: StudyOptions,
+    *,
+    workers: int,
+    scheduler: str | None = None,
+    progress: Callable[[str], None] = lambda _: None,
+) -> list[FileOutcome]:
+    """Study each file on its own in ``out``/NAME and write a page that compares them.
+
+    ``workers`` processes, or the workers of the Dask ``scheduler`` at an address. A file that fails is listed with its
+    reason. Earlier results of equal files and options are kept.
+    """
+    files = files_of(places)
+    out.mkdir(parents=True, exist_ok=True)
+    write_library(out)
+    tasks = [(str(file), str(out / name), options) for file, name in zip(files, _folders(files, places))]
+    outcomes: dict[str, FileOutcome] = {}
+    waiting = []
+    for task in tasks:
+        kept = _earlier(*task)
+        if kept is None:
+            waiting.append(task)
+        else:
+            outcomes[task[0]] = kept
+    if outcomes:
+        progress(f"{len(outcomes)} of {len(tasks)} files were studied before")
+    for done, outcome in enumerate(
+        completed(study_one, waiting, workers, scheduler), start=len(outcomes) + 1
+    ):
+        outcomes[outcome.file] = outcome
+        progress(f"{done} of {len(tasks)}: {outcome.file} {_short(outcome)}")
+    ordered = [outcomes[task[0]] for task in tasks]
+    _write(out / STUDY_PAGE, studies_page(ordered, out.name))
+    _write(out / STUDY_JSON, json.dumps(plain(studies_json(ordered, out)), indent=1, ensure_ascii=False))
+    return ordered
+
+
+def study_one(task: tuple[str, str, StudyOptions]) -> FileOutcome:
+    """The study of one file, in this or another process."""
+    file, folder, options = task
+    try:
+        result = study([file], folder, options, library=f"../{LIBRARY}")
+        return FileOutcome(file, folder, plain(result.to_json()))
+    except SmarigError as error:
+        return _failed(task, str(error))
+    except Exception as error:  # one bad file must not end the others
+        return _failed(task, f"internal error ({type(error).__name__}: {error})")
+
+
+def studies_json(outcomes: Sequence[FileOutcome], out: Path) -> dict[str, Any]:
+    """The JSON object of the command line for many files."""
+    return {
+        "out": str(out),
+        "page": str(out / STUDY_PAGE),
+        "studied": sum(o.found is not None for o in outcomes),
+        "failed": {o.file: o.failure for o in outcomes if o.found is None},
+        "reused": sum(o.reused for o in outcomes),
+        "studies": [o.found for o in outcomes if o.found is not None],
+    }
+
+
+def _failed(task: tuple[str, str, StudyOptions], reason: str) -> FileOutcome:
+    """A failure, which is kept so that it is not tried again for nothing."""
+    file, folder, options = task
+    record = {"key": study_key([Path(file)], options), "failure": reason}
+    Path(folder).mkdir(parents=True, exist_ok=True)
+    _write(Path(folder) / STUDY_JSON, json.dumps(record, ensure_ascii=False))
+    return FileOutcome(file, folder, None, reason)
+
+
+def _earlier(file: str, folder: str, options: StudyOptions) -> FileOutcome | None:
+    """An earlier outcome of an equal file and options."""
+    path = Path(folder) / STUDY_JSON
+    try:
+        record = json.loads(path.read_text(encoding="utf-8"))
+        if record["key"] != study_key([Path(file)], options):
+            return None
+    except (OSError, ValueError, KeyError, TypeError):
+        return None
+    if failure := record.get("failure"):
+        return FileOutcome(file, folder, None, str(failure), reused=True)
+    return FileOutcome(file, folder, record, reused=True) if (Path(folder) / STUDY_PAGE).is_file() else None
+
+
+def _folders(files: Sequence[Path], places: Sequence[Path]) -> Iterator[str]:
+    """A folder name for each file: its path below the folder that was given, in one name."""
+    taken: set[str] = set()
+    for file in files:
+        above = next((p for p in places if p.is_dir() and p in file.parents), file.parent)
+        name = "_".join(file.relative_to(above).parts).replace(" ", "_")
+        unique, number = name, 2
+        while unique in taken:
+            unique, number = f"{name}_{number}", number + 1
+        taken.add(unique)
+        yield unique
+
+
+def _may_hold_data(path: Path, place: Path) -> bool:
+    hidden = any(part.startswith(".") for part in path.relative_to(place).parts)
+    return not hidden and path.suffix.lower() not in _NOT_DATA and "license" not in path.name.lower()
+
+
+def _short(outcome: FileOutcome) -> str:
+    if outcome.found is None:
+        return f"failed: {outcome.failure[:200]}"
+    return str(outcome.found.get("verdict") or "heating only")
+
+
+def _write(path: Path, text: str) -> None:
+    with atomic_file(path, force=True) as part:
+        part.write_text(text, encoding="utf-8")

@@ -1,0 +1,50 @@
+"""Runs one function on many tasks: in this process, in several, or on a Dask cluster."""
+
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from multiprocessing import get_context
+from typing import Any, TypeVar
+
+from smarig.core import UsageError
+
+CONNECT_TIMEOUT_S = 10
+Answer = TypeVar("Answer")
+
+
+def completed(
+    function: Callable[[Any], Answer], tasks: Sequence[Any], workers: int, scheduler: str | None = None
+) -> Iterator[Answer]:
+    """The answers as they are completed, in any order. ``scheduler``: the address of a Dask scheduler.
+
+    Raises UsageError if no scheduler responds there, or without the extra 'scale'.
+
+    >>> list(completed(abs, [-1, -2], 1))
+    [1, 2]
+    """
+    if not tasks:
+        return
+    if scheduler is not None:
+        yield from _by_dask(function, tasks, scheduler)
+    elif workers == 1 or len(tasks) == 1:
+        yield from map(function, tasks)
+    else:
+        with ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as pool:
+            for future in as_completed([pool.submit(function, task) for task in tasks]):
+                yield future.result()
+
+
+def _by_dask(function: Callable[[Any], Answer], tasks: Sequence[Any], address: str) -> Iterator[Answer]:
+    try:
+        from distributed import Client
+        from distributed import as_completed as as_done
+    except ImportError:
+        raise UsageError("A Dask cluster needs the extra 'scale': pip install 'smarig[scale]'.") from None
+    try:
+        client = Client(address, timeout=CONNECT_TIMEOUT_S)
+    except (OSError, ValueError, TypeError, AssertionError) as error:
+        raise UsageError(
+            f"No Dask scheduler responds at '{address}': {str(error) or 'its client did not start'}."
+        ) from None
+    with client:
+        for future in as_done([client.submit(function, task, pure=False) for task in tasks]):
+            yield future.result()

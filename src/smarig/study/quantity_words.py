@@ -1,0 +1,133 @@
+"""Quantities by the words of a column's name, in the languages of the labs, and by units."""
+
+import re
+import unicodedata
+
+from smarig.exchange import dimension, known_unit
+
+TIME, INDEX, CYCLE, RATE = "time", "row number", "cycle number", "rate"
+TEMPERATURE, AMBIENT = "temperature", "ambient temperature"
+STRAIN, DISPLACEMENT, ANGLE = "strain", "displacement", "angle"
+FORCE, STRESS = "force", "stress"
+CURRENT, VOLTAGE, RESISTANCE, POWER, DUTY = "current", "voltage", "resistance", "power", "duty cycle"
+FIELD, FLUX, MOMENT, MAGNETISATION = "magnetic field", "flux density", "magnetic moment", "magnetisation"
+POLARISATION, ELECTRIC_FIELD = "polarisation", "electric field"
+
+_WORDS: tuple[tuple[str, str], ...] = (  # the first that matches counts
+    (RATE, r"deriv|\brate|d\w*/dt|dtdt|gradient|velocity|speed|geschwindigkeit|\bslope"),
+    (AMBIENT, r"ambien|room|umgebung|raumtemp|\bt ?amb|t ?room|air ?temp"),
+    (CYCLE, r"cycle (no|num|count|index)|^cycle$|^zyklus|^loop$|segment"),
+    (
+        INDEX,
+        r"^index$|^#$|^nr$|^no$|^n$|^row|^scan|^sample$|^point|^unnamed|^record|^messpunkt|^lfd|^id$|^table no",
+    ),
+    (TIME, r"^t$|time|zeit|tiempo|^temps$|^tempo$|elapsed|^sec|uhr|datum|^date|^x value"),
+    (DUTY, r"pwm|duty|control input|tastgrad"),
+    (
+        TEMPERATURE,
+        r"temp|thermo|pyro|celsius|^tc ?\d*$|^t ?\d+$|^t (wire|sample|probe|oven|heater|front|end)\b",
+    ),
+    (STRAIN, r"strain|dehn|deform|\beps|elongation rel|stretch"),
+    (STRESS, r"stress|\bsigma|contrainte|zugspannung|tension mech"),
+    (MAGNETISATION, r"magneti[sz]ation|magnetisierung|aimantation"),
+    (MOMENT, r"moment|^m$|^m [a-z]*$"),
+    (FLUX, r"flux|induction|^b$|^bmeas|^b\b|flussdichte"),
+    (FIELD, r"field|feld|champ|campo|^h$|^hmeas|^h\b|mu ?0 ?h"),
+    (POLARISATION, r"polari|^p\d?$"),
+    (FORCE, r"force|kraft|\bload|\blast\b|fuerza|forza|\bf$|^fn?$|^f ?\d$"),
+    (
+        DISPLACEMENT,
+        r"disp|position|\bpos\b|\bweg|hub|stroke|crosshead|travers|extens|elong|laser|lvdt|encoder|\bdl|"
+        r"verschieb|deplacement|contraction|^x$|^d\d?$|laenge|length|longueur|piston|spostamento|desplaz",
+    ),
+    (ANGLE, r"angle|winkel|rotation|theta|shaft"),
+    (RESISTANCE, r"resist|widerstand|^r$|^r[a-z]? ?\d?$"),
+    (POWER, r"power|leistung|puissance|watt"),
+    (CURRENT, r"current|strom|courant|corriente|^i$|^iz|^i ?\d?$|ampere|^i\w{0,5}$"),
+    (VOLTAGE, r"volt|spannung|^u$|^uz|^v$|^v ?\d?[+-]?$|^u ?\d$|tension|^u\w{0,5}$"),
+)
+_COMMANDED = re.compile(r"\b(set|soll|command|cmd|target|setpoint|demand|reference|ref)|zad|sollwert")
+_BY_DIMENSION = {
+    "time": TIME,
+    "temperature": TEMPERATURE,
+    "length": DISPLACEMENT,
+    "angle": ANGLE,
+    "stress or pressure": STRESS,
+    "force": FORCE,
+    "current": CURRENT,
+    "voltage": VOLTAGE,
+    "resistance": RESISTANCE,
+    "power": POWER,
+    "magnetic field": FIELD,
+    "magnetic moment": MOMENT,
+    "specific moment": MAGNETISATION,
+    "polarisation": POLARISATION,
+    "electric field": ELECTRIC_FIELD,
+}
+DIMENSIONS = {  # of the units in which a quantity may be given
+    TIME: ("time",),
+    TEMPERATURE: ("temperature",),
+    AMBIENT: ("temperature",),
+    STRAIN: ("ratio",),
+    DISPLACEMENT: ("length",),
+    ANGLE: ("angle",),
+    STRESS: ("stress or pressure",),
+    FORCE: ("force", "mass"),
+    CURRENT: ("current",),
+    VOLTAGE: ("voltage",),
+    RESISTANCE: ("resistance",),
+    POWER: ("power",),
+    FIELD: ("magnetic field",),
+    FLUX: ("magnetic field",),
+    MOMENT: ("magnetic moment",),
+    MAGNETISATION: ("magnetic moment", "specific moment", "magnetic field"),
+    POLARISATION: ("polarisation",),
+    ELECTRIC_FIELD: ("electric field",),
+    DUTY: ("ratio",),
+}
+_IN_BRACKETS = re.compile(r"^(.*?)[\s_]*[\[(<{]\s*([^\[\](){}<>]*)\s*[\])>}]\s*(.*)$")
+_BEHIND_SIGN = re.compile(r"^(.+?)\s*(?:/|,| in |_in_)\s*(\S+)$")
+_LAST_WORD = re.compile(r"^(.*?)[_\s-]+([^\s_-]+)$")
+
+
+def name_and_unit(name: str, written_unit: str = "") -> tuple[str, str]:
+    """The name of a column without its unit, and the unit as it is written ("" for none).
+
+    >>> name_and_unit("Force (N)"), name_and_unit("Kraft/N"), name_and_unit("T_degC"), name_and_unit("SMA temperature")
+    (('Force', 'N'), ('Kraft', 'N'), ('T', 'degC'), ('SMA temperature', ''))
+    """
+    if match := _IN_BRACKETS.match(name):
+        words, unit = f"{match[1]} {match[3]}".strip(), match[2].strip()
+        if unit and (known_unit(unit, temperature=True) or not written_unit) and not unit.isdigit():
+            return words or name, written_unit or unit
+    if written_unit:
+        return name, written_unit
+    for pattern in (_BEHIND_SIGN, _LAST_WORD):
+        match = pattern.match(name)
+        if match and known_unit(match[2]) and (pattern is _BEHIND_SIGN or len(match[2]) <= 6):
+            if pattern is _LAST_WORD and match[2].lower() in ("t", "h", "m", "l", "f", "d", "g"):
+                continue
+            return match[1], match[2]
+    return name, ""
+
+
+def quantity_of_name(name: str) -> tuple[str, bool]:
+    """The quantity that a name means ("" if none), and whether it is a commanded value.
+
+    >>> quantity_of_name("Kraft"), quantity_of_name("T_soll"), quantity_of_name("spam")
+    (('force', False), ('', True), ('', False))
+    """
+    plain = unicodedata.normalize("NFKD", name.replace("ß", "ss").replace("ε", "eps").replace("σ", "sigma"))
+    plain = "".join(c for c in plain if not unicodedata.combining(c)).lower()
+    plain = re.sub(r"[_\s.:-]+", " ", plain).strip()
+    quantity = next((q for q, words in _WORDS if re.search(words, plain)), "")
+    return quantity, bool(_COMMANDED.search(plain))
+
+
+def quantity_of_unit(unit: str) -> str:
+    """The quantity that a unit measures, "" for ratios, counts and unknown units.
+
+    >>> quantity_of_unit("N"), quantity_of_unit("%")
+    ('force', '')
+    """
+    return _BY_DIMENSION.get(dimension(unit), "") if unit else ""

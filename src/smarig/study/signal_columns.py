@@ -1,0 +1,99 @@
+"""Chooses the columns of input and output by their quantities, and tells loads that were held from signals."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from smarig.study import quantity_words as q
+from smarig.study.column_guess import UNSURE, ColumnGuess
+
+_OUTPUTS = (
+    q.STRAIN,
+    q.MOMENT,
+    q.MAGNETISATION,
+    q.POLARISATION,
+    q.FLUX,
+    q.DISPLACEMENT,
+    q.ANGLE,
+    q.FORCE,
+    q.STRESS,
+    q.RESISTANCE,
+)
+_INPUTS = {
+    q.MOMENT: (q.FIELD, q.CURRENT, q.VOLTAGE, q.TEMPERATURE),
+    q.MAGNETISATION: (q.FIELD, q.CURRENT, q.VOLTAGE, q.TEMPERATURE),
+    q.FLUX: (q.FIELD, q.CURRENT, q.VOLTAGE),
+    q.POLARISATION: (q.ELECTRIC_FIELD, q.VOLTAGE, q.FIELD),
+    q.STRESS: (q.TEMPERATURE, q.STRAIN),
+}
+_MECHANICAL = (
+    q.TEMPERATURE,
+    q.CURRENT,
+    q.ELECTRIC_FIELD,
+    q.VOLTAGE,
+    q.FIELD,
+    q.POWER,
+    q.DUTY,
+    q.STRESS,
+    q.FORCE,
+)
+_STRESS_SHARE = 0.5  # of the mean: spread within which a stress was held
+_FORCE_SHARE = 0.1  # the same for a force
+_HELD_K = 5.0  # the same for a temperature
+
+
+def output_column(left: Sequence[ColumnGuess], named: str | None, not_this: str | None) -> ColumnGuess | None:
+    if named is not None:
+        return next((c for c in left if c.name == named), None)
+    able = [c for c in left if c.name != not_this and not holds_still(c)]
+    if not able:
+        return None
+    hot = any(c.quantity == q.TEMPERATURE for c in able)
+    for quantity in _OUTPUTS:
+        found = [c for c in able if c.quantity == quantity]
+        if quantity == q.STRESS and any(c.quantity == q.FORCE for c in able) and not hot:
+            continue
+        if found:
+            return max(found, key=lambda c: (c.unit_confidence > UNSURE, -able.index(c)))
+    return None
+
+
+def input_column(
+    left: Sequence[ColumnGuess], out: ColumnGuess | None, named: str | None
+) -> ColumnGuess | None:
+    if named is not None:
+        return next((c for c in left if c.name == named), None)
+    able = [c for c in left if c is not out and not holds_still(c)]
+    order = _INPUTS.get(out.quantity, _MECHANICAL) if out else _MECHANICAL
+    currents = [c for c in able if c.quantity == q.CURRENT]
+    if any(is_grid(c) for c in currents):
+        order = (q.CURRENT, *order)
+    for quantity in order:
+        found = [c for c in able if c.quantity == quantity]
+        if found:
+            return min(found, key=lambda c: (c.commanded or is_grid(c), able.index(c)))
+    nameless = [c for c in able if not c.quantity]
+    return nameless[0] if nameless else None
+
+
+def is_grid(c: ColumnGuess) -> bool:
+    """Whether readings are those of a staircase: equal steps from row to row, with a new level in each."""
+    return c.quantity == q.CURRENT and c.facts.even and c.facts.levels == c.facts.known.size
+
+
+def holds_still(c: ColumnGuess) -> bool:
+    """Whether a load or a temperature was held, whatever noise it has. Other columns count if they move at all."""
+    mean, spread = (abs(float(np.mean(c.facts.known))), c.facts.spread) if c.facts.known.size else (0.0, 0.0)
+    if c.quantity == q.STRESS:
+        return spread <= _STRESS_SHARE * mean or _is_noise(c.facts.known)
+    if c.quantity == q.FORCE:
+        return c.unit != "count" and spread <= _FORCE_SHARE * mean
+    if c.quantity == q.TEMPERATURE:
+        return c.facts.span < _HELD_K
+    return c.facts.levels <= 1
+
+
+def _is_noise(x: np.ndarray) -> bool:
+    """Whether values are noise about a mean: each differs from the next as from any other, and few are far from it."""
+    sd = float(np.std(x))
+    return bool(x.size > 10 and np.std(np.diff(x)) > sd and abs(float(np.mean(x))) > 3 * sd > 0)

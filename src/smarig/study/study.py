@@ -1,0 +1,141 @@
+"""One study: from data files of a stranger to a mapping, runs, a model and a page."""
+
+import json
+import time
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from threadpoolctl import threadpool_limits
+
+from smarig.core import DataError, SmarigError, UsageError, atomic_file
+from smarig.diagnosis import diagnose
+from smarig.identification import calibrate
+from smarig.study.candidate_models import Evaluation, evaluate, with_extended
+from smarig.study.data_split import DataSplit, split_runs
+from smarig.study.imported_runs import ImportedTable, import_tables
+from smarig.study.mapping_draft import mapping_draft
+from smarig.study.study_options import StudyOptions, study_key
+from smarig.study.study_page import study_page
+from smarig.study.study_result import StudyResult
+from smarig.study.understanding import Ask, UnsureError, understand
+
+STUDY_JSON, STUDY_PAGE, STUDY_MODEL = "study.json", "index.html", "model.json"
+Progress = Callable[[str], None]
+
+
+@threadpool_limits.wrap(limits=1, user_api="blas")  # small matrices: threads would wait for each other
+def study(
+    files: Sequence[str | Path],
+    out: str | Path,
+    options: StudyOptions | None = None,
+    *,
+    ask: Ask | None = None,
+    progress: Progress = lambda _: None,
+    name: str = "",
+    library: str = "",
+) -> StudyResult:
+    """Read files, guess what their columns mean, identify and judge models, diagnose, and write ``out``.
+
+    ``ask`` answers questions where a guess is not sure; without it such a guess is a UsageError, and the drafted
+    mapping is written to ``out``. ``library`` is the address of the script of the figures for pages that share it.
+    Raises UsageError, ConfigError, DataError or StorageError.
+    """
+    started, options = time.monotonic(), options or StudyOptions()
+    paths, folder = tuple(Path(file) for file in files), Path(out)
+    if not paths:
+        raise UsageError("Name at least one file to study.")
+    name = name or (paths[0].stem if len(paths) == 1 else folder.name or "study")
+    key = study_key(paths, options)
+    folder.mkdir(parents=True, exist_ok=True)
+    progress("reading")
+    try:
+        understood = understand(paths, options, ask)
+    except UnsureError as error:
+        raise UsageError(f"{error} {_saved(mapping_draft(error.guess, name), folder)}") from None
+    tables, left_out = import_tables(understood.guesses, folder, options.mapping, name)
+    for table in tables:
+        progress(f"{table.title}: {len(table.run)} rows")
+    split, evaluation, heating = None, None, ""
+    diagnosis, why_not = None, ""
+    if any(table.run.has("position") for table in tables):
+        split = split_runs([t for t in tables if t.run.has("position")], options.split, folder)
+        evaluation = evaluate(split, progress)
+        diagnosis, why_not = _diagnosed(evaluation, split, options, progress)
+        if diagnosis is not None and diagnosis.extended:
+            evaluation = with_extended(evaluation, diagnosis.model, split)
+        evaluation.best.model.save(folder / STUDY_MODEL, force=True)
+    else:
+        heating = _heating(tables)
+    result = StudyResult(
+        name=name,
+        folder=folder,
+        files=paths,
+        understood=understood,
+        tables=tuple(tables),
+        left_out=left_out,
+        split=split,
+        evaluation=evaluation,
+        diagnosis=diagnosis,
+        diagnosis_reason=why_not,
+        heating=heating,
+        seconds=time.monotonic() - started,
+        key=key,
+        mapping=options.mapping,
+    )
+    _write(folder / STUDY_PAGE, study_page(result, library=library))
+    _write(folder / STUDY_JSON, json.dumps(plain(result.to_json()), indent=1, ensure_ascii=False))
+    return result
+
+
+def _diagnosed(
+    evaluation: Evaluation, split: DataSplit, options: StudyOptions, progress: Progress
+) -> tuple[Any, str]:
+    """The diagnosis, or None and the reason why there is none."""
+    if not options.diagnose:
+        return None, "it was not requested."
+    progress("looking for the causes of the errors")
+    select = split.select[0] if split.select else None
+    held_out = () if split.select else split.held_out
+    try:
+        found = diagnose(evaluation.plain.model, list(split.train), list(held_out), select=select)
+    except SmarigError as error:
+        return None, str(error)
+    return found, ""
+
+
+def _heating(tables: Sequence[ImportedTable]) -> str:
+    """What a record of heating without an output shows."""
+    known = "These data have no output. They show how the temperature follows the heating, but no hysteresis."
+    try:
+        found = calibrate([table.run for table in tables])
+        tau = found.to_json()["parameters"].get("tau")
+    except (SmarigError, KeyError, AttributeError) as error:
+        return f"{known} Its time constant was not found: {error}" if isinstance(error, DataError) else known
+    if not tau:
+        return known
+    low, high = tau["ci95"]
+    return f"{known} The time constant of the heating is {tau['value']:.3g} s ({low:.3g} to {high:.3g} s)."
+
+
+def _saved(draft: str, folder: Path) -> str:
+    path = folder / "mapping.toml"
+    _write(path, draft)
+    return f"The draft is in {path}."
+
+
+def _write(path: Path, text: str) -> None:
+    with atomic_file(path, force=True) as part:
+        part.write_text(text, encoding="utf-8")
+
+
+def plain(value: Any) -> Any:
+    """A value without NaN and NumPy types, for JSON."""
+    if isinstance(value, dict):
+        return {str(k): plain(v) for k, v in value.items()}
+    if isinstance(value, list | tuple):
+        return [plain(v) for v in value]
+    if isinstance(value, np.generic):
+        value = value.item()
+    return None if isinstance(value, float) and not np.isfinite(value) else value

@@ -1,0 +1,227 @@
+"""Guesses which column of a table is the time, the input, the output and a condition, each with its reason."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from smarig.core import UsageError, suggestion
+from smarig.exchange import FoundTable, dimension
+from smarig.study import quantity_words as q
+from smarig.study.branch_pairs import branch_pairs
+from smarig.study.column_guess import LIKELY, STATED, UNSURE, WEAK, ColumnGuess, guess_columns
+from smarig.study.signal_columns import holds_still, input_column, is_grid, output_column
+
+_HEATING = (q.CURRENT, q.VOLTAGE, q.POWER, q.DUTY)
+_AGREE_K = 5.0  # two thermometers whose readings differ less by their median show one temperature
+_LEAST_TURN = 0.3  # correlation of output and input above which the output clearly falls with the input
+
+
+@dataclass(frozen=True)
+class Role:
+    """What a column is used for (time, input, output, condition, ambient, command, voltage,
+    temperature, compare, ignored), and why."""
+
+    role: str
+    reason: str
+    confidence: float = LIKELY
+
+
+@dataclass(frozen=True, eq=False)
+class TableGuess:
+    """The meaning of a table: guesses of its columns and their roles by name.
+
+    ``scale`` multiplies the output, with ``sign`` as its reason. ``branches`` pairs the columns of a heating branch
+    with those of a cooling branch in the same rows. ``settled``: each row is one settled reading.
+    """
+
+    table: FoundTable
+    columns: tuple[ColumnGuess, ...]
+    roles: dict[str, Role]
+    scale: float = 1.0
+    sign: str = ""
+    branches: dict[str, str] = field(default_factory=dict)
+    settled: bool = False
+
+    def of_role(self, role: str) -> list[ColumnGuess]:
+        """The columns in a role, in the order of the table."""
+        return [g for g in self.columns if self.roles[g.name].role == role]
+
+    def first(self, role: str) -> ColumnGuess | None:
+        """The first column in a role."""
+        return next(iter(self.of_role(role)), None)
+
+    @property
+    def doubts(self) -> list[str]:
+        """The roles that need an answer: "input", "output", or a column whose unit is not clear."""
+        doubts = []
+        for role in ("input", "output"):
+            guess = self.first(role)
+            sure = (
+                self.roles[guess.name].confidence if guess else float(role == "output" and self.heating_only)
+            )
+            if sure < UNSURE:
+                doubts.append(role)
+        for guess in [*self.of_role("input"), *self.of_role("output")]:
+            if guess.unit_confidence < UNSURE:
+                doubts.append(f"unit {guess.name}")
+        return doubts
+
+    @property
+    def heating_only(self) -> bool:
+        """Whether the table shows only how a temperature follows what heats."""
+        return self.first("output") is None and self.first("temperature") is not None
+
+
+def guess_table(
+    table: FoundTable,
+    *,
+    input: str | None = None,
+    output: str | None = None,
+    units: dict[str, str] | None = None,
+    files: Sequence[str] = (),
+) -> TableGuess:
+    """The meaning of a table. ``input``, ``output`` and ``units`` by column are given by the user and count.
+
+    ``files`` are names of files of the same layout, which may state values. UsageError for a column that is missing.
+    """
+    for name in [n for n in (input, output, *(units or {})) if n is not None]:
+        if name not in table.names:
+            raise UsageError(f"{table.path} has no column '{name}'{suggestion(name, list(table.names))}.")
+    columns = guess_columns(table, units or {}, files)
+    moving = [c for c in columns if c.facts.known.size > 1 and c.facts.span > 0 and c.facts.kind != "text"]
+    pairs = branch_pairs(columns)
+    candidates = [c for c in moving if c.name not in pairs.values()]
+    roles: dict[str, Role] = {}
+    time = _time([c for c in columns if c.name not in (input, output)])
+    if time is not None:
+        roles[time.name] = Role("time", time.quantity_reason, time.quantity_confidence)
+    no_signal = (q.TIME, q.INDEX, q.CYCLE, q.RATE)
+    left = [
+        c for c in candidates if c is not time and (c.quantity not in no_signal or c.name in (input, output))
+    ]
+    out = output_column(left, output, input)
+    drive = input_column(left, out, input)
+    warm = next((c for c in left if c.quantity == q.TEMPERATURE and not holds_still(c)), None)
+    heats = next((c for c in left if c.quantity in _HEATING and input in (None, c.name)), None)
+    if out is None and warm is not None and heats is not None:
+        roles[warm.name] = Role("temperature", "what the heating warms; there is no output", LIKELY)
+        drive = heats
+    if (
+        out is None
+        and output is None
+        and drive is not None
+        and "temperature" not in [r.role for r in roles.values()]
+    ):
+        rest = [c for c in left if c is not drive and not c.quantity]
+        out = rest[0] if rest else None
+    if out is not None:
+        roles[out.name] = _role("output", out, output)
+    if drive is not None:
+        roles[drive.name] = _role("input", drive, input)
+    _further_roles(columns, roles, drive, out)
+    guess = TableGuess(table, tuple(columns), roles)
+    if pairs and drive is not None and out is not None and drive.name in pairs and out.name in pairs:
+        guess = replace(guess, branches=pairs)
+    scale, sign = _sign(drive, out)
+    return replace(guess, scale=scale, sign=sign, settled=_is_staircase(drive, guess))
+
+
+def _time(columns: Sequence[ColumnGuess]) -> ColumnGuess | None:
+    """The clock: a column of times that never runs backwards."""
+    return next((c for c in columns if c.quantity == q.TIME and c.facts.rising and not c.facts.missing), None)
+
+
+def _is_staircase(drive: ColumnGuess | None, guess: TableGuess) -> bool:
+    """Whether each row is a settled reading, as of a staircase of currents."""
+    return bool(drive and drive.quantity == q.CURRENT and any(is_grid(c) for c in guess.columns))
+
+
+def _role(role: str, guess: ColumnGuess, named: str | None) -> Role:
+    if named is not None:
+        return Role(role, "given by you", 1.0)
+    if not guess.quantity:
+        return Role(role, "the only columns that move; their names say nothing", 0.3)
+    kind = "drives the hysteresis" if role == "input" else "is what moves"
+    return Role(role, f"{guess.quantity}, which {kind}: {guess.quantity_reason}", guess.quantity_confidence)
+
+
+def _further_roles(
+    columns: Sequence[ColumnGuess], roles: dict[str, Role], drive: ColumnGuess | None, out: ColumnGuess | None
+) -> None:
+    """Give every other column a role: ambient, command, condition, comparison, or none."""
+    for c in columns:
+        if c.name in roles:
+            continue
+        if c.facts.kind == "text" or not c.facts.known.size:
+            roles[c.name] = Role("ignored", "no numbers", STATED)
+        elif c.quantity == q.AMBIENT and dimension(c.unit) == "temperature":
+            roles[c.name] = Role("ambient", c.quantity_reason, c.quantity_confidence)
+        elif drive is not None and c.quantity == drive.quantity == q.CURRENT and (c.commanded or is_grid(c)):
+            roles[c.name] = Role("command", "current on a grid of equal steps: the commanded one", LIKELY)
+        elif _with_current(c, drive, columns, roles):
+            role = "voltage" if c.quantity == q.VOLTAGE else "temperature"
+            roles[c.name] = Role(
+                role, f"{c.quantity} beside the current: {c.quantity_reason}", c.quantity_confidence
+            )
+        elif drive is not None and _agrees(c, drive):
+            roles[c.name] = Role("compare", f"a second thermometer, which agrees with '{drive.name}'", LIKELY)
+        elif (
+            holds_still(c)
+            and c.quantity in (q.STRESS, q.FORCE)
+            and c.quantity_confidence >= WEAK
+            and _new(c, columns)
+        ):
+            roles[c.name] = Role(
+                "condition", f"{c.quantity}, nearly constant: {c.quantity_reason}", c.quantity_confidence
+            )
+        else:
+            roles[c.name] = Role("ignored", _unused(c, out), LIKELY)
+
+
+def _new(c: ColumnGuess, columns: Sequence[ColumnGuess]) -> bool:
+    """Whether a condition says more than a stress that is one already."""
+    stress = next((g for g in columns if g.quantity == q.STRESS and holds_still(g)), None)
+    return c.quantity == q.STRESS or stress is None
+
+
+def _with_current(
+    c: ColumnGuess, drive: ColumnGuess | None, columns: Sequence[ColumnGuess], roles: dict[str, Role]
+) -> bool:
+    """Whether a column is the first voltage or temperature beside a current that drives the wire."""
+    if drive is None or drive.quantity != q.CURRENT or c.quantity not in (q.VOLTAGE, q.TEMPERATURE):
+        return False
+    before = [g for g in columns if g.name in roles and g.quantity == c.quantity]
+    return not before and c.unit_confidence > UNSURE
+
+
+def _agrees(c: ColumnGuess, drive: ColumnGuess) -> bool:
+    if not (c.quantity == drive.quantity == q.TEMPERATURE) or c.unit != drive.unit:
+        return False
+    return bool(np.nanmedian(np.abs(c.facts.values - drive.facts.values)) < _AGREE_K)
+
+
+def _unused(c: ColumnGuess, out: ColumnGuess | None) -> str:
+    if c.quantity in (q.INDEX, q.CYCLE, q.RATE):
+        return f"{c.quantity}: {c.quantity_reason}"
+    if out is not None and c.quantity == out.quantity:
+        return f"another {c.quantity} than the output '{out.name}'"
+    if c.facts.constant:
+        return f"nearly constant at {np.mean(c.facts.known):.4g}"
+    return f"{c.quantity}, not needed" if c.quantity else "its meaning is not clear, and it is not needed"
+
+
+def _sign(drive: ColumnGuess | None, out: ColumnGuess | None) -> tuple[float, str]:
+    """The factor of the output, and a sentence on its sign."""
+    if drive is None or out is None:
+        return 1.0, ""
+    u, y = drive.facts.values, out.facts.values
+    known = np.isfinite(u) & np.isfinite(y)
+    if known.sum() < 3 or np.ptp(u[known]) == 0 or np.ptp(y[known]) == 0:
+        return 1.0, ""
+    falls = float(np.corrcoef(u[known], y[known])[0, 1]) < -_LEAST_TURN
+    if falls and out.quantity == q.FORCE and drive.quantity == q.TEMPERATURE:
+        return -1.0, "turned: the force of a clamped wire rises with temperature, but the reading falls"
+    if falls:
+        return 1.0, "as recorded: the output falls while the input rises, as strain does"
+    return 1.0, "as recorded: the output rises with the input"

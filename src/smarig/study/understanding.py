@@ -1,0 +1,223 @@
+"""Understands all tables of a study together: one meaning for tables of one layout, questions, and mapping drafts."""
+
+from collections import Counter
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from smarig.core import DataError, UsageError
+from smarig.exchange import FoundTable, find_tables
+from smarig.study.study_options import StudyOptions
+from smarig.study.table_guess import TableGuess, guess_table
+
+Ask = Callable[[str, Sequence[str]], str]  # question and choices → answer
+_FORC = "forc"
+
+
+@dataclass(frozen=True, eq=False)
+class Understanding:
+    """The tables of a study with their meaning; ``left_out`` are tables and files not used, each with a reason."""
+
+    guesses: tuple[TableGuess, ...]
+    left_out: dict[str, str]
+    questions: int
+
+    @property
+    def forc(self) -> bool:
+        """Whether these are reversal curves, which describe themselves."""
+        return self.guesses[0].table.format == _FORC
+
+
+def understand(files: Sequence[Path], options: StudyOptions, ask: Ask | None = None) -> Understanding:
+    """The meaning of the tables of these files.
+
+    ``ask`` puts a question to the user, None where nobody answers. Raises UsageError if a guess is not sure, nobody
+    answers and the options do not accept it; DataError if no file holds a table.
+    """
+    tables, left_out = _tables(files)
+    tables, unlike = _of_one_layout(tables)
+    left_out |= unlike
+    names = [file.name for file in files]
+    common = set.intersection(*(set(t.names) for t in tables))
+    tables = [_with_columns(t, common) if _usable(t, common) else t for t in tables]
+    lead = guess_table(
+        max(tables, key=len), input=options.input, output=options.output, units=options.units, files=names
+    )
+    lead, options, questions = _answered(lead, options, ask, names)
+    return Understanding(tuple(_guesses(tables, lead, options, names)), left_out, questions)
+
+
+def _tables(files: Sequence[Path]) -> tuple[list[FoundTable], dict[str, str]]:
+    """The tables of all files, and the files without one; DataError if there is none at all."""
+    tables: list[FoundTable] = []
+    left_out: dict[str, str] = {}
+    taken: set[Path] = set()
+    for file in files:
+        if file.resolve() in taken:
+            continue
+        try:
+            found = find_tables(file, files)
+        except DataError as error:
+            if len(files) == 1:
+                raise
+            left_out[file.name] = str(error)
+            continue
+        for table in found:
+            taken |= {path.resolve() for path in table.with_files}
+        tables += found
+    if not tables:
+        raise DataError("None of these files holds a table: " + " ".join(left_out.values()))
+    return tables, left_out
+
+
+def _of_one_layout(tables: Sequence[FoundTable]) -> tuple[list[FoundTable], dict[str, str]]:
+    """The tables that belong together: of the format and the columns with most rows in total."""
+    rows: Counter[tuple] = Counter()
+    for table in tables:
+        rows[_kind(table)] += len(table)
+    main = max(rows, key=lambda kind: rows[kind])
+    shared = set(main[1])
+    kept = [
+        t for t in tables if t.format == main[0] and (_kind(t) == main or _usable(t, shared & set(t.names)))
+    ]
+    out = {}
+    for table in tables:
+        if table not in kept:
+            title = f"{table.path.name} {table.name}".strip()
+            out[title] = f"its columns ({', '.join(table.names)[:100]}) differ from those of the other tables"
+    return kept, out
+
+
+def _kind(table: FoundTable) -> tuple[str, tuple[str, ...]]:
+    return table.format, table.names
+
+
+def _usable(table: FoundTable, common: set[str]) -> bool:
+    """Whether the columns that tables share suffice for an input and an output."""
+    if table.format == _FORC or len(common) < 2:
+        return False
+    if len(common) == len(table.names):
+        return True
+    guess = guess_table(_with_columns(table, common))
+    return guess.first("input") is not None and guess.first("output") is not None and not guess.doubts
+
+
+def _with_columns(table: FoundTable, names: set[str]) -> FoundTable:
+    """The table whose other columns are texts, so that they are not used."""
+    columns = tuple(c if c.name in names else replace(c, kind="text") for c in table.columns)
+    return replace(table, columns=columns)
+
+
+def _answered(
+    guess: TableGuess, options: StudyOptions, ask: Ask | None, files: Sequence[str]
+) -> tuple[TableGuess, StudyOptions, int]:
+    """The guess after the user has answered what is not clear, the options with the answers, and their number."""
+    count = 0
+    if guess.table.format == _FORC or options.mapping is not None:
+        return guess, options, 0  # these data, or the given mapping, say it themselves
+    given, units = {"input": options.input, "output": options.output}, dict(options.units)
+    while ask is not None and not options.accept and guess.doubts:
+        doubt = guess.doubts[0]
+        count += 1
+        if doubt.startswith("unit "):
+            name = doubt.removeprefix("unit ")
+            units[name] = ask(f"Unit of '{name}'", ())
+        else:
+            given[doubt] = ask(f"Which column is the {doubt}", [c.name for c in guess.columns])
+        guess = guess_table(guess.table, **given, units=units, files=files)
+        if count > 3 * len(guess.columns):
+            break
+    if guess.doubts and not options.accept:
+        raise UnsureError(_needed(guess), guess)
+    if guess.first("input") is None:
+        raise UnsureError(
+            f"{guess.table.path}: no column looks like an input. Name one with --input NAME.", guess
+        )
+    return guess, replace(options, **given, units=units), count
+
+
+class UnsureError(UsageError):
+    """A guess that is not sure enough to go on without the user; ``guess`` is the draft."""
+
+    def __init__(self, sentence: str, guess: TableGuess) -> None:
+        super().__init__(sentence)
+        self.guess = guess
+
+
+def _needed(guess: TableGuess) -> str:
+    """What the user must say."""
+    options = []
+    for doubt in guess.doubts:
+        if doubt.startswith("unit "):
+            options.append(f"--unit '{doubt.removeprefix('unit ')}=UNIT'")
+        else:
+            options.append(f"--{doubt} NAME")
+    names = ", ".join(f"'{name}'" for name in guess.table.names[:12])
+    return (
+        f"{guess.table.path}: it is not clear which columns to use. Say {' '.join(options)} (columns: {names}), "
+        "or take the draft with --yes."
+    )
+
+
+def _guesses(
+    tables: Sequence[FoundTable], lead: TableGuess, options: StudyOptions, files: Sequence[str]
+) -> list[TableGuess]:
+    """The guesses of all tables, with the roles of the leading one and one unit for each column."""
+    if lead.table.format == _FORC:
+        return [replace(lead, table=table) for table in tables]
+    if options.mapping is not None:  # it describes one table of each file
+        by_file = {table.path: table for table in reversed(tables)}
+        return [replace(lead, table=table) for table in reversed(by_file.values())]
+    drive, out = lead.first("input"), lead.first("output")
+    named = {"input": drive.name if drive else None, "output": out.name if out else None}
+    own = [guess_table(table, files=files) for table in tables]
+    units = dict(options.units)
+    for name in filter(None, named.values()):
+        similar = [c for guess in own for c in guess.columns if c.name == name and c.unit]
+        if similar and name not in units:
+            widest = max(similar, key=lambda c: max(abs(c.facts.low), abs(c.facts.high)))
+            units[name] = widest.unit
+    found = []
+    for guess, table in zip(own, tables):
+        wanted = {role: name for role, name in named.items() if name in table.names}
+        same = {name: unit for name, unit in units.items() if name in table.names}
+        again = guess_table(table, **wanted, units=same, files=files)
+        reasons = _given_reasons(again, guess, lead, options)
+        found.append(
+            replace(
+                again,
+                roles=reasons,
+                columns=_as_found(again, guess, options),
+                scale=lead.scale,
+                sign=lead.sign,
+            )
+        )
+    return found
+
+
+def _given_reasons(again: TableGuess, own: TableGuess, lead: TableGuess, options: StudyOptions) -> dict:
+    """The roles with the reasons of the guess, not with that of a correction that nobody made."""
+    roles = dict(again.roles)
+    for name, role in again.roles.items():
+        if role.reason == "given by you" and name not in (options.input, options.output):
+            source = own.roles[name] if own.roles[name].role == role.role else lead.roles.get(name, role)
+            roles[name] = source if source.role == role.role else role
+    return roles
+
+
+def _as_found(again: TableGuess, own: TableGuess, options: StudyOptions) -> tuple:
+    """The columns with the reasons of their units, where these are the same as the table's own guess."""
+    before = {c.name: c for c in own.columns}
+    out = []
+    for c in again.columns:
+        if c.unit_reason != "given by you" or c.name in options.units:
+            out.append(c)
+        elif before[c.name].unit == c.unit:
+            out.append(before[c.name])
+        else:
+            out.append(
+                replace(
+                    c, unit_reason="as in the other tables", unit_confidence=before[c.name].unit_confidence
+                )
+            )
+    return tuple(out)

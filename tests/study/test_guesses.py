@@ -1,0 +1,142 @@
+"""The meaning of columns is guessed as their owners state it, in several languages, and doubts are questions."""
+
+import numpy as np
+import pytest
+
+from smarig.exchange import FoundColumn, FoundTable, find_tables, load_mapping
+from smarig.study import guess_table, mapping_draft
+from study.known_data import displacements, temperatures
+
+U = temperatures()
+X = displacements(U)
+T = np.arange(U.size) * 0.5
+H = 400 * np.cos(np.linspace(0, 6 * np.pi, U.size))
+
+
+def table(tmp_path, **columns) -> FoundTable:
+    found = tuple(FoundColumn(name, "", np.asarray(values, dtype=float)) for name, values in columns.items())
+    return FoundTable(tmp_path / "data.csv", "csv", "", found, {"file": {"delimiter": "comma"}}, {})
+
+
+CASES = {  # columns, then the input, output and time with their units
+    "english": ({"time [s]": T, "wire temperature [K]": U + 273, "stroke [um]": 1e3 * X}, "K", "um"),
+    "german": ({"Zeit [ms]": 1e3 * T, "Temperatur [°C]": U, "Weg [mm]": X}, "degC", "mm"),
+    "french": ({"temps (s)": T, "température (°C)": U, "déplacement (mm)": X}, "degC", "mm"),
+    "letters": ({"t/s": T, "T/°C": U, "ε/%": X}, "degC", "%"),
+    "units after an underscore": ({"time_s": T, "temp_degC": U, "displacement_mm": X}, "degC", "mm"),
+    "no units": ({"Time": T, "Temperature": U, "Strain": -0.01 * X}, "degC", "mm/mm"),
+    "strain in %": ({"Time": T, "Temperature": U, "Strain": X}, "degC", "%"),
+    "hysteresis of a magnet": ({"H (Oe)": H, "M (emu)": np.tanh(H / 90)}, "Oe", "emu"),
+    "flux": ({"H [A/m]": H, "B [T]": np.tanh(H / 90)}, "A/m", "T"),
+    "ferroelectric": (
+        {"Time [s]": T, "V [V]": H, "I [A]": 1e-5 * H, "P [uC/cm2]": 20 * np.tanh(H / 90)},
+        "V",
+        "uC/cm^2",
+    ),
+    "piezo": ({"voltage (V)": H, "displacement (um)": np.tanh(H / 90)}, "V", "um"),
+}
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_columns_are_understood(tmp_path, name):
+    columns, input_unit, output_unit = CASES[name]
+    guess = guess_table(table(tmp_path, **columns))
+    names = list(columns)
+    drive, out = guess.first("input"), guess.first("output")
+    assert drive is not None
+    assert out is not None
+    with_time = len(names) > 2
+    assert drive.name == names[int(with_time)]
+    assert out.name == names[-1]
+    assert (drive.unit, out.unit) == (input_unit, output_unit)
+    assert [c.name for c in guess.of_role("time")] == names[: int(with_time)]
+    assert not guess.doubts
+    path = tmp_path / "m.toml"
+    path.write_text(mapping_draft(guess, "m"), encoding="utf-8")
+    mapping = load_mapping(str(path))
+    assert mapping.tables()[0][1][mapping.input.channel].column == drive.name
+
+
+def test_columns_without_any_sense_are_doubts(tmp_path):
+    rng = np.random.default_rng(0)
+    guess = guess_table(table(tmp_path, foo=rng.normal(1e5, 1e4, 50), bar=rng.normal(1e5, 1e4, 50)))
+    assert "input" in guess.doubts
+    assert "output" in guess.doubts
+    told = guess_table(
+        table(tmp_path, foo=H, bar=H**3), input="foo", output="bar", units={"foo": "A/m", "bar": "T"}
+    )
+    assert not told.doubts
+
+
+def test_a_constant_stress_is_a_condition_and_a_noisy_one_too(tmp_path):
+    stress = 150 + np.random.default_rng(1).normal(0, 8, U.size)
+    guess = guess_table(table(tmp_path, Temperature=U, Strain=-0.01 * X, Stress=stress))
+    assert [c.name for c in guess.of_role("condition")] == ["Stress"]
+    assert guess.scale == 1.0
+    assert "falls" in guess.sign
+
+
+def test_a_force_that_falls_when_a_clamped_wire_heats_is_turned(tmp_path):
+    guess = guess_table(table(tmp_path, temperature=U, force=np.round(800 - 20 * X)))
+    assert guess.scale == -1.0
+
+
+def test_readings_beside_a_commanded_staircase_are_settled_points(tmp_path):
+    command = np.round(np.arange(41) * 0.02, 6)
+    guess = guess_table(
+        table(
+            tmp_path,
+            **{
+                "I set [A]": command,
+                "I meas [A]": command + 0.003 * np.sin(command * 40),
+                "x [mm]": command**3,
+            },
+        )
+    )
+    assert guess.settled
+    assert guess.first("input").name == "I meas [A]"
+    assert guess.first("command").name == "I set [A]"
+
+
+# Roles as the mapping files that ship with smarig state them: (file, mapping, what differs and why).
+REAL = [
+    ("sma_staircase/test.csv", "sma_staircase", ()),
+    ("sma_isobaric/cal_sample_1/150 MPa.txt", "sma_isobaric_1", ()),
+    ("sma_isobaric/cal_sample_2/200 MPa.txt", "sma_isobaric_2", ()),
+    ("flexinol_isobaric/filtered_data_100MPa.txt", "flexinol_isobaric", ()),
+    ("sma_cycles/cycles.txt", "sma_cycles", ()),
+    ("sma_force_runs/AB5_thin.csv", "sma_force_runs", ()),
+    ("sma_heating_step/step.csv", "sma_heating_step", ()),
+    ("sma_nested_bumps/ele_hys_1.txt", "sma_nested_bumps", ("time",)),  # its source states the period
+    ("sma_water_steps/hyd_stp_2.txt", "sma_water_steps", ("time",)),
+    (
+        "sma_chamber/chamber_100MPa.csv",
+        "sma_chamber",
+        ("output",),
+    ),  # the strain column, not the crosshead in inches
+    ("ferrite_nested/H_MnZn_HP_ferrite.mat", "ferrite_nested", ()),
+]
+
+
+@pytest.mark.parametrize(("file", "mapping", "differs"), REAL, ids=lambda v: str(v).split("/")[0])
+def test_real_files_are_understood_as_their_mapping_files_state(shared_data, file, mapping, differs):
+    found = max(find_tables(shared_data / file), key=len)
+    guess, stated = guess_table(found), load_mapping(mapping)
+    assert not guess.doubts
+    columns = stated.tables()[0][1]
+    place = {name: k for k, name in enumerate(stated.file.names)}  # files without a header
+
+    def at(name):
+        return found.names[place[name]] if place else name
+
+    drive = columns[stated.input.channel]
+    assert guess.first("input").name == at(drive.column)
+    assert guess.first("input").unit == drive.unit
+    if "output" not in differs and stated.output is not None:
+        position = columns["position"]
+        assert guess.first("output").name == at(position.column)
+        assert guess.first("output").unit == position.unit
+        assert np.sign(guess.scale) == np.sign(position.scale)
+    if "time" not in differs:
+        named = stated.time.column if stated.time else ""
+        assert [c.name for c in guess.of_role("time")] == ([named] if named else [])
