@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from smarig.identification.error_verdict import ErrorLevel as ErrorLevel
     from smarig.identification.error_verdict import ErrorVerdict as ErrorVerdict
     from smarig.identification.error_verdict import error_verdict as error_verdict
+    from smarig.identification.error_verdict import ratio_text as ratio_text
     from smarig.identification.extended.choose_extension import ExtensionChoice as ExtensionChoice
     from smarig.identification.extended.fitted_extension import extension_names as extension_names
     from smarig.identification.fod_data import fod_data as fod_data

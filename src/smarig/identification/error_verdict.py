@@ -35,9 +35,17 @@ def error_verdict(rms: float, floor: float | None, share: float) -> ErrorVerdict
         if ratio <= GOOD_RATIO:
             return ErrorVerdict(ErrorLevel.GOOD, "at the noise floor: good")
         level = ErrorLevel.FAIR if ratio <= POOR_RATIO else ErrorLevel.POOR
-        size = f"{ratio:.2g}" if ratio < 100 else f"{ratio:.0f}"
-        return ErrorVerdict(level, f"{size} × the noise floor: {level}")
+        return ErrorVerdict(level, f"{ratio_text(ratio)} × the noise floor: {level}")
     percent = f"{100 * share:.2g} % of the travel"
     if share > POOR_SHARE:
         return ErrorVerdict(ErrorLevel.POOR, f"{percent}: poor; the noise is unknown")
     return ErrorVerdict(ErrorLevel.UNKNOWN, f"{percent}; the noise is unknown")
+
+
+def ratio_text(ratio: float) -> str:
+    """A ratio with two digits, without an exponent.
+
+    >>> ratio_text(1.26), ratio_text(421.3)
+    ('1.3', '421')
+    """
+    return f"{ratio:.2g}" if ratio < 100 else f"{ratio:.0f}"

@@ -8,6 +8,7 @@ import numpy as np
 
 from smarig.core import spaced
 from smarig.diagnosis import Diagnosis, MeasuredDiagnosis
+from smarig.identification import ratio_text
 from smarig.study.candidate_models import Evaluation
 from smarig.study.data_split import DataSplit
 from smarig.study.imported_runs import ImportedTable
@@ -114,7 +115,7 @@ class StudyResult:
         if best is None:
             return ""
         what = "fits the data" if self.split and self.split.kind == "none" else "predicts the held-out data"
-        noise = f", {best.rms / self.noise:.2g} × the noise of a reading" if self.noise else ""
+        noise = f", {ratio_text(best.rms / self.noise)} × the noise of a reading" if self.noise else ""
         words = {GOOD: "good", FAIR: "usable, with errors to explain", POOR: "poor"}[self.verdict]
         return (
             f"The model ({best.name}) {what} with {best.rms:.3g}{spaced(self.unit)} rms, {100 * self.nrmse:.2g} % of "
