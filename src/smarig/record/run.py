@@ -131,6 +131,18 @@ class Run(AnyRun, NotebookDisplay):
         known = self["t_s"][np.isfinite(self["t_s"])]
         return float(known[-1] - known[0]) if known.size else 0.0
 
+    def to_pandas(self) -> Any:
+        """The samples as a ``pandas.DataFrame`` over time; see ``record.data_frames.frame_of``."""
+        from smarig.record.data_frames import frame_of
+
+        return frame_of(self)
+
+    def to_xarray(self) -> Any:
+        """The samples as an ``xarray.Dataset`` over time, with units."""
+        from smarig.record.data_frames import dataset_of
+
+        return dataset_of(self)
+
     def with_meta(self, **entries: Any) -> "Run":
         """The run with other entries of its description."""
         return replace(self, meta={**self.meta, **entries})
