@@ -68,7 +68,7 @@ def test_formulas_have_the_value_of_the_same_python(which, t, c):
         ("t < 3", "may contain only"),
         ("sin(t, 2)", "wrong number of arguments"),
         ("sin(x=t)", "wrong number of arguments"),
-        ("t +", "is not a formula of t"),
+        ("t +", "cannot be read; write a function of t"),
         ("a" * 600, "1 to 500 characters"),
         ("9" * 400, "too large"),
         ("(" * 249 + "t" + ")" * 249, "nested|not a formula"),

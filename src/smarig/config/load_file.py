@@ -44,6 +44,8 @@ def with_load(rig: "RigFile", text: str) -> "RigFile":
         load = LoadFile(file=str(Path(text).resolve())) if by_file else LoadFile(formula=text)
     else:
         if not 0 < force_N <= 1e6:
-            raise UsageError(f"The load {text} is not plausible. Give a force in N, more than 0.")
+            raise UsageError(
+                f"The load {text} is not plausible. Give a force in N, more than 0 and below 1e6."
+            )
         load = LoadFile(force_N=force_N)
     return rig.model_copy(update={"load": load})

@@ -49,14 +49,14 @@ class Formula:
     def __init__(self, text: str) -> None:
         self.text = text.strip()
         if not self.text or len(self.text) > LONGEST_TEXT:
-            raise UsageError(f"A profile must have 1 to {LONGEST_TEXT} characters.")
+            raise UsageError(f"A formula must have 1 to {LONGEST_TEXT} characters.")
         try:
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore", SyntaxWarning)  # of what is refused anyhow
                 tree = ast.parse(self.text, mode="eval")
         except (SyntaxError, ValueError):
             raise self._error(
-                "is not a formula of t; write for instance 87+60*sin(2*pi*t/600)*exp(-t/1800)"
+                "cannot be read; write a function of t, such as 87+60*sin(2*pi*t/600)*exp(-t/1800)"
             ) from None
         except (RecursionError, MemoryError):
             raise self._error("is nested too deeply") from None
@@ -128,4 +128,4 @@ class Formula:
         return number
 
     def _error(self, reason: str) -> UsageError:
-        return UsageError(f"The profile {shown(self.text)} {reason}.")
+        return UsageError(f"The formula {shown(self.text)} {reason}.")

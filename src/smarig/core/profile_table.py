@@ -15,14 +15,14 @@ _LARGEST_BYTES = 10_000_000
 def profile_rows(path: Path) -> list[list[str]]:
     """The cells of a CSV file, line by line. UsageError if it cannot be read, DataError if it is no text table."""
     if not path.is_file() or path.stat().st_size > _LARGEST_BYTES:
-        raise UsageError(f"Profile {path} cannot be read: the file is missing or larger than 10 MB.")
+        raise UsageError(f"Table {path} cannot be read: the file is missing or larger than 10 MB.")
     try:
         with path.open(newline="", encoding="utf-8-sig") as lines:
             return list(csv.reader(lines))
     except OSError as error:
-        raise UsageError(f"Profile {path} cannot be read: {error.strerror}.") from None
+        raise UsageError(f"Table {path} cannot be read: {error.strerror}.") from None
     except (UnicodeDecodeError, csv.Error):
-        raise DataError(f"Profile {path} is not a text table.") from None
+        raise DataError(f"Table {path} is not a text table.") from None
 
 
 def profile_numbers(path: Path, rows: list[list[str]], columns: int) -> NDArray[np.float64]:
@@ -33,7 +33,7 @@ def profile_numbers(path: Path, rows: list[list[str]], columns: int) -> NDArray[
             values.append([number_from_text(row[k].strip()) for k in range(columns)])
         except (ValueError, IndexError):
             cells = ",".join(row)
-            raise DataError(f"Profile {path}, line {number}: '{cells:.40}' is not a number.") from None
+            raise DataError(f"Table {path}, line {number}: '{cells:.40}' is not a number.") from None
     if not values:
-        raise DataError(f"Profile {path} has a header but no values.")
+        raise DataError(f"Table {path} has a header but no values.")
     return np.array(values)

@@ -151,6 +151,8 @@ def test_a_resistance_without_slope_gives_no_position_and_says_so():
     ("change", "words"),
     [
         ({"noise_V": -1.0}, "not positive"),
+        ({"noise_V": 1e308}, "above 1e"),
+        ({"stroke": float("nan")}, "not positive"),
         ({"wires": []}, "0 wires"),
         ({"stroke": "long"}, "incomplete or wrong"),
         ({"wires": [{"coefficients": {"1": 5.0}}]}, "incomplete or wrong"),

@@ -20,6 +20,7 @@ from numpy.typing import ArrayLike, NDArray
 from smarig.core import DataError
 
 Array = NDArray[np.float64]
+_LARGEST = 1e9  # of any number in a file, in its unit
 ONE_WIRE_TERMS = ("1", "y", "T", "yT")
 TWO_WIRE_TERMS = ("1", "y", "T", "xi", "xiy", "m")
 COLD_SHARE = 0.1  # of the largest input: a cooler wire is cold
@@ -106,16 +107,19 @@ class SelfSensing:
             wires = tuple(_map_of(wire) for wire in table["wires"])
             numbers = {name: float(table[name]) for name in cls.__dataclass_fields__ if name != "wires"}
         except (KeyError, TypeError, ValueError, AttributeError) as error:
-            raise DataError(f"'self_sensing' is incomplete or wrong: {error!s:.200}.") from None
+            field = f": {error.args[0]!r} is missing" if isinstance(error, KeyError) else ""
+            raise DataError(
+                f"'self_sensing' is incomplete or wrong{field}. Identify it again with smarig sense."
+            ) from None
         positive = [*numbers.values(), *(v for w in wires for v in (w.error_ohm, w.time_s))]
-        if not all(np.isfinite(v) and v > 0 for v in positive):
-            raise DataError("'self_sensing' has a number that is not positive.")
+        if not all(0 < v <= _LARGEST for v in positive):
+            raise DataError(f"'self_sensing' has a number that is not positive, or is above {_LARGEST:g}.")
         if len(wires) not in (1, 2):
             raise DataError(f"'self_sensing' has {len(wires)} wires; a rig has one or two.")
         terms = ONE_WIRE_TERMS if len(wires) == 1 else TWO_WIRE_TERMS
         for wire in wires:
             values = wire.coefficients
-            if set(values) != set(terms) or not np.isfinite(list(values.values())).all():
+            if set(values) != set(terms) or not all(abs(v) <= _LARGEST for v in values.values()):
                 raise DataError(f"'self_sensing' needs the finite coefficients {', '.join(terms)}.")
         return cls(wires=wires, **numbers)
 

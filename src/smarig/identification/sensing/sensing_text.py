@@ -26,7 +26,7 @@ def sensing_text(sensing: SelfSensing, unit: str) -> list[str]:
 
 def _map_text(number: int, wire: ResistanceMap, sensing: SelfSensing, unit: str) -> str:
     values = ", ".join(
-        f"{name}: {value:.4g} {_UNITS[name].format(unit)} ({_ends(wire, name)})"
+        f"{name}: {value:.5g} {_UNITS[name].format(unit)} ({_ends(wire, name)})"
         for name, value in wire.coefficients.items()
     )
     which = f"Wire {number}: " if len(sensing.wires) > 1 else ""
@@ -38,7 +38,7 @@ def _map_text(number: int, wire: ResistanceMap, sensing: SelfSensing, unit: str)
 
 def _ends(wire: ResistanceMap, name: str) -> str:
     low, high = wire.intervals.get(name, (float("nan"), float("nan")))
-    return f"{low:.4g} to {high:.4g}"
+    return f"{low:.5g} to {high:.5g}"
 
 
 def _sign_text(wire: ResistanceMap, two_wire: bool) -> str:
