@@ -71,7 +71,7 @@ def test_formulas_have_the_value_of_the_same_python(which, t, c):
         ("t +", "cannot be read; write a function of t"),
         ("a" * 600, "1 to 500 characters"),
         ("9" * 400, "too large"),
-        ("(" * 249 + "t" + ")" * 249, "nested|not a formula"),
+        ("(" * 249 + "t" + ")" * 249, "nested|cannot be read"),
     ],
 )
 def test_anything_else_is_refused_before_it_runs(text, says):

@@ -54,9 +54,10 @@ def run_page(
     of the run, if already computed.
     """
     data = list(_figure_parts(run)) or [paragraph("The run has no samples to draw.")]
+    summary = Section("Summary", "Summary", [run_cards(run)])
+    loop = _loop_sections(run, certified)
     sections = [
-        Section("Summary", "Summary", [run_cards(run), settings_text(run)]),
-        *_loop_sections(run, certified),
+        *([*loop, summary] if loop else [summary]),
         *_transformation_sections(run),
         Section("Measurement", "Measurement", data),
         Section(
@@ -64,7 +65,12 @@ def run_page(
             "Data quality",
             [quality_table({protocol_name(run): run}), steps_table(run), events_table(run)],
         ),
-        Section("Rig and conditions", "Rig", [conditions_table(run, derived)], folded=True),
+        Section(
+            "Rig, settings and conditions",
+            "Rig",
+            [settings_text(run), conditions_table(run, derived)],
+            folded=True,
+        ),
         Section("Provenance", "Provenance", [provenance_table({protocol_name(run): run})], folded=True),
     ]
     title = f"{capitalised(protocol_name(run))} run"

@@ -256,11 +256,16 @@ def steps_table(run: Run, most: int = 400) -> Html:
     )
 
 
+def _short(value: Any) -> str:
+    """A number with six digits; texts as they are."""
+    return f"{value:.6g}" if isinstance(value, float) else str(value)
+
+
 def settings_text(run: Run) -> Html:
     """The settings of a run in one line."""
     settings = run.info.settings
     return (
-        paragraph("Settings: ", joined([tag("code", f"{k}={v}") for k, v in settings.items()], ", "), ".")
+        paragraph("Settings: ", joined([tag("code", f"{k}={_short(v)}") for k, v in settings.items()], ", "), ".")
         if settings
         else Html("")
     )
