@@ -265,7 +265,9 @@ def settings_text(run: Run) -> Html:
     """The settings of a run in one line."""
     settings = run.info.settings
     return (
-        paragraph("Settings: ", joined([tag("code", f"{k}={_short(v)}") for k, v in settings.items()], ", "), ".")
+        paragraph(
+            "Settings: ", joined([tag("code", f"{k}={_short(v)}") for k, v in settings.items()], ", "), "."
+        )
         if settings
         else Html("")
     )
