@@ -7,7 +7,7 @@ the change over all cycles has an interval of more than twice the range of the f
 from collections.abc import Mapping, Sequence
 
 import numpy as np
-from scipy.stats import t as student
+from scipy.special import stdtrit  # scipy.stats takes 50 MB and a second
 
 from smarig.identification import Estimate, variance_inflation
 from smarig.transformation.cycle_figures import Drawn
@@ -43,5 +43,5 @@ def _slope(x: np.ndarray, y: np.ndarray, unit: str) -> Estimate:
     inflation = variance_inflation([residual]) if x.size >= 8 else 1.0
     effective = max(x.size / inflation - 2, 1.0)
     error = float(np.sqrt(residual @ residual / degrees * inflation / (x @ x)))
-    half = error * float(student.ppf(0.975, min(degrees, effective)))
+    half = error * float(stdtrit(min(degrees, effective), 0.975))
     return Estimate(slope, (slope - half, slope + half), unit, "line over the cycles", x.size)

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import t as student
+from scipy.special import stdtrit  # scipy.stats takes 50 MB and a second
 
 from smarig.transformation.cycle_figures import TEMPERATURES
 from smarig.transformation.run_figures import RunFigures
@@ -86,7 +86,7 @@ def _slope(name: str, load: str, stress: Array, runs: Sequence[RunFigures]) -> S
         scatter = float(np.sqrt(residual @ residual / (values.size - 2)))
         expected = float(np.sqrt(np.mean(draws.var(axis=1))))
         if scatter > expected:
-            half = max(half, scatter / float(np.sqrt(x @ x)) * float(student.ppf(0.975, values.size - 2)))
+            half = max(half, scatter / float(np.sqrt(x @ x)) * float(stdtrit(values.size - 2, 0.975)))
     ci95 = (slope - half, slope + half)
     return StressSlope(
         temperature=name,

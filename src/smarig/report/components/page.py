@@ -4,9 +4,12 @@ The interactive library (Plotly) is stored once in a folder of pages and loaded 
 loads nothing from the network.
 """
 
+import filecmp
 import json
+import shutil
 from collections.abc import Sequence
 from dataclasses import dataclass
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
@@ -110,14 +113,20 @@ def write_page(html: str, path: str | Path, force: bool = False) -> Path:
 
 
 def write_library(folder: Path) -> Path:
-    """Write Plotly's script into a folder of pages if it is missing or of another version."""
-    from plotly.offline import get_plotlyjs
-
-    file, text = folder / LIBRARY, get_plotlyjs()
-    if not file.is_file() or file.read_text(encoding="utf-8") != text:
+    """Copy Plotly's script into a folder of pages if it is missing or of another version."""
+    file, script = folder / LIBRARY, _plotly_script()
+    if not file.is_file() or not filecmp.cmp(script, file, shallow=False):
         with atomic_file(file, force=True) as part:
-            part.write_text(text, encoding="utf-8")
+            shutil.copyfile(script, part)
     return file
+
+
+def _plotly_script() -> Path:
+    """The script in the installed package, which is not imported: it takes thirty megabytes."""
+    package = find_spec("plotly")
+    if package is None or package.origin is None:
+        raise ImportError("plotly is not installed")
+    return Path(package.origin).parent / "package_data" / "plotly.min.js"
 
 
 def is_smarig_page(path: Path) -> bool:
