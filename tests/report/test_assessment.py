@@ -52,7 +52,7 @@ def evidence(word, error, *, model=True, holds=True, gains=True):
     one = rms_floor and SimpleNamespace(
         noise_floor=rms_floor[1], settled=SimpleNamespace(n=5, rms=rms_floor[0], nrmse=rms_floor[0] / 10)
     )
-    test = SimpleNamespace(name="congruency", holds=holds, rms=0.3, noise=0.1, unit="mm", p_value=0.5)
+    test = SimpleNamespace(name="congruency", holds=holds, rms=0.3, noise=0.1, unit="mm", p_text="p = 0.5")
     return SimpleNamespace(
         runs={"made": run()},
         representation=(test,),

@@ -14,7 +14,15 @@ def verification(rms, floor=0.005):
 
 
 def compared(name="congruency", p_value=0.4, rms=0.004):
-    return Some(name=name, p_value=p_value, rms=rms, noise=0.003, unit=UNIT, holds=p_value >= 0.01)
+    return Some(
+        name=name,
+        p_value=p_value,
+        p_text=f"p = {p_value:.2g}",
+        rms=rms,
+        noise=0.003,
+        unit=UNIT,
+        holds=p_value >= 0.01,
+    )
 
 
 def diagnosed(word="silent", names=(), gain=0.0, walk=False, errors=(0.012, 0.012)):

@@ -56,6 +56,11 @@ class Representation:
         return self.p_value >= ALPHA
 
     @property
+    def p_text(self) -> str:
+        """The p-value as text; the smallest numbers are not told apart."""
+        return f"p = {self.p_value:.2g}" if self.p_value > 1e-300 else "p < 1e-300"
+
+    @property
     def verdict(self) -> str:
         """The result of the test in one sentence."""
         counts = f" ({self.max_abs / self.per_count:.2f} counts)" if self.per_count else ""
@@ -65,7 +70,7 @@ class Representation:
             "wiping_out": ("Segment B retraces segment A", "Segment B does not retrace segment A"),
             "congruency": ("Both minor loops have the same shape", "The two minor loops differ in shape"),
         }[self.name][0 if self.holds else 1]
-        return f"{what}: they differ by {size}; {against} (χ² test, p = {self.p_value:.2g})."
+        return f"{what}: they differ by {size}; {against} (χ² test, {self.p_text})."
 
     @property
     def meaning(self) -> str:

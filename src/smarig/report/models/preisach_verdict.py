@@ -109,8 +109,8 @@ def _violated_tests(tests: tuple[Representation, ...]) -> Iterator[str]:
 def _test_text(test: Representation) -> str:
     size = f"{test.rms:.2g}{spaced(test.unit)} rms for a noise of {test.noise:.2g}{spaced(test.unit)}"
     if test.holds:
-        return f"The test of {_TESTS[test.name]} finds nothing against it ({size}, p = {test.p_value:.2g})."
-    return f"The test of {_TESTS[test.name]} is violated ({size}, p = {test.p_value:.2g})."
+        return f"The test of {_TESTS[test.name]} finds nothing against it ({size}, {test.p_text})."
+    return f"The test of {_TESTS[test.name]} is violated ({size}, {test.p_text})."
 
 
 def _seen_by_diagnosis(d: Diagnosis | None) -> Iterator[str]:
