@@ -130,6 +130,8 @@ def _unknown_text(d: Diagnosis) -> str:
 
 
 def _unknown_advice(d: Diagnosis) -> str:
+    if d.discrepancy.not_preisach:
+        return "No Preisach operator describes such a wire: use the model within this error only."
     if d.verdict.depends_on is None:
         return "Repeat the run: a real effect appears again."
     return (
