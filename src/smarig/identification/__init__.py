@@ -19,9 +19,15 @@ if TYPE_CHECKING:
     from smarig.identification.error_verdict import ratio_text as ratio_text
     from smarig.identification.extended.choose_extension import ExtensionChoice as ExtensionChoice
     from smarig.identification.extended.fitted_extension import extension_names as extension_names
+    from smarig.identification.fod_data import FodData as FodData
     from smarig.identification.fod_data import fod_data as fod_data
+    from smarig.identification.forc.central_ridge import CentralRidge as CentralRidge
+    from smarig.identification.forc.central_ridge import central_ridge as central_ridge
     from smarig.identification.forc.forc_density import fod_density as fod_density
     from smarig.identification.forc.forc_density import forc_density as forc_density
+    from smarig.identification.forc.forc_diagram import SIGNIFICANT as SIGNIFICANT
+    from smarig.identification.forc.forc_diagram import ForcDiagram as ForcDiagram
+    from smarig.identification.forc.forc_diagram import forc_diagram as forc_diagram
     from smarig.identification.identification_result import Identification as Identification
     from smarig.identification.identify import identify as identify
     from smarig.identification.interval_estimate import Estimate as Estimate

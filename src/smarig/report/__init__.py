@@ -43,6 +43,7 @@ if TYPE_CHECKING:
     from smarig.report.folder_report import page_path as page_path
     from smarig.report.folder_report import report_folder as report_folder
     from smarig.report.folder_report import run_files as run_files
+    from smarig.report.forc_page import forc_page as forc_page
     from smarig.report.model_comparison_page import models_page as models_page
     from smarig.report.models.evidence import Evidence as Evidence
     from smarig.report.models.evidence import ExtensionEvidence as ExtensionEvidence

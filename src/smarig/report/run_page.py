@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from smarig.core import DataError, Severity, spaced
-from smarig.record import Run
+from smarig.record import FORC_PROTOCOL, Run
 from smarig.report.closed_loop.loop_result import is_closed_loop
 from smarig.report.components.figure import Figure
 from smarig.report.components.html import Html, bullets, cards, joined, notice, paragraph, tag
@@ -51,8 +51,10 @@ def run_page(
 
     ``library`` is the address of the interactive library, relative to the page. A closed loop has its own sections and,
     with ``certified`` (a model, its file name and hash), the certificate of that model. ``derived``: stress and energy
-    of the run, if already computed.
+    of the run, if already computed. Reversal curves have their own page (``forc_page``).
     """
+    if run.info.protocol == FORC_PROTOCOL and (reversal := _reversal_page(run, library)):
+        return reversal
     data = list(_figure_parts(run)) or [paragraph("The run has no samples to draw.")]
     summary = Section("Summary", "Summary", [run_cards(run)])
     loop = _loop_sections(run, certified)
@@ -76,6 +78,16 @@ def run_page(
     title = f"{capitalised(protocol_name(run))} run"
     notices = [*ending_notices([run]), *_warnings(run)]
     return page(title, _lead(run), sections, label=source_label(run), notices=notices, library=library)
+
+
+def _reversal_page(run: Run, library: str) -> str:
+    """The page of reversal curves; "" if they are too few for a density."""
+    from smarig.report.forc_page import forc_page
+
+    try:
+        return forc_page(run, library=library)
+    except DataError:
+        return ""
 
 
 def _lead(run: Run) -> Html:

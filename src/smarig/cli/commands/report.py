@@ -17,6 +17,8 @@ Examples:
   smarig report --model exponential.model.json --model positive.model.json validation.run.sqlite
   smarig report --model wire.model.json held.run.sqlite
   smarig report validation.run.sqlite --figures figures
+  smarig report first_order_descending.run.sqlite --forc -o density.html
+  smarig report magnet.run.sqlite --smoothing 4
 """
 
 
@@ -33,17 +35,37 @@ Examples:
 @click.option(
     "--figures", type=FOLDER, metavar="DIR", help="Also save the figures of the page in DIR, as SVG and PDF."
 )
+@click.option(
+    "--forc",
+    is_flag=True,
+    help="The FORC diagram of a run with first-order curves; usual for reversal curves.",
+)
+@click.option(
+    "--smoothing",
+    type=float,
+    metavar="SF",
+    help="Smoothing factor of the FORC diagram, in grid steps; default: the one that predicts whole curves best.",
+)
 @click.option("--force", is_flag=True, help="Replace existing pages and figures.")
 @own_effects
 @json_option
 def command(
-    runs: tuple[Path, ...], models: tuple[Path, ...], out: Path | None, figures: Path | None, force: bool
+    runs: tuple[Path, ...],
+    models: tuple[Path, ...],
+    out: Path | None,
+    figures: Path | None,
+    forc: bool,
+    smoothing: float | None,
+    force: bool,
 ) -> None:
     """Write offline HTML pages: of one run (finished, interrupted or imported), of every run in a folder
     with a searchable index, of several runs compared, or of models compared on the same runs. With one model,
     the page of a closed loop includes the certificate of that model."""
+    diagram = forc or smoothing is not None
+    if diagram and (len(runs) != 1 or models or runs[0].is_dir()):
+        raise UsageError("A FORC diagram is made of one run, without a model. Name one run file.")
     if figures is None:
-        _pages(runs, models, out, force)
+        _pages(runs, models, out, force, diagram, smoothing)
         return
     from smarig.report import figures_saved_in
 
@@ -52,13 +74,23 @@ def command(
             "--figures saves the figures of one page, but a folder gets a page for each run. Name a run."
         )
     with figures_saved_in(figures, force):
-        _pages(runs, models, out, force)
+        _pages(runs, models, out, force, diagram, smoothing)
     show_message(f"Figures: {figures}")
 
 
-def _pages(runs: tuple[Path, ...], models: tuple[Path, ...], out: Path | None, force: bool) -> None:
+def _pages(
+    runs: tuple[Path, ...],
+    models: tuple[Path, ...],
+    out: Path | None,
+    force: bool,
+    diagram: bool,
+    smoothing: float | None,
+) -> None:
     from smarig.report import run_files
 
+    if diagram:
+        _forc(runs[0], out, force, smoothing)
+        return
     if len(runs) == 1 and runs[0].is_dir() and not models:
         _folder(runs[0], out, force)
         return
@@ -112,6 +144,18 @@ def _run(file: Path, out: Path | None, force: bool, model: Path | None = None) -
     found = {name: e.to_json() for name, e in headline(run).items()} if run.has("input") else {}
     figures = derived.to_json() | ({"transformation": found} if found else {})
     emit({**page, "reports": [page], **figures}, f"Report: {target}")
+
+
+def _forc(file: Path, out: Path | None, force: bool, smoothing: float | None) -> None:
+    from smarig.record import load_run
+    from smarig.report import forc_page, page_path, write_page
+
+    target = out or page_path(file)
+    check_distinct(target, file)
+    run = load_run(file)
+    write_page(forc_page(run, smoothing=smoothing), target, force=force)
+    page = {"report": str(target), "complete": run.complete, "cause": run.cause}
+    emit({**page, "reports": [page]}, f"Report: {target}")
 
 
 def _compared(files: list[Path], out: Path | None, force: bool) -> None:

@@ -16,7 +16,12 @@ from numpy.typing import ArrayLike, NDArray
 from smarig.core import DataError, UsageError
 from smarig.identification.fod_data import FodData
 from smarig.identification.forc.forc_density_local import LocalFits, local_fits
-from smarig.identification.forc.forc_density_smoothing import DEGREES, choose_smoothing, nearest_widths
+from smarig.identification.forc.forc_density_smoothing import (
+    DEGREES,
+    SmoothingChoice,
+    choose_smoothing,
+    nearest_widths,
+)
 from smarig.identification.forc.forc_density_windows import WINDOWS
 
 Array = NDArray[np.float64]
@@ -33,7 +38,8 @@ class DensityEstimate:
     deviation ``noise``, in output units, estimated from the residuals). It does not include the bias of smoothing
     or noise shared by the points of a curve (drift). ``dof`` is the effective number of parameters of the fitted
     surface, ``points`` the number of data points. ``smoothing`` is the factor in units of ``steps`` (Δα, Δβ), None
-    if neighbourhoods contain the ``nearest`` points instead. ``ill_conditioned`` counts the places with NaN.
+    if neighbourhoods contain the ``nearest`` points instead. ``ill_conditioned`` counts the places with NaN. ``tried``
+    holds the neighbourhoods that were compared if the smoothing was chosen.
     """
 
     alpha: Array = field(repr=False)
@@ -49,6 +55,7 @@ class DensityEstimate:
     nearest: int | None
     steps: tuple[float, float]
     ill_conditioned: int
+    tried: tuple[SmoothingChoice, ...] = field(default=(), repr=False)
 
 
 def forc_density(
@@ -88,9 +95,10 @@ def forc_density(
     if WINDOWS[window].one_step:
         scale[:] = scale.mean()
     points, values = np.column_stack([a, b]) / scale, values - values.mean()
+    tried: tuple[SmoothingChoice, ...] = ()
     if smoothing is None and nearest is None:
         chosen = choose_smoothing(points, values, (degree,) if degree else DEGREES)
-        nearest, degree = chosen.nearest, chosen.degree
+        nearest, degree, tried = chosen.nearest, chosen.degree, chosen.tried
     degree = degree or 2
 
     def fits(places: Array) -> LocalFits:
@@ -104,7 +112,7 @@ def forc_density(
     mu, se, missing = _determined(requested, own, noise, 0.5 / float(scale.prod()))
     return DensityEstimate(
         *where, mu, se, noise, dof * values.size, values.size, window, degree, smoothing, nearest,
-        (float(scale[0]), float(scale[1])), missing,
+        (float(scale[0]), float(scale[1])), missing, tried,
     )  # fmt: skip
 
 

@@ -7,7 +7,7 @@ Neighbourhoods contain the k nearest points, so they widen towards the edges. Po
 compared. ``benchmark.density`` measures the error against true densities.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,11 +29,29 @@ _WIDER = 1.0 + 1e-9  # the k-th nearest point keeps a small weight
 
 @dataclass(frozen=True)
 class SmoothingChoice:
-    """The chosen neighbourhood: ``nearest`` points, polynomial ``degree``, mean square ``error`` in output²."""
+    """A neighbourhood: ``nearest`` points, polynomial ``degree``, mean square ``error`` in output².
+
+    The chosen one holds all that were ``tried``.
+    """
 
     nearest: int
     degree: int
     error: float
+    tried: "tuple[SmoothingChoice, ...]" = ()
+
+    @property
+    def factor(self) -> float:
+        """The smoothing factor SF of the square of (2 SF + 1)² grid points with as many points (Pike et al. 1999)."""
+        return smoothing_factor(self.nearest)
+
+
+def smoothing_factor(nearest: int) -> float:
+    """The smoothing factor SF, in grid steps, of a square with ``nearest`` points: (√nearest − 1)/2.
+
+    >>> smoothing_factor(49)
+    3.0
+    """
+    return (float(np.sqrt(nearest)) - 1) / 2
 
 
 def nearest_widths(places: Array, points: Array, nearest: int) -> Array:
@@ -55,18 +73,18 @@ def choose_smoothing(points: Array, y: Array, degrees: tuple[int, ...] = DEGREES
     """The k and degree of least error for ``points`` (n, 2) in grid steps, ``y`` (n,); DataError if none is
     possible.
     """
-    found = [_best_smoothing(points, y, degree) for degree in degrees]
-    best = min(found, key=lambda f: f.error)
+    tried = [choice for degree in degrees for choice in _tried_smoothings(points, y, degree)]
+    best = min(tried, key=lambda f: f.error)
     if best.error == np.inf:
         raise DataError(
             f"No smoothing of these {len(points)} points determines a density. Measure more curves, or more "
             "points on each."
         )
-    return best
+    return replace(best, tried=tuple(tried))
 
 
-def _best_smoothing(points: Array, y: Array, degree: int) -> SmoothingChoice:
-    """The best k: doubled until the error has risen twice, then between the neighbours of the minimum."""
+def _tried_smoothings(points: Array, y: Array, degree: int) -> list[SmoothingChoice]:
+    """k doubled until the error has risen twice, then between the neighbours of the minimum."""
     stride = -(-len(points) // _PLACES)
     places, outputs = points[stride // 2 :: stride], y[stride // 2 :: stride]
 
@@ -90,4 +108,4 @@ def _best_smoothing(points: Array, y: Array, degree: int) -> SmoothingChoice:
     for factor in _REFINEMENT_FACTORS:
         if fewest <= (nearest := round(centre * factor)) <= len(points):
             tried.append(scored(nearest))
-    return tried[best_index(tried)]
+    return tried

@@ -1,0 +1,1 @@
+"""Figures and sentences of the page of first-order (reversal) curves."""
