@@ -79,7 +79,7 @@ def test_peak_and_widths_are_told_in_the_units_of_the_axes(evidence):
 
 
 @pytest.mark.parametrize(
-    ("ratio", "level"), [(300.0, "good"), (12.0, "good"), (7.0, "warning"), (3.0, "bad")]
+    ("ratio", "level"), [(300.0, "good"), (12.0, "good"), (7.0, "warning"), (4.5, "bad")]
 )
 def test_the_level_follows_the_peak(evidence, ratio, level):
     d = evidence.diagram
