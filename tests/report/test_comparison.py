@@ -1,5 +1,7 @@
 """Comparison of runs, and of models on the same runs: offsets, errors and texts."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -10,7 +12,10 @@ from smarig.plant.effect_catalogue import effects_from_pairs
 from smarig.record import load_run
 from smarig.report.model_comparison_page import models_page
 from smarig.report.run_comparison_page import comparison_page
+from smarig.report.runs.comparison_assessment import comparison_assessment
 from smarig.report.runs.run_alignment import aligned, common_steps
+from smarig.report.runs.run_change import run_change
+from smarig.report.runs.run_family import family_figures
 from smarig.rig.twin import TwinSettings
 from smarig.runner.session import Session
 
@@ -74,8 +79,103 @@ def test_what_cannot_be_compared_is_refused_in_a_sentence():
     other = made((0, 5, 2, 4), output={"quantity": "angle", "unit": "deg"})
     with pytest.raises(UsageError, match="Only runs in the same units"):
         comparison_page({"a": made((0, 5, 2, 4)), "b": other})
-    with pytest.raises(UsageError, match="at most 8"):
-        comparison_page({str(k): made((0, 5, 2, 4)) for k in range(9)})
+    with pytest.raises(UsageError, match="at most 60"):
+        comparison_page({str(k): made((0, 5, 2, 4)) for k in range(61)})
+
+
+# --- the first screen -----------------------------------------------------------------------------------
+
+INPUTS = np.concatenate([np.linspace(0, 100, 21), np.linspace(95, 0, 20), np.linspace(5, 100, 20)])
+
+
+def curve(u):
+    """A smooth loop without memory, in mm over K."""
+    return 6 * (1 + np.tanh((u - 45) / 15))
+
+
+def day(shift=0.0, gain=1.0, noise=0.003, seed=0, **meta):
+    """A run of the same steps, with the input shifted by ``shift`` K and the output scaled."""
+    random = np.random.default_rng(seed)
+    y = gain * curve(INPUTS - shift) + noise * random.standard_normal(INPUTS.size)
+    steps = tuple(step(k, float(u), float(v)) for k, (u, v) in enumerate(zip(INPUTS, y)))
+    columns = {"t_s": np.arange(INPUTS.size, dtype=float), "input": INPUTS, "position": y}
+    return run_of(
+        columns, steps, **({"source": "bench", "wire": "w", "input": INPUT, "output": OUTPUT} | meta)
+    )
+
+
+def change_of(other, first=None):
+    reference, found = aligned({"a": first or day(), "b": other})
+    return run_change(reference, replace(found, noise=0.003 * np.sqrt(2)))
+
+
+def test_a_shift_of_the_input_is_told_as_one():
+    change = change_of(day(shift=2.0, seed=1))
+    assert change.level == "poor"
+    assert change.is_shift
+    assert not change.is_stretch
+    assert change.shift[0] == pytest.approx(2.0, abs=0.15)
+    assert change.explained > 0.95
+
+
+def test_a_change_of_the_stroke_is_told_as_one():
+    change = change_of(day(gain=0.96, seed=1))
+    assert change.is_stretch
+    assert not change.is_shift
+    assert change.stretch[0] == pytest.approx(-0.04, abs=0.003)
+
+
+def test_the_same_wire_on_another_day_has_not_changed():
+    change = change_of(day(seed=2))
+    assert change.level == "good"
+    assert not change.is_shift
+    assert not change.is_stretch
+
+
+@pytest.mark.parametrize(
+    ("other", "words", "level"),
+    [
+        (day(seed=2), "A model of one of these runs holds for the other.", "good"),
+        (day(shift=2.0, seed=2), "a shift of the input by +", "bad"),
+        (day(gain=0.9, seed=2), "a change of the output by −", "bad"),
+    ],
+)
+def test_the_advice_follows_the_change(other, words, level):
+    reference, found = aligned({"a": day(), "b": other})
+    found = replace(found, noise=0.0042)
+    family = family_figures([reference.run, found.run])
+    assessed = comparison_assessment([reference, found], family)
+    assert words in assessed.advice
+    assert assessed.level == level
+
+
+def test_the_page_opens_with_the_sentences():
+    text = Page(
+        comparison_page({"mon": day(start_epoch=1.7e9), "tue": day(shift=3, seed=1, start_epoch=1.70009e9)})
+    ).visible
+    assert text.index("Compared: ") < text.index("Hysteresis of the runs, overlaid")
+    assert "2023-11-14" in text
+
+
+def test_runs_of_several_loads_are_a_family_over_stress():
+    runs = {
+        f"r{k}": day(gain=1 + 0.1 * k, seed=k, conditions={"stress": {"mean": 50.0 * k, "unit": "MPa"}})
+        for k in (3, 1, 2)
+    }
+    page = Page(comparison_page(runs))
+    assert "from 50 MPa to 150 MPa of stress" in page.visible
+    trend = next(p for p in page.plots if p["layout"]["xaxis"]["title"]["text"] == "Stress (MPa)")
+    x, y = (unpacked(trend["data"][0][key]) for key in "xy")
+    np.testing.assert_allclose(x, [50, 100, 150])
+    assert np.all(np.diff(y) > 0.5)
+
+
+def test_twelve_days_are_drawn_as_one_family():
+    runs = {f"d{k}": day(shift=0.5 * k, seed=k, start_epoch=1.7e9 + 86400 * k) for k in range(12)}
+    page = Page(comparison_page(runs))
+    assert "0 days to 11 days" in page.visible
+    drawn = {t["line"]["color"] for t in page.plots[0]["data"] if t["mode"] == "lines"}
+    assert len(drawn) == 12
 
 
 @pytest.fixture(scope="module")

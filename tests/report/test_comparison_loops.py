@@ -202,11 +202,13 @@ def test_ordinary_runs_keep_to_themselves(runs):
         names = {t["name"] for t in plot["data"]} & {"a", "b", "pi", "inverse"}
         assert names <= {"a", "b"} or names == {"pi", "inverse"}
     colours = {
-        t["name"]: t["line"]["color"] for t in page.traces() if t["name"] in ("a", "b", "pi", "inverse")
+        t["name"]: t["line"]["color"]
+        for t in page.traces()
+        if t["name"] in ("a", "b", "pi", "inverse") and "line" in t
     }
     assert colours == dict(zip(("a", "b", "pi", "inverse"), COMPARED))
     assert page.row("settings: controller")[1:] == ["pi", "–", "–", "inverse"]
-    assert "Overlaid runs" not in page_of(runs, "pi", "inverse").headings
+    assert "Compared: " not in page_of(runs, "pi", "inverse").visible
     assert (
         "Closed loops"
         not in Page(comparison_page({"a": ordinary((0, 5, 2)), "b": ordinary((0, 6, 2))})).headings

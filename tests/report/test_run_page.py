@@ -8,6 +8,7 @@ from report.pages import LOADING, Page, run_of, step, unpacked
 from smarig.core.sample import Quality
 from smarig.record import Event
 from smarig.report.run_page import run_page
+from smarig.report.runs.hysteresis_figure import hysteresis_figure
 from smarig.runner.session import Session
 
 TEMPERATURE = {"quantity": "temperature", "unit": "degC"}
@@ -199,9 +200,10 @@ def test_reversal_curves_are_drawn_one_by_one():
         "position": np.concatenate([np.tanh(3 * f - 1) for f in fields]),
         "step": np.repeat(np.arange(30), 200),
     }
-    page = Page(run_page(run_of(columns, protocol="first_order_reversal_curves", source="import")))
-    gaps = sum(int(np.isnan(unpacked(trace["x"])).sum()) for trace in page.traces("reversal at"))
-    assert gaps == 30
+    run = run_of(columns, protocol="first_order_reversal_curves", source="import")
+    traces = [trace for panel in hysteresis_figure(run).panels for trace in panel.data]
+    drawn = [trace for trace in traces if trace["name"].startswith("reversal at")]
+    assert sum(int(np.isnan(unpacked(trace["x"])).sum()) for trace in drawn) == 30
 
 
 def test_reversal_curves_without_numbers_are_still_drawn():

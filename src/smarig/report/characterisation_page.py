@@ -8,6 +8,7 @@ from smarig.report.components.decimate import POINTS
 from smarig.report.components.figure import Figure
 from smarig.report.components.html import Html, bullets, notice, paragraph, tag
 from smarig.report.components.page import Section, page
+from smarig.report.components.page_summary import PageSummary
 from smarig.report.components.run_description import count_size, protocol_name, source_label
 from smarig.report.diagnosis.verdict_text import findings
 from smarig.report.models.assessment import assessment
@@ -31,6 +32,7 @@ from smarig.report.models.validation_figure import validation_figure
 from smarig.report.run_page import ending_notices, representation_notice, run_lead
 from smarig.report.runs.hysteresis_figure import hysteresis_figure
 from smarig.report.runs.representation_figure import representation_figure
+from smarig.report.runs.run_summary import summary_with_loop
 from smarig.report.runs.run_tables import conditions_table, provenance_table, quality_table
 from smarig.report.runs.time_figures import initialisation_figure, time_series_figure
 
@@ -52,7 +54,14 @@ def characterisation_page(evidence: Evidence) -> str:
         [section for section in sections if section.parts],
         label=source_label(*runs),
         notices=ending_notices(runs),
+        summary=_page_summary(evidence),
     )
+
+
+def _page_summary(e: Evidence) -> PageSummary:
+    found = assessment(e)
+    words = f"{found.quality} {found.advice}"
+    return summary_with_loop("characterisation", words, found.level, _training_run(e))
 
 
 def _first_screen(e: Evidence) -> Parts:

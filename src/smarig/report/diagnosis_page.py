@@ -11,7 +11,7 @@ from smarig.report.components.page import Section, page
 from smarig.report.components.run_description import display_unit, protocol_name, source_label
 from smarig.report.diagnosis.detection_figure import detection_figure, similar_effects_figure
 from smarig.report.diagnosis.diagnosis_predictions import DiagnosisPredictions
-from smarig.report.diagnosis.diagnosis_summary import summary
+from smarig.report.diagnosis.diagnosis_summary import SEVERITY_LEVELS, summary
 from smarig.report.diagnosis.diagnosis_tables import candidates_table, explanations_table, visibility_table
 from smarig.report.diagnosis.explanations_figure import explanations_figure
 from smarig.report.diagnosis.gain_figure import gain_figure
@@ -19,9 +19,10 @@ from smarig.report.diagnosis.input_offset_figure import input_offset_figure
 from smarig.report.diagnosis.learned_law_figure import learned_term_figure
 from smarig.report.diagnosis.noise_budget import noise_budget
 from smarig.report.diagnosis.residual_figures import channel_figure, residual_figure
-from smarig.report.diagnosis.verdict_text import distinguishing_text, next_experiment
+from smarig.report.diagnosis.verdict_text import distinguishing_text, next_experiment, verdict_sentence
 from smarig.report.measured_diagnosis_page import measured_diagnosis_page
 from smarig.report.run_page import ending_notices, run_lead
+from smarig.report.runs.run_summary import summary_with_loop
 from smarig.report.runs.run_tables import conditions_table, provenance_table, quality_table
 
 Parts = Iterator[Html | Figure]
@@ -42,6 +43,7 @@ def _commanded_page(d: Diagnosis) -> str:
         [section for section in sections if section.parts],
         label=source_label(*runs),
         notices=ending_notices(list(runs)),
+        summary=summary_with_loop("diagnosis", verdict_sentence(d), SEVERITY_LEVELS[d.verdict.word], runs[0]),
     )
 
 

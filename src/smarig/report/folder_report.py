@@ -14,7 +14,8 @@ from urllib.parse import quote
 from smarig.core import DataError, UsageError
 from smarig.record import Run, load_run, stored_run
 from smarig.report.components.page import LIBRARY, is_smarig_page, write_library, write_page
-from smarig.report.index_page import IndexEntry, index_page
+from smarig.report.folder_contents import folder_contents
+from smarig.report.index_page import IndexEntry, ResultEntry, index_page
 from smarig.report.runs.run_summary import RunSummary, summary_of
 from smarig.report.runs.summary_cache import SummaryCache, file_state
 
@@ -85,8 +86,13 @@ def report_folder(folder: Path, *, force: bool = False) -> FolderReport:
         pages.append(WrittenPage(page, summary.complete, summary.cause))
         entries.append(IndexEntry(summary, _relative_url(page, folder)))
     cache.write()
+    contents = folder_contents(folder, {index, *map(page_path, files)})
+    unreadable += contents.unreadable
+    results = [
+        ResultEntry(each, _relative_url(each.path, folder)) for each in (*contents.pages, *contents.models)
+    ]
     title = f"Runs in {folder.resolve().name or folder}"
-    write_page(index_page(title, entries, unreadable), index, force=True)
+    write_page(index_page(title, entries, unreadable, results), index, force=True)
     return FolderReport(index, tuple(pages), tuple(unreadable))
 
 

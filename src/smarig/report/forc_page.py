@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from smarig.core import capitalised
 from smarig.record import Run
 from smarig.report.components.figure import Figure
-from smarig.report.components.html import Html, cards, joined, paragraph
+from smarig.report.components.html import Html, cards, joined, paragraph, plain
 from smarig.report.components.numbers import number
 from smarig.report.components.page import LIBRARY, Section, page
 from smarig.report.components.run_description import protocol_name, source_label
@@ -27,6 +27,7 @@ from smarig.report.forc.diagram_figures import (
 from smarig.report.forc.forc_assessment import forc_assessment
 from smarig.report.forc.forc_evidence import ForcEvidence, forc_evidence
 from smarig.report.run_page import ending_notices, run_lead
+from smarig.report.runs.run_summary import summary_with_loop
 from smarig.report.runs.run_tables import conditions_table, provenance_table, quality_table, settings_text
 
 
@@ -37,8 +38,9 @@ def forc_page(run: Run, *, smoothing: float | None = None, library: str = LIBRAR
     first-order curves, UsageError for an impossible factor.
     """
     e = forc_evidence(run, smoothing)
+    found = forc_assessment(e)
     sections = [
-        Section("", "Summary", [forc_assessment(e).html(), diagram_figure(e), _cards(e)]),
+        Section("", "Summary", [found.html(), diagram_figure(e), _cards(e)]),
         Section("Profiles and Preisach plane", "Profiles", _present(profiles_figure(e), planes_figure(e))),
         *_ridge_sections(e),
         Section("Smoothing", "Smoothing", _present(smoothing_figure(e), smoothings_figure(e)), folded=True),
@@ -55,6 +57,7 @@ def forc_page(run: Run, *, smoothing: float | None = None, library: str = LIBRAR
         label=source_label(run),
         notices=ending_notices([run]),
         library=library,
+        summary=summary_with_loop("FORC diagram", plain(found.measured), found.level, run),
     )
 
 

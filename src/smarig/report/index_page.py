@@ -13,6 +13,8 @@ from smarig.report.components.comparison_labels import banner
 from smarig.report.components.html import Html, bullets, cards, joined, notice, paragraph, tag
 from smarig.report.components.numbers import duration, number, thousands
 from smarig.report.components.page import Section, page
+from smarig.report.components.page_summary import FoundPage
+from smarig.report.components.thumbnail import thumbnail
 from smarig.report.runs.run_summary import RunSummary, shared_frames
 
 _COLUMNS = (
@@ -29,6 +31,8 @@ _COLUMNS = (
     ("Marked", "marked"),
     ("Ended", "ended"),
 )
+_SEVERITY = {"bad": 0, "warning": 1, "good": 2}
+_LONGEST = 220  # characters of a sentence on a card
 _SORTS = (
     ("began", "time"),
     ("name", "name"),
@@ -46,8 +50,24 @@ class IndexEntry:
     href: str
 
 
-def index_page(title: str, entries: Sequence[IndexEntry], unreadable: Sequence[str] = ()) -> str:
-    """The HTML page of a folder of runs; ``unreadable`` gives the reason for each file that could not be read."""
+@dataclass(frozen=True)
+class ResultEntry:
+    """A page or a model with its summary, and its address relative to the index."""
+
+    found: FoundPage
+    href: str
+
+
+def index_page(
+    title: str,
+    entries: Sequence[IndexEntry],
+    unreadable: Sequence[str] = (),
+    results: Sequence[ResultEntry] = (),
+) -> str:
+    """The HTML page of a folder: its runs, and the ``results`` (other pages, and models).
+
+    ``unreadable`` gives the reason for each file that could not be read.
+    """
     runs = [entry.summary for entry in entries]
     label, words = banner([run.label for run in runs])
     warning = notice("bad", paragraph(tag("b", "Not read")), bullets(unreadable)) if unreadable else Html("")
@@ -55,12 +75,49 @@ def index_page(title: str, entries: Sequence[IndexEntry], unreadable: Sequence[s
         [tag("div", _table(entries), class_="table runs", tabindex=0), tag("script", Html(INDEX_SCRIPT))]
     )
     sections = [
-        Section("Overview", "Overview", [_cards(runs)]),
-        Section("Hysteresis of every run", "Drawings", [_search(runs), _gallery(entries), _caption(runs)]),
+        Section("Overview", "Overview", [_cards(runs), _search(runs)]),
+        *_result_sections(results),
+        Section("Hysteresis of every run", "Runs", [_gallery(entries), _caption(runs)]),
         Section("Every run in numbers", "Table", [table]),
     ]
     lead = "Search and sort the runs below. Each name links to the page of its run."
     return page(title, lead, sections, label=label, simulated=words, notices=[warning])
+
+
+def _result_sections(results: Sequence[ResultEntry]) -> list[Section]:
+    """Pages of results, the most serious first, then models."""
+    models = [each for each in results if each.found.summary.kind == "model"]
+    pages = [each for each in results if each not in models]
+    pages.sort(key=lambda each: _SEVERITY.get(each.found.summary.level, 3))
+    named = (
+        ("Results", pages, "Each name links to its page."),
+        ("Models", models, "Each name links to its file."),
+    )
+    return [
+        Section(title, title, [tag("ul", *map(_result_card, each), class_="gallery"), paragraph(words)])
+        for title, each, words in named
+        if each
+    ]
+
+
+def _result_card(entry: ResultEntry) -> Html:
+    about = entry.found.summary
+    drawn = thumbnail(about.u, about.y, f"Loop of {entry.found.title}.", about.units, about.label)
+    sentence = (
+        about.sentence
+        if len(about.sentence) <= _LONGEST
+        else about.sentence[:_LONGEST].rsplit(" ", 1)[0] + " …"
+    )
+    text = f"{entry.found.title} {entry.found.path.name} {about.kind} {about.sentence}".lower()
+    classes = ["twinned"] * bool(about.label) + ["level", about.level] * bool(about.level)
+    return tag(
+        "li",
+        drawn,
+        tag("a", entry.found.title, href=entry.href),
+        tag("p", tag("b", about.kind), ". ", sentence),
+        data_words=text,
+        class_=" ".join(classes),
+    )
 
 
 def _cards(runs: Sequence[RunSummary]) -> Html:
@@ -139,7 +196,7 @@ def _caption(runs: Sequence[RunSummary]) -> Html:
     families = len({run.scale_group for run in runs})
     scale = "All runs are" if families == 1 else "Runs of one rig, wire and unit are"
     return paragraph(
-        f"Output against hysteresis input. Lines join the settled points in order: vermilion rising, blue falling. "
+        f"Output against hysteresis input along the path of the samples: vermilion rising, blue falling. "
         f"{scale} drawn on one scale. Each output axis begins at the minimum of its run, because every session has its "
         "own zero."
     )
@@ -220,6 +277,8 @@ INDEX_SCRIPT = """
    const hit=words.every(w=>row.dataset.text.includes(w))&&wanted.every(([name,v])=>!v||row.dataset[name]===v);
    row.hidden=cards[k].hidden=!hit; n+=hit;
   });
+  document.querySelectorAll('li[data-words]').forEach(one=>{
+   one.hidden=!words.every(w=>one.dataset.words.includes(w)); });
   status.textContent=n+' of '+rows.length+' runs';
  }
  function value(row){ const v=row.dataset[key]??'', x=Number(v); return v!==''&&!isNaN(x)?x:v; }

@@ -20,8 +20,10 @@ from smarig.report.components.run_description import (
     source_label,
 )
 from smarig.report.components.style import COOLING, INK, MODEL
+from smarig.report.diagnosis.diagnosis_summary import SEVERITY_LEVELS
 from smarig.report.diagnosis.learned_law_figure import learned_law_figure
 from smarig.report.run_page import run_lead
+from smarig.report.runs.run_summary import summary_with_loop
 from smarig.report.runs.run_tables import conditions_table, provenance_table, quality_table
 
 Array = NDArray[np.float64]
@@ -45,6 +47,9 @@ def measured_diagnosis_page(d: MeasuredDiagnosis) -> str:
         f"{run_lead(d.runs[0])}; model {d.model.name}",
         sections,
         label=source_label(*d.runs),
+        summary=summary_with_loop(
+            "diagnosis", d.text().partition("\n")[0], SEVERITY_LEVELS[d.verdict.word], d.runs[0]
+        ),
     )
 
 

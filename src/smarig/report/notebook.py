@@ -6,7 +6,6 @@ The notebook supplies Plotly's script; a figure contains only its data, thinned.
 from functools import singledispatch
 from typing import Any
 
-import numpy as np
 import plotly.graph_objects as go
 
 from smarig.core import UsageError, capitalised, spaced
@@ -30,12 +29,12 @@ from smarig.report.diagnosis.residual_figures import residual_figure
 from smarig.report.diagnosis.verdict_text import findings
 from smarig.report.models.density_figures import map_panel
 from smarig.report.models.identification_plot_data import density_of, hysteresis_description
+from smarig.report.models.model_loops import model_loops
 from smarig.report.runs.run_summary import summary_of
 from smarig.report.transformation.tangent_figure import tangent_figure
 from smarig.transformation import TransformationResult
 
 _POINTS = 1200
-_REVERSALS = (0.35, 0.55, 0.75)  # first-order curves in a model's drawing, as shares of its range
 
 
 # --- figures --------------------------------------------------------------------------------------------
@@ -136,7 +135,7 @@ def _run_html(thing: Run) -> str:
 
 @display_html.register
 def _model_html(thing: Model) -> str:
-    u, y = _loops(thing)
+    u, y = model_loops(thing)
     words = f"Major loop and first-order curves of {thing.name}."
     label = "TWIN" if thing.twin else ""
     drawn = thumbnail(u, y, words, (thing.input.unit, thing.unit), label)
@@ -158,14 +157,6 @@ def _model_html(thing: Model) -> str:
 @display_html.register
 def _transformation_html(thing: TransformationResult) -> str:
     return tag("pre", str(thing))
-
-
-def _loops(model: Model, n: int = 40) -> tuple[np.ndarray, np.ndarray]:
-    """Input and output along the major loop and some first-order curves, in one sequence."""
-    low, high = model.hysteresis.lower, model.hysteresis.upper
-    turns = [low, *(end for share in _REVERSALS for end in (low + share * (high - low), low)), high, low]
-    u = np.concatenate([np.linspace(a, b, n) for a, b in zip(turns, turns[1:])])
-    return u, model.predict(u)
 
 
 @display_html.register

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from smarig.core import UsageError
 from smarig.record import Run
 from smarig.report.closed_loop.loop_comparison import loops_section
 from smarig.report.closed_loop.loop_result import is_closed_loop
@@ -18,14 +19,19 @@ from smarig.report.components.html import Html, notice, paragraph, table
 from smarig.report.components.numbers import duration, number
 from smarig.report.components.page import Section, page
 from smarig.report.components.run_description import display_unit, duration_s, quality_counts, source_label
+from smarig.report.components.style import COMPARED
 from smarig.report.run_page import ending_notices
+from smarig.report.runs.comparison_assessment import ComparisonAssessment, comparison_assessment
 from smarig.report.runs.run_alignment import AlignedRun, aligned, check_same_units
 from smarig.report.runs.run_comparison_figures import (
-    coloured_name,
+    coloured,
     differences_figure,
     overlay_figure,
     time_overlay_figure,
+    with_colours,
 )
+from smarig.report.runs.run_family import family_figures, trend_figure
+from smarig.report.runs.run_summary import summary_with_loop
 from smarig.report.runs.run_tables import provenance_table, quality_table
 
 _DESCRIPTION = (
@@ -41,6 +47,7 @@ _DESCRIPTION = (
     "effects",
     "notes",
 )
+_MOST_RUNS = 60
 _GROUPS = ("settings", "conditions", "versions")
 
 
@@ -49,35 +56,63 @@ def comparison_page(runs: Mapping[str, Run]) -> str:
 
     Raises UsageError for more runs than distinguishable colours, and for different units.
     """
-    check_comparable_count(list(runs), "runs")
+    _check_count(runs)
     check_same_units(runs)
     loops = {name: run for name, run in runs.items() if is_closed_loop(run)}
     others = {name: run for name, run in runs.items() if name not in loops}
-    found = aligned(others) if others else []
+    found = _coloured(aligned(others)) if others else []
+    assessed, opening = _first_screen(found)
     sections = [
+        *opening,
         *loops_section(loops, first=len(others)),
         Section(
             "Differences in numbers",
             "Numbers",
             [*([_numbers_table(found)] if found else []), _metadata_differences(runs)],
         ),
-        *([Section("Overlaid runs", "Figures", _overlay_parts(found))] if found else []),
-        Section("Data quality", "Data quality", [quality_table(runs)]),
-        Section("Provenance", "Provenance", [provenance_table(runs)]),
+        *([Section("Time series", "Time", time_parts)] if (time_parts := _time_parts(found)) else []),
+        Section("Data quality", "Data quality", [quality_table(runs)], folded=True),
+        Section("Provenance", "Provenance", [provenance_table(runs)], folded=True),
     ]
     label, words = banner([source_label(run) for run in runs.values()])
     first, *rest = runs
     lead = f"{', '.join(rest)} compared with {first}"
     title = f"Comparison of {len(runs)} runs"
     notices = ending_notices(list(runs.values()))
-    return page(title, lead, sections, label=label, simulated=words, notices=notices)
+    sentence = f"{assessed.change} {assessed.advice}" if assessed else lead
+    about = summary_with_loop("comparison of runs", sentence, assessed.level if assessed else "", runs[first])
+    return page(title, lead, sections, label=label, simulated=words, notices=notices, summary=about)
 
 
-def _overlay_parts(found: Sequence[AlignedRun]) -> list[Html | Figure]:
-    """Figures of overlaid runs; closed loops have their own figures."""
+def _first_screen(found: Sequence[AlignedRun]) -> tuple[ComparisonAssessment | None, list[Section]]:
+    """The sentences with the overlaid loops, their differences and trends; closed loops have their own figures."""
+    if not found:
+        return None, []
+    runs = [each.run for each in found]
+    family = family_figures(runs)
+    assessed = comparison_assessment(found, family) if len(found) > 1 else None
     nothing = notice("warning", paragraph(_NO_COMMON_STEPS.format(found[0].name))) if len(found) > 1 else None
     subtracted = differences_figure(found) or nothing
-    return [part for part in (overlay_figure(found), subtracted, time_overlay_figure(found)) if part]
+    overlaid = overlay_figure(found, family.variable)
+    figures = [figure for figure in (overlaid, subtracted, trend_figure(family, runs)) if figure]
+    return assessed, [Section("", "Summary", [*([assessed.html()] if assessed else []), *figures])]
+
+
+def _coloured(found: Sequence[AlignedRun]) -> list[AlignedRun]:
+    return with_colours(found, family_figures([each.run for each in found]).variable)
+
+
+def _check_count(runs: Mapping[str, Run]) -> None:
+    """UsageError for more runs than can be told apart: of closed loops by colours, of others as a family."""
+    loops = [name for name, run in runs.items() if is_closed_loop(run)]
+    check_comparable_count(loops, "closed loops")
+    if len(runs) > _MOST_RUNS:
+        raise UsageError(f"{len(runs)} runs are too many for one page. Compare at most {_MOST_RUNS}.")
+
+
+def _time_parts(found: Sequence[AlignedRun]) -> list[Figure]:
+    figure = time_overlay_figure(found) if 0 < len(found) <= len(COMPARED) else None
+    return [figure] if figure else []
 
 
 _NO_COMMON_STEPS = (
@@ -94,7 +129,7 @@ def _numbers_table(found: Sequence[AlignedRun]) -> Html:
         m = quality_counts(each.run)
         rows.append(
             (
-                coloured_name(k, each.name),
+                coloured(each.colour, each.name),
                 each.run.info.source or "unknown",
                 duration(duration_s(each.run)),
                 f"{m.settled} of {m.steps}",

@@ -4,6 +4,7 @@ from smarig.report.components.figure import Figure
 from smarig.report.components.html import Html, paragraph
 from smarig.report.components.page import Section, page
 from smarig.report.components.run_description import source_label
+from smarig.report.runs.run_summary import summary_with_loop
 from smarig.report.transformation.tangent_figure import tangent_figure
 from smarig.report.transformation.transformation_tables import (
     branches_text,
@@ -32,7 +33,11 @@ def transformation_page(found: TransformationResult) -> str:
     sections.append(Section("Method", "Method", _method()))
     title = "Transformation temperatures"
     lead = ", ".join(run.name for run in runs)
-    return page(title, lead, sections, label=source_label(*(r.run for r in runs)))
+    label = source_label(*(r.run for r in runs))
+    about = summary_with_loop(
+        "transformation temperatures", f"{lead}: loops with their tangents.", "", runs[0].run
+    )
+    return page(title, lead, sections, label=label, summary=about)
 
 
 def _method() -> list[Html]:

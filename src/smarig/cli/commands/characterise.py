@@ -26,7 +26,7 @@ from smarig.runner import Listener, Preview, RunControl, twin_source
     epilog=f"{STREAMS}\n\n\b\nExample:\n  smarig characterise --rig one_wire_twin --out out/one_wire",
 )
 @click.option("--rig", type=RIG, required=True, help="Rig by name or path.")
-@click.option("--out", type=FOLDER, required=True, help="Folder for runs, model.json and report.html.")
+@click.option("-o", "--out", type=FOLDER, required=True, help="Folder for runs, model.json and report.html.")
 @click.option(
     "--campaign",
     type=CatalogueName("campaigns"),

@@ -191,4 +191,4 @@ def _line(each: ComparedLoop, x: Any, y: Any, **more: Any) -> Trace:
 
 
 def _runs_text(loops: Sequence[ComparedLoop]) -> Html:
-    return runs_caption([(each.k, each.name, each.run) for each in loops])
+    return runs_caption([(COMPARED[each.k], each.name, each.run) for each in loops])

@@ -16,6 +16,7 @@ from typing import Any
 from smarig.core import atomic_file
 from smarig.report.components.figure import Figure
 from smarig.report.components.html import Html, escaped, tag
+from smarig.report.components.page_summary import PageSummary
 from smarig.report.components.style import CSS, template
 
 LIBRARY = "smarig-figures.js"  # Plotly's script, beside the pages of a folder
@@ -43,11 +44,12 @@ def page(
     simulated: str = SIMULATED_TEXT,
     notices: Sequence[Html] = (),
     library: str = LIBRARY,
+    summary: PageSummary | None = None,
 ) -> str:
     """The page as HTML. ``notices`` (for example of incomplete runs) precede all sections.
 
     ``label`` and ``simulated`` form the banner of simulated data. ``library`` is the address of the interactive
-    library, relative to the page.
+    library, relative to the page. ``summary`` tells an index what the page shows.
     """
     words = f"{label}: {simulated}" if label else ""
     banner = tag("aside", words, class_="twinbar", aria_label="Simulated, not measured") if label else ""
@@ -66,17 +68,18 @@ def page(
         script,
         data_library=library,
     )
-    head = _head(f"{label} · {title}" if label else title)
+    head = _head(f"{label} · {title}" if label else title, summary)
     return f'<!DOCTYPE html>\n<html lang="en">{head}\n{whole}</html>\n'
 
 
-def _head(title: str) -> Html:
+def _head(title: str, summary: PageSummary | None) -> Html:
     return tag(
         "head",
         tag("meta", charset="utf-8"),
         tag("meta", name_="viewport", content="width=device-width, initial-scale=1"),
         tag("meta", name_="generator", content=GENERATOR),
         tag("title", title),
+        summary.head() if summary else "",
         tag("style", Html(CSS)),
     )
 

@@ -147,6 +147,8 @@ button[aria-pressed=true]{background:var(--blue);border-color:var(--blue);color:
 .gallery{list-style:none;margin:0;padding:0;display:grid;grid-template-columns:repeat(auto-fill,minmax(200px,1fr));gap:14px}
 .runs td,.runs tbody th,.named{white-space:nowrap}.runs table{font-size:13px}.runs th,.runs td{padding-right:9px}
 .gallery li{border:1px solid var(--line);padding:8px 10px 10px;max-width:none;min-width:0;break-inside:avoid}
+.gallery li.level{border-left:4px solid var(--line)}.gallery li.good{border-left-color:var(--good,#009E73)}
+.gallery li.warning{border-left-color:#E69F00}.gallery li.bad{border-left-color:#D55E00}
 .gallery li.twinned{border-top:4px solid var(--amber)}.gallery svg,td svg{display:block;width:100%;height:auto}
 .gallery a{font-weight:600;overflow-wrap:anywhere}
 .gallery p{margin:2px 0 0;font-size:13px;line-height:1.4;color:var(--grey)}

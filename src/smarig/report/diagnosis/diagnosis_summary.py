@@ -16,6 +16,14 @@ _BOX_STYLES = {
     "unknown": "bad",
     "not_identifiable": "warning",
 }
+# How serious a verdict is in a list of pages: a named cause is a good diagnosis of a bad wire.
+SEVERITY_LEVELS = {
+    "silent": "good",
+    "named": "bad",
+    "ambiguous": "bad",
+    "unknown": "bad",
+    "not_identifiable": "warning",
+}
 
 
 def summary(d: Diagnosis) -> Iterator[Html]:

@@ -25,7 +25,8 @@ class AlignedRun:
 
     ``offset_kind`` is "reference", "known" (same session, same zero), "fitted", or "unknown" (no common step).
     ``input`` and ``difference`` (k,) are the inputs of the common points and this run − first run at these points.
-    ``noise`` is the standard deviation of one such difference, None if no state was repeated.
+    ``noise`` is the standard deviation of one such difference, None if no state was repeated. ``colour`` is that of
+    the run on the page.
     """
 
     name: str
@@ -35,6 +36,7 @@ class AlignedRun:
     input: Array
     difference: Array
     noise: float | None
+    colour: str = ""
 
     @property
     def rms(self) -> float:

@@ -1,6 +1,7 @@
 """Figures of runs overlaid: hysteresis, differences from the first run, and time series."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -8,43 +9,52 @@ import numpy as np
 from smarig.core import spaced
 from smarig.record import Run
 from smarig.report.components.decimate import POINTS, envelope, path
-from smarig.report.components.figure import Figure, Panel, Trace, axis, line, plotly_escaped
+from smarig.report.components.figure import Figure, Panel, Trace, axis, dots, line, plotly_escaped
 from smarig.report.components.html import Html, joined, tag
 from smarig.report.components.numbers import number
 from smarig.report.components.run_description import (
     conditions_text,
+    count_size,
     display_unit,
     input_title,
     output_title,
     run_caption,
     source_label,
 )
-from smarig.report.components.style import COMPARED, DASHES, GREY, SYMBOLS
+from smarig.report.components.style import COMPARED, DASHES, GREY, SYMBOLS, colours
 from smarig.report.runs.representation_figure import noise_band
 from smarig.report.runs.run_alignment import AlignedRun
+from smarig.report.runs.run_family import FamilyVariable
+from smarig.report.runs.sample_path import sample_path
 from smarig.report.runs.time_figures import time_unit
 
 _MOST_MARKS = 150  # largest number of points with a mark each
+_MOST_MARKED = 8  # runs with marks and their own sentence
 
 
-def overlay_figure(runs: Sequence[AlignedRun]) -> Figure:
-    """Output against input of all runs, on common axes and with a common zero."""
+def overlay_figure(runs: Sequence[AlignedRun], variable: FamilyVariable) -> Figure:
+    """Output against input of all runs, on common axes and with a common zero; dark to bright over ``variable``."""
     data: list[Trace] = []
-    for k, each in enumerate(runs):
-        u, y = each.run.points()
-        kept = path(u, y)
-        marks = (
-            {"mode": "lines+markers", "marker": {"size": 6, "symbol": SYMBOLS[k]}}
-            if u.size <= _MOST_MARKS
-            else {}
-        )
-        data.append(_line(k, each, u[kept], y[kept] + each.offset, **marks))
+    marked = len(runs) <= _MOST_MARKED
+    for k in variable.order if not marked else range(len(runs)):
+        each = runs[k]
+        u, y = each.run["input"], each.run["position"]
+        kept = sample_path(u, y, count_size(each.run))
+        points = each.run.points()
+        if kept.size < points[0].size:
+            (u, y), kept = points, np.arange(points[0].size)
+        kept = kept[path(u[kept], y[kept])]
+        data.append(_line(k, each, u[kept], y[kept] + each.offset))
+        if marked and len(each.run.settled) <= _MOST_MARKS:
+            style = {"symbol": SYMBOLS[k], "size": 5, "showlegend": False}
+            data.append(dots(points[0], points[1] + each.offset, each.name, each.colour, **style))
     layout = {"xaxis": axis(input_title(runs[0].run)), "yaxis": axis(output_title(runs[0].run))}
     return Figure(
         [Panel(data, layout, 520)],
         "Hysteresis of the runs, overlaid.",
         [
-            "Settled points joined in order (samples for runs without steps).",
+            "Lines: the path of the samples; marks: settled points.",
+            f"Colours, dark to bright: {variable.title.lower()}." if is_ordered(runs) else "",
             offsets_text(runs),
             runs_text(runs),
         ],
@@ -80,8 +90,6 @@ def differences_figure(runs: Sequence[AlignedRun]) -> Figure | None:
             )
             + ".",
             words or "The noise of a difference is unknown, because no run repeated a state.",
-            offsets_text(runs),
-            runs_text(runs),
         ],
         source_label(*(each.run for each in runs)),
         440,
@@ -98,7 +106,10 @@ def _difference_panel(
         data.append(noise_band(low, high, 2 * noise, "± 2 σ of a difference"))
     data.append(line([low, high], [0, 0], "zero", GREY, width=1, showlegend=False))
     for x, (k, each) in zip(spread, others):
-        marks = {"mode": "markers", "marker": {"color": COMPARED[k], "size": 6, "symbol": SYMBOLS[k]}}
+        marks = {
+            "mode": "markers",
+            "marker": {"color": each.colour, "size": 6, "symbol": SYMBOLS[k % len(SYMBOLS)]},
+        }
         data.append(_line(k, each, x, each.difference, **marks))
     return Panel(data, {"xaxis": axis(x_title), "yaxis": axis(title)}, 380)
 
@@ -141,7 +152,7 @@ def time_overlay_figure(runs: Sequence[AlignedRun]) -> Figure | None:
     return Figure(
         [Panel(data, layout, 170 * len(rows) + 60)],
         "Time series of the runs, overlaid.",
-        ["Time is measured from the first sample of each run.", offsets_text(runs), runs_text(runs)],
+        ["Time is measured from the first sample of each run."],
         source_label(*(each.run for each in runs)),
     )
 
@@ -160,7 +171,21 @@ def _axis_suffix(k: int) -> str:
 
 
 def _line(k: int, each: AlignedRun, x: Any, y: Any, **more: Any) -> Trace:
-    return line(x, y, each.name, COMPARED[k], dash=DASHES[k], width=1.3, **more)
+    dash = "solid" if each.colour != COMPARED[k % len(COMPARED)] else DASHES[k]
+    return line(x, y, each.name, each.colour, dash=dash, width=1.3, **more)
+
+
+def is_ordered(runs: Sequence[AlignedRun]) -> bool:
+    """Whether the colours of the runs stand for their order over a variable."""
+    return len(runs) > 2 and runs[0].colour not in COMPARED
+
+
+def with_colours(runs: Sequence[AlignedRun], variable: FamilyVariable) -> list[AlignedRun]:
+    """The runs with their colours: dark to bright over a load or time of three runs and more, else distinct ones."""
+    if len(runs) <= len(COMPARED) and (len(runs) < 3 or not variable.unit):
+        return [replace(each, colour=COMPARED[k]) for k, each in enumerate(runs)]
+    shades = dict(zip(variable.order, colours(len(runs))))
+    return [replace(each, colour=shades[k]) for k, each in enumerate(runs)]
 
 
 def offsets_text(runs: Sequence[AlignedRun]) -> str:
@@ -183,22 +208,29 @@ def offsets_text(runs: Sequence[AlignedRun]) -> str:
 
 def runs_text(runs: Sequence[AlignedRun]) -> Html:
     """Caption text on each run with its colour; common properties appear once."""
-    return runs_caption([(k, each.name, each.run) for k, each in enumerate(runs)])
+    if len(runs) > _MOST_MARKED:
+        return joined([f"{len(runs)} runs."])
+    return runs_caption([(each.colour, each.name, each.run) for each in runs])
 
 
-def runs_caption(runs: Sequence[tuple[int, str, Run]]) -> Html:
-    """Caption text on runs given as (colour index, name, run)."""
+def runs_caption(runs: Sequence[tuple[str, str, Run]]) -> Html:
+    """Caption text on runs given as (colour, name, run)."""
     captions = [[run_caption(run).removesuffix("."), *conditions_text(run).split(", ")] for _, _, run in runs]
     shared = [part for part in captions[0] if all(part in other for other in captions)]
     own = ["; ".join(part for part in parts if part not in shared) for parts in captions]
     each = [
-        joined([coloured_name(k, name), f": {words}. " if words else ". "])
-        for (k, name, _), words in zip(runs, own)
+        joined([coloured(colour, name), f": {words}. " if words else ". "])
+        for (colour, name, _), words in zip(runs, own)
     ]
     return joined([*each, f"All: {'; '.join(shared)}." if shared else ""])
 
 
 def coloured_name(k: int, name: str) -> Html:
     """The name of the k-th compared item, with its colour."""
-    colour = tag("span", class_="swatch", style=f"color:{COMPARED[k]}", aria_hidden="true")
-    return tag("span", colour, name, class_="named")
+    return coloured(COMPARED[k], name)
+
+
+def coloured(colour: str, name: str) -> Html:
+    """A name with a swatch of its colour."""
+    swatch = tag("span", class_="swatch", style=f"color:{colour}", aria_hidden="true")
+    return tag("span", swatch, name, class_="named")

@@ -11,10 +11,12 @@ from numpy.typing import NDArray
 
 from smarig.core import spaced
 from smarig.record import AnyRun
-from smarig.report.components.decimate import path
+from smarig.report.components.decimate import path, simplified
 from smarig.report.components.html import Html
 from smarig.report.components.numbers import duration, number, thousands
+from smarig.report.components.page_summary import PageSummary
 from smarig.report.components.run_description import (
+    count_size,
     display_unit,
     duration_s,
     input_title,
@@ -24,9 +26,12 @@ from smarig.report.components.run_description import (
     source_label,
 )
 from smarig.report.components.thumbnail import Frame, frame_of, thumbnail
+from smarig.report.runs.sample_path import sample_path
 
 Array = NDArray[np.float64]
-_POINTS = 160  # per loop, a few kilobytes
+_POINTS = 400  # per loop, a few kilobytes
+_MOST_EXAMINED = 4000  # points of a path that are simplified
+_TOLERANCE = 0.004  # of the ranges: less than a pixel
 
 
 @dataclass(frozen=True, eq=False)
@@ -121,10 +126,27 @@ def summary_of(run: AnyRun) -> RunSummary:
     )
 
 
+def summary_with_loop(kind: str, sentence: str, level: str, run: AnyRun | None) -> PageSummary:
+    """The summary of a page, with the loop of one of its runs."""
+    if run is None:
+        return PageSummary(kind, sentence, level)
+    u, y = loop(run, _POINTS)
+    units = display_unit(run.input_unit), display_unit(run.unit)
+    return PageSummary(kind, sentence, level, u, y, units, source_label(run))
+
+
 def loop(run: AnyRun, points: int) -> tuple[Array, Array]:
-    """Input and output (k,) of the settled points, else of the samples, thinned with all extremes kept."""
-    u, y = run.points()
-    kept = path(u, y, points)
+    """Input and output (k,) along the path of the samples, or of the settled points if there are few samples.
+
+    Thinned to a path that a small drawing cannot tell from the whole one.
+    """
+    u, y = run["input"], run["position"]
+    kept = sample_path(u, y, count_size(run))
+    if kept.size < len(run.settled):
+        u, y = run.points()
+        kept = np.arange(u.size)
+    kept = kept[path(u[kept], y[kept], _MOST_EXAMINED)]
+    kept = kept[simplified(u[kept], y[kept], _TOLERANCE, points)]
     return u[kept], y[kept]
 
 

@@ -19,7 +19,7 @@ from smarig.core import SmarigError, atomic_file
 from smarig.report.runs.run_summary import RunSummary
 
 CACHE_FILE = "smarig-index.json"
-LAYOUT = 1  # one more whenever the same run has another summary
+LAYOUT = 2  # one more whenever the same run has another summary
 _ARRAYS = ("u", "y")
 _TYPES = {name: kind for name, kind in get_type_hints(RunSummary).items() if name not in (*_ARRAYS, "axes")}
 

@@ -1,0 +1,127 @@
+"""What a comparison of runs shows: what was compared, whether the wire has changed, and what to do."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from datetime import UTC, datetime
+
+import numpy as np
+
+from smarig.core import spaced
+from smarig.identification import ErrorLevel
+from smarig.record import Run
+from smarig.report.components.html import Html, notice, paragraph, tag
+from smarig.report.components.numbers import number, signed
+from smarig.report.components.run_description import display_unit, protocol_name
+from smarig.report.runs.run_alignment import AlignedRun
+from smarig.report.runs.run_change import RunChange, run_change
+from smarig.report.runs.run_family import FamilyFigures, stroke
+
+_LEVELS = {ErrorLevel.GOOD: "good", ErrorLevel.POOR: "bad"}
+_ORDER = (ErrorLevel.GOOD, ErrorLevel.UNKNOWN, ErrorLevel.FAIR, ErrorLevel.POOR)
+
+
+@dataclass(frozen=True)
+class ComparisonAssessment:
+    """The sentences of the first screen. ``level``: "good", "warning" or "bad"."""
+
+    level: str
+    compared: str
+    change: str
+    advice: str
+
+    def html(self) -> Html:
+        """A box in the colour of the level."""
+        parts = [paragraph(self.compared), paragraph(tag("b", self.change)), paragraph(self.advice)]
+        return notice(self.level, *(part for part, text in zip(parts, (True, True, self.advice)) if text))
+
+
+def comparison_assessment(found: Sequence[AlignedRun], family: FamilyFigures) -> ComparisonAssessment:
+    """The assessment of aligned runs (the first is the reference), built from their figures."""
+    first, *others = found
+    common = [each for each in others if each.difference.size]
+    if not common:
+        return ComparisonAssessment(
+            "warning",
+            _compared(first.run, [each.run for each in others]),
+            f"The runs have no steps in common, so they are drawn but not subtracted. {_strokes(found, family)}",
+            "To compare two days, run the same protocol with the same settings on both.",
+        )
+    changes = [(each, run_change(first, each)) for each in common]
+    worst, change = max(changes, key=lambda pair: (_ORDER.index(pair[1].level), pair[0].rms))
+    return ComparisonAssessment(
+        _LEVELS.get(change.level, "warning"),
+        _compared(first.run, [each.run for each in others]),
+        f"{_change_text(worst, change, len(others))} {_strokes(found, family)}",
+        _advice(worst, change),
+    )
+
+
+def _compared(first: Run, others: Sequence[Run]) -> str:
+    wires = {run.info.wire for run in (first, *others)}
+    same = f" of wire {first.info.wire}" if len(wires) == 1 and first.info.wire else ""
+    different = ", of different wires" if len(wires) > 1 else ""
+    names = others[0].name if len(others) == 1 else f"{len(others)} runs"
+    return (
+        f"Compared: {names}{_date(others[0]) if len(others) == 1 else ''} with {first.name}{_date(first)}, "
+        f"{protocol_name(first)}{same}{different}."
+    )
+
+
+def _date(run: Run) -> str:
+    epoch = run.info.start_epoch
+    return f" ({datetime.fromtimestamp(epoch, UTC):%Y-%m-%d %H:%M})" if epoch else ""
+
+
+def _change_text(worst: AlignedRun, change: RunChange, others: int) -> str:
+    unit = spaced(display_unit(worst.run.unit))
+    which = "" if others == 1 else f" (the largest, {worst.name})"
+    size = f"{number(worst.rms)}{unit} rms at {worst.difference.size} common steps{which}"
+    noise = f"σ of a difference {number(worst.noise, 2)}{unit}" if worst.noise else "the noise is unknown"
+    if change.level == ErrorLevel.GOOD:
+        return f"No change beyond the noise: {size}, {noise}."
+    if change.level == ErrorLevel.UNKNOWN:
+        return f"The runs differ by {size}; {noise}, so it is not known whether this is a change."
+    verb = "may have changed" if change.level == ErrorLevel.FAIR else "has changed"
+    ratio = (
+        f", {number(worst.rms / worst.noise, 2)} times the noise ({noise})" if worst.noise else f"; {noise}"
+    )
+    return f"The behaviour {verb}: {size}{ratio}."
+
+
+def _strokes(found: Sequence[AlignedRun], family: FamilyFigures) -> str:
+    unit = spaced(display_unit(found[0].run.unit))
+    if len(found) == 2:
+        before, after = stroke(found[0].run), stroke(found[1].run)
+        if not (np.isfinite(before) and np.isfinite(after) and before):
+            return ""
+        percent = signed(100 * (after / before - 1), 2)
+        return f"Stroke {number(before, 4)} → {number(after, 4)}{unit} ({percent} %)."
+    known = [value for value in family.strokes if np.isfinite(value)]
+    if not known:
+        return ""
+    order, variable = family.variable.order, family.variable
+    ends = f"{number(family.strokes[order[0]], 4)} → {number(family.strokes[order[-1]], 4)}{unit}"
+    if not variable.unit:
+        return f"Stroke {ends} from the first to the last run."
+    return f"Stroke {ends} from {variable.text(order[0])} to {variable.text(order[-1])} of {variable.name.lower()}."
+
+
+def _advice(worst: AlignedRun, change: RunChange) -> str:
+    if change.level == ErrorLevel.GOOD:
+        return "A model of one of these runs holds for the other."
+    causes = []
+    if change.is_shift and change.shift is not None:
+        unit = spaced(display_unit(worst.run.input_unit))
+        causes.append(
+            f"a shift of the input by {signed(change.shift[0])} ± {number(change.shift[1], 2)}{unit} (check ambient "
+            "temperature, load and the input's sensor)"
+        )
+    if change.is_stretch and change.stretch is not None:
+        causes.append(
+            f"a change of the output by {signed(100 * change.stretch[0])} ± {number(100 * change.stretch[1], 2)} % "
+            "(check load, cycles and slip)"
+        )
+    if causes:
+        share = f"{100 * change.explained:.0f} %"
+        return f"The difference is that of {' and '.join(causes)}; this explains {share} of its square."
+    return "Neither a shift of the input nor a change of the output explains the difference: diagnose the later run."
