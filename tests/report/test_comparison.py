@@ -113,23 +113,23 @@ def test_a_shift_of_the_input_is_told_as_one():
     change = change_of(day(shift=2.0, seed=1))
     assert change.level == "poor"
     assert change.is_shift
-    assert not change.is_stretch
+    assert not change.is_gain_change
     assert change.shift[0] == pytest.approx(2.0, abs=0.15)
     assert change.explained > 0.95
 
 
 def test_a_change_of_the_stroke_is_told_as_one():
     change = change_of(day(gain=0.96, seed=1))
-    assert change.is_stretch
+    assert change.is_gain_change
     assert not change.is_shift
-    assert change.stretch[0] == pytest.approx(-0.04, abs=0.003)
+    assert change.gain[0] == pytest.approx(-0.04, abs=0.003)
 
 
 def test_the_same_wire_on_another_day_has_not_changed():
     change = change_of(day(seed=2))
     assert change.level == "good"
     assert not change.is_shift
-    assert not change.is_stretch
+    assert not change.is_gain_change
 
 
 @pytest.mark.parametrize(

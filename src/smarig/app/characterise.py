@@ -32,9 +32,11 @@ from smarig.report import (
     Evidence,
     ExtensionEvidence,
     against_preisach,
+    assessment,
     characterisation_page,
     diagnosis_page,
     preisach_verdict,
+    tag,
     write_page,
 )
 from smarig.rig import TwinSettings
@@ -58,6 +60,10 @@ class Characterisation:
 
     out: Path
     evidence: Evidence
+
+    def _repr_html_(self) -> str:
+        """The sentences of the first screen of the page, for notebooks."""
+        return assessment(self.evidence).html() + tag("p", f"Page: {self.out / 'report.html'}")
 
     def to_json(self) -> dict[str, Any]:
         """The JSON object of the command."""

@@ -15,9 +15,9 @@ class NotebookDisplay:
 
     __slots__ = ()
 
-    def plot(self, *more: Any) -> Any:
-        """A plotly figure of this object, as from ``smarig.plot``."""
-        return importlib.import_module(DISPLAY_MODULE).plot(self, *more)
+    def plot(self, *more: Any, **options: Any) -> Any:
+        """A figure of this object, as from ``smarig.plot``; ``ax=…`` draws it on axes of Matplotlib."""
+        return importlib.import_module(DISPLAY_MODULE).plot(self, *more, **options)
 
     def _repr_html_(self) -> str:
         """A few kilobytes of HTML: the main facts and a drawing, or a sentence if it cannot be drawn.

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from smarig.core import spaced
+from smarig.core import NotebookDisplay, spaced
 from smarig.identification.density_report import DensityReport
 from smarig.identification.error_verdict import ErrorVerdict, error_verdict
 from smarig.identification.extended.choose_extension import ExtensionChoice
@@ -22,7 +22,7 @@ from smarig.replay import Model
 
 
 @dataclass(frozen=True, eq=False)
-class Identification:
+class Identification(NotebookDisplay):
     """A model and the evidence for it. ``surface`` is the kind used.
 
     ``fit`` is None for tables and for a positive measure, which has ``positive``. ``data`` are the first-order

@@ -12,7 +12,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.core import DataError, UsageError, spaced
+from smarig.core import DataError, NotebookDisplay, UsageError, spaced
 from smarig.identification.assumed_starts import assumed_starts, assumed_starts_text
 from smarig.identification.error_verdict import ErrorVerdict, error_verdict
 from smarig.identification.fod_data import first_order_points
@@ -102,7 +102,7 @@ class RunVerification:
 
 
 @dataclass(frozen=True, eq=False)
-class Verification:
+class Verification(NotebookDisplay):
     """The verification of a model on runs."""
 
     model: str

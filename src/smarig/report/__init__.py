@@ -45,6 +45,7 @@ if TYPE_CHECKING:
     from smarig.report.folder_report import run_files as run_files
     from smarig.report.forc_page import forc_page as forc_page
     from smarig.report.model_comparison_page import models_page as models_page
+    from smarig.report.models.assessment import assessment as assessment
     from smarig.report.models.evidence import Evidence as Evidence
     from smarig.report.models.evidence import ExtensionEvidence as ExtensionEvidence
     from smarig.report.models.preisach_verdict import against_preisach as against_preisach

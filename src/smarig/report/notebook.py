@@ -1,86 +1,176 @@
 """Runs, models and diagnoses in a notebook: a drawing of a few kilobytes, and a plotly figure on request.
 
-The notebook supplies Plotly's script; a figure contains only its data, thinned.
+Figures contain only their data, thinned.
 """
 
+from dataclasses import dataclass
 from functools import singledispatch
+from pathlib import Path
 from typing import Any
 
-import plotly.graph_objects as go
+import numpy as np
+from numpy.typing import NDArray
 
 from smarig.core import UsageError, capitalised, spaced
 from smarig.diagnosis import Diagnosis
-from smarig.identification import density_report, verify
+from smarig.identification import Identification, Verification, density_report, verify
 from smarig.record import Run
-from smarig.replay import Model
+from smarig.replay import Model, simulate_samples, with_heating_of
 from smarig.report.components.decimate import path
-from smarig.report.components.figure import WATERMARK, Panel, Trace, axis, dots, line, unpacked
-from smarig.report.components.html import Html, bullets, tag
+from smarig.report.components.figure import Panel, Trace, axis, dots, line
+from smarig.report.components.html import Html, bullets, joined, table, tag
+from smarig.report.components.numbers import number
 from smarig.report.components.run_description import (
+    count_size,
+    display_unit,
     input_title,
     output_title,
     protocol_name,
     source_label,
 )
-from smarig.report.components.style import INK, MODEL, template
+from smarig.report.components.style import COMPARED, INK, MEASURED, MODEL, SYMBOLS
 from smarig.report.components.thumbnail import thumbnail
 from smarig.report.diagnosis.diagnosis_predictions import DiagnosisPredictions
 from smarig.report.diagnosis.residual_figures import residual_figure
 from smarig.report.diagnosis.verdict_text import findings
+from smarig.report.drawing import draw_on
 from smarig.report.models.density_figures import map_panel
-from smarig.report.models.identification_plot_data import density_of, hysteresis_description
+from smarig.report.models.identification_plot_data import (
+    density_of,
+    hysteresis_description,
+    measured_curves,
+    model_curves,
+)
 from smarig.report.models.model_loops import model_loops
+from smarig.report.runs.representation_figure import noise_band
 from smarig.report.runs.run_summary import summary_of
+from smarig.report.runs.sample_path import sample_path
 from smarig.report.transformation.tangent_figure import tangent_figure
 from smarig.transformation import TransformationResult
 
 _POINTS = 1200
+_MOST_MARKS = 400
 
 
 # --- figures --------------------------------------------------------------------------------------------
 
 
-@singledispatch
-def plot(thing: Any, model: Model | None = None) -> go.Figure:
-    """Plot a run's hysteresis (with a model's prediction), a model's density μ, a diagnosis's residuals, or tangents.
+def plot(thing: Any, model: Model | None = None, *, ax: Any = None) -> Any:
+    """Plot a run (with a model's prediction), a model's density μ, an identification, a verification, a diagnosis, or
+    transformation temperatures.
 
-    Returns a plotly figure. A notebook displays it; ``figure.write_html(path)`` saves it. Raises UsageError for any
-    other object.
+    Returns a plotly figure that a notebook displays, and that is also shown where plotly is not (exported HTML, PDF).
+    ``figure.write_html(path)`` saves it. With ``ax``, Matplotlib axes, the figure is drawn on them, and they are
+    returned. Raises UsageError for any other object.
     """
+    drawn = _drawn(thing, model)
+    if ax is not None:
+        draw_on(ax, drawn.panel, drawn.label)
+        return ax
+    from smarig.report.notebook_figure import notebook_figure
+
+    return notebook_figure(drawn.panel, drawn.title, drawn.label)
+
+
+@dataclass(frozen=True)
+class _Drawn:
+    """A panel with its title, and the label of simulated data."""
+
+    panel: Panel
+    title: str
+    label: str
+
+
+@singledispatch
+def _drawn(thing: Any, model: Model | None = None) -> _Drawn:
     del model
     raise UsageError(
-        f"An object of type {type(thing).__name__} cannot be plotted. Pass a run, a model or a diagnosis."
+        f"An object of type {type(thing).__name__} cannot be plotted. Pass a run, a model, a diagnosis, or what "
+        "identify or verify returned."
     )
 
 
-@plot.register
-def _run_figure(thing: Run, model: Model | None = None) -> go.Figure:
+@_drawn.register
+def _run_drawn(thing: Run, model: Model | None = None) -> _Drawn:
     inputs, outputs = thing.points()
-    kept = path(inputs, outputs, _POINTS)
-    label = source_label(thing)
     name = f"measured ({'twin' if thing.twin else thing.info.text_of('source', 'measured')})"
-    marks = {"mode": "lines+markers", "marker": {"size": 6}} if thing.settled else {}
-    data = [line(inputs[kept], outputs[kept], name, INK, width=1.2, **marks)]
+    kept = sample_path(thing["input"], thing["position"], count_size(thing))
+    has_path = kept.size > len(thing.settled)
+    if has_path:
+        u, y = thing["input"], thing["position"]
+        kept = kept[path(u[kept], y[kept], _POINTS)]
+    else:
+        (u, y), kept = (inputs, outputs), path(inputs, outputs, _POINTS)
+    data = [line(u[kept], y[kept], name, MEASURED if model else INK, width=2.0 if model else 1.2)]
     if model is not None:
-        predicted = verify(model, [thing]).runs[0].predicted
-        data.append(dots(inputs[kept], predicted[kept], "model", MODEL, symbol="x", size=7))
+        data += _model_traces(thing, model, kept if has_path else None)
+    if 0 < len(thing.settled) <= _MOST_MARKS:
+        data.append(dots(inputs, outputs, "settled points", INK, size=4))
     layout = {"xaxis": axis(input_title(thing)), "yaxis": axis(output_title(thing)), "showlegend": True}
     title = f"{capitalised(protocol_name(thing))} on {thing.info.rig or 'no named rig'}, n = {inputs.size}"
-    return _figure(Panel(data, layout), title, label)
+    return _Drawn(Panel(data, layout), title, source_label(thing))
 
 
-@plot.register
-def _model_figure(thing: Model, model: Model | None = None) -> go.Figure:
+def _model_traces(run: Run, model: Model, kept: NDArray[np.intp] | None) -> list[Trace]:
+    """The model along the path of the samples; at the points alone if the run has no path."""
+    found = verify(model, [run]).runs[0]
+    if kept is None:
+        return [dots(found.input, found.predicted, "model", MODEL, symbol="x", size=7)]
+    along = with_heating_of(model, run)
+    y = simulate_samples(model, along)[kept] + found.offset
+    return [line(along["input"][kept], y, "model", MODEL, width=1.4)]
+
+
+@_drawn.register
+def _model_drawn(thing: Model, model: Model | None = None) -> _Drawn:
     del model
     hysteresis = thing.hysteresis
     units = (thing.unit, thing.input.unit)
     panel = map_panel("", density_of(hysteresis), density_report(hysteresis), units)
     words = f"Density μ of {thing.name}: {hysteresis_description(hysteresis)}"
-    return _figure(panel, words, "TWIN" if thing.twin else "")
+    return _Drawn(panel, words, "TWIN" if thing.twin else "")
 
 
-@plot.register
-def _diagnosis_figure(thing: Diagnosis, model: Model | None = None) -> go.Figure:
+@_drawn.register
+def _identification_drawn(thing: Identification, model: Model | None = None) -> _Drawn:
+    del model
+    if not len(thing.data):
+        return _model_drawn(thing.model)
+    lines = [line(curve.u, curve.y, "model", MODEL, width=1.2) for curve in model_curves(thing)]
+    points = [dots(curve.u, curve.y, "measured", INK, size=4) for curve in measured_curves(thing)]
+    data = [trace | {"showlegend": k == 0} for traces in (lines, points) for k, trace in enumerate(traces)]
+    described = thing.model
+    layout = {
+        "xaxis": axis(_titled(described.input.quantity, described.input.unit)),
+        "yaxis": axis(_titled(described.output.quantity, described.unit)),
+        "showlegend": True,
+    }
+    words = f"First-order curves and the {thing.surface} model, {thing.fit_verdict.text}"
+    return _Drawn(Panel(data, layout), words, "TWIN" if described.twin else "")
+
+
+@_drawn.register
+def _verification_drawn(thing: Verification, model: Model | None = None) -> _Drawn:
+    del model
+    data: list[Trace] = []
+    known = np.concatenate([run.input for run in thing.runs])
+    floor = max((run.noise_floor for run in thing.runs if run.noise_floor), default=None)
+    if floor and known.size:
+        data.append(noise_band(float(known.min()), float(known.max()), 2 * floor, "± 2 σ of the noise floor"))
+    for k, run in enumerate(thing.runs):
+        error = np.where(run.counted, run.predicted - run.measured, np.nan)
+        style = {"symbol": SYMBOLS[k % len(SYMBOLS)], "size": 6}
+        data.append(dots(run.input, error, Path(run.run).name, COMPARED[k % len(COMPARED)], **style))
+    layout = {
+        "xaxis": axis("Input"),
+        "yaxis": axis(_titled("model − measured", thing.unit)),
+        "showlegend": True,
+    }
+    return _Drawn(Panel(data, layout), f"Errors of {thing.model}", "")
+
+
+@_drawn.register
+def _diagnosis_drawn(thing: Diagnosis, model: Model | None = None) -> _Drawn:
     del model
     predictions = DiagnosisPredictions.of(thing)
     before, *after = residual_figure(predictions).panels[: len(predictions.labelled)]
@@ -89,30 +179,19 @@ def _diagnosis_figure(thing: Diagnosis, model: Model | None = None) -> go.Figure
         *(trace for panel in after for trace in panel.data if trace["name"] == predictions.labelled[1][1]),
     ]
     words = f"Residuals of the model: {thing.verdict.word.replace('_', ' ')}"
-    return _figure(Panel(data, before.layout), words, source_label(*thing.timeline.runs))
+    return _Drawn(Panel(data, before.layout), words, source_label(*thing.timeline.runs))
 
 
-@plot.register
-def _transformation_figure(thing: TransformationResult, model: Model | None = None) -> go.Figure:
+@_drawn.register
+def _transformation_drawn(thing: TransformationResult, model: Model | None = None) -> _Drawn:
     del model
     figure = tangent_figure(thing.runs[0])
-    return _figure(figure.panels[0], figure.title, figure.label)
+    return _Drawn(figure.panels[0], figure.title, figure.label)
 
 
-def _figure(panel: Panel, title: str, label: str) -> go.Figure:
-    layout = {key: value for key, value in panel.layout.items() if key != "narrow"}
-    layout |= {"template": template(), "title": {"text": title}, "height": panel.height, "margin": {"t": 90}}
-    if label:
-        layout["annotations"] = [*layout.get("annotations", ()), WATERMARK | {"text": label}]
-    return go.Figure([_with_arrays(trace) for trace in panel.data], layout)
-
-
-def _with_arrays(trace: Trace) -> Trace:
-    """A trace with its packed values converted back to arrays, for further work with the figure."""
-    return {
-        key: unpacked(value) if isinstance(value, dict) and "bdata" in value else value
-        for key, value in trace.items()
-    }
+def _titled(quantity: str, unit: str) -> str:
+    words, shown = capitalised(quantity or "value"), display_unit(unit)
+    return f"{words} ({shown})" if shown else words
 
 
 # --- drawings -------------------------------------------------------------------------------------------
@@ -152,6 +231,36 @@ def _model_html(thing: Model) -> str:
     rows.append("μ ≥ 0 everywhere" if report.M_P else "μ < 0 somewhere")
     rows += [f"Effects: {', '.join(str(e.get('name')) for e in thing.effects)}"] if thing.effects else []
     return _drawing_with_text(drawn, f"Model {thing.name}", label, rows)
+
+
+@display_html.register
+def _identification_html(thing: Identification) -> str:
+    return joined(
+        [
+            _model_html(thing.model),
+            tag("p", tag("b", f"Fit: {thing.fit_verdict.text}.")),
+            bullets(thing.warnings),
+        ]
+    )
+
+
+@display_html.register
+def _verification_html(thing: Verification) -> str:
+    unit = display_unit(thing.unit)
+    rows = [
+        (
+            Path(run.run).name,
+            str(run.settled.n),
+            number(run.settled.rms),
+            number(run.settled.max_abs),
+            number(run.noise_floor),
+            run.verdict.text,
+        )
+        for run in thing.runs
+    ]
+    header = ("Run", "n", f"rms ({unit})", f"largest ({unit})", f"noise floor ({unit})", "Verdict")
+    warnings = [f"{Path(run.run).name}: {words}" for run in thing.runs for words in run.warnings]
+    return joined([table(header, rows, f"Verification of {thing.model}"), bullets(warnings)])
 
 
 @display_html.register

@@ -11,6 +11,7 @@ if TYPE_CHECKING:
     from smarig.report.drawing.drawing import NARROW_PX as NARROW_PX
     from smarig.report.drawing.drawing import WIDE_PX as WIDE_PX
     from smarig.report.drawing.drawing import WIDTH_PX as WIDTH_PX
+    from smarig.report.drawing.drawing import draw_on as draw_on
     from smarig.report.drawing.drawing import save_figure as save_figure
     from smarig.report.drawing.drawing import svg_of as svg_of
     from smarig.report.drawing.saved_figures import figures_saved_in as figures_saved_in

@@ -14,12 +14,13 @@ from matplotlib.backends.backend_pdf import FigureCanvasPdf
 from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure as MplFigure
 
+from smarig.core import UsageError
 from smarig.report.components.figure import WATERMARK, Panel
 from smarig.report.drawing.compact_svg import compact_svg
 from smarig.report.drawing.field_traces import draw_contour, draw_map, draw_solid_points, draw_surface
 from smarig.report.drawing.margins import LEGEND_ROW_PX, set_margins
 from smarig.report.drawing.markup import plain_text
-from smarig.report.drawing.panel_axes import finish_axes, panel_axes
+from smarig.report.drawing.panel_axes import finish_axes, panel_axes, row_names, set_vertical
 from smarig.report.drawing.plot_style import style
 from smarig.report.drawing.point_traces import draw_bars, draw_points
 from smarig.report.drawing.trace_values import is_shown
@@ -27,6 +28,7 @@ from smarig.report.drawing.trace_values import is_shown
 NARROW_PX, WIDTH_PX, WIDE_PX = 380, 560, 1130  # three, two, one panel a row
 _CHARACTER_PX, _HANDLE_PX = 6.2, 42.0  # of an entry of a legend
 _MARK_PX = 16.0  # height of the label of simulated data
+_MARK_BOX = {"facecolor": WATERMARK["bgcolor"], "edgecolor": "none", "pad": 2.0}
 _NO_METADATA = {"Date": None, "Creator": None, "Format": None, "Type": None}
 
 
@@ -46,6 +48,22 @@ def save_figure(panel: Panel, path: Path, kind: str, label: str = "", width_px: 
         drawing = draw_panel(panel, label, width_px)
         with path.open("wb") as file:
             canvases[kind](drawing).print_figure(file, format=kind[1:], dpi=144)
+
+
+def draw_on(axes: Axes, panel: Panel, label: str = "") -> None:
+    """Draw a panel on given axes, in their own style. Raises UsageError for a panel of several axes or of a solid."""
+    if "scene" in panel.layout or len(row_names(panel.layout)) > 1:
+        raise UsageError("This figure needs several axes. Leave ax out to get the whole figure.")
+    has_legend = panel.layout.get("showlegend", len(panel.data) > 1)
+    set_vertical(axes, panel.layout)
+    for trace in panel.data:
+        if is_shown(trace):
+            _draw(axes, trace, has_legend)
+    finish_axes({"y": axes}, panel.layout)
+    if has_legend:
+        axes.legend()
+    if label:
+        axes.annotate(label, (1, 1), xycoords="axes fraction", ha="right", va="bottom", bbox=_MARK_BOX)
 
 
 def draw_panel(panel: Panel, label: str, width_px: int) -> MplFigure:
@@ -142,7 +160,7 @@ def _mark(drawing: MplFigure, label: str, *, at_top: bool) -> None:
         va="top" if at_top else "bottom",
         fontsize=WATERMARK["font"]["size"],
         color=WATERMARK["font"]["color"],
-        bbox={"facecolor": WATERMARK["bgcolor"], "edgecolor": "none", "pad": 2.0},
+        bbox=_MARK_BOX,
         in_layout=False,
     )
 

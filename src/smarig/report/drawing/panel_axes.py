@@ -43,6 +43,11 @@ def panel_axes(drawing: MplFigure, layout: Layout) -> dict[str, Axes]:
     return axes
 
 
+def set_vertical(axes: Axes, layout: Layout) -> None:
+    """Set title and ticks of the ordinate of a panel with one row."""
+    _set_axis(axes, "y", layout.get("yaxis", {}))
+
+
 def _height(axis: Mapping[str, Any]) -> float:
     low, high = axis.get("domain", (0.0, 1.0))
     return max(high - low, 0.01)

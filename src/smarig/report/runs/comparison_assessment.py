@@ -116,9 +116,9 @@ def _advice(worst: AlignedRun, change: RunChange) -> str:
             f"a shift of the input by {signed(change.shift[0])} ± {number(change.shift[1], 2)}{unit} (check ambient "
             "temperature, load and the input's sensor)"
         )
-    if change.is_stretch and change.stretch is not None:
+    if change.is_gain_change and change.gain is not None:
         causes.append(
-            f"a change of the output by {signed(100 * change.stretch[0])} ± {number(100 * change.stretch[1], 2)} % "
+            f"a change of the output by {signed(100 * change.gain[0])} ± {number(100 * change.gain[1], 2)} % "
             "(check load, cycles and slip)"
         )
     if causes:

@@ -19,7 +19,7 @@ class RunChange:
     """The change from the first run to another, from their common steps.
 
     ``level``: "good" (within the noise), "fair", "poor", or "unknown" without a noise; ``text`` is the size relative to
-    the noise. ``shift`` ± ``shift_se`` of the input and ``stretch`` ± ``stretch_se`` of the output (as a share) are
+    the noise. ``shift`` ± ``shift_se`` of the input and ``gain`` ± ``gain_se`` of the output (as a share) are
     those that reproduce the difference best; ``explained`` is the share of its square that both explain together.
     None if the common steps are too few.
     """
@@ -27,7 +27,7 @@ class RunChange:
     level: ErrorLevel
     text: str
     shift: tuple[float, float] | None = None
-    stretch: tuple[float, float] | None = None
+    gain: tuple[float, float] | None = None
     explained: float = 0.0
 
     @property
@@ -36,9 +36,9 @@ class RunChange:
         return self._is(self.shift)
 
     @property
-    def is_stretch(self) -> bool:
+    def is_gain_change(self) -> bool:
         """Whether a change of the stroke explains the difference."""
-        return self._is(self.stretch)
+        return self._is(self.gain)
 
     def _is(self, found: tuple[float, float] | None) -> bool:
         return found is not None and self.explained >= _EXPLAINED and abs(found[0]) > _CLEAR * found[1]

@@ -30,7 +30,7 @@ from smarig.report.runs.sample_path import sample_path
 
 Array = NDArray[np.float64]
 _POINTS = 400  # per loop, a few kilobytes
-_MOST_EXAMINED = 4000  # points of a path that are simplified
+_MOST_POINTS = 4000  # points of a path that are simplified
 _TOLERANCE = 0.004  # of the ranges: less than a pixel
 
 
@@ -145,7 +145,7 @@ def loop(run: AnyRun, points: int) -> tuple[Array, Array]:
     if kept.size < len(run.settled):
         u, y = run.points()
         kept = np.arange(u.size)
-    kept = kept[path(u[kept], y[kept], _MOST_EXAMINED)]
+    kept = kept[path(u[kept], y[kept], _MOST_POINTS)]
     kept = kept[simplified(u[kept], y[kept], _TOLERANCE, points)]
     return u[kept], y[kept]
 

@@ -13,7 +13,7 @@ _MOST_SAMPLES = 40_000  # that are looked at one by one
 def sample_path(u: NDArray[np.float64], y: NDArray[np.float64], count: float = 0.0) -> NDArray[np.intp]:
     """Indices (k,) of samples along the path (u, y), (n,) each: known ones that moved since the last one kept.
 
-    Holds become single points. Motion below the resolution of the output, ``count``, is not shown.
+    Holds become single points. The extremes of the output are kept. Motion below the resolution of the output, ``count``, is not shown.
     """
     known = np.flatnonzero(np.isfinite(u) & np.isfinite(y))
     if known.size < 2:
@@ -28,4 +28,5 @@ def sample_path(u: NDArray[np.float64], y: NDArray[np.float64], count: float = 0
         if abs(x[k] - last_x) > step_u or abs(z[k] - last_z) > step_y:
             kept.append(k)
             last_x, last_z = x[k], z[k]
-    return known[kept]
+    extremes = [int(np.argmin(y[known])), int(np.argmax(y[known]))]
+    return known[np.union1d(kept, extremes)]
