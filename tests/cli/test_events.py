@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from smarig.cli import run
-from smarig.cli.panel.log_lines import JsonLogLines, LogLines, dropped_lines_json
+from smarig.cli.panel.log_lines import JsonLogLines, LogLines, SummaryLine, dropped_lines_json
 from smarig.cli.panel.run_status import PanelRunInfo, RunStatus
 from smarig.cli.panel.terminal import LineWriter
 from smarig.core.command import StepResult, StepVerdict
@@ -52,19 +52,42 @@ class _Pipe:
         os.close(self._file)
 
 
-def test_lines_are_start_steps_events_and_end(capfd, tmp_path):
+def test_a_pipe_gets_one_line_per_run(capfd, tmp_path):
     out = tmp_path / "v.run.sqlite"
     status, text, err = call(capfd, *THREE, out)
-    lines = err.splitlines()
     assert status == 0
     assert text.startswith("Run(validation")
-    assert lines[0].startswith("validation on one_wire_twin (TWIN), wire twin-one-wire: 5 steps, about 0:05:")
-    steps = [line for line in lines if re.search(r"step \d of 5 ", line)]
-    assert len(steps) == 5
-    for line, step in zip(steps, load_run(out).steps, strict=True):
-        assert f"{step.verdict} at {step.position:+.3f} mm" in line
-    assert len(lines) == 8  # and a mark
-    assert lines[-1].startswith("✔ validation (TWIN): 5 steps in 0:05:")
+    assert re.fullmatch(r"✔ validation \(TWIN\): 5 steps in 0:05:\d\d: .*v\.run\.sqlite\n", err)
+
+
+def test_a_long_run_shows_that_it_is_alive_and_its_alarms():
+    now = [0.0]
+    result = StepResult(0, StepVerdict.SETTLED, 1.0, 20.0, 0.3, 9, 0.0, 60.0)
+
+    def happen(listener):
+        for k in range(40):
+            now[0] = 60.0 * k
+            listener.step(result, branch="up", target=None)
+            listener.event(60.0 * k, "retried", "Asked again.", level="warning")
+            listener.event(60.0 * k, "mark", "Here.")
+
+    lines = spoken(lambda status, terminal: SummaryLine(status, terminal, clock=lambda: now[0]), happen)
+    assert sum(bool(re.match(r"validation: step \d+ of 2, about .* left$", line)) for line in lines) == 3
+    assert sum("MINOR retried: Asked again." in line for line in lines) == 1
+    assert len(lines) == 5
+
+
+def test_log_lines_are_start_steps_and_end():
+    result = StepResult(0, StepVerdict.SETTLED, 1.0, 20.0, 0.3, 9, 0.0, 60.0)
+
+    def happen(listener):
+        listener.step(result, branch="up", target=3.0)
+        listener.step(result, branch="down", target=None)
+
+    lines = spoken(LogLines, happen)
+    assert lines[0].startswith("validation on one_wire_twin (TWIN), wire w: 2 steps")
+    assert "up to +3.0 K: settled at +1.000 mm" in lines[1]
+    assert len(lines) == 4
 
 
 def test_json_lines_are_the_record_as_it_happens(capfd, tmp_path):

@@ -165,7 +165,7 @@ def test_a_raised_limit_is_told_in_the_log_before_the_run_goes_on(capsys, killed
     lines = err.splitlines()
     told = next(k for k, line in enumerate(lines) if "MINOR rig: Since the interruption: limits" in line)
     assert "limits.temperature_max_K was 185, is now 190" in lines[told]
-    assert told < next(k for k, line in enumerate(lines) if " step " in line)
+    assert told < next(k for k, line in enumerate(lines) if line.startswith("✔"))
 
 
 # --- --notify --------------------------------------------------------------------------------------------------

@@ -1,11 +1,11 @@
-"""Choice of the progress display on stderr: panel at a terminal, log lines elsewhere, JSON lines, or
+"""Choice of the progress display on stderr: panel or log lines at a terminal, one line elsewhere, JSON lines, or
 nothing."""
 
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager
 
 from smarig.cli.output import json_requested, show_message
-from smarig.cli.panel.log_lines import JsonLogLines, LogLines
+from smarig.cli.panel.log_lines import JsonLogLines, LogLines, SummaryLine
 from smarig.cli.panel.panel_thread import PanelThread
 from smarig.cli.panel.run_status import PanelRunInfo, RunStatus
 from smarig.cli.panel.terminal import Terminal
@@ -27,9 +27,16 @@ def progress(
         yield status
         return
     terminal = Terminal()
-    display_type = JsonLogLines if json_requested() else PanelThread if terminal.supports_panel else LogLines
-    with display_type(status, terminal) as listener:
+    with _display_type(terminal)(status, terminal) as listener:
         yield listener
+
+
+def _display_type(terminal: Terminal) -> Callable[[RunStatus, Terminal], AbstractContextManager[Listener]]:
+    if json_requested():
+        return JsonLogLines
+    if terminal.supports_panel:
+        return PanelThread
+    return LogLines if terminal.isatty() else SummaryLine
 
 
 def preview_progress(*, quiet: bool = False) -> Callable[[float], None] | None:

@@ -1,9 +1,11 @@
 """Events of a run as lines: text for people, or one JSON object per line for programs.
 
-The text log has one line per step, and one for each kind of event within a step. The JSON lines are
-complete.
+At a terminal without a panel, there is one line per step and one for each kind of event within it; elsewhere, one line
+per run. The JSON lines are complete.
 """
 
+import time
+from collections.abc import Callable
 from dataclasses import asdict
 from types import TracebackType
 from typing import Any
@@ -15,6 +17,8 @@ from smarig.cli.panel.run_status import RunStatus
 from smarig.cli.panel.terminal import LineWriter, Terminal
 from smarig.core import Hold, Sample, Severity, StepResult, Waveform, severity_of
 from smarig.runner import SettleWindow, end_severity
+
+_LIFE_SIGN_S = 600.0
 
 
 class _StatusUpdates:
@@ -82,6 +86,49 @@ class LogLines(_StatusUpdates):
 
     def _at(self, t_s: float) -> str:
         return clock_text(self._status.since_s(t_s))
+
+
+class SummaryLine(_StatusUpdates):
+    """One line per run, for pipes and files; besides, alarms, and a life sign every ten minutes of the clock."""
+
+    def __init__(
+        self, status: RunStatus, terminal: Terminal, clock: Callable[[], float] = time.monotonic
+    ) -> None:
+        self._status, self._plain, self._clock = status, terminal.plain, clock
+        self._writer = LineWriter(
+            terminal, lambda n: f"{n} lines were dropped because they were not read in time."
+        )
+        self._next_s = clock() + _LIFE_SIGN_S
+        self._told: set[str] = set()  # kinds of events
+
+    def __enter__(self) -> "SummaryLine":
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self._status.end(error)
+        self._writer.put(summary(self._status, plain=self._plain).plain)
+        self._writer.close()
+
+    def step(self, result: StepResult, *, branch: str, target: float | None) -> None:
+        """Print a life sign if the last one is long ago."""
+        number = self._status.step_number
+        self._status.step(result, branch=branch, target=target)
+        if self._clock() < self._next_s:
+            return
+        self._next_s = self._clock() + _LIFE_SIGN_S
+        run_info = self._status.run_info
+        left = f"about {clock_text(self._status.left_s)} left"
+        self._writer.put(f"{run_info.protocol}: step {number} of {run_info.steps}, {left}")
+
+    def event(self, t_s: float, kind: str, text: str, *, level: str = "info", **data: Any) -> None:
+        """Print the first event of each kind that has a severity."""
+        self._status.event(t_s, kind, text, level=level, **data)
+        severity = severity_of(kind, level, data)
+        if severity != Severity.NONE and kind not in self._told:
+            self._told.add(kind)
+            self._writer.put(f"{clock_text(self._status.since_s(t_s))} {severity.upper()} {kind}: {text}")
 
 
 class JsonLogLines(_StatusUpdates):

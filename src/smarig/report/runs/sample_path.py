@@ -13,7 +13,8 @@ _MOST_SAMPLES = 40_000  # that are looked at one by one
 def sample_path(u: NDArray[np.float64], y: NDArray[np.float64], count: float = 0.0) -> NDArray[np.intp]:
     """Indices (k,) of samples along the path (u, y), (n,) each: known ones that moved since the last one kept.
 
-    Holds become single points. The extremes of the output are kept. Motion below the resolution of the output, ``count``, is not shown.
+    Holds become single points. The extremes of the output are kept. Motion below the resolution of the output,
+    ``count``, is not shown.
     """
     known = np.flatnonzero(np.isfinite(u) & np.isfinite(y))
     if known.size < 2:
