@@ -17,6 +17,8 @@ from smarig.record import Event, load_run
 from smarig.report.certificate.certificate_page import certificate_page, certified_model
 from smarig.report.closed_loop.closed_loop_figures import clipped_text, error_half_range
 from smarig.report.closed_loop.closed_loop_text import loop_result_text
+from smarig.report.closed_loop.hold_end import HoldEnd
+from smarig.report.closed_loop.loop_assessment import loop_assessment
 from smarig.report.closed_loop.loop_result import closed_loop_result
 from smarig.report.run_page import run_page
 from smarig.runner.session import Session
@@ -68,7 +70,7 @@ def test_a_regulated_run_shows_where_it_went_in_the_plane(runs):
     drawn = np.interp(found.setpoint_data["ell_K"], unpacked(psi["x"]), unpacked(psi["y"]))
     assert drawn == pytest.approx(6.0, abs=0.02)
     for name in ("reached", "predicted", "target, α = 2ℓ − β"):
-        beta, alpha = (unpacked(page.traces(name)[0][axis]) for axis in ("x", "y"))
+        beta, alpha = (unpacked(page.traces(name)[-1][axis]) for axis in ("x", "y"))
         assert np.all(np.diff(beta) >= -1e-9)
         assert np.all(np.diff(alpha) <= 1e-9)
         assert np.abs(alpha + beta - 2 * found.setpoint_data["ell_K"])[alpha - beta < 40].max() < 30
@@ -227,3 +229,60 @@ def test_incomplete_marks_cost_the_section_and_not_the_page(mark):
         page = Page(run_page(run))
         assert "Closed loop" in page.headings
         assert "Provenance" in page.headings
+
+
+# --- pass or fail ---------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("settle", "rms", "words", "level"),
+    [
+        (
+            (3.0, 4.0),
+            9.0,
+            "Pass: every step settled within 0.1 mm (2.0 counts), the slowest after 4 s",
+            "good",
+        ),
+        ((3.0, np.inf), 0.1, "Fail: step 2 did not settle", "bad"),
+        ((np.inf, np.inf, 1.0), 0.1, "Fail: 2 of 3 steps (first: 1) did not settle", "bad"),
+        ((), 0.09, "Pass: the rms error is within the goal of 0.1 mm (2.0 counts)", "good"),
+        ((), 0.3, "Fail: the rms error is 3 times the goal of 0.1 mm (2.0 counts)", "bad"),
+    ],
+)
+def test_a_loop_passes_or_fails_by_its_figures(runs, settle, rms, words, level):
+    run = runs["track"]
+    found = closed_loop_result(run)
+    measures = replace(found.measures, rms=rms, settle_s=settle, overshoot=(0.05,) * len(settle))
+    other = replace(found, measures=measures, loop=replace(found.loop, count=0.05))
+    assessed = loop_assessment(run, other)
+    assert words in assessed.verdict
+    assert assessed.level == level
+
+
+@pytest.mark.parametrize(
+    ("mean", "std", "crossings", "words", "level"),
+    [
+        (0.0, 0.02, 0, "Pass: the position rests at its set-point, within 0.1 mm", "good"),
+        (0.3, 0.02, 0, "Fail: The position settled 0.3 mm (6.0 counts) from the set-point.", "bad"),
+        (0.0, 0.2, 5, "Fail: The position oscillates at the end of the hold", "bad"),
+        (0.0, 0.2, 0, "Fail: The position still moves at the end of the hold", "bad"),
+    ],
+)
+def test_a_set_point_is_held_or_not(runs, mean, std, crossings, words, level):
+    run = runs["regulate"]
+    end = HoldEnd(mean, std, 4 * std, (0.1, 0.2), 60.0, crossings, 0.05)
+    assessed = loop_assessment(run, replace(closed_loop_result(run), end=end))
+    assert words in assessed.verdict
+    assert assessed.level == level
+
+
+def test_a_loop_without_an_end_is_not_judged(runs):
+    assessed = loop_assessment(runs["regulate"], replace(closed_loop_result(runs["regulate"]), end=None))
+    assert assessed.level == "warning"
+
+
+@pytest.mark.parametrize("name", ["track", "regulate"])
+def test_the_page_of_a_loop_opens_with_the_verdict(runs, name):
+    page = Page(run_page(runs[name]))
+    verdict = loop_assessment(runs[name], closed_loop_result(runs[name])).verdict
+    assert page.visible.index(verdict) < page.visible.index(page.captions[0])

@@ -13,7 +13,8 @@ from smarig.report.closed_loop.closed_loop_figures import (
     regulation_figure,
     tracking_figure,
 )
-from smarig.report.closed_loop.closed_loop_text import unsteady_text, zero_below_resolution
+from smarig.report.closed_loop.closed_loop_text import zero_below_resolution
+from smarig.report.closed_loop.loop_assessment import loop_assessment
 from smarig.report.closed_loop.loop_result import (
     RegulationResult,
     TrackingResult,
@@ -41,6 +42,8 @@ def loop_sections(run: Run, certified: tuple[Model, str, str] | None = None) -> 
     parts = (
         _tracking_parts(run, found) if isinstance(found, TrackingResult) else _regulation_parts(run, found)
     )
+    if not (isinstance(found, TrackingResult) and found.velocity is not None):
+        parts = [loop_assessment(run, found).html(), *parts]
     return [Section("Closed loop", "Closed loop", parts), *_certificate_section(run, found, certified)]
 
 
@@ -50,8 +53,8 @@ def _tracking_parts(run: Run, found: TrackingResult) -> list:
     if found.velocity is not None:
         return velocity_parts(run, found, found.velocity)
     return [
-        _tracking_cards(run, found),
         tracking_figure(run, found),
+        _tracking_cards(run, found),
         _steps_table(run, found),
         loop_hysteresis_figure(run, found.loop),
     ]
@@ -102,16 +105,16 @@ def _steps_table(run: Run, found: TrackingResult) -> Html:
 
 
 def _regulation_parts(run: Run, found: RegulationResult) -> list:
+    held = regulation_figure(run, found)
     parts = [
+        *([held] if held else []),
         _regulation_cards(run, found),
-        *_unsteady_notice(run, found),
         *_observed_parts(run, found),
         regulation_plane_figure(run, found),
     ]
-    held = regulation_figure(run, found)
     if held is None or found.loop is None:
         return [*parts, paragraph("The run ended during the approach, before the loop was closed.")]
-    return [*parts, held, loop_hysteresis_figure(run, found.loop, moves=False)]
+    return [*parts, loop_hysteresis_figure(run, found.loop, moves=False)]
 
 
 def _observed_parts(run: Run, found: RegulationResult) -> list:
@@ -155,11 +158,6 @@ def _regulation_cards(run: Run, found: RegulationResult) -> Html:
 def _counts_text(found: RegulationResult, value: float, *, sign: bool = False) -> str:
     count = found.loop.count if found.loop else 0.0
     return f"{counts(value / count, sign=sign)}; " if count else ""
-
-
-def _unsteady_notice(run: Run, found: RegulationResult) -> list[Html]:
-    words = unsteady_text(found.end, run.unit) if found.end else ""
-    return [notice("warning", paragraph(words))] if words else []
 
 
 def _certificate_scope_notice(run: Run, found: TrackingResult | RegulationResult) -> Html:
