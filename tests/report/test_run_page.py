@@ -186,7 +186,7 @@ def test_temperature_strain_cycles_without_time_or_current():
     assert "TWIN" not in page.visible
     assert "no time was recorded" in page.visible
     assert "Imported from <cycles>.txt" in page.visible
-    plot = page.plots[-1]  # the first shows the tangents
+    plot = page.plots[0]  # the next shows the tangents
     assert plot["layout"]["xaxis"]["title"]["text"] == "Temperature (°C)"
     assert plot["layout"]["yaxis"]["title"]["text"] == "Strain (mm/mm)"
     x = np.concatenate([unpacked(trace["x"]) for trace in plot["data"]])

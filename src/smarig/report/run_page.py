@@ -25,6 +25,7 @@ from smarig.report.components.run_description import (
 from smarig.report.components.severity_mark import severity_mark
 from smarig.report.runs.derived_quantities import DerivedQuantities
 from smarig.report.runs.hysteresis_figure import hysteresis_figure
+from smarig.report.runs.run_assessment import run_assessment
 from smarig.report.runs.run_tables import (
     conditions_table,
     events_table,
@@ -55,13 +56,14 @@ def run_page(
     """
     if run.info.protocol == FORC_PROTOCOL and (reversal := _reversal_page(run, library)):
         return reversal
-    data = list(_figure_parts(run)) or [paragraph("The run has no samples to draw.")]
-    summary = Section("Summary", "Summary", [run_cards(run)])
+    data = list(_figure_parts(run))
+    data = data or [paragraph("The run has no samples to draw.")]
+    summary = Section("", "Summary", [run_assessment(run).html(), *data[:1], run_cards(run)])
     loop = _loop_sections(run, certified)
     sections = [
-        *([*loop, summary] if loop else [summary]),
+        *([*loop, Section("Run", "Run", summary.parts)] if loop else [summary]),
         *_transformation_sections(run),
-        Section("Measurement", "Measurement", data),
+        *([Section("Measurement", "Measurement", data[1:])] if data[1:] else []),
         Section(
             "Data quality",
             "Data quality",

@@ -17,6 +17,7 @@ Examples:
   smarig report --model exponential.model.json --model positive.model.json validation.run.sqlite
   smarig report --model wire.model.json held.run.sqlite
   smarig report validation.run.sqlite --figures figures
+  smarig report validation.run.sqlite --model wire.model.json --summary
   smarig report first_order_descending.run.sqlite --forc -o density.html
   smarig report magnet.run.sqlite --smoothing 4
 """
@@ -34,6 +35,9 @@ Examples:
 @click.option("-o", "--out", type=FILE, help="The HTML file; default: in the folder of the (first) run.")
 @click.option(
     "--figures", type=FOLDER, metavar="DIR", help="Also save the figures of the page in DIR, as SVG and PDF."
+)
+@click.option(
+    "--summary", is_flag=True, help="One sheet to print: a run, or a run and a --model verified on it."
 )
 @click.option(
     "--forc",
@@ -56,6 +60,7 @@ def command(
     figures: Path | None,
     forc: bool,
     smoothing: float | None,
+    summary: bool,
     force: bool,
 ) -> None:
     """Write offline HTML pages: of one run (finished, interrupted or imported), of every run in a folder
@@ -64,8 +69,10 @@ def command(
     diagram = forc or smoothing is not None
     if diagram and (len(runs) != 1 or models or runs[0].is_dir()):
         raise UsageError("A FORC diagram is made of one run, without a model. Name one run file.")
+    if summary and (diagram or len(runs) != 1 or runs[0].is_dir() or len(models) > 1):
+        raise UsageError("--summary is of one run, with at most one --model. Name one run file.")
     if figures is None:
-        _pages(runs, models, out, force, diagram, smoothing)
+        _pages(runs, models, out, force, diagram, smoothing, summary)
         return
     from smarig.report import figures_saved_in
 
@@ -74,7 +81,7 @@ def command(
             "--figures saves the figures of one page, but a folder gets a page for each run. Name a run."
         )
     with figures_saved_in(figures, force):
-        _pages(runs, models, out, force, diagram, smoothing)
+        _pages(runs, models, out, force, diagram, smoothing, summary)
     show_message(f"Figures: {figures}")
 
 
@@ -85,9 +92,13 @@ def _pages(
     force: bool,
     diagram: bool,
     smoothing: float | None,
+    summary: bool,
 ) -> None:
     from smarig.report import run_files
 
+    if summary:
+        _summary(runs[0], models[0] if models else None, out, force)
+        return
     if diagram:
         _forc(runs[0], out, force, smoothing)
         return
@@ -144,6 +155,19 @@ def _run(file: Path, out: Path | None, force: bool, model: Path | None = None) -
     found = {name: e.to_json() for name, e in headline(run).items()} if run.has("input") else {}
     figures = derived.to_json() | ({"transformation": found} if found else {})
     emit({**page, "reports": [page], **figures}, f"Report: {target}")
+
+
+def _summary(file: Path, model: Path | None, out: Path | None, force: bool) -> None:
+    from smarig.record import load_run
+    from smarig.replay import load_model
+    from smarig.report import page_path, summary_page, write_page
+
+    target = out or page_path(file).with_suffix(".summary.html")
+    check_distinct(target, file, model)
+    run = load_run(file)
+    write_page(summary_page(run, load_model(model) if model else None), target, force=force)
+    page = {"report": str(target), "complete": run.complete, "cause": run.cause}
+    emit({**page, "reports": [page]}, f"Report: {target}")
 
 
 def _forc(file: Path, out: Path | None, force: bool, smoothing: float | None) -> None:

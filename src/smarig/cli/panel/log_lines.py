@@ -18,7 +18,7 @@ from smarig.cli.panel.terminal import LineWriter, Terminal
 from smarig.core import Hold, Sample, Severity, StepResult, Waveform, severity_of
 from smarig.runner import SettleWindow, end_severity
 
-_LIFE_SIGN_S = 600.0
+_PROGRESS_S = 600.0
 
 
 class _StatusUpdates:
@@ -89,7 +89,7 @@ class LogLines(_StatusUpdates):
 
 
 class SummaryLine(_StatusUpdates):
-    """One line per run, for pipes and files; besides, alarms, and a life sign every ten minutes of the clock."""
+    """One line per run, for pipes and files; besides, alarms, and a line of progress every ten minutes of the clock."""
 
     def __init__(
         self, status: RunStatus, terminal: Terminal, clock: Callable[[], float] = time.monotonic
@@ -98,8 +98,8 @@ class SummaryLine(_StatusUpdates):
         self._writer = LineWriter(
             terminal, lambda n: f"{n} lines were dropped because they were not read in time."
         )
-        self._next_s = clock() + _LIFE_SIGN_S
-        self._told: set[str] = set()  # kinds of events
+        self._next_s = clock() + _PROGRESS_S
+        self._reported: set[str] = set()  # kinds of events
 
     def __enter__(self) -> "SummaryLine":
         return self
@@ -112,12 +112,12 @@ class SummaryLine(_StatusUpdates):
         self._writer.close()
 
     def step(self, result: StepResult, *, branch: str, target: float | None) -> None:
-        """Print a life sign if the last one is long ago."""
+        """Print a line of progress if the last one is long ago."""
         number = self._status.step_number
         self._status.step(result, branch=branch, target=target)
         if self._clock() < self._next_s:
             return
-        self._next_s = self._clock() + _LIFE_SIGN_S
+        self._next_s = self._clock() + _PROGRESS_S
         run_info = self._status.run_info
         left = f"about {clock_text(self._status.left_s)} left"
         self._writer.put(f"{run_info.protocol}: step {number} of {run_info.steps}, {left}")
@@ -126,8 +126,8 @@ class SummaryLine(_StatusUpdates):
         """Print the first event of each kind that has a severity."""
         self._status.event(t_s, kind, text, level=level, **data)
         severity = severity_of(kind, level, data)
-        if severity != Severity.NONE and kind not in self._told:
-            self._told.add(kind)
+        if severity != Severity.NONE and kind not in self._reported:
+            self._reported.add(kind)
             self._writer.put(f"{clock_text(self._status.since_s(t_s))} {severity.upper()} {kind}: {text}")
 
 

@@ -185,7 +185,7 @@ footer p{color:var(--grey);font-size:13px;border-top:1px solid var(--line);margi
  .stacked tr{border-top:2px solid var(--ink);padding:4px 0 10px}.stacked tbody th{font-weight:600;padding-right:0}
  .stacked td{display:flex;justify-content:space-between;gap:16px;padding-right:0;text-align:right}
  .stacked td::before{content:attr(data-column);color:var(--grey);text-align:left}}
-@media print{@page{size:A4;margin:14mm 12mm}h2,h3{break-after:avoid}section.first{break-after:page}
+@media print{@page{size:A4;margin:14mm 12mm}h2,h3{break-after:avoid}section.first:not(:last-of-type){break-after:page}
  section:has(>details:not([open])){display:none}tr,.card,.notice{break-inside:avoid}
  .twinbar,.notice,.card,.twin,.severity{-webkit-print-color-adjust:exact;print-color-adjust:exact}
  body{font-size:10pt}.sticky{position:static}nav,.choices,.search,.tools{display:none}

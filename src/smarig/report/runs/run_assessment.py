@@ -1,0 +1,98 @@
+"""What a run shows: what was measured, whether the record is sound, how well a model fits, and what to do."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from smarig.core import Severity, spaced
+from smarig.identification import ErrorLevel, RunVerification
+from smarig.record import Run
+from smarig.report.components.html import Html, notice, paragraph, tag
+from smarig.report.components.numbers import duration, number, thousands
+from smarig.report.components.run_description import (
+    display_unit,
+    duration_s,
+    protocol_name,
+    quality_counts,
+)
+
+_LEVELS = {ErrorLevel.GOOD: "good", ErrorLevel.POOR: "bad"}
+_IDENTIFIED_FROM = ("first_order_descending", "first_order_ascending", "minor_loops", "adaptive_fod")
+_SEVERE = (Severity.MAJOR, Severity.INVALID)
+
+
+@dataclass(frozen=True)
+class RunAssessment:
+    """The sentences of the first screen of a run. ``level``: "good", "warning" or "bad"."""
+
+    level: str
+    measured: str
+    quality: str
+    advice: str
+
+    def html(self) -> Html:
+        """A box in the colour of the level."""
+        parts = [paragraph(self.measured), paragraph(tag("b", self.quality))]
+        return notice(self.level, *parts, *([paragraph(self.advice)] if self.advice else []))
+
+
+def run_assessment(run: Run, verified: RunVerification | None = None, model: str = "") -> RunAssessment:
+    """The assessment of a run, and of the prediction of a ``model`` that was ``verified`` on it, if one was."""
+    level, quality = _record_quality(run)
+    if verified is None or level == "bad":
+        return RunAssessment(level, _measured(run), quality, _advice(run, level))
+    unit = spaced(display_unit(run.unit))
+    found = verified.verdict
+    text = f"The model {model} predicts this run to {number(verified.settled.rms)}{unit} rms, {found.text}."
+    advice = (
+        "The model can be used as it is."
+        if found.level == ErrorLevel.GOOD
+        else "Look where along the loop the error is large, and diagnose the run (smarig diagnose)."
+    )
+    return RunAssessment(_LEVELS.get(found.level, "warning"), _measured(run), text, advice)
+
+
+def _measured(run: Run) -> str:
+    low, high = run.extremes("position") or (np.nan, np.nan)
+    if not np.isfinite(high - low):
+        return f"Measured: {protocol_name(run)}, without readings of the output."
+    words = (
+        f"Measured: {protocol_name(run)}, a travel of {number(high - low, 4)}{spaced(display_unit(run.unit))}"
+    )
+    ends = run.extremes("input")
+    if ends:
+        words += f" over {number(ends[1] - ends[0], 4)}{spaced(display_unit(run.input_unit))}"
+    m = quality_counts(run)
+    count = f"{m.settled} settled points" if m.settled else f"{thousands(m.samples)} samples"
+    took = f", {duration(duration_s(run))}" if np.isfinite(duration_s(run)) else ""
+    return f"{words}; {count}{took}."
+
+
+def _record_quality(run: Run) -> tuple[str, str]:
+    """The level and the sentence on the record itself."""
+    m = quality_counts(run)
+    late = m.timed_out + m.interrupted
+    if not len(run):
+        return "bad", "The run has no samples."
+    if not run.complete or run.cause != "done":
+        return "bad", f"The run is incomplete: {run.cause.removeprefix('incomplete: ').rstrip('.')}."
+    if run.severity in _SEVERE:
+        return "bad", f"The run had an event of severity {run.severity}; see Data quality."
+    if late:
+        return "warning", f"{late} of {m.steps} holds did not settle in time; their points are not used."
+    if not m.clean:
+        return "warning", "Some samples are marked; see Data quality."
+    if run.info.warnings:
+        return "warning", f"The import has {len(run.info.warnings)} remarks on this file; see Warnings."
+    steps = f" and all {m.steps} holds settled" if m.steps else ""
+    return "good", f"The run ended as planned{steps}."
+
+
+def _advice(run: Run, level: str) -> str:
+    if level == "bad":
+        return "Resume the run (smarig resume), or repeat it, before using it."
+    if run.info.protocol in _IDENTIFIED_FROM:
+        return f"Identify a model from it: smarig identify {run.path.name}."
+    if run.info.protocol == "validation":
+        return f"Verify a model on it: smarig verify MODEL {run.path.name}."
+    return ""

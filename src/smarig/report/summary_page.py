@@ -1,0 +1,89 @@
+"""One sheet of paper on a run, with or without a model: three sentences, the loop, key figures, and its origin."""
+
+from smarig.core import spaced
+from smarig.identification import RunVerification, verify
+from smarig.record import Run
+from smarig.replay import Model, provenance
+from smarig.report.components.figure import Figure, Panel
+from smarig.report.components.html import Html, cards, paragraph
+from smarig.report.components.numbers import duration, number
+from smarig.report.components.page import LIBRARY, Section, page
+from smarig.report.components.run_description import display_unit, duration_s, protocol_name, source_label
+from smarig.report.model_comparison_page import residuals_figure
+from smarig.report.run_page import ending_notices, run_lead
+from smarig.report.runs.hysteresis_figure import hysteresis_figure
+from smarig.report.runs.run_assessment import run_assessment
+from smarig.report.runs.run_family import stroke
+from smarig.report.runs.run_summary import summary_with_loop
+from smarig.report.transformation.transformation_tables import figure_name
+from smarig.transformation import headline
+
+_Card = tuple[str | Html, str, str]
+
+
+def summary_page(run: Run, model: Model | None = None, *, library: str = LIBRARY) -> str:
+    """The HTML page, made to be printed on one sheet; ``model`` is verified on the run.
+
+    Raises the errors of ``verify``.
+    """
+    verified = verify(model, [run]).runs[0] if model is not None else None
+    assessed = run_assessment(run, verified, model.name if model else "")
+    figure = _figure(run, model, verified)
+    parts: list[Html | Figure] = [
+        assessed.html(),
+        figure,
+        cards(_cards(run, verified)),
+        paragraph(_origin(run, model)),
+    ]
+    wire = f" of {run.info.wire}" if run.info.wire else ""
+    title = f"Summary: {protocol_name(run)}{wire}"
+    sentence = f"{assessed.quality} {assessed.advice}"
+    return page(
+        title,
+        run_lead(run),
+        [Section("", "", parts)],
+        label=source_label(run),
+        notices=ending_notices([run]),
+        library=library,
+        summary=summary_with_loop("summary", sentence, assessed.level, run),
+    )
+
+
+def _figure(run: Run, model: Model | None, verified: RunVerification | None) -> Figure:
+    """The loop; with a model, both loops and the error against the input."""
+    if model is None or verified is None:
+        return hysteresis_figure(run, explore=False)
+    whole = residuals_figure(run.name, run, {model.name: model}, {model.name: verified})
+    loops, errors, *_ = whole.panels
+    plain = Panel(loops.data, loops.layout, loops.height)
+    return Figure(
+        [plain, errors], "Measured and predicted loop, and the error.", whole.caption, whole.label, 460
+    )
+
+
+def _cards(run: Run, verified: RunVerification | None) -> list[_Card]:
+    unit = spaced(display_unit(run.unit))
+    found = headline(run) if run.has("input") else {}
+    shown: list[_Card] = [("Travel", f"{number(stroke(run), 4)}{unit}", "largest − smallest output")]
+    for name, estimate in found.items():
+        if name == "stroke":
+            continue
+        low, high = estimate.ci95
+        between = f"{number(low, 4)} to {number(high, 4)}"
+        shown.append(
+            (figure_name(name), f"{number(estimate.value, 4)}{spaced(display_unit(estimate.unit))}", between)
+        )
+    if verified is not None:
+        floor = f"noise {number(verified.noise_floor, 2)}{unit}" if verified.noise_floor else "noise unknown"
+        shown.append(("Error, rms", f"{number(verified.settled.rms)}{unit}", floor))
+    if duration_s(run) == duration_s(run):
+        shown.append(("Rig time", duration(duration_s(run)), f"{len(run)} samples"))
+    return shown
+
+
+def _origin(run: Run, model: Model | None) -> str:
+    """File names, the beginning of the run's hash, and of the model."""
+    digest = provenance(run).sha256[:12]
+    return f"File {run.path.name}, SHA-256 {digest} …" + (
+        f"; model {model.name}, {model.created[:10]}." if model else "."
+    )

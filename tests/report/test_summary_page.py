@@ -1,0 +1,87 @@
+"""The first sentences of a run, and the one-sheet summary: built from the figures, and one sheet on paper."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import smarig
+from report.pages import Page, run_of, step
+from smarig.identification import verify
+from smarig.record import Event, load_run
+from smarig.report.runs.run_assessment import run_assessment
+from smarig.report.summary_page import summary_page
+from smarig.runner.session import Session
+
+INPUT, OUTPUT = {"quantity": "temperature", "unit": "K"}, {"quantity": "displacement", "unit": "mm"}
+
+
+def made(verdicts=("settled",) * 4, end="done", events=(), protocol="validation", **meta):
+    targets, outputs = (0.0, 90.0, 20.0, 80.0), (0.0, 12.0, 3.0, 11.0)
+    steps = tuple(step(k, u, y, v) for k, (u, y, v) in enumerate(zip(targets, outputs, verdicts)))
+    columns = {"t_s": np.arange(4.0) * 60, "input": np.array(targets), "position": np.array(outputs)}
+    meta = {"source": "bench", "input": INPUT, "output": OUTPUT, "protocol": protocol} | meta
+    return run_of(columns, steps, tuple(events), end=end, **meta)
+
+
+@pytest.mark.parametrize(
+    ("run", "words", "level"),
+    [
+        (made(), "The run ended as planned and all 4 holds settled.", "good"),
+        (
+            made(("settled", "timed_out", "settled", "settled")),
+            "1 of 4 holds did not settle in time",
+            "warning",
+        ),
+        (made(end="Too hot."), "The run is incomplete: Too hot.", "bad"),
+        (made(end=None), "The run is incomplete: ", "bad"),
+        (made(warnings=["one", "two"]), "2 remarks", "warning"),
+        (run_of(), "The run has no samples.", "bad"),
+    ],
+)
+def test_the_record_is_judged_by_its_figures(run, words, level):
+    found = run_assessment(run)
+    assert words in found.quality
+    assert found.level == level
+    assert ("Resume the run" in found.advice) == (level == "bad")
+
+
+def test_a_severe_event_is_told_first():
+    event = Event(3.0, "lost", "invalid", "7 samples were lost.", {"severity": "invalid"})
+    assert run_assessment(made(events=[event])).level == "bad"
+
+
+def test_travel_and_range_are_those_of_the_record():
+    assert "a travel of 12 mm over 90 K; 4 settled points, 3.0 min" in run_assessment(made()).measured
+
+
+@pytest.fixture(scope="module")
+def wire(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("wire")
+    with Session("one_wire_twin", seed=3) as session:
+        curves = {"partition_K": (0, 50, 70, 90, 110, 160)}
+        run = load_run(session.run("first_order_descending", curves, folder / "c.run.sqlite"))
+    return run, smarig.identify(run, "exponential").model
+
+
+@pytest.mark.parametrize(
+    ("rms", "level", "advice"), [(0.004, "good", "can be used"), (0.5, "bad", "diagnose")]
+)
+def test_a_model_is_judged_against_the_noise(wire, rms, level, advice):
+    run, model = wire
+    verified = verify(model, [run]).runs[0]
+    other = replace(verified, settled=replace(verified.settled, rms=rms), noise_floor=0.004)
+    found = run_assessment(run, other, "m")
+    assert found.level == level
+    assert advice in found.advice
+    assert f"predicts this run to {rms:.3g} mm rms" in found.quality
+
+
+def test_the_summary_holds_sentences_loops_figures_and_origin(wire):
+    run, model = wire
+    page = Page(summary_page(run, model))
+    assert len(page.plots) == 2
+    assert "predicts this run to" in page.visible
+    assert page.card("Error, rms")
+    assert "c.run.sqlite, SHA-256" in page.visible
+    assert len(Page(summary_page(run)).plots) == 1
