@@ -10,6 +10,7 @@ from collections.abc import Iterator, Sequence
 import click
 
 from smarig.cli.output import report_error
+from smarig.cli.working_line import working_line
 from smarig.core import (
     Interrupted,
     SmarigError,
@@ -20,6 +21,7 @@ from smarig.core import (
     suggestion,
 )
 
+_SPELLINGS = {"characterize": "characterise"}
 EPILOG = """\b
 Examples:
   smarig characterise --rig one_wire_twin --out out/one_wire
@@ -39,6 +41,7 @@ class _Commands(click.Group):
         self, ctx: click.Context, args: list[str]
     ) -> tuple[str | None, click.Command | None, list[str]]:
         """The command of the first argument; an unknown one is an error that suggests the nearest."""
+        args = [_SPELLINGS.get(args[0], args[0]), *args[1:]] if args else args
         names = self.list_commands(ctx)
         if args and args[0] not in names and not args[0].startswith("-"):
             raise UsageError(f"There is no command '{args[0]}'{suggestion(args[0], names)}.")
@@ -74,7 +77,9 @@ def run(arguments: Sequence[str] | None = None) -> int:
     """Run a command; returns the exit status."""
     _interrupt_on("SIGTERM", "SIGHUP")
     try:
-        with own_files(), _blame_own_file():
+        given = sys.argv[1:] if arguments is None else arguments
+        name = next((word for word in given if not word.startswith("-")), "")
+        with own_files(), _blame_own_file(), working_line(name):
             status = cli.main(args=arguments, prog_name="smarig", standalone_mode=False)
         return status if isinstance(status, int) else 0
     except click.exceptions.Exit as exit_request:

@@ -12,6 +12,7 @@ from typing import Any
 
 import click
 
+from smarig.cli.working_line import clear_working_line
 from smarig.core import UsageError, printable
 
 LONGEST_RESULT = 1_000_000  # characters of a result as text
@@ -75,6 +76,7 @@ def _print(text: str, *, err: bool = False) -> None:
     The rest of the stream's buffer goes to the null device. Otherwise the interpreter would fail on it at
     exit.
     """
+    clear_working_line()
     try:
         click.echo(text, err=err)
     except BrokenPipeError:

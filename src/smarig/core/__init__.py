@@ -57,6 +57,8 @@ if TYPE_CHECKING:
     from smarig.core.process_lock import process_lock as process_lock
     from smarig.core.profile_table import profile_numbers as profile_numbers
     from smarig.core.profile_table import profile_rows as profile_rows
+    from smarig.core.progress_share import counted as counted
+    from smarig.core.progress_share import share_done as share_done
     from smarig.core.resources import make_importable as make_importable
     from smarig.core.resources import shipped as shipped
     from smarig.core.sample import NAN as NAN

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from urllib.parse import quote
 
-from smarig.core import DataError, UsageError
+from smarig.core import DataError, UsageError, counted
 from smarig.record import Run, load_run, stored_run
 from smarig.report.components.page import LIBRARY, is_smarig_page, write_library, write_page
 from smarig.report.folder_contents import folder_contents
@@ -75,7 +75,7 @@ def report_folder(folder: Path, *, force: bool = False) -> FolderReport:
     write_library(folder)
     cache = SummaryCache(folder)
     entries, pages, unreadable = [], [], []
-    for file in files:
+    for file in counted(files, len(files)):
         try:
             check_name(file)
             summary = _summary_and_page(file, folder, cache, force)

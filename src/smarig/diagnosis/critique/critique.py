@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import solve_triangular
 
+from smarig.core import counted
 from smarig.diagnosis.critique.calibration import calibrated_p, calibrated_threshold
 from smarig.diagnosis.critique.candidates import Candidate, generic, named, whitened
 from smarig.diagnosis.refit.refit import Refit, refit
@@ -177,7 +178,7 @@ def null_data(
     size, n = refitted.scale.size, at.size
     y = np.empty((size, count))
     undisturbed = prediction.outputs_along(h, initial, hysteresis_input_K)[at]
-    for k in range(count):
+    for k in counted(range(count), count):
         deviation = (
             prediction.outputs_along(
                 h, initial, hysteresis_input_K + noise.temperature_K * temperature_noises[k], count

@@ -1,0 +1,110 @@
+"""A line at the terminal while a command computes: the time so far, and the time left where it is known.
+
+It appears after three seconds, is rewritten in place, and is removed before anything else is printed.
+"""
+
+import contextlib
+import sys
+import threading
+import time
+from collections.abc import Iterator
+
+from smarig.core import share_done
+
+APPEARS_S, _EVERY_S = 3.0, 0.5
+COMPUTING = frozenset(
+    (
+        "benchmark",
+        "calibrate",
+        "certify",
+        "diagnose",
+        "export",
+        "identify",
+        "import",
+        "report",
+        "simulate",
+        "study",
+    )
+) | {"transformation", "verify"}
+_ERASE = "\r\x1b[K"
+
+
+class WorkingLine:
+    """The line of one command; ``clear`` removes it until the next update."""
+
+    def __init__(self, name: str) -> None:
+        self._name, self._began = name, time.monotonic()
+        self._lock, self._ended, self._shown = threading.Lock(), threading.Event(), False
+        self._loop_began: float | None = None
+
+    def run(self) -> None:
+        """Update the line until the end of the command."""
+        if self._ended.wait(APPEARS_S):
+            return
+        while not self._ended.wait(_EVERY_S):
+            with self._lock:
+                if not self._ended.is_set():
+                    self._write(f"{_ERASE}{self.text(time.monotonic())}")
+                    self._shown = True
+
+    def text(self, now: float) -> str:
+        """The words of the line at a time of the clock."""
+        done, total = share_done()
+        words = f"{self._name}: {_clock(now - self._began)}"
+        if not total:
+            self._loop_began = None
+            return words
+        if self._loop_began is None:
+            self._loop_began = now
+        share = f"{words}, {done} of {total} done"
+        if not done:
+            return share
+        return f"{share}, about {_clock((now - self._loop_began) / done * (total - done))} left"
+
+    def clear(self) -> None:
+        """Remove the line."""
+        with self._lock:
+            if self._shown:
+                self._write(_ERASE)
+                self._shown = False
+
+    def end(self) -> None:
+        """Remove the line for good."""
+        self._ended.set()
+        self.clear()
+
+    def _write(self, text: str) -> None:
+        with contextlib.suppress(OSError, ValueError):  # the terminal was closed
+            sys.stderr.write(text)
+            sys.stderr.flush()
+
+
+_CURRENT: list[WorkingLine] = []
+
+
+@contextlib.contextmanager
+def working_line(name: str) -> Iterator[None]:
+    """Show the line while a command runs, if stderr is a terminal and the command only computes."""
+    if name not in COMPUTING or not sys.stderr.isatty():
+        yield
+        return
+    line = WorkingLine(name)
+    _CURRENT.append(line)
+    threading.Thread(target=line.run, daemon=True).start()
+    try:
+        yield
+    finally:
+        line.end()
+        _CURRENT.remove(line)
+
+
+def clear_working_line() -> None:
+    """Remove the line before something else is printed."""
+    for line in _CURRENT:
+        line.clear()
+
+
+def _clock(seconds: float) -> str:
+    """Seconds as "42 s" or "3:05 min"."""
+    whole = round(seconds)
+    return f"{whole} s" if whole < 60 else f"{whole // 60}:{whole % 60:02d} min"
