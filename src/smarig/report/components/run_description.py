@@ -25,7 +25,7 @@ def run_caption(run: AnyRun) -> str:
     """The last sentence of a caption: the number of steps and samples. The page states the conditions once."""
     settled = len(run.settled)
     samples = f"{thousands(len(run))} samples"
-    return f"n = {settled} steps of {samples}." if settled else f"n = {samples}."
+    return f"n = {settled} steps, {samples}." if settled else f"n = {samples}."
 
 
 def conditions_text(run: AnyRun) -> str:
