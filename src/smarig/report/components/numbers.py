@@ -70,6 +70,11 @@ def thousands(n: int) -> str:
     return f"{n:,}".replace(",", "\u202f")
 
 
+def runs_text(n: int) -> str:
+    """A number of runs: "1 run", "3 runs"."""
+    return f"{n} run" if n == 1 else f"{n} runs"
+
+
 def duration(seconds: float) -> str:
     """A duration in a readable unit.
 

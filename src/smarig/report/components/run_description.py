@@ -53,7 +53,11 @@ def duration_s(run: AnyRun) -> float:
 
 def display_unit(unit: str) -> str:
     """A unit as displayed: kg/m³ for kg/m^3, °C for degC, and nothing for 1."""
-    return "" if unit == "1" else unit.replace("^2", "²").replace("^3", "³").replace("degC", "°C")
+    return (
+        ""
+        if unit == "1"
+        else unit.replace("^2", "²").replace("^3", "³").replace("degC", "°C").replace("100K", "100 K")
+    )
 
 
 def input_title(run: AnyRun) -> str:
