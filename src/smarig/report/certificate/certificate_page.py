@@ -228,7 +228,7 @@ def velocity_parts(found: ModelCertificate) -> list[Html]:
         )
         for j in found.controllers
     ]
-    header = ("Controller", "Numbers", f"δ ({per})", f"γ ({per})", with_subscripts("k_e"), "Thm 8.2")
+    header = ("Controller", "Settings", f"δ ({per})", f"γ ({per})", with_subscripts("k_e"), "Thm 8.2")
     words = (
         "Velocity controllers from ė to ũ: δ from ⟨ė, ũ⟩ ≥ δ‖ė‖², γ from ‖ũ‖ ≤ γ‖ė‖, k_e = max{γ + δ, 1}/δ where "
         "Thm 8.2 covers the loop."
