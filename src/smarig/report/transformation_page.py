@@ -52,11 +52,11 @@ def _method() -> list[Html]:
             "transformation temperatures (ASTM E3097, F2082). No line is used outside the readings of its loop."
         ),
         paragraph(
-            f"The result depends on the choice of readings, so each line is fitted to several choices. "
-            f"Steep tangent: the middle part of the output between both plateaus, a share of {shares}. Plateaus: all readings "
-            f"except those near the knee (within {gaps} × the span from start to finish, at most half of the plateau) "
-            f"and those at the end of the branch (a share of {cuts} of the plateau). Each temperature is the mean over "
-            "all choices. Its 95 % interval includes the noise of the readings and the part of the spread of the "
-            "choices that noise does not explain."
+            "The result depends on the choice of readings, so each line is fitted to several choices. "
+            f"Steep tangent: the middle part of the output between both plateaus, a share of {shares}. Plateaus: all "
+            f"readings except those near the knee (within {gaps} × the span from start to finish, at most half of the "
+            f"plateau) and those at the end of the branch (a share of {cuts} of the plateau). Each temperature is the "
+            "mean over all choices. Its 95 % interval includes the noise of the readings and the part of the spread "
+            "of the choices that noise does not explain."
         ),
     ]
