@@ -101,5 +101,6 @@ def glossary(used: Sequence[Term]) -> Html:
 
 def _unit(term: Term) -> Html:
     """The symbols and the unit of a term, with subscripts set as such."""
-    written = re.sub(r"_([A-Za-z]{1,2})\b", r"<sub>\1</sub>", html.escape(term.symbols))
+    shown = re.sub(r"(^|, )1$", "", term.symbols)  # no unit
+    written = re.sub(r"_([^\W\d_]{1,2})", r"<sub>\1</sub>", html.escape(shown))
     return joined((" ", tag("span", Html(written)))) if written else Html("")

@@ -255,7 +255,15 @@ def steps_table(run: Run, most: int = 400) -> Html:
         for s in run.steps[:most]
     ]
     more = f" The first {most} of {len(run.steps)}." if len(run.steps) > most else ""
-    header = ("Step", "Branch", f"Target ({run.input_unit})", f"Position ({run.unit})", "n", "Verdict", "")
+    header = (
+        "Step",
+        "Branch",
+        f"Target ({run.input_unit})",
+        f"Position ({run.unit})",
+        "n",
+        "Verdict",
+        "Mark",
+    )
     words = f"Steps. The position is the mean of the last n samples.{more}"
     return (
         tag("details", tag("summary", f"{len(run.steps)} steps"), table(header, rows, words))
