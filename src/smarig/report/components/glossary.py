@@ -102,5 +102,5 @@ def glossary(used: Sequence[Term]) -> Html:
 def _unit(term: Term) -> Html:
     """The symbols and the unit of a term, with subscripts set as such."""
     shown = re.sub(r"(^|, )1$", "", term.symbols)  # no unit
-    written = re.sub(r"_([^\W\d_]{1,2})", r"<sub>\1</sub>", html.escape(shown))
+    written = re.sub(r"\b(\w)_([^\W\d_]{1,2})\b", r"\1<sub>\2</sub>", html.escape(shown))
     return joined((" ", tag("span", Html(written)))) if written else Html("")

@@ -30,15 +30,15 @@ def signed(value: float, digits: int = 3) -> str:
     return f"+{number(value, digits)}" if value > 0 else number(value, digits)
 
 
-def to_uncertainty(value: float, uncertainty: float) -> str:
-    """A number to the second significant digit of its uncertainty; to three digits if that is unknown.
+def to_uncertainty(value: float | None, uncertainty: float) -> str:
+    """A number to the second significant digit of its uncertainty; to three digits if that is unknown, '–' if missing.
 
     >>> to_uncertainty(0.03838123, 0.0013), to_uncertainty(332.951, 67), to_uncertainty(-44.13951, 0.83)
     ('0.0384', '333', '−44.14')
-    >>> to_uncertainty(-5.91e-4, 5.8e-4), to_uncertainty(2.0, 0.0)
-    ('−5.9 × 10⁻⁴', '2')
+    >>> to_uncertainty(-5.91e-4, 5.8e-4), to_uncertainty(2.0, 0.0), to_uncertainty(None, 1.0)
+    ('−5.9 × 10⁻⁴', '2', '–')
     """
-    if value == 0 or not (math.isfinite(value) and 0 < uncertainty < math.inf):
+    if not value or not (math.isfinite(value) and 0 < uncertainty < math.inf):
         return number(value)
     last = math.floor(math.log10(uncertainty)) - 1
     if not 1e-3 <= abs(value) < 1e5:
