@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from smarig.identification.error_verdict import error_verdict as error_verdict
     from smarig.identification.error_verdict import ratio_text as ratio_text
     from smarig.identification.extended.choose_extension import ExtensionChoice as ExtensionChoice
-    from smarig.identification.extended.fitted_extension import extension_names as extension_names
+    from smarig.identification.extended.extension_names import extension_names as extension_names
     from smarig.identification.fod_data import FodData as FodData
     from smarig.identification.fod_data import fod_data as fod_data
     from smarig.identification.forc.central_ridge import CentralRidge as CentralRidge
@@ -77,6 +77,7 @@ if TYPE_CHECKING:
     from smarig.identification.surface.representation_tests import wiping_out as wiping_out
     from smarig.identification.surface.surface_kinds import BEST_KIND as BEST_KIND
     from smarig.identification.surface.surface_kinds import POSITIVE_KIND as POSITIVE_KIND
+    from smarig.identification.surface.surface_kinds import surface_choices as surface_choices
     from smarig.identification.surface.surface_kinds import surface_kinds as surface_kinds
     from smarig.identification.verify import PredictionErrors as PredictionErrors
     from smarig.identification.verify import RunVerification as RunVerification
