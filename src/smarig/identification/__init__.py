@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from smarig.identification.error_verdict import ErrorLevel as ErrorLevel
     from smarig.identification.error_verdict import ErrorVerdict as ErrorVerdict
     from smarig.identification.error_verdict import error_verdict as error_verdict
-    from smarig.identification.error_verdict import level_beside_curves as level_beside_curves
+    from smarig.identification.error_verdict import level_against_curves as level_against_curves
     from smarig.identification.error_verdict import ratio_text as ratio_text
     from smarig.identification.extended.choose_extension import ExtensionChoice as ExtensionChoice
     from smarig.identification.extended.fitted_extension import extension_names as extension_names

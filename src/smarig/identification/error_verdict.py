@@ -46,20 +46,22 @@ def error_verdict(rms: float, floor: float | None, share: float) -> ErrorVerdict
     return ErrorVerdict(ErrorLevel.UNKNOWN, f"{percent}; the noise is unknown")
 
 
-def level_beside_curves(rms: float, floor: float | None, share: float, gain: float) -> ErrorLevel:
+def level_against_curves(rms: float, floor: float | None, share: float, gain: float) -> ErrorLevel:
     """The level of an error where simple curves were fitted to the same data: ``gain`` is the error of the best of
     them over that of the model (NaN: none).
 
     The thresholds are those of ``error_verdict``. An error above the noise is fair if the model is clearly better than
-    each curve, up to 15 % of the travel; a model that is no better than a curve is not good.
+    each curve, up to 15 % of the travel; a model that is hardly better than a curve is poor.
 
-    >>> str(level_beside_curves(0.5, 0.05, 0.04, 6.0)), str(level_beside_curves(0.5, 0.05, 0.04, 1.1))
+    >>> str(level_against_curves(0.5, 0.05, 0.04, 6.0)), str(level_against_curves(0.5, 0.05, 0.04, 1.1))
     ('fair', 'poor')
     """
     level, better = error_verdict(rms, floor, share).level, not gain < BETTER
+    if gain < HARDLY_BETTER:
+        return ErrorLevel.POOR
     if level is ErrorLevel.GOOD:
         return ErrorLevel.GOOD if better else ErrorLevel.FAIR
-    if gain < HARDLY_BETTER or share > _LARGE_SHARE:
+    if share > _LARGE_SHARE:
         return ErrorLevel.POOR
     if better:
         small = _SMALL_SHARE if floor else _SMALL_UNKNOWN

@@ -1,11 +1,13 @@
 """Why a model misses data: what differs between fitted and held-out data, in physical words."""
 
 from collections.abc import Iterator, Sequence
+from itertools import pairwise
 
 import numpy as np
 
 from smarig.core import spaced
 from smarig.identification import RunVerification
+from smarig.measurement import reversals
 from smarig.record import Run
 from smarig.replay import recorded_conditions
 from smarig.study.candidate_models import CandidateModel
@@ -16,6 +18,9 @@ _BEYOND_SHARE = 0.05  # of the fitted range: inputs further outside are new to t
 _FITS_SHARE = 0.03  # of the output's range: a fit that misses by less describes its own data
 _WORSE = 2.0  # times: held-out data are clearly worse than fitted ones
 _LOADS_NEEDED = 3
+_BACK_SHARE = 0.08  # of the output's range
+_WIDE_BRANCH = 0.5  # of the input's range
+_FEWEST_ROWS, _PARTS = 60, 20  # of a branch
 
 
 def error_reasons(split: DataSplit, best: CandidateModel) -> list[str]:
@@ -24,7 +29,7 @@ def error_reasons(split: DataSplit, best: CandidateModel) -> list[str]:
     They compare facts of the fitted and the held-out data (conditions, range of the input, errors) and name no effect:
     that is the diagnosis.
     """
-    found = [*_conditions(split), *_range(best)]
+    found = [*_conditions(split), *_range(best), *_turned_back(best)]
     return [*found, *_fit(split, best, explained=bool(found))]
 
 
@@ -82,6 +87,33 @@ def _range(best: CandidateModel) -> Iterator[str]:
 def _extent(runs: Sequence[RunVerification]) -> tuple[float, float]:
     u = np.concatenate([r.input for r in runs])
     return float(np.nanmin(u)), float(np.nanmax(u))
+
+
+def _turned_back(best: CandidateModel) -> Iterator[str]:
+    """An output that moves both ways while the input moves one way, which no positive measure gives."""
+    most = max((_back(r) for r in (*best.train, *best.held_out)), default=0.0)
+    if most > _BACK_SHARE:
+        yield (
+            f"While the input goes one way, the output goes back by {100 * most:.2g} % of its range. No hysteresis "
+            "with a positive measure does this. Thermal expansion, an R-phase, slip in the grips, or a sensor that "
+            "lags would."
+        )
+
+
+def _back(run: RunVerification) -> float:
+    """The largest travel of the output against its net direction on a wide branch, as a share of its range."""
+    known = np.isfinite(run.input) & np.isfinite(run.measured)
+    u, y = run.input[known], run.measured[known]
+    if u.size < _FEWEST_ROWS or not np.ptp(y):
+        return 0.0
+    most = 0.0
+    for a, b in pairwise(reversals(u)):
+        if abs(u[b] - u[a]) < _WIDE_BRANCH * np.ptp(u) or b - a < _FEWEST_ROWS:
+            continue
+        bins = np.array([np.median(part) for part in np.array_split(y[a : b + 1], _PARTS)])  # free of noise
+        way = np.sign(bins[-1] - bins[0])
+        most = max(most, float(np.max(np.maximum.accumulate(way * bins) - way * bins)))
+    return most / float(np.ptp(y))
 
 
 def _fit(split: DataSplit, best: CandidateModel, *, explained: bool) -> Iterator[str]:

@@ -8,7 +8,7 @@ import numpy as np
 
 from smarig.core import spaced
 from smarig.diagnosis import Diagnosis, MeasuredDiagnosis
-from smarig.identification import BETTER, GOOD_RATIO, ErrorLevel, level_beside_curves, ratio_text
+from smarig.identification import BETTER, GOOD_RATIO, ErrorLevel, level_against_curves, ratio_text
 from smarig.study.candidate_models import Evaluation
 from smarig.study.data_split import DataSplit
 from smarig.study.error_reasons import error_reasons
@@ -83,7 +83,7 @@ class StudyResult:
         """ "good", "fair" or "poor"; "" without a model. The thresholds are those of ``verify``."""
         if self.evaluation is None:
             return ""
-        return str(level_beside_curves(self.evaluation.best.rms, self.noise, self.nrmse, self.gain))
+        return str(level_against_curves(self.evaluation.best.rms, self.noise, self.nrmse, self.gain))
 
     @property
     def reasons(self) -> list[str]:
@@ -127,8 +127,6 @@ class StudyResult:
         name, error = min(self.evaluation.simple.items(), key=lambda item: item[1])
         if self.gain >= BETTER:
             return f"The best simple curve ({name}) leaves {self.gain:.2g} × as much, {error:.3g}{spaced(self.unit)}."
-        if self.gain < BETTER and self.at_noise:
-            return f"A simple curve ({name}) leaves {error:.3g}{spaced(self.unit)}: these data hardly need a model."
         if self.gain >= 1:
             return f"A simple curve ({name}) does nearly as well: {error:.3g}{spaced(self.unit)}."
         return f"A simple curve ({name}) does better: {error:.3g}{spaced(self.unit)}. Do not use the model as it is."
