@@ -33,17 +33,17 @@ def completed(
 
 
 def _by_processes(function: Callable[[Any], Answer], tasks: Sequence[Any], workers: int) -> Iterator[Answer]:
-    with ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as pool:
-        try:
-            for future in as_completed([pool.submit(function, task) for task in tasks]):
-                yield future.result()
-        except BrokenProcessPool:
-            raise DataError(
-                "A worker process was ended from outside, perhaps for want of memory. What is done is kept: repeat "
-                "the command, with fewer --workers."
-            ) from None
-        finally:  # an interruption must not wait for the tasks that have not begun
-            pool.shutdown(wait=False, cancel_futures=True)
+    pool = ProcessPoolExecutor(workers, mp_context=get_context("spawn"))
+    try:
+        for future in as_completed([pool.submit(function, task) for task in tasks]):
+            yield future.result()
+    except BrokenProcessPool:
+        raise DataError(
+            "A worker process was ended from outside, perhaps for want of memory. What is done is kept: repeat "
+            "the command, with fewer --workers."
+        ) from None
+    finally:  # not "with", whose end would wait for the tasks that have not begun
+        pool.shutdown(wait=True, cancel_futures=True)
 
 
 def _by_dask(function: Callable[[Any], Answer], tasks: Sequence[Any], address: str) -> Iterator[Answer]:
