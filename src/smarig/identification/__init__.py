@@ -13,9 +13,12 @@ if TYPE_CHECKING:
     from smarig.identification.calibration.holds import valid_rows as valid_rows
     from smarig.identification.density_report import DensityReport as DensityReport
     from smarig.identification.density_report import density_report as density_report
+    from smarig.identification.error_verdict import BETTER as BETTER
+    from smarig.identification.error_verdict import GOOD_RATIO as GOOD_RATIO
     from smarig.identification.error_verdict import ErrorLevel as ErrorLevel
     from smarig.identification.error_verdict import ErrorVerdict as ErrorVerdict
     from smarig.identification.error_verdict import error_verdict as error_verdict
+    from smarig.identification.error_verdict import level_against_curves as level_against_curves
     from smarig.identification.error_verdict import ratio_text as ratio_text
     from smarig.identification.extended.choose_extension import ExtensionChoice as ExtensionChoice
     from smarig.identification.extended.extension_names import extension_names as extension_names
