@@ -58,7 +58,7 @@ def test_a_swapped_file_is_named_in_one_sentence(files, tmp_path, capsys, line, 
 
 
 def test_an_unknown_command_suggests_the_nearest(capsys):
-    assert cli(["characterize"]) == 2
+    assert cli(["charakterise"]) == 2
     assert "did you mean characterise?" in capsys.readouterr().err
 
 

@@ -114,4 +114,4 @@ def command(
     heating = [result.heating.text] if result.heating else []
     rows = [rows.text for rows in result.rows]
     verdict = f"Fit: {result.fit_verdict.text}"
-    emit(found, "\n".join([repr(result), verdict, *extended, *loads, *heating, *rows, f"Model: {out}"]))
+    emit(found, "\n".join([result.text, verdict, *extended, *loads, *heating, *rows, f"Model: {out}"]))

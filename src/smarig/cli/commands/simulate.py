@@ -15,7 +15,7 @@ Examples:
 """
 
 
-@click.command("simulate", epilog=EPILOG)
+@click.command("simulate", short_help="Simulate a model along a run, or a protocol.", epilog=EPILOG)
 @click.argument("model", type=FILE)
 @click.option("--along", type=FILE, help="Run whose inputs are applied to the model.")
 @click.option("--protocol", type=PROTOCOL, help="Protocol to run on the model's noise-free twin.")

@@ -25,7 +25,7 @@ Examples:
 """
 
 
-@click.command("study", short_help="From data files of any origin to a page.", epilog=EPILOG)
+@click.command("study", short_help="Make a page from data files of any origin.", epilog=EPILOG)
 @click.argument("places", metavar="FILE…", nargs=-1, required=True, type=ANY_PATH)
 @click.option(
     "--split",

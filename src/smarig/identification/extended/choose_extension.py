@@ -127,7 +127,7 @@ class ExtensionChoice:
             return "no run could be left out"
         h = self.held_out[name]
         (classical, extended), (low, high) = h.rms(), h.interval()
-        gain = "worse" if high < 0 else f"gain {h.gain:.0%} ({low:.0%} to {high:.0%})"
+        gain = "worse" if high < 0 else f"gain {100 * h.gain:.0f} % ({100 * low:.0f} % to {100 * high:.0f} %)"
         return f"runs left out: rms error {classical:.3g} → {extended:.3g}{spaced(self.unit)}, {gain}"
 
 
