@@ -222,7 +222,7 @@ def test_the_fmu_compiles_without_a_warning_and_without_undefined_behaviour(tmp_
 
 
 def test_an_fmu_without_a_compiler_holds_sources_only(tmp_path, wire_model, monkeypatch):
-    monkeypatch.setattr("smarig.exchange.c_code.fmu.shutil.which", lambda name: None)
+    monkeypatch.setattr("smarig.exchange.c_code.fmu_archive.shutil.which", lambda name: None)
     (file,) = export_model(wire_model, to="fmu", out=tmp_path / "wire.fmu")
     names = zipfile.ZipFile(file).namelist()
     assert sorted(names) == ["modelDescription.xml", "sources/fmi2.c", "sources/wire.c", "sources/wire.h"]
@@ -230,7 +230,7 @@ def test_an_fmu_without_a_compiler_holds_sources_only(tmp_path, wire_model, monk
 
 @needs_gcc
 def test_a_failing_compiler_leaves_no_file(tmp_path, wire_model, monkeypatch):
-    monkeypatch.setattr("smarig.exchange.c_code.fmu._FLAGS", ("--no-such-flag",))
+    monkeypatch.setattr("smarig.exchange.c_code.fmu_archive._FLAGS", ("--no-such-flag",))
     with pytest.raises(StorageError, match="compiler"):
         export_model(wire_model, to="fmu", out=tmp_path / "wire.fmu")
     assert not (tmp_path / "wire.fmu").exists()
