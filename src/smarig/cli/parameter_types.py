@@ -18,6 +18,7 @@ _PACKAGES = {
     "protocols": "smarig.protocols",
     "readers": "smarig.exchange.readers",
     "writers": "smarig.exchange.writers",
+    "model_writers": "smarig.exchange.model_writers",
     "tracking": "smarig.control.tracking.controllers",
     "velocity": "smarig.control.velocity.controllers",
 }
