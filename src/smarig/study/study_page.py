@@ -72,7 +72,7 @@ def _summary(result: StudyResult) -> Iterator[Html | Figure]:
     yield notice(
         _BOX.get(result.verdict, "bad") if result.evaluation else "warning", paragraph(tag("b", first))
     )
-    yield bullets([*rest, *result.hints()])
+    yield bullets([*rest, *result.reasons, *result.hints()])
     if result.evaluation is not None:
         yield _loops_figure(result)
         yield paragraph(result.split.reason if result.split else "")

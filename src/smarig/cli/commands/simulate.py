@@ -7,7 +7,6 @@ import click
 from smarig.cli.output import check_distinct, emit, json_option
 from smarig.cli.parameter_types import FILE, PROTOCOL, RIG, own_effects
 from smarig.core import UsageError
-from smarig.protocols import parse_pairs
 
 EPILOG = """\b
 Examples:
@@ -39,6 +38,7 @@ def command(
 ) -> None:
     """Simulate a model along a run, or a protocol on the model's twin, and write a run file."""
     from smarig.app import simulate_protocol, simulate_run
+    from smarig.protocols import parse_pairs
     from smarig.record import load_run
     from smarig.replay import load_model
 
