@@ -26,6 +26,7 @@ from smarig.report import (
     paragraph,
     path,
     style,
+    summary_with_loop,
     tag,
 )
 from smarig.report import table as html_table
@@ -53,7 +54,9 @@ def study_page(result: StudyResult, *, library: str = "") -> str:
         Section("What looks wrong in the data", "Data quality", list(_quality(result))),
         Section("Files", "Files", list(_files(result))),
     ]
-    return page(f"Study of {result.name}", _lead(result), sections, library=library)
+    level = _BOX.get(result.verdict, "bad") if result.evaluation else "warning"
+    about = summary_with_loop("study", next(iter(result.sentences())), level, result.tables[0].run)
+    return page(f"Study of {result.name}", _lead(result), sections, library=library, summary=about)
 
 
 def _lead(result: StudyResult) -> str:
