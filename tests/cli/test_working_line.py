@@ -57,7 +57,8 @@ with w.working_line("identify"):
 @pytest.mark.skipif(os.name == "nt", reason="needs a pseudo-terminal")
 def test_the_line_is_removed_before_other_output():
     master, slave = pty.openpty()
-    done = subprocess.Popen([sys.executable, "-c", _SLOW], stderr=slave)
+    terminal = {**os.environ, "TERM": "xterm"}
+    done = subprocess.Popen([sys.executable, "-c", _SLOW], stderr=slave, env=terminal)
     os.close(slave)
     text = b""
     while True:
@@ -77,3 +78,47 @@ def test_the_line_is_removed_before_other_output():
 def test_nothing_is_written_into_a_pipe():
     done = subprocess.run([sys.executable, "-c", _SLOW], capture_output=True, check=True)
     assert done.stderr == b"Warning: one.\n"
+
+
+_ASKED = """
+import importlib, time
+w = importlib.import_module("smarig.cli.working_line")
+w.APPEARS_S = 0.2
+with w.working_line("study"):
+    time.sleep(0.9)
+    with w.paused_for_question():
+        print("Which column?", file=__import__("sys").stderr, flush=True)
+        time.sleep(1.5)
+        print("answered", file=__import__("sys").stderr, flush=True)
+"""
+
+
+@pytest.mark.skipif(os.name == "nt", reason="needs a pseudo-terminal")
+@pytest.mark.parametrize("term", ["xterm", "dumb"])
+def test_a_question_is_left_alone_and_a_dumb_terminal_gets_no_line(term):
+    master, slave = pty.openpty()
+    environment = {**os.environ, "TERM": term}
+    asked = subprocess.Popen([sys.executable, "-c", _ASKED], stderr=slave, env=environment)
+    os.close(slave)
+    text = b""
+    while True:
+        try:
+            part = os.read(master, 4096)
+        except OSError:
+            break
+        if not part:
+            break
+        text += part
+    os.close(master)
+    assert asked.wait() == 0
+    between = text.split(b"Which column?")[1].split(b"answered")[0]
+    assert between.strip() == b""
+    assert (b"study: 1 s" in text) == (term == "xterm")
+
+
+def test_a_closed_stderr_changes_nothing():
+    done = subprocess.run(
+        [sys.executable, "-m", "smarig", "report", "nope.sqlite"], stderr=None, capture_output=False,
+        preexec_fn=lambda: os.close(2), stdout=subprocess.DEVNULL,
+    )  # fmt: skip
+    assert done.returncode == 2

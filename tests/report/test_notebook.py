@@ -104,3 +104,9 @@ def test_results_show_table_and_verdict(wire):
 def test_anything_else_is_refused_in_a_sentence():
     with pytest.raises(UsageError, match="Pass a run, a model, a diagnosis"):
         smarig.plot(3)
+
+
+@pytest.mark.parametrize("wrong", [3, "x", [1], np.array([])])
+def test_what_are_no_axes_is_refused_in_a_sentence(wire, wrong):
+    with pytest.raises(UsageError, match="axes of one plot"):
+        wire[0].plot(ax=wrong)

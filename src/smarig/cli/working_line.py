@@ -4,6 +4,7 @@ It appears after three seconds, is rewritten in place, and is removed before any
 """
 
 import contextlib
+import os
 import sys
 import threading
 import time
@@ -36,6 +37,7 @@ class WorkingLine:
         self._name, self._began = name, time.monotonic()
         self._lock, self._ended, self._shown = threading.Lock(), threading.Event(), False
         self._loop_began: float | None = None
+        self._paused = False
 
     def run(self) -> None:
         """Update the line until the end of the command."""
@@ -43,7 +45,7 @@ class WorkingLine:
             return
         while not self._ended.wait(_EVERY_S):
             with self._lock:
-                if not self._ended.is_set():
+                if not (self._ended.is_set() or self._paused):
                     self._write(f"{_ERASE}{self.text(time.monotonic())}")
                     self._shown = True
 
@@ -60,6 +62,12 @@ class WorkingLine:
         if not done:
             return share
         return f"{share}, about {_clock((now - self._loop_began) / done * (total - done))} left"
+
+    def pause(self, paused: bool) -> None:
+        """Show nothing while paused."""
+        self.clear()
+        with self._lock:
+            self._paused = paused
 
     def clear(self) -> None:
         """Remove the line."""
@@ -85,7 +93,7 @@ _CURRENT: list[WorkingLine] = []
 @contextlib.contextmanager
 def working_line(name: str) -> Iterator[None]:
     """Show the line while a command runs, if stderr is a terminal and the command only computes."""
-    if name not in COMPUTING or not sys.stderr.isatty():
+    if name not in COMPUTING or not _is_shown():
         yield
         return
     line = WorkingLine(name)
@@ -96,6 +104,27 @@ def working_line(name: str) -> Iterator[None]:
     finally:
         line.end()
         _CURRENT.remove(line)
+
+
+def _is_shown() -> bool:
+    """Whether stderr is a terminal that can erase a line; a closed stderr is none."""
+    return (
+        sys.stderr is not None
+        and sys.stderr.isatty()
+        and os.environ.get("TERM", "") not in ("", "dumb", "unknown")
+    )
+
+
+@contextlib.contextmanager
+def paused_for_question() -> Iterator[None]:
+    """Leave the terminal to a question: no line until it is answered."""
+    for line in _CURRENT:
+        line.pause(True)
+    try:
+        yield
+    finally:
+        for line in _CURRENT:
+            line.pause(False)
 
 
 def clear_working_line() -> None:

@@ -32,17 +32,29 @@ def folder_contents(folder: Path, left_out: Collection[Path]) -> FolderContents:
     pages = [
         page
         for file in sorted(folder.rglob("*.html"))
-        if file not in left_out and file.is_file() and (page := found_page(file)) is not None
+        if file not in left_out
+        and _is_text(file)
+        and file.is_file()
+        and (page := found_page(file)) is not None
     ]
     models, unreadable = [], []
     for file in sorted(folder.rglob(f"*{MODEL_ENDING}")):
-        if file.name != MODEL_ENDING and not file.name.endswith(f".{MODEL_ENDING}"):
+        if not _is_text(file) or (file.name != MODEL_ENDING and not file.name.endswith(f".{MODEL_ENDING}")):
             continue
         try:
             models.append(FoundPage(file, _model_name(file, folder), _model_summary(load_model(file))))
         except SmarigError as error:
             unreadable.append(str(error))
     return FolderContents(tuple(pages), tuple(models), tuple(unreadable))
+
+
+def _is_text(file: Path) -> bool:
+    """Whether a page can hold the name: names on disk may be no UTF-8."""
+    try:
+        str(file).encode("utf-8")
+    except UnicodeEncodeError:
+        return False
+    return True
 
 
 def _model_summary(model: Model) -> PageSummary:

@@ -58,7 +58,10 @@ def check_name(file: Path) -> None:
 
 def page_path(file: Path) -> Path:
     """The path of a run's page, in the same folder as the run."""
-    return file.with_name(file.name.removesuffix(".sqlite").removesuffix(".run") + ".html")
+    stem = file.name.removesuffix(".sqlite").removesuffix(".run")
+    return file.with_name(
+        f"{'index.run' if stem == 'index' else stem}.html"
+    )  # index.html is that of the folder
 
 
 def report_folder(folder: Path, *, force: bool = False) -> FolderReport:

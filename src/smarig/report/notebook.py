@@ -65,6 +65,10 @@ def plot(thing: Any, model: Model | None = None, *, ax: Any = None) -> Any:
     """
     drawn = _drawn(thing, model)
     if ax is not None:
+        if not (hasattr(ax, "plot") and hasattr(ax, "yaxis")):
+            raise UsageError(
+                f"ax must be the axes of one plot in Matplotlib, got {type(ax).__name__}. Pass one of them."
+            )
         draw_on(ax, drawn.panel, drawn.label)
         return ax
     from smarig.report.notebook_figure import notebook_figure

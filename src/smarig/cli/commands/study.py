@@ -10,6 +10,7 @@ import click
 
 from smarig.cli.output import emit, json_option, json_requested, show_message
 from smarig.cli.parameter_types import ANY_PATH, FOLDER, CatalogueName
+from smarig.cli.working_line import paused_for_question
 from smarig.core import UsageError
 
 if TYPE_CHECKING:
@@ -140,12 +141,17 @@ def _columns_text(result: "StudyResult") -> str:
 
 def _asker() -> Callable[[str, Sequence[str]], str] | None:
     """A function that asks at the terminal; None where nobody answers."""
-    if json_requested() or not (sys.stdin.isatty() and sys.stderr.isatty()):
+    if (
+        json_requested()
+        or None in (sys.stdin, sys.stderr)
+        or not (sys.stdin.isatty() and sys.stderr.isatty())
+    ):
         return None
 
     def ask(question: str, choices: Sequence[str]) -> str:
         kind = click.Choice(list(choices)) if choices else str
-        return click.prompt(question, type=kind, err=True)
+        with paused_for_question():
+            return click.prompt(question, type=kind, err=True)
 
     return ask
 
