@@ -109,7 +109,7 @@ COMPUTATIONS = {
 
 @pytest.mark.parametrize("name", COMPUTATIONS)
 def test_every_factor_is_computed_by_one_thread(monkeypatch, name):
-    """Threads of BLAS share a narrow band badly: 8,000 points took some thirty times the processor time."""
+    """Threads of BLAS share a narrow band badly: they wait for each other, most of all on a busy machine."""
     seen, factor = [], NewtonSystem.factor
 
     def observed(self, kept, w):
