@@ -108,7 +108,7 @@ def test_notebook_lines(tmp_path, monkeypatch, capsys):
     names = {}
     exec(compile(code, "README.md", "exec"), names)
     assert names["result"].surface == "exponential"
-    assert len(names["figure"].data) == 2
+    assert len(names["figure"].data) == 3  # path, settled points, model
     assert capsys.readouterr().out.strip()
 
 

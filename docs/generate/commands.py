@@ -25,8 +25,9 @@ everything else to stderr ([JSON](json_objects.md)).
 | 130 | interrupted; the rig is safe |
 
 `SMARIG_LOCK_DIR` names the folder of the locks of wires, lines and run files in use (else each user has one; users who
-share a rig give the same folder), `SMARIG_HISTORY_DIR` the folder of the wires' histories. A twin locks no wire and has
-no history.
+share a rig give the same folder), `SMARIG_HISTORY_DIR` the folder of the wires' histories, `SMARIG_CACHE_DIR` that of
+compiled loops (else `smarig/compiled` in the user's cache folder; it may be deleted). A twin locks no wire and has no
+history.
 """
 
 

@@ -46,7 +46,7 @@ def test_a_bench_that_is_not_fails_the_check_that_sees_it(fault, check, tmp_path
 
 
 def test_hardware_is_not_heated_without_confirmation(tmp_path, capsys, monkeypatch):
-    monkeypatch.setattr("smarig.cli.commands.check.open_rig", None)
+    monkeypatch.setattr("smarig.cli.rig_check.open_rig", None)
     path = tmp_path / "hard.toml"
     path.write_text('name = "hard"\nbase = "bench_one_wire"\n')
     for answer in ("n\n", ""):

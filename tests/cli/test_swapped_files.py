@@ -57,9 +57,36 @@ def test_a_swapped_file_is_named_in_one_sentence(files, tmp_path, capsys, line, 
     assert "codec" not in error
 
 
+NO_TOML = [
+    ("check model", "is a model, not a configuration or mapping file: `smarig verify MODEL RUN"),
+    ("run validation --rig run", "is a run, not a configuration or mapping file: `smarig identify RUN"),
+    ("run validation --rig a.csv", "is a table of numbers, not a configuration or mapping file"),
+    ("characterise --rig page", "is a page, not a configuration or mapping file"),
+    ("import a.csv --format csv --map run", "is a run, not a configuration or mapping file"),
+    ("import a.csv --format csv --map model", "is a model, not a configuration or mapping file"),
+]
+
+
+@pytest.mark.parametrize(("line", "said"), NO_TOML)
+def test_a_file_that_is_no_configuration_is_named_in_one_sentence(files, tmp_path, capsys, line, said):
+    command, *words = line.split()
+    out = [] if command == "check" else ["-o", str(tmp_path / "out")]
+    status = cli([command, *(str(files.get(word, word)) for word in words), *out])
+    error = capsys.readouterr().err.strip()
+    assert status == 2
+    assert said in error
+    assert "codec" not in error
+    assert "\n" not in error
+
+
 def test_an_unknown_command_suggests_the_nearest(capsys):
-    assert cli(["characterize"]) == 2
+    assert cli(["charakterise"]) == 2
     assert "did you mean characterise?" in capsys.readouterr().err
+
+
+def test_the_american_spelling_is_understood(capsys):
+    assert cli(["characterize", "--help"]) == 0
+    assert "smarig characterise" in capsys.readouterr().out
 
 
 def test_a_run_whose_actuator_nobody_names_is_diagnosed(files, capsys):

@@ -50,7 +50,9 @@ def velocity_rows() -> list[str]:
             ]
             ratios = [alone.final_ratio, lagging.final_ratio, *(t.ratio for t in twins)]
             numbers = " | ".join(f"{r:.2f}" for r in ratios)
-            rows.append(f"| {rig} | {gain:g} | {k_e(control):g} | {numbers} | {twins[1].clipped_share:.0%} |")
+            rows.append(
+                f"| {rig} | {gain:g} | {k_e(control):g} | {numbers} | {100 * twins[1].clipped_share:.0f} % |"
+            )
     return rows
 
 
@@ -99,9 +101,7 @@ def indistinguishable_row() -> str:
     """The pair of states at zero input with one output."""
     pair = indistinguishable_states(thesis_surface("two_e"))
     path = " → ".join(f"{u:.4g}" for u in (*pair.second.extrema, pair.second.u))
-    return (
-        f"| two_e | {path} | {pair.first.y:.4f}° | {pair.second.y:.4f}° | {pair.distance / pair.most:.1%} |"
-    )
+    return f"| two_e | {path} | {pair.first.y:.4f}° | {pair.second.y:.4f}° | {100 * pair.distance / pair.most:.1f} % |"
 
 
 def _by_turns(sample: int, error: float) -> float:

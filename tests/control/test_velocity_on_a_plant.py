@@ -68,7 +68,7 @@ def test_the_assessment_lists_the_hypotheses_that_the_rig_violates():
     assert hot.applied_K.min() >= 0.0
     (clipped,) = [h for h in assessment.hypotheses(hot.clipped_share) if h.name == "input as commanded"]
     assert "cooling no faster" in clipped.why
-    assert f"{hot.clipped_share:.1%}" in clipped.why
+    assert f"{100 * hot.clipped_share:.1f} %" in clipped.why
     assert [h.holds for h in assessment.hypotheses(0.0) if h.name == clipped.name] == [True]
     assert [h.holds for h in assessment.hypotheses(None) if h.name == clipped.name] == [None]
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from smarig.diagnosis.critique import candidates
-from smarig.diagnosis.critique.recorded_period import recorded_period_h
+from smarig.diagnosis.critique.recorded_period import explained_shares, recorded_period_h
 from smarig.plant.effects.ambient_drift import ambient_drift
 from smarig.replay import ReadingSeries
 
@@ -45,3 +45,13 @@ def test_only_a_recorded_period_is_a_further_start_of_the_drift():
     assert sorted(usual) == pytest.approx([0.3 * 3.5, 0.7 * 3.5, 2.0 * 3.5])
     (own,) = periods(record(swing(0.56))) - usual
     assert own == pytest.approx(0.56, rel=0.05)
+
+
+@pytest.mark.parametrize("spacing", ["even", "uneven"])
+def test_its_periodogram_is_that_of_scipy(spacing):
+    from scipy.signal import lombscargle
+
+    t_h = np.linspace(0, 3.5, 60) if spacing == "even" else np.sort(RNG.uniform(0, 3.5, 60))
+    y, omega = np.sin(9 * t_h) + RNG.standard_normal(60), 2 * np.pi * np.arange(0.5, 30, 0.125) / 3.5
+    theirs = lombscargle(t_h, y - y.mean(), omega, normalize=True, floating_mean=True)
+    np.testing.assert_allclose(explained_shares(t_h, y, omega), theirs, rtol=0, atol=1e-12)

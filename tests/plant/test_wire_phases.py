@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from smarig.plant import Actuator, Plant, WirePhases
+from smarig.plant import Actuator, Plant, WirePhases, austenite_along
 from smarig.preisach import RelayMeasure, thesis_surface
 
 WIRE = Actuator.named("gorbet_two_wire")
@@ -83,3 +83,18 @@ def test_a_surface_that_gives_nothing_back_follows_the_temperature():
     wires = WirePhases(RelayMeasure.from_arrays(alpha, beta, np.ones(2)))
     wires.step((15.0, 60.0))
     assert wires.austenite == pytest.approx([0.25, 1.0])
+
+
+@pytest.mark.parametrize("name", ["two_e", "one_e", "measure"])
+def test_along_a_path_they_are_those_of_its_steps_bit_for_bit(name):
+    """Paths with turns, pauses, temperatures below 0 and beyond saturation; one_e gives nothing back below 0."""
+    rng = np.random.default_rng(4)
+    hysteresis = RelayMeasure.from_arrays(*relays(1)) if name == "measure" else thesis_surface(name)
+    wires_K = np.repeat(rng.normal(0, 9, (2, 500)).cumsum(axis=1), 2, axis=1)
+    wires, steps = WirePhases(hysteresis), np.empty((1000, 2))
+    for k, pair in enumerate(wires_K.T.tolist()):
+        wires.step(pair)
+        steps[k] = wires.austenite
+    assert np.ptp(steps[:, 0]) > 0.5
+    for at in (np.arange(1000), np.array([0, 7, 7, 350, 351, 999]), np.array([500])):
+        np.testing.assert_array_equal(austenite_along(hysteresis, list(wires_K), at), steps[at].T)

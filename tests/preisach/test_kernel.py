@@ -2,6 +2,7 @@
 
 import json
 import tracemalloc
+from typing import Literal
 
 import numpy as np
 import pytest
@@ -11,6 +12,7 @@ from hypothesis import strategies as st
 from preisach.relay_reference import Relays, histories
 from smarig.core.errors import DataError, UsageError
 from smarig.preisach.compiled import compiled_available
+from smarig.preisach.compiled_loop import bucketed, rank
 from smarig.preisach.everett import Everett, from_diagonal
 from smarig.preisach.hysteresis.fod_table import FodTable
 from smarig.preisach.hysteresis.forc_curve import ForcCurve
@@ -284,8 +286,8 @@ def test_swept_is_the_difference_of_outputs(name: str):
 @needs_numba
 @pytest.mark.parametrize("side", ["left", "right"])
 @pytest.mark.parametrize("spread", ["even", "clustered", "one", "two the same but for rounding"])
-def test_the_compiled_search_finds_what_numpy_finds(side: str, spread: str):
-    from smarig.preisach.compiled import _buckets, _ranks
+def test_the_compiled_search_finds_what_numpy_finds(side: Literal["left", "right"], spread: str):
+    import numba
 
     rng = np.random.default_rng(15)
     levels = {
@@ -296,7 +298,8 @@ def test_the_compiled_search_finds_what_numpy_finds(side: str, spread: str):
     }[spread]
     near = np.concatenate([levels, np.nextafter(levels, -9), np.nextafter(levels, 9)])
     u = np.concatenate([near, rng.uniform(-6, 8, 500), [-1e300, 1e300]])
-    assert np.array_equal(_ranks()(*_buckets(levels, side), u), np.searchsorted(levels, u, side))
+    find, table = numba.njit(rank), bucketed(levels, side)
+    assert [find(table, v) for v in u.tolist()] == np.searchsorted(levels, u, side).tolist()
 
 
 # --- states as values ----------------------------------------------------------------------------------
@@ -398,7 +401,7 @@ def test_without_numba_everything_runs_plain(monkeypatch):
 
     monkeypatch.setattr(fast, "compiled_available", lambda: False)
     monkeypatch.setattr(fast, "WORTH", 10)
-    monkeypatch.setattr(fast, "_loop", lambda between: pytest.fail("numba was asked for"))
+    monkeypatch.setattr(fast, "compiled_loop", lambda *functions: pytest.fail("numba was asked for"))
     u = walk(200, 16)
     assert np.array_equal(
         Preisach(thesis_surface("two_e")).simulate(u), Preisach(thesis_surface("two_e")).follow(u)

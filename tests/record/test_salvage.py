@@ -175,7 +175,9 @@ def test_a_file_cut_off_says_so(whole, tmp_path, share):
     image = whole.read_bytes()
     path = tmp_path / "cut.run.sqlite"
     path.write_bytes(image[: int(share * len(image))])
-    cut_off = f"he file was cut off after {share:.0%} ({path.stat().st_size:,} of {len(image):,} bytes)"
+    cut_off = (
+        f"he file was cut off after {100 * share:.0f} % ({path.stat().st_size:,} of {len(image):,} bytes)"
+    )
     assert any(cut_off in s for s in check_run(path).sentences())
     found = salvage(path)
     assert cut_off in found.sentence()

@@ -72,8 +72,7 @@ def test_no_sentence_contradicts_the_figures(word, error, model, holds, gains):
     found = assessment(evidence(word, error, model=model, holds=holds, gains=gains))
     text = f"{found.measured} {found.quality} {found.advice}"
     assert (
-        found.measured
-        == "Measured: a stroke of 9.9 mm over 99 K, 2 settled points in 1 run, 99 s on the rig."
+        found.measured == "Measured: a stroke of 1 mm over 1 K, 2 settled points in 1 run, 99 s on the rig."
     )
     loud = word in ("named", "ambiguous", "unknown")
     usable = model and error == "good" and word in ("silent", None)

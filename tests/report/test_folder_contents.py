@@ -78,7 +78,8 @@ def test_pages_and_models_are_listed_the_most_serious_first(tmp_path):
     made = report_folder(tmp_path)
     index = Page(made.index.read_text("utf-8"))
     places = [
-        index.visible.index(words) for words in ("Something acts.", "All is well.", "wire.model", "curves")
+        index.visible.index(words)
+        for words in ("Something acts.", "All is well.", "it was fitted to", "curves")
     ]
     assert places == sorted(places)
     assert "comparison of runs" in index.visible

@@ -167,7 +167,7 @@ def test_what_is_not_as_it_should_be_is_marked_and_counted():
         "Saturated": "3",
         "Ended": "done",
     }
-    assert "Marks of no step and no sample: interrupted, void, tripped, suspect." in page.visible
+    assert "No step and no sample is marked interrupted, void, tripped or suspect." in page.visible
     ringed = page.traces("not settled")[0]
     assert unpacked(ringed["x"]).tolist() == [2.0]
     assert unpacked(page.traces("3 saturated")[0]["x"]).tolist() == pytest.approx([0.5, 0.6, 0.7])

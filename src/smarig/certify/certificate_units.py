@@ -4,6 +4,8 @@ from dataclasses import dataclass
 
 from smarig.preisach import Everett
 
+_RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+
 
 @dataclass(frozen=True)
 class Units:
@@ -60,6 +62,14 @@ def with_unit(value: float, unit: str = "", digits: int = 4) -> str:
     """A number with its unit, if known.
 
     >>> with_unit(-0.25, "mm·K"), with_unit(1e6), with_unit(2.0)
-    ('-0.25 mm·K', '1e+06', '2')
+    ('−0.25 mm·K', '10⁶', '2')
     """
-    return f"{value:.{digits}g} {unit}".rstrip()
+    return f"{_written(value, digits)} {unit}".rstrip()
+
+
+def _written(value: float, digits: int) -> str:
+    """A number with a true minus sign and a written power of ten."""
+    mantissa, _, exponent = f"{value:.{digits}g}".partition("e")
+    power = f"10{str(int(exponent)).translate(_RAISED)}" if exponent else ""
+    times = " × " if power and mantissa not in ("1", "-1") else ""
+    return f"{mantissa if times or not power else mantissa[:-1]}{times}{power}".replace("-", "−")

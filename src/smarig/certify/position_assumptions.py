@@ -52,7 +52,7 @@ class IndistinguishableStates:
         return (
             f"Zero-state detectability (§9.2) fails: after saturation, the path {path} gives the output of B*, and "
             "zero "
-            f"input keeps both states (distance {self.distance / self.most:.1%} of 2û²)."
+            f"input keeps both states (distance {100 * self.distance / self.most:.1f} % of 2û²)."
         )
 
     def to_json(self) -> dict[str, Any]:

@@ -75,6 +75,6 @@ def _input_as_commanded(setup: Setup, clipped_share: float | None) -> Hypothesis
     return Hypothesis(
         "input as commanded",
         False,
-        f"{limits} changed it in {clipped_share:.1%} of the samples. Passivity still holds, but the reference may be "
-        "unreachable",
+        f"{limits} changed it in {100 * clipped_share:.1f} % of the samples. Passivity still "
+        "holds, but the reference may be unreachable",
     )

@@ -52,7 +52,7 @@ class Share:
     def text(self) -> str:
         """Probability with interval."""
         low, high = self.ci95
-        return f"{self.probability:.2f} (95 % {low:.2f} to {high:.2f})"
+        return f"{self.probability:.2f} (95 %: {low:.2f} to {high:.2f})"
 
     def to_json(self) -> dict[str, Any]:
         """Plain values."""
@@ -84,8 +84,8 @@ class RobustCertificate:
         return (
             f"Over {self.dissipative.n} models drawn from the identification ({self.basis}): dissipative with "
             f"probability {self.dissipative.text}, covered by Thm 8.2 (so that k_e holds) with probability "
-            f"{self.covered.text}; least loop area {low} to {high}{unit} (5 to 95 %). A misfit of the family is not in "
-            "the spread."
+            f"{self.covered.text}; least loop area {low} to {high}{unit} (5 % to 95 % quantile). The "
+            "spread does not include the misfit of the surface family."
         )
 
     def to_json(self) -> dict[str, Any]:

@@ -7,7 +7,6 @@ from smarig.cli.output import check_distinct, emit, show_message
 from smarig.cli.progress import preview_progress
 from smarig.cli.run_options import RunOptions, check_target, print_warnings, run_summary
 from smarig.core import Interrupted, UsageError
-from smarig.record import load_run
 
 if TYPE_CHECKING:
     from smarig.app import ClosedLoop
@@ -17,6 +16,7 @@ NOT_RESUMABLE = "A closed loop cannot be resumed. Start it again."
 
 def run_closed_loop(loop: "ClosedLoop", options: RunOptions, out: Path | None, *inputs: Path) -> None:
     """Preview a closed loop, run it into ``out`` and print its result."""
+    from smarig.record import load_run
     from smarig.report import closed_loop_result, loop_result_text
 
     session = options.session()

@@ -12,7 +12,6 @@ import click
 from smarig.cli.output import json_requested, show_message
 from smarig.cli.parameter_types import FILE
 from smarig.core import Sample, StepResult, UsageError
-from smarig.runner import StepStartListener
 
 if TYPE_CHECKING:
     from smarig.config import RigFile
@@ -139,6 +138,8 @@ class ListenerGroup:
 
     def begin(self, *what: Any) -> None:
         """Pass the start of a step to each listener that accepts it."""
+        from smarig.runner import StepStartListener
+
         for listener in self._listeners:
             if isinstance(listener, StepStartListener):
                 listener.begin(*what)

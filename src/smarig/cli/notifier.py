@@ -9,11 +9,13 @@ import time
 from collections import deque
 from collections.abc import Callable
 from datetime import UTC, datetime
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from smarig.cli.notify_command import Notification, NotifyCommand
 from smarig.core import Sample, Severity, StepResult, StepVerdict, highest_severity, severity_of
-from smarig.runner import RunControl
+
+if TYPE_CHECKING:
+    from smarig.runner import RunControl
 
 FAILED = "notify"  # kind of the event of a failed call
 ALWAYS = frozenset({"resumed", "reconnected", "timed_out"})  # recoveries and stalls, whatever their severity
@@ -132,6 +134,6 @@ def message_of(subject: Subject, kind: str, severity: Severity, text: str) -> No
     return Notification(*subject[:4], now, severity, kind, text)
 
 
-def report_to(control: RunControl) -> Callable[[str], None]:
+def report_to(control: "RunControl") -> Callable[[str], None]:
     """A function that has a failure recorded as an event of the run."""
     return lambda text: control.report(FAILED, text, level="warning")

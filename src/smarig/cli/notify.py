@@ -2,16 +2,18 @@
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import click
 
 from smarig.cli.notifier import NotificationListener, Notifier, Subject, message_of, report_to
 from smarig.cli.notify_command import Notification, NotifyCommand
 from smarig.cli.output import show_message
-from smarig.cli.panel.run_status import PanelRunInfo
 from smarig.core import Interrupted, Severity, SmarigError, highest_severity
-from smarig.runner import Listener, RunControl, end_severity
+
+if TYPE_CHECKING:
+    from smarig.cli.panel.run_status import PanelRunInfo
+    from smarig.runner import Listener, RunControl
 
 
 class NotifyOptions(NamedTuple):
@@ -59,7 +61,7 @@ class Watch:
         self.subject, self._notifier, self._least = subject, notifier, least
         self._listeners: list[NotificationListener] = []
 
-    def listeners(self, run: PanelRunInfo) -> list[Listener]:
+    def listeners(self, run: "PanelRunInfo") -> "list[Listener]":
         """The listener of a run that starts: one, or none without ``--notify``."""
         self.subject = Subject(run.wire, run.rig, run.protocol, str(run.out), run.unit)
         if self._notifier is None:
@@ -69,6 +71,8 @@ class Watch:
 
     def end_message(self, error: BaseException | None) -> Notification:
         """The message at the end of the command."""
+        from smarig.runner import end_severity
+
         cause, status = _outcome(error)
         noted = highest_severity(listener.highest for listener in self._listeners)
         remark = "" if noted == Severity.NONE else f" Highest severity before: {noted}."
@@ -79,7 +83,7 @@ class Watch:
 
 
 @contextmanager
-def notified(options: NotifyOptions, control: RunControl, subject: Subject) -> Iterator[Watch]:
+def notified(options: NotifyOptions, control: "RunControl", subject: Subject) -> Iterator[Watch]:
     """Run the command for what the body reports, and after the body with its cause and exit status."""
     if not options.command:
         yield Watch(subject, None, Severity.MAJOR)

@@ -11,14 +11,14 @@ from typing import Any
 import click
 from click.shell_completion import CompletionItem
 
-from smarig.config import shipped_names
 from smarig.core import UsageError, catalogue_names, is_path, own_entries, resolve_name
-from smarig.plant import EFFECTS
 
 _PACKAGES = {
+    "effects": "smarig.plant.effects",
     "protocols": "smarig.protocols",
     "readers": "smarig.exchange.readers",
     "writers": "smarig.exchange.writers",
+    "model_writers": "smarig.exchange.model_writers",
     "tracking": "smarig.control.tracking.controllers",
     "velocity": "smarig.control.velocity.controllers",
 }
@@ -44,6 +44,8 @@ class CatalogueName(click.ParamType):
     ) -> list[CompletionItem]:
         """The names that start with the incomplete text."""
         del ctx, param
+        from smarig.config import shipped_names
+
         candidates = [
             n
             for c in self._catalogues
@@ -60,11 +62,11 @@ class _OwnEffect(click.ParamType):
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> str:
         """The name of the effect."""
         del param, ctx
-        if value not in own_entries(EFFECTS) and not is_path(value):
+        if value not in own_entries(_PACKAGES["effects"]) and not is_path(value):
             raise UsageError(
                 f"'{value}' is not the file of an effect of your own. Give a path such as ./NAME.py."
             )
-        return resolve_name(EFFECTS, value)
+        return resolve_name(_PACKAGES["effects"], value)
 
 
 class FiniteNumber(click.FloatRange):

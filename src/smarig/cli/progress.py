@@ -3,13 +3,14 @@ nothing."""
 
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager
+from typing import TYPE_CHECKING
 
 from smarig.cli.output import json_requested, show_message
-from smarig.cli.panel.log_lines import JsonLogLines, LogLines, SummaryLine
-from smarig.cli.panel.panel_thread import PanelThread
-from smarig.cli.panel.run_status import PanelRunInfo, RunStatus
-from smarig.cli.panel.terminal import Terminal
-from smarig.runner import Listener, RunControl
+
+if TYPE_CHECKING:
+    from smarig.cli.panel.run_status import PanelRunInfo, RunStatus
+    from smarig.cli.panel.terminal import Terminal
+    from smarig.runner import Listener, RunControl
 
 STREAMS = (
     'With --json, stderr carries one JSON object per line during the run, {"event": …} or {"step": …}. Other lines '
@@ -19,9 +20,12 @@ STREAMS = (
 
 @contextmanager
 def progress(
-    run_info: PanelRunInfo, control: RunControl | None = None, *, quiet: bool = False, keys: bool = False
-) -> Iterator[Listener]:
+    run_info: "PanelRunInfo", control: "RunControl | None" = None, *, quiet: bool = False, keys: bool = False
+) -> "Iterator[Listener]":
     """Yield the listener for the runner. ``keys``: whether the terminal accepts keys."""
+    from smarig.cli.panel.run_status import RunStatus
+    from smarig.cli.panel.terminal import Terminal
+
     status = RunStatus(run_info, control, keys=keys)
     if quiet:
         yield status
@@ -31,7 +35,12 @@ def progress(
         yield listener
 
 
-def _display_type(terminal: Terminal) -> Callable[[RunStatus, Terminal], AbstractContextManager[Listener]]:
+def _display_type(
+    terminal: "Terminal",
+) -> "Callable[[RunStatus, Terminal], AbstractContextManager[Listener]]":
+    from smarig.cli.panel.log_lines import JsonLogLines, LogLines, SummaryLine
+    from smarig.cli.panel.panel_thread import PanelThread
+
     if json_requested():
         return JsonLogLines
     if terminal.supports_panel:

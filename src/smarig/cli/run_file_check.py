@@ -4,7 +4,6 @@ from pathlib import Path
 
 from smarig.cli.output import check_distinct, emit
 from smarig.core import RUN, DataError, UsageError, content_kind
-from smarig.record import SIDECARS, check_run, salvage, write_salvaged
 
 
 def is_run_file(name: str) -> bool:
@@ -15,6 +14,8 @@ def is_run_file(name: str) -> bool:
 
 def check_run_file(run: Path, out: Path | None, force: bool) -> int:
     """Report what a run file holds and save it to ``out``; returns the exit status."""
+    from smarig.record import SIDECARS, check_run, salvage, write_salvaged
+
     check_distinct(out, run)
     if out is not None and out.name.endswith(SIDECARS):
         raise UsageError(f"{out} is the name of a journal of a run file. Give a name such as NEW.run.sqlite.")

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import AbstractContextManager, contextmanager
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import click
 
@@ -12,17 +12,16 @@ from smarig.cli.notifier import Subject
 from smarig.cli.notify import NotifyOptions, notified, notify_option
 from smarig.cli.output import show_message
 from smarig.cli.panel.keyboard import keys
-from smarig.cli.panel.run_status import run_info
 from smarig.cli.parameter_types import RIG, SEED, FiniteNumber
 from smarig.cli.progress import progress
-from smarig.config import RigFile, load_rig, with_load
 from smarig.core import RUN, Quality, UsageError, check_replaceable
-from smarig.plant import effects_from_arguments
-from smarig.record import AnyRun, check_not_recording
-from smarig.rig import TwinSettings
-from smarig.runner import Listener, Preview, Session
 
-DisplayFactory = Callable[..., AbstractContextManager[Listener]]
+if TYPE_CHECKING:
+    from smarig.config import RigFile
+    from smarig.record import AnyRun
+    from smarig.runner import Listener, Preview, Session
+
+DisplayFactory = Callable[..., "AbstractContextManager[Listener]"]
 
 
 class RunOptions(NamedTuple):
@@ -41,21 +40,29 @@ class RunOptions(NamedTuple):
     notify: NotifyOptions
     live: LiveOptions
 
-    def session(self) -> Session:
+    def session(self) -> "Session":
         """A session with these options, not opened yet."""
+        from smarig.plant import effects_from_arguments
+        from smarig.rig import TwinSettings
+        from smarig.runner import Session
+
         twin = TwinSettings(seed=self.seed, effects=effects_from_arguments(self.effects))
         return Session(self.rig, twin=twin, speed=self.speed, wire=self.wire, load=self.load)
 
-    def rig_file(self) -> RigFile:
+    def rig_file(self) -> "RigFile":
         """The rig file, with the load that was given."""
+        from smarig.config import load_rig, with_load
+
         file = load_rig(self.rig)
         return with_load(file, self.load) if self.load else file
 
     @contextmanager
     def open_session(
-        self, session: Session, settings: Mapping[str, Any], what: str
+        self, session: "Session", settings: Mapping[str, Any], what: str
     ) -> Iterator[DisplayFactory]:
         """Open the session, the keys and the live view. Yields a function that opens the display of one run."""
+        from smarig.cli.panel.run_status import run_info
+
         title = f"{what} on {session.file.name}"
         subject = Subject(session.wire, session.file.name, "", "")
         live_context = live_view(self.live, session.file, session.source, settings, title)
@@ -66,7 +73,7 @@ class RunOptions(NamedTuple):
             keys(session.control) as listening,
         ):
 
-            def display(target: Path, cost: Preview, place: str = "") -> AbstractContextManager[Listener]:
+            def display(target: Path, cost: "Preview", place: str = "") -> "AbstractContextManager[Listener]":
                 wire, source = session.wire, session.source
                 what_runs = run_info(session.file, cost, target, wire=wire, source=source, place=place)
                 run_display = progress(what_runs, session.control, quiet=self.quiet, keys=listening)
@@ -125,13 +132,15 @@ _OPTIONS = (
 
 def check_target(target: Path, *, force: bool, remedy: str = "") -> None:
     """Raise UsageError if a file exists that the run must not replace, InUse if it is being recorded."""
+    from smarig.record import check_not_recording
+
     check_not_recording(target)
     if target.exists() and not force:
         raise UsageError(f"{target} exists. Give another name,{remedy} or --force to replace it.")
     check_replaceable(target, RUN)
 
 
-def run_warnings(run: AnyRun) -> list[str]:
+def run_warnings(run: "AnyRun") -> list[str]:
     """Warnings about a finished run: holds that did not settle and saturated samples."""
     unsettled = sum(s.verdict == "timed_out" for s in run.steps)
     marks = (block["quality"].astype(int) for block in run.blocks(["quality"]))
@@ -144,13 +153,13 @@ def run_warnings(run: AnyRun) -> list[str]:
     return found + ([f"{run.path.name}: {saturated} samples were saturated."] if saturated else [])
 
 
-def print_warnings(run: AnyRun) -> None:
+def print_warnings(run: "AnyRun") -> None:
     """Print the warnings of a run."""
     for warning in run_warnings(run):
         show_message(f"Warning: {warning}")
 
 
-def run_summary(run: AnyRun) -> dict:
+def run_summary(run: "AnyRun") -> dict:
     """The summary of a run for --json."""
     return {
         "run": str(run.path),

@@ -53,6 +53,13 @@ if TYPE_CHECKING:
     from smarig.core.new_file import new_file as new_file
     from smarig.core.notebook_display import NotebookDisplay as NotebookDisplay
     from smarig.core.number_text import number_from_text as number_from_text
+    from smarig.core.probability import chi2_quantile as chi2_quantile
+    from smarig.core.probability import chi2_tail as chi2_tail
+    from smarig.core.probability import f_quantile as f_quantile
+    from smarig.core.probability import f_tail as f_tail
+    from smarig.core.probability import normal_quantile as normal_quantile
+    from smarig.core.probability import t_quantile as t_quantile
+    from smarig.core.probability import t_tail as t_tail
     from smarig.core.process_lock import check_free as check_free
     from smarig.core.process_lock import process_lock as process_lock
     from smarig.core.profile_table import profile_numbers as profile_numbers

@@ -5,6 +5,7 @@ New files need no registration. A user's own file, given by its path, joins its 
 models go through ``catalogue_entry``, which accepts no paths.
 """
 
+import ast
 import hashlib
 import importlib
 import pkgutil
@@ -14,6 +15,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from difflib import get_close_matches
+from importlib.util import find_spec
 from keyword import iskeyword
 from pathlib import Path
 from types import ModuleType
@@ -71,13 +73,32 @@ def _is_loaded(package: str, name: str) -> bool:
 
 
 def catalogue_summary(package: str, name: str) -> str:
-    """First line of the docstring of a catalogue entry."""
-    return docstring_summary(catalogue_entry(package, name))
+    """First line of the docstring of a catalogue entry.
+
+    That of a function or class is read from the source, because importing a whole catalogue for its help takes long.
+    """
+    if (package, name) in _OWN or _is_loaded(package, name) or name not in catalogue_names(package):
+        return docstring_summary(catalogue_entry(package, name))
+    return _first_line(_written_docstring(package, name)) or docstring_summary(catalogue_entry(package, name))
+
+
+def _written_docstring(package: str, name: str) -> str:
+    """The docstring of the function or class ``name`` in the source of ``package.name``; "" where there is none."""
+    loader: Any = getattr(find_spec(f"{package}.{name}"), "loader", None)
+    source = loader.get_source(f"{package}.{name}") if hasattr(loader, "get_source") else None
+    for node in ast.parse(source or "").body:
+        if isinstance(node, ast.FunctionDef | ast.ClassDef) and node.name == name:
+            return ast.get_docstring(node) or ""
+    return ""
 
 
 def docstring_summary(documented: Any) -> str:
     """First line of a docstring; "(no docstring)" where there is none, as under ``python -OO``."""
-    return next(iter((documented.__doc__ or "").strip().splitlines()), "(no docstring)")
+    return _first_line(documented.__doc__) or "(no docstring)"
+
+
+def _first_line(text: str | None) -> str:
+    return next(iter((text or "").strip().splitlines()), "")
 
 
 def suggestion(name: str, known: list[str]) -> str:

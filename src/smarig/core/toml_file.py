@@ -8,7 +8,9 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from smarig.core.catalogue import suggestion
 from smarig.core.errors import ConfigError, UsageError
+from smarig.core.file_content import TOML
 from smarig.core.shown_text import shown
+from smarig.core.swapped_file import swapped_file
 
 LARGEST_BYTES = 10_000_000
 _MOST_PROBLEMS = 20  # listed in one message
@@ -44,7 +46,7 @@ def read_toml(path: Path) -> dict[str, Any]:
     except OSError as error:
         raise UsageError(f"{path} cannot be read: {error.strerror or error}.") from None
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise ConfigError(f"{path} is not valid TOML: {error}.") from None
+        raise ConfigError(swapped_file(path, TOML) or f"{path} is not valid TOML: {error}.") from None
     except RecursionError:
         raise ConfigError(f"{path} is nested too deeply: its lists and tables contain each other.") from None
     except ValueError:

@@ -114,7 +114,7 @@ def nothing_learned_text(reason: str) -> Iterator[str]:
 def learned_gain_text(gain_blocks: float, similar: Sequence[str]) -> str:
     """What a learned term removes, and the effects that it looks like."""
     like = f", and looks like {', '.join(similar)}" if similar else ""
-    return f"It removes {gain_blocks:.0%} of the error on blocks left out of the fit{like}."
+    return f"It removes {100 * gain_blocks:.0f} % of the error on blocks left out of the fit{like}."
 
 
 def parameter_text(name: str, v: dict[str, Any]) -> str:

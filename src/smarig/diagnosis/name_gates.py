@@ -12,8 +12,7 @@ effect seems to explain may be a part of that. There an effect is a candidate on
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
-from scipy.stats import chi2
-
+from smarig.core import chi2_quantile
 from smarig.diagnosis.diagnosis_verdict import DiagnosisVerdict, VerdictWord
 from smarig.diagnosis.explain.channel_misfit import ChannelMisfit
 from smarig.diagnosis.explain.discrepancy import Discrepancy
@@ -248,7 +247,7 @@ def _may_be_absent(effect: Effect, level: SearchLevel) -> bool:
     if spread is None or abs(effect.strength) > NORMAL_95 * spread:
         return False
     parameters = sum(name == kind.name for name, _ in level.best.spread)
-    return parameters < 2 or 2 * level.gain / SD_INFLATION**2 <= float(chi2.ppf(0.95, parameters))
+    return parameters < 2 or 2 * level.gain / SD_INFLATION**2 <= chi2_quantile(0.95, parameters)
 
 
 def _borne_out(gain: HeldOutGain | None) -> bool:

@@ -9,6 +9,7 @@ if TYPE_CHECKING:
     from smarig.exchange.drift import ForcCurves as ForcCurves
     from smarig.exchange.drift import correct_drift_if_it_helps as correct_drift_if_it_helps
     from smarig.exchange.drift import drift_corrected as drift_corrected
+    from smarig.exchange.exporting import export_model as export_model
     from smarig.exchange.exporting import export_run as export_run
     from smarig.exchange.find_tables import find_tables as find_tables
     from smarig.exchange.finding_kind import finding_kind as finding_kind

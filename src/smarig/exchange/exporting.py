@@ -4,6 +4,7 @@ from pathlib import Path
 
 from smarig.core import atomic_file, catalogue_entry
 from smarig.record import AnyRun, stored_run
+from smarig.replay import Model, load_model
 
 
 def export_run(run: AnyRun | str | Path, *, to: str, out: str | Path, force: bool = False) -> Path:
@@ -20,3 +21,15 @@ def export_run(run: AnyRun | str | Path, *, to: str, out: str | Path, force: boo
     with atomic_file(target, force=force) as part:
         write(run, part)
     return target
+
+
+def export_model(
+    model: Model | str | Path, *, to: str, out: str | Path, force: bool = False
+) -> tuple[Path, ...]:
+    """Write ``model`` (a model or its path) in format ``to`` (c, fmu) at ``out``; returns the files written.
+
+    Raises UsageError for a model without such a form, for a wrong ending, and if a file exists without ``force``;
+    StorageError if it cannot be written or compiled.
+    """
+    loaded = model if isinstance(model, Model) else load_model(model)
+    return catalogue_entry("smarig.exchange.model_writers", to)(loaded, Path(out), force)

@@ -98,7 +98,7 @@ def _jumps(loop: LoopRecord) -> list[str]:
         return []
     k = int(np.argmax(step))
     return [
-        f"The output jumps by more than {_JUMP:.0%} of its range between neighbouring rows in "
+        f"The output jumps by more than {100 * _JUMP:.0f} % of its range between neighbouring rows in "
         f"{int(large.sum())} place(s), at most {loop.y[k + 1] - loop.y[k]:+.4g}{spaced(loop.output_unit)} from line "
         f"{loop.line[k]} to {loop.line[k + 1]}: the values in between were not sampled."
     ]
@@ -165,7 +165,7 @@ def _wrong_direction(loop: LoopRecord, turns: list[int]) -> list[str]:
     if lag > -0.3 or width < _OPEN:
         return []
     return [
-        f"The output leads its input (mean loop width {width:.1%} of the range): the loop runs in the wrong "
+        f"The output leads its input (mean loop width {100 * width:.1f} % of the range): the loop runs in the wrong "
         f"direction. Branches or columns are swapped, or the sensor of the input lags."
     ]
 

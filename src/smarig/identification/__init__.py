@@ -13,12 +13,15 @@ if TYPE_CHECKING:
     from smarig.identification.calibration.holds import valid_rows as valid_rows
     from smarig.identification.density_report import DensityReport as DensityReport
     from smarig.identification.density_report import density_report as density_report
+    from smarig.identification.error_verdict import BETTER as BETTER
+    from smarig.identification.error_verdict import GOOD_RATIO as GOOD_RATIO
     from smarig.identification.error_verdict import ErrorLevel as ErrorLevel
     from smarig.identification.error_verdict import ErrorVerdict as ErrorVerdict
     from smarig.identification.error_verdict import error_verdict as error_verdict
+    from smarig.identification.error_verdict import level_against_curves as level_against_curves
     from smarig.identification.error_verdict import ratio_text as ratio_text
     from smarig.identification.extended.choose_extension import ExtensionChoice as ExtensionChoice
-    from smarig.identification.extended.fitted_extension import extension_names as extension_names
+    from smarig.identification.extended.extension_names import extension_names as extension_names
     from smarig.identification.fod_data import FodData as FodData
     from smarig.identification.fod_data import fod_data as fod_data
     from smarig.identification.forc.central_ridge import CentralRidge as CentralRidge
@@ -77,6 +80,7 @@ if TYPE_CHECKING:
     from smarig.identification.surface.representation_tests import wiping_out as wiping_out
     from smarig.identification.surface.surface_kinds import BEST_KIND as BEST_KIND
     from smarig.identification.surface.surface_kinds import POSITIVE_KIND as POSITIVE_KIND
+    from smarig.identification.surface.surface_kinds import surface_choices as surface_choices
     from smarig.identification.surface.surface_kinds import surface_kinds as surface_kinds
     from smarig.identification.verify import PredictionErrors as PredictionErrors
     from smarig.identification.verify import RunVerification as RunVerification

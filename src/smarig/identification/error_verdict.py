@@ -5,6 +5,10 @@ from enum import StrEnum
 
 GOOD_RATIO, POOR_RATIO = 1.5, 3.0  # of the error to the noise floor
 POOR_SHARE = 0.05  # of the travel, where the noise is not known
+BETTER, HARDLY_BETTER = 1.5, 1.2  # error of the best simple curve over that of the model
+_SMALL_SHARE = 0.005  # of the travel: an error that does not matter, whatever the noise
+_SMALL_UNKNOWN = 0.03  # the same, where the noise is not known
+_LARGE_SHARE = 0.15  # of the travel: poor, even if every simple curve is worse
 
 
 class ErrorLevel(StrEnum):
@@ -40,6 +44,29 @@ def error_verdict(rms: float, floor: float | None, share: float) -> ErrorVerdict
     if share > POOR_SHARE:
         return ErrorVerdict(ErrorLevel.POOR, f"{percent}: poor; the noise is unknown")
     return ErrorVerdict(ErrorLevel.UNKNOWN, f"{percent}; the noise is unknown")
+
+
+def level_against_curves(rms: float, floor: float | None, share: float, gain: float) -> ErrorLevel:
+    """The level of an error where simple curves were fitted to the same data: ``gain`` is the error of the best of
+    them over that of the model (NaN: none).
+
+    The thresholds are those of ``error_verdict``. An error above the noise is fair if the model is clearly better than
+    each curve, up to 15 % of the travel; a model that is hardly better than a curve is poor.
+
+    >>> str(level_against_curves(0.5, 0.05, 0.04, 6.0)), str(level_against_curves(0.5, 0.05, 0.04, 1.1))
+    ('fair', 'poor')
+    """
+    level, better = error_verdict(rms, floor, share).level, not gain < BETTER
+    if gain < HARDLY_BETTER:
+        return ErrorLevel.POOR
+    if level is ErrorLevel.GOOD:
+        return ErrorLevel.GOOD if better else ErrorLevel.FAIR
+    if share > _LARGE_SHARE:
+        return ErrorLevel.POOR
+    if better:
+        small = _SMALL_SHARE if floor else _SMALL_UNKNOWN
+        return ErrorLevel.GOOD if share <= small else ErrorLevel.FAIR
+    return ErrorLevel.FAIR if level is ErrorLevel.UNKNOWN else level
 
 
 def ratio_text(ratio: float) -> str:

@@ -112,8 +112,8 @@ def fitted_positive(
         )
     if fit.rms > _UNEXPLAINED_SHARE * spread:
         warnings.append(
-            f"The model leaves {fit.rms / spread:.0%} of the output's standard deviation unexplained. The output "
-            "hardly follows the input through a Preisach model. Diagnose the runs."
+            f"The model leaves {100 * fit.rms / spread:.0f} % of the output's standard deviation unexplained. The "
+            "output hardly follows the input through a Preisach model. Diagnose the runs."
         )
     _check_follows(fit, spread)
     figures = positive_figures(fit, observations, data, weights, select)
@@ -133,9 +133,9 @@ def _check_follows(fit: PositiveFit, spread: float) -> None:
     if not fit.reversible_share <= _NO_HYSTERESIS and fit.rms > _UNFOLLOWED_SHARE * spread:
         raise DataError(
             "No positive measure follows this output: the best one has no hysteresis and leaves "
-            f"{fit.rms / spread:.0%} of the output's standard deviation unexplained, as if the output led its input. "
-            "Exchange input and output in the mapping (the columns of input and position, and [input] with [output]), "
-            "or identify a measure of any sign (--surface exponential or table)."
+            f"{100 * fit.rms / spread:.0f} % of the output's standard deviation unexplained, as if the output led its "
+            "input. Exchange input and output in the mapping (the columns of input and position, and [input] with "
+            "[output]), or identify a measure of any sign (--surface exponential or table)."
         )
 
 

@@ -100,6 +100,18 @@ class Identification(NotebookDisplay):
             **({"extension": self.extension.to_json()} if self.extension else {}),
         }
 
+    @property
+    def text(self) -> str:
+        """The surface, its data and its error in a sentence."""
+        fit, unit = self.model.fit, spaced(self.model.unit)
+        where = f" on {self.data.curves} curves" if self.data.curves else ""
+        words = f"{self.surface.capitalize()} surface from {fit['points']} points{where}: "
+        words += f"rms error {fit['rms']:.3g}{unit}"
+        if self.positive is not None and self.positive.held_out.curves:
+            words += f", {self.positive.held_out.rms:.3g}{unit} on held-out curves"
+        sign = "μ ≥ 0 everywhere" if self.density.M_P else "μ < 0 somewhere"
+        return f"{words}; {sign}."
+
     def __repr__(self) -> str:
         d, fit = self.density, self.model.fit
         where = f"on {self.data.curves} curves" if self.data.curves else "without first-order curves"

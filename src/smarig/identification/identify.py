@@ -15,7 +15,7 @@ from threadpoolctl import threadpool_limits
 from smarig.core import DataError, UsageError, suggestion
 from smarig.identification.assumed_starts import assumed_starts, assumed_starts_text
 from smarig.identification.extended.choose_extension import choose_extension
-from smarig.identification.extended.fitted_extension import NONE, extension_names
+from smarig.identification.extended.extension_names import NONE, extension_names
 from smarig.identification.fitted_hysteresis import (
     FittedHysteresis,
     check_usable,

@@ -8,7 +8,7 @@ import numpy as np
 
 from smarig.core import DataError, UsageError, spaced
 from smarig.identification.density_report import density_report
-from smarig.identification.extended.fitted_extension import NONE
+from smarig.identification.extended.extension_names import NONE
 from smarig.identification.fod_data import first_order_points
 from smarig.identification.identification_result import Identification
 from smarig.identification.measured.load_dependence import LoadDependence, fit_load_dependence

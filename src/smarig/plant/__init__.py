@@ -68,5 +68,6 @@ if TYPE_CHECKING:
         thermomechanical_travel as thermomechanical_travel,
     )
     from smarig.plant.wire_phases import WirePhases as WirePhases
+    from smarig.plant.wire_phases import austenite_along as austenite_along
 else:
     __getattr__, __dir__, __all__ = lazy_exports(__name__)

@@ -10,7 +10,12 @@ both wires are martensite when both are cold, whatever the position (thesis §5.
 
 from collections.abc import Sequence
 
+import numpy as np
+from numpy.typing import NDArray
+
 from smarig.preisach import Everett, Preisach
+
+Array = NDArray[np.float64]
 
 
 class WirePhases:
@@ -37,6 +42,22 @@ class WirePhases:
                 self.austenite[k] = self._wires[k].step(own_K)
 
 
+def austenite_along(hysteresis: Everett, wires_K: Sequence[Array], at: NDArray[np.int64]) -> Array:
+    """Austenite fractions (2, m) at the samples ``at`` (m,) of both wires' temperatures (n,) above their first ambient.
+
+    They are those of ``WirePhases.step`` at each sample. Only the turning points of the paths and ``at`` are simulated.
+    """
+    found = np.empty((2, at.size))
+    for fractions, own_K, sign in zip(found, wires_K, (1.0, -1.0), strict=True):
+        path = np.maximum(own_K, 0.0)
+        move = np.diff(path, prepend=path[:1], append=path[-1:])
+        needed = move[:-1] * move[1:] <= 0
+        needed[at] = True
+        kept = np.flatnonzero(needed)
+        fractions[:] = _OwnPhase(hysteresis, sign).follow(path[kept])[np.searchsorted(kept, at)]
+    return found
+
+
 class _OwnPhase:
     """The phase of the wire whose temperature has this sign in the input; cold at first.
 
@@ -60,3 +81,10 @@ class _OwnPhase:
             return min(wire_K * self._per_K, 1.0)
         share = (self._operator.step(self._sign * wire_K) - self._cold) * self._per_output
         return min(max(share, 0.0), 1.0) + 0.0  # not −0
+
+    def follow(self, wire_K: Array) -> Array:
+        """``step`` for temperatures (n,), none of them below 0, one after the other."""
+        if not self._per_output:
+            return np.minimum(wire_K * self._per_K, 1.0)
+        share = (self._operator.follow(self._sign * wire_K) - self._cold) * self._per_output
+        return np.clip(share, 0.0, 1.0) + 0.0

@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from smarig.preisach.hysteresis.surface_form import surface_forms as surface_forms
     from smarig.preisach.interval import Interval as Interval
     from smarig.preisach.interval import shift_bounds as shift_bounds
+    from smarig.preisach.inverse import InverseSolver as InverseSolver
     from smarig.preisach.inverse import bracketed_root as bracketed_root
     from smarig.preisach.operator import Initial as Initial
     from smarig.preisach.operator import Preisach as Preisach

@@ -1,8 +1,8 @@
 """The loop of the Preisach operator: an array of inputs applied to the stack of remembered extrema.
 
-The same source runs as plain Python on lists and, compiled by ``compiled.py``, on arrays. A single step is the same
-loop with one input. A hysteresis provides a ``KeyedEverett``: the keys of an input (as α and as β, computed once), and
-the Everett function of two keys.
+It runs as plain Python on lists; ``compiled_loop.py`` has the form that numba compiles, with the same arithmetic. A
+single step is the same loop with one input. A hysteresis provides a ``KeyedEverett``: the keys of an input (as α and
+as β), and the Everett function of two keys.
 
 The stack: ``U[1] … U[top]`` are the remembered extrema, alternating maxima and minima. ``K`` are their keys (as α for a
 maximum, as β for a minimum) and ``Y`` the outputs at them. The present branch ends where it passes ``U[top − 1]``; the
@@ -29,24 +29,36 @@ from smarig.preisach.state import State
 Array = NDArray[np.float64]
 KeyedFunction = Callable[[Any, Any, Any], float]
 LoopFunction = Callable[..., int]
-Search = Callable[[Array, Array, Any], NDArray[np.intp]]
 CHUNK = 1 << 14
 
 
 @dataclass(frozen=True, eq=False, slots=True)
 class KeyedEverett:
-    """A hysteresis as the loop uses it. ``between`` and ``place`` are free functions that numba can compile.
+    """A hysteresis as the loop uses it. ``between`` and the functions of ``compiled_keys`` can be compiled by numba.
 
     ``between(params, a, b)`` is F(α, β) for keys. ``place(params, u)`` gives an input's keys as α and as β.
-    ``places(u, search)`` does the same for an array, where ``search`` is np.searchsorted or a faster function.
-    ``params`` holds lists and numbers. Inputs lie in [u₋, u₊].
+    ``places(u)`` does the same for an array. ``params`` holds lists and numbers. Inputs lie in [u₋, u₊].
+    Without ``compiled_keys`` a hysteresis has no compiled form.
     """
 
     between: KeyedFunction
     params: Any
     place: Callable[[Any, float], tuple[Any, Any]]
-    places: Callable[[Array, Search], tuple[NDArray, NDArray]]
-    compilable: bool = True
+    places: Callable[[Array], tuple[NDArray, NDArray]]
+    compiled_keys: "CompiledKeys | None" = None
+
+
+@dataclass(frozen=True)
+class CompiledKeys:
+    """How compiled code finds keys: ``above(params, u, rank)`` as α and ``below(params, u, rank)`` as β.
+
+    ``searched`` names the lists of ``params`` that are levels, by index, with a side. In compiled code
+    ``rank(params[i], u)`` is np.searchsorted(params[i], u, side).
+    """
+
+    above: Callable[[Any, float, Any], Any]
+    below: Callable[[Any, float, Any], Any]
+    searched: tuple[tuple[int, str], ...] = ()
 
 
 def input_as_keys(_params: Any, u: float) -> tuple[float, float]:
@@ -54,9 +66,16 @@ def input_as_keys(_params: Any, u: float) -> tuple[float, float]:
     return u, u
 
 
-def inputs_as_keys(u: Array, _search: Search) -> tuple[Array, Array]:
+def inputs_as_keys(u: Array) -> tuple[Array, Array]:
     """``input_as_keys`` for arrays."""
     return u, u
+
+
+def _input_as_key(_params: Any, u: float, _rank: Any) -> float:
+    return u
+
+
+INPUTS_AS_KEYS = CompiledKeys(_input_as_key, _input_as_key)
 
 
 def _call_everett(everett: Callable[[float, float], float], alpha: float, beta: float) -> float:
@@ -69,7 +88,7 @@ def keyed(hysteresis: Everett) -> KeyedEverett:
     return (
         own
         if isinstance(own, KeyedEverett)
-        else KeyedEverett(_call_everett, hysteresis.everett, input_as_keys, inputs_as_keys, False)
+        else KeyedEverett(_call_everett, hysteresis.everett, input_as_keys, inputs_as_keys)
     )
 
 
@@ -183,7 +202,7 @@ def follow(keyed: KeyedEverett, stack: ExtremaStack, kernel_input: KernelInput, 
     run, last = python_loop(keyed.between), kernel_input.y
     for where, part, released_part in kernel_input.chunks():
         u = part.tolist()
-        a, b = (u if key is part else key.tolist() for key in keyed.places(part, np.searchsorted))
+        a, b = (u if key is part else key.tolist() for key in keyed.places(part))
         released = u if released_part is part else released_part.tolist()
         out = [last, *u[1:]]
         stack.reserve(len(u))

@@ -53,7 +53,7 @@ class Salvaged:
         if self.cut_off is None:
             return ""
         held, stated = self.cut_off
-        return f"the file was cut off after {held / stated:.0%} ({held:,} of {stated:,} bytes)"
+        return f"the file was cut off after {100 * held / stated:.0f} % ({held:,} of {stated:,} bytes)"
 
     @property
     def _no_gap_text(self) -> str:

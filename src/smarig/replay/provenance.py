@@ -7,7 +7,7 @@ from typing import Any
 
 from smarig.config import load_actuator
 from smarig.core import UsageError
-from smarig.record import CONTINUED, Run, SignalInfo, load_run
+from smarig.record import CONTINUED, AnyRun, Run, SignalInfo, load_run
 from smarig.replay.conditions import recorded_conditions
 from smarig.replay.model_file import ActuatorRecord, Model, Provenance, SignalDescription
 
@@ -28,7 +28,7 @@ def provenance(run: Run) -> Provenance:
     )
 
 
-def file_hash(run: Run) -> str:
+def file_hash(run: AnyRun) -> str:
     """SHA-256 of the run's file, "" for a run that is only in memory."""
     if not run.path.is_file():
         return ""

@@ -27,8 +27,8 @@ from smarig.plant import (
     SupportsHooks,
     ThermalStages,
     ThermalState,
-    WirePhases,
     apply_hooks,
+    austenite_along,
     hook_chains,
     step_with_feedback,
 )
@@ -151,13 +151,9 @@ def _austenite(
     if not plant_model.actuator.two_wire:
         per_stroke = 1.0 / plant_model.stroke if plant_model.stroke else 0.0
         return (output - h.y_lower) * per_stroke
-    phases, found = WirePhases(h), np.empty((inputs["t_s"].size, 2))
-    ambient_K = inputs["ambient_K"]
-    wires = zip(inputs["wire_1_K"].tolist(), inputs["wire_2_K"].tolist(), ambient_K.tolist())
-    for k, (*wire_K, common_K) in enumerate(wires):
-        phases.step(wire_K, common_K)
-        found[k] = phases.austenite
-    return np.where(inputs["command_A"] < 0, found[:, 1], found[:, 0])[at]
+    wires_K = [inputs[name] + inputs["ambient_K"] for name in ("wire_1_K", "wire_2_K")]
+    first, second = austenite_along(h, wires_K, at)
+    return np.where(inputs["command_A"][at] < 0, second, first)
 
 
 @lru_cache(maxsize=4)  # effects after the hysteresis share it

@@ -7,7 +7,6 @@ from pathlib import Path
 import numpy as np
 
 from smarig.core import SmarigError, spaced
-from smarig.identification import ErrorLevel, error_verdict
 from smarig.replay import Model, load_model
 from smarig.report.components.numbers import number
 from smarig.report.components.page_summary import FoundPage, PageSummary, found_page
@@ -17,7 +16,6 @@ from smarig.report.models.model_loops import model_loops
 
 MODEL_ENDING = "model.json"
 _POINTS_PER_BRANCH = 20
-_LEVELS = {ErrorLevel.GOOD: "good", ErrorLevel.POOR: "bad"}
 
 
 @dataclass(frozen=True)
@@ -41,7 +39,7 @@ def folder_contents(folder: Path, left_out: Collection[Path]) -> FolderContents:
         if file.name != MODEL_ENDING and not file.name.endswith(f".{MODEL_ENDING}"):
             continue
         try:
-            models.append(FoundPage(file, file.name.removesuffix(".json"), _model_summary(load_model(file))))
+            models.append(FoundPage(file, _model_name(file, folder), _model_summary(load_model(file))))
         except SmarigError as error:
             unreadable.append(str(error))
     return FolderContents(tuple(pages), tuple(models), tuple(unreadable))
@@ -51,22 +49,20 @@ def _model_summary(model: Model) -> PageSummary:
     u, y = model_loops(model, _POINTS_PER_BRANCH)
     known = np.isfinite(u) & np.isfinite(y)
     units = display_unit(model.input.unit), display_unit(model.unit)
-    level, words = _fit(model)
-    text = ". ".join([hysteresis_description(model.hysteresis), *words]) + "."
+    text = ". ".join([hysteresis_description(model.hysteresis), *_fit(model)]) + "."
     label = "TWIN" if model.twin else ""
-    return PageSummary("model", text[:1].upper() + text[1:], level, u[known], y[known], units, label)
+    return PageSummary("model", text[:1].upper() + text[1:], "", u[known], y[known], units, label)
 
 
-def _fit(model: Model) -> tuple[str, list[str]]:
-    """The level and the words of the fit's error on its own data; none if it is not stated."""
-    rms, extent = model.fit.get("rms"), _extent(model)
+def _fit(model: Model) -> list[str]:
+    """The words of the fit's error on its own data; none if it is not stated. It is no verdict on the wire."""
+    rms = model.fit.get("rms")
     if not isinstance(rms, float):
-        return "", []
-    verdict = error_verdict(rms, model.noise_floor.value, rms / extent if extent else 0.0)
-    words = [f"Error on its own data {number(rms)}{spaced(display_unit(model.unit))} rms, {verdict.text}"]
-    return _LEVELS.get(verdict.level, "warning"), words
+        return []
+    return [f"Error on the data it was fitted to: {number(rms)}{spaced(display_unit(model.unit))} rms"]
 
 
-def _extent(model: Model) -> float:
-    ends = np.asarray(model.predict([model.hysteresis.lower, model.hysteresis.upper]), dtype=float)
-    return float(np.ptp(ends)) if np.isfinite(ends).all() else 0.0
+def _model_name(file: Path, folder: Path) -> str:
+    """The name of a model: of its file, or of its folder where the file is called model.json."""
+    name = file.name.removesuffix(".json").removesuffix(".model")
+    return f"{file.parent.name}/{name}" if name in ("model", "extended") and file.parent != folder else name

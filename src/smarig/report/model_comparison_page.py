@@ -13,7 +13,7 @@ from smarig.replay import Model, simulate_samples, with_heating_of
 from smarig.report.components.comparison_labels import banner, check_comparable_count
 from smarig.report.components.figure import Figure, Panel, Trace, axis, dots, line
 from smarig.report.components.html import Html, bullets, joined, notice, paragraph, table
-from smarig.report.components.numbers import number
+from smarig.report.components.numbers import number, runs_text
 from smarig.report.components.page import Section, page
 from smarig.report.components.run_description import (
     count_size,
@@ -146,7 +146,7 @@ def _origin(k: int, name: str, model: Model) -> Sequence[object]:
         hysteresis_description(model.hysteresis),
         ", ".join(str(effect.get("name")) for effect in model.effects) or "none",
         model.rig,
-        f"{len(model.provenance)} run(s): {protocols}{' (twin)' if model.twin else ''}",
+        f"{runs_text(len(model.provenance))}: {protocols}{' (twin)' if model.twin else ''}",
         f"{number(fit)}{spaced(display_unit(model.unit))}" if isinstance(fit, float) else "–",
         f"{number(report.mu_min)} {per_square(model.unit, model.input.unit)}",
         M_P if report.M_P else M_PC if report.M_PC else "neither",
@@ -260,7 +260,7 @@ def densities_figure(models: Mapping[str, Model]) -> Figure:
             "Outlined and tinted: μ < 0, even if small; cross: the minimum.",
             "; ".join(least) + ".",
             "; ".join(
-                f"{name}: identified from {len(m.provenance)} run(s) of rig {m.rig}"
+                f"{name}: identified from {runs_text(len(m.provenance))} of rig {m.rig}"
                 for name, m in models.items()
             )
             + ".",

@@ -19,7 +19,7 @@ from smarig.replay import Model, simulate_samples, with_heating_of
 from smarig.report.components.decimate import path
 from smarig.report.components.figure import Panel, Trace, axis, dots, line
 from smarig.report.components.html import Html, bullets, joined, table, tag
-from smarig.report.components.numbers import number
+from smarig.report.components.numbers import number, runs_text
 from smarig.report.components.run_description import (
     count_size,
     display_unit,
@@ -220,7 +220,7 @@ def _model_html(thing: Model) -> str:
     drawn = thumbnail(u, y, words, (thing.input.unit, thing.unit), label)
     report, rms = density_report(thing.hysteresis), thing.fit.get("rms")
     rows = [
-        f"{capitalised(hysteresis_description(thing.hysteresis))}, from {len(thing.provenance)} run(s) of rig "
+        f"{capitalised(hysteresis_description(thing.hysteresis))}, from {runs_text(len(thing.provenance))} of rig "
         f"{thing.rig}"
     ]
     rows += (

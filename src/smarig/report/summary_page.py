@@ -56,15 +56,16 @@ def _figure(run: Run, model: Model | None, verified: RunVerification | None) -> 
     whole = residuals_figure(run.name, run, {model.name: model}, {model.name: verified})
     loops, errors, *_ = whole.panels
     plain = Panel(loops.data, loops.layout, loops.height)
-    return Figure(
-        [plain, errors], "Measured and predicted loop, and the error.", whole.caption, whole.label, 460
-    )
+    unit, floor = spaced(display_unit(run.unit)), verified.noise_floor
+    band = f" Band: ± 2 σ of the noise floor, σ = {number(floor, 2)}{unit}." if floor else ""
+    words = f"Second panel: model − measured, n = {verified.settled.n} settled points.{band}"
+    return Figure([plain, errors], "Measured and predicted loop, and the error.", [words], whole.label, 460)
 
 
 def _cards(run: Run, verified: RunVerification | None) -> list[_Card]:
     unit = spaced(display_unit(run.unit))
     found = headline(run) if run.has("input") else {}
-    shown: list[_Card] = [("Travel", f"{number(stroke(run), 4)}{unit}", "largest − smallest output")]
+    shown: list[_Card] = [("Travel", f"{number(stroke(run), 4)}{unit}", "largest − smallest settled output")]
     for name, estimate in found.items():
         if name == "stroke":
             continue

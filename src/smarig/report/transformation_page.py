@@ -43,19 +43,20 @@ def transformation_page(found: TransformationResult) -> str:
 def _method() -> list[Html]:
     ranges = stated_ranges()
     shares, gaps, cuts = (
-        " ".join(f"{value:g}" for value in ranges[name])
+        " or ".join(f"{value:g}" for value in ranges[name])
         for name in ("steep_share", "plateau_gap_spans", "plateau_cut")
     )
     return [
         paragraph(
-            "A line is fitted to the plateau at each end of a branch and to its steepest part; the temperatures are "
-            "where these lines meet (ASTM E3097, F2082). No line is used outside the readings of its loop."
+            "A line is fitted to the plateau at each end of a branch and to its steepest part. The lines meet at the "
+            "transformation temperatures (ASTM E3097, F2082). No line is used outside the readings of its loop."
         ),
         paragraph(
-            f"Choice of readings: the steep tangent from the middle {shares} of the output between both plateaus; the "
-            f"plateaus without the {gaps} spans from start to finish next to their knee (at most half of the plateau), "
-            f"and without {cuts} of the plateau at the end of the branch. Every temperature is the mean over all "
-            "choices. Its interval contains the noise of the readings, and the spread of the choices beyond what noise "
-            "explains."
+            "The result depends on the choice of readings, so each line is fitted to several choices. "
+            f"Steep tangent: the middle part of the output between both plateaus, a share of {shares}. Plateaus: all "
+            f"readings except those near the knee (within {gaps} × the span from start to finish, at most half of the "
+            f"plateau) and those at the end of the branch (a share of {cuts} of the plateau). Each temperature is the "
+            "mean over all choices. Its 95 % interval includes the noise of the readings and the part of the spread "
+            "of the choices that noise does not explain."
         ),
     ]

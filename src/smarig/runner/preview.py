@@ -1,17 +1,27 @@
 """Estimates the duration and range of a run: its protocol runs on a noise-free twin without a record.
 
-The estimate follows the rig's own model; the settling times of a real wire differ.
+The estimate follows the rig's own model; the settling times of a real wire differ. It has no noise, so within a process
+one of the same protocol, settings and rig is computed once.
 """
 
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Hashable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
 from smarig.config import RigFile
-from smarig.core import LimitExceeded, Protocol, Sample, StepResult, StepVerdict, UsageError
+from smarig.core import (
+    LimitExceeded,
+    Protocol,
+    Sample,
+    StepResult,
+    StepVerdict,
+    UsageError,
+    catalogue_names,
+    own_entries,
+)
 from smarig.plant import Actuator
-from smarig.protocols import Chooser, Setup, build_protocol
+from smarig.protocols import PROTOCOLS, Chooser, Setup, build_protocol, file_settings
 from smarig.rig import Guard, Twin, TwinSettings, stress_limit
 from smarig.runner.listener import CallbackListener
 from smarig.runner.run_control import RunControl
@@ -22,6 +32,8 @@ SAMPLES_BETWEEN_LOOKS, REPORT_EVERY_S = 5000, 3.0
 BYTES_PER_SAMPLE = 90  # measured on run files, with a margin
 
 ProtocolFactory = Callable[[Setup], Protocol]
+_MOST_KEPT = 64
+_computed: dict[Hashable, "Preview"] = {}
 
 
 @dataclass(frozen=True)
@@ -91,6 +103,11 @@ def preview(
     seconds: every tick is simulated, about 100,000 a second.
     """
     actuator = Actuator.named(rig.actuator)
+    key = None if protocol_factory else _key(protocol, rig, actuator, settings or {}, chooser)
+    if key in _computed:
+        if control is not None:
+            control.raise_if_stopped()
+        return _computed[key]
     nothing_hidden = rig.model_copy(update={"hidden_effect": False})  # a preview must not reveal it
     twin = Twin(nothing_hidden, actuator, TwinSettings(noise=False))
     peaks = _Peaks(report)
@@ -111,7 +128,7 @@ def preview(
         raise UsageError(
             f"Protocol '{protocol}' was not started, because it would trip on the twin. {refused}"
         ) from None
-    return Preview(
+    found = Preview(
         protocol=protocol,
         duration_s=runner.t_s,
         steps=runner.steps_done,
@@ -120,3 +137,20 @@ def preview(
         timed_out=peaks.timed_out,
         bytes=peaks.samples * BYTES_PER_SAMPLE,
     )
+    if key is not None:
+        if len(_computed) >= _MOST_KEPT:
+            del _computed[next(iter(_computed))]
+        _computed[key] = found
+    return found
+
+
+def _key(
+    protocol: str, rig: RigFile, actuator: Actuator, settings: Mapping[str, Any], chooser: Chooser | None
+) -> Hashable:
+    """What a preview depends on; None where a file is read, which may have changed since."""
+    reads_file = rig.load is not None and bool(rig.load.file)
+    shipped = protocol in catalogue_names(PROTOCOLS) and protocol not in own_entries(PROTOCOLS)
+    if reads_file or not shipped or set(settings) & set(file_settings(protocol)):
+        return None
+    texts = tuple(sorted((key, repr(value)) for key, value in settings.items()))
+    return protocol, rig.model_dump_json(), actuator.file.model_dump_json(), texts, chooser

@@ -79,11 +79,15 @@ def study_each(
             outcomes[task[0]] = kept
     if outcomes:
         progress(f"{len(outcomes)} of {len(tasks)} files were studied before")
-    for done, outcome in enumerate(
-        completed(study_one, waiting, workers, scheduler), start=len(outcomes) + 1
-    ):
-        outcomes[outcome.file] = outcome
-        progress(f"{done} of {len(tasks)}: {outcome.file} {_short(outcome)}")
+    try:
+        for done, outcome in enumerate(
+            completed(study_one, waiting, workers, scheduler), start=len(outcomes) + 1
+        ):
+            outcomes[outcome.file] = outcome
+            progress(f"{done} of {len(tasks)}: {outcome.file} {_short(outcome)}")
+    except KeyboardInterrupt:
+        progress(f"{len(outcomes)} of {len(tasks)} files are done and kept; the same command continues.")
+        raise
     ordered = [outcomes[task[0]] for task in tasks]
     _write(out / STUDY_PAGE, studies_page(ordered, out.name))
     _write(out / STUDY_JSON, json.dumps(plain(studies_json(ordered, out)), indent=1, ensure_ascii=False))
@@ -117,7 +121,10 @@ def studies_json(outcomes: Sequence[FileOutcome], out: Path) -> dict[str, Any]:
 def _failed(task: tuple[str, str, StudyOptions], reason: str) -> FileOutcome:
     """A failure, which is kept so that it is not tried again for nothing."""
     file, folder, options = task
-    record = {"key": study_key([Path(file)], options), "failure": reason}
+    try:
+        record = {"key": study_key([Path(file)], options), "failure": reason}
+    except OSError as error:  # it was removed, or cannot be read: there is nothing to recognise it by
+        return FileOutcome(file, folder, None, f"{file} cannot be read: {error.strerror or error}.")
     Path(folder).mkdir(parents=True, exist_ok=True)
     _write(Path(folder) / STUDY_JSON, json.dumps(record, ensure_ascii=False))
     return FileOutcome(file, folder, None, reason)

@@ -2,10 +2,11 @@
 
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
+from concurrent.futures.process import BrokenProcessPool
 from multiprocessing import get_context
 from typing import Any, TypeVar
 
-from smarig.core import UsageError
+from smarig.core import DataError, UsageError
 
 CONNECT_TIMEOUT_S = 10
 Answer = TypeVar("Answer")
@@ -16,7 +17,7 @@ def completed(
 ) -> Iterator[Answer]:
     """The answers as they are completed, in any order. ``scheduler``: the address of a Dask scheduler.
 
-    Raises UsageError if no scheduler responds there, or without the extra 'scale'.
+    Raises UsageError if no scheduler responds there, or without the extra 'scale'; DataError if a process is killed.
 
     >>> list(completed(abs, [-1, -2], 1))
     [1, 2]
@@ -28,9 +29,21 @@ def completed(
     elif workers == 1 or len(tasks) == 1:
         yield from map(function, tasks)
     else:
-        with ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as pool:
-            for future in as_completed([pool.submit(function, task) for task in tasks]):
-                yield future.result()
+        yield from _by_processes(function, tasks, workers)
+
+
+def _by_processes(function: Callable[[Any], Answer], tasks: Sequence[Any], workers: int) -> Iterator[Answer]:
+    pool = ProcessPoolExecutor(workers, mp_context=get_context("spawn"))
+    try:
+        for future in as_completed([pool.submit(function, task) for task in tasks]):
+            yield future.result()
+    except BrokenProcessPool:
+        raise DataError(
+            "A worker process was ended from outside, perhaps for want of memory. What is done is kept: repeat "
+            "the command, with fewer --workers."
+        ) from None
+    finally:  # not "with", whose end would wait for the tasks that have not begun
+        pool.shutdown(wait=True, cancel_futures=True)
 
 
 def _by_dask(function: Callable[[Any], Answer], tasks: Sequence[Any], address: str) -> Iterator[Answer]:

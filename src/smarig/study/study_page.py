@@ -26,6 +26,7 @@ from smarig.report import (
     paragraph,
     path,
     style,
+    summary_with_loop,
     tag,
 )
 from smarig.report import table as html_table
@@ -53,7 +54,9 @@ def study_page(result: StudyResult, *, library: str = "") -> str:
         Section("What looks wrong in the data", "Data quality", list(_quality(result))),
         Section("Files", "Files", list(_files(result))),
     ]
-    return page(f"Study of {result.name}", _lead(result), sections, library=library)
+    level = _BOX.get(result.verdict, "bad") if result.evaluation else "warning"
+    about = summary_with_loop("study", next(iter(result.sentences())), level, result.tables[0].run)
+    return page(f"Study of {result.name}", _lead(result), sections, library=library, summary=about)
 
 
 def _lead(result: StudyResult) -> str:
@@ -72,7 +75,7 @@ def _summary(result: StudyResult) -> Iterator[Html | Figure]:
     yield notice(
         _BOX.get(result.verdict, "bad") if result.evaluation else "warning", paragraph(tag("b", first))
     )
-    yield bullets([*rest, *result.hints()])
+    yield bullets([*rest, *result.reasons, *result.hints()])
     if result.evaluation is not None:
         yield _loops_figure(result)
         yield paragraph(result.split.reason if result.split else "")

@@ -8,19 +8,14 @@ import numpy as np
 
 from smarig.core import spaced
 from smarig.diagnosis import Diagnosis, MeasuredDiagnosis
-from smarig.identification import ratio_text
+from smarig.identification import BETTER, GOOD_RATIO, ErrorLevel, level_against_curves, ratio_text
 from smarig.study.candidate_models import Evaluation
 from smarig.study.data_split import DataSplit
+from smarig.study.error_reasons import error_reasons
 from smarig.study.imported_runs import ImportedTable
 from smarig.study.understanding import Understanding
 
-GOOD, FAIR, POOR = "good", "fair", "poor"
-_GOOD_TIMES_NOISE = 3.0
-_GOOD_NRMSE = 0.03  # where the noise is not known
-_VERY_SMALL_NRMSE = 0.005  # below it, errors do not matter, whatever the noise
-_BETTER = 1.5  # times: a model that is less than so much better than a simple curve hardly earns its place
-_HARDLY_BETTER = 1.2
-_POOR_NRMSE = 0.15
+GOOD, FAIR, POOR = str(ErrorLevel.GOOD), str(ErrorLevel.FAIR), str(ErrorLevel.POOR)
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,17 +76,21 @@ class StudyResult:
     def at_noise(self) -> bool:
         """Whether the noise is known and the error on held-out data is hardly larger."""
         found, noise = self.evaluation, self.noise
-        return bool(found and noise is not None and found.best.rms <= _GOOD_TIMES_NOISE * noise)
+        return bool(found and noise is not None and found.best.rms <= GOOD_RATIO * noise)
 
     @property
     def verdict(self) -> str:
-        """ "good", "fair" or "poor"; "" without a model."""
+        """ "good", "fair" or "poor"; "" without a model. The thresholds are those of ``verify``."""
         if self.evaluation is None:
             return ""
-        small = self.at_noise or self.nrmse <= (_GOOD_NRMSE if self.noise is None else _VERY_SMALL_NRMSE)
-        if small and self.gain >= _BETTER:
-            return GOOD
-        return POOR if self.gain < _HARDLY_BETTER or self.nrmse > _POOR_NRMSE else FAIR
+        return str(level_against_curves(self.evaluation.best.rms, self.noise, self.nrmse, self.gain))
+
+    @property
+    def reasons(self) -> list[str]:
+        """What the data say about an error that is not good: sentences, the most certain first."""
+        if self.evaluation is None or self.split is None or self.verdict == GOOD:
+            return []
+        return error_reasons(self.split, self.evaluation.best)
 
     def sentences(self) -> list[str]:
         """Three sentences: how good the model is, against what, and what to do now."""
@@ -126,7 +125,7 @@ class StudyResult:
         if self.evaluation is None or not self.evaluation.simple:
             return ""
         name, error = min(self.evaluation.simple.items(), key=lambda item: item[1])
-        if self.gain >= _BETTER:
+        if self.gain >= BETTER:
             return f"The best simple curve ({name}) leaves {self.gain:.2g} × as much, {error:.3g}{spaced(self.unit)}."
         if self.gain >= 1:
             return f"A simple curve ({name}) does nearly as well: {error:.3g}{spaced(self.unit)}."
@@ -150,6 +149,7 @@ class StudyResult:
             "files": [str(file) for file in self.files],
             "verdict": self.verdict or None,
             "sentences": self.sentences(),
+            "reasons": self.reasons,
             "hints": self.hints(),
             "questions": self.understood.questions,
             "columns": {}

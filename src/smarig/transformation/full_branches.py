@@ -98,9 +98,7 @@ def _by_extent(record: TemperatureRecord) -> tuple[list[tuple[int, int]], list[U
         if low <= u.min() + _FULL * size and high >= u.max() - _FULL * size:
             full.append((a, b))
         elif high - low > _AT_END * size:
-            reason = (
-                f"it covers {(high - low) / size:.0%} of the temperature's range, so it is not a full one"
-            )
+            reason = f"it covers {100 * (high - low) / size:.0f} % of the temperature range, so it is not a full one"
             unused.append(UnusedBranch(_direction(u, a, b), 0, float(u[a]), float(u[b]), reason))
     return full, unused
 

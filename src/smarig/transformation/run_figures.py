@@ -28,6 +28,7 @@ _SMALL_STROKE = 0.5  # of the median of its direction: a branch with less is not
 _CLOSED = 0.1  # of the stroke: a loop that closes within it has one plateau at an end
 _STILL_STEEP = 0.5  # of the steep slope: a branch that ends with more is not through
 _JUMP = 0.2  # of the output between two readings of a branch: more is stated
+_MOST_REASONS = 2  # branches that cover only a part of the range: so many are described
 _SOURCE = "tangents"
 
 
@@ -191,7 +192,7 @@ def _leave_out_small(
         for k, rise in own.items():
             if abs(rise) < _SMALL_STROKE * abs(usual) or rise * usual < 0:
                 del tangents[k]
-                reason = f"its output moves by {abs(rise / usual):.0%} of what is usual in this run"
+                reason = f"its output moves by {100 * abs(rise / usual):.0f} % of what is usual in this run"
                 unused.append(_unused(branches[k], reason))
 
 
@@ -241,9 +242,9 @@ def _jumps(cycles: Sequence[CycleFigures], record: TemperatureRecord) -> Iterato
         if share > _JUMP:
             names = "A_s and A_f" if direction == HEATING else "M_s and M_f"
             yield (
-                f"Cycle {number}, {direction}: {share:.0%} of the output lies between two readings at {low:.4g} and "
-                f"{high:.4g} {_shown_unit(record.input_unit)}; {names} would differ if the readings between them were "
-                "known."
+                f"Cycle {number}, {direction}: {100 * share:.0f} % of the output lies between two readings at "
+                f"{low:.4g} and {high:.4g} {_shown_unit(record.input_unit)}; {names} would differ if the "
+                "readings between them were known."
             )
 
 
@@ -253,8 +254,11 @@ def _no_loop(
     unit = _shown_unit(record.input_unit)
     used = {d for c in cycles for d in (HEATING, COOLING) if getattr(c, d) is not None}
     have = f" It has only a {next(iter(used))} branch." if len(used) == 1 else ""
-    reasons = " ".join(u.sentence(unit) for u in unused)
-    why = f" {reasons}" if reasons else ""
+    full, partial = [u for u in unused if u.cycle], [u for u in unused if not u.cycle]
+    widest = sorted(partial, key=lambda branch: -abs(branch.to - branch.from_))[:_MOST_REASONS]
+    why = "".join(f" {branch.sentence(unit)}" for branch in (*full, *widest))
+    if more := len(partial) - len(widest):
+        why += f" {more} other {'branch covers' if more == 1 else 'branches cover'} less of it."
     return (
         f"{name} contains no full loop of heating and cooling with ten readings or more on each branch.{have}{why} "
         "Heat and cool the wire through its whole transformation, for example with the protocol constant_force_cycles."

@@ -7,7 +7,7 @@ import smarig
 from identification.extended.test_fits import AGAIN, COARSE, LEVELS, first_order, record, second_order
 from smarig.cli.commands.identify import command
 from smarig.core.errors import DataError, UsageError
-from smarig.identification.extended.fitted_extension import extension_names
+from smarig.identification.extended.extension_names import extension_names
 from smarig.identification.identify import identify
 from smarig.identification.verify import verify
 from smarig.replay.model_file import load_model

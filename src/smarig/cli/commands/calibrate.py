@@ -7,7 +7,6 @@ import click
 from smarig.cli.output import check_distinct, emit, json_option
 from smarig.cli.parameter_types import FILE, CatalogueName
 from smarig.core import UsageError
-from smarig.plant import Actuator
 
 
 @click.command(
@@ -30,6 +29,7 @@ def command(
 ) -> None:
     """Estimate hA, time constant and resistances from runs, and report those that the runs do not determine."""
     from smarig.identification import calibrate
+    from smarig.plant import Actuator
     from smarig.record import load_run
     from smarig.replay import load_model
 

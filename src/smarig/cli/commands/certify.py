@@ -8,7 +8,6 @@ import click
 from smarig.cli.output import check_distinct, emit, json_option
 from smarig.cli.parameter_types import FILE, VELOCITY
 from smarig.core import PAGE, UsageError
-from smarig.protocols import parse_pairs
 
 if TYPE_CHECKING:
     from smarig.certify import RobustCertificate
@@ -79,6 +78,7 @@ def command(
     from smarig.certify import PositionController, certificate
     from smarig.core import check_writable
     from smarig.identification import passivity_of_run
+    from smarig.protocols import parse_pairs
     from smarig.record import load_run
     from smarig.report import Further, certificate_page, certificate_units, certified_model, write_page
 

@@ -3,6 +3,7 @@
 from contextlib import AbstractContextManager
 from itertools import count
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
@@ -10,14 +11,12 @@ from smarig.cli.live_options import LiveOptions, live_options, live_view, with_w
 from smarig.cli.notifier import Subject
 from smarig.cli.notify import NotifyOptions, notified, notify_option
 from smarig.cli.output import emit, json_option, show_message
-from smarig.cli.panel.run_status import run_info
 from smarig.cli.parameter_types import FOLDER, RIG, SEED, CatalogueName
 from smarig.cli.progress import STREAMS, progress
 from smarig.cli.run_options import effect_option
-from smarig.config import load_campaign, load_rig
-from smarig.plant import effects_from_arguments
-from smarig.rig import TwinSettings
-from smarig.runner import Listener, Preview, RunControl, twin_source
+
+if TYPE_CHECKING:
+    from smarig.runner import Listener, Preview
 
 
 @click.command(
@@ -63,13 +62,18 @@ def command(
 ) -> None:
     """Initialise, test, identify, verify, diagnose and report: everything about one wire, in one folder."""
     from smarig.app import characterise
+    from smarig.cli.panel.run_status import run_info
+    from smarig.config import load_campaign, load_rig
+    from smarig.plant import effects_from_arguments
+    from smarig.rig import TwinSettings
+    from smarig.runner import RunControl, twin_source
 
     run_number, control = count(1), RunControl()
     file = load_rig(rig)
     twin = TwinSettings(seed, effects=effects_from_arguments(effects))
     source = twin_source(file, twin)
 
-    def listener_factory(cost: Preview) -> AbstractContextManager[Listener]:
+    def listener_factory(cost: "Preview") -> "AbstractContextManager[Listener]":
         place = f"run {next(run_number)} of {len(load_campaign(campaign).step)}"
         what_runs = run_info(file, cost, out, wire=wire or file.wire, source=source, place=place)
         return with_watchers(progress(what_runs, quiet=quiet), [*watchers, *watch.listeners(what_runs)])

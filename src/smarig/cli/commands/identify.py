@@ -7,7 +7,7 @@ import click
 from smarig.cli.output import check_distinct, emit, json_option, show_message
 from smarig.cli.parameter_types import FILE
 from smarig.core import MODEL, check_writable
-from smarig.identification import BEST_KIND, extension_names, surface_kinds
+from smarig.identification import BEST_KIND, extension_names, surface_choices
 
 EPILOG = """\b
 Examples:
@@ -24,7 +24,7 @@ Examples:
 @click.argument("runs", nargs=-1, required=True, type=FILE)
 @click.option(
     "--surface",
-    type=click.Choice([*surface_kinds(), BEST_KIND]),
+    type=click.Choice(surface_choices()),
     default=BEST_KIND,
     show_default=True,
     help="Kind of surface.",
@@ -114,4 +114,4 @@ def command(
     heating = [result.heating.text] if result.heating else []
     rows = [rows.text for rows in result.rows]
     verdict = f"Fit: {result.fit_verdict.text}"
-    emit(found, "\n".join([repr(result), verdict, *extended, *loads, *heating, *rows, f"Model: {out}"]))
+    emit(found, "\n".join([result.text, verdict, *extended, *loads, *heating, *rows, f"Model: {out}"]))

@@ -12,7 +12,6 @@ import click
 
 from smarig.cli.output import emit, json_option
 from smarig.cli.parameter_types import FILE
-from smarig.config import shipped_names
 from smarig.core import UsageError, atomic_file, catalogue_names
 
 _TEMPLATES = Path(__file__).parents[1] / "starting_points"
@@ -71,6 +70,8 @@ def _article(kind: str) -> str:
 
 def _check(kind: str, name: str, file: Path, suffix: str) -> None:
     """Raise UsageError if the name is not usable or a file would be overwritten."""
+    from smarig.config import shipped_names
+
     reason = _unusable(kind, name, python=suffix == ".py")
     if reason:
         raise UsageError(f"{name!r} cannot be the name of {_article(kind)} {kind}: {reason}.")

@@ -9,7 +9,6 @@ from smarig.cli.output import json_option, show_message
 from smarig.cli.parameter_types import FILE
 from smarig.cli.progress import STREAMS
 from smarig.cli.run_options import RunOptions, run_options
-from smarig.protocols import parse_pairs
 
 EPILOG = f"""{STREAMS}
 
@@ -96,6 +95,7 @@ def command(
     counts as the model's least output. The input path to B_ℓ accounts for the wire's thermal lag.
     """
     from smarig.app import ModelSource, regulation
+    from smarig.protocols import parse_pairs
 
     source = ModelSource.of(model)
     if source.model.effects:

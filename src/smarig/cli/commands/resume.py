@@ -9,12 +9,10 @@ from smarig.cli.notifier import Subject
 from smarig.cli.notify import NotifyOptions, notified, notify_option
 from smarig.cli.output import emit, json_option, show_message
 from smarig.cli.panel.keyboard import keys
-from smarig.cli.panel.run_status import run_info
 from smarig.cli.parameter_types import FILE, PROTOCOL, RIG, FiniteNumber, own_effects
 from smarig.cli.progress import STREAMS, progress
 from smarig.cli.run_options import print_warnings, run_summary
 from smarig.core import UsageError
-from smarig.record import check_not_recording, load_run, stored_run
 
 EPILOG = f"""{STREAMS}
 
@@ -66,8 +64,10 @@ def command(
     Then the interrupted step is repeated. If this is not possible, the protocol starts again. Steps that no
     longer count stay in the record, marked void.
     """
+    from smarig.cli.panel.run_status import run_info
     from smarig.identification import informed_choice
     from smarig.protocols import parse_pairs
+    from smarig.record import check_not_recording, load_run, stored_run
     from smarig.runner import preview, read_launch_args, resume_in, session_for
 
     check_not_recording(run)

@@ -2,6 +2,7 @@
 
 from contextlib import AbstractContextManager
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
@@ -9,11 +10,11 @@ from smarig.cli.output import emit, json_option, show_message
 from smarig.cli.parameter_types import ANY_PATH, EXPERIMENT
 from smarig.cli.progress import STREAMS, preview_progress
 from smarig.cli.run_options import RunOptions, check_target, print_warnings, run_options, run_summary
-from smarig.config import CampaignFile, CampaignStep, load_campaign, shipped_names
 from smarig.core import UsageError, catalogue_names, suggestion
-from smarig.protocols import parse_pairs, refuse_closed_loops, with_loaded_protocols
-from smarig.record import stored_run
-from smarig.runner import Listener, Preview, Session, preview, run_or_resume
+
+if TYPE_CHECKING:
+    from smarig.config import CampaignFile, CampaignStep
+    from smarig.runner import Listener, Preview, Session
 
 EPILOG = f"""{STREAMS}
 
@@ -46,6 +47,9 @@ def command(
 ) -> None:
     """Run a protocol or a campaign, by name or by the path of your own file, on a rig and record it."""
     from smarig.identification import informed_choice
+    from smarig.protocols import parse_pairs
+    from smarig.record import stored_run
+    from smarig.runner import preview
 
     session = options.session()
     plan = _plan(experiment, parse_pairs(pairs))
@@ -80,16 +84,17 @@ def command(
 
 
 def _run_one(
-    session: Session,
-    step: CampaignStep,
+    session: "Session",
+    step: "CampaignStep",
     out: Path,
-    cost: Preview,
-    display: AbstractContextManager[Listener],
+    cost: "Preview",
+    display: "AbstractContextManager[Listener]",
     *,
     force: bool,
     notes: str,
 ) -> None:
     from smarig.identification import informed_choice
+    from smarig.runner import run_or_resume
 
     with display as listener:
         message = run_or_resume(
@@ -107,8 +112,11 @@ def _run_one(
         show_message(message)
 
 
-def _plan(experiment: str, settings: dict) -> CampaignFile:
+def _plan(experiment: str, settings: dict) -> "CampaignFile":
     """The campaign. A single protocol becomes a campaign of one step."""
+    from smarig.config import CampaignFile, CampaignStep, load_campaign, shipped_names
+    from smarig.protocols import refuse_closed_loops, with_loaded_protocols
+
     protocols, campaigns = catalogue_names("smarig.protocols"), shipped_names("campaigns")
     if experiment in protocols:
         return CampaignFile(

@@ -16,7 +16,7 @@ Examples:
 """
 
 
-@click.command("sense", short_help="Position from the resistance of the wire.", epilog=EPILOG)
+@click.command("sense", short_help="Identify the position from the resistance of the wire.", epilog=EPILOG)
 @click.argument("model", type=FILE)
 @click.argument("runs", nargs=-1, required=True, type=FILE)
 @click.option("-o", "--out", type=FILE, help="New model file: identify from the runs. Without it: verify.")

@@ -7,7 +7,6 @@ import click
 from smarig.cli.output import check_distinct, emit, json_option
 from smarig.cli.parameter_types import FILE, PROTOCOL, RIG, own_effects
 from smarig.core import UsageError
-from smarig.protocols import parse_pairs
 
 EPILOG = """\b
 Examples:
@@ -16,7 +15,7 @@ Examples:
 """
 
 
-@click.command("simulate", epilog=EPILOG)
+@click.command("simulate", short_help="Simulate a model along a run, or a protocol.", epilog=EPILOG)
 @click.argument("model", type=FILE)
 @click.option("--along", type=FILE, help="Run whose inputs are applied to the model.")
 @click.option("--protocol", type=PROTOCOL, help="Protocol to run on the model's noise-free twin.")
@@ -39,6 +38,7 @@ def command(
 ) -> None:
     """Simulate a model along a run, or a protocol on the model's twin, and write a run file."""
     from smarig.app import simulate_protocol, simulate_run
+    from smarig.protocols import parse_pairs
     from smarig.record import load_run
     from smarig.replay import load_model
 

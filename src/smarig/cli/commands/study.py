@@ -25,7 +25,7 @@ Examples:
 """
 
 
-@click.command("study", short_help="From data files of any origin to a page.", epilog=EPILOG)
+@click.command("study", short_help="Make a page from data files of any origin.", epilog=EPILOG)
 @click.argument("places", metavar="FILE…", nargs=-1, required=True, type=ANY_PATH)
 @click.option(
     "--split",
@@ -96,7 +96,10 @@ def _one(files: Sequence[Path], out: Path, options: "StudyOptions") -> None:
 
     result = study(files, out, options, ask=_asker(), progress=show_message)
     show_message(_columns_text(result))
-    emit(result.to_json(), "\n".join([*result.sentences(), *result.hints(), f"Page: {out / 'index.html'}"]))
+    emit(
+        result.to_json(),
+        "\n".join([*result.sentences(), *result.reasons, *result.hints(), f"Page: {out / 'index.html'}"]),
+    )
 
 
 def _each(

@@ -9,7 +9,6 @@ from smarig.cli.output import json_option
 from smarig.cli.parameter_types import CONTROLLER, FILE, FiniteNumber
 from smarig.cli.progress import STREAMS
 from smarig.cli.run_options import RunOptions, run_options
-from smarig.protocols import parse_pairs
 
 EPILOG = f"""{STREAMS}
 
@@ -85,6 +84,7 @@ def command(
     with k_e (Thm 8.2), and each hypothesis is listed with whether this rig satisfies it.
     """
     from smarig.app import ModelSource, tracking
+    from smarig.protocols import parse_pairs
 
     source = ModelSource.of(model)
     chosen = (parse_pairs(pairs), controller, parse_pairs(numbers), offset_K)

@@ -11,15 +11,18 @@ import sys
 import threading
 from collections.abc import Iterator
 from contextlib import contextmanager
+from typing import TYPE_CHECKING
 
-from smarig.runner import RunControl
+if TYPE_CHECKING:
+    from smarig.runner import RunControl
+
 
 KEYS_HELP = "Keys: p pauses (the current stays on), r resumes, s stops safely."
 _POLL_INTERVAL_S = 0.1  # interval at which the end of the run is checked
 
 
 @contextmanager
-def keys(control: RunControl) -> Iterator[bool]:
+def keys(control: "RunControl") -> Iterator[bool]:
     """Pass the keys of the terminal on stdin to the control. Yields whether there is such a terminal."""
     with contextlib.ExitStack() as cleanup:
         file = _terminal()
@@ -35,7 +38,7 @@ def keys(control: RunControl) -> Iterator[bool]:
         yield file is not None
 
 
-def press(control: RunControl, key: str) -> None:
+def press(control: "RunControl", key: str) -> None:
     """Act on a key. Other keys have no effect."""
     if key == "p":
         control.paused = True
@@ -74,7 +77,7 @@ def _single_keys(file: int) -> Iterator[None]:
             termios.tcsetattr(file, termios.TCSANOW, old)
 
 
-def _listen(file: int, control: RunControl, stop_event: threading.Event) -> None:
+def _listen(file: int, control: "RunControl", stop_event: threading.Event) -> None:
     import selectors
 
     with selectors.DefaultSelector() as selector, contextlib.suppress(OSError):

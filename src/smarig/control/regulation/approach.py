@@ -92,8 +92,8 @@ class ApproachPlan:
         """The plan in one sentence."""
         return (
             f"To B_ℓ with ℓ = {self.ell:.1f} K in {self.duration_s / 60:.0f} min: both limits, then {self.cycles} "
-            f"cycles of {self.wave_s:.0f} s from ±{self.amplitude:.1f} K; predicted distance {self.share:.2%} of the "
-            f"plane ({self.closed_form / self.area:.2%} without lag)."
+            f"cycles of {self.wave_s:.0f} s from ±{self.amplitude:.1f} K; predicted distance "
+            f"{100 * self.share:.2f} % of the plane ({100 * self.closed_form / self.area:.2f} % without lag)."
         )
 
 
@@ -115,9 +115,8 @@ def plan_approach(
         raise UsageError(
             f"The rig's limits allow {reach[0]:.1f} to {reach[1]:.1f} K; the hysteresis reaches from "
             f"{plane.lower:.1f} to {plane.upper:.1f} K. Memory beyond the limits cannot be wiped out and may leave the "
-            f"state at a distance of {old_memory_area / plane.area:.1%} of the plane from B_ℓ. Widen the limits, or "
-            "allow more than "
-            f"{within:.1%}."
+            f"state at a distance of {100 * old_memory_area / plane.area:.1f} % of the plane from B_ℓ. Widen the "
+            f"limits, or allow more than {100 * within:.1f} %."
         )
     candidates: list[ApproachPlan] = []
     at_most_s = MAX_APPROACH_S
@@ -133,8 +132,8 @@ def plan_approach(
     closest = min(candidates, key=lambda p: p.share)
     raise UsageError(
         f"No sinusoid brings the wire within {100 * within:.3g} % of B_ℓ, ℓ = {ell:.1f} K. The best of at most "
-        f"{MAX_CYCLES} cycles and {MAX_APPROACH_S / 3600:.0f} h reaches {closest.share:.2%}, with an output error of "
-        f"{closest.output_error:.2%} of the range. Allow a larger distance."
+        f"{MAX_CYCLES} cycles and {MAX_APPROACH_S / 3600:.0f} h reaches {100 * closest.share:.2f} %, with an output "
+        f"error of {100 * closest.output_error:.2f} % of the range. Allow a larger distance."
     )
 
 

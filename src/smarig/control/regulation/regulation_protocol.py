@@ -156,7 +156,7 @@ def check_saturation(setup: Setup, hysteresis: Everett, start: StartState) -> No
         if output_missed > OUTPUT_WITHIN * span:
             raise UsageError(
                 f"The path to the set-point starts in {name} saturation, at {required_K:.4g} K. This rig's limits "
-                f"reach {reached_K:.4g} K only, so {output_missed / span:.1%} of the output range is unknown."
+                f"reach {reached_K:.4g} K only, so {100 * output_missed / span:.1f} % of the output range is unknown."
             )
 
 

@@ -56,7 +56,8 @@ def _verdict(d: "MeasuredDiagnosis") -> Iterator[str]:
     word = d.verdict.word
     if word == "silent":
         size = d.base.rms / float(np.ptp(d.comparison.plan.y[d.comparison.train]))
-        yield f"Nothing stands out: a Preisach model predicts blocks left out of the fit to {size:.2%} of the range."
+        error = f"{100 * size:.2f} % of the range"
+        yield f"Nothing stands out: a Preisach model predicts blocks left out of the fit to {error}."
         if d.reason:
             yield f"{capitalised(d.reason)}."
     if word == "unknown":

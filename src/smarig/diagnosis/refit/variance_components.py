@@ -114,9 +114,12 @@ class ReadingCovariance:
         """− log p(y | x) and its gradient."""
         *weights, s_m, s0, s_T = 10.0**x
         weights.append(s_T**2)
-        C = fixed.copy()
+        C, term = (
+            fixed.copy(),
+            np.empty_like(fixed),
+        )  # one term in memory: new ones take longer than their numbers
         for w, part in zip(weights, parts):
-            C += w * part
+            C += np.multiply(part, w, out=term)
         C[np.diag_indices_from(C)] += own_variances(self.white, self.is_moving, s_m, s0)
         L, failed = dpotrf(
             C.T, lower=1, clean=1, overwrite_a=1

@@ -14,7 +14,6 @@ from math import exp
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.signal import lfilter
 
 from smarig.core import DataError
 from smarig.identification import valid_rows
@@ -156,4 +155,6 @@ class HeatBalance:
 
 def _recursion(forcing: Array, keep: float, start: float) -> Array:
     """y_k = keep · y_{k−1} + forcing_k, from ``start``, (n,)."""
+    from scipy.signal import lfilter  # imported here: takes most of a second
+
     return lfilter([1.0], [1.0, -keep], forcing, zi=[keep * start])[0]

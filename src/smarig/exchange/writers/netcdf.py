@@ -27,7 +27,8 @@ from smarig.exchange.export_columns import (
     step_columns,
     title,
 )
-from smarig.record import AnyRun, is_timestamp
+from smarig.exchange.run_clock import zero_epoch
+from smarig.record import AnyRun
 
 _MISSING = np.iinfo(np.int32).min
 _UNITS = {"deg": "degree", "degC": "degree_Celsius", "count": "1", "": "1"}  # names in UDUNITS
@@ -104,7 +105,7 @@ def _has_clock(run: AnyRun) -> bool:
 
 def _time(run: AnyRun) -> _Variable:
     """Time in seconds since the zero of the device's clock, in host time; without reference if that is unknown."""
-    epoch = _zero_epoch(run)
+    epoch = zero_epoch(run)
     attributes = {"long_name": "time of the sample", "units": "s", "axis": "T"}
     if epoch is not None:
         moment = (datetime(1970, 1, 1, tzinfo=UTC) + timedelta(seconds=epoch)).strftime(
@@ -112,16 +113,6 @@ def _time(run: AnyRun) -> _Variable:
         )
         attributes |= {"units": f"seconds since {moment}Z", "calendar": "standard", "standard_name": "time"}
     return _Variable("time", run["t_s"], _characters(attributes))
-
-
-def _zero_epoch(run: AnyRun) -> float | None:
-    """The host time of the zero of the device's clock, from the event that started the run."""
-    starts = (e for e in run.events if e.kind == "start" and is_timestamp(e.data.get("epoch")))
-    began = next(starts, None)
-    if began is not None:
-        return float(began.data["epoch"]) - began.t_s
-    options = run.info.start_epoch
-    return None if options is None else float(options)
 
 
 def _sampled(column: ExportColumn, along: str) -> _Variable:

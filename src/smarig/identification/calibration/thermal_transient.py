@@ -13,8 +13,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import least_squares
-from scipy.stats import f as fisher
 
+from smarig.core import f_quantile
 from smarig.identification.calibration.holds import DriveHold, drive_holds, drive_name, valid_rows
 from smarig.identification.interval_estimate import Estimate, quantile, variance_inflation
 from smarig.record import Run
@@ -88,7 +88,7 @@ def _transient(run: Run, hold: DriveHold) -> TemperatureTransient | None:
 def _estimates(transients: list[TemperatureTransient], source: str) -> dict[str, Estimate | str]:
     plain, delayed = _fit(transients, False), _fit(transients, True)
     gain = (plain.square - delayed.square) / max(delayed.square / delayed.freedom, 1e-300)
-    dead = gain > fisher.ppf(_SIGNIFICANT, 1, delayed.freedom)
+    dead = gain > f_quantile(_SIGNIFICANT, 1, delayed.freedom)
     fit = delayed if dead else plain
     n = sum(x.t_s.size for x in transients)
     longest = max(float(x.t_s[-1]) for x in transients)

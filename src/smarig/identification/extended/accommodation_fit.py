@@ -16,9 +16,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import brentq, minimize_scalar
-from scipy.stats import f as fisher
 
-from smarig.core import DataError
+from smarig.core import DataError, f_quantile, f_tail
 from smarig.identification.extended.extremum_chains import ExtremumChains, extremum_chains
 from smarig.identification.interval_estimate import Estimate
 from smarig.preisach import Everett
@@ -79,15 +78,15 @@ def identify_accommodation(runs: Sequence[Run], hysteresis: Everett) -> Accommod
     amount = float(d @ y) / float(d @ d)
     # The error of the amount includes that of l: only the part of D outside ∂D/∂log l counts.
     aside = d - gradient * float(gradient @ d) / max(float(gradient @ gradient), 1e-300)
-    half = float(fisher.ppf(0.95, 1, freedom) * noise / max(float(aside @ aside), 1e-300)) ** 0.5
-    bound = noise * float(fisher.ppf(0.95, 1, freedom))
+    half = float(f_quantile(0.95, 1, freedom) * noise / max(float(aside @ aside), 1e-300)) ** 0.5
+    bound = noise * f_quantile(0.95, 1, freedom)
     low, high = (np.exp(_crossing(lambda p: squares(p) - least - bound, best, end)) for end in ends)
     gain = (float(y @ y) - least) / 2 / noise
     n = record.y.size
     return AccommodationFit(
         Estimate(amount, (amount - half, amount + half), "1", "repeated memory states", n),
         Estimate(float(np.exp(best)), (float(low), float(high)), "strokes", "repeated memory states", n),
-        float(fisher.sf(gain, 2, freedom)),
+        f_tail(gain, 2, freedom),
         float(np.sqrt(y @ y / (freedom + 2))),
         float(np.sqrt(noise)),
     )

@@ -15,14 +15,9 @@ from numpy.typing import NDArray
 
 from smarig.core import DataError, UsageError, catalogue_entry, catalogue_names, spaced
 from smarig.identification.extended.chord_test import ChordTest, equal_chords
+from smarig.identification.extended.extension_names import BEST, EXTENSIONS, NONE
 from smarig.identification.extended.extremum_chains import extremum_chains
-from smarig.identification.extended.fitted_extension import (
-    BEST,
-    EXTENSIONS,
-    NONE,
-    ExtensionData,
-    FittedExtension,
-)
+from smarig.identification.extended.fitted_extension import ExtensionData, FittedExtension
 from smarig.identification.extended.moving_fit import excursions
 from smarig.identification.noise_floor import noise_floor
 from smarig.preisach import Everett, Preisach
@@ -132,7 +127,7 @@ class ExtensionChoice:
             return "no run could be left out"
         h = self.held_out[name]
         (classical, extended), (low, high) = h.rms(), h.interval()
-        gain = "worse" if high < 0 else f"gain {h.gain:.0%} ({low:.0%} to {high:.0%})"
+        gain = "worse" if high < 0 else f"gain {100 * h.gain:.0f} % ({100 * low:.0f} % to {100 * high:.0f} %)"
         return f"runs left out: rms error {classical:.3g} → {extended:.3g}{spaced(self.unit)}, {gain}"
 
 

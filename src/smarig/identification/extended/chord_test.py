@@ -16,10 +16,8 @@ from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import chi2
-from scipy.stats import f as fisher
 
-from smarig.core import DataError
+from smarig.core import DataError, chi2_tail, f_tail
 from smarig.identification.noise_floor import NoiseFloor
 from smarig.record import Run
 from smarig.replay import memory_histories
@@ -140,5 +138,5 @@ class _ResidualSquares:
     def p_value(self, noise: NoiseFloor) -> float:
         ratio = self.sum / (noise.value or np.nan) ** 2
         if noise.n_pairs:
-            return float(fisher.sf(ratio / self.freedom, self.freedom, noise.n_pairs))
-        return float(chi2.sf(ratio, self.freedom))
+            return f_tail(ratio / self.freedom, self.freedom, noise.n_pairs)
+        return chi2_tail(ratio, self.freedom)

@@ -4,14 +4,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from smarig.core import DataError, catalogue_names
+from smarig.core import DataError
 from smarig.identification.interval_estimate import Estimate
 from smarig.identification.noise_floor import noise_floor
 from smarig.preisach import Everett
 from smarig.record import Run
-
-EXTENSIONS = "smarig.identification.extended.extensions"
-NONE, BEST = "none", "best"
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,12 +48,3 @@ class FittedExtension:
             "p_value": self.p_value,
             "parameters": {name: estimate.to_json() for name, estimate in self.parameters.items()},
         }
-
-
-def extension_names() -> tuple[str, ...]:
-    """ "none", every file of the catalogue, "best".
-
-    >>> extension_names()[0], extension_names()[-1], "moving" in extension_names()
-    ('none', 'best', True)
-    """
-    return NONE, *catalogue_names(EXTENSIONS), BEST

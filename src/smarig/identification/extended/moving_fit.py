@@ -17,9 +17,8 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import t as student
 
-from smarig.core import DataError, UsageError
+from smarig.core import DataError, UsageError, t_quantile, t_tail
 from smarig.identification.extended.extremum_chains import ExtremumChains, extremum_chains
 from smarig.identification.extended.spline_surface import first_order_surface
 from smarig.identification.interval_estimate import Estimate
@@ -93,11 +92,11 @@ def identify_moving(runs: Sequence[Run], *, reach: float | None = None) -> Movin
     # Two kinds of error: the uncertain surface, common to all loops, and the noise of each excursion.
     allowed = np.array([misfit(k, drawn) for drawn in surface.draws(_DRAWS)]) - left
     error = float(np.sqrt(np.mean((allowed @ gain) ** 2) + _between(gain * left, excursions(record)[loops])))
-    half = float(student.ppf(0.975, _DRAWS - 1)) * error
+    half = t_quantile(0.975, _DRAWS - 1) * error
     unit = f"input units/{record.unit}" if record.unit else "input units/output unit"
     return MovingFit(
         Estimate(k, (k - half, k + half), unit, "moving model on minor loops", loops.size),
-        float(2 * student.sf(abs(k) / error, _DRAWS - 1)),
+        2 * t_tail(abs(k) / error, _DRAWS - 1),
         float(np.sqrt(np.mean(left**2))),
         float(np.sqrt(np.mean(without**2))),
         shifted_surface(surface.table, k),

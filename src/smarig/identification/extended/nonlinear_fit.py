@@ -17,9 +17,8 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import chi2, norm
 
-from smarig.core import DataError
+from smarig.core import DataError, chi2_tail, normal_quantile
 from smarig.identification.extended.extremum_chains import ExtremumChains, extremum_chains
 from smarig.preisach import Everett, FodTable
 from smarig.record import Run
@@ -51,7 +50,7 @@ class NonlinearFit:
 
     def interval(self) -> tuple[Array, Array]:
         """95 % interval of every Q."""
-        half = float(norm.ppf(0.975)) * self.error
+        half = normal_quantile(0.975) * self.error
         return self.excess.values - half, self.excess.values + half
 
 
@@ -84,7 +83,7 @@ def identify_nonlinear(runs: Sequence[Run], noise: float, hysteresis: Everett | 
     error[i, j, k] = np.sqrt(np.diag(covariance))
     statistic = float(q[i, j, k] @ np.linalg.solve(covariance, q[i, j, k]))
     return NonlinearFit(
-        base, SecondOrderExcess.from_nodes(nodes, q), error, noise, float(chi2.sf(statistic, i.size))
+        base, SecondOrderExcess.from_nodes(nodes, q), error, noise, chi2_tail(statistic, i.size)
     )
 
 

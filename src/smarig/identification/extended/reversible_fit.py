@@ -11,9 +11,8 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import chi2, norm
 
-from smarig.core import DataError
+from smarig.core import DataError, chi2_tail, normal_quantile
 from smarig.preisach import Everett, Preisach
 from smarig.record import Run
 from smarig.replay import memory_histories
@@ -41,7 +40,7 @@ class ReversibleFit:
 
     def interval(self) -> tuple[Array, Array]:
         """95 % interval of r at each input."""
-        half = float(norm.ppf(0.975)) * self.error
+        half = normal_quantile(0.975) * self.error
         return self.part.values - half, self.part.values + half
 
 
@@ -81,6 +80,6 @@ def identify_reversible(runs: Sequence[Run], hysteresis: Everett, noise: float) 
         hysteresis,
         ReversiblePart(np.array(common), r),
         np.sqrt(np.asarray(variance)),
-        float(chi2.sf(float((r - level) ** 2 @ weights), len(common) - 1)),
-        float(chi2.sf(float(((up - down) / 2) ** 2 @ weights), len(common))),
+        chi2_tail(float((r - level) ** 2 @ weights), len(common) - 1),
+        chi2_tail(float(((up - down) / 2) ** 2 @ weights), len(common)),
     )

@@ -86,11 +86,12 @@ class SensingErrors:
         alone = f["resistance_alone_rms"]
         return (
             f"{self.run}: position from resistance and model, rms error {f['rms']:.3g} {unit} "
-            f"({f['rms_of_stroke']:.2%} of the stroke), largest {f['max_abs']:.3g} {unit}, within the 95 % interval "
-            f"{f['coverage_95']:.1%} (median ±{f['median_half']:.2g} {unit}), n = {f['n']}. The model alone: rms "
+            f"({100 * f['rms_of_stroke']:.2f} % of the stroke), largest {f['max_abs']:.3g} {unit}; "
+            f"{100 * f['coverage_95']:.1f} % of the samples are within the 95 % interval (median "
+            f"±{f['median_half']:.2g} {unit}), n = {f['n']}. The model alone: rms "
             f"{f['model_alone_rms']:.3g} {unit}; the resistance alone, where it is not ambiguous: "
             f"{'none' if alone is None else f'rms {alone:.3g} {unit}'}. "
-            f"Ambiguous {f['ambiguous']:.1%} of the samples, no reading {f['no_reading']:.1%}."
+            f"Ambiguous: {100 * f['ambiguous']:.1f} % of the samples; no reading: {100 * f['no_reading']:.1f} %."
         )
 
 

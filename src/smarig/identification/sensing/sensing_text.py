@@ -18,9 +18,10 @@ def sensing_text(sensing: SelfSensing, unit: str) -> list[str]:
     lines = [_map_text(k, wire, sensing, unit) for k, wire in enumerate(sensing.wires, start=1)]
     return [
         *lines,
-        f"A reading has {1e3 * sensing.noise_V:.2g} mV of noise and needs at least {sensing.least_A:.2g} A. It is "
-        f"ambiguous where its 99.7 % interval is wider than ±{AMBIGUOUS_SHARE:.0%} of the stroke. Intervals are "
-        f"widened by {sensing.interval_factor:.2f}, those of single readings by {sensing.reading_factor:.2f}.",
+        f"The noise of a reading is {1e3 * sensing.noise_V:.2g} mV. A reading needs at least {sensing.least_A:.2g} A. "
+        f"It is ambiguous where its 99.7 % interval is wider than ±{100 * AMBIGUOUS_SHARE:.0f} % of the stroke. "
+        f"Intervals are widened by {sensing.interval_factor:.2f}, those of single readings by "
+        f"{sensing.reading_factor:.2f}.",
     ]
 
 

@@ -57,8 +57,8 @@ class Representation:
 
     @property
     def p_text(self) -> str:
-        """The p-value as text; the smallest numbers are not told apart."""
-        return f"p = {self.p_value:.2g}" if self.p_value > 1e-300 else "p < 1e-300"
+        """The p-value as text; those below a millionth are not distinguished."""
+        return f"p = {self.p_value:.2g}" if self.p_value >= 1e-6 else "p < 10⁻⁶"
 
     @property
     def verdict(self) -> str:

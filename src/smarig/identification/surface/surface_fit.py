@@ -16,9 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import least_squares
 from scipy.sparse import csr_matrix
-from scipy.stats import t as student
 
-from smarig.core import DataError, UsageError, spaced
+from smarig.core import DataError, UsageError, spaced, t_quantile
 from smarig.identification.fod_data import FodData
 from smarig.identification.surface.slope_residuals import slope_rows
 from smarig.identification.surface.surface_jacobian import jacobian
@@ -235,7 +234,7 @@ def _surface_fit(
     error = surface.y(data.alpha, data.beta) - data.y
     sse, weighted_sse = float(error @ error), float(np.sum(problem.residuals(p)[: len(data)] ** 2))
     covariance, sigma = _covariance(problem, p, sse)
-    half = float(student.ppf(0.975, len(data) - p.size)) * np.sqrt(np.diag(covariance))
+    half = t_quantile(0.975, len(data) - p.size) * np.sqrt(np.diag(covariance))
     intervals = {n: (float(v - h), float(v + h)) for n, v, h in zip(problem.names, p, half)}
     return SurfaceFit(
         surface=surface,

@@ -2,11 +2,21 @@
 
 from itertools import groupby
 
-from smarig.preisach import surface_forms
+from smarig.core import catalogue_names
 
 POSITIVE_KIND = "positive"
 TABLE_KIND = "table"
 BEST_KIND = "best"  # the kind that predicts held-out curves best
+_FORMS = "smarig.preisach.hysteresis.forms"
+
+
+def surface_choices() -> tuple[str, ...]:
+    """The kinds and "best", by name; unlike ``surface_kinds`` without importing the forms.
+
+    >>> surface_choices()
+    ('constant', 'exponential', 'parabolic', 'positive', 'table', 'best')
+    """
+    return *catalogue_names(_FORMS), POSITIVE_KIND, TABLE_KIND, BEST_KIND
 
 
 def kinds_by_freedom() -> tuple[tuple[str, ...], ...]:
@@ -15,6 +25,8 @@ def kinds_by_freedom() -> tuple[tuple[str, ...], ...]:
     >>> kinds_by_freedom()
     (('constant',), ('parabolic', 'exponential'), ('positive',), ('table',))
     """
+    from smarig.preisach import surface_forms
+
     by_parameters = groupby(surface_forms().items(), key=lambda item: len(item[1].parameters))
     return (
         *(tuple(name for name, _ in level) for _, level in by_parameters),

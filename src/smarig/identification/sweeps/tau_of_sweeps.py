@@ -72,9 +72,9 @@ def tau_of_sweeps(records: Sequence[SweepRecord]) -> SweptTau:
         residual = LagProblem.of([r.with_heat(latent.heat) for r in records], FINE).projected(log_tau)[1]
     if not half < WIDEST:
         raise DataError(
-            f"{names}: the time constant τ cannot be determined: its 95 % interval is ± {min(half, 9.99):.0%}. The "
-            "sweeps move the wire too little for its noise, or no Preisach model follows them. Measure more or larger "
-            "reversal curves."
+            f"{names}: the time constant τ cannot be determined: its 95 % interval is ± {100 * min(half, 9.99):.0f} %. "
+            "The sweeps move the wire too little for its noise, or no Preisach model follows them. Measure more or "
+            "larger reversal curves."
         )
     tau = math.exp(log_tau)
     sweeps = int(np.unique(problem.sweep).size)

@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 from smarig.core import UsageError
 from smarig.preisach.everett import DiagonalIntegrals
 from smarig.preisach.hysteresis.surface_form import SurfaceForm, surface_form
-from smarig.preisach.kernel import KeyedEverett, input_as_keys, inputs_as_keys
+from smarig.preisach.kernel import INPUTS_AS_KEYS, KeyedEverett, input_as_keys, inputs_as_keys
 
 Array = NDArray[np.float64]
 
@@ -141,7 +141,7 @@ class FodSurface(DiagonalIntegrals):
     def keyed(self) -> KeyedEverett:
         """For the loop: inputs are their own keys, and F is in closed form."""
         params = (*map(float, self.x), 0.25 * self.amplitude)
-        return KeyedEverett(self.surface_form.between, params, input_as_keys, inputs_as_keys)
+        return KeyedEverett(self.surface_form.between, params, input_as_keys, inputs_as_keys, INPUTS_AS_KEYS)
 
     def everett(self, alpha: float, beta: float) -> float:
         """F(α, β) = y(α, α) − y(α, β), scalar.

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from smarig.core import DataError
 from smarig.preisach.everett import DiagonalIntegrals
-from smarig.preisach.kernel import KeyedEverett, Search
+from smarig.preisach.kernel import CompiledKeys, KeyedEverett
 
 Array = NDArray[np.float64]
 Cells = NDArray[np.intp]
@@ -88,7 +88,11 @@ class FodTable(DiagonalIntegrals):
         drops[:-1, :-1] = np.diag(self._filled)[:, None] - self._filled
         nodes = self.nodes.tolist()
         return KeyedEverett(
-            _between, (nodes, nodes[1:-1], drops.ravel().tolist(), len(drops)), _place, self._places
+            _between,
+            (nodes, nodes[1:-1], drops.ravel().tolist(), len(drops)),
+            _place,
+            self._places,
+            _COMPILED,
         )
 
     def everett(self, alpha: float, beta: float) -> float:
@@ -136,16 +140,16 @@ class FodTable(DiagonalIntegrals):
     def _cells(self, alpha: ArrayLike, beta: ArrayLike) -> tuple[Cells, Array, Cells, Array]:
         """Cell and position in it, 0 … 1, of α and of β (broadcast). Inputs beyond saturation are saturated."""
         a, b = np.broadcast_arrays(np.asarray(alpha, dtype=float), np.asarray(beta, dtype=float))
-        return *self._cell(a, np.searchsorted), *self._cell(b, np.searchsorted)
+        return *self._cell(a), *self._cell(b)
 
-    def _cell(self, u: Array, search: Search) -> tuple[Cells, Array]:
+    def _cell(self, u: Array) -> tuple[Cells, Array]:
         nodes = self.nodes
-        k = search(self._inner, u, "right")
+        k = np.searchsorted(self._inner, u, "right")
         return k, (np.clip(u, nodes[0], nodes[-1]) - nodes[k]) / (nodes[k + 1] - nodes[k])
 
-    def _places(self, u: Array, search: Search) -> tuple[Array, Array]:
+    def _places(self, u: Array) -> tuple[Array, Array]:
         """``_place`` for arrays (n,)."""
-        k, part = self._cell(u, search)
+        k, part = self._cell(u)
         place = k + part
         return place, place
 
@@ -155,6 +159,12 @@ def _place(params: Any, u: float) -> tuple[float, float]:
     k = bisect_right(inner, u)
     place = k + (u - nodes[k]) / (nodes[k + 1] - nodes[k])
     return place, place
+
+
+def _compiled_place(params: Any, u: float, rank: Any) -> float:
+    nodes, inner, _, _ = params
+    k = rank(inner, u)
+    return k + (u - nodes[k]) / (nodes[k + 1] - nodes[k])
 
 
 def _between(params: Any, a: float, b: float) -> float:
@@ -188,3 +198,6 @@ def _merged(values: Array) -> Array:
     ends = values[~np.isnan(values[:, 0]), 0]
     merged[:, 0] = ends.mean() if ends.size else np.nan
     return merged
+
+
+_COMPILED = CompiledKeys(_compiled_place, _compiled_place, ((1, "right"),))

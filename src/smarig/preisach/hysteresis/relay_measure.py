@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from smarig.core import DataError
-from smarig.preisach.kernel import KeyedEverett, Search
+from smarig.preisach.kernel import CompiledKeys, KeyedEverett
 
 Array = NDArray[np.float64]
 _LARGEST = 1e100
@@ -82,7 +82,7 @@ class RelayMeasure:
         """For the loop: an input's keys are the offset of its row of prefix sums, and its column."""
         alphas, betas = self._alphas.tolist(), self._betas.tolist()
         params = (alphas, betas, self._sums.ravel().tolist(), self._sums.shape[1])
-        return KeyedEverett(_between, params, _place, self._places)
+        return KeyedEverett(_between, params, _place, self._places, _COMPILED)
 
     def everett(self, alpha: float, beta: float) -> float:
         """F(α, β): twice the mass of the relays that a rise from β to α switches."""
@@ -94,9 +94,10 @@ class RelayMeasure:
         rows = np.searchsorted(self._alphas, alpha, side="right")
         return self._sums[rows, np.searchsorted(self._betas, beta, side="left")]
 
-    def _places(self, u: Array, search: Search) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    def _places(self, u: Array) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
         """``_place`` for arrays (n,)."""
-        return search(self._alphas, u, "right") * self._sums.shape[1], search(self._betas, u, "left")
+        rows = np.searchsorted(self._alphas, u, "right")
+        return rows * self._sums.shape[1], np.searchsorted(self._betas, u, "left")
 
     def from_diagonal(self, centre: float, u: Array) -> Array:
         """Signed output change from B_ℓ to each input (n,): twice the mass that switches."""
@@ -133,3 +134,14 @@ def _place(params: Any, u: float) -> tuple[int, int]:
 
 def _between(params: Any, a: int, b: int) -> float:
     return params[2][a + b]
+
+
+def _above(params: Any, u: float, rank: Any) -> int:
+    return rank(params[0], u) * params[3]
+
+
+def _below(params: Any, u: float, rank: Any) -> int:
+    return rank(params[1], u)
+
+
+_COMPILED = CompiledKeys(_above, _below, ((0, "right"), (1, "left")))

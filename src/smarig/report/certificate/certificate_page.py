@@ -19,7 +19,7 @@ from smarig.core import spaced
 from smarig.replay import Model
 from smarig.report.certificate.certificate_figures import certificate_figure
 from smarig.report.components.html import Html, cards, escaped, joined, notice, paragraph, table, tag
-from smarig.report.components.numbers import number
+from smarig.report.components.numbers import number, runs_text, thousands
 from smarig.report.components.page import Section, page
 from smarig.report.components.run_description import display_unit
 from smarig.report.models.model_tables import M_P, M_PC
@@ -228,7 +228,7 @@ def velocity_parts(found: ModelCertificate) -> list[Html]:
         )
         for j in found.controllers
     ]
-    header = ("Controller", "Numbers", f"δ ({per})", f"γ ({per})", with_subscripts("k_e"), "Thm 8.2")
+    header = ("Controller", "Settings", f"δ ({per})", f"γ ({per})", with_subscripts("k_e"), "Thm 8.2")
     words = (
         "Velocity controllers from ė to ũ: δ from ⟨ė, ũ⟩ ≥ δ‖ė‖², γ from ‖ũ‖ ≤ γ‖ė‖, k_e = max{γ + δ, 1}/δ where "
         "Thm 8.2 covers the loop."
@@ -319,7 +319,7 @@ def _exclusion_notice(about: CertifiedModel) -> list[Html]:
 
 def _caption(about: CertifiedModel) -> str:
     rows = sum(r["rows"] for r in about.data)
-    return f"Model {about.model}, rig {about.rig}, {len(about.data)} run(s), n = {rows} rows."
+    return f"Model {about.model}, rig {about.rig}, {runs_text(len(about.data))}, n = {thousands(rows)} rows."
 
 
 def provenance(about: CertifiedModel) -> Html:

@@ -43,7 +43,9 @@ def _velocity_text(found: TrackingResult, velocity: VelocityResult, unit: str) -
     f, off = found.measures, float(found.loop.position[-1] - found.loop.wanted[-1])
     spent = f"; {f.energy_J:.0f} J, peak {f.peak_K:.0f} K above ambient" if f else ""
     clipped = (
-        "" if velocity.clipped_share is None else f", {velocity.clipped_share:.0%} of the samples clipped"
+        ""
+        if velocity.clipped_share is None
+        else f", {100 * velocity.clipped_share:.0f} % of the samples clipped"
     )
     broken = ", ".join(h.name for h in velocity.failing)
     return "\n".join(
@@ -61,11 +63,11 @@ def _regulation_text(found: RegulationResult, unit: str) -> str:
     setpoint_data, lines = found.setpoint_data, []
     count = found.loop.count if found.loop else 0.0
     if setpoint_data.get("ell_K") is not None:
-        shares = (
-            f"{setpoint_data['predicted_distance_K2'] / setpoint_data['area_K2']:.2%} of the plane (plan)"
-        )
+        shares = f"{100 * setpoint_data['predicted_distance_K2'] / setpoint_data['area_K2']:.2f} % of the plane (plan)"
         if found.distance_K2 is not None:
-            shares += f", {found.distance_K2 / setpoint_data['area_K2']:.2%} (from the measured current)"
+            shares += (
+                f", {100 * found.distance_K2 / setpoint_data['area_K2']:.2f} % (from the measured current)"
+            )
         lines.append(
             f"B_ℓ with ℓ = {setpoint_data['ell_K']:.1f} K, ψ(ℓ) = {setpoint_data['output']:.4g} {unit}; distance "
             f"from B_ℓ: {shares}."

@@ -67,14 +67,15 @@ def observed_position(run: Run, closed_s: float, data: dict[str, Any]) -> Observ
 def observed_text(found: ObservedPosition, unit: str) -> str:
     """The result in words."""
     f = found.to_json()
-    ambiguous = f"The resistance is ambiguous in {f['ambiguous']:.1%} of the samples."
+    ambiguous = f"The resistance is ambiguous in {100 * f['ambiguous']:.1f} % of the samples."
     if "observer_rms" not in f:
         return f"Feedback: resistance. No encoder to compare with. {ambiguous}"
     return (
         f"Feedback: resistance. Observed minus encoder: rms {f['observer_rms']:.3g} {unit}, largest "
         f"{f['observer_max']:.3g} {unit}; within the 95 % interval (median ±{f['median_half']:.2g} {unit}) "
-        f"{f['coverage_95']:.1%}. Position by the encoder minus set-point: rms {f['error_rms']:.3g} {unit}, mean of "
-        f"the second half {f['steady_error']:.3g} {unit}; by the observer rms {f['observed_error_rms']:.3g} {unit}. "
+        f"{100 * f['coverage_95']:.1f} %. Position by the encoder minus set-point: rms {f['error_rms']:.3g} {unit}, "
+        f"mean of the second half {f['steady_error']:.3g} {unit}; by the observer "
+        f"rms {f['observed_error_rms']:.3g} {unit}. "
         f"{ambiguous}"
     )
 

@@ -30,6 +30,22 @@ def signed(value: float, digits: int = 3) -> str:
     return f"+{number(value, digits)}" if value > 0 else number(value, digits)
 
 
+def to_uncertainty(value: float | None, uncertainty: float) -> str:
+    """A number to the second significant digit of its uncertainty; to three digits if that is unknown, '–' if missing.
+
+    >>> to_uncertainty(0.03838123, 0.0013), to_uncertainty(332.951, 67), to_uncertainty(-44.13951, 0.83)
+    ('0.0384', '333', '−44.14')
+    >>> to_uncertainty(-5.91e-4, 5.8e-4), to_uncertainty(2.0, 0.0), to_uncertainty(None, 1.0)
+    ('−5.9 × 10⁻⁴', '2', '–')
+    """
+    if not value or not (math.isfinite(value) and 0 < uncertainty < math.inf):
+        return number(value)
+    last = math.floor(math.log10(uncertainty)) - 1
+    if not 1e-3 <= abs(value) < 1e5:
+        return number(value, max(math.floor(math.log10(abs(value))) - last + 1, 2))
+    return f"{round(value, -last) + 0.0:.{max(-last, 0)}f}".replace("-", "−")
+
+
 def counts(value: float, *, sign: bool = False) -> str:
     """Encoder counts to a tenth, as an addition to a length or an angle; ``sign``: a plus sign if positive.
 
@@ -52,6 +68,11 @@ def raised(power: int) -> str:
 def thousands(n: int) -> str:
     """An integer with thin spaces between thousands: 26 080."""
     return f"{n:,}".replace(",", "\u202f")
+
+
+def runs_text(n: int) -> str:
+    """A number of runs: "1 run", "3 runs"."""
+    return f"{n} run" if n == 1 else f"{n} runs"
 
 
 def duration(seconds: float) -> str:

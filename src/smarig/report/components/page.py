@@ -15,7 +15,8 @@ from typing import Any
 
 from smarig.core import atomic_file
 from smarig.report.components.figure import Figure
-from smarig.report.components.html import Html, escaped, tag
+from smarig.report.components.glossary import Term, glossary, terms_in
+from smarig.report.components.html import Html, escaped, joined, tag
 from smarig.report.components.page_summary import PageSummary
 from smarig.report.components.style import CSS, template
 
@@ -55,15 +56,19 @@ def page(
     banner = tag("aside", words, class_="twinbar", aria_label="Simulated, not measured") if label else ""
     skip = tag("a", "Skip to the content", href="#section-1", class_="skip")
     links = [tag("a", s.short, href=f"#section-{k}") for k, s in enumerate(sections, start=1) if s.short]
+    body = tag("main", *(_section(k, s) for k, s in enumerate(sections, start=1)))
+    used = terms_in(joined((title, lead, *notices, body)))
+    if used:
+        links.append(tag("a", "Glossary", href="#glossary"))
     top = tag("div", banner, tag("nav", skip, *links, aria_label="Sections"), class_="sticky")
     header = tag("header", tag("h1", title), tag("p", lead, class_="lead"), *notices, class_="top")
-    body = tag("main", *(_section(k, s) for k, s in enumerate(sections, start=1)))
     script = Html(f"<script>{_FOLD_SCRIPT}{figure_script() if '<svg' in body else ''}</script>")
     whole = tag(
         "body",
         top,
         header,
         body,
+        _glossary(used),
         _footer(words, library if _EXPLORED in body else ""),
         script,
         data_library=library,
@@ -90,6 +95,14 @@ def _section(number: int, section: Section) -> Html:
     if section.folded:
         return tag("section", tag("details", tag("summary", heading), *parts), id=f"section-{number}")
     return tag("section", heading, *parts, id=f"section-{number}", class_="" if heading else "first")
+
+
+def _glossary(used: Sequence[Term]) -> Html:
+    """The meanings of the terms on the page, folded; the script links the terms in the text to them."""
+    if not used:
+        return Html("")
+    folded = tag("details", tag("summary", tag("h2", "Glossary")), glossary(used))
+    return tag("aside", folded, id="glossary", aria_label="Glossary")
 
 
 def _footer(words: str, library: str) -> Html:
@@ -140,11 +153,29 @@ def is_smarig_page(path: Path) -> bool:
         return f'name="generator" content="{GENERATOR}"' in file.read(600)
 
 
-# A link to a folded section opens it.
+# A link to a folded section, or to a place in it, opens it. The first use of a term in a section is such a link.
 _FOLD_SCRIPT = """
-(function(){ function open(){ const at=location.hash&&document.querySelector(location.hash+'>details');
-  if(at){ at.open=true; at.scrollIntoView(); } }
- addEventListener('hashchange',open); open(); })();
+(function(){ function open(){ const at=location.hash&&document.querySelector(location.hash),
+  fold=at&&(at.querySelector(':scope>details')||at.closest('details'));
+  if(fold){ fold.open=true; at.scrollIntoView(); } }
+ addEventListener('hashchange',open); addEventListener('click',e=>{
+  const link=e.target.closest&&e.target.closest('a[href="'+location.hash+'"]'); if(link) setTimeout(open); });
+ const terms={}; document.querySelectorAll('#glossary dt').forEach(dt=>dt.dataset.written.split('|')
+  .forEach(form=>terms[form]=dt));
+ const forms=Object.keys(terms).sort((a,b)=>b.length-a.length);
+ if(forms.length){ const any=new RegExp('(?<![\\\\w-])('+forms.join('|')+')s?(?![\\\\w-])','i');
+  document.querySelectorAll('main section,header .notice').forEach(part=>{ const seen=new Set();
+   part.querySelectorAll('p,li,figcaption,caption,small').forEach(block=>{
+    const walk=document.createTreeWalker(block,NodeFilter.SHOW_TEXT), nodes=[];
+    while(walk.nextNode()) nodes.push(walk.currentNode);
+    nodes.forEach(node=>{ if(node.parentNode.closest('a,button,code,svg,label')) return;
+     for(let found;(found=any.exec(node.data));){ const dt=terms[found[1].toLowerCase()];
+      const rest=node.splitText(found.index+found[0].length);
+      if(!seen.has(dt)){ seen.add(dt); const word=node.splitText(found.index), link=document.createElement('a');
+       link.href='#'+dt.id; link.className='term'; link.title=dt.nextElementSibling.textContent;
+       word.replaceWith(link); link.append(word); }
+      node=rest; } }); }); }); }
+ open(); })();
 """
 
 _DRAW_SCRIPT = """

@@ -25,7 +25,7 @@ def run_caption(run: AnyRun) -> str:
     """The last sentence of a caption: the number of steps and samples. The page states the conditions once."""
     settled = len(run.settled)
     samples = f"{thousands(len(run))} samples"
-    return f"n = {settled} steps of {samples}." if settled else f"n = {samples}."
+    return f"n = {settled} steps, {samples}." if settled else f"n = {samples}."
 
 
 def conditions_text(run: AnyRun) -> str:
@@ -53,7 +53,11 @@ def duration_s(run: AnyRun) -> float:
 
 def display_unit(unit: str) -> str:
     """A unit as displayed: kg/m³ for kg/m^3, °C for degC, and nothing for 1."""
-    return "" if unit == "1" else unit.replace("^2", "²").replace("^3", "³").replace("degC", "°C")
+    return (
+        ""
+        if unit == "1"
+        else unit.replace("^2", "²").replace("^3", "³").replace("degC", "°C").replace("100K", "100 K")
+    )
 
 
 def input_title(run: AnyRun) -> str:

@@ -175,8 +175,14 @@ thead th{border-bottom:2px solid var(--ink);font-weight:600;vertical-align:botto
 tbody th{font-weight:500}td{overflow-wrap:break-word;min-width:4em}
 details{margin:10px 0}summary{cursor:pointer;color:var(--blue)}pre{overflow-x:auto;background:var(--soft);padding:12px;
  font:12px/1.45 ui-monospace,Menlo,Consolas,monospace}
+a.term{color:inherit;text-decoration:underline dotted;text-underline-offset:3px}a.term:hover{color:var(--blue)}
+#glossary{max-width:1180px;margin:0 auto;padding:0 24px 24px}#glossary h2{display:inline-block;font-weight:500;
+ width:calc(100% - 1.2em);vertical-align:top}#glossary h2::before{content:none}
+.glossary{columns:2 420px;column-gap:40px;font-size:14px}.glossary dt{font-weight:600;break-after:avoid}
+.glossary dt:target{background:#fff0c2}.glossary dd{margin:0 0 8px;break-inside:avoid}
+.glossary dd span{color:var(--grey)}
 footer p{color:var(--grey);font-size:13px;border-top:1px solid var(--line);margin:0;padding:14px 0 40px;max-width:none}
-@media (max-width:600px){body{font-size:15px}main,header.top,footer{padding:0 14px}
+@media (max-width:600px){body{font-size:15px}main,header.top,footer,#glossary{padding:0 14px}
  .gallery{grid-template-columns:1fr 1fr;gap:8px}.gallery li{padding:6px}nav{padding:7px 14px}
  .twinbar{font-size:13px}.card strong{font-size:21px}.cards{grid-template-columns:1fr 1fr;gap:8px}h2{font-size:20px}
  caption{max-width:calc(100vw - 28px)}td code{display:block;min-width:17em}
@@ -186,7 +192,7 @@ footer p{color:var(--grey);font-size:13px;border-top:1px solid var(--line);margi
  .stacked td{display:flex;justify-content:space-between;gap:16px;padding-right:0;text-align:right}
  .stacked td::before{content:attr(data-column);color:var(--grey);text-align:left}}
 @media print{@page{size:A4;margin:14mm 12mm}h2,h3{break-after:avoid}section.first:not(:last-of-type){break-after:page}
- section:has(>details:not([open])){display:none}tr,.card,.notice{break-inside:avoid}
+ section:has(>details:not([open])),#glossary:has(>details:not([open])){display:none}tr,.card,.notice{break-inside:avoid}
  .twinbar,.notice,.card,.twin,.severity{-webkit-print-color-adjust:exact;print-color-adjust:exact}
  body{font-size:10pt}.sticky{position:static}nav,.choices,.search,.tools{display:none}
  main,header.top,footer{padding:0;max-width:none}section{margin:20px 0}

@@ -11,7 +11,7 @@ _Card = tuple[str, str, str]
 _WORSE_RATIO = 1.02  # times the base model's error: a larger error is a loss
 _BOX_STYLES = {
     "silent": "good",
-    "named": "good",
+    "named": "bad",
     "ambiguous": "warning",
     "unknown": "bad",
     "not_identifiable": "warning",

@@ -73,7 +73,10 @@ def _value_text(effect: Effect, parameter: Parameter, spread: ParameterSigmas) -
     value, unit = effect.values[parameter.name], unit_suffix(parameter.unit)
     ends = parameter_interval(parameter, value, spread.get((effect.kind.name, parameter.name)))
     between = f" (95 %: {number(ends[0])} to {number(ends[1])})" if ends else ""
-    return f"{_plain_name(parameter)} {number(value)}{unit}{between}"
+    name = _plain_name(parameter)
+    return (
+        f"{name} {number(value)}{'' if name == f'{parameter.unit}s' else unit}{between}"  # cycles 24, no unit
+    )
 
 
 def _plain_name(parameter: Parameter) -> str:

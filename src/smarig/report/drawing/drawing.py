@@ -10,7 +10,6 @@ from typing import Any
 from matplotlib import rc_context
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.backends.backend_pdf import FigureCanvasPdf
 from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure as MplFigure
 
@@ -43,11 +42,11 @@ def svg_of(panel: Panel, label: str = "", width_px: int = WIDTH_PX) -> str:
 
 def save_figure(panel: Panel, path: Path, kind: str, label: str = "", width_px: int = WIDTH_PX) -> None:
     """Write the panel to a file of a kind: ".svg", ".pdf" or ".png". ``label`` marks simulated data."""
-    canvases: dict[str, Any] = {".svg": FigureCanvasSVG, ".pdf": FigureCanvasPdf, ".png": FigureCanvasAgg}
     with rc_context(style()):
         drawing = draw_panel(panel, label, width_px)
         with path.open("wb") as file:
-            canvases[kind](drawing).print_figure(file, format=kind[1:], dpi=144)
+            # loads the backend of the format: that of PDF only when it is needed, for it takes a quarter of a second
+            FigureCanvasAgg(drawing).print_figure(file, format=kind[1:], dpi=144)
 
 
 def draw_on(axes: Axes, panel: Panel, label: str = "") -> None:

@@ -2,6 +2,8 @@
 
 from dataclasses import dataclass
 
+import numpy as np
+
 from smarig.core import spaced
 from smarig.diagnosis import Diagnosis
 from smarig.identification import ErrorLevel, ErrorVerdict, error_verdict
@@ -13,6 +15,8 @@ from smarig.report.diagnosis.verdict_text import strengths_text
 from smarig.report.models.evidence import Evidence
 from smarig.report.models.model_tables import pooled_rms
 from smarig.report.models.preisach_verdict import preisach_verdict
+
+_FEWEST_SETTLED = 2
 
 
 @dataclass(frozen=True)
@@ -65,6 +69,8 @@ def _measured(e: Evidence) -> str:
 
 def _extent(run: Run, column: str) -> float:
     """The range of a column; 0 if nothing is known."""
+    if len(run.settled) >= _FEWEST_SETTLED:  # noise makes the range of the samples larger
+        return float(np.ptp(run.points()[1 if column == "position" else 0]))
     low, high = run.extremes(column) or (0.0, 0.0)
     return high - low
 

@@ -100,7 +100,9 @@ def model_recommendation(e: Evidence) -> Html:
             "warning", paragraph(*words, ". The stability results of chapter 8 do not apply to it.")
         )
     words += [
-        ". The positive model is in MP by construction, so the stability results of chapter 8 apply to that model. "
+        ". The positive model is in ",
+        M_P,
+        " by construction, so the stability results of chapter 8 apply to that model. ",
     ]
     names = " ".join(shlex.quote(p.run) for p in e.best.model.provenance)
     command = tag("code", f"smarig identify {names} --surface positive -o positive.model.json")
@@ -116,12 +118,17 @@ def _prediction_verdict(e: Evidence, unit: str) -> list[str | Html]:
     compared = _compared_errors(e)
     if not compared:
         return []
-    equivalent = all(positive <= SIMPLER_TOLERANCE * chosen for _, positive, chosen in compared)
+    worse = [positive > SIMPLER_TOLERANCE * chosen for _, positive, chosen in compared]
     errors = "; ".join(
         f"{where} {positive:.3g} against {chosen:.3g} {unit} rms" for where, positive, chosen in compared
     )
-    verdict = "The positive model predicts as well" if equivalent else "The positive model predicts less well"
-    return [tag("b", verdict), f": {errors}. {'' if equivalent else _other_models_text(e, unit)}"]
+    if all(worse):
+        verdict = "The positive model predicts less well"
+    elif any(worse):
+        verdict = f"The positive model predicts less well {compared[worse.index(True)][0]} only"
+    else:
+        verdict = "The positive model predicts as well"
+    return [tag("b", verdict), f": {errors}. {_other_models_text(e, unit) if any(worse) else ''}"]
 
 
 def _compared_errors(e: Evidence) -> list[tuple[str, float, float]]:

@@ -9,7 +9,7 @@ from smarig.identification import Calibration, Identification, PositiveFit, Surf
 from smarig.preisach import surface_forms
 from smarig.record import Run
 from smarig.report.components.html import Html, joined, paragraph, table, tag
-from smarig.report.components.numbers import number, thousands
+from smarig.report.components.numbers import number, thousands, to_uncertainty
 from smarig.report.models.density_figures import density_unit
 from smarig.report.models.identification_plot_data import density_report_of
 
@@ -83,8 +83,11 @@ def parameters_table(found: Identification) -> Html:
     for name, value in zip(found.fit.names, found.fit.values):
         low, high = found.fit.intervals[name]
         known = np.isfinite([low, high]).all()
-        interval = f"{number(low, 5)}…{number(high, 5)}" if known else "not determined by these data"
-        rows.append((_display_name(name), number(float(value), 5), interval, units.get(name, "")))
+        half = (high - low) / 2
+        interval = (
+            f"{to_uncertainty(low, half)} to {to_uncertainty(high, half)}" if known else _NOT_DETERMINED
+        )
+        rows.append((_display_name(name), to_uncertainty(float(value), half), interval, units.get(name, "")))
     converged = "" if found.fit.converged else " The fit did not converge."
     return table(
         ("Parameter", "Value", "95 % interval", "Unit"),
@@ -189,14 +192,23 @@ def classes_table(found: Mapping[str, Identification], run: Run) -> Html:
     )
 
 
+_NOT_DETERMINED = "not determined by these data"
 _CLASS_TEXT = ": in addition μ ≥ 0 everywhere, as passivity and the stability theorems require."
 
 
 def calibration_table(found: Calibration) -> Html:
     """The calibrated constants of the wire with intervals, and the constants that the data do not determine."""
     rows = [
-        (name, f"{e.value:.4g}", f"{e.ci95[0]:.4g} to {e.ci95[1]:.4g}", e.unit, e.source, thousands(e.n))
+        (
+            name,
+            to_uncertainty(e.value, half),
+            f"{to_uncertainty(e.ci95[0], half)} to {to_uncertainty(e.ci95[1], half)}",
+            e.unit,
+            e.source,
+            thousands(e.n),
+        )
         for name, e in found.parameters.items()
+        for half in ((e.ci95[1] - e.ci95[0]) / 2,)
     ]
     rows += [(name, "—", "—", "", why, "") for name, why in found.not_available.items()]
     return table(

@@ -43,7 +43,7 @@ def comparison_assessment(found: Sequence[AlignedRun], family: FamilyFigures) ->
         return ComparisonAssessment(
             "warning",
             _compared(first.run, [each.run for each in others]),
-            f"The runs have no steps in common, so they are drawn but not subtracted. {_strokes(found, family)}",
+            "The runs have no steps in common, so they are drawn but not subtracted.",
             "To compare two days, run the same protocol with the same settings on both.",
         )
     changes = [(each, run_change(first, each)) for each in common]

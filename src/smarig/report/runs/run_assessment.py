@@ -15,6 +15,7 @@ from smarig.report.components.run_description import (
     protocol_name,
     quality_counts,
 )
+from smarig.report.runs.run_family import stroke
 
 _LEVELS = {ErrorLevel.GOOD: "good", ErrorLevel.POOR: "bad"}
 _IDENTIFIED_FROM = ("first_order_descending", "first_order_ascending", "minor_loops", "adaptive_fod")
@@ -53,12 +54,10 @@ def run_assessment(run: Run, verified: RunVerification | None = None, model: str
 
 
 def _measured(run: Run) -> str:
-    low, high = run.extremes("position") or (np.nan, np.nan)
-    if not np.isfinite(high - low):
+    travel = stroke(run)
+    if not np.isfinite(travel):
         return f"Measured: {protocol_name(run)}, without readings of the output."
-    words = (
-        f"Measured: {protocol_name(run)}, a travel of {number(high - low, 4)}{spaced(display_unit(run.unit))}"
-    )
+    words = f"Measured: {protocol_name(run)}, a travel of {number(travel, 4)}{spaced(display_unit(run.unit))}"
     ends = run.extremes("input")
     if ends:
         words += f" over {number(ends[1] - ends[0], 4)}{spaced(display_unit(run.input_unit))}"

@@ -13,6 +13,7 @@ from smarig.report.components.run_description import display_unit, source_label
 from smarig.report.components.style import COMPARED, SYMBOLS
 from smarig.transformation import TEMPERATURES, headline
 
+_FEWEST_SETTLED = 2
 _DAY_S = 86400.0
 _SAME_DAY_S = 3600.0
 _LABELS = {"A_s": "A<sub>s</sub>", "A_f": "A<sub>f</sub>", "M_s": "M<sub>s</sub>", "M_f": "M<sub>f</sub>"}
@@ -57,7 +58,9 @@ def family_figures(runs: Sequence[Run]) -> FamilyFigures:
 
 
 def stroke(run: Run) -> float:
-    """The range of the output of a run; NaN without readings."""
+    """The range of the settled outputs of a run, else of its samples, which noise makes larger; NaN without any."""
+    if len(run.settled) >= _FEWEST_SETTLED:
+        return float(np.ptp(run.points()[1]))
     low, high = run.extremes("position") or (np.nan, np.nan)
     return high - low
 
@@ -95,7 +98,7 @@ def trend_figure(found: FamilyFigures, runs: Sequence[Run]) -> Figure | None:
     if len(runs) < 3:
         return None
     order, x = found.variable.order, np.array(found.variable.values)
-    across = axis(found.variable.title)
+    across = axis(found.variable.title, **({} if found.variable.unit else {"dtick": 1}))
     unit = display_unit(runs[0].unit)
     stroke_trace = line(
         x[order],

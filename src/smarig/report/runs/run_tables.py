@@ -1,6 +1,7 @@
 """Tables about runs: rig and conditions, data quality, steps, events, provenance."""
 
 import hashlib
+import re
 import tomllib
 from collections.abc import Iterable, Mapping, Sequence
 from datetime import UTC, datetime
@@ -12,9 +13,10 @@ from smarig.core import SmarigError
 from smarig.record import Run
 from smarig.replay import condition_text, recorded_conditions
 from smarig.report.components.html import Html, joined, paragraph, table, tag
-from smarig.report.components.numbers import duration, number, thousands
+from smarig.report.components.numbers import duration, number, signed, thousands, to_uncertainty
 from smarig.report.components.run_description import (
     FLAG_NAMES,
+    count_size,
     display_unit,
     duration_s,
     protocol_name,
@@ -77,7 +79,7 @@ def _derived_rows(run: Run, derived: DerivedQuantities) -> Iterable[Row]:
         source = "force balance of both wires, heated by the measured current"
         yield "Stress in the wires", text, "MPa", source
     if energy is not None:
-        heat = f"{number(energy.mean_resistance_J, 4)} (the energy differs by {energy.difference_percent:+.2f} %)"
+        heat = f"{number(energy.mean_resistance_J, 4)} (the energy differs by {signed(energy.difference_percent)} %)"
         yield "Electrical energy", number(energy.electrical_J, 4), "J", "∫ V i dt of the readings"
         yield (
             "Heat of the heating model",
@@ -175,13 +177,18 @@ def quality_table(runs: Mapping[str, Run]) -> Html:
             (name, duration(duration_s(run)), thousands(c.samples), c.steps, c.settled, *marked, state)
         )
     header = [key.replace("_", " ").capitalize() for key in seen]
-    none = f" Marks of no step and no sample: {', '.join(unseen)}." if unseen else ""
+    none = f" No step and no sample is marked {_any_of(unseen)}." if unseen else ""
     return table(
         ("Run", "Duration", "Samples", "Steps", "Settled", *header, "Ended"),
         rows,
         "Data quality: steps by verdict, samples by quality mark. Initialisation holds for a fixed time, so its "
         f"steps need not settle.{none}",
     )
+
+
+def _any_of(words: Sequence[str]) -> str:
+    """The words as an alternative: "stale, void or tripped"."""
+    return " or ".join([", ".join(words[:-1]), words[-1]] if len(words) > 1 else words)
 
 
 # --- provenance, events and steps ---
@@ -233,13 +240,14 @@ def events_table(run: Run, most: int = 60) -> Html:
 
 
 def steps_table(run: Run, most: int = 400) -> Html:
-    """The first ``most`` recorded steps."""
+    """The first ``most`` recorded steps. A mean resolves a tenth of a count."""
+    resolution = count_size(run)
     rows = [
         (
             s.index,
             s.branch,
             number(s.target, 4),
-            number(s.position, 5),
+            to_uncertainty(s.position, resolution / 10),
             s.n,
             s.verdict.replace("_", " "),
             "void" if s.void else "",
@@ -247,7 +255,15 @@ def steps_table(run: Run, most: int = 400) -> Html:
         for s in run.steps[:most]
     ]
     more = f" The first {most} of {len(run.steps)}." if len(run.steps) > most else ""
-    header = ("Step", "Branch", f"Target ({run.input_unit})", f"Position ({run.unit})", "n", "Verdict", "")
+    header = (
+        "Step",
+        "Branch",
+        f"Target ({run.input_unit})",
+        f"Position ({run.unit})",
+        "n",
+        "Verdict",
+        "Mark",
+    )
     words = f"Steps. The position is the mean of the last n samples.{more}"
     return (
         tag("details", tag("summary", f"{len(run.steps)} steps"), table(header, rows, words))
@@ -257,8 +273,11 @@ def steps_table(run: Run, most: int = 400) -> Html:
 
 
 def _short(value: Any) -> str:
-    """A number with six digits; texts as they are."""
-    return f"{value:.6g}" if isinstance(value, float) else str(value)
+    """A number with four digits, a hash with twelve; other texts as they are."""
+    text = str(value)
+    if re.fullmatch(r"-?\d+\.\d+(e-?\d+)?", text):
+        return number(float(text), 4)
+    return f"{text[:12]}…" if re.fullmatch(r"[0-9a-f]{64}", text) else text
 
 
 def settings_text(run: Run) -> Html:

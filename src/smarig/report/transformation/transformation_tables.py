@@ -5,7 +5,7 @@ from collections.abc import Sequence
 
 from smarig.core import capitalised, spaced
 from smarig.report.components.html import Html, bullets, cards, joined, paragraph, table, tag
-from smarig.report.components.numbers import number, signed
+from smarig.report.components.numbers import number, signed, to_uncertainty
 from smarig.report.components.run_description import display_unit
 from smarig.transformation import FIGURES, NAMES, TEMPERATURES, RunFigures, StressSlope, cycles_text, why_not
 
@@ -32,10 +32,11 @@ def _card(run: RunFigures, name: str) -> tuple[Html, str, str]:
         return label, "–", capitalised(why_not(run, name))
     drawn, unit = run.means[name], spaced(display_unit(run.unit_of(name)))
     low, high = drawn.ci95
-    interval = f"{number(low, 4)} to {number(high, 4)}{unit}"
+    half = (high - low) / 2
+    interval = f"95 %: {to_uncertainty(low, half)} to {to_uncertainty(high, half)}{unit}"
     degC = run.degC(drawn.value) if name in TEMPERATURES and run.record.input_unit != "degC" else None
     also = f"; {degC:.1f} °C" if degC is not None else ""
-    return label, f"{number(drawn.value, 4)}{unit}", f"{interval}{also}"
+    return label, f"{to_uncertainty(drawn.value, half)}{unit}", f"{interval}{also}"
 
 
 def figures_table(run: RunFigures) -> Html:
@@ -55,15 +56,16 @@ def _row(run: RunFigures, name: str, ambient: bool) -> list[object]:
         return [label, f"not given: {why_not(run, name)}", *([""] if ambient else []), "", "", "", ""]
     drawn = run.means[name]
     low, high = drawn.ci95
+    half = (high - low) / 2
     degC = run.degC(drawn.value) if name in TEMPERATURES else None
     also = [f"{degC:.1f}" if degC is not None else ""] if ambient else []
     drift = run.drift.get(name)
     slope = f"{signed(drift.value)} ({signed(drift.ci95[0])} to {signed(drift.ci95[1])})" if drift else "–"
     return [
         label,
-        number(drawn.value, 4),
+        to_uncertainty(drawn.value, half),
         *also,
-        f"{number(low, 4)} to {number(high, 4)}",
+        f"{to_uncertainty(low, half)} to {to_uncertainty(high, half)}",
         display_unit(run.unit_of(name)),
         str(run.counts[name]),
         slope,

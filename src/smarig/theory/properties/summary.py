@@ -87,7 +87,7 @@ class Properties:
             f"  classes   M_PC {_yes_no(c.M_PC)}, M_P {_yes_no(c.M_P)}, ν ≥ 0 {_yes_no(c.positive)}",
             f"  μ         least {_extreme_text(c.mu_min)}, largest {_extreme_text(c.mu_max)} {per[0]}",
             f"  g         least {_extreme_text(c.g_min)}, largest {_extreme_text(c.g_max)} {per[1]}; "
-            f"{c.reversible_share:.1%} of the range",
+            f"{100 * c.reversible_share:.1f} % of the range",
             f"  slopes    rising ≥ {_extreme_text(m.rising)}, falling ≥ {_extreme_text(m.falling)} {per[2]}: "
             "output follows input "
             + (_yes_no(m.holds) if m.holds else f"no, up to {m.setback:.3g} {unit}against it"),

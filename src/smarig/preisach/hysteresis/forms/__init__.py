@@ -3,8 +3,6 @@
 import inspect
 from typing import Any
 
-from smarig.preisach.hysteresis.surface_form import SurfaceForm
-
 _ATTRIBUTES = ("powers", "colour", "place")
 
 
@@ -14,6 +12,8 @@ def misfit(name: str, found: Any) -> str:
     >>> misfit("linear", 3)
     'linear must be a SurfaceForm (smarig.preisach.hysteresis.surface_form); it is of type int'
     """
+    from smarig.preisach.hysteresis.surface_form import SurfaceForm  # imports numpy; names are needed without
+
     if inspect.isclass(found) or not isinstance(found, SurfaceForm):
         kind = f"it is {'the class' if inspect.isclass(found) else 'of type'} "
         type_name = found.__name__ if inspect.isclass(found) else type(found).__name__

@@ -1,0 +1,137 @@
+"""What ``smarig list`` lists: the entries of each catalogue, one line each, and their settings."""
+
+from collections.abc import Callable
+
+from smarig.config import load_actuator, load_campaign, load_rig, shipped_names
+from smarig.control import (
+    SETPOINT_CONTROLLERS,
+    TRACKING_CONTROLLERS,
+    VELOCITY_CONTROLLERS,
+    default_numbers,
+    documented_numbers,
+    optional_numbers,
+)
+from smarig.core import (
+    UsageError,
+    catalogue_entry,
+    catalogue_names,
+    catalogue_summary,
+    is_path,
+    resolve_name,
+)
+from smarig.exchange import load_mapping
+from smarig.plant import EFFECTS, effect_types
+from smarig.protocols import PROTOCOLS, setting_texts
+from smarig.record import wire_histories
+
+
+def _protocols() -> dict[str, str]:
+    return {n: catalogue_summary(PROTOCOLS, n) for n in catalogue_names(PROTOCOLS)}
+
+
+def _rigs() -> dict[str, str]:
+    rigs = {n: load_rig(n) for n in shipped_names("rigs")}
+    return {n: f"{r.kind} of {r.actuator}, tick {r.period_s:g} s, wire {r.wire}" for n, r in rigs.items()}
+
+
+def _actuators() -> dict[str, str]:
+    return {
+        n: f"{load_actuator(n).arrangement}; {load_actuator(n).source}" for n in shipped_names("actuators")
+    }
+
+
+def _campaigns() -> dict[str, str]:
+    return {n: load_campaign(n).summary for n in shipped_names("campaigns")}
+
+
+def _imports() -> dict[str, str]:
+    return {n: load_mapping(n).summary for n in shipped_names("imports")}
+
+
+def _effects() -> dict[str, str]:
+    return {k.name: k.summary for k in effect_types()}
+
+
+def _controllers() -> dict[str, str]:
+    listed_ = {
+        n: f"{use}: {catalogue_summary(p, n)}"
+        for use, p in _CONTROLLER_PACKAGES.items()
+        for n in catalogue_names(p)
+    }
+    return listed_ | {
+        shown_name: f"regulate: {catalogue_summary(SETPOINT_CONTROLLERS, n)}"
+        for shown_name, n in _setpoint_controllers().items()
+    }
+
+
+def _setpoint_controllers() -> dict[str, str]:
+    """Names of set-point controllers by the names in the listing: tracking has another controller named pi."""
+    taken = {n for p in _CONTROLLER_PACKAGES.values() for n in catalogue_names(p)}
+    names = catalogue_names(SETPOINT_CONTROLLERS)
+    return {f"{n} (regulate)" if n in taken else n: n for n in names}
+
+
+def _wires() -> dict[str, str]:
+    return {h.wire + " (twin)" * h.twin: f"{h.sentence()}; last used {h.last_use}" for h in wire_histories()}
+
+
+_CONTROLLER_PACKAGES = {
+    "track": TRACKING_CONTROLLERS,
+    "track, certify": VELOCITY_CONTROLLERS,
+}  # the commands that use them
+LISTINGS: dict[str, Callable[[], dict[str, str]]] = {
+    "effects": _effects,
+    "rigs": _rigs,
+    "actuators": _actuators,
+    "protocols": _protocols,
+    "controllers": _controllers,
+    "campaigns": _campaigns,
+    "imports": _imports,
+    "wires": _wires,
+}
+
+
+def chosen_names(kind: str, files: tuple[str, ...]) -> set[str]:
+    """The names that own files define. Only these are then listed."""
+    package = {"protocols": PROTOCOLS, "controllers": TRACKING_CONTROLLERS, "effects": EFFECTS}.get(kind)
+    for file in files:
+        if package is None or not is_path(file):
+            raise UsageError(
+                f"'{file}' cannot be listed. Give a file with a protocol, controller or effect of your own, such as "
+                "./NAME.py."
+            )
+    return {resolve_name(str(package), file) for file in files}
+
+
+def settings_of(group: str, name: str) -> list[str]:
+    if group == "controllers":
+        return _numbers(name)
+    if group == "effects":
+        kind = next(k for k in effect_types() if k.name == name)
+        return [
+            f"{p.name} = {p.typical:g} {p.unit} ({p.lower:g} to {p.upper:g}; {p.source})"
+            for p in kind.parameters
+        ]
+    return [f"{key} = {default}" for key, default in setting_texts(name)] if group == "protocols" else []
+
+
+def _numbers(name: str) -> list[str]:
+    """The parameters of a controller, with unit and meaning where its docstring gives them."""
+    texts, defaults = units_and_defaults(name)
+    return [_line(key, default, *texts.get(key, ("", ""))) for key, default in defaults.items()]
+
+
+def _line(key: str, default: float | None, unit: str, meaning: str) -> str:
+    value = "set by the model," if default is None else f"{default:g}"
+    meaning_text = f" ({meaning})" if meaning else ""
+    return f"{key} = {value} {unit if unit != '1' else ''}".rstrip() + meaning_text
+
+
+def units_and_defaults(name: str) -> tuple[dict[str, tuple[str, str]], dict[str, float | None]]:
+    """Units, meanings and defaults of a controller's parameters. The default is None if the model sets it."""
+    if name in (setpoint := _setpoint_controllers()):
+        entry = setpoint[name]
+        texts = documented_numbers(catalogue_entry(SETPOINT_CONTROLLERS, entry))
+        return texts, optional_numbers(SETPOINT_CONTROLLERS, entry)
+    package = next(p for p in _CONTROLLER_PACKAGES.values() if name in catalogue_names(p))
+    return documented_numbers(catalogue_entry(package, name)), dict(default_numbers(package, name))

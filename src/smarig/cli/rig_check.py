@@ -1,0 +1,106 @@
+"""``smarig check RIG``: check a rig's file, constants and lease, bring up a bench, preview a protocol."""
+
+import time
+from typing import Any
+
+import click
+
+from smarig.cli.output import emit, show_message
+from smarig.cli.progress import preview_progress
+from smarig.config import RigFile, load_rig
+from smarig.core import ConfigError, LeaseExpired, RigFault, UsageError
+from smarig.plant import Actuator
+from smarig.protocols import Setup, parse_pairs
+from smarig.rig import Bench, Check, Twin, TwinSettings, bring_up, inconsistencies, open_rig
+from smarig.runner import preview, rig_locks
+
+_LABELS = {"lease_trips": "Lease test passed"}  # of the values that are no quantities
+
+
+def check_rig(rig: str, protocol: str | None, pairs: tuple[str, ...], preview_only: bool, yes: bool) -> None:
+    """Report what a rig is; ConfigError for constants that contradict each other, RigFault if it is not fit to run."""
+    file = load_rig(rig)
+    actuator = Actuator.named(file.actuator)
+    setup = Setup(actuator, file.limits, file.period_s)
+    found: dict[str, Any] = {
+        "rig": file.name,
+        "kind": file.kind,
+        "actuator": actuator.name,
+        "tau_s": actuator.tau_s,
+        "hA_W_per_K": actuator.hA_W_per_K,
+        "input_range_K": [setup.lower_K, setup.upper_K],
+        "position_per_count": actuator.position_per_count(file.encoder.counts_per_rev),
+        "unit": actuator.unit,
+    }
+    if file.kind == "twin":
+        found["lease_trips"] = _lease_trips(Twin.named(rig))
+    lines = [f"{_LABELS.get(key, key):>20}: {_short(value)}" for key, value in found.items()]
+    if protocol:
+        cost = preview(protocol, file, parse_pairs(pairs), report=preview_progress())
+        found["preview"] = cost.__dict__
+        lines.append(f"{'preview':>20}: {cost.sentence()}")
+    rig_is_fit = True
+    problems = inconsistencies(file)
+    if problems:
+        raise ConfigError("\n".join(f"{rig}: {problem}" for problem in problems))
+    if file.kind == "bench" and not preview_only:
+        _confirm_heating(file, yes)
+        checks = _bring_up_checks(rig, file, actuator)
+        rig_is_fit = all(c.passed for c in checks)
+        found["checks"] = [c.to_json() for c in checks]
+        lines += ["", *_checklist(file, checks)]
+    emit(found, "\n".join(lines))
+    if not rig_is_fit:
+        raise RigFault("The rig is not fit to run. See the list of checks.")
+
+
+def _confirm_heating(file: RigFile, yes: bool) -> None:
+    """Ask for confirmation before a real wire is heated."""
+    if file.simulator is None and not yes:
+        words = f"The wire of {file.name} will be heated gently, and its lease will expire once. Continue?"
+        if not click.confirm(words, default=False, err=True):
+            raise UsageError(
+                "Nothing was done. Give --yes to skip the question, or --no-current to check only the files."
+            )
+
+
+def _bring_up_checks(rig: str, file: RigFile, actuator: Actuator) -> list[Check]:
+    with rig_locks(file, file.wire), open_rig(rig, file, actuator, TwinSettings()) as bench:
+        assert isinstance(bench, Bench)  # noqa: S101 - of kind "bench"
+        return bring_up(bench, file, show_message)
+
+
+def _checklist(file: RigFile, checks: list[Check]) -> list[str]:
+    """The lines of the checklist, to be printed and signed."""
+    now = time.strftime("%Y-%m-%d %H:%M")
+    rows = [f"[{'x' if c.passed else ' '}] {c.name}: {c.observed}" for c in checks]
+    manual_checks = [
+        "[ ] cut-out: pressed while current flowed, and the current stopped",
+        "[ ] guard and load: in place",
+    ]
+    return [
+        f"Bring-up of {file.name}, wire '{file.wire}', {now}",
+        *rows,
+        *manual_checks,
+        "",
+        "Signed: ____________________",
+    ]
+
+
+def _short(value: object) -> str:
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    if isinstance(value, float):
+        return f"{value:.5g}"
+    return " … ".join(map(_short, value)) if isinstance(value, list) else str(value)
+
+
+def _lease_trips(twin: Twin) -> bool:
+    """Whether a pause longer than the lease switches the output off and latches a trip."""
+    twin.step(0.1)
+    twin.idle(twin.file.lease_s + 10 * twin.period_s)
+    try:
+        twin.step(0.1)
+    except LeaseExpired:
+        return twin.output_A == 0.0
+    return False

@@ -1,0 +1,124 @@
+"""The loop of ``kernel.py`` as numba compiles it: one pass that clips, finds keys and follows the memory.
+
+It differs from the plain loop in form only. A monotone part runs in a loop of its own, in which the end of the branch,
+its key and its output are local numbers. An input has one key: as α where the input rises, as β where it falls. That is
+also its key if the input turns there. Arrays of both keys would cost more than the loop itself.
+
+Levels are searched by buckets of equal width: a bucket gives the first rank, and halving gives the rest.
+"""
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+Levels = tuple[Array, NDArray[np.int32], float, float, float, int]
+
+
+def bucketed(levels: Array, side: str) -> Levels:
+    """For ``rank``: padded levels, first rank of each bucket, origin and scale of the buckets, number of the last
+    bucket, most levels in one bucket. ``side`` as for np.searchsorted."""
+    if side == "right":  # levels ≤ u are those whose next lower float is < u
+        levels = np.nextafter(levels, -np.inf)
+    if levels.size == 0:
+        return np.array([np.inf]), np.zeros(1, np.int32), 0.0, 0.0, 0.0, 1
+    count = min(8 * levels.size, 1 << 16)
+    low, width = float(levels[0]), float(levels[-1] - levels[0])
+    scale = count / width if width > 0 else 0.0
+    # computed as in ``rank``, so that rounding puts an input and its level into buckets in the right order
+    own = np.minimum(np.maximum((levels - low) * scale, 0.0), count - 1.0).astype(np.int64)
+    begins = np.searchsorted(own, np.arange(count))
+    most = int(np.max(np.bincount(own)))
+    padded = np.append(levels, np.full(most, np.inf))
+    return padded, begins.astype(np.int32), low, scale, count - 1.0, most
+
+
+def rank(table: Levels, u: float) -> Any:
+    """The number of levels < u. Unsigned indices, because numba checks signed ones for negative values."""
+    levels, begins, low, scale, last, most = table
+    found = np.int64(begins[np.uint64(min(max((u - low) * scale, 0.0), last))])
+    size = most
+    while size > 1:
+        half = size >> 1
+        found += half if levels[np.uint64(found + half - 1)] < u else 0
+        size -= half
+    return found + (1 if levels[np.uint64(found)] < u else 0)
+
+
+def make_compiled_loop(
+    between: Callable[..., Any],
+    above: Callable[..., Any],
+    below: Callable[..., Any],
+    rank: Callable[..., Any],
+) -> Callable[..., tuple[int, float, float]]:
+    """The loop for one Everett function; all arguments are compiled functions.
+
+    ``run(params, u, released, lower, upper, centre, U, K, Y, top, now, out, y)`` follows the inputs ``u`` (n,) from the
+    present point (now, out), writes the outputs into ``y`` (n,) and returns the new top, input and output. The stack
+    is that of ``kernel.py``.
+    """
+
+    def run(params, u, released, lower, upper, centre, U, K, Y, top, now, out, y):
+        i, n = 0, u.size
+        # the key of the present point, as α if the input was rising, as β if it was falling
+        here = above(params, now, rank) if now > U[top] else below(params, now, rank)
+        while i < n:
+            v = min(max(u[i], lower), upper)
+            if v > now:
+                if now < U[top]:  # the input was falling: the present point is a minimum
+                    top += 1
+                    U[top], K[top], Y[top] = now, here, out
+                end, key, base = U[top - 1], K[top], Y[top]
+                while v > now:
+                    here = above(params, v, rank)
+                    if v < end:
+                        out = base + between(params, here, key)
+                    else:
+                        while v >= U[top - 1]:
+                            if top < 3:
+                                top, U[0], U[1], out = 1, v, 2 * centre - v, released[i]
+                                break
+                            top -= 2
+                        else:
+                            out = Y[top] + between(params, here, K[top])
+                        end, key, base = U[top - 1], K[top], Y[top]
+                    y[i] = out
+                    now = v
+                    i += 1
+                    if i < n:
+                        v = min(max(u[i], lower), upper)
+            elif v < now:
+                if now > U[top]:  # the input was rising: the present point is a maximum
+                    top += 1
+                    U[top], K[top], Y[top] = now, here, out
+                end, key, base = U[top - 1], K[top], Y[top]
+                while v < now:
+                    here = below(params, v, rank)
+                    if v > end:
+                        out = base - between(params, key, here)
+                    else:
+                        while v <= U[top - 1]:
+                            if top > 2:
+                                top -= 2
+                            elif centre == centre:
+                                top, U[0], U[1], out = 1, v, 2 * centre - v, released[i]
+                                break
+                            else:  # negative saturation
+                                top, out = 1, Y[1]
+                                break
+                        else:
+                            out = Y[top] - between(params, K[top], here)
+                        end, key, base = U[top - 1], K[top], Y[top]
+                    y[i] = out
+                    now = v
+                    i += 1
+                    if i < n:
+                        v = min(max(u[i], lower), upper)
+            else:
+                y[i] = out
+                i += 1
+        return top, now, out
+
+    return run

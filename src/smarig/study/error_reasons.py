@@ -1,0 +1,140 @@
+"""Why a model misses data: what differs between fitted and held-out data, in physical words."""
+
+from collections.abc import Iterator, Sequence
+from itertools import pairwise
+
+import numpy as np
+
+from smarig.core import spaced
+from smarig.identification import RunVerification
+from smarig.measurement import reversals
+from smarig.record import Run
+from smarig.replay import recorded_conditions
+from smarig.study.candidate_models import CandidateModel
+from smarig.study.data_split import LOAD, DataSplit
+
+_SAME_SHARE = 0.05  # conditions that differ less count as equal
+_BEYOND_SHARE = 0.05  # of the fitted range: inputs further outside are new to the model
+_FITS_SHARE = 0.03  # of the output's range: a fit that misses by less describes its own data
+_WORSE = 2.0  # times: held-out data are clearly worse than fitted ones
+_LOADS_NEEDED = 3
+_BACK_SHARE = 0.08  # of the output's range
+_WIDE_BRANCH = 0.5  # of the input's range
+_FEWEST_ROWS, _PARTS = 60, 20  # of a branch
+
+
+def error_reasons(split: DataSplit, best: CandidateModel) -> list[str]:
+    """Sentences on what the data say about the error of a model, the most certain first; empty if nothing stands out.
+
+    They compare facts of the fitted and the held-out data (conditions, range of the input, errors) and name no effect:
+    that is the diagnosis.
+    """
+    found = [*_conditions(split), *_range(best), *_turned_back(best)]
+    return [*found, *_fit(split, best, explained=bool(found))]
+
+
+def _conditions(split: DataSplit) -> Iterator[str]:
+    """Conditions of the held-out runs that no fitted run had."""
+    if split.kind not in ("run", "load"):
+        return
+    fitted, held = (_by_condition(runs) for runs in (split.train, split.held_out))
+    for name, values in held.items():
+        known = fitted.get(name, {})
+        new = [v for v in values if known and not any(abs(v - k) <= _SAME_SHARE * abs(k) for k in known)]
+        if not new:
+            continue
+        unit = spaced(next(iter(values.values())))
+        which = f"{_listed(new)}{unit} in the held-out data, {_listed(list(known))}{unit} in the fitted data"
+        if name == LOAD and len(known) < _LOADS_NEEDED - 1:
+            yield (
+                f"The stress differs: {which}. It moves the transformation temperatures and changes the stroke; a "
+                f"model of one load cannot know by how much. Give runs at {_LOADS_NEEDED} or more loads."
+            )
+        elif name == "frequency":
+            yield f"The frequency differs: {which}. A model without rates predicts one loop for all frequencies."
+        elif name != LOAD:
+            yield f"The {name.replace('_', ' ')} differs: {which}."
+
+
+def _by_condition(runs: Sequence[Run]) -> dict[str, dict[float, str]]:
+    """The values of numeric conditions with their units, by name, of conditions that all runs state."""
+    each = [
+        {
+            k: (float(c.value), c.unit)
+            for k, c in recorded_conditions(run).items()
+            if not isinstance(c.value, str)
+        }
+        for run in runs
+    ]
+    names = set.intersection(*(set(e) for e in each)) if each else set()
+    return {name: {e[name][0]: e[name][1] for e in each} for name in sorted(names)}
+
+
+def _range(best: CandidateModel) -> Iterator[str]:
+    """Held-out inputs beyond those of the fit."""
+    if not best.train:
+        return
+    low, high = _extent(best.train)
+    below, above = _extent(best.held_out)
+    margin = _BEYOND_SHARE * (high - low)
+    if below < low - margin or above > high + margin:
+        yield (
+            f"The held-out input goes from {below:.4g} to {above:.4g}, the fitted one only from {low:.4g} to "
+            f"{high:.4g}: the model knows nothing of what switches beyond."
+        )
+
+
+def _extent(runs: Sequence[RunVerification]) -> tuple[float, float]:
+    u = np.concatenate([r.input for r in runs])
+    return float(np.nanmin(u)), float(np.nanmax(u))
+
+
+def _turned_back(best: CandidateModel) -> Iterator[str]:
+    """An output that moves both ways while the input moves one way, which no positive measure gives."""
+    most = max((_back(r) for r in (*best.train, *best.held_out)), default=0.0)
+    if most > _BACK_SHARE:
+        yield (
+            f"While the input goes one way, the output goes back by {100 * most:.2g} % of its range. No hysteresis "
+            "with a positive measure does this. Thermal expansion, an R-phase, slip in the grips, or a sensor that "
+            "lags would."
+        )
+
+
+def _back(run: RunVerification) -> float:
+    """The largest travel of the output against its net direction on a wide branch, as a share of its range."""
+    known = np.isfinite(run.input) & np.isfinite(run.measured)
+    u, y = run.input[known], run.measured[known]
+    if u.size < _FEWEST_ROWS or not np.ptp(y):
+        return 0.0
+    most = 0.0
+    for a, b in pairwise(reversals(u)):
+        if abs(u[b] - u[a]) < _WIDE_BRANCH * np.ptp(u) or b - a < _FEWEST_ROWS:
+            continue
+        bins = np.array([np.median(part) for part in np.array_split(y[a : b + 1], _PARTS)])  # free of noise
+        way = np.sign(bins[-1] - bins[0])
+        most = max(most, float(np.max(np.maximum.accumulate(way * bins) - way * bins)))
+    return most / float(np.ptp(y))
+
+
+def _fit(split: DataSplit, best: CandidateModel, *, explained: bool) -> Iterator[str]:
+    """Whether the model misses its own data already, or only those that it has not seen."""
+    y = np.concatenate([r.measured[r.counted] for r in best.train])
+    if not y.size or not np.ptp(y):
+        return
+    share = best.train_rms / float(np.ptp(y))
+    if share > _FITS_SHARE:
+        yield (
+            f"The model misses the fitted data as well, by {100 * share:.2g} % of their range: the output does not "
+            "follow from the history of this input alone. A sensor that lags, a rate, creep, or a variable that is "
+            "not used would do this."
+        )
+    elif split.kind in ("run", "time") and best.rms > _WORSE * best.train_rms and not explained:
+        later = "later in the run" if split.kind == "time" else "in the other run"
+        yield (
+            f"The model fits its own data to {100 * share:.2g} % of their range and misses what came {later}: the "
+            "specimen or the set-up changed (training, a shifted zero, another temperature reading)."
+        )
+
+
+def _listed(values: Sequence[float]) -> str:
+    return ", ".join(f"{v:.3g}" for v in sorted(values))

@@ -1,0 +1,43 @@
+"""Verdicts of studies, and what they say of an error: facts of data whose cause is planted."""
+
+import numpy as np
+import pytest
+
+from smarig.identification import error_verdict, level_against_curves
+from smarig.study import StudyOptions, study
+from study.known_data import csv_text, displacements, temperatures
+
+QUICK = StudyOptions(diagnose=False)
+
+
+def _studied(tmp_path, u, x):
+    path = tmp_path / "loop.csv"
+    path.write_text(csv_text(np.arange(u.size) * 0.5, u, x), encoding="utf-8")
+    return study([path], tmp_path / "out", QUICK)
+
+
+@pytest.mark.parametrize("ratio", [0.5, 1.4, 1.6, 2.9])
+def test_a_model_clearly_better_than_curves_is_judged_as_by_verify(ratio):
+    assert level_against_curves(ratio, 1.0, 0.02, 5.0) == error_verdict(ratio, 1.0, 0.02).level
+
+
+def test_a_model_no_better_than_a_curve_is_poor_even_at_the_noise():
+    assert level_against_curves(1.0, 1.0, 0.02, 1.0) == "poor"
+    assert level_against_curves(5.0, 1.0, 0.20, 5.0) == "poor", "20 % of the range"
+
+
+def test_drop_outs_are_not_taken_for_branches(tmp_path):
+    u = temperatures(1, 120)
+    x = displacements(u)
+    u[[20, 21, 60, 61, 90]] = 0.0
+    assert _studied(tmp_path, u, x).split.kind == "none", "one loop, whatever the instrument dropped"
+
+
+def test_an_output_that_goes_back_within_a_branch_is_said(tmp_path):
+    u = temperatures(1, 240)
+    (tmp_path / "a").mkdir()
+    honest = _studied(tmp_path / "a", u, displacements(u))
+    assert not any("goes back" in s for s in honest.reasons)
+    (tmp_path / "b").mkdir()
+    expanding = _studied(tmp_path / "b", u, displacements(u) + 1.5 * np.cos(0.3 * (u - u.min())))
+    assert any("goes back by" in s for s in expanding.reasons)
