@@ -10,6 +10,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 
 import numpy as np
+from threadpoolctl import threadpool_limits
 
 from smarig.core import DataError, UsageError, suggestion
 from smarig.identification.assumed_starts import assumed_starts, assumed_starts_text
@@ -59,6 +60,7 @@ from smarig.replay import (
 LARGEST_SLOPE_WEIGHT = 1000.0
 
 
+@threadpool_limits.wrap(limits=1, user_api="blas")  # narrow bands: threads would wait for each other
 def identify(
     runs: Run | str | Path | Sequence[Run | str | Path],
     surface: str = BEST_KIND,

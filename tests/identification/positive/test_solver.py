@@ -5,8 +5,13 @@ import numpy as np
 import pytest
 from scipy.optimize import nnls
 from scipy.sparse import csr_matrix, eye_array, random_array
+from threadpoolctl import threadpool_info, threadpool_limits
 
+from identification.made_runs import fod_run
+from smarig.identification.identify import identify
+from smarig.identification.positive import Observations, fit_positive
 from smarig.identification.positive.interior_point import NewtonSystem, solve
+from smarig.identification.positive.positive_fit import fit_table
 from smarig.identification.positive.principal_pivoting import solve_by_pivoting
 
 
@@ -82,3 +87,39 @@ def test_the_factor_solves_its_system():
     whole = (H + D.T @ (D.multiply(w[:, None]))).toarray()
     b = rng.standard_normal((60, 3))
     assert np.allclose(newton.factor(newton.packed(H), w)(b), np.linalg.solve(whole, b), atol=1e-9)
+
+
+def blas_threads():
+    return {pool["num_threads"] for pool in threadpool_info() if pool["user_api"] == "blas"}
+
+
+def product_points():
+    """Exact points of y = αβ."""
+    u = np.linspace(0.0, 1.0, 12)
+    i, j = np.tril_indices(u.size)
+    return Observations.of_points(u[i], u[j], u[i] * u[j], i.astype(np.int64), (0.0, 1.0))
+
+
+COMPUTATIONS = {
+    "fit": lambda: fit_positive(product_points()),
+    "table": lambda: fit_table(product_points()),
+    "choice of a surface": lambda: identify(fod_run("one_c", seed=0)),
+}
+
+
+@pytest.mark.parametrize("name", COMPUTATIONS)
+def test_every_factor_is_computed_by_one_thread(monkeypatch, name):
+    """Threads of BLAS share a narrow band badly: they wait for each other, most of all on a busy machine."""
+    seen, factor = [], NewtonSystem.factor
+
+    def observed(self, kept, w):
+        seen.append(blas_threads())
+        return factor(self, kept, w)
+
+    monkeypatch.setattr(NewtonSystem, "factor", observed)
+    with threadpool_limits(2, "blas"):
+        outside = blas_threads()
+        COMPUTATIONS[name]()
+        assert blas_threads() == outside, "the caller's threads must be as before"
+    assert len(seen) > 10
+    assert all(threads == {1} for threads in seen)

@@ -16,6 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.sparse import csr_matrix
 from scipy.sparse.csgraph import structural_rank
 from scipy.special import ndtri
+from threadpoolctl import threadpool_limits
 
 from smarig.core import DataError, UsageError, spaced
 from smarig.identification.positive.adapted_partition import adapted_nodes
@@ -38,6 +39,8 @@ MANY_POINTS, REFINEMENT = 2000, 1.5  # from so many points on, finer cells
 FEWEST_CURVES = 4
 DEFAULT_SMOOTHING = 1e-12
 _ZERO = 1e-8  # of the output range: a smaller mass counts as zero
+# A band is some sixty entries wide. BLAS would share that among threads, which then wait for each other.
+_one_thread = threadpool_limits.wrap(limits=1, user_api="blas")
 
 
 @dataclass(frozen=True, eq=False)
@@ -136,6 +139,7 @@ class PositiveFit:
         )
 
 
+@_one_thread
 def fit_positive(
     observations: Observations,
     *,
@@ -163,6 +167,7 @@ def fit_positive(
     )
 
 
+@_one_thread
 def fit_table(observations: Observations, smoothing: float | None = None) -> FodTable:
     """The hysteresis of ``fit_positive`` without its statistics; on the coarsest sufficient triangle if λ is known."""
     posed_problem = _posed_problem(
