@@ -54,11 +54,11 @@ with w.working_line("identify"):
 """
 
 
-@pytest.mark.skipif(os.name == "nt", reason="needs a pseudo-terminal")
-def test_the_line_is_removed_before_other_output():
+def shown_at_a_terminal(script, term):
+    """What a script writes to its stderr, a pseudo-terminal."""
     master, slave = pty.openpty()
-    terminal = {**os.environ, "TERM": "xterm"}
-    done = subprocess.Popen([sys.executable, "-c", _SLOW], stderr=slave, env=terminal)
+    environment = {**os.environ, "TERM": term}
+    running = subprocess.Popen([sys.executable, "-c", script], stderr=slave, env=environment)
     os.close(slave)
     text = b""
     while True:
@@ -70,7 +70,13 @@ def test_the_line_is_removed_before_other_output():
             break
         text += part
     os.close(master)
-    assert done.wait() == 0
+    assert running.wait() == 0
+    return text
+
+
+@pytest.mark.skipif(os.name == "nt", reason="needs a pseudo-terminal")
+def test_the_line_is_removed_before_other_output():
+    text = shown_at_a_terminal(_SLOW, "xterm")
     assert b"identify: 1 s" in text
     assert re.search(rb"\r\x1b\[KWarning: one\.", text)
 
@@ -86,7 +92,7 @@ w = importlib.import_module("smarig.cli.working_line")
 w.APPEARS_S = 0.2
 with w.working_line("study"):
     time.sleep(0.9)
-    with w.paused_for_question():
+    with w.without_line():
         print("Which column?", file=__import__("sys").stderr, flush=True)
         time.sleep(1.5)
         print("answered", file=__import__("sys").stderr, flush=True)
@@ -96,24 +102,29 @@ with w.working_line("study"):
 @pytest.mark.skipif(os.name == "nt", reason="needs a pseudo-terminal")
 @pytest.mark.parametrize("term", ["xterm", "dumb"])
 def test_a_question_is_left_alone_and_a_dumb_terminal_gets_no_line(term):
-    master, slave = pty.openpty()
-    environment = {**os.environ, "TERM": term}
-    asked = subprocess.Popen([sys.executable, "-c", _ASKED], stderr=slave, env=environment)
-    os.close(slave)
-    text = b""
-    while True:
-        try:
-            part = os.read(master, 4096)
-        except OSError:
-            break
-        if not part:
-            break
-        text += part
-    os.close(master)
-    assert asked.wait() == 0
+    text = shown_at_a_terminal(_ASKED, term)
     between = text.split(b"Which column?")[1].split(b"answered")[0]
     assert between.strip() == b""
     assert (b"study: 1 s" in text) == (term == "xterm")
+
+
+_OFTEN = """
+import importlib, time
+w = importlib.import_module("smarig.cli.working_line")
+w.APPEARS_S, w._EVERY_S = 0.0, 0.0005
+from smarig.cli.output import show_message
+with w.working_line("identify"):
+    for k in range(300):
+        time.sleep(0.001)
+        show_message(f"message {k}.")
+"""
+
+
+def test_no_message_is_printed_behind_the_line():
+    """The line is rewritten all the time; each message begins its own row."""
+    text = shown_at_a_terminal(_OFTEN, "xterm")
+    assert text.count(b"identify: ") > 20
+    assert len(re.findall(rb"(?:(?<=\x1b\[K)|(?<=\n)|^)message \d+\.\r\n", text)) == 300
 
 
 def test_a_closed_stderr_changes_nothing():

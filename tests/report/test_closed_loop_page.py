@@ -255,7 +255,7 @@ def test_a_loop_passes_or_fails_by_its_figures(runs, settle, rms, words, level):
     measures = replace(found.measures, rms=rms, settle_s=settle, overshoot=(0.05,) * len(settle))
     other = replace(found, measures=measures, loop=replace(found.loop, count=0.05))
     assessed = loop_assessment(run, other)
-    assert words in assessed.verdict
+    assert words in assessed.quality
     assert assessed.level == level
 
 
@@ -272,7 +272,7 @@ def test_a_set_point_is_held_or_not(runs, mean, std, crossings, words, level):
     run = runs["regulate"]
     end = HoldEnd(mean, std, 4 * std, (0.1, 0.2), 60.0, crossings, 0.05)
     assessed = loop_assessment(run, replace(closed_loop_result(run), end=end))
-    assert words in assessed.verdict
+    assert words in assessed.quality
     assert assessed.level == level
 
 
@@ -284,5 +284,5 @@ def test_a_loop_without_an_end_is_not_judged(runs):
 @pytest.mark.parametrize("name", ["track", "regulate"])
 def test_the_page_of_a_loop_opens_with_the_verdict(runs, name):
     page = Page(run_page(runs[name]))
-    verdict = loop_assessment(runs[name], closed_loop_result(runs[name])).verdict
+    verdict = loop_assessment(runs[name], closed_loop_result(runs[name])).quality
     assert page.visible.index(verdict) < page.visible.index(page.captions[0])

@@ -12,7 +12,7 @@ from typing import Any
 
 import click
 
-from smarig.cli.working_line import clear_working_line
+from smarig.cli.working_line import without_line
 from smarig.core import UsageError, printable
 
 LONGEST_RESULT = 1_000_000  # characters of a result as text
@@ -76,9 +76,9 @@ def _print(text: str, *, err: bool = False) -> None:
     The rest of the stream's buffer goes to the null device. Otherwise the interpreter would fail on it at
     exit.
     """
-    clear_working_line()
     try:
-        click.echo(text, err=err)
+        with without_line():
+            click.echo(text, err=err)
     except BrokenPipeError:
         nowhere = os.open(os.devnull, os.O_WRONLY)
         os.dup2(nowhere, (sys.stderr if err else sys.stdout).fileno())

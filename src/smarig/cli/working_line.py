@@ -31,7 +31,7 @@ _ERASE = "\r\x1b[K"
 
 
 class WorkingLine:
-    """The line of one command; ``clear`` removes it until the next update."""
+    """The line of one command while it computes."""
 
     def __init__(self, name: str) -> None:
         self._name, self._began = name, time.monotonic()
@@ -64,22 +64,21 @@ class WorkingLine:
         return f"{share}, about {_clock((now - self._loop_began) / done * (total - done))} left"
 
     def pause(self, paused: bool) -> None:
-        """Show nothing while paused."""
-        self.clear()
+        """Remove the line and show none while paused, in one step: it may not come back in between."""
         with self._lock:
             self._paused = paused
-
-    def clear(self) -> None:
-        """Remove the line."""
-        with self._lock:
-            if self._shown:
-                self._write(_ERASE)
-                self._shown = False
+            self._erase()
 
     def end(self) -> None:
         """Remove the line for good."""
         self._ended.set()
-        self.clear()
+        with self._lock:
+            self._erase()
+
+    def _erase(self) -> None:
+        if self._shown:
+            self._write(_ERASE)
+            self._shown = False
 
     def _write(self, text: str) -> None:
         with contextlib.suppress(OSError, ValueError):  # the terminal was closed
@@ -116,8 +115,8 @@ def _is_shown() -> bool:
 
 
 @contextlib.contextmanager
-def paused_for_question() -> Iterator[None]:
-    """Leave the terminal to a question: no line until it is answered."""
+def without_line() -> Iterator[None]:
+    """Leave the terminal to other output or a question: the line is removed, and comes back afterwards."""
     for line in _CURRENT:
         line.pause(True)
     try:
@@ -125,12 +124,6 @@ def paused_for_question() -> Iterator[None]:
     finally:
         for line in _CURRENT:
             line.pause(False)
-
-
-def clear_working_line() -> None:
-    """Remove the line before something else is printed."""
-    for line in _CURRENT:
-        line.clear()
 
 
 def _clock(seconds: float) -> str:

@@ -13,6 +13,7 @@ from smarig.core import UsageError
 from smarig.record import Run
 from smarig.report.closed_loop.loop_comparison import loops_section
 from smarig.report.closed_loop.loop_result import is_closed_loop
+from smarig.report.components.assessment import Assessment
 from smarig.report.components.comparison_labels import banner, check_comparable_count
 from smarig.report.components.figure import Figure
 from smarig.report.components.html import Html, notice, paragraph, table
@@ -21,7 +22,7 @@ from smarig.report.components.page import Section, page
 from smarig.report.components.run_description import display_unit, duration_s, quality_counts, source_label
 from smarig.report.components.style import COMPARED
 from smarig.report.run_page import ending_notices
-from smarig.report.runs.comparison_assessment import ComparisonAssessment, comparison_assessment
+from smarig.report.runs.comparison_assessment import comparison_assessment
 from smarig.report.runs.run_alignment import AlignedRun, aligned, check_same_units
 from smarig.report.runs.run_comparison_figures import (
     coloured,
@@ -79,12 +80,12 @@ def comparison_page(runs: Mapping[str, Run]) -> str:
     lead = f"{', '.join(rest)} compared with {first}"
     title = f"Comparison of {len(runs)} runs"
     notices = ending_notices(list(runs.values()))
-    sentence = f"{assessed.change} {assessed.advice}" if assessed else lead
+    sentence = f"{assessed.quality} {assessed.advice}" if assessed else lead
     about = summary_with_loop("comparison of runs", sentence, assessed.level if assessed else "", runs[first])
     return page(title, lead, sections, label=label, simulated=words, notices=notices, summary=about)
 
 
-def _first_screen(found: Sequence[AlignedRun]) -> tuple[ComparisonAssessment | None, list[Section]]:
+def _first_screen(found: Sequence[AlignedRun]) -> tuple[Assessment | None, list[Section]]:
     """The sentences with the overlaid loops, their differences and trends; closed loops have their own figures."""
     if not found:
         return None, []

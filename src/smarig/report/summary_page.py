@@ -8,12 +8,17 @@ from smarig.report.components.figure import Figure, Panel
 from smarig.report.components.html import Html, cards, paragraph
 from smarig.report.components.numbers import duration, number
 from smarig.report.components.page import LIBRARY, Section, page
-from smarig.report.components.run_description import display_unit, duration_s, protocol_name, source_label
+from smarig.report.components.run_description import (
+    display_unit,
+    duration_s,
+    extent,
+    protocol_name,
+    source_label,
+)
 from smarig.report.model_comparison_page import residuals_figure
 from smarig.report.run_page import ending_notices, run_lead
 from smarig.report.runs.hysteresis_figure import hysteresis_figure
 from smarig.report.runs.run_assessment import run_assessment
-from smarig.report.runs.run_family import stroke
 from smarig.report.runs.run_summary import summary_with_loop
 from smarig.report.transformation.transformation_tables import figure_name
 from smarig.transformation import headline
@@ -65,7 +70,9 @@ def _figure(run: Run, model: Model | None, verified: RunVerification | None) -> 
 def _cards(run: Run, verified: RunVerification | None) -> list[_Card]:
     unit = spaced(display_unit(run.unit))
     found = headline(run) if run.has("input") else {}
-    shown: list[_Card] = [("Travel", f"{number(stroke(run), 4)}{unit}", "largest − smallest settled output")]
+    shown: list[_Card] = [
+        ("Travel", f"{number(extent(run, 'position'), 4)}{unit}", "largest − smallest settled output")
+    ]
     for name, estimate in found.items():
         if name == "stroke":
             continue

@@ -10,7 +10,7 @@ import click
 
 from smarig.cli.output import emit, json_option, json_requested, show_message
 from smarig.cli.parameter_types import ANY_PATH, FOLDER, CatalogueName
-from smarig.cli.working_line import paused_for_question
+from smarig.cli.working_line import without_line
 from smarig.core import UsageError
 
 if TYPE_CHECKING:
@@ -150,7 +150,7 @@ def _asker() -> Callable[[str, Sequence[str]], str] | None:
 
     def ask(question: str, choices: Sequence[str]) -> str:
         kind = click.Choice(list(choices)) if choices else str
-        with paused_for_question():
+        with without_line():
             return click.prompt(question, type=kind, err=True)
 
     return ask

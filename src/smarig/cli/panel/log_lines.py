@@ -8,7 +8,7 @@ import time
 from collections.abc import Callable
 from dataclasses import asdict
 from types import TracebackType
-from typing import Any
+from typing import Any, Self
 
 from smarig.cli.output import as_json
 from smarig.cli.panel.keyboard import KEYS_HELP
@@ -35,24 +35,16 @@ class _StatusUpdates:
         self._status.begin(step, command, window)
 
 
-class LogLines(_StatusUpdates):
-    """Plain log lines: ``with LogLines(status, terminal) as listener``."""
+class _TextLines(_StatusUpdates):
+    """Lines of text, with the summary of the run at the end."""
 
     def __init__(self, status: RunStatus, terminal: Terminal) -> None:
         self._status, self._plain = status, terminal.plain
         self._writer = LineWriter(
             terminal, lambda n: f"{n} lines were dropped because they were not read in time."
         )
-        self._event_counts: dict[str, int] = {}  # events of each kind since the last step
 
-    def __enter__(self) -> "LogLines":
-        run_info = self._status.run_info
-        place = f" ({run_info.place})" if run_info.place else ""
-        self._writer.put(
-            f"{run_info.protocol}{place} on {run_info.rig} ({run_info.label}), wire {run_info.wire}: "
-            f"{run_info.steps} steps, "
-            f"about {clock_text(self._status.left_s)}.{' ' + KEYS_HELP if self._status.keys else ''}"
-        )
+    def __enter__(self) -> Self:
         return self
 
     def __exit__(
@@ -61,6 +53,24 @@ class LogLines(_StatusUpdates):
         self._status.end(error)
         self._writer.put(summary(self._status, plain=self._plain).plain)
         self._writer.close()
+
+
+class LogLines(_TextLines):
+    """Plain log lines: ``with LogLines(status, terminal) as listener``."""
+
+    def __init__(self, status: RunStatus, terminal: Terminal) -> None:
+        super().__init__(status, terminal)
+        self._event_counts: dict[str, int] = {}  # events of each kind since the last step
+
+    def __enter__(self) -> Self:
+        run_info = self._status.run_info
+        place = f" ({run_info.place})" if run_info.place else ""
+        self._writer.put(
+            f"{run_info.protocol}{place} on {run_info.rig} ({run_info.label}), wire {run_info.wire}: "
+            f"{run_info.steps} steps, "
+            f"about {clock_text(self._status.left_s)}.{' ' + KEYS_HELP if self._status.keys else ''}"
+        )
+        return self
 
     def step(self, result: StepResult, *, branch: str, target: float | None) -> None:
         """Print one line for the step."""
@@ -88,28 +98,16 @@ class LogLines(_StatusUpdates):
         return clock_text(self._status.since_s(t_s))
 
 
-class SummaryLine(_StatusUpdates):
+class SummaryLine(_TextLines):
     """One line per run, for pipes and files; besides, alarms, and a line of progress every ten minutes of the clock."""
 
     def __init__(
         self, status: RunStatus, terminal: Terminal, clock: Callable[[], float] = time.monotonic
     ) -> None:
-        self._status, self._plain, self._clock = status, terminal.plain, clock
-        self._writer = LineWriter(
-            terminal, lambda n: f"{n} lines were dropped because they were not read in time."
-        )
+        super().__init__(status, terminal)
+        self._clock = clock
         self._next_s = clock() + _PROGRESS_S
         self._reported: set[str] = set()  # kinds of events
-
-    def __enter__(self) -> "SummaryLine":
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        self._status.end(error)
-        self._writer.put(summary(self._status, plain=self._plain).plain)
-        self._writer.close()
 
     def step(self, result: StepResult, *, branch: str, target: float | None) -> None:
         """Print a line of progress if the last one is long ago."""

@@ -10,6 +10,10 @@
 #define MODEL_EXTREMA 128 /* remembered extrema; a deeper nesting forgets the innermost loop */
 #endif
 
+#if MODEL_EXTREMA < 4
+#error "MODEL_EXTREMA must be at least 4"
+#endif
+
 typedef struct {
     double u, y;                  /* the present point */
     int top;                      /* index of the youngest extremum */

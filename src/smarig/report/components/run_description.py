@@ -3,10 +3,13 @@
 import math
 from dataclasses import dataclass
 
+import numpy as np
+
 from smarig.core import Quality, capitalised
 from smarig.record import AnyRun
 from smarig.report.components.numbers import thousands
 
+_FEWEST_SETTLED = 2
 _SOURCE_LABELS = {"twin": "TWIN", "simulation": "SIMULATION"}
 
 
@@ -44,6 +47,17 @@ def _ambient(run: AnyRun) -> str:
     if math.isnan(low):
         return ""
     return f"ambient {low:.1f} °C" if high - low < 0.05 else f"ambient {low:.1f} to {high:.1f} °C"
+
+
+def extent(run: AnyRun, column: str) -> float:
+    """The range of "input" or "position": over the settled points, else over the samples, which noise makes larger.
+
+    NaN without readings.
+    """
+    if len(run.settled) >= _FEWEST_SETTLED:
+        return float(np.ptp(run.points()[1 if column == "position" else 0]))
+    low, high = run.extremes(column) or (math.nan, math.nan)
+    return high - low
 
 
 def duration_s(run: AnyRun) -> float:

@@ -1,12 +1,11 @@
 """What first-order curves show, how far the diagram can be trusted, and what to do: three sentences and a level."""
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from smarig.core import spaced
 from smarig.identification import SIGNIFICANT, ForcDiagram
-from smarig.report.components.html import Html, escaped, notice, paragraph, tag
+from smarig.report.components.assessment import Assessment
+from smarig.report.components.html import Html, escaped
 from smarig.report.components.numbers import number, thousands
 from smarig.report.components.run_description import display_unit
 from smarig.report.forc.forc_evidence import ForcEvidence
@@ -15,26 +14,10 @@ _CLEAR, _WEAK = 10.0, 5.0  # standard errors of the peak
 _BY_CHANCE = 0.05
 
 
-@dataclass(frozen=True)
-class ForcAssessment:
-    """The sentences of the first screen. ``level``: "good", "warning" or "bad"."""
-
-    level: str
-    measured: Html
-    quality: Html
-    advice: Html
-
-    def html(self) -> Html:
-        """A box in the colour of the level."""
-        return notice(
-            self.level, paragraph(self.measured), paragraph(tag("b", self.quality)), paragraph(self.advice)
-        )
-
-
-def forc_assessment(e: ForcEvidence) -> ForcAssessment:
+def forc_assessment(e: ForcEvidence) -> Assessment:
     """The assessment, built from the figures."""
     level = _level(e.diagram)
-    return ForcAssessment(level, Html(_measured(e)), escaped(_quality(e)), Html(_advice(e, level)))
+    return Assessment(level, Html(_measured(e)), escaped(_quality(e)), Html(_advice(e, level)))
 
 
 def _level(d: ForcDiagram) -> str:

@@ -7,32 +7,13 @@ import numpy as np
 from smarig.core import spaced
 from smarig.diagnosis import Diagnosis
 from smarig.identification import ErrorLevel, ErrorVerdict, error_verdict
-from smarig.record import Run
-from smarig.report.components.html import Html, notice, paragraph, tag
+from smarig.report.components.assessment import Assessment, box_level
 from smarig.report.components.numbers import duration
-from smarig.report.components.run_description import display_unit, duration_s
+from smarig.report.components.run_description import display_unit, duration_s, extent
 from smarig.report.diagnosis.verdict_text import strengths_text
 from smarig.report.models.evidence import Evidence
 from smarig.report.models.model_tables import pooled_rms
 from smarig.report.models.preisach_verdict import preisach_verdict
-
-_FEWEST_SETTLED = 2
-
-
-@dataclass(frozen=True)
-class Assessment:
-    """The sentences of the first screen. ``level``: "good", "warning" or "bad"."""
-
-    level: str
-    measured: str
-    quality: str
-    advice: str
-
-    def html(self) -> Html:
-        """A box in the colour of the level."""
-        return notice(
-            self.level, paragraph(self.measured), paragraph(tag("b", self.quality)), paragraph(self.advice)
-        )
 
 
 def assessment(e: Evidence) -> Assessment:
@@ -57,22 +38,14 @@ def _measured(e: Evidence) -> str:
     runs = list(e.runs.values())
     if not runs:
         return "No run was made."
-    run = max(runs, key=lambda each: _extent(each, "position"))
+    run = max(runs, key=lambda each: np.nan_to_num(extent(each, "position")))
     hours = duration(sum(duration_s(each) for each in runs if duration_s(each) == duration_s(each)))
     settled = sum(len(each.settled) for each in runs)
-    stroke = f"{_extent(run, 'position'):.3g}{spaced(display_unit(run.unit))}"
+    stroke = f"{extent(run, 'position'):.3g}{spaced(display_unit(run.unit))}"
     if run.has("input"):
-        stroke += f" over {_extent(run, 'input'):.3g}{spaced(display_unit(run.input_unit))}"
+        stroke += f" over {extent(run, 'input'):.3g}{spaced(display_unit(run.input_unit))}"
     count = "1 run" if len(runs) == 1 else f"{len(runs)} runs"
     return f"Measured: a stroke of {stroke}, {settled} settled points in {count}, {hours} on the rig."
-
-
-def _extent(run: Run, column: str) -> float:
-    """The range of a column; 0 if nothing is known."""
-    if len(run.settled) >= _FEWEST_SETTLED:  # noise makes the range of the samples larger
-        return float(np.ptp(run.points()[1 if column == "position" else 0]))
-    low, high = run.extremes(column) or (0.0, 0.0)
-    return high - low
 
 
 def _held_out(e: Evidence) -> tuple[ErrorVerdict | None, str]:
@@ -91,8 +64,7 @@ def _quality_level(e: Evidence, verdict: ErrorVerdict | None) -> str:
         return "bad"
     if verdict is None:
         return "warning"
-    levels = {ErrorLevel.GOOD: "good", ErrorLevel.POOR: "bad"}
-    return levels.get(verdict.level, "warning")
+    return box_level(verdict.level)
 
 
 def _quality(e: Evidence, verdict: ErrorVerdict | None, error: str) -> str:

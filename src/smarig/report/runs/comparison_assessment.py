@@ -1,7 +1,6 @@
 """What a comparison of runs shows: what was compared, whether the wire has changed, and what to do."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from datetime import UTC, datetime
 
 import numpy as np
@@ -9,38 +8,22 @@ import numpy as np
 from smarig.core import spaced
 from smarig.identification import ErrorLevel
 from smarig.record import Run
-from smarig.report.components.html import Html, notice, paragraph, tag
+from smarig.report.components.assessment import Assessment, box_level
 from smarig.report.components.numbers import number, signed
-from smarig.report.components.run_description import display_unit, protocol_name
+from smarig.report.components.run_description import display_unit, extent, protocol_name
 from smarig.report.runs.run_alignment import AlignedRun
 from smarig.report.runs.run_change import RunChange, run_change
-from smarig.report.runs.run_family import FamilyFigures, stroke
+from smarig.report.runs.run_family import FamilyFigures
 
-_LEVELS = {ErrorLevel.GOOD: "good", ErrorLevel.POOR: "bad"}
 _ORDER = (ErrorLevel.GOOD, ErrorLevel.UNKNOWN, ErrorLevel.FAIR, ErrorLevel.POOR)
 
 
-@dataclass(frozen=True)
-class ComparisonAssessment:
-    """The sentences of the first screen. ``level``: "good", "warning" or "bad"."""
-
-    level: str
-    compared: str
-    change: str
-    advice: str
-
-    def html(self) -> Html:
-        """A box in the colour of the level."""
-        parts = [paragraph(self.compared), paragraph(tag("b", self.change)), paragraph(self.advice)]
-        return notice(self.level, *(part for part, text in zip(parts, (True, True, self.advice)) if text))
-
-
-def comparison_assessment(found: Sequence[AlignedRun], family: FamilyFigures) -> ComparisonAssessment:
+def comparison_assessment(found: Sequence[AlignedRun], family: FamilyFigures) -> Assessment:
     """The assessment of aligned runs (the first is the reference), built from their figures."""
     first, *others = found
     common = [each for each in others if each.difference.size]
     if not common:
-        return ComparisonAssessment(
+        return Assessment(
             "warning",
             _compared(first.run, [each.run for each in others]),
             "The runs have no steps in common, so they are drawn but not subtracted.",
@@ -48,8 +31,8 @@ def comparison_assessment(found: Sequence[AlignedRun], family: FamilyFigures) ->
         )
     changes = [(each, run_change(first, each)) for each in common]
     worst, change = max(changes, key=lambda pair: (_ORDER.index(pair[1].level), pair[0].rms))
-    return ComparisonAssessment(
-        _LEVELS.get(change.level, "warning"),
+    return Assessment(
+        box_level(change.level),
         _compared(first.run, [each.run for each in others]),
         f"{_change_text(worst, change, len(others))} {_strokes(found, family)}",
         _advice(worst, change),
@@ -91,7 +74,7 @@ def _change_text(worst: AlignedRun, change: RunChange, others: int) -> str:
 def _strokes(found: Sequence[AlignedRun], family: FamilyFigures) -> str:
     unit = spaced(display_unit(found[0].run.unit))
     if len(found) == 2:
-        before, after = stroke(found[0].run), stroke(found[1].run)
+        before, after = extent(found[0].run, "position"), extent(found[1].run, "position")
         if not (np.isfinite(before) and np.isfinite(after) and before):
             return ""
         percent = signed(100 * (after / before - 1), 2)

@@ -1,47 +1,29 @@
 """What a run shows: what was measured, whether the record is sound, how well a model fits, and what to do."""
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from smarig.core import Severity, spaced
 from smarig.identification import ErrorLevel, RunVerification
 from smarig.record import Run
-from smarig.report.components.html import Html, notice, paragraph, tag
+from smarig.report.components.assessment import Assessment, box_level
 from smarig.report.components.numbers import duration, number, thousands
 from smarig.report.components.run_description import (
     display_unit,
     duration_s,
+    extent,
     protocol_name,
     quality_counts,
 )
-from smarig.report.runs.run_family import stroke
 
-_LEVELS = {ErrorLevel.GOOD: "good", ErrorLevel.POOR: "bad"}
 _IDENTIFIED_FROM = ("first_order_descending", "first_order_ascending", "minor_loops", "adaptive_fod")
 _SEVERE = (Severity.MAJOR, Severity.INVALID)
 
 
-@dataclass(frozen=True)
-class RunAssessment:
-    """The sentences of the first screen of a run. ``level``: "good", "warning" or "bad"."""
-
-    level: str
-    measured: str
-    quality: str
-    advice: str
-
-    def html(self) -> Html:
-        """A box in the colour of the level."""
-        parts = [paragraph(self.measured), paragraph(tag("b", self.quality))]
-        return notice(self.level, *parts, *([paragraph(self.advice)] if self.advice else []))
-
-
-def run_assessment(run: Run, verified: RunVerification | None = None, model: str = "") -> RunAssessment:
+def run_assessment(run: Run, verified: RunVerification | None = None, model: str = "") -> Assessment:
     """The assessment of a run, and of the prediction of a ``model`` that was ``verified`` on it, if one was."""
     level, quality = _record_quality(run)
     if verified is None or level == "bad":
-        return RunAssessment(level, _measured(run), quality, _advice(run, level))
+        return Assessment(level, _measured(run), quality, _advice(run, level))
     unit = spaced(display_unit(run.unit))
     found = verified.verdict
     text = f"The model {model} predicts this run to {number(verified.settled.rms)}{unit} rms, {found.text}."
@@ -50,11 +32,11 @@ def run_assessment(run: Run, verified: RunVerification | None = None, model: str
         if found.level == ErrorLevel.GOOD
         else "Look where along the loop the error is large, and diagnose the run (smarig diagnose)."
     )
-    return RunAssessment(_LEVELS.get(found.level, "warning"), _measured(run), text, advice)
+    return Assessment(box_level(found.level), _measured(run), text, advice)
 
 
 def _measured(run: Run) -> str:
-    travel = stroke(run)
+    travel = extent(run, "position")
     if not np.isfinite(travel):
         return f"Measured: {protocol_name(run)}, without readings of the output."
     words = f"Measured: {protocol_name(run)}, a travel of {number(travel, 4)}{spaced(display_unit(run.unit))}"

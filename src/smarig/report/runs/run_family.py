@@ -8,16 +8,14 @@ import numpy as np
 from smarig.core import UsageError
 from smarig.identification import Estimate
 from smarig.record import Run
-from smarig.report.components.figure import Figure, Panel, Trace, axis, dots, line
-from smarig.report.components.run_description import display_unit, source_label
-from smarig.report.components.style import COMPARED, SYMBOLS
+from smarig.report.components.figure import Figure, Panel, axis, line
+from smarig.report.components.run_description import display_unit, extent, source_label
+from smarig.report.components.style import COMPARED
+from smarig.report.transformation.trend_figures import estimate_traces
 from smarig.transformation import TEMPERATURES, headline
 
-_FEWEST_SETTLED = 2
 _DAY_S = 86400.0
 _SAME_DAY_S = 3600.0
-_LABELS = {"A_s": "A<sub>s</sub>", "A_f": "A<sub>f</sub>", "M_s": "M<sub>s</sub>", "M_f": "M<sub>f</sub>"}
-_COLOURS = {"A_s": COMPARED[4], "A_f": COMPARED[1], "M_s": COMPARED[0], "M_f": COMPARED[5]}
 
 
 @dataclass(frozen=True)
@@ -54,15 +52,9 @@ class FamilyFigures:
 
 def family_figures(runs: Sequence[Run]) -> FamilyFigures:
     """Variable, strokes and headline figures of runs."""
-    return FamilyFigures(_variable(runs), tuple(map(stroke, runs)), tuple(map(_headline, runs)))
-
-
-def stroke(run: Run) -> float:
-    """The range of the settled outputs of a run, else of its samples, which noise makes larger; NaN without any."""
-    if len(run.settled) >= _FEWEST_SETTLED:
-        return float(np.ptp(run.points()[1]))
-    low, high = run.extremes("position") or (np.nan, np.nan)
-    return high - low
+    return FamilyFigures(
+        _variable(runs), tuple(extent(run, "position") for run in runs), tuple(map(_headline, runs))
+    )
 
 
 def _headline(run: Run) -> dict[str, Estimate]:
@@ -111,28 +103,10 @@ def trend_figure(found: FamilyFigures, runs: Sequence[Run]) -> Figure | None:
     panels = [
         Panel([stroke_trace], {"xaxis": across, "yaxis": axis(f"Stroke ({unit})"), "showlegend": False}, 340)
     ]
-    temperatures = [t for name in TEMPERATURES for t in _estimates(found, name, x)]
+    points = list(zip(x.tolist(), found.figures))
+    temperatures = [t for name in TEMPERATURES for t in estimate_traces(name, points)]
     if temperatures:
         title = axis(f"Transformation temperature ({display_unit(runs[0].input_unit)})")
         panels.append(Panel(temperatures, {"xaxis": across, "yaxis": title}, 340))
     words = "Bars: 95 % intervals." if temperatures else ""
     return Figure(panels, "Trends over the runs.", [words], source_label(*runs), 460)
-
-
-def _estimates(found: FamilyFigures, name: str, x: np.ndarray) -> list[Trace]:
-    own = [(x[k], each[name]) for k, each in enumerate(found.figures) if name in each]
-    if not own:
-        return []
-    values = np.array([estimate.value for _, estimate in own])
-    ends = np.array([estimate.ci95 for _, estimate in own])
-    bars = {
-        "type": "data",
-        "symmetric": False,
-        "array": (ends[:, 1] - values).tolist(),
-        "arrayminus": (values - ends[:, 0]).tolist(),
-        "thickness": 1,
-        "width": 2,
-    }
-    symbol = SYMBOLS[TEMPERATURES.index(name)]
-    trace = dots([at for at, _ in own], values, "", _COLOURS[name], symbol=symbol, size=7, error_y=bars)
-    return [trace | {"name": _LABELS[name]}]

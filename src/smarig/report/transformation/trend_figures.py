@@ -1,9 +1,10 @@
 """Transformation temperatures over cycles, and over stress with the fitted lines."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
+from smarig.identification import Estimate
 from smarig.report.components.figure import Figure, Panel, Trace, axis, dots, line
 from smarig.report.components.run_description import display_unit, source_label
 from smarig.report.components.style import COMPARED, DASHES, SYMBOLS
@@ -18,7 +19,9 @@ def cycles_figure(run: RunFigures) -> Figure | None:
     """The temperatures and the stroke of each cycle with their intervals; None for fewer than three cycles."""
     if len(run.cycles) < _FEWEST_CYCLES:
         return None
-    data = [t for name in TEMPERATURES for t in _series(name, [(c.number, c.figures) for c in run.cycles])]
+    data = [
+        t for name in TEMPERATURES for t in estimate_traces(name, [(c.number, c.figures) for c in run.cycles])
+    ]
     data += [
         line(
             *_fitted(run, name), "", _COLOURS[name], dash="dash", width=1, showlegend=False, hoverinfo="skip"
@@ -26,7 +29,7 @@ def cycles_figure(run: RunFigures) -> Figure | None:
         for name in TEMPERATURES
         if name in run.drift
     ]
-    stroke = list(_series("stroke", [(c.number, c.figures) for c in run.cycles]))
+    stroke = list(estimate_traces("stroke", [(c.number, c.figures) for c in run.cycles]))
     return Figure(
         [
             Panel(data, {"xaxis": axis("Cycle"), "yaxis": axis(_title(run))}, 430),
@@ -51,7 +54,7 @@ def stress_figure(runs: Sequence[RunFigures], slopes: Sequence[StressSlope]) -> 
     data: list[Trace] = []
     for name in TEMPERATURES:
         points = [(r.stress_MPa, r.means) for r in runs if r.stress_MPa is not None]
-        data += _series(name, points)
+        data += estimate_traces(name, points)
     for s in slopes:
         x = np.array(s.stress_range_MPa)
         sign = 1.0 if s.load == "tension" else -1.0
@@ -67,7 +70,10 @@ def stress_figure(runs: Sequence[RunFigures], slopes: Sequence[StressSlope]) -> 
     )
 
 
-def _series(name: str, points: Sequence[tuple[float, dict[str, Drawn]]]) -> Iterator[Trace]:
+def estimate_traces(
+    name: str, points: Sequence[tuple[float, Mapping[str, Drawn] | Mapping[str, Estimate]]]
+) -> Iterator[Trace]:
+    """The marks of one figure over a variable, with its 95 % intervals; none if no point has it."""
     own = [(x, figures[name]) for x, figures in points if name in figures]
     if not own:
         return
