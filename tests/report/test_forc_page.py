@@ -7,7 +7,7 @@ import pytest
 
 from identification.test_forc_diagram import gaussian_relays, relay_moments
 from identification.test_forc_table import magnetic_run
-from report.pages import Page
+from report.pages import Page, run_of
 from smarig.core.errors import DataError, UsageError
 from smarig.record import FORC_PROTOCOL, Run
 from smarig.record.schema import SAMPLE_COLUMNS
@@ -119,6 +119,11 @@ def test_a_given_smoothing_is_told_as_given(run):
     assert "Choice of the smoothing factor" not in words
     with pytest.raises(UsageError, match="smoothing factor"):
         forc_page(run, smoothing=-1.0)
+
+
+def test_an_impossible_factor_is_refused_before_the_data_are_read():
+    with pytest.raises(UsageError, match="smoothing factor"):
+        forc_page(run_of(), smoothing=float("nan"))
 
 
 def test_units_of_a_file_never_become_markup(tmp_path):

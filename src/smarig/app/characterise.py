@@ -310,6 +310,18 @@ def _discoveries(rig: str, actuator: Actuator) -> tuple[str, ...]:
     return tuple(initialisation_spread(rig, method).sentence() for method in ("none", "thesis", "planned"))
 
 
+def _surface_warning(name: str, injected: Sequence[str]) -> str:
+    if injected:
+        return (
+            f"This twin's hysteresis is the surface {name} of Table 5.1, with the injected effects "
+            f"{', '.join(injected)}. A Preisach model alone need not fit it."
+        )
+    return (
+        f"This twin's hysteresis is the surface {name} of Table 5.1, so a Preisach model fits it by construction, best "
+        "with this surface. It shows that the software works, not that a wire is a Preisach system."
+    )
+
+
 def _twin_warnings(runs: Mapping[str, Run], *, hidden: bool) -> list[str]:
     """Warnings for twins: most are Preisach models themselves, so that a good fit proves nothing about a wire."""
     actuators = [load_actuator(run.info.actuator or "") for run in runs.values() if run.twin]
@@ -319,11 +331,8 @@ def _twin_warnings(runs: Mapping[str, Run], *, hidden: bool) -> list[str]:
         return [
             "An effect may be hidden in this twin. Until it is found, the best-fitting surface means little."
         ]
-    return [
-        f"This twin's hysteresis is the surface {name} of Table 5.1, so a Preisach model fits it by "
-        "construction, best with this surface. It shows that the software works, not that a wire is a Preisach system."
-        for name in sorted(names)
-    ] + [
+    injected = sorted({effect.partition("(")[0] for run in runs.values() for effect in run.info.effects})
+    return [_surface_warning(name, injected) for name in sorted(names)] + [
         f"The wire of this twin ({name}) follows Brinson's constitutive model with a heat balance. It is no Preisach "
         "operator, so no surface is the true one."
         for name in thermomechanical

@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from smarig.identification.forc.forc_density import forc_density as forc_density
     from smarig.identification.forc.forc_diagram import SIGNIFICANT as SIGNIFICANT
     from smarig.identification.forc.forc_diagram import ForcDiagram as ForcDiagram
+    from smarig.identification.forc.forc_diagram import check_factor as check_factor
     from smarig.identification.forc.forc_diagram import forc_diagram as forc_diagram
     from smarig.identification.identification_result import Identification as Identification
     from smarig.identification.identify import identify as identify

@@ -50,7 +50,7 @@ def characterisation_page(evidence: Evidence) -> str:
     ]
     return page(
         evidence.title,
-        run_lead(runs[0]) if runs else "No runs",
+        run_lead(*runs) if runs else "No runs",
         [section for section in sections if section.parts],
         label=source_label(*runs),
         notices=ending_notices(runs),

@@ -39,7 +39,7 @@ def _commanded_page(d: Diagnosis) -> str:
     runs = d.timeline.runs
     return page(
         "Diagnosis of a model",
-        f"{run_lead(runs[0])}; model {d.model.name}",
+        f"{run_lead(*runs)}; model {d.model.name}",
         [section for section in sections if section.parts],
         label=source_label(*runs),
         notices=ending_notices(list(runs)),

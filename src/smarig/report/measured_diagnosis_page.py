@@ -44,7 +44,7 @@ def measured_diagnosis_page(d: MeasuredDiagnosis) -> str:
     ]
     return page(
         "Diagnosis of a model",
-        f"{run_lead(d.runs[0])}; model {d.model.name}",
+        f"{run_lead(*d.runs)}; model {d.model.name}",
         sections,
         label=source_label(*d.runs),
         summary=summary_with_loop(

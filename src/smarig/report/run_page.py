@@ -160,9 +160,9 @@ def representation_notice(test: "Representation") -> Html:
     return notice("good" if test.holds else "bad", paragraph(tag("b", test.verdict)), paragraph(test.meaning))
 
 
-def run_lead(run: Run) -> str:
-    """A line with the conditions of a run: wire, rig, seed, ambient temperature, origin of the input."""
-    return capitalised(conditions_text(run)) or run.path.name
+def run_lead(run: Run, *others: Run) -> str:
+    """A line with the conditions of a run: wire, rig, seed, ambient temperature (also of ``others``), input."""
+    return capitalised(conditions_text(run, *others)) or run.path.name
 
 
 def run_cards(run: Run) -> Html:

@@ -115,11 +115,16 @@ def forc_diagram(data: FodData, *, factor: float | None = None) -> ForcDiagram:
     return ForcDiagram(half_width, centre, mu, se, estimate, data.curves, len(data))
 
 
-def _nearest(factor: float, points: int) -> int:
-    if not 1 <= factor <= _MAX_FACTOR:
+def check_factor(factor: float | None) -> None:
+    """Raise UsageError unless a smoothing factor is possible for some data; None is."""
+    if factor is not None and not 1 <= factor <= _MAX_FACTOR:
         raise UsageError(
             f"The smoothing factor must lie between 1 and {_MAX_FACTOR:.0f} grid steps, got {factor:g}."
         )
+
+
+def _nearest(factor: float, points: int) -> int:
+    check_factor(factor)
     nearest = max(12, round((2 * factor + 1) ** 2))
     if nearest > points:
         raise UsageError(f"Smoothing factor {factor:g} needs {nearest} points, but there are {points}.")

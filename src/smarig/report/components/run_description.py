@@ -31,21 +31,28 @@ def run_caption(run: AnyRun) -> str:
     return f"n = {settled} steps, {samples}." if settled else f"n = {samples}."
 
 
-def conditions_text(run: AnyRun) -> str:
-    """Rig, wire, seed, ambient temperature and origin of the input; unknown items are omitted."""
+def conditions_text(run: AnyRun, *others: AnyRun) -> str:
+    """Rig, wire, seed, ambient temperature and origin of the input; unknown items are omitted.
+
+    The ambient temperature is that of all runs, also of ``others``.
+    """
     rig = run.info.rig
     where = [f"wire {run.info.wire}" if run.info.wire else "", f"rig {rig}" if rig else ""]
     where += [f"imported from {run.info.imported.file}" if run.info.imported else ""]
-    where += [f"seed {run.info.seed}" if source_label(run) and run.info.has("seed") else "", _ambient(run)]
+    where += [
+        f"seed {run.info.seed}" if source_label(run) and run.info.has("seed") else "",
+        _ambient(run, *others),
+    ]
     source = run.info.input.from_
     where += [f"input from the {source}" if source else ""]
     return ", ".join(part for part in where if part)
 
 
-def _ambient(run: AnyRun) -> str:
-    low, high = run.extremes("ambient_degC") or (math.nan, math.nan)
-    if math.isnan(low):
+def _ambient(*runs: AnyRun) -> str:
+    known = [ends for run in runs if (ends := run.extremes("ambient_degC"))]
+    if not known:
         return ""
+    low, high = min(ends[0] for ends in known), max(ends[1] for ends in known)
     return f"ambient {low:.1f} °C" if high - low < 0.05 else f"ambient {low:.1f} to {high:.1f} °C"
 
 

@@ -6,7 +6,15 @@ import numpy as np
 
 from smarig.core import DataError, spaced
 from smarig.exchange import DriftDecision, drift_corrected
-from smarig.identification import CentralRidge, FodData, ForcDiagram, central_ridge, fod_data, forc_diagram
+from smarig.identification import (
+    CentralRidge,
+    FodData,
+    ForcDiagram,
+    central_ridge,
+    check_factor,
+    fod_data,
+    forc_diagram,
+)
 from smarig.record import FORC_PROTOCOL, Run
 from smarig.report.components.html import Html, escaped, joined
 from smarig.report.components.numbers import number
@@ -77,6 +85,7 @@ def forc_evidence(run: Run, factor: float | None = None) -> ForcEvidence:
 
     Raises DataError for a run without first-order curves, UsageError for an impossible factor.
     """
+    check_factor(factor)
     data, drift = _corrected(run, fod_data(run))
     diagram = forc_diagram(data, factor=factor)
     used = max(diagram.smoothing_factor, _LEAST_FACTOR)
