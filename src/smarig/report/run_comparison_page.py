@@ -16,7 +16,7 @@ from smarig.report.closed_loop.loop_result import is_closed_loop
 from smarig.report.components.assessment import Assessment
 from smarig.report.components.comparison_labels import banner, check_comparable_count
 from smarig.report.components.figure import Figure
-from smarig.report.components.html import Html, notice, paragraph, table
+from smarig.report.components.html import Html, paragraph, table
 from smarig.report.components.numbers import duration, number
 from smarig.report.components.page import Section, page
 from smarig.report.components.run_description import display_unit, duration_s, quality_counts, source_label
@@ -92,11 +92,14 @@ def _first_screen(found: Sequence[AlignedRun]) -> tuple[Assessment | None, list[
     runs = [each.run for each in found]
     family = family_figures(runs)
     assessed = comparison_assessment(found, family) if len(found) > 1 else None
-    nothing = notice("warning", paragraph(_NO_COMMON_STEPS.format(found[0].name))) if len(found) > 1 else None
-    subtracted = differences_figure(found) or nothing
-    overlaid = overlay_figure(found, family.variable)
-    figures = [figure for figure in (overlaid, subtracted, trend_figure(family, runs)) if figure]
-    return assessed, [Section("", "Summary", [*([assessed.html()] if assessed else []), *figures])]
+    figures = (overlay_figure(found, family.variable), differences_figure(found), trend_figure(family, runs))
+    return assessed, [
+        Section(
+            "",
+            "Summary",
+            [*([assessed.html()] if assessed else []), *(figure for figure in figures if figure)],
+        )
+    ]
 
 
 def _coloured(found: Sequence[AlignedRun]) -> list[AlignedRun]:
@@ -114,12 +117,6 @@ def _check_count(runs: Mapping[str, Run]) -> None:
 def _time_parts(found: Sequence[AlignedRun]) -> list[Figure]:
     figure = time_overlay_figure(found) if 0 < len(found) <= len(COMPARED) else None
     return [figure] if figure else []
-
-
-_NO_COMMON_STEPS = (
-    "No run starts with the same steps as {}. The output depends on the history of the input, so these runs are "
-    "overlaid but not subtracted."
-)
 
 
 def _numbers_table(found: Sequence[AlignedRun]) -> Html:

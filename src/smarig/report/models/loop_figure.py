@@ -6,6 +6,7 @@ from smarig.core import spaced
 from smarig.identification import RunVerification
 from smarig.record import Run
 from smarig.replay import recorded_start
+from smarig.report.components.decimate import simplified
 from smarig.report.components.figure import Figure, Panel, Trace, axis, dots, line
 from smarig.report.components.run_description import count_size, input_title, output_title, source_label
 from smarig.report.components.style import GREY, INK, MEASURED, MODEL
@@ -13,6 +14,9 @@ from smarig.report.models.evidence import Evidence
 from smarig.report.models.identification_plot_data import resimulated
 from smarig.report.runs.representation_figure import noise_band
 from smarig.report.runs.sample_path import sample_path
+
+_PER_MOVE = 80  # inputs of the model between two settled points: fewer are chords across the bends
+_TOLERANCE, _MOST = 5e-4, 3000  # of the drawn path
 
 
 def loop_figure(e: Evidence, training: Run) -> Figure | None:
@@ -43,8 +47,9 @@ def _loops(e: Evidence, run: Run) -> list[Trace]:
     if kept.size > inputs.size:
         drawn.append(line(run["input"][kept], run["position"][kept], "measured", MEASURED, width=2.4))
     assert e.best is not None  # noqa: S101 - checked by the caller
-    u, y = resimulated(e.best, inputs, initial=recorded_start(run) or "negative")
-    drawn.append(line(u, y, f"{e.chosen} model", MODEL, width=1.2))
+    u, y = resimulated(e.best, inputs, _PER_MOVE, initial=recorded_start(run) or "negative")
+    shown = simplified(u, y, _TOLERANCE, _MOST)
+    drawn.append(line(u[shown], y[shown], f"{e.chosen} model", MODEL, width=1.2))
     drawn.append(dots(inputs, outputs, "settled points", INK, size=4))
     return drawn
 

@@ -45,7 +45,7 @@ def overlay_figure(runs: Sequence[AlignedRun], variable: FamilyVariable) -> Figu
             (u, y), kept = points, np.arange(points[0].size)
         kept = kept[path(u[kept], y[kept])]
         data.append(_line(k, each, u[kept], y[kept] + each.offset))
-        if marked and len(each.run.settled) <= _MOST_MARKS:
+        if marked and 0 < len(each.run.settled) <= _MOST_MARKS:
             style = {"symbol": SYMBOLS[k], "size": 5, "showlegend": False}
             data.append(dots(points[0], points[1] + each.offset, each.name, each.colour, **style))
     layout = {"xaxis": axis(input_title(runs[0].run)), "yaxis": axis(output_title(runs[0].run))}
@@ -53,7 +53,8 @@ def overlay_figure(runs: Sequence[AlignedRun], variable: FamilyVariable) -> Figu
         [Panel(data, layout, 520)],
         "Hysteresis of the runs, overlaid.",
         [
-            "Lines: the path of the samples; marks: settled points.",
+            "Lines: the path of the samples"
+            + ("; marks: settled points." if any(each.run.settled for each in runs) else "."),
             f"Colours, dark to bright: {variable.title.lower()}." if is_ordered(runs) else "",
             offsets_text(runs),
             runs_text(runs),
