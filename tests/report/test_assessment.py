@@ -108,3 +108,12 @@ def test_no_sentence_contradicts_the_figures(word, error, model, holds, gains):
 )
 def test_the_verdict_follows_the_noise_and_without_it_the_travel(rms, floor, share, level):
     assert error_verdict(rms, floor, share).level == level
+
+
+def test_a_named_cause_without_a_gain_still_offers_a_much_better_model():
+    """The base of the diagnosis may already be good, if the refitted density absorbs the effect."""
+    found = evidence("named", "poor", gains=False)
+    found.diagnosis.gain.base, found.diagnosis.gain.extended = 0.0098, 0.0099
+    assert "Use the model of the diagnosis (held-out error 0.0099 mm)" in assessment(found).advice
+    found.diagnosis.gain.extended = 0.8 * ERRORS["poor"][0]
+    assert "does not predict better" in assessment(found).advice

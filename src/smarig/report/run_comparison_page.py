@@ -92,12 +92,13 @@ def _first_screen(found: Sequence[AlignedRun]) -> tuple[Assessment | None, list[
     runs = [each.run for each in found]
     family = family_figures(runs)
     assessed = comparison_assessment(found, family) if len(found) > 1 else None
+    box = [assessed.html()] if assessed else []
     figures = (overlay_figure(found, family.variable), differences_figure(found), trend_figure(family, runs))
     return assessed, [
         Section(
             "",
             "Summary",
-            [*([assessed.html()] if assessed else []), *(figure for figure in figures if figure)],
+            [*box, *(figure for figure in figures if figure)],
         )
     ]
 

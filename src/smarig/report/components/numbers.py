@@ -46,6 +46,17 @@ def to_uncertainty(value: float | None, uncertainty: float) -> str:
     return f"{round(value, -last) + 0.0:.{max(-last, 0)}f}".replace("-", "−")
 
 
+def distinct_digits(low: float, high: float) -> int:
+    """Significant digits, at least three, with which the ends of an interval differ.
+
+    >>> distinct_digits(2.8, 3.2), distinct_digits(-3.0004, -2.9996), distinct_digits(1.0, 1.0)
+    (3, 5, 3)
+    """
+    if low == high:
+        return 3
+    return next((n for n in range(3, 9) if number(low, n) != number(high, n)), 3)
+
+
 def counts(value: float, *, sign: bool = False) -> str:
     """Encoder counts to a tenth, as an addition to a length or an angle; ``sign``: a plus sign if positive.
 

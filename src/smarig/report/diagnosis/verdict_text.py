@@ -15,7 +15,7 @@ from smarig.diagnosis import (
 )
 from smarig.plant import Effect, EffectType, Parameter, effect_types
 from smarig.report.components.html import Html, bullets, joined, notice, paragraph, tag
-from smarig.report.components.numbers import duration, number
+from smarig.report.components.numbers import distinct_digits, duration, number
 from smarig.report.components.run_description import display_unit
 
 ParameterSigmas = Mapping[tuple[str, str], float]
@@ -72,11 +72,11 @@ def _value_text(effect: Effect, parameter: Parameter, spread: ParameterSigmas) -
     """A parameter, with its 95 % interval where its standard deviation is known."""
     value, unit = effect.values[parameter.name], unit_suffix(parameter.unit)
     ends = parameter_interval(parameter, value, spread.get((effect.kind.name, parameter.name)))
-    between = f" (95 %: {number(ends[0])} to {number(ends[1])})" if ends else ""
+    digits = distinct_digits(*ends) if ends else 3
+    between = f" (95 %: {number(ends[0], digits)} to {number(ends[1], digits)})" if ends else ""
     name = _plain_name(parameter)
-    return (
-        f"{name} {number(value)}{'' if name == f'{parameter.unit}s' else unit}{between}"  # cycles 24, no unit
-    )
+    shown = "" if name == f"{parameter.unit}s" else unit  # cycles 24, no unit
+    return f"{name} {number(value, digits)}{shown}{between}"
 
 
 def _plain_name(parameter: Parameter) -> str:

@@ -19,10 +19,13 @@ from smarig.report.models.preisach_verdict import preisach_verdict
 def assessment(e: Evidence) -> Assessment:
     """The assessment of a characterisation, built from its figures."""
     verdict, error = _held_out(e)
-    cause = _cause(e.diagnosis)
+    cause = _cause(e.diagnosis, pooled_rms(e.verifications.get(e.chosen)))
     levels = {_quality_level(e, verdict), cause.level}
     level = "bad" if "bad" in levels else "warning" if "warning" in levels else "good"
     return Assessment(level, _measured(e), _quality(e, verdict, error), _advice(e, verdict, cause))
+
+
+_MUCH_LESS = 0.5  # of the chosen model's error
 
 
 @dataclass(frozen=True)
@@ -77,13 +80,13 @@ def _quality(e: Evidence, verdict: ErrorVerdict | None, error: str) -> str:
     return f"The {e.chosen} model predicts held-out data to {error}, {verdict.text}.{against}"
 
 
-def _cause(d: Diagnosis | None) -> _Cause:
-    """What the diagnosis says, in one sentence each."""
+def _cause(d: Diagnosis | None, rms: float | None) -> _Cause:
+    """What the diagnosis says, in one sentence each; ``rms`` is the held-out error of the chosen model."""
     if d is None:
         return _Cause("good", "", "")
     word, best = d.verdict.word, d.best
     if word == "named" and best is not None:
-        return _Cause("bad", f"Cause: {strengths_text(best)}.", _named_advice(d))
+        return _Cause("bad", f"Cause: {strengths_text(best)}.", _named_advice(d, rms))
     if word == "ambiguous":
         return _Cause(
             "bad",
@@ -117,11 +120,16 @@ def _unknown_advice(d: Diagnosis) -> str:
     )
 
 
-def _named_advice(d: Diagnosis) -> str:
+def _named_advice(d: Diagnosis, rms: float | None) -> str:
     gain = d.gain
     if gain is not None and gain.extended < gain.base:
-        better = f"{gain.base:.2g} → {gain.extended:.2g}{spaced(d.timeline.unit)}"
+        better = f"without and with it {gain.base:.2g} → {gain.extended:.2g}{spaced(d.timeline.unit)}"
         return f"Use the extended model (held-out error {better}), or remove the cause and measure again."
+    if gain is not None and rms is not None and gain.extended < _MUCH_LESS * rms:
+        error = f"{gain.extended:.2g}{spaced(d.timeline.unit)}"
+        return (
+            f"Use the model of the diagnosis (held-out error {error}), or remove the cause and measure again."
+        )
     return "Remove the cause and measure again; the extended model does not predict better."
 
 

@@ -26,8 +26,8 @@ def comparison_assessment(found: Sequence[AlignedRun], family: FamilyFigures) ->
         return Assessment(
             "warning",
             _compared(first.run, [each.run for each in others]),
-            "The runs have no steps in common. The output depends on the history of the input, so they are drawn but not "
-            "subtracted.",
+            "The runs have no steps in common. The output depends on the history of the input, so they are drawn but "
+            "not subtracted.",
             "To compare two days, run the same protocol with the same settings on both.",
         )
     changes = [(each, run_change(first, each)) for each in common]
