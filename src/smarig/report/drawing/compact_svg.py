@@ -9,6 +9,8 @@ _IN_TAGS = (
     (re.compile(r"(\d+\.\d)\d+"), r"\1"),  # a tenth of a pixel is enough
     (re.compile(r"\.0(?=\D)"), ""),
     (re.compile(r"font: ([\d.]+)px [^;\"]*"), r"font-size:\1px"),  # the page has the font
+    (re.compile(r"font-family: ?[^;\"]*;? ?"), ""),
+    (re.compile(r' transform="rotate\(-?0 [^"]*"'), ""),
     (re.compile(r"\s+"), " "),
     (re.compile(r"(?<=[a-z]): "), ":"),
     (re.compile(r"; (?=[a-z])"), ";"),

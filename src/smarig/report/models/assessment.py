@@ -45,8 +45,9 @@ def _measured(e: Evidence) -> str:
     hours = duration(sum(duration_s(each) for each in runs if duration_s(each) == duration_s(each)))
     settled = sum(len(each.settled) for each in runs)
     stroke = f"{extent(run, 'position'):.3g}{spaced(display_unit(run.unit))}"
-    if run.has("input"):
-        stroke += f" over {extent(run, 'input'):.3g}{spaced(display_unit(run.input_unit))}"
+    inputs = [extent(each, "input") for each in runs if each.has("input")]
+    if inputs:
+        stroke += f" over {max(inputs):.3g}{spaced(display_unit(run.input_unit))}"
     count = "1 run" if len(runs) == 1 else f"{len(runs)} runs"
     return f"Measured: a stroke of {stroke}, {settled} settled points in {count}, {hours} on the rig."
 
