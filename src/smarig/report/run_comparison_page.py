@@ -13,7 +13,7 @@ from smarig.core import UsageError
 from smarig.record import Run
 from smarig.report.closed_loop.loop_comparison import loops_section
 from smarig.report.closed_loop.loop_result import is_closed_loop
-from smarig.report.components.assessment import Assessment
+from smarig.report.components.assessment_box import Assessment
 from smarig.report.components.comparison_labels import banner, check_comparable_count
 from smarig.report.components.figure import Figure
 from smarig.report.components.html import Html, paragraph, table

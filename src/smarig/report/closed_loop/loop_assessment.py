@@ -6,7 +6,7 @@ from smarig.control import SETTLING_BAND_COUNTS, TrackingPerformance
 from smarig.record import Run
 from smarig.report.closed_loop.closed_loop_text import offset_text, size, unsteady_text
 from smarig.report.closed_loop.loop_result import RegulationResult, TrackingResult
-from smarig.report.components.assessment import Assessment
+from smarig.report.components.assessment_box import Assessment
 from smarig.report.components.numbers import duration, number
 
 _COMPARE = "compare other controllers and gains on the same reference (smarig report RUN RUN)"

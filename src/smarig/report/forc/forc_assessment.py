@@ -4,7 +4,7 @@ import numpy as np
 
 from smarig.core import spaced
 from smarig.identification import SIGNIFICANT, ForcDiagram
-from smarig.report.components.assessment import Assessment
+from smarig.report.components.assessment_box import Assessment
 from smarig.report.components.html import Html, escaped
 from smarig.report.components.numbers import number, thousands
 from smarig.report.components.run_description import display_unit

@@ -7,7 +7,7 @@ import numpy as np
 from smarig.core import spaced
 from smarig.diagnosis import Diagnosis
 from smarig.identification import ErrorLevel, ErrorVerdict, error_verdict
-from smarig.report.components.assessment import Assessment, box_level
+from smarig.report.components.assessment_box import Assessment, box_level
 from smarig.report.components.numbers import duration
 from smarig.report.components.run_description import display_unit, duration_s, extent
 from smarig.report.diagnosis.verdict_text import strengths_text

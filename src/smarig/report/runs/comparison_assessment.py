@@ -8,7 +8,7 @@ import numpy as np
 from smarig.core import spaced
 from smarig.identification import ErrorLevel
 from smarig.record import Run
-from smarig.report.components.assessment import Assessment, box_level
+from smarig.report.components.assessment_box import Assessment, box_level
 from smarig.report.components.numbers import number, signed
 from smarig.report.components.run_description import display_unit, extent, protocol_name
 from smarig.report.runs.run_alignment import AlignedRun

@@ -5,7 +5,7 @@ import numpy as np
 from smarig.core import Severity, spaced
 from smarig.identification import ErrorLevel, RunVerification
 from smarig.record import Run
-from smarig.report.components.assessment import Assessment, box_level
+from smarig.report.components.assessment_box import Assessment, box_level
 from smarig.report.components.numbers import duration, number, thousands
 from smarig.report.components.run_description import (
     display_unit,
