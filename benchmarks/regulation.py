@@ -189,7 +189,7 @@ def _twin(rig: str, h: Everett, n: int) -> dict[str, Any]:
             both = [regulate_on_twin(rig, h, y, kind, sign * push_K, seed=k) for sign in (-1, 1)]
             row[kind] = {name: round(max(one[name] for one in both), 4) for name in both[0]}
         rows.append(row)
-    count = Actuator.named(load_rig(rig).actuator).position_per_count(load_rig(rig).encoder.counts_per_rev)
+    count = Actuator.named(load_rig(rig).actuator).resolution(load_rig(rig).encoder)
     ratios = {
         kind: [row["diagonal"]["transient"] / row[kind]["transient"] for row in rows]
         for kind in STATE_KINDS[1:]

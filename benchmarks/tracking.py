@@ -97,7 +97,7 @@ def controller_model() -> ControllerModel:
     actuator = Actuator.named(file.actuator)
     setup = Setup(actuator, file.limits, file.period_s)
     return ControllerModel(
-        setup, thesis_surface(actuator.file.hysteresis.surface), file.encoder.counts_per_rev
+        setup, thesis_surface(actuator.file.hysteresis.surface), actuator.resolution(file.encoder)
     )
 
 
@@ -219,7 +219,7 @@ def _controller_figures(
     seeds: Sequence[int],
     speed: float,
 ) -> dict[str, Any]:
-    count = assumed_model.setup.actuator.position_per_count(assumed_model.counts_per_rev)
+    count = assumed_model.position_per_count
 
     def over(shapes: Sequence[str], speed: float) -> list[SimulatedLoop]:
         return [

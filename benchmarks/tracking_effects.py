@@ -63,7 +63,7 @@ def _rms(
     seeds: Sequence[int],
 ) -> float | None:
     """Mean rms error of the wire's true position in counts; None if a loop tripped."""
-    count = nominal.setup.actuator.position_per_count(nominal.counts_per_rev)
+    count = nominal.position_per_count
     loops = [
         simulate_loop(
             assumed_model=assumed_model,
@@ -107,5 +107,5 @@ def _diagnosed(
 def identified_model(nominal: ControllerModel, model: Model) -> ControllerModel:
     """The controller model with the hysteresis and the effects of a model file."""
     return ControllerModel(
-        nominal.setup, model.hysteresis, nominal.counts_per_rev, effects_from_json(model.effects)
+        nominal.setup, model.hysteresis, nominal.position_per_count, effects_from_json(model.effects)
     )

@@ -34,6 +34,7 @@ RUN_KEYS = {
     "rig_values": "every value of the rig, with those of its base files and defaults",
     "actuator_values": "every value of the actuator",
     "rig_sha256": "SHA-256 hashes of the four keys above; of values, as JSON with sorted keys and no spaces",
+    "has_lease": "false: the current source does not switch itself off when the host fails",
     "wire": "identity of the wire",
     "wire_history": "history of the wire before the run",
     "source": "origin of the data: bench, twin, simulation or import",

@@ -116,7 +116,7 @@ PAGES: dict[str, tuple[str, str, tuple[str, ...]]] = {
             "smarig.protocols._building_blocks",
             "smarig.plant.effect",
             "smarig.plant.effect_catalogue",
-            "smarig.device.drivers._roles",
+            "smarig.device.roles.ticked",
             "smarig.rig.rig",
             "smarig.rig.twin",
             "smarig.runner.session",

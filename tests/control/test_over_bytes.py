@@ -48,7 +48,9 @@ def following(name, rig):
 
     def make(setup):
         controller_model = ControllerModel(
-            setup, thesis_surface("two_e" if setup.two_wire else "one_e"), file.encoder.counts_per_rev
+            setup,
+            thesis_surface("two_e" if setup.two_wire else "one_e"),
+            setup.actuator.resolution(file.encoder),
         )
         low, high = controller_model.reach
         places = (low + 0.3 * (high - low), low + 0.6 * (high - low))

@@ -136,7 +136,7 @@ def within(rate_A_per_s, most_A):
         update={"current_rate_A_per_s": rate_A_per_s, "current_max_A": most_A}
     )
     setup = type(plain.setup)(plain.setup.actuator, limits, plain.setup.period_s)
-    return ControllerModel(setup, plain.hysteresis, plain.counts_per_rev)
+    return ControllerModel(setup, plain.hysteresis, plain.position_per_count)
 
 
 @pytest.mark.parametrize("name", CONTROLLERS)

@@ -78,7 +78,7 @@ def test_a_source_without_a_lease_is_reported():
 class Leased:
     """A device that continues without commands, trips in time, and then carries ``left_A``."""
 
-    period_s, lease_ticks = 0.1, 10
+    period_s, lease_ticks, counts_ticks = 0.1, 10, True
 
     def __init__(self, left_A):
         self._left_A = left_A

@@ -78,7 +78,7 @@ def controller_model_for(model: Model, rig: RigFile) -> ControllerModel:
         )
     setup = Setup(actuator, rig.limits, rig.period_s)
     controller_model = ControllerModel(
-        setup, model.hysteresis, rig.encoder.counts_per_rev, effects_from_json(model.effects)
+        setup, model.hysteresis, actuator.resolution(rig.encoder), effects_from_json(model.effects)
     )
     _check_motion(controller_model, model)
     return controller_model
@@ -101,7 +101,7 @@ def _check_motion(controller_model: ControllerModel, model: Model) -> None:
     low, high = controller_model.reach
     setup = controller_model.setup
     limits = f"within this rig's limits, {setup.lower_K:.4g} to {setup.upper_K:.4g} K"
-    least = LEAST_COUNTS * setup.actuator.position_per_count(controller_model.counts_per_rev)
+    least = LEAST_COUNTS * controller_model.position_per_count
     if low == high:
         raise UsageError(
             f"The output of model {model.name} does not move {limits}, so no loop can be closed with it."

@@ -51,7 +51,7 @@ def regulation(
     setup = controller_model.setup
     low, high = (end + controller_model.origin for end in controller_model.reach)
     y = finite_number("The set-point", setpoint)
-    count = setup.actuator.position_per_count(rig.encoder.counts_per_rev)
+    count = setup.actuator.resolution(rig.encoder)
     if not low - count <= y <= high + count:
         raise UsageError(
             f"The set-point {y:g} {model.unit} is out of reach. This model on this rig reaches from {low:.4g} to "

@@ -148,7 +148,7 @@ def _check_length(followed: Reference, period_s: float) -> None:
 
 def _check_reach(followed: Reference, controller_model: ControllerModel, unit: str) -> None:
     low, high = controller_model.reach
-    count = controller_model.setup.actuator.position_per_count(controller_model.counts_per_rev)
+    count = controller_model.position_per_count
     least, most = min(followed.position), max(followed.position)
     if not low - count <= least <= most <= high + count:
         raise UsageError(

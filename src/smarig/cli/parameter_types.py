@@ -21,8 +21,9 @@ _PACKAGES = {
     "model_writers": "smarig.exchange.model_writers",
     "tracking": "smarig.control.tracking.controllers",
     "velocity": "smarig.control.velocity.controllers",
+    "drivers": "smarig.device.drivers",
 }
-_MAY_BE_OWN_FILE = ("protocols", "tracking")  # catalogues that accept an own file
+_MAY_BE_OWN_FILE = ("protocols", "tracking", "drivers")  # catalogues that accept an own file
 
 
 class CatalogueName(click.ParamType):
@@ -109,6 +110,7 @@ RIG = CatalogueName("rigs")
 PROTOCOL = CatalogueName("protocols")
 CONTROLLER = CatalogueName("tracking", "velocity")
 VELOCITY = CatalogueName("velocity")
+DRIVER = CatalogueName("drivers")
 EXPERIMENT = CatalogueName("protocols", "campaigns")
 FILE = _TextPath(path_type=Path, dir_okay=False)
 FOLDER = _TextPath(path_type=Path, file_okay=False)

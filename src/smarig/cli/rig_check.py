@@ -29,7 +29,7 @@ def check_rig(rig: str, protocol: str | None, pairs: tuple[str, ...], preview_on
         "tau_s": actuator.tau_s,
         "hA_W_per_K": actuator.hA_W_per_K,
         "input_range_K": [setup.lower_K, setup.upper_K],
-        "position_per_count": actuator.position_per_count(file.encoder.counts_per_rev),
+        "position_per_count": actuator.resolution(file.encoder),
         "unit": actuator.unit,
     }
     if file.kind == "twin":

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from smarig.config.file_schemas import ActuatorFile as ActuatorFile
     from smarig.config.file_schemas import CampaignFile as CampaignFile
     from smarig.config.file_schemas import CampaignStep as CampaignStep
+    from smarig.config.file_schemas import EncoderFile as EncoderFile
     from smarig.config.file_schemas import LimitsFile as LimitsFile
     from smarig.config.file_schemas import LinkFile as LinkFile
     from smarig.config.file_schemas import LinksFile as LinksFile

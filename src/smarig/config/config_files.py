@@ -3,7 +3,7 @@
 from pathlib import Path
 from typing import Any
 
-from smarig.config.file_schemas import ActuatorFile, CampaignFile, RigFile
+from smarig.config.file_schemas import ActuatorFile, CampaignFile, LinksFile, RigFile
 from smarig.core import (
     ConfigError,
     UsageError,
@@ -92,8 +92,8 @@ def _sibling_path(name: str, folder: Path) -> str:
 
 def own_drivers(file: RigFile) -> list[str]:
     """Paths of the own drivers that a rig file names."""
-    links = [file.links.amplifier, file.links.encoder_daq] if file.links else []
-    return [link.driver for link in links if is_path(link.driver)]
+    links = [getattr(file.links, device) for device in LinksFile.model_fields] if file.links else []
+    return [link.driver for link in links if link and is_path(link.driver)]
 
 
 def _all_tables(*values: Any) -> bool:

@@ -184,6 +184,9 @@ class EncoderFile(TomlTable):
 
     counts_per_rev: int = Field(gt=0, le=10_000_000)  # counts per revolution
     noise_counts: Number = Field(ge=0, le=1e6)  # standard deviation of one sample before rounding
+    resolution: Number | None = Field(
+        default=None, ge=1e-9, le=1e3
+    )  # mm or deg of one count, in place of counts_per_rev: for sensors of position that are no encoder
 
 
 class LinkFile(TomlTable):
@@ -199,13 +202,19 @@ class LinkFile(TomlTable):
     baud: int = Field(default=115200, ge=300, le=4_000_000)  # baud rate of a serial port
     address: int = Field(default=0, ge=0, le=247)  # Modbus address; 0: the device's default
     timeout_s: Number = Field(default=0.3, gt=0, le=5)  # time limit for one reply
+    settings: dict[str, Any] = Field(
+        default_factory=dict
+    )  # keys of the driver's own: channels, scales, ranges
 
 
 class LinksFile(TomlTable):
-    """[links]: the two devices of a bench."""
+    """[links]: the devices of a bench. The first two are required; one device may serve several of them."""
 
     amplifier: LinkFile  # device that drives the current
     encoder_daq: LinkFile  # device that reads the position
+    thermometer: LinkFile | None = None  # device that measures the temperature of the wire
+    room_thermometer: LinkFile | None = None  # device that measures the temperature of the room
+    load_cell: LinkFile | None = None  # device that measures the force on the wire
 
 
 class ProtectionFile(TomlTable):

@@ -20,7 +20,7 @@ FORMER: Mapping[str, tuple[str, Mapping[str, str]]] = {
         {"Known": "ControllerModel", "Wanted": "ReferenceFunction"},
     ),
     "smarig.drivers": ("smarig.device.drivers", {}),
-    "smarig.drivers._roles": ("smarig.device.drivers._roles", {}),
+    "smarig.drivers._roles": ("smarig.device.roles.ticked", {}),
     "smarig.device.wire": ("smarig.device.encoding", {}),
     "smarig.device.wire.link_faults": ("smarig.device.encoding.link_faults", {}),
     "smarig.errors": ("smarig.core.errors", {}),

@@ -5,12 +5,13 @@ from typing import TYPE_CHECKING
 from smarig.core.lazy_exports import lazy_exports
 
 if TYPE_CHECKING:
+    from smarig.device.contract.contract_case import ContractCase as ContractCase
+    from smarig.device.contract.contract_case import ContractResult as ContractResult
+    from smarig.device.contract.driver_contract import ROLES as ROLES
+    from smarig.device.contract.driver_contract import Role as Role
+    from smarig.device.contract.driver_contract import check_contract as check_contract
+    from smarig.device.contract.driver_contract import contract as contract
     from smarig.device.drivers._conversation import ATTEMPTS as ATTEMPTS
-    from smarig.device.drivers._roles import CurrentReading as CurrentReading
-    from smarig.device.drivers._roles import CurrentSource as CurrentSource
-    from smarig.device.drivers._roles import PositionReading as PositionReading
-    from smarig.device.drivers._roles import PositionSensor as PositionSensor
-    from smarig.device.drivers._roles import missing_members as missing_members
     from smarig.device.drivers.smarig_amplifier import smarig_amplifier as smarig_amplifier
     from smarig.device.encoding.crc import crc16 as crc16
     from smarig.device.encoding.exchange import Exchange as Exchange
@@ -27,5 +28,26 @@ if TYPE_CHECKING:
     from smarig.device.encoding.register import load_register_map as load_register_map
     from smarig.device.encoding.register import to_words as to_words
     from smarig.device.links.text_line import TextLine as TextLine
+    from smarig.device.polled.adapted import as_current_source as as_current_source
+    from smarig.device.polled.adapted import as_force_input as as_force_input
+    from smarig.device.polled.adapted import as_position_sensor as as_position_sensor
+    from smarig.device.polled.adapted import as_temperature_input as as_temperature_input
+    from smarig.device.polled.current_loop import CurrentLoop as CurrentLoop
+    from smarig.device.polled.host_clock import HostClock as HostClock
+    from smarig.device.polled.polled_position import PolledPosition as PolledPosition
+    from smarig.device.polled.polled_source import PolledSource as PolledSource
+    from smarig.device.roles.polled import CurrentOutput as CurrentOutput
+    from smarig.device.roles.polled import Electrical as Electrical
+    from smarig.device.roles.polled import ForceInput as ForceInput
+    from smarig.device.roles.polled import PolledInstrument as PolledInstrument
+    from smarig.device.roles.polled import PolledOutput as PolledOutput
+    from smarig.device.roles.polled import PositionInput as PositionInput
+    from smarig.device.roles.polled import TemperatureInput as TemperatureInput
+    from smarig.device.roles.polled import VoltageOutput as VoltageOutput
+    from smarig.device.roles.ticked import CurrentReading as CurrentReading
+    from smarig.device.roles.ticked import CurrentSource as CurrentSource
+    from smarig.device.roles.ticked import PositionReading as PositionReading
+    from smarig.device.roles.ticked import PositionSensor as PositionSensor
+    from smarig.device.roles.ticked import missing_members as missing_members
 else:
     __getattr__, __dir__, __all__ = lazy_exports(__name__)

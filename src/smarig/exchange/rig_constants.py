@@ -27,7 +27,7 @@ class RigConstants:
     @property
     def per_count(self) -> float:
         """Rig units per encoder count."""
-        return self.actuator.position_per_count(self.file.encoder.counts_per_rev)
+        return self.actuator.resolution(self.file.encoder)
 
     def input_along(self, t_s: Array, current_A: Array) -> Array:
         """Hysteresis input (n,), kelvin above ambient, by (5.1) at any spacing, from a cold wire."""

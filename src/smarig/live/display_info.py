@@ -76,7 +76,7 @@ def rig_display_info(
         unit=actuator.unit,
         input_unit="K",
         period_s=file.period_s,
-        per_count=actuator.position_per_count(file.encoder.counts_per_rev),
+        per_count=actuator.resolution(file.encoder),
         initial=actuator.file.hysteresis.initial if known else None,
         actuator=actuator,
         twin_hysteresis=twin_hysteresis if source == "twin" and _is_preisach(actuator) else None,

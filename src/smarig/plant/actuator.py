@@ -7,7 +7,7 @@ import math
 from dataclasses import dataclass
 from functools import cached_property
 
-from smarig.config import ActuatorFile, load_actuator
+from smarig.config import ActuatorFile, EncoderFile, load_actuator
 
 
 @dataclass(frozen=True)
@@ -96,6 +96,10 @@ class Actuator:
         """Position per encoder count: 2πr/N in mm, 360/N in degrees."""
         turn = 360.0 if self.unit == "deg" else 2 * math.pi * self.file.transmission.radius.value
         return turn / counts_per_rev
+
+    def resolution(self, encoder: EncoderFile) -> float:
+        """Position of one count: that of the rig file for analogue sensors, else that of the encoder (mm or deg)."""
+        return encoder.resolution or self.position_per_count(encoder.counts_per_rev)
 
     @property
     def _diameter_m(self) -> float:

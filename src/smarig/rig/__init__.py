@@ -10,7 +10,12 @@ if TYPE_CHECKING:
     from smarig.rig.bring_up import bring_up as bring_up
     from smarig.rig.consistency import DRIVERS as DRIVERS
     from smarig.rig.consistency import inconsistencies as inconsistencies
+    from smarig.rig.driver_check import ROLES as ROLES
+    from smarig.rig.driver_check import check_driver as check_driver
+    from smarig.rig.force_statistics import ForceStatistics as ForceStatistics
     from smarig.rig.guard import Guard as Guard
+    from smarig.rig.lease_limits import limits_in_force as limits_in_force
+    from smarig.rig.lease_limits import without_lease_text as without_lease_text
     from smarig.rig.open_rig import open_rig as open_rig
     from smarig.rig.plausibility import Plausibility as Plausibility
     from smarig.rig.rig import Rig as Rig

@@ -13,6 +13,8 @@ from smarig.config import RigFile
 from smarig.core import LeaseExpired, Quality, RigFault, Sample
 from smarig.device import CurrentReading, CurrentSource, Garbled, PositionReading, PositionSensor, Silent
 from smarig.plant import Actuator
+from smarig.rig.force_statistics import ForceStatistics
+from smarig.rig.further_sensors import FurtherSensors
 from smarig.rig.order_record import OrderRecord
 from smarig.rig.rig import Alarm
 
@@ -36,6 +38,7 @@ class Bench:
         actuator: Actuator,
         source: CurrentSource,
         sensor: PositionSensor,
+        further: FurtherSensors | None = None,
         *,
         speed: float = 1.0,
         clock: Callable[[], float] = time.monotonic,
@@ -43,7 +46,10 @@ class Bench:
     ) -> None:
         self.file, self.actuator = rig, actuator
         self.source, self.sensor = source, sensor
-        self.position_per_count = actuator.position_per_count(rig.encoder.counts_per_rev)
+        self.further = further or FurtherSensors()
+        self.force = ForceStatistics()
+        self.counts_ticks = True  # whether the source tells when it switched itself off
+        self.position_per_count = actuator.resolution(rig.encoder)
         self.lock_step = speed == 0
         self._tick_s = 0.0 if self.lock_step else rig.period_s / speed
         lease = round(rig.lease_s / rig.period_s)
@@ -83,7 +89,8 @@ class Bench:
         self.tick = positions[-1].tick
         if self._tick_s and self.tick >= self._next_clock_check:
             self._update_offset()
-        samples = tuple(self._join(p, c) for p, c in zip(positions, currents))
+        samples = self.further.added_to(tuple(self._join(p, c) for p, c in zip(positions, currents)))
+        self.force.add(self.further.force_N())
         self._note_fault(samples[-1].quality)  # after it, all samples before a trip are returned
         return samples
 
@@ -100,6 +107,7 @@ class Bench:
     def _set(self, current_A: float) -> None:
         """Send a current and keep the one before: samples that are still to be read belong to it."""
         last = self.source.set(current_A)
+        self.counts_ticks = last is not None
         if last is not None:
             self._orders.changed(self._command_A, last)
         self._command_A = current_A
@@ -236,7 +244,7 @@ class Bench:
 
     def identity(self) -> list[str]:
         """One line for each device."""
-        return [self.source.identity, self.sensor.identity]
+        return [self.source.identity, self.sensor.identity, *self.further.identities()]
 
     def arm(self) -> None:
         """Clear a trip; the output stays at zero until the next step."""
@@ -253,6 +261,7 @@ class Bench:
                 self._orders.changed(before_A, self.source.tick())
 
     def close(self) -> None:
-        """Close both lines."""
+        """Close all lines."""
         self.source.close()
         self.sensor.close()
+        self.further.close()

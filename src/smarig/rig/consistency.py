@@ -9,6 +9,7 @@ from smarig.plant import Actuator, load_of
 from smarig.rig.stress_limit import stress_limit
 
 DRIVERS = "smarig.device.drivers"
+SIMULATED = ("amplifier", "encoder_daq")  # devices that [simulator] starts
 OVER_CURRENT = 1.05  # of the largest current; above it the amplifier trips by itself
 
 
@@ -36,7 +37,8 @@ def _load(file: RigFile) -> Iterator[str]:
 
 def _links(file: RigFile, links: LinksFile) -> Iterator[str]:
     simulated = file.simulator is not None and file.simulator.start
-    for device, link in (("amplifier", links.amplifier), ("encoder_daq", links.encoder_daq)):
+    given = {name: getattr(links, name) for name in LinksFile.model_fields}
+    for device, link in ((name, link) for name, link in given.items() if link is not None):
         try:
             driver = resolve_name(DRIVERS, link.driver)
         except UsageError as wrong:
@@ -44,7 +46,7 @@ def _links(file: RigFile, links: LinksFile) -> Iterator[str]:
             continue
         if driver not in catalogue_names(DRIVERS):
             yield f"links.{device}.driver: no driver '{driver}'{suggestion(driver, catalogue_names(DRIVERS))}."
-        if not link.url and not simulated:
+        if not link.url and not (simulated and device in SIMULATED):
             yield f"links.{device}.url is missing. Give the port or address of the device."
     tries_s = ATTEMPTS * links.amplifier.timeout_s
     if file.simulator is None and tries_s > file.lease_s:

@@ -26,10 +26,17 @@ from smarig.core import (
     resolve_name,
     shipped,
 )
-from smarig.device import CurrentSource, PositionSensor, missing_members
+from smarig.device import (
+    TemperatureInput,
+    as_current_source,
+    as_force_input,
+    as_position_sensor,
+    as_temperature_input,
+)
 from smarig.plant import EFFECTS, Actuator, Effect, effects_to_arguments
 from smarig.rig.bench import Bench
 from smarig.rig.consistency import DRIVERS
+from smarig.rig.further_sensors import FurtherSensors
 from smarig.rig.paced_rig import PacedRig
 from smarig.rig.rig import Rig
 from smarig.rig.twin import Twin, TwinSettings
@@ -60,12 +67,12 @@ def open_rig(
             twin = Twin(file, actuator, settings)
             found: Rig = PacedRig(twin, speed, while_waiting=while_waiting) if speed else twin
         else:
-            links, pace = _required_links(file), 1.0
+            links, pace = required_links(file), 1.0
             if file.simulator is not None:
                 pace = file.simulator.speed if speed is None else speed
             if file.simulator is not None and file.simulator.start:
                 links = open_.enter_context(
-                    _started_simulator(rig, file.simulator, links, settings, pace, file.load)
+                    started_simulator(rig, file.simulator, links, settings, pace, file.load)
                 )
             found = _open_bench(file, actuator, links, pace, open_)
         open_.callback(found.close)
@@ -92,7 +99,7 @@ def _confirmed_shutdown(rig: Rig) -> Iterator[None]:
         raise RigFault(f"{rig.shutdown_unconfirmed} The recorded data are complete.")
 
 
-def _required_links(file: RigFile) -> LinksFile:
+def required_links(file: RigFile) -> LinksFile:
     if file.links is None:
         raise UsageError(f"Rig '{file.name}' has no table [links]. Its devices require it.")
     return file.links
@@ -101,26 +108,41 @@ def _required_links(file: RigFile) -> LinksFile:
 def _open_bench(
     file: RigFile, actuator: Actuator, links: LinksFile, speed: float, open_: contextlib.ExitStack
 ) -> Bench:
-    source = _open_instrument(links.amplifier, file, CurrentSource, "a current source")
-    open_.callback(source.close)
-    sensor = _open_instrument(links.encoder_daq, file, PositionSensor, "a position sensor")
-    open_.callback(sensor.close)
-    return Bench(file, actuator, source, sensor, speed=speed)
+    source = as_current_source(_open_instrument(links.amplifier, file, open_), links.amplifier.driver, file)
+    sensor = as_position_sensor(
+        _open_instrument(links.encoder_daq, file, open_), links.encoder_daq.driver, file
+    )
+    return Bench(file, actuator, source, sensor, _further_sensors(links, file, open_), speed=speed)
 
 
-def _open_instrument(link: LinkFile, file: RigFile, role: type, role_text: str) -> Any:
-    """An instrument made by its driver, which may be an own file. Raises ConfigError if members are missing."""
-    instrument = catalogue_entry(DRIVERS, resolve_name(DRIVERS, link.driver))(link, file)
-    lacking = missing_members(instrument, role)
-    if lacking:
-        raise ConfigError(
-            f"Driver {link.driver}: the returned object lacks {', '.join(lacking)}, which {role_text} requires."
-        )
+def instrument_of(link: LinkFile, file: RigFile) -> Any:
+    """What the driver of a link returns; the driver may be an own file."""
+    return catalogue_entry(DRIVERS, resolve_name(DRIVERS, link.driver))(link, file)
+
+
+def _open_instrument(link: LinkFile, file: RigFile, open_: contextlib.ExitStack) -> Any:
+    """An instrument made by its driver; closed at the end."""
+    instrument = instrument_of(link, file)
+    open_.callback(getattr(instrument, "close", lambda: None))
     return instrument
 
 
+def _further_sensors(links: LinksFile, file: RigFile, open_: contextlib.ExitStack) -> FurtherSensors:
+    """The thermometers and the load cell that the rig file names."""
+
+    def thermometer(link: LinkFile | None) -> TemperatureInput | None:
+        return as_temperature_input(_open_instrument(link, file, open_), link.driver) if link else None
+
+    cell = links.load_cell
+    return FurtherSensors(
+        wire=thermometer(links.thermometer),
+        room=thermometer(links.room_thermometer),
+        load_cell=as_force_input(_open_instrument(cell, file, open_), cell.driver) if cell else None,
+    )
+
+
 @contextmanager
-def _started_simulator(
+def started_simulator(
     rig: str,
     how: SimulatorFile,
     links: LinksFile,
@@ -163,6 +185,9 @@ def _started_simulator(
         yield LinksFile(
             amplifier=_with_url(links.amplifier, urls["amplifier"]["url"], min_timeout_s),
             encoder_daq=_with_url(links.encoder_daq, urls["encoder_daq"]["url"], min_timeout_s),
+            thermometer=links.thermometer,
+            room_thermometer=links.room_thermometer,
+            load_cell=links.load_cell,
         )
     finally:
         _stop_process(process, keep_until_lease=bool(how.trace))

@@ -50,7 +50,7 @@ class Plausibility:
         # a narrow transformation moves a wire far within a small share of the range
         width_K = thermomechanical.width_K if thermomechanical else self._range_K
         self._steady_K = STEADY_INPUT_BAND * min(width_K, self._range_K)
-        self._travel = travel / actuator.position_per_count(rig.encoder.counts_per_rev)
+        self._travel = travel / actuator.resolution(rig.encoder)
         self._jump = max(MAX_JUMP, -MAX_JUMP_TAUS * math.expm1(-rig.period_s / actuator.tau_s)) * self._travel
         self._last: int | None = None
         self._ticks_in_a_row = {"blind": 0, "temperature": 0}

@@ -78,7 +78,7 @@ class Specimen:
         self.plant = plant_of(rig, actuator, settings)
         load = load_of(rig, actuator)
         self._force = load.force() if load and load.changes and settings.hysteresis is None else None
-        self.position_per_count = actuator.position_per_count(rig.encoder.counts_per_rev)
+        self.position_per_count = actuator.resolution(rig.encoder)
         self._scales = register_scales()
         self._noise = [TickNoise(settings.seed, channel) for channel in range(4)]
         scale = 1.0 if settings.noise else 0.0

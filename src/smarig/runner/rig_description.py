@@ -34,7 +34,7 @@ def rig_values(file: RigFile) -> dict[str, Any]:
     """Every value of a rig file. Other files are named without their folder, so that they may move together."""
     values = file.model_dump(mode="json")
     values["actuator"] = Path(values["actuator"]).name
-    for link in (values["links"] or {}).values():
+    for link in filter(None, (values["links"] or {}).values()):
         link["driver"] = Path(link["driver"]).name
     return values
 

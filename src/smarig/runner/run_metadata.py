@@ -1,6 +1,7 @@
 """The description of a run for its record: protocol, rig, state, and everything needed to resume it."""
 
 import json
+import math
 import platform
 from collections.abc import Mapping
 from dataclasses import asdict, is_dataclass
@@ -13,7 +14,7 @@ import numpy as np
 from smarig.config import RigFile
 from smarig.core import Interrupted, SmarigError, catalogue_names
 from smarig.plant import EFFECTS, Actuator, Effect, Load, effects_to_pairs
-from smarig.rig import TwinSettings
+from smarig.rig import ForceStatistics, TwinSettings
 
 LAUNCH_ARGS = "begun_with"  # key of the arguments needed to resume a run
 LOAD = "load"  # key of the load of a run
@@ -71,6 +72,16 @@ def load_metadata(load: Load | None, t_s: tuple[float, float] = (0.0, 0.0)) -> d
         for name, (unit, x) in values.items()
     }
     return {LOAD: load.to_json(), "conditions": conditions}
+
+
+def measured_load(force: ForceStatistics, actuator: Actuator) -> dict[str, Any]:
+    """The conditions of a run from the readings of a load cell: force, and stress = force/(π d²/4) of one wire."""
+    section_mm2 = math.pi / 4 * actuator.file.wire.diameter.value**2
+    force_N = {"mean": force.mean_N, "min": force.least_N, "max": force.largest_N}
+    return {
+        "load": {"unit": "N", **force_N},
+        "stress": {"unit": "MPa", **{name: value / section_mm2 for name, value in force_N.items()}},
+    }
 
 
 def launch_args(

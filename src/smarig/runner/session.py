@@ -30,7 +30,16 @@ from smarig.record import (
     load_wire_history,
     recording,
 )
-from smarig.rig import Guard, Plausibility, Rig, TwinSettings, open_rig, stress_limit
+from smarig.rig import (
+    Guard,
+    Plausibility,
+    Rig,
+    TwinSettings,
+    limits_in_force,
+    open_rig,
+    stress_limit,
+    without_lease_text,
+)
 from smarig.runner.end_severity import end_severity
 from smarig.runner.listener import CallbackListener, Listener
 from smarig.runner.lock import rig_locks
@@ -46,6 +55,7 @@ from smarig.runner.run_metadata import (
     experiment_metadata,
     launch_args,
     load_metadata,
+    measured_load,
     outlives_session,
     twin_source,
 )
@@ -87,6 +97,7 @@ class Session:
         self._last: Sample | None = None
         self._epoch = time.time()
         self.wear = self.new_wear()
+        self.no_lease = ""  # what it means that the source has no lease; "" if it has one
         self._open = ExitStack()
 
     def __enter__(self) -> Self:
@@ -107,6 +118,8 @@ class Session:
         except BaseException:
             self._open.close()
             raise
+        if not self.has_lease:
+            self._lower_limits()
         self.guard = Guard(
             self.rig,
             self.file.limits,
@@ -124,9 +137,20 @@ class Session:
         if last is None or not outlives_session(self.file):
             return
         since_s = elapsed_s(last, self.device, self.rig.tick, self.file.period_s, twin=self.source == "twin")
-        has_lease = bool(getattr(self.rig, "has_lease", True))
-        self.guard.start_hot(heat_left(last, self.actuator, since_s, has_lease=has_lease))
+        self.guard.start_hot(heat_left(last, self.actuator, since_s, has_lease=self.has_lease))
         self.wear = self.new_wear(self.guard.input_K)
+
+    @property
+    def has_lease(self) -> bool:
+        """Whether the current source switches itself off when the host stops communicating; a twin does."""
+        return bool(getattr(self.rig, "has_lease", True))
+
+    def _lower_limits(self) -> None:
+        """Take the limits of a rig without a lease, for everything that follows."""
+        self.no_lease = without_lease_text(self.file, self.actuator)
+        limits = limits_in_force(self.file.limits, self.actuator, has_lease=False)
+        self.file = self.file.model_copy(update={"limits": limits})
+        self.setup = Setup(self.actuator, limits, self.file.period_s)
 
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
@@ -158,7 +182,8 @@ class Session:
             if protocol_factory
             else build_protocol(protocol, self.setup, settings, chooser)
         )
-        cost = expected or preview(protocol, self.file, settings, self.control, chooser, protocol_factory)
+        cost = None if self.no_lease else expected  # its limits are others
+        cost = cost or preview(protocol, self.file, settings, self.control, chooser, protocol_factory)
         check_free_space(out, cost.bytes)
         before = self.history()
         check_cycle_limit(before, self.file.limits)
@@ -172,6 +197,8 @@ class Session:
             recorder = Recorder(out, meta, force=force, clock=self.clock())
             runner = self.runner([recorder, *listeners])
             recorder.event(runner.t_s, "start", f"Run of {protocol} started.", **self.moment())
+            if self.no_lease:
+                recorder.event(runner.t_s, "no_lease", self.no_lease, level="warning")
             self.carry_out(recorder, runner, generator, new_run=True)
         return out
 
@@ -186,6 +213,8 @@ class Session:
     def carry_out(self, recorder: Recorder, runner: Runner, protocol: Protocol, *, new_run: bool) -> None:
         """Run to the end, however it ends, and close the record with its cause."""
         cause, severity, start_s = "done", end_severity(None), runner.t_s
+        if (force := getattr(self.rig, "force", None)) is not None:
+            force.reset()
         try:
             runner.run(protocol)
         except BaseException as error:
@@ -196,6 +225,7 @@ class Session:
             recorder.describe("shift", asdict(runner.shift))
             if self.load and self.load.changes and new_run:
                 self._describe_load(recorder, runner, start_s)
+            self._describe_force(recorder)
             self._save_history(recorder, runner.t_s, new_run)
             recorder.close(cause, t_s=runner.t_s, severity=severity)
 
@@ -204,6 +234,12 @@ class Session:
         with suppress(SmarigError):
             found = load_metadata(self.load, (start_s, max(runner.t_s, start_s)))
             recorder.describe("conditions", found["conditions"])
+
+    def _describe_force(self, recorder: Recorder) -> None:
+        """The load that a load cell has measured replaces the one that the files state."""
+        force = getattr(self.rig, "force", None)
+        if force is not None and force.n:
+            recorder.describe("conditions", measured_load(force, self.actuator))
 
     def moment(self) -> dict[str, Any]:
         """Data of the event at which a recording begins: the time of day, and the predicted heat of both wires."""
@@ -287,6 +323,7 @@ class Session:
             **self.description,
             "notes": notes,
             "device": self.device,
+            "has_lease": self.has_lease,
             OWN_FILES: used_own_files(
                 protocol, self.settings.effects, self.file, str(settings.get("controller", ""))
             ),

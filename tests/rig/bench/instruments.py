@@ -1,7 +1,7 @@
 """A current source and an encoder that behave as the test prescribes, each with its own clock."""
 
 from smarig.core.sample import NAN, Quality
-from smarig.device.drivers._roles import CurrentReading, PositionReading
+from smarig.device.roles.ticked import CurrentReading, PositionReading
 
 
 class FakeClock:

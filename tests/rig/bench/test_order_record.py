@@ -3,7 +3,7 @@
 import pytest
 
 from smarig.core.sample import NAN, Quality
-from smarig.device.drivers._roles import CurrentReading
+from smarig.device.roles.ticked import CurrentReading
 from smarig.rig.order_record import KEPT, OrderRecord
 
 

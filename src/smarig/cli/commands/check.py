@@ -5,15 +5,19 @@ from pathlib import Path
 import click
 
 from smarig.cli.output import json_option
-from smarig.cli.parameter_types import FILE, PROTOCOL, RIG
+from smarig.cli.parameter_types import DRIVER, FILE, PROTOCOL, RIG
 from smarig.cli.run_file_check import check_run_file, is_run_file
 from smarig.core import UsageError
+
+DEFAULT_RIG = "one_wire_serial"  # simulated devices: a driver can be tried without hardware
+ROLE_NAMES = ("amplifier", "encoder_daq", "thermometer", "room_thermometer", "load_cell")
 
 EPILOG = """\b
 Examples:
   smarig check one_wire_twin --protocol first_order_descending
   smarig check validation.run.sqlite
   smarig check damaged.run.sqlite -o saved.run.sqlite
+  smarig check --driver smarig_encoder_daq --role encoder_daq
 """
 
 
@@ -22,7 +26,7 @@ Examples:
     short_help="Check a rig, bring up a bench, preview a protocol; or check and save a run file.",
     epilog=EPILOG,
 )
-@click.argument("rig", type=RIG, metavar="RIG|RUN")
+@click.argument("rig", type=RIG, metavar="[RIG|RUN]", required=False)
 @click.option(
     "--protocol",
     type=PROTOCOL,
@@ -34,6 +38,18 @@ Examples:
 @click.option(
     "--no-current", "preview_only", is_flag=True, help="Bench: only check the files; drive no current."
 )
+@click.option(
+    "--driver",
+    type=DRIVER,
+    help="Check this driver, a name or an own file, against the contract of its role.",
+)
+@click.option(
+    "--role",
+    type=click.Choice(ROLE_NAMES),
+    default="amplifier",
+    help="With --driver: its link in the rig file (default: amplifier).",
+)
+@click.option("--url", default="", help="With --driver: port or address of the device.")
 @click.option("--yes", is_flag=True, help="Bench: heat the wire without confirmation.")
 @click.option(
     "-o", "--out", type=FILE, help="Run file: write what can be saved from it to this new run file."
@@ -41,19 +57,37 @@ Examples:
 @click.option("--force", is_flag=True, help="Replace an existing file.")
 @json_option
 def command(
-    rig: str,
+    rig: str | None,
     protocol: str | None,
     pairs: tuple[str, ...],
     preview_only: bool,
+    driver: str | None,
+    role: str,
+    url: str,
     yes: bool,
     out: Path | None,
     force: bool,
 ) -> int:
     """Check a rig's file, constants and lease, and bring up a bench. Preview a protocol on its twin.
 
+    With --driver, open the device with this driver and check each requirement of its role: current as ordered, off
+    after a killed host, lease, readings in order. RIG gives limits and settings (default: one_wire_serial, whose
+    devices are simulated); a tenth of its largest current flows.
+
     Of a run file, state what it holds and whether it is whole. With -o, save from a damaged file what its pages
     still hold. The file itself is never changed. The exit status is 4 if it is damaged, even if all was saved.
     """
+    if driver:
+        if protocol or pairs or preview_only or out or force:
+            raise UsageError("With --driver, only RIG, --role, --url, --yes and --json apply.")
+        from smarig.cli.contract_check import check_one_driver
+
+        check_one_driver(rig or DEFAULT_RIG, driver, role, url, yes)
+        return 0
+    if url:
+        raise UsageError("--url needs --driver.")
+    if rig is None:
+        raise UsageError("Give a rig, a run file, or --driver.")
     if is_run_file(rig):
         if protocol or pairs or preview_only or yes:
             raise UsageError(f"{rig} is a run file; only -o, --force and --json apply to it.")

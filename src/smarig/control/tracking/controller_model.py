@@ -22,7 +22,7 @@ class ControllerModel:
 
     setup: Setup
     hysteresis: Everett
-    counts_per_rev: int
+    position_per_count: float
     effects: Sequence[SupportsHooks] = field(default=())
 
     @property

@@ -7,9 +7,9 @@ file.
 
 from smarig.config import LinkFile, RigFile
 from smarig.core import NAN, ConfigError, Quality
-from smarig.device.drivers._roles import CurrentReading
 from smarig.device.encoding.link_faults import Garbled, Silent, WrongDevice
 from smarig.device.links.text_line import TextLine
+from smarig.device.roles.ticked import CurrentReading
 from smarig.plant import Actuator, largest_voltage_V
 
 

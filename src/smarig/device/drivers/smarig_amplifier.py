@@ -10,12 +10,12 @@ from smarig.config import LinkFile, RigFile
 from smarig.core import ConfigError, Quality, SmarigError
 from smarig.device.drivers._conversation import Status
 from smarig.device.drivers._line_device import LineDevice
-from smarig.device.drivers._roles import CurrentReading
 from smarig.device.encoding.crc import crc16
 from smarig.device.encoding.link_faults import Rebooted, Refused
 from smarig.device.encoding.register import load_register_map
 from smarig.device.links.link import Link, let_go_on_failure
 from smarig.device.links.opening import opened
+from smarig.device.roles.ticked import CurrentReading
 
 TRIES_OFF = 3
 

@@ -3,10 +3,10 @@
 from smarig.config import LinkFile, RigFile
 from smarig.core import Quality
 from smarig.device.drivers._line_device import LineDevice
-from smarig.device.drivers._roles import PositionReading
 from smarig.device.encoding.register import load_register_map
 from smarig.device.links.link import Link, let_go_on_failure
 from smarig.device.links.opening import opened
+from smarig.device.roles.ticked import PositionReading
 
 
 def smarig_encoder_daq(where: LinkFile, rig: RigFile) -> "SmarigEncoderDaq":

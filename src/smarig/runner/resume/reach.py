@@ -5,7 +5,7 @@ A key that is not listed counts as one that reaches the numbers.
 
 from enum import Enum, auto
 
-from smarig.config import ThermomechanicalSection
+from smarig.config import LinksFile, ThermomechanicalSection
 from smarig.runner.rig_description import ACTUATOR_VALUES, RIG_VALUES
 
 
@@ -25,6 +25,7 @@ _LINK = {
     "baud": Reach.NOTHING,
     "address": Reach.NOTHING,
     "timeout_s": Reach.NOTHING,
+    "settings": Reach.NUMBERS,  # channels and scales
 }
 _THERMOMECHANICAL = tuple(f"thermomechanical.{key}" for key in ThermomechanicalSection.model_fields)
 REACH: dict[str, dict[str, Reach]] = {
@@ -56,9 +57,13 @@ REACH: dict[str, dict[str, Reach]] = {
         "amplifier.current_noise_A": Reach.TWIN,
         "amplifier.voltage_noise_V": Reach.TWIN,
         "encoder.counts_per_rev": Reach.NUMBERS,
+        "encoder.resolution": Reach.NUMBERS,
         "encoder.noise_counts": Reach.TWIN,
-        **{f"links.amplifier.{key}": reach for key, reach in _LINK.items()},
-        **{f"links.encoder_daq.{key}": reach for key, reach in _LINK.items()},
+        **{
+            f"links.{device}.{key}": reach
+            for device in LinksFile.model_fields
+            for key, reach in _LINK.items()
+        },
         "protection.slew_max_A_per_s": Reach.SAFETY,
         "protection.resistance_min_ohm": Reach.SAFETY,
         "protection.resistance_max_ohm": Reach.SAFETY,

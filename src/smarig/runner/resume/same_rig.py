@@ -147,7 +147,7 @@ def _with_code(values: Mapping[str, Any], hashes: Mapping[str, str]) -> dict[str
             **link,
             "driver": f"{link['driver']} (sha256 {hashes.get(link['driver'], '')[:16] or 'unknown'})",
         }
-        if is_path(link["driver"])
+        if link and is_path(link["driver"])
         else link
         for device, link in (values.get("links") or {}).items()
     }
@@ -157,7 +157,7 @@ def _with_code(values: Mapping[str, Any], hashes: Mapping[str, str]) -> dict[str
 def _scale_change(run: Run, session: Session) -> list[RigChange]:
     """A different scale: the only trace of an edited actuator in the records of earlier versions."""
     then = run.info.output.per_count
-    now = session.actuator.position_per_count(session.file.encoder.counts_per_rev)
+    now = session.actuator.resolution(session.file.encoder)
     if then is None or then == now:
         return []
     unit = run.info.output.unit

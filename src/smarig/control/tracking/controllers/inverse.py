@@ -40,7 +40,7 @@ def inverse(
         rest_counts (counts): position error below which the target temperature stays
     """
     setup, model = controller_model.setup, controller_model.plant()
-    count = setup.actuator.position_per_count(controller_model.counts_per_rev)
+    count = controller_model.position_per_count
     low, high = controller_model.reach
     observer = SlopeObserver.at(controller_model.origin, high - low, READING_COUNTS * count, walk, slope_walk)
     goal_K = model.hysteresis_input_K

@@ -102,5 +102,5 @@ def missing_members(instrument: Any, role: type) -> list[str]:
     >>> missing_members(object(), PositionSensor)
     ['close', 'identity', 'since', 'tick', 'zero']
     """
-    wanted = (name for name in vars(role) if not name.startswith("_"))
-    return sorted(name for name in wanted if not hasattr(instrument, name))
+    wanted = {name for kind in role.__mro__ if kind is not object for name in vars(kind)}
+    return sorted(name for name in wanted if not name.startswith("_") and not hasattr(instrument, name))

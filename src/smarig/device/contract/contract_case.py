@@ -1,0 +1,95 @@
+"""What a check of the contract is given: how to open the instrument, its rig file, how to wait, and how it reports."""
+
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+from smarig.config import RigFile
+from smarig.core import SmarigError
+
+TEST_SHARE = 0.1  # of the largest current: it heats the wire by 1 % of what the largest does
+TOLERANCE_SHARE = 0.05  # of the largest current, as in the bring-up of a rig
+SETTLE_TICKS = 4  # for an order to take effect and be measured
+
+
+class Broken(Exception):
+    """A requirement is not met; the text says what was observed."""
+
+
+class ContractResult(NamedTuple):
+    """One requirement: its name, whether it is met, what was observed."""
+
+    name: str
+    passed: bool
+    observed: str
+
+    def to_json(self) -> dict[str, Any]:
+        """As ``smarig check --json`` reports it."""
+        return {"name": self.name, "passed": self.passed, "seen": self.observed}
+
+
+@dataclass(frozen=True)
+class ContractCase:
+    """``open`` opens the instrument in its role, ``open_absent`` at an address where there is none.
+
+    ``wait`` lets this many seconds of the devices pass.
+    """
+
+    open: Callable[[], Any]
+    open_absent: Callable[[], Any]
+    rig: RigFile
+    wait: Callable[[float], None] = time.sleep
+
+    @property
+    def largest_A(self) -> float:
+        """The largest current of the rig."""
+        return max(self.rig.limits.current_max_A, -self.rig.limits.current_min_A)
+
+    @property
+    def test_A(self) -> float:
+        """The current of the checks."""
+        return TEST_SHARE * self.largest_A
+
+    @property
+    def tolerance_A(self) -> float:
+        """The largest difference between an ordered and a measured current."""
+        return TOLERANCE_SHARE * self.largest_A
+
+    def wait_ticks(self, ticks: float) -> None:
+        """Let this many ticks pass."""
+        self.wait(ticks * self.rig.period_s)
+
+    @contextmanager
+    def opened(self) -> Iterator[Any]:
+        """The instrument, switched off if it has an output, and closed afterwards."""
+        instrument = self.open()
+        try:
+            yield instrument
+        finally:
+            if hasattr(instrument, "off"):
+                instrument.off()
+            instrument.close()
+
+
+Requirement = Callable[[ContractCase], str]  # returns what was observed; raises Broken
+
+
+def results(case: ContractCase, requirements: dict[str, Requirement]) -> Iterator[ContractResult]:
+    """Every requirement in order; an error of the driver is a broken requirement, not the end."""
+    for name, requirement in requirements.items():
+        try:
+            yield ContractResult(name, True, requirement(case))
+        except Broken as broken:
+            yield ContractResult(name, False, str(broken))
+        except SmarigError as error:
+            yield ContractResult(name, False, f"it raised: {error}")
+        except Exception as error:
+            yield ContractResult(name, False, f"it raised {type(error).__name__}: {error}")
+
+
+def require(met: bool, text: str) -> None:
+    """Raise Broken with the text unless the condition is met."""
+    if not met:
+        raise Broken(text)

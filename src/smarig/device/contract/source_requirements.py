@@ -1,0 +1,165 @@
+"""Requirements on current sources. They drive a tenth of the rig's largest current, and leave the output at zero."""
+
+import math
+from typing import Any
+
+from smarig.core import Quality, SmarigError
+from smarig.device.contract.contract_case import SETTLE_TICKS, Broken, ContractCase, require
+from smarig.device.roles.ticked import CurrentReading, CurrentSource
+
+LEASE_MARGIN_S = 1.5  # besides the lease, until the output must be off
+BLOCK_TICKS = 3  # readings asked for at once
+
+
+def off_after_opening(case: ContractCase) -> str:
+    """Opening leaves the output at zero current."""
+    with case.opened() as source:
+        current_A = _settled(case, source).current_A
+        require(abs(current_A) <= case.tolerance_A, f"{current_A:.4g} A flow after opening")
+        return f"{current_A:.4f} A after opening"
+
+
+def off_after_a_killed_host(case: ContractCase) -> str:
+    """A host that was killed leaves the output on; opening it again switches it off."""
+    source = case.open()
+    source.set(case.test_A)
+    case.wait_ticks(1)
+    source.close()
+    with case.opened() as again:
+        current_A = _settled(case, again).current_A
+        require(abs(current_A) <= case.tolerance_A, f"{current_A:.4g} A flow after it was opened again")
+        return f"{current_A:.4f} A after it was opened again"
+
+
+def current_as_ordered(case: ContractCase) -> str:
+    """The measured current is the ordered one, with a voltage; and the next order replaces it."""
+    found = []
+    with case.opened() as source:
+        for ordered_A in (case.test_A, case.test_A / 2):
+            source.set(ordered_A)
+            now = _settled(case, source)
+            require(
+                abs(now.current_A - ordered_A) <= case.tolerance_A,
+                f"{now.current_A:.4g} A measured, {ordered_A:.4g} A ordered",
+            )
+            require(math.isfinite(now.voltage_V), "it measures no voltage, which the wire's resistance needs")
+            found.append(f"{now.current_A:.4f} A at {ordered_A:.4g} A")
+    return ", ".join(found)
+
+
+def readings_in_order(case: ContractCase) -> str:
+    """``since`` returns at most as many readings as asked for, by ascending ticks, from the asked tick on."""
+    with case.opened() as source:
+        first = source.tick() + 1
+        case.wait_ticks(BLOCK_TICKS + 1)
+        found = source.since(first, BLOCK_TICKS)
+        ticks = [reading.tick for reading in found]
+    require(bool(found), "it returned no reading after several ticks")
+    require(len(found) <= BLOCK_TICKS, f"it returned {len(found)} readings instead of at most {BLOCK_TICKS}")
+    require(all(isinstance(reading, CurrentReading) for reading in found), "they are no CurrentReading")
+    require(all(isinstance(tick, int) for tick in ticks), "a tick is no integer")
+    require(ticks[0] >= first and ticks == sorted(set(ticks)), f"ticks {ticks} since tick {first}")
+    return f"ticks {ticks[0]} to {ticks[-1]}"
+
+
+def no_number_refused(case: ContractCase) -> str:
+    """NaN and infinity are refused and do not change the current."""
+    with case.opened() as source:
+        for wrong in (math.nan, math.inf):
+            try:
+                source.set(wrong)
+            except (SmarigError, ValueError, OverflowError):
+                pass
+            else:
+                require(bool(source.tripped), f"it accepted {wrong:g} A")
+        current_A = _settled(case, source).current_A
+        require(abs(current_A) <= case.tolerance_A, f"{current_A:.4g} A flow after a refused order")
+    return "refused; the current stays at zero"
+
+
+def off_confirmed(case: ContractCase) -> str:
+    """``off`` sets zero current, returns "" and may be repeated."""
+    with case.opened() as source:
+        source.set(case.test_A)
+        case.wait_ticks(1)
+        for _ in range(2):
+            _no_error(source.off, "off", "")
+        current_A = _settled(case, source).current_A
+        require(abs(current_A) <= case.tolerance_A, f"{current_A:.4g} A flow after off")
+        source.arm()
+        source.set(case.test_A)
+        now_A = _settled(case, source).current_A
+        require(abs(now_A - case.test_A) <= case.tolerance_A, f"{now_A:.4g} A after off, arm and a new order")
+    return f"{current_A:.4f} A after off; armed again"
+
+
+def off_on_a_closed_line(case: ContractCase) -> str:
+    """``off`` on a closed line does not raise: it opens the line again and confirms, or says that nobody confirmed."""
+    source = case.open()
+    source.off()
+    source.close()
+    text = _no_error(source.off, "off", None)
+    source.close()
+    require(isinstance(text, str), f"off returned {text!r}, which is no text")
+    return text or "the line was opened again, and the device confirmed"
+
+
+def lease(case: ContractCase) -> str:
+    """A source that claims a lease switches itself off when the host is silent, says so, and can be armed again."""
+    with case.opened() as source:
+        if not source.has_lease:
+            return "it claims no lease: its rig takes lower limits, and only a cut-out stops the current"
+        source.set(case.test_A)
+        before_A = _settled(case, source).current_A
+        case.wait(case.rig.lease_s + LEASE_MARGIN_S)
+        now = _reading(case, source)
+        reason = source.tripped
+        require(
+            abs(before_A - case.test_A) <= case.tolerance_A, f"{before_A:.4g} A flowed before the silence"
+        )
+        require(abs(now.current_A) <= case.tolerance_A, f"{now.current_A:.4g} A flow after the lease is over")
+        require(bool(reason), "it switched itself off, but tripped does not say why")
+        require(bool(int(now.quality) & Quality.TRIPPED), "its readings are not marked as tripped")
+        source.arm()
+        require(not source.tripped, f"arm does not clear the trip: {source.tripped}")
+    return f"{reason}"
+
+
+REQUIREMENTS = {
+    "off after opening": off_after_opening,
+    "current as ordered": current_as_ordered,
+    "readings in order": readings_in_order,
+    "no number refused": no_number_refused,
+    "off confirmed": off_confirmed,
+    "off on a closed line": off_on_a_closed_line,
+    "off after a killed host": off_after_a_killed_host,
+    "lease": lease,
+}
+
+
+def _settled(case: ContractCase, source: CurrentSource) -> CurrentReading:
+    """The last reading after an order has taken effect; queried meanwhile, as a bench does."""
+    for _ in range(SETTLE_TICKS):
+        case.wait_ticks(1)
+        _reading(case, source)
+    return _reading(case, source)
+
+
+def _reading(case: ContractCase, source: CurrentSource) -> CurrentReading:
+    """The reading of the present tick."""
+    for _ in range(SETTLE_TICKS):
+        found = source.since(source.tick(), 1)
+        if found:
+            return found[-1]
+        case.wait_ticks(0.5)
+    raise Broken("it returns no reading of its present tick")
+
+
+def _no_error(call: Any, name: str, expected: str | None) -> str:
+    """What a method that must not raise returns, if it is what is expected."""
+    try:
+        found = call()
+    except Exception as error:
+        raise Broken(f"{name} raised {type(error).__name__}: {error}") from None
+    require(expected is None or found == expected, f"{name} returned {found!r} instead of {expected!r}")
+    return found

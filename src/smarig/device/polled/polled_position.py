@@ -1,0 +1,111 @@
+"""A position that is queried, as the position sensor of a bench: sampled by the host's clock, in counts of the rig."""
+
+import math
+
+from smarig.config import RigFile
+from smarig.core import NAN, ConfigError, Quality
+from smarig.device.encoding.link_faults import Garbled
+from smarig.device.polled.host_clock import HostClock
+from smarig.device.roles.polled import PositionInput, TemperatureInput
+from smarig.device.roles.ticked import PositionReading
+from smarig.plant import Actuator
+
+LONGEST_GAP_S = 2.0  # without a valid reading; after it the sensor counts as lost
+REPEATS_AT_START = 3  # readings tried before the first position is known
+
+
+class PolledPosition:
+    """``count = round((y − y₀)/resolution)``: the resolution is ``[encoder] resolution`` of the rig file.
+
+    A tick has one reading, taken when it is queried for; ticks that the host missed have none. ``room``: a thermometer
+    of the room; without one, the rig file's ``ambient_degC`` is recorded.
+    """
+
+    def __init__(
+        self,
+        sensor: PositionInput,
+        rig: RigFile,
+        clock: HostClock | None = None,
+        room: TemperatureInput | None = None,
+    ) -> None:
+        self.sensor, self._room, self._clock = sensor, room, clock or HostClock(rig)
+        self._per_count, self._ambient_degC = _per_count(sensor, rig), rig.ambient_degC
+        self._gap = max(1, round(LONGEST_GAP_S / rig.period_s))
+        self._zero = self._raw = 0
+        self._missing = 0
+        self._read_until = -1
+        for _ in range(REPEATS_AT_START):
+            if self._update():
+                break
+        else:
+            raise Garbled(
+                f"{sensor.identity} gives no position. Check that its target is in range. {Garbled.remedy}"
+            )
+
+    @property
+    def identity(self) -> str:
+        """The sensor, and the clock that counts its ticks."""
+        return f"{self.sensor.identity}, {self._clock.started}"
+
+    def since(self, tick: int, at_most: int) -> list[PositionReading]:
+        """The reading of the present tick if it is not earlier than ``tick``."""
+        now = self._clock.tick()
+        if now < tick or at_most < 1:
+            return []
+        valid = self._update()
+        room_degC = self._room.temperature_degC() if self._room else NAN
+        return [
+            PositionReading(
+                now,
+                self._raw - self._zero,
+                room_degC if math.isfinite(room_degC) else self._ambient_degC,
+                Quality.GOOD if valid else Quality.SUSPECT,
+            )
+        ]
+
+    def tick(self) -> int:
+        """The present tick of the host."""
+        return self._clock.tick()
+
+    def zero(self) -> None:
+        """Count from the present position on."""
+        if not self._update():
+            raise Garbled(f"{self.sensor.identity} gives no position to start from. {Garbled.remedy}")
+        self._zero = self._raw
+
+    def close(self) -> None:
+        """Close the lines."""
+        self.sensor.close()
+        if self._room is not None:
+            self._room.close()
+
+    def _update(self) -> bool:
+        """Read; a reading that does not exist keeps the last one. Raises Garbled after ``LONGEST_GAP_S`` of them."""
+        position = self.sensor.position()
+        if math.isfinite(position):
+            self._raw, self._missing = round(position / self._per_count), 0
+            return True
+        self._missing += 1
+        if self._missing > self._gap:
+            raise Garbled(
+                f"{self.sensor.identity} has given no position for {LONGEST_GAP_S:g} s. Check that its target is in "
+                f"range. {Garbled.remedy}"
+            )
+        return False
+
+
+def _per_count(sensor: PositionInput, rig: RigFile) -> float:
+    """The size of a count in the sensor's own unit. Raises ConfigError if rig file and sensor do not fit."""
+    if sensor.unit == "count":
+        return 1.0
+    unit = Actuator.named(rig.actuator).unit
+    if sensor.unit != unit:
+        raise ConfigError(
+            f"{sensor.identity} measures in {sensor.unit}, but the wire of rig '{rig.name}' moves in {unit}."
+        )
+    if rig.encoder.resolution is None:
+        raise ConfigError(
+            f"{sensor.identity} measures in {unit}. Give encoder.resolution in the file of rig '{rig.name}': the "
+            f"smallest step that it can tell, in {unit}."
+        )
+    return rig.encoder.resolution

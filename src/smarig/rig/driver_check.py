@@ -1,0 +1,85 @@
+"""Checks the driver of a rig's link against the contract of its role, on the device itself or on a simulated one."""
+
+import contextlib
+import time
+from collections.abc import Iterator
+from typing import Any, get_args
+from urllib.parse import urlsplit
+
+from smarig.config import LinkFile, RigFile
+from smarig.core import UsageError
+from smarig.device import (
+    ContractCase,
+    ContractResult,
+    Role,
+    as_current_source,
+    as_force_input,
+    as_position_sensor,
+    as_temperature_input,
+    check_contract,
+)
+from smarig.rig.open_rig import instrument_of, required_links, started_simulator
+from smarig.rig.specimen import TwinSettings
+
+SIMULATED_SPEED = 10.0  # of simulated devices, in device seconds per second
+ROLES: tuple[Role, ...] = get_args(Role)
+
+
+def check_driver(
+    rig: str, file: RigFile, role: Role, driver: str = "", url: str = ""
+) -> Iterator[ContractResult]:
+    """Check the device of a role of a rig. ``driver`` and ``url`` replace those of the rig file.
+
+    Raises UsageError if the rig has no such device, and what the driver raises if it cannot open it. The output is at zero afterwards.
+    """
+    with contextlib.ExitStack() as open_:
+        links, speed = required_links(file), 1.0
+        simulator = file.simulator
+        if simulator is not None:
+            speed = simulator.speed or SIMULATED_SPEED
+            if simulator.start and not url:
+                links = open_.enter_context(
+                    started_simulator(rig, simulator, links, TwinSettings(), speed, file.load)
+                )
+            file = file.model_copy(update={"simulator": simulator.model_copy(update={"speed": speed})})
+        changed = {key: value for key, value in (("driver", driver), ("url", url)) if value}
+        link = (getattr(links, role) or links.encoder_daq).model_copy(update=changed)
+        if getattr(links, role) is None and not driver:
+            raise UsageError(f"Rig '{file.name}' has no link {role}. Give --driver and --url.")
+        case = ContractCase(
+            open=lambda: in_role(role, link, file),
+            open_absent=lambda: in_role(role, _without_device(link), file),
+            rig=file,
+            wait=lambda seconds: time.sleep(seconds / speed),
+        )
+        with case.opened():
+            pass  # a device that is not there is one error, not a list of broken requirements
+        yield from check_contract(role, case)
+
+
+def in_role(role: Role, link: LinkFile, file: RigFile) -> Any:
+    """The instrument of a link, opened in a role. Raises ConfigError if it lacks members."""
+    instrument = instrument_of(link, file)
+    try:
+        if role == "amplifier":
+            return as_current_source(instrument, link.driver, file)
+        if role == "encoder_daq":
+            return as_position_sensor(instrument, link.driver, file)
+        if role == "load_cell":
+            return as_force_input(instrument, link.driver)
+        return as_temperature_input(instrument, link.driver)
+    except BaseException:
+        getattr(instrument, "close", lambda: None)()
+        raise
+
+
+def _without_device(link: LinkFile) -> LinkFile:
+    """The same link at an address where there is no device."""
+    parts = urlsplit(link.url)
+    if parts.scheme and parts.port:
+        url = link.url.replace(f":{parts.port}", ":1")
+    elif "::" in link.url:  # a VISA resource
+        url = f"{link.url.split('::')[0]}::192.0.2.1::9::SOCKET"
+    else:
+        url = f"{link.url}.absent"
+    return link.model_copy(update={"url": url, "timeout_s": min(link.timeout_s, 0.3)})
