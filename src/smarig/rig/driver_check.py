@@ -30,7 +30,8 @@ def check_driver(
 ) -> Iterator[ContractResult]:
     """Check the device of a role of a rig. ``driver`` and ``url`` replace those of the rig file.
 
-    Raises UsageError if the rig has no such device, and what the driver raises if it cannot open it. The output is at zero afterwards.
+    Raises UsageError if the rig has no such device, and what the driver raises if it cannot open it. The output is at
+    zero afterwards.
     """
     with contextlib.ExitStack() as open_:
         links, speed = required_links(file), 1.0
