@@ -5,6 +5,8 @@ from collections.abc import Callable
 
 from smarig.config import RigFile
 
+ROUNDING = 1e-6  # of a tick
+
 
 class HostClock:
     """Counts periods of the rig since it was made; ``started`` tells one clock from another.
@@ -20,4 +22,4 @@ class HostClock:
 
     def tick(self) -> int:
         """Complete periods since the start."""
-        return int((self._clock() - self._begin_s) / self._tick_s)
+        return int((self._clock() - self._begin_s) / self._tick_s + ROUNDING)

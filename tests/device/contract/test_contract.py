@@ -1,0 +1,96 @@
+"""The contract of instruments: good ones meet all of it, and each way to break it breaks its own requirement."""
+
+import pytest
+
+from device.contract import faulty_instruments as faulty
+from smarig.config import load_rig
+from smarig.core import UsageError
+from smarig.device import ContractCase, as_current_source, as_position_sensor, check_contract, contract
+
+RIG = load_rig("bench_one_wire")  # a lease of 1 s, ticks of 0.1 s, at most 1 A
+
+
+def case(kind, role):
+    time, state = faulty.SimulatedTime(), {}
+
+    def opened(present):
+        made = kind(time, state, present)
+        if role == "amplifier":
+            return as_current_source(made, "a driver", RIG)
+        return as_position_sensor(made, "a driver", RIG) if role == "encoder_daq" else made
+
+    return ContractCase(lambda: opened(True), lambda: opened(False), RIG, time.wait)
+
+
+def broken(kind, role):
+    found = list(check_contract(role, case(kind, role)))
+    assert [result.name for result in found] == list(contract(role)), "every requirement, in order"
+    return {result.name: result.observed for result in found if not result.passed}
+
+
+@pytest.mark.parametrize(
+    ("kind", "role"),
+    [
+        (faulty.Output, "amplifier"),
+        (faulty.TickedOutput, "amplifier"),
+        (faulty.Sensor, "encoder_daq"),
+        (faulty.Thermometer, "thermometer"),
+        (faulty.Thermometer, "room_thermometer"),
+        (faulty.Cell, "load_cell"),
+    ],
+)
+def test_a_good_instrument_meets_every_requirement(kind, role):
+    assert broken(kind, role) == {}
+
+
+@pytest.mark.parametrize(
+    ("kind", "requirement", "observed"),
+    [
+        (faulty.OnWhenOpened, "off after opening", "0.2 A flow"),
+        (faulty.LeftOn, "off after a killed host", "A flow after it was opened again"),
+        (faulty.Weak, "current as ordered", "0.1 A ordered"),
+        (faulty.Blind, "current as ordered", "no voltage"),
+        (faulty.TooMany, "readings in order", "instead of at most"),
+        (faulty.OldReadings, "readings in order", "since tick"),
+        (faulty.Backwards, "readings in order", "ticks"),
+        (faulty.AcceptsNaN, "no number refused", "accepted nan"),
+        (faulty.StaysOn, "off confirmed", "A flow after off"),
+        (faulty.OffRaises, "off on a closed line", "off raised OSError"),
+        (faulty.NoLease, "lease", "flow after the lease is over"),
+        (faulty.SilentTrip, "lease", "tripped does not say why"),
+        (faulty.StaysTripped, "lease", "arm does not clear the trip"),
+        (faulty.CloseRaises, "closing", "close raised OSError"),
+        (faulty.Nameless, "identity", "empty"),
+        (faulty.OutputByAnyName, "absence", "not there"),
+        (faulty.AbsenceAsTraceback, "absence", "KeyError, not a RigFault"),
+    ],
+)
+def test_a_broken_output_is_found(kind, requirement, observed):
+    assert observed in broken(kind, "amplifier").get(requirement, "it was not found")
+
+
+@pytest.mark.parametrize(
+    ("kind", "role", "requirement", "observed"),
+    [
+        (faulty.Slow, "encoder_daq", "ticks by time", "5 ticks in 10 periods"),
+        (faulty.Prophet, "encoder_daq", "readings in order", "has not come"),
+        (faulty.Fractional, "encoder_daq", "readings in order", "no integers"),
+        (faulty.NoZero, "encoder_daq", "zero", "250 counts after zero"),
+        (faulty.Kelvin, "thermometer", "temperature", "-295.6"),
+        (faulty.CellAsText, "load_cell", "force", "is no force"),
+    ],
+)
+def test_a_broken_sensor_is_found(kind, role, requirement, observed):
+    assert observed in broken(kind, role).get(requirement, "it was not found")
+
+
+def test_a_source_without_a_lease_says_so_and_passes():
+    results = {
+        r.name: r.observed for r in check_contract("amplifier", case(faulty.TickedOutput, "amplifier"))
+    }
+    assert results["lease"].startswith("it claims no lease")
+
+
+def test_an_unknown_role_is_one_sentence():
+    with pytest.raises(UsageError, match="No role 'oven'. The roles are: amplifier, encoder_daq"):
+        contract("oven")
