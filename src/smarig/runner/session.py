@@ -198,7 +198,8 @@ class Session:
             runner = self.runner([recorder, *listeners])
             recorder.event(runner.t_s, "start", f"Run of {protocol} started.", **self.moment())
             if self.no_lease:
-                recorder.event(runner.t_s, "no_lease", self.no_lease, level="warning")
+                for listener in runner.listeners:
+                    listener.event(runner.t_s, "no_lease", self.no_lease, level="warning")
             self.carry_out(recorder, runner, generator, new_run=True)
         return out
 
