@@ -85,6 +85,7 @@ def _checks(rig: SupportsIdle, file: RigFile, on_progress: ProgressCallback) -> 
     """A rig that does not follow its command, or does not move when heated, is not heated further."""
     yield Check("devices", True, "; ".join(rig.identity()))
     actuator = Actuator.named(file.actuator)
+    no_lease = without_lease_text(file, actuator)
     file = file.model_copy(update={"limits": limits_in_force(file.limits, actuator, has_lease=rig.has_lease)})
     guard = Guard(rig, file.limits, actuator, stress=stress_limit(file, actuator))
     pulses = [_heating_checks(guard, file, actuator, +1, on_progress)]
@@ -97,7 +98,7 @@ def _checks(rig: SupportsIdle, file: RigFile, on_progress: ProgressCallback) -> 
     if rig.has_lease:
         yield from _check_lease(rig, file)
     else:
-        yield Check("lease", True, without_lease_text(file, actuator))
+        yield Check("lease", True, no_lease)
 
 
 def _at_rest(guard: Guard, file: RigFile) -> Check:
