@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 from smarig.core.lazy_exports import lazy_exports
 
 if TYPE_CHECKING:
+    from smarig.app import SteppedRun as SteppedRun
     from smarig.app import regulate as regulate
     from smarig.app import track as track
     from smarig.diagnosis import diagnose as diagnose

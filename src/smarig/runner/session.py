@@ -182,7 +182,9 @@ class Session:
             if protocol_factory
             else build_protocol(protocol, self.setup, settings, chooser)
         )
-        cost = None if self.no_lease else expected  # its limits are others
+        cost = expected
+        if self.no_lease and cost and cost.peak_current_A > 0:  # it was made for the limits of the file
+            cost = None
         cost = cost or preview(protocol, self.file, settings, self.control, chooser, protocol_factory)
         check_free_space(out, cost.bytes)
         before = self.history()
