@@ -14,6 +14,7 @@ from smarig.report.components.run_description import display_unit, extent, proto
 from smarig.report.runs.run_alignment import AlignedRun
 from smarig.report.runs.run_change import RunChange, run_change
 from smarig.report.runs.run_family import FamilyFigures
+from smarig.report.runs.temperature_change import change_sentences, temperature_change
 
 _ORDER = (ErrorLevel.GOOD, ErrorLevel.UNKNOWN, ErrorLevel.FAIR, ErrorLevel.POOR)
 
@@ -23,13 +24,7 @@ def comparison_assessment(found: Sequence[AlignedRun], family: FamilyFigures) ->
     first, *others = found
     common = [each for each in others if each.difference.size]
     if not common:
-        return Assessment(
-            "warning",
-            _compared(first.run, [each.run for each in others]),
-            "The runs have no steps in common. The output depends on the history of the input, so they are drawn but "
-            "not subtracted.",
-            "To compare two days, run the same protocol with the same settings on both.",
-        )
+        return _without_common_steps(first.run, [each.run for each in others])
     changes = [(each, run_change(first, each)) for each in common]
     worst, change = max(changes, key=lambda pair: (_ORDER.index(pair[1].level), pair[0].rms))
     return Assessment(
@@ -37,6 +32,28 @@ def comparison_assessment(found: Sequence[AlignedRun], family: FamilyFigures) ->
         _compared(first.run, [each.run for each in others]),
         f"{_change_text(worst, change, len(others))} {_strokes(found, family)}",
         _advice(worst, change),
+    )
+
+
+def _without_common_steps(first: Run, others: Sequence[Run]) -> Assessment:
+    """Runs whose outputs may not be subtracted: the figures of their full branches, where they have some."""
+    changes = temperature_change(first, others[0]) if len(others) == 1 else []
+    if not changes:
+        return Assessment(
+            "warning",
+            _compared(first, others),
+            "The runs have no steps in common. The output depends on the history of the input, so they are drawn but "
+            "not subtracted.",
+            "To compare two days, run the same protocol with the same settings on both.",
+        )
+    moved = any(change.significant for change in changes)
+    return Assessment(
+        "warning" if moved else "good",
+        _compared(first, others),
+        f"The runs have no steps in common. {change_sentences(changes)}",
+        "Check ambient temperature, load and number of cycles, and diagnose the later run."
+        if moved
+        else "A model of one of these runs can be tried on the other (smarig verify).",
     )
 
 
