@@ -40,14 +40,15 @@ def tracking(
 ) -> ClosedLoop:
     """The closed loop that tracks a reference: steps, ramps or multisine with ``settings``, or a CSV file.
 
-    ``controller`` is a name or the path of an own file, which is executed. A velocity controller follows the
-    reference's velocity alone and takes ``offset_K``, u_o of Thm 8.2. Raises UsageError for arguments that
+    ``controller`` is a name, also of a plug-in, or the path of an own file; both are executed. A velocity controller
+    follows the reference's velocity alone and takes ``offset_K``, u_o of Thm 8.2. Raises UsageError for arguments that
     do not suit each other.
     """
     check_arguments(controller, numbers)
     check_path("The reference", wanted)
     controller_model = controller_model_for(source.model, rig)
-    controller = resolve_name(TRACKING_CONTROLLERS, controller)
+    if controller not in catalogue_names(VELOCITY_CONTROLLERS):  # a plug-in does not replace one of them
+        controller = resolve_name(TRACKING_CONTROLLERS, controller)
     package = _controller_package(controller)
     pairs = controller_numbers(package, controller, numbers or {})
     followed = _reference(wanted, settings or {}, controller_model, source.model.unit)
