@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from smarig.config import ActuatorFile, RigFile, driver_names, own_drivers
-from smarig.core import catalogue_names, offers_of_name
+from smarig.core import offers_of_name, shipped_fault
 from smarig.rig import DRIVERS
 
 RIG_TEXT, ACTUATOR_TEXT = "config", "actuator_text"  # keys of the run table
@@ -47,13 +47,11 @@ def driver_codes(file: RigFile) -> dict[str, str]:
     By the names of their files or plug-ins: the hash of a file, the distribution of a plug-in.
     """
     paths = [Path(driver) for driver in own_drivers(file)]
-    names = [
-        name for name in driver_names(file) if name not in (*own_drivers(file), *catalogue_names(DRIVERS))
-    ]
-    offers = [offer for name in names for offer in offers_of_name(DRIVERS, name)]
-    return {
+    offers = [offer for name in driver_names(file) for offer in offers_of_name(DRIVERS, name)]
+    files = {
         p.name: code_text(hashlib.sha256(p.read_bytes()).hexdigest() if p.is_file() else "") for p in paths
-    } | {offer.name: offer.origin for offer in offers}
+    }
+    return files | {offer.name: offer.origin for offer in offers if not shipped_fault(offer)}
 
 
 def code_text(sha256_hash: str) -> str:

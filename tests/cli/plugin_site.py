@@ -1,0 +1,34 @@
+"""Installs distributions for tests without an installer: modules and a dist-info in a folder for sys.path."""
+
+import tomllib
+from collections.abc import Mapping
+from pathlib import Path
+
+
+def install(
+    site: Path,
+    distribution: str,
+    version: str,
+    points: Mapping[str, Mapping[str, str]],
+    modules: Mapping[str, str] | None = None,
+) -> Path:
+    """The metadata of a distribution with entry points by group, and modules by their path in ``site``."""
+    info = site / f"{distribution.replace('-', '_')}-{version}.dist-info"
+    info.mkdir(parents=True)
+    (info / "METADATA").write_text(f"Metadata-Version: 2.1\nName: {distribution}\nVersion: {version}\n")
+    lines = [
+        line
+        for group, names in points.items()
+        for line in (f"[{group}]", *(f"{name} = {target}" for name, target in names.items()))
+    ]
+    (info / "entry_points.txt").write_text("\n".join(lines) + "\n")
+    for path, text in (modules or {}).items():
+        (site / path).parent.mkdir(parents=True, exist_ok=True)
+        (site / path).write_text(text)
+    return info
+
+
+def install_project(site: Path, project: Path) -> None:
+    """The metadata of a project in the src layout, as an editable installation would leave them."""
+    table = tomllib.loads((project / "pyproject.toml").read_text())["project"]
+    install(site, table["name"], table["version"], table["entry-points"])
