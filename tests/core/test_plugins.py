@@ -178,6 +178,18 @@ def test_a_name_of_smarig_is_not_replaced(lab):
     assert "thief" not in sys.modules
 
 
+def test_what_a_plugin_prints_on_import_is_no_result(lab, capsys):
+    install(
+        lab,
+        "loud",
+        "1",
+        {"smarig.protocols": {"loud": "loud:loud"}},
+        {"loud.py": "print('hello')\n" + PROTOCOL.format("loud")},
+    )
+    resolve_name(PROTOCOLS, "loud")
+    assert capsys.readouterr() == ("", "hello\n")
+
+
 def test_two_distributions_with_one_name_are_refused(lab):
     install(
         lab, "other", "7", {"smarig.effects": {"long": "other:long"}}, {"other.py": EFFECT.format("long")}

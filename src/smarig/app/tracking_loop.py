@@ -21,7 +21,7 @@ from smarig.control import (
     reference_from_csv,
 )
 from smarig.control import track as tracking_protocol
-from smarig.core import UsageError, catalogue_names, resolve_name, suggestion
+from smarig.core import UsageError, catalogue_names, offered_names, resolve_name, suggestion
 from smarig.runner import ProtocolFactory
 
 LEAST_TICKS = 10  # least length of a reference: fewer samples say nothing about a loop
@@ -95,8 +95,9 @@ def _controller_package(controller: str) -> str:
     for package, there in known.items():
         if controller in there:
             return package
+    names = [name for there in known.values() for name in there]
     raise UsageError(
-        f"No controller '{controller}'{suggestion(controller, [name for names in known.values() for name in names])}."
+        f"No controller '{controller}'{suggestion(controller, [*names, *offered_names(TRACKING_CONTROLLERS)])}."
     )
 
 

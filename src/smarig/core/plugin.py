@@ -7,6 +7,7 @@ import importlib
 import re
 import sys
 from collections.abc import Iterator, Mapping
+from contextlib import redirect_stdout
 from dataclasses import dataclass
 from difflib import get_close_matches
 from importlib.util import find_spec
@@ -144,7 +145,8 @@ def import_plugin(offer: PluginOffer) -> tuple[Any, Path]:
     answer_former_names()
     name, _, attribute = (part.strip() for part in offer.target.partition(":"))
     try:
-        module = found = importlib.import_module(name)
+        with redirect_stdout(sys.stderr):  # what it prints is not part of a command's result
+            module = found = importlib.import_module(name)
         for part in filter(None, attribute.partition("[")[0].strip().split(".")):
             found = getattr(found, part)
     except (Exception, SystemExit) as error:
