@@ -17,7 +17,9 @@ from runner.interrupted import cut
 from smarig.cli import run as cli
 from smarig.cli.plugin_package import PLUGIN_KINDS
 from smarig.core.catalogue import own_files
+from smarig.preisach import surface_form
 from smarig.record import load_run
+from smarig.study.parallel import completed
 
 KINDS = [word for kind in PLUGIN_KINDS for word in ("--kind", kind)]
 RIG = ("--rig", "one_wire_twin")
@@ -276,7 +278,13 @@ def test_a_form_and_an_export_format_are_used_by_name(capsys, acme):
     assert status == 2
     assert "'acme' is not one of" in err
     with pytest.raises(smarig.core.UsageError, match="plug-in of acme"):
-        smarig.preisach.surface_form(form)
+        surface_form(form)
+
+
+def test_other_processes_use_the_same_plugins(acme):
+    smarig.use_plugin("acme_surface_form")
+    found = list(completed(surface_form, ["acme_surface_form"] * 2, 2))
+    assert [type(form).__module__ for form in found] == ["acme.acme_surface_form"] * 2
 
 
 def test_a_rig_file_names_the_driver_of_a_plugin(capsys, acme):

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from smarig.core.catalogue import own_file_error as own_file_error
     from smarig.core.catalogue import own_files as own_files
     from smarig.core.catalogue import plugin_hint as plugin_hint
+    from smarig.core.catalogue import plugins_in_use as plugins_in_use
     from smarig.core.catalogue import resolve_name as resolve_name
     from smarig.core.catalogue import shipped_fault as shipped_fault
     from smarig.core.catalogue import suggestion as suggestion

@@ -166,6 +166,11 @@ def use_plugin(name: str) -> list[str]:
     return packages
 
 
+def plugins_in_use() -> list[str]:
+    """The names of the plug-ins that were imported, for ``use_plugin`` in another process."""
+    return sorted({file.name for file in _OWN.values() if file.offer is not None})
+
+
 def shipped_fault(offer: PluginOffer) -> str:
     """A sentence without its full stop if smarig itself has an entry of a plug-in's name; otherwise ""."""
     taken = bool(offer.package) and offer.name in _shipped(offer.package)

@@ -38,7 +38,7 @@ Examples:
   smarig new protocol two_loops
   smarig run ./two_loops.py --rig one_wire_twin -o two_loops.run.sqlite
   smarig new rig bench_3 -o rigs/bench_3.toml
-  smarig new plugin acme --kind effect --kind protocol
+  smarig new plugin my_lab --kind effect --kind protocol
 """
 
 
@@ -96,7 +96,10 @@ def _write_plugin(name: str, kinds: list[str], folder: Path) -> None:
         raise UsageError(f"The package '{module}' would hide a Python module. Choose another name.")
     examples = plugin_names(module, kinds)
     written = write_plugin_package(name, module, kinds, folder)
-    next_step = f'python -m pip install -e "{folder}[test]" && python -m pytest {folder}'
+    shown = (
+        str(folder) if folder.is_absolute() else f"./{folder}"
+    )  # pip takes a bare name for one of its index
+    next_step = f'python -m pip install -e "{shown}[test]" && python -m pytest {shown}'
     emit(
         {
             "kind": "plugin",
@@ -106,7 +109,7 @@ def _write_plugin(name: str, kinds: list[str], folder: Path) -> None:
             "files": [str(path.relative_to(folder)) for path in written],
             "plugins": examples,
         },
-        f"{folder} written, with {', '.join(examples.values())}. Next: {next_step}",
+        f"{shown} written, with {', '.join(examples.values())}. Next: {next_step}",
     )
 
 
