@@ -1,8 +1,32 @@
 """Installs distributions for tests without an installer: modules and a dist-info in a folder for sys.path."""
 
+import sys
 import tomllib
 from collections.abc import Mapping
 from pathlib import Path
+
+from smarig.cli.plugin_package import PLUGIN_KINDS
+
+KINDS = [word for kind in PLUGIN_KINDS for word in ("--kind", kind)]
+RIG = ("--rig", "one_wire_twin")
+RUN = (
+    "run",
+    "acme_protocol",
+    *RIG,
+    "--set",
+    "loops=1",
+    "--set",
+    "points=2",
+    "--effect",
+    "acme_effect=20",
+    "--quiet",
+)
+BENCH = """
+name = "one_wire_serial"
+base = "one_wire_serial"
+[links.amplifier]
+driver = "acme_driver"
+"""
 
 
 def install(
@@ -32,3 +56,8 @@ def install_project(site: Path, project: Path) -> None:
     """The metadata of a project in the src layout, as an editable installation would leave them."""
     table = tomllib.loads((project / "pyproject.toml").read_text())["project"]
     install(site, table["name"], table["version"], table["entry-points"])
+
+
+def imported() -> list[str]:
+    """The modules of the package ``acme`` that this process has imported."""
+    return [name for name in sys.modules if name.partition(".")[0] == "acme"]

@@ -1,7 +1,6 @@
 """A package of ``smarig new plugin`` passes its tests, is listed and used by name, and no run or model imports it."""
 
 import json
-import os
 import shutil
 import sqlite3
 import subprocess
@@ -11,105 +10,19 @@ from pathlib import Path
 import pytest
 
 import smarig
-from cli.plugin_site import install, install_project
+from cli.plugin_site import BENCH, RIG, RUN, imported, install
 from control.model_files import model_file
 from runner.interrupted import cut
 from smarig.cli import run as cli
-from smarig.cli.plugin_package import PLUGIN_KINDS
-from smarig.core.catalogue import own_files
 from smarig.preisach import surface_form
 from smarig.record import load_run
 from smarig.study.parallel import completed
-
-KINDS = [word for kind in PLUGIN_KINDS for word in ("--kind", kind)]
-RIG = ("--rig", "one_wire_twin")
-RUN = (
-    "run",
-    "acme_protocol",
-    *RIG,
-    "--set",
-    "loops=1",
-    "--set",
-    "points=2",
-    "--effect",
-    "acme_effect=20",
-    "--quiet",
-)
-# Each of these opens the run or the model; none of them names a plug-in.
-OPENING = """
-list all
-list plugins
-check r.run.sqlite
-check r.run.sqlite -o copy.run.sqlite
-report r.run.sqlite
-report --model effect.model.json r.run.sqlite -o models.html
-report .
-export r.run.sqlite --to csv -o r.csv
-export form.model.json --to c -o form.c
-resume killed.run.sqlite
-resume changed.run.sqlite
-resume benched.run.sqlite
-verify effect.model.json r.run.sqlite
-verify form.model.json r.run.sqlite
-simulate effect.model.json --along r.run.sqlite -o s.run.sqlite
-simulate rig.model.json --protocol validation --set points=2 -o s.run.sqlite
-certify form.model.json
-track form.model.json --reference ramps --set seconds=20 --rig one_wire_twin -o t.run.sqlite
-regulate form.model.json --setpoint 6 --rig one_wire_twin -o t.run.sqlite
-diagnose effect.model.json --train r.run.sqlite
-transformation r.run.sqlite
-calibrate r.run.sqlite --actuator gorbet_one_wire
-identify r.run.sqlite --surface constant -o n.model.json
-sense effect.model.json r.run.sqlite -o n.model.json
-"""
-PROGRAM = """
-import contextlib, io, json, sys
-import smarig
-from smarig.cli import run
-found = []
-for line in json.loads(sys.argv[1]):
-    with contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(io.StringIO()) as said:
-        status = run(line.split())
-    found.append([line, status, said.getvalue(), "acme" in sys.modules])
-smarig.load_run("r.run.sqlite")
-for name in ("effect", "form", "rig"):
-    with contextlib.suppress(Exception):
-        smarig.load_model(name + ".model.json")
-print(json.dumps([found, "acme" in sys.modules]))
-"""
 
 
 def call(capsys, *arguments):
     status = cli([str(a) for a in arguments])
     out, err = capsys.readouterr()
     return status, out, err
-
-
-@pytest.fixture(scope="module")
-def project(tmp_path_factory):
-    """A package with an example of every kind, and its metadata beside it as an editable installation leaves them."""
-    folder = tmp_path_factory.mktemp("plugins")
-    assert cli(["new", "plugin", "acme", *KINDS, "-o", str(folder / "acme")]) == 0
-    install_project(folder / "acme" / "src", folder / "acme")
-    return folder / "acme"
-
-
-@pytest.fixture
-def acme(project, tmp_path, monkeypatch):
-    """An empty folder in which commands see the package; its modules are forgotten afterwards."""
-    monkeypatch.chdir(tmp_path)
-    monkeypatch.syspath_prepend(project / "src")
-    monkeypatch.setenv(
-        "PYTHONPATH", os.pathsep.join([str(project / "src"), os.environ.get("PYTHONPATH", "")])
-    )
-    with own_files():
-        yield tmp_path
-    for name in imported():
-        del sys.modules[name]
-
-
-def imported() -> list[str]:
-    return [name for name in sys.modules if name.partition(".")[0] == "acme"]
 
 
 def test_the_tests_of_a_new_package_pass(project, acme):
@@ -197,66 +110,6 @@ def test_resuming_needs_the_same_plugins_by_name(capsys, acme, project):
     assert "protocol 'acme_protocol' of acme 0.0.9, not of acme 0.1.0" in err
     assert call(capsys, "resume", "k.run.sqlite", *named)[0] == 0
     assert load_run("k.run.sqlite").cause == "done"
-
-
-def test_opening_a_run_or_a_model_imports_no_plugin(capsys, acme):
-    """Whoever sends a file cannot have a plug-in of ours imported, however the file names it."""
-    assert call(capsys, *RUN, "-o", "r.run.sqlite")[0] == 0
-    run = load_run("r.run.sqlite")
-    cut(run.path, acme / "killed.run.sqlite", int(run["tick"][-1]) - 100)
-    _hidden_names(acme)
-    model = json.loads(model_file(acme, "one_e").read_text())
-    effect = {"name": "acme_effect", "parameters": {"share_percent": 5.0, "time_constant_s": 60.0}}
-    form = model["hysteresis"] | {"form": "acme_surface_form"}
-    (acme / "bench.toml").write_text(BENCH)
-    for name, change in (
-        ("effect", {"effects": [effect]}),
-        ("form", {"hysteresis": form}),
-        ("rig", {"rig": "./bench.toml"}),
-    ):
-        (acme / f"{name}.model.json").write_text(json.dumps(model | change))
-    lines = OPENING.strip().splitlines()
-    done = subprocess.run(
-        [sys.executable, "-c", PROGRAM, json.dumps(lines)],
-        capture_output=True,
-        text=True,
-        check=True,
-        timeout=300,
-    )
-    found, imported_at_the_end = json.loads(done.stdout)
-    assert not imported_at_the_end
-    assert [line for line, _, _, is_imported in found if is_imported] == []
-    assert [line for line, status, _, _ in found if status == 1] == [], "no internal error"
-    said = {line: text for line, _, text, _ in found}
-    hint = "is a plug-in of acme 0.1.0, which is imported only if you name it: smarig --plugin"
-    assert hint in said["verify effect.model.json r.run.sqlite"]
-    assert hint in said["verify form.model.json r.run.sqlite"]
-    assert hint in said["resume changed.run.sqlite"]
-    assert "whose own driver acme_driver would be executed" in said["resume benched.run.sqlite"]
-    assert "whose own driver acme_driver would be executed" in said[OPENING.strip().splitlines()[15]]
-
-
-BENCH = """
-name = "one_wire_serial"
-base = "one_wire_serial"
-[links.amplifier]
-driver = "acme_driver"
-"""
-
-
-def _hidden_names(folder: Path) -> None:
-    """Runs that name a plug-in as their protocol, or in the rig that they were made with, but hold no plug-in."""
-    for name, rig in (("changed", "one_wire_twin"), ("benched", "./bench.toml")):
-        changed = shutil.copy(folder / "killed.run.sqlite", folder / f"{name}.run.sqlite")
-        with sqlite3.connect(changed) as db:
-            launch = json.loads(db.execute("SELECT value FROM run WHERE key = 'begun_with'").fetchone()[0])
-            launch |= {"rig": rig, "effects": []}
-            db.execute("DELETE FROM run WHERE key = 'own_files'")
-            db.execute("UPDATE run SET value = ? WHERE key = 'begun_with'", (json.dumps(launch),))
-            if name == "benched":
-                for key, value in (("rig", "one_wire_serial"), ("protocol", "validation")):
-                    db.execute("UPDATE run SET value = ? WHERE key = ?", (json.dumps(value), key))
-        db.close()
 
 
 def test_a_form_and_an_export_format_are_used_by_name(capsys, acme):
@@ -372,67 +225,3 @@ def test_a_distribution_may_have_hyphens(capsys, tmp_path, monkeypatch):
     assert (status, json.loads(out)["plugins"]) == (0, {"effect": "lab_wires_effect"})
     assert (tmp_path / "lab-wires" / "src" / "lab_wires" / "lab_wires_effect.py").is_file()
     assert 'name = "lab-wires"' in (tmp_path / "lab-wires" / "pyproject.toml").read_text()
-
-
-@pytest.mark.skipif(
-    not os.environ.get("SMARIG_LONG"), reason="builds wheels and installs them: SMARIG_LONG=1"
-)
-def test_a_wheel_in_a_fresh_environment(tmp_path):
-    """Built by pip, installed, listed, used in a run on the twin and in a diagnosis; it needs the network."""
-    environment = {k: v for k, v in os.environ.items() if k != "PYTHONPATH"}
-
-    def do(*words, status=0):
-        done = subprocess.run(
-            [str(w) for w in words],
-            cwd=tmp_path,
-            env=environment,
-            capture_output=True,
-            text=True,
-            check=False,
-        )
-        assert done.returncode == status, f"{words}\n{done.stdout}\n{done.stderr}"
-        return done
-
-    root = Path(__file__).parents[2]
-    do(sys.executable, "-m", "venv", "fresh")
-    programs = tmp_path / "fresh" / ("Scripts" if os.name == "nt" else "bin")
-    pip, smarig_ = (programs / "python", "-m", "pip", "-q"), programs / "smarig"
-    do(*pip, "wheel", "--no-deps", "-w", "wheels", root)
-    do(*pip, "install", *(tmp_path / "wheels").glob("smarig-*.whl"), "pytest")
-    do(smarig_, "new", "plugin", "acme", *KINDS)
-    do(*pip, "wheel", "--no-deps", "-w", "wheels", "./acme")
-    do(*pip, "install", *(tmp_path / "wheels").glob("acme-*.whl"))
-    assert len(json.loads(do(smarig_, "list", "plugins", "--json").stdout)["plugins"]) == len(PLUGIN_KINDS)
-    do(programs / "python", "-m", "pytest", "-q", "acme/tests")
-    do(smarig_, *RUN, "-o", "r.run.sqlite")
-    runs = [f"{protocol}.run.sqlite" for protocol in ("wiping_out", "congruency", "first_order_descending")]
-    for run in runs:
-        words = ("run", run.partition(".")[0], *RIG, "--effect", "acme_effect=8", "--seed", 2, "-o", run)
-        do(smarig_, *words, "--quiet")
-    do(smarig_, "identify", *runs, "--surface", "positive", "-o", "w.model.json")
-    trained = [word for run in runs for word in ("--train", run)]
-    words = (
-        "diagnose",
-        "w.model.json",
-        *trained,
-        "--effect",
-        "acme_effect",
-        "--nulls",
-        60,
-        "-o",
-        "diagnosis",
-    )
-    do(smarig_, *words)
-    (effect,) = json.loads((tmp_path / "diagnosis" / "extended.model.json").read_text())["effects"]
-    assert effect["name"] == "acme_effect"
-    assert effect["parameters"]["share_percent"] == pytest.approx(8, abs=0.8)
-    assert effect["parameters"]["time_constant_s"] == pytest.approx(60, abs=8)
-    model = "diagnosis/extended.model.json"
-    assert "smarig --plugin acme_effect" in do(smarig_, "verify", model, runs[0], status=4).stderr
-    do(smarig_, "verify", model, runs[0], "--effect", "acme_effect")
-    do(smarig_, "--plugin", "acme_effect", "verify", model, runs[0])
-    opening = (
-        "import contextlib, smarig, sys; smarig.load_run('r.run.sqlite')\n"
-        f"with contextlib.suppress(Exception): smarig.load_model({model!r})\n"
-    )
-    do(programs / "python", "-c", f"{opening}sys.exit('acme' in sys.modules)")
