@@ -13,7 +13,6 @@ from difflib import get_close_matches
 from importlib.util import find_spec
 from keyword import iskeyword
 from pathlib import Path
-from types import ModuleType
 from typing import Any
 
 from smarig.core.errors import UsageError
@@ -171,11 +170,6 @@ def plugin_folder(module: Path) -> Path:
     while (found.parent / "__init__.py").is_file():
         found = found.parent
     return found
-
-
-def is_imported(offer: PluginOffer) -> bool:
-    """Whether the module of a plug-in has been imported."""
-    return isinstance(sys.modules.get(offer.target.partition(":")[0].strip()), ModuleType)
 
 
 def _named(offer: PluginOffer) -> str:
