@@ -14,6 +14,9 @@ HEAD = """# Commands
 Every command has `--help`, which prints the text of this page, and `--json`, which prints one object to stdout and
 everything else to stderr ([JSON](json_objects.md)).
 
+`smarig --plugin NAME COMMAND` imports a plug-in that a model, run or rig file of the command needs. It may be repeated
+([plug-ins](../../how_to/write_a_plugin.md)).
+
 | exit status | meaning |
 |---|---|
 | 0 | done |

@@ -40,7 +40,7 @@ RUN_KEYS = {
     "source": "origin of the data: bench, twin, simulation or import",
     "protocol": "name of the protocol",
     "settings": "its settings",
-    "own_files": "protocols, controllers, effects and drivers given by path, with their hashes",
+    "own_files": "protocols, controllers, effects and drivers given by path, and plug-ins, with their hashes",
     "seed": "of the twin's noise",
     "effects": "injected in the twin",
     "input": "quantity and unit of the column `input`, and where it comes from",

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from smarig.app import SteppedRun as SteppedRun
     from smarig.app import regulate as regulate
     from smarig.app import track as track
+    from smarig.core import use_plugin as use_plugin
     from smarig.diagnosis import diagnose as diagnose
     from smarig.identification import forc_density as forc_density
     from smarig.identification import identify as identify

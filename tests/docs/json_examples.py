@@ -22,6 +22,7 @@ RIG = "--rig one_wire_twin"
 LEVELS = "--set partition_K=0,40,90,130,170"
 QUICK = f"""
 new protocol two_loops
+new plugin acme --kind effect --kind protocol
 check one_wire_twin --protocol first_order_descending
 run validation {RIG} --dry-run
 run validation {RIG} -o validation.run.sqlite --seed 1 --set points=4

@@ -21,7 +21,7 @@ from smarig.control import (
     reference_from_csv,
 )
 from smarig.control import track as tracking_protocol
-from smarig.core import UsageError, catalogue_names, resolve_name, suggestion
+from smarig.core import UsageError, catalogue_names, offered_names, resolve_name, suggestion
 from smarig.runner import ProtocolFactory
 
 LEAST_TICKS = 10  # least length of a reference: fewer samples say nothing about a loop
@@ -40,14 +40,15 @@ def tracking(
 ) -> ClosedLoop:
     """The closed loop that tracks a reference: steps, ramps or multisine with ``settings``, or a CSV file.
 
-    ``controller`` is a name or the path of an own file, which is executed. A velocity controller follows the
-    reference's velocity alone and takes ``offset_K``, u_o of Thm 8.2. Raises UsageError for arguments that
+    ``controller`` is a name, also of a plug-in, or the path of an own file; both are executed. A velocity controller
+    follows the reference's velocity alone and takes ``offset_K``, u_o of Thm 8.2. Raises UsageError for arguments that
     do not suit each other.
     """
     check_arguments(controller, numbers)
     check_path("The reference", wanted)
     controller_model = controller_model_for(source.model, rig)
-    controller = resolve_name(TRACKING_CONTROLLERS, controller)
+    if controller not in catalogue_names(VELOCITY_CONTROLLERS):  # a plug-in does not replace one of them
+        controller = resolve_name(TRACKING_CONTROLLERS, controller)
     package = _controller_package(controller)
     pairs = controller_numbers(package, controller, numbers or {})
     followed = _reference(wanted, settings or {}, controller_model, source.model.unit)
@@ -94,8 +95,9 @@ def _controller_package(controller: str) -> str:
     for package, there in known.items():
         if controller in there:
             return package
+    names = [name for there in known.values() for name in there]
     raise UsageError(
-        f"No controller '{controller}'{suggestion(controller, [name for names in known.values() for name in names])}."
+        f"No controller '{controller}'{suggestion(controller, [*names, *offered_names(TRACKING_CONTROLLERS)])}."
     )
 
 

@@ -10,6 +10,7 @@ from collections.abc import Iterator, Sequence
 import click
 
 from smarig.cli.output import report_error
+from smarig.cli.parameter_types import PluginName
 from smarig.cli.working_line import working_line
 from smarig.core import (
     Interrupted,
@@ -60,6 +61,15 @@ class _Commands(click.Group):
     help="Rig software for shape-memory-alloy actuators: experiments, Preisach identification, verification.",
 )
 @click.version_option(package_name="smarig")
+@click.option(
+    "--plugin",
+    "plugins",
+    multiple=True,
+    type=PluginName(),
+    expose_value=False,
+    metavar="NAME",
+    help="Import a plug-in that a model, run or rig file of the command needs; repeatable.",
+)
 def cli() -> None:
     """Root of all commands."""
 
@@ -78,8 +88,7 @@ def run(arguments: Sequence[str] | None = None) -> int:
     _interrupt_on("SIGTERM", "SIGHUP")
     try:
         given = sys.argv[1:] if arguments is None else arguments
-        name = next((word for word in given if not word.startswith("-")), "")
-        with own_files(), _blame_own_file(), working_line(name):
+        with own_files(), _blame_own_file(), working_line(_command_name(given)):
             status = cli.main(args=arguments, prog_name="smarig", standalone_mode=False)
         return status if isinstance(status, int) else 0
     except click.exceptions.Exit as exit_request:
@@ -108,6 +117,12 @@ def run(arguments: Sequence[str] | None = None) -> int:
             "set SMARIG_DEBUG=1 to see the traceback.",
             1,
         )
+
+
+def _command_name(arguments: Sequence[str]) -> str:
+    """The first argument that is no option of the root, nor the value of one; "" if there is none."""
+    pairs = zip(["", *arguments], arguments)
+    return next((word for before, word in pairs if not word.startswith("-") and before != "--plugin"), "")
 
 
 @contextlib.contextmanager

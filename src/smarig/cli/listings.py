@@ -1,7 +1,11 @@
-"""What ``smarig list`` lists: the entries of each catalogue, one line each, and their settings."""
+"""What ``smarig list`` lists: the entries of each catalogue, one line each, and their settings.
+
+Plug-ins are listed by the metadata of their distributions. Only those that the user names are imported.
+"""
 
 from collections.abc import Callable
 
+from smarig.cli.output import show_message
 from smarig.config import load_actuator, load_campaign, load_rig, shipped_names
 from smarig.control import (
     SETPOINT_CONTROLLERS,
@@ -12,12 +16,15 @@ from smarig.control import (
     optional_numbers,
 )
 from smarig.core import (
+    PluginOffer,
     UsageError,
     catalogue_entry,
     catalogue_names,
     catalogue_summary,
-    is_path,
+    own_entries,
+    plugin_offers,
     resolve_name,
+    shipped_fault,
 )
 from smarig.exchange import load_mapping
 from smarig.plant import EFFECTS, effect_types
@@ -26,7 +33,17 @@ from smarig.record import wire_histories
 
 
 def _protocols() -> dict[str, str]:
-    return {n: catalogue_summary(PROTOCOLS, n) for n in catalogue_names(PROTOCOLS)}
+    return {n: _summary(PROTOCOLS, n) for n in catalogue_names(PROTOCOLS)} | offered_entries("protocols")
+
+
+def _summary(package: str, name: str) -> str:
+    return catalogue_summary(package, name) + _origin(package, name)
+
+
+def _origin(package: str, name: str) -> str:
+    """The distribution of a plug-in in use, in brackets; "" for other entries."""
+    file = own_entries(package).get(name)
+    return f" ({file.offer.origin})" if file and file.offer else ""
 
 
 def _rigs() -> dict[str, str]:
@@ -49,19 +66,19 @@ def _imports() -> dict[str, str]:
 
 
 def _effects() -> dict[str, str]:
-    return {k.name: k.summary for k in effect_types()}
+    found = {k.name: k.summary + _origin(EFFECTS, k.name) for k in effect_types()}
+    return found | offered_entries("effects")
 
 
 def _controllers() -> dict[str, str]:
     listed_ = {
-        n: f"{use}: {catalogue_summary(p, n)}"
-        for use, p in _CONTROLLER_PACKAGES.items()
-        for n in catalogue_names(p)
+        n: f"{use}: {_summary(p, n)}" for use, p in _CONTROLLER_PACKAGES.items() for n in catalogue_names(p)
     }
-    return listed_ | {
+    listed_ |= {
         shown_name: f"regulate: {catalogue_summary(SETPOINT_CONTROLLERS, n)}"
         for shown_name, n in _setpoint_controllers().items()
     }
+    return listed_ | {n: text for n, text in offered_entries("controllers").items() if n not in listed_}
 
 
 def _setpoint_controllers() -> dict[str, str]:
@@ -73,6 +90,26 @@ def _setpoint_controllers() -> dict[str, str]:
 
 def _wires() -> dict[str, str]:
     return {h.wire + " (twin)" * h.twin: f"{h.sentence()}; last used {h.last_use}" for h in wire_histories()}
+
+
+def _plugins() -> dict[str, str]:
+    """Every plug-in with its kind, its distribution, and the reason if it cannot be used."""
+    offers, faults = plugin_offers()
+    for sentence in faults:
+        show_message(sentence)
+    texts: dict[str, list[str]] = {}
+    for offer in offers:
+        reason = _fault(offer, offers)
+        texts.setdefault(offer.name, []).append(
+            f"{offer.kind} of {offer.origin}" + (f", cannot be used: {reason}" if reason else "")
+        )
+    return {name: "; ".join(lines) for name, lines in sorted(texts.items())}
+
+
+def _fault(offer: PluginOffer, offers: list[PluginOffer]) -> str:
+    """Why a plug-in cannot be used, as far as this is known without importing it; "" if nothing is known."""
+    others = [o.origin for o in offers if (o.group, o.name) == (offer.group, offer.name) and o is not offer]
+    return offer.fault() or shipped_fault(offer) or (f"also offered by {', '.join(others)}" if others else "")
 
 
 _CONTROLLER_PACKAGES = {
@@ -88,22 +125,42 @@ LISTINGS: dict[str, Callable[[], dict[str, str]]] = {
     "campaigns": _campaigns,
     "imports": _imports,
     "wires": _wires,
+    "plugins": _plugins,
 }
+_EXTENSIBLE = {"protocols": PROTOCOLS, "controllers": TRACKING_CONTROLLERS, "effects": EFFECTS}
 
 
 def chosen_names(kind: str, files: tuple[str, ...]) -> set[str]:
-    """The names that own files define. Only these are then listed."""
-    package = {"protocols": PROTOCOLS, "controllers": TRACKING_CONTROLLERS, "effects": EFFECTS}.get(kind)
+    """The names that own files define, and those of plug-ins. Only these are then listed."""
+    package, found = _EXTENSIBLE.get(kind), set()
     for file in files:
-        if package is None or not is_path(file):
+        name = resolve_name(package, file) if package else ""
+        if package is None or name not in own_entries(package):
             raise UsageError(
                 f"'{file}' cannot be listed. Give a file with a protocol, controller or effect of your own, such as "
-                "./NAME.py."
+                "./NAME.py, or the name of a plug-in."
             )
-    return {resolve_name(str(package), file) for file in files}
+        found.add(name)
+    return found
+
+
+def offered_entries(kind: str) -> dict[str, str]:
+    """The plug-ins of a kind that can be used and are not in use, by name, with their distribution."""
+    package, (offers, _) = _EXTENSIBLE.get(kind, ""), plugin_offers()
+    return {
+        offer.name: f"plug-in of {offer.origin}"
+        for offer in offers
+        if package
+        and offer.package == package
+        and offer.name not in catalogue_names(package)
+        and not _fault(offer, offers)
+    }
 
 
 def settings_of(group: str, name: str) -> list[str]:
+    """The settings or parameters of an entry, one line each; none for a plug-in that is not in use."""
+    if name in offered_entries(group):
+        return []
     if group == "controllers":
         return _numbers(name)
     if group == "effects":

@@ -6,6 +6,7 @@ from smarig.core.lazy_exports import lazy_exports
 
 if TYPE_CHECKING:
     from smarig.config.config_files import actuator_text as actuator_text
+    from smarig.config.config_files import driver_names as driver_names
     from smarig.config.config_files import load_actuator as load_actuator
     from smarig.config.config_files import load_campaign as load_campaign
     from smarig.config.config_files import load_rig as load_rig

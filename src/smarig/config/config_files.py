@@ -90,10 +90,15 @@ def _sibling_path(name: str, folder: Path) -> str:
     return str(sibling.resolve()) if name.endswith(".toml") and sibling.is_file() else name
 
 
+def driver_names(file: RigFile) -> list[str]:
+    """The drivers that a rig file names: names, and paths of own drivers."""
+    links = [getattr(file.links, device) for device in LinksFile.model_fields] if file.links else []
+    return [link.driver for link in links if link]
+
+
 def own_drivers(file: RigFile) -> list[str]:
     """Paths of the own drivers that a rig file names."""
-    links = [getattr(file.links, device) for device in LinksFile.model_fields] if file.links else []
-    return [link.driver for link in links if link and is_path(link.driver)]
+    return [driver for driver in driver_names(file) if is_path(driver)]
 
 
 def _all_tables(*values: Any) -> bool:

@@ -18,8 +18,12 @@ if TYPE_CHECKING:
     from smarig.core.catalogue import own_entries as own_entries
     from smarig.core.catalogue import own_file_error as own_file_error
     from smarig.core.catalogue import own_files as own_files
+    from smarig.core.catalogue import plugin_hint as plugin_hint
+    from smarig.core.catalogue import plugins_in_use as plugins_in_use
     from smarig.core.catalogue import resolve_name as resolve_name
+    from smarig.core.catalogue import shipped_fault as shipped_fault
     from smarig.core.catalogue import suggestion as suggestion
+    from smarig.core.catalogue import use_plugin as use_plugin
     from smarig.core.clause import capitalised as capitalised
     from smarig.core.command import Command as Command
     from smarig.core.command import Drive as Drive
@@ -53,6 +57,11 @@ if TYPE_CHECKING:
     from smarig.core.new_file import new_file as new_file
     from smarig.core.notebook_display import NotebookDisplay as NotebookDisplay
     from smarig.core.number_text import number_from_text as number_from_text
+    from smarig.core.plugin import PLUGIN_GROUPS as PLUGIN_GROUPS
+    from smarig.core.plugin import PluginOffer as PluginOffer
+    from smarig.core.plugin import offered_names as offered_names
+    from smarig.core.plugin import offers_of_name as offers_of_name
+    from smarig.core.plugin import plugin_offers as plugin_offers
     from smarig.core.probability import chi2_quantile as chi2_quantile
     from smarig.core.probability import chi2_tail as chi2_tail
     from smarig.core.probability import f_quantile as f_quantile

@@ -1,55 +1,37 @@
 """Catalogues: the modules of a folder, found by file name. File name = name in configurations = command-line name.
 
-New files need no registration. A user's own file, given by its path, joins its catalogue while the command runs
-(``resolve_name``). This executes the file, so only files that the user names are loaded. Names stored in runs and
-models go through ``catalogue_entry``, which accepts no paths.
+New files need no registration. A user's own file, given by its path, and a plug-in, given by its name, join their
+catalogue while the command runs (``resolve_name``). This executes them, so only those that the user names are loaded.
+Names stored in runs and models go through ``catalogue_entry``, which loads neither.
 """
 
 import ast
-import hashlib
 import importlib
 import pkgutil
 import sys
-import traceback
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
 from difflib import get_close_matches
 from importlib.util import find_spec
-from keyword import iskeyword
 from pathlib import Path
-from types import ModuleType
 from typing import Any
 
 from smarig.core.errors import UsageError
-from smarig.core.former_names import answer_former_names
+from smarig.core.own_file import OwnFile, check_own_name, load_own_file, read_own_file
+from smarig.core.plugin import (
+    PluginOffer,
+    check_single,
+    import_plugin,
+    offered_names,
+    offers_of_name,
+    plugin_offers,
+)
 
-_OWN: dict[tuple[str, str], "OwnFile"] = {}
-
-
-@dataclass(frozen=True)
-class OwnFile:
-    """A user's own file: its path as given and as resolved, the executed bytes, and the object that it defines."""
-
-    name: str
-    path: Path
-    place: Path
-    data: bytes
-    found: Any
-
-    @property
-    def text(self) -> str:
-        """Its text."""
-        return self.data.decode("utf-8-sig")
-
-    @property
-    def sha256(self) -> str:
-        """SHA-256 hash of its bytes."""
-        return hashlib.sha256(self.data).hexdigest()
+_OWN: dict[tuple[str, str], OwnFile] = {}
 
 
 def catalogue_names(package: str) -> list[str]:
-    """Sorted names in a catalogue package: its public modules and the own files that were loaded.
+    """Sorted names in a catalogue package: its public modules, and the own files and plug-ins in use.
 
     >>> "first_order_descending" in catalogue_names("smarig.protocols")
     True
@@ -63,7 +45,9 @@ def catalogue_entry(package: str, name: str) -> Any:
     if own_file is not None:
         return own_file.found
     if not _is_loaded(package, name) and name not in (known := catalogue_names(package)):
-        raise UsageError(f"No {catalogue_kind(package)} '{name}'{suggestion(name, known)}.")
+        hint = plugin_hint(package, name)
+        known = sorted({*known, *offered_names(package)})
+        raise UsageError(hint or f"No {catalogue_kind(package)} '{name}'{suggestion(name, known)}.")
     return getattr(importlib.import_module(f"{package}.{name}"), name)
 
 
@@ -125,7 +109,7 @@ def _shipped(package: str) -> list[str]:
     return [m.name for m in pkgutil.iter_modules(path) if not m.name.startswith("_")]
 
 
-# --- own files ------------------------------------------------------------------------------------------------------
+# --- own files and plug-ins -----------------------------------------------------------------------------------------
 
 
 def is_path(name: str) -> bool:
@@ -138,31 +122,87 @@ def is_path(name: str) -> bool:
 
 
 def resolve_name(package: str, name: str) -> str:
-    """The catalogue name for a name or path that the user gave. The file of a path is executed and added.
+    """The catalogue name for a name or path that the user gave. A file or a plug-in is executed and added.
 
-    Use it only for names that the user typed or wrote for this command. Raises UsageError, with file and line, if the
-    file is missing or wrong, or if it defines no object of its own name that the catalogue can use.
+    Use it only for names that the user typed or wrote for this command. An unknown name is returned as it is. Raises
+    UsageError, with file and line or with the distribution, if the file or the plug-in is missing or wrong, or if it
+    defines no object of its own name that the catalogue can use.
     """
     if not is_path(name):
+        if not ((package, name) in _OWN or _is_loaded(package, name) or name in _shipped(package)):
+            offers = offers_of_name(package, name)
+            if offers:
+                _add_plugin(check_single(offers))
         return name
     path = Path(name)
-    data, place, before = _read(path), path.resolve(), _OWN.get((package, path.stem))
+    data, place, before = read_own_file(path), path.resolve(), _OWN.get((package, path.stem))
     if before is not None and before.place != place:
         raise UsageError(f"{path} and {before.path} have the same name: rename one of them.")
     if before is None or before.data != data:
-        _check_name(package, path)
-        _OWN[package, path.stem] = OwnFile(path.stem, path, place, data, _load_own_file(package, path, data))
+        kind = catalogue_kind(package)
+        check_own_name(path, kind, _shipped(package))
+        found = load_own_file(package, kind, path, data)
+        _OWN[package, path.stem] = OwnFile(path.stem, path, place, data, found)
     return path.stem
 
 
+def use_plugin(name: str) -> list[str]:
+    """Import the plug-ins of this name, so that models and runs that need them can be opened. Returns their catalogues.
+
+    Raises UsageError if no installed distribution offers the name, or if smarig has an entry of this name.
+    """
+    named = [offer for offer in plugin_offers()[0] if offer.name == name and offer.package]
+    if not named:
+        known = sorted({offer.name for offer in plugin_offers()[0] if offer.package})
+        there = suggestion(name, known) if known else "; no distribution offers any"
+        raise UsageError(f"No installed distribution offers a plug-in '{name}'{there}.")
+    packages = sorted({offer.package for offer in named if name not in _shipped(offer.package)})
+    if not packages:
+        raise UsageError(
+            f"The plug-in '{name}' of {named[0].origin} cannot be used: {shipped_fault(named[0])}."
+        )
+    for package in packages:
+        resolve_name(package, name)
+    return packages
+
+
+def plugins_in_use() -> list[str]:
+    """The names of the plug-ins that were imported, for ``use_plugin`` in another process."""
+    return sorted({file.name for file in _OWN.values() if file.offer is not None})
+
+
+def shipped_fault(offer: PluginOffer) -> str:
+    """A sentence without its full stop if smarig itself has an entry of a plug-in's name; otherwise ""."""
+    taken = bool(offer.package) and offer.name in _shipped(offer.package)
+    return f"'{offer.name}' is the name of a shipped {offer.kind}" if taken else ""
+
+
+def plugin_hint(package: str, name: str) -> str:
+    """For a name that is only stored in a file: which distribution offers it, and how to allow it; "" if none does."""
+    offers = offers_of_name(package, name)
+    if not offers:
+        return ""
+    origins = " and ".join(offer.origin for offer in offers)
+    return (
+        f"The {offers[0].kind} '{name}' is a plug-in of {origins}, which is imported only if you name it: "
+        f"smarig --plugin {name} COMMAND …, or smarig.use_plugin('{name}') in Python."
+    )
+
+
+def _add_plugin(offer: PluginOffer) -> None:
+    found, path = import_plugin(offer)
+    data = path.read_bytes() if path.is_file() else b""
+    _OWN[offer.package, offer.name] = OwnFile(offer.name, path, path.resolve(), data, found, offer)
+
+
 def own_entries(package: str) -> dict[str, OwnFile]:
-    """The own files in a catalogue, by name."""
+    """The own files and plug-ins in use in a catalogue, by name."""
     return {name: file for (where, name), file in _OWN.items() if where == package}
 
 
 @contextmanager
 def own_files() -> Iterator[None]:
-    """Start without own files and restore the previous ones at the end, so that commands share none."""
+    """Start without own files and plug-ins and restore the previous ones at the end, so that commands share none."""
     before = dict(_OWN)
     _OWN.clear()
     try:
@@ -173,61 +213,5 @@ def own_files() -> Iterator[None]:
 
 
 def own_file_error(error: BaseException) -> str:
-    """A sentence with file and line if the error was raised in an own file; otherwise ""."""
-    own_file = {str(file.path) for file in _OWN.values()}
-    return next((s for path in own_file if (s := _line_of(error, path))), "")
-
-
-def _read(path: Path) -> bytes:
-    try:
-        data = path.read_bytes()
-        data.decode("utf-8-sig")
-        return data
-    except FileNotFoundError:
-        raise UsageError(f"There is no file {path}.") from None
-    except OSError as error:
-        raise UsageError(f"{path} cannot be read: {error.strerror or error}.") from None
-    except UnicodeDecodeError:
-        raise UsageError(f"{path} is not a UTF-8 text file.") from None
-
-
-def _check_name(package: str, path: Path) -> None:
-    kind = catalogue_kind(package)
-    if not path.stem.isidentifier() or iskeyword(path.stem):
-        raise UsageError(
-            f"{path}: '{path.stem}' is not a valid Python name. Rename the file; use letters, digits and _."
-        )
-    if path.stem in _shipped(package):
-        raise UsageError(
-            f"{path}: '{path.stem}' is the name of a shipped {kind}. Rename the file and the {kind} in it."
-        )
-
-
-def _load_own_file(package: str, path: Path, data: bytes) -> Any:
-    """The object that the file defines under its own name, checked for the catalogue."""
-    kind, name = catalogue_kind(package), path.stem
-    module = ModuleType(f"_own_{kind}_{name}")
-    module.__file__ = str(path)
-    sys.modules[module.__name__] = module  # dataclasses look up their module there
-    answer_former_names()
-    try:
-        exec(compile(data, str(path), "exec"), module.__dict__)
-    except SyntaxError as error:  # in this file or in a file that it imports
-        raise UsageError(f"{error.filename or path}, line {error.lineno or 1}: {error.msg}.") from None
-    except (Exception, SystemExit) as error:  # older Pythons raise ValueError without a line for null bytes
-        raise UsageError(_line_of(error, str(path)) or f"{path} cannot be loaded: {error}.") from None
-    if name not in vars(module):
-        raise UsageError(f"{path} defines no '{name}': the {kind} must have the file's name.")
-    found = vars(module)[name]
-    misfit = getattr(importlib.import_module(package), "misfit", None)
-    reason = misfit(name, found) if misfit else ""
-    if reason:
-        raise UsageError(f"{path}: {reason}.")
-    return found
-
-
-def _line_of(error: BaseException, path: str) -> str:
-    """The last line of the file in the traceback, with the error's message; "" if the file is not in it."""
-    lines = [f.lineno for f in traceback.extract_tb(error.__traceback__) if f.filename == path]
-    message = f"{type(error).__name__}: {error}".rstrip(".: ")
-    return f"{path}, line {lines[-1]}: {message}." if lines else ""
+    """A sentence with file and line if the error was raised in an own file or a plug-in; otherwise ""."""
+    return next((sentence for file in _OWN.values() if (sentence := file.blamed(error))), "")

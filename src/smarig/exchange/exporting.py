@@ -2,14 +2,17 @@
 
 from pathlib import Path
 
-from smarig.core import atomic_file, catalogue_entry
+from smarig.core import atomic_file, catalogue_entry, resolve_name
 from smarig.record import AnyRun, stored_run
 from smarig.replay import Model, load_model
+
+WRITERS = "smarig.exchange.writers"
 
 
 def export_run(run: AnyRun | str | Path, *, to: str, out: str | Path, force: bool = False) -> Path:
     """Write ``run`` (a run or its path) in format ``to`` (csv, parquet, …) at ``out``; returns the path.
 
+    ``to`` is a name, also of a plug-in, or the path of an own file; both are executed.
     UsageError if ``out`` exists and not ``force``; StorageError if it cannot be written. A partly written file is
     removed. The samples of a path are read in blocks or by column, so that a long run takes little memory.
     """
@@ -17,7 +20,7 @@ def export_run(run: AnyRun | str | Path, *, to: str, out: str | Path, force: boo
         with stored_run(run) as stored:
             return export_run(stored, to=to, out=out, force=force)
     target = Path(out)
-    write = catalogue_entry("smarig.exchange.writers", to)
+    write = catalogue_entry(WRITERS, resolve_name(WRITERS, to))
     with atomic_file(target, force=force) as part:
         write(run, part)
     return target

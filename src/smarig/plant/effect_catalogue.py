@@ -68,21 +68,25 @@ def effects_from_pairs(pairs: Iterable[str]) -> tuple[Effect, ...]:
 
 
 def effects_from_arguments(words: Iterable[str]) -> tuple[Effect, ...]:
-    """Effects as on the command line: the forms of ``effects_from_pairs``, or own files (``./mine.py=3``).
+    """Effects as on the command line: the forms of ``effects_from_pairs``, also of plug-ins and of own files
+    (``./mine.py=3``).
 
-    Own files are executed. Pass texts stored in a run or a model to ``effects_from_pairs`` instead.
+    Own files and plug-ins are executed. Pass texts stored in a run or a model to ``effects_from_pairs`` instead.
     """
     return effects_from_pairs([_registered_name(word) for word in words])
 
 
 def _registered_name(word: str) -> str:
     path = re.fullmatch(r"(.+\.py)((?:\..*)?(?:=.*)?)", word)
-    return f"{resolve_name(EFFECTS, path[1])}{path[2]}" if path else word
+    if path:
+        return f"{resolve_name(EFFECTS, path[1])}{path[2]}"
+    resolve_name(EFFECTS, re.split("[.=]", word, maxsplit=1)[0].strip())
+    return word
 
 
 def effects_to_arguments(effects: Iterable[Effect]) -> list[str]:
     """The texts from which ``effects_from_arguments`` reads the same effects, in any folder."""
-    paths = {name: str(file.place) for name, file in own_entries(EFFECTS).items()}
+    paths = {name: file.reference for name, file in own_entries(EFFECTS).items()}
     pairs = (pair.partition(".") for pair in effects_to_pairs(effects))
     return [f"{paths.get(name, name)}{dot}{rest}" for name, dot, rest in pairs]
 

@@ -3,7 +3,15 @@
 from collections.abc import Iterator
 
 from smarig.config import LinksFile, ProtectionFile, RigFile
-from smarig.core import ConfigError, DataError, UsageError, catalogue_names, resolve_name, suggestion
+from smarig.core import (
+    ConfigError,
+    DataError,
+    UsageError,
+    catalogue_names,
+    offered_names,
+    resolve_name,
+    suggestion,
+)
 from smarig.device import ATTEMPTS, load_register_map
 from smarig.plant import Actuator, load_of
 from smarig.rig.stress_limit import stress_limit
@@ -44,8 +52,9 @@ def _links(file: RigFile, links: LinksFile) -> Iterator[str]:
         except UsageError as wrong:
             yield f"links.{device}.driver: {wrong}"
             continue
-        if driver not in catalogue_names(DRIVERS):
-            yield f"links.{device}.driver: no driver '{driver}'{suggestion(driver, catalogue_names(DRIVERS))}."
+        if driver not in (known := catalogue_names(DRIVERS)):
+            known = sorted({*known, *offered_names(DRIVERS)})
+            yield f"links.{device}.driver: no driver '{driver}'{suggestion(driver, known)}."
         if not link.url and not (simulated and device in SIMULATED):
             yield f"links.{device}.url is missing. Give the port or address of the device."
     tries_s = ATTEMPTS * links.amplifier.timeout_s

@@ -1,15 +1,23 @@
-"""The own files of a run: stored in its record, and required again to resume it.
+"""The own files and plug-ins of a run: stored in its record, and required again to resume it.
 
-A run file may come from anywhere, and a Python file is executed when it is loaded. A file that a run only names is
-therefore never loaded from there; the user gives the same file again.
+A run file may come from anywhere, and a Python file is executed when it is loaded. A file or plug-in that a run only
+names is therefore never loaded from there; the user gives the same one again.
 """
 
 from collections.abc import Iterable, Mapping
 from typing import Any
 
-from smarig.config import RigFile, own_drivers
+from smarig.config import RigFile, driver_names
 from smarig.control import TRACKING_CONTROLLERS
-from smarig.core import DataError, UsageError, catalogue_kind, own_entries, shown
+from smarig.core import (
+    DataError,
+    UsageError,
+    catalogue_kind,
+    catalogue_names,
+    is_path,
+    own_entries,
+    shown,
+)
 from smarig.plant import EFFECTS, Effect
 from smarig.protocols import PROTOCOLS, file_settings
 from smarig.record import Run
@@ -21,14 +29,17 @@ OWN_FILES = "own_files"  # key of the run table
 def used_own_files(
     protocol: str, effects: Iterable[Any], file: RigFile, controller: str = ""
 ) -> list[dict[str, str]]:
-    """The own files of a run with kind, name, path, hash and text; files of the package are left out."""
+    """The own files of a run with kind, name, path, hash and text, and the distribution of a plug-in.
+
+    Files of the package are left out.
+    """
     with_type = [e.kind.name for e in effects if isinstance(e, Effect)]
-    drivers = own_drivers(file)
+    drivers = driver_names(file)
     used = {
         PROTOCOLS: {protocol},
         TRACKING_CONTROLLERS: {controller},
         EFFECTS: set(with_type),
-        DRIVERS: {name for name, f in own_entries(DRIVERS).items() if str(f.place) in drivers},
+        DRIVERS: {name for name, f in own_entries(DRIVERS).items() if f.reference in drivers},
     }
     return [
         {
@@ -37,6 +48,7 @@ def used_own_files(
             "path": str(f.place),
             "sha256": f.sha256,
             "text": f.text,
+            **({"distribution": f.offer.distribution, "version": f.offer.version} if f.offer else {}),
         }
         for package, wanted in used.items()
         for name, f in own_entries(package).items()
@@ -46,7 +58,7 @@ def used_own_files(
 
 def check_own_files(run: Run) -> None:
     """Raise UsageError if an own protocol or effect of a run was not given again, or has changed."""
-    for kind, name, path, sha256 in own_file_entries(run):
+    for kind, name, path, sha256, origin in own_file_entries(run):
         package = {"protocol": PROTOCOLS, "effect": EFFECTS}.get(kind)
         if (
             package is None
@@ -54,9 +66,16 @@ def check_own_files(run: Run) -> None:
             continue
         loaded = own_entries(package).get(name)
         if loaded is None:
+            what = f"the plug-in '{name}' of {origin}" if origin else f"a user's own {kind}, {path}"
             raise UsageError(
-                f"{run.path.name} was made with a user's own {kind}, {path}. To execute this file, give it again: "
-                f"smarig resume {run.path.name} --{kind} {path}."
+                f"{run.path.name} was made with {what}. To execute {'it' if origin else 'this file'}, give it again: "
+                f"smarig resume {run.path.name} --{kind} {name if origin else path}."
+            )
+        now = loaded.offer.origin if loaded.offer else ""
+        if now != origin:
+            raise UsageError(
+                f"{run.path.name} was made with the {kind} '{name}' of {origin or 'the file ' + path}, not of "
+                f"{now or loaded.path}. The run cannot be resumed."
             )
         if loaded.sha256 != sha256:
             raise UsageError(
@@ -88,18 +107,27 @@ def with_files_given(run: Run, settings: Mapping[str, Any], given: Mapping[str, 
 
 
 def check_drivers(file: RigFile, where: str, remedy: str) -> None:
-    """Raise UsageError if a rig that only a file names has an own driver."""
-    for driver in own_drivers(file):
-        raise UsageError(
-            f"{where} names rig '{file.name}', whose own driver {driver} would be executed. {remedy}."
-        )
+    """Raise UsageError if a rig that only a file names has an own driver or one of a plug-in."""
+    for driver in driver_names(file):
+        if is_path(driver) or driver not in catalogue_names(DRIVERS):
+            raise UsageError(
+                f"{where} names rig '{file.name}', whose own driver {driver} would be executed. {remedy}."
+            )
 
 
-def own_file_entries(run: Run) -> list[tuple[str, str, str, str]]:
-    """Kind, name, path and hash of each own file of a run. Raises DataError if they are damaged."""
+def own_file_entries(run: Run) -> list[tuple[str, str, str, str, str]]:
+    """Kind, name, path, hash, and origin of each own file of a run; the origin is "" for a file, which is no plug-in.
+
+    Raises DataError if they are damaged.
+    """
     try:
         return [
-            (str(e["kind"]), str(e["name"]), str(e["path"]), str(e["sha256"])) for e in run.info.own_files
+            (str(e["kind"]), str(e["name"]), str(e["path"]), str(e["sha256"]), _origin(e))
+            for e in run.info.own_files
         ]
     except (KeyError, TypeError):
         raise DataError(f"{run.path.name}: its own_files are damaged.") from None
+
+
+def _origin(entry: Mapping[str, Any]) -> str:
+    return f"{entry.get('distribution', '')} {entry.get('version', '')}".strip()

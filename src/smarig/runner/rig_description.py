@@ -10,7 +10,9 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from smarig.config import ActuatorFile, RigFile, own_drivers
+from smarig.config import ActuatorFile, RigFile, driver_names, own_drivers
+from smarig.core import offers_of_name, shipped_fault
+from smarig.rig import DRIVERS
 
 RIG_TEXT, ACTUATOR_TEXT = "config", "actuator_text"  # keys of the run table
 RIG_VALUES, ACTUATOR_VALUES = "rig_values", "actuator_values"
@@ -39,10 +41,26 @@ def rig_values(file: RigFile) -> dict[str, Any]:
     return values
 
 
-def driver_hashes(file: RigFile) -> dict[str, str]:
-    """The hashes of the own drivers that a rig file names, by the names of their files; "" where there is none."""
+def driver_codes(file: RigFile) -> dict[str, str]:
+    """The code of the drivers from outside of smarig that a rig file names, as a text; nothing is executed.
+
+    By the names of their files or plug-ins: the hash of a file, the distribution of a plug-in.
+    """
     paths = [Path(driver) for driver in own_drivers(file)]
-    return {p.name: hashlib.sha256(p.read_bytes()).hexdigest() if p.is_file() else "" for p in paths}
+    offers = [offer for name in driver_names(file) for offer in offers_of_name(DRIVERS, name)]
+    files = {
+        p.name: code_text(hashlib.sha256(p.read_bytes()).hexdigest() if p.is_file() else "") for p in paths
+    }
+    return files | {offer.name: offer.origin for offer in offers if not shipped_fault(offer)}
+
+
+def code_text(sha256_hash: str) -> str:
+    """A hash as shown in comparisons; "" for a file that is not there.
+
+    >>> code_text("0123456789abcdef0123"), code_text("")
+    ('sha256 0123456789abcdef', 'sha256 unknown')
+    """
+    return f"sha256 {sha256_hash[:16] or 'unknown'}"
 
 
 def sha256(value: str | Mapping[str, Any]) -> str:

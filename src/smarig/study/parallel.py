@@ -1,12 +1,16 @@
-"""Runs one function on many tasks: in this process, in several, or on a Dask cluster."""
+"""Runs one function on many tasks: in this process, in several, or on a Dask cluster.
+
+Other processes use the plug-ins that this one uses.
+"""
 
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from concurrent.futures.process import BrokenProcessPool
+from functools import partial
 from multiprocessing import get_context
 from typing import Any, TypeVar
 
-from smarig.core import DataError, UsageError
+from smarig.core import DataError, UsageError, plugins_in_use, use_plugin
 
 CONNECT_TIMEOUT_S = 10
 Answer = TypeVar("Answer")
@@ -24,12 +28,19 @@ def completed(
     """
     if not tasks:
         return
+    elsewhere = partial(_with_plugins, plugins_in_use(), function)
     if scheduler is not None:
-        yield from _by_dask(function, tasks, scheduler)
+        yield from _by_dask(elsewhere, tasks, scheduler)
     elif workers == 1 or len(tasks) == 1:
         yield from map(function, tasks)
     else:
-        yield from _by_processes(function, tasks, workers)
+        yield from _by_processes(elsewhere, tasks, workers)
+
+
+def _with_plugins(names: Sequence[str], function: Callable[[Any], Answer], task: Any) -> Answer:
+    for name in names:
+        use_plugin(name)
+    return function(task)
 
 
 def _by_processes(function: Callable[[Any], Answer], tasks: Sequence[Any], workers: int) -> Iterator[Answer]:

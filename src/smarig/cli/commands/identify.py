@@ -5,7 +5,7 @@ from pathlib import Path
 import click
 
 from smarig.cli.output import check_distinct, emit, json_option, show_message
-from smarig.cli.parameter_types import FILE
+from smarig.cli.parameter_types import FILE, SurfaceKind
 from smarig.core import MODEL, check_writable
 from smarig.identification import BEST_KIND, extension_names, surface_choices
 
@@ -24,10 +24,10 @@ Examples:
 @click.argument("runs", nargs=-1, required=True, type=FILE)
 @click.option(
     "--surface",
-    type=click.Choice(surface_choices()),
+    type=SurfaceKind(surface_choices()),
     default=BEST_KIND,
     show_default=True,
-    help="Kind of surface.",
+    help="Kind of surface, or the surface form of a plug-in by name.",
 )
 @click.option("--select", metavar="EXPR", help="Fit only to the points where this holds, e.g. 'curve%2==0'.")
 @click.option(

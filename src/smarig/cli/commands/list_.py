@@ -4,11 +4,22 @@ import click
 
 from smarig.cli.output import emit, json_option
 
-KINDS = ("effects", "rigs", "actuators", "protocols", "controllers", "campaigns", "imports", "wires")
+KINDS = (
+    "effects",
+    "rigs",
+    "actuators",
+    "protocols",
+    "controllers",
+    "campaigns",
+    "imports",
+    "wires",
+    "plugins",
+)
 EPILOG = """\b
 Examples:
   smarig list protocols
   smarig list protocols ./my_protocol.py --settings
+  smarig list plugins
 """
 
 
@@ -22,13 +33,19 @@ Examples:
 )
 @json_option
 def command(kind: str, files: tuple[str, ...], settings: bool) -> None:
-    """List rigs, actuators, protocols, controllers, campaigns, import mappings, effects, and the wires used
-    so far.
+    """List rigs, actuators, protocols, controllers, campaigns, import mappings, effects, the wires used so far,
+    and the plug-ins of other distributions.
 
-    With FILE.py, list only the protocols, controllers or effects of your own in these files. "unit" is the
-    rig's unit, mm or deg.
+    With FILE.py, list only the protocols, controllers or effects of your own in these files. The name of a plug-in
+    may be given in place of a file; only then is it imported. "unit" is the rig's unit, mm or deg.
     """
-    from smarig.cli.listings import LISTINGS, chosen_names, settings_of, units_and_defaults
+    from smarig.cli.listings import (
+        LISTINGS,
+        chosen_names,
+        offered_entries,
+        settings_of,
+        units_and_defaults,
+    )
     from smarig.protocols import setting_texts
 
     own_names = chosen_names(kind, files)
@@ -44,7 +61,8 @@ def command(kind: str, files: tuple[str, ...], settings: bool) -> None:
             if settings:
                 lines += [f"  {'':<{width}}    {line}" for line in settings_of(group, name)]
     if settings:
-        found["settings"] = {n: dict(setting_texts(n)) for n in found.get("protocols", {})} | {
-            n: units_and_defaults(n)[1] for n in found.get("controllers", {})
-        }
+        known = {group: entries.keys() - offered_entries(group).keys() for group, entries in found.items()}
+        found["settings"] = {
+            n: dict(setting_texts(n)) for n in found.get("protocols", {}) if n in known["protocols"]
+        } | {n: units_and_defaults(n)[1] for n in found.get("controllers", {}) if n in known["controllers"]}
     emit(found, "\n".join(lines))

@@ -1,4 +1,4 @@
-"""``smarig new``: write a commented template that works unchanged.
+"""``smarig new``: write a commented template that works unchanged, or a package of plug-ins.
 
 The templates are valid files named ``my_KIND``. Only that word is replaced.
 """
@@ -11,7 +11,8 @@ from pathlib import Path
 import click
 
 from smarig.cli.output import emit, json_option
-from smarig.cli.parameter_types import FILE
+from smarig.cli.parameter_types import ANY_PATH
+from smarig.cli.plugin_package import PLUGIN_KINDS, plugin_names, write_plugin_package
 from smarig.core import UsageError, atomic_file, catalogue_names
 
 _TEMPLATES = Path(__file__).parents[1] / "starting_points"
@@ -37,19 +38,39 @@ Examples:
   smarig new protocol two_loops
   smarig run ./two_loops.py --rig one_wire_twin -o two_loops.run.sqlite
   smarig new rig bench_3 -o rigs/bench_3.toml
+  smarig new plugin my_lab --kind effect --kind protocol
 """
 
 
 @click.command("new", short_help="Write a commented template for your own file.", epilog=EPILOG)
-@click.argument("kind", type=click.Choice(list(_NEXT_STEP)))
+@click.argument("kind", type=click.Choice([*_NEXT_STEP, "plugin"]))
 @click.argument("name")
-@click.option("-o", "--out", type=FILE, help="File to write (default: NAME.toml or NAME.py in this folder).")
+@click.option(
+    "--kind",
+    "plugin_kinds",
+    multiple=True,
+    type=click.Choice(list(PLUGIN_KINDS)),
+    help="plugin: an example of this kind; repeatable (default: effect).",
+)
+@click.option(
+    "-o",
+    "--out",
+    type=ANY_PATH,
+    help="File to write (default: NAME.toml or NAME.py in this folder); plugin: a new folder (default: NAME).",
+)
 @json_option
-def command(kind: str, name: str, out: Path | None) -> None:
+def command(kind: str, name: str, plugin_kinds: tuple[str, ...], out: Path | None) -> None:
     """Write a commented template for your own rig, actuator, protocol, controller, effect, driver or campaign.
 
     The file works unchanged. Commands accept the path of this file. An existing file is not overwritten.
+
+    plugin: write a Python package of plug-ins, which other people can install. It contains tests and a README.
     """
+    if kind == "plugin":
+        _write_plugin(name, list(dict.fromkeys(plugin_kinds or ("effect",))), out or Path(name))
+        return
+    if plugin_kinds:
+        raise UsageError(f"--kind belongs to smarig new plugin, not to smarig new {kind}. Leave it out.")
     template = next(_TEMPLATES.glob(f"my_{kind}.*"))
     file = out or Path(name + template.suffix)
     _check(kind, name, file, template.suffix)
@@ -61,6 +82,34 @@ def command(kind: str, name: str, out: Path | None) -> None:
     emit(
         {"kind": kind, "name": name, "file": str(file), "next": next_step},
         f"{shown} written. Next: {next_step}",
+    )
+
+
+def _write_plugin(name: str, kinds: list[str], folder: Path) -> None:
+    module = name.replace("-", "_")
+    reason = _unusable("plugin", module, python=True)
+    if reason or not name[-1].isalnum():
+        raise UsageError(
+            f"{name!r} cannot be the name of a plugin: {reason or 'end it with a letter or digit'}."
+        )
+    if _importable(module):
+        raise UsageError(f"The package '{module}' would hide a Python module. Choose another name.")
+    examples = plugin_names(module, kinds)
+    written = write_plugin_package(name, module, kinds, folder)
+    shown = (
+        str(folder) if folder.is_absolute() else f"./{folder}"
+    )  # pip takes a bare name for one of its index
+    next_step = f'python -m pip install -e "{shown}[test]" && python -m pytest {shown}'
+    emit(
+        {
+            "kind": "plugin",
+            "name": name,
+            "file": str(folder),
+            "next": next_step,
+            "files": [str(path.relative_to(folder)) for path in written],
+            "plugins": examples,
+        },
+        f"{shown} written, with {', '.join(examples.values())}. Next: {next_step}",
     )
 
 

@@ -10,7 +10,7 @@ from smarig.cli.output import emit, json_option, show_message
 from smarig.cli.parameter_types import ANY_PATH, EXPERIMENT
 from smarig.cli.progress import STREAMS, preview_progress
 from smarig.cli.run_options import RunOptions, check_target, print_warnings, run_options, run_summary
-from smarig.core import UsageError, catalogue_names, suggestion
+from smarig.core import UsageError, catalogue_names, offered_names, suggestion
 
 if TYPE_CHECKING:
     from smarig.config import CampaignFile, CampaignStep
@@ -124,9 +124,8 @@ def _plan(experiment: str, settings: dict) -> "CampaignFile":
         )
     refuse_closed_loops(experiment)
     if experiment not in campaigns and not experiment.endswith(".toml"):
-        raise UsageError(
-            f"No protocol or campaign '{experiment}'{suggestion(experiment, protocols + campaigns)}."
-        )
+        known = [*protocols, *offered_names("smarig.protocols"), *campaigns]
+        raise UsageError(f"No protocol or campaign '{experiment}'{suggestion(experiment, known)}.")
     if settings:
         raise UsageError("--set applies to a single protocol only. Set the values of a campaign in its file.")
     return with_loaded_protocols(load_campaign(experiment))

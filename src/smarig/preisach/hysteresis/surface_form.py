@@ -11,7 +11,7 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.core import UsageError, catalogue_entry, catalogue_names, own_entries
+from smarig.core import UsageError, catalogue_entry, catalogue_names, own_entries, plugin_hint
 
 Array = NDArray[np.float64]
 Parameters = tuple[float, ...]
@@ -90,12 +90,13 @@ def surface_form(name: str) -> SurfaceForm:
         return shipped
     known = surface_forms()
     if name not in known:
-        raise UsageError(f"Surface form '{name}' must be one of {', '.join(known)}.")
+        hint = plugin_hint(FORMS, name)
+        raise UsageError(hint or f"Surface form '{name}' must be one of {', '.join(known)}.")
     return known[name]
 
 
 def surface_forms() -> dict[str, SurfaceForm]:
-    """All forms by name, by rising number of parameters, including own files that were loaded.
+    """All forms by name, by rising number of parameters, including own files and plug-ins in use.
 
     >>> list(surface_forms())
     ['constant', 'parabolic', 'exponential']

@@ -21,7 +21,8 @@ from smarig.runner.rig_description import (
     HASHES,
     RIG_TEXT,
     RIG_VALUES,
-    driver_hashes,
+    code_text,
+    driver_codes,
     rig_values,
     sha256,
 )
@@ -126,9 +127,13 @@ def _all_changes(run: Run, session: Session) -> tuple[list[RigChange], str]:
     """The differences of both files and of own drivers, and what could not be compared."""
     recorded, not_compared = _recorded(run)
     present = dict(session.description)
-    codes = {PurePath(path).name: code for kind, _, path, code in own_file_entries(run) if kind == "driver"}
-    for side, hashes in ((recorded, codes), (present, driver_hashes(session.file))):
-        side |= {RIG_VALUES: _with_code(side[RIG_VALUES], hashes)} if RIG_VALUES in side else {}
+    codes = {
+        name if origin else PurePath(path).name: origin or code_text(sha256_hash)
+        for kind, name, path, sha256_hash, origin in own_file_entries(run)
+        if kind == "driver"
+    }
+    for side, used in ((recorded, codes), (present, driver_codes(session.file))):
+        side |= {RIG_VALUES: _with_code(side[RIG_VALUES], used)} if RIG_VALUES in side else {}
     return [c for table in _FILES for c in _file_changes(table, recorded, present)], not_compared
 
 
@@ -140,14 +145,11 @@ def _completed(schema: type[TomlTable], values: Mapping[str, Any]) -> Mapping[st
         return values
 
 
-def _with_code(values: Mapping[str, Any], hashes: Mapping[str, str]) -> dict[str, Any]:
-    """Values of a rig in which an own driver is named with the hash of its code."""
+def _with_code(values: Mapping[str, Any], codes: Mapping[str, str]) -> dict[str, Any]:
+    """Values of a rig in which an own driver is named with the hash of its code, a plug-in with its distribution."""
     links = {
-        device: {
-            **link,
-            "driver": f"{link['driver']} (sha256 {hashes.get(link['driver'], '')[:16] or 'unknown'})",
-        }
-        if link and is_path(link["driver"])
+        device: {**link, "driver": f"{link['driver']} ({codes.get(link['driver'], code_text(''))})"}
+        if link and (is_path(link["driver"]) or link["driver"] in codes)
         else link
         for device, link in (values.get("links") or {}).items()
     }
