@@ -1,0 +1,174 @@
+"""Roles made of functions, for instruments that another library already drives: PyMeasure, QCoDeS, ophyd, a script.
+
+A property of PyMeasure becomes ``lambda: supply.current``; a parameter of QCoDeS is a function as it is. The adapter
+adds what a rig needs besides: read-backs, a confirmed switch-off, one kind of error, and no NaN on its way to a wire.
+"""
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any, TypeVar
+
+from smarig.core import NAN, UsageError
+from smarig.device.encoding.link_faults import Garbled, LinkFault, Silent
+from smarig.device.roles.polled import Electrical
+
+_T = TypeVar("_T")
+_TOLERANCE_A = 2e-3  # between a setting and its read-back
+
+
+def _nothing() -> None:
+    """Do nothing."""
+
+
+@dataclass
+class FunctionOutput:
+    """A current output. ``switch_on`` and ``switch_off`` act on the output; without one, leave them out.
+
+    ``setting`` reads the set current back (A), ``is_on`` the state of the output. At least one of them, or the measured
+    current, confirms ``off``. ``arm_watchdog`` is given the lease in seconds, arms the watchdog, reads it back, and
+    returns whether it is armed; without it the output has no lease. Errors of the library become ``Silent``.
+    """
+
+    identity: str
+    set_current_A: Callable[[float], Any]
+    current_A: Callable[[], float]
+    voltage_V: Callable[[], float]
+    switch_on: Callable[[], Any] = _nothing
+    switch_off: Callable[[], Any] = _nothing
+    setting_A: Callable[[], float] | None = None
+    is_on: Callable[[], Any] | None = None
+    wire_degC: Callable[[], float] | None = None
+    arm_watchdog: Callable[[float], bool] | None = None
+    lease_s: float = 0.0
+    close_all: Callable[[], Any] = _nothing
+    has_lease: bool = field(default=False, init=False)
+    tripped: str = field(default="", init=False)
+    _on: bool = field(default=False, init=False)
+    _ordered_A: float = field(default=0.0, init=False)
+
+    def arm(self) -> None:
+        """Off, confirmed; then the watchdog. Raises Silent if the output is not confirmed to be off."""
+        self.has_lease = False
+        unconfirmed = self.off()
+        if unconfirmed:
+            raise Silent(unconfirmed)
+        self.tripped = ""
+        if self.arm_watchdog is not None:
+            self.has_lease = bool(self._call("arming its watchdog", self.arm_watchdog, self.lease_s))
+
+    def set_current(self, current_A: float) -> None:
+        """Set, switch on, and read the setting back."""
+        if not math.isfinite(current_A):
+            raise UsageError(f"A current of {current_A:g} A cannot be driven.")
+        self._notice_trip()
+        if self.tripped:
+            return
+        self._call("setting the current", self.set_current_A, float(current_A))
+        self._ordered_A = float(current_A)
+        if not self._on:
+            self._call("switching on", self.switch_on)
+            self._on = True
+        if self.setting_A is not None:
+            taken_A = float(self._call("reading the setting", self.setting_A))
+            if not abs(taken_A - current_A) <= _TOLERANCE_A:
+                self.off()
+                raise Garbled(
+                    f"{self.identity} set {taken_A:g} A instead of {current_A:g} A. {Garbled.remedy}"
+                )
+
+    def measure(self) -> Electrical:
+        """Current, voltage and, with ``wire_degC``, the temperature of the wire."""
+        self._notice_trip()
+        current_A = float(self._call("measuring the current", self.current_A))
+        voltage_V = float(self._call("measuring the voltage", self.voltage_V))
+        wire_degC = NAN if self.wire_degC is None else float(self._call("measuring", self.wire_degC))
+        return Electrical(current_A, voltage_V, wire_degC)
+
+    def off(self) -> str:
+        """Zero and off, then confirmed by every read-back that there is."""
+        self._on, self._ordered_A = False, 0.0
+        try:
+            self._call("setting zero", self.set_current_A, 0.0)
+            self._call("switching off", self.switch_off)
+            if self._confirmed_off():
+                return ""
+        except LinkFault:
+            pass
+        return f"{self.identity} did not confirm that it is off. Switch it off by hand now."
+
+    def close(self) -> None:
+        """Close what the library has opened. Never raises."""
+        try:
+            self.close_all()
+        except Exception:
+            return
+
+    def _confirmed_off(self) -> bool:
+        if self.is_on is not None and bool(self._call("reading its state", self.is_on)):
+            return False
+        if self.setting_A is not None:
+            return abs(float(self._call("reading the setting", self.setting_A))) <= _TOLERANCE_A
+        if self.is_on is not None:
+            return True
+        return abs(float(self._call("measuring the current", self.current_A))) <= 10 * _TOLERANCE_A
+
+    def _notice_trip(self) -> None:
+        """An output that was switched on, and is off or at zero now, has switched itself off."""
+        if not self._on or self.tripped:
+            return
+        off = self.is_on is not None and not bool(self._call("reading its state", self.is_on))
+        if self.setting_A is not None and self._ordered_A:
+            setting_A = float(self._call("reading the setting", self.setting_A))
+            off = off or abs(setting_A) <= _TOLERANCE_A < abs(self._ordered_A)
+        if off:
+            self._on = False
+            self.tripped = f"{self.identity} has switched its output off: its watchdog or a protection."
+
+    def _call(self, what: str, function: Callable[..., _T], *values: float) -> _T:
+        return called(self.identity, what, function, *values)
+
+
+@dataclass
+class FunctionInput:
+    """A position (``unit`` "count", "mm" or "deg"), a temperature in °C or a force in N, read by one function."""
+
+    identity: str
+    read: Callable[[], float]
+    unit: str = ""
+    close_all: Callable[[], Any] = _nothing
+
+    def position(self) -> float:
+        """The position in ``unit``."""
+        return self._number()
+
+    def temperature_degC(self) -> float:
+        """The temperature."""
+        return self._number()
+
+    def force_N(self) -> float:
+        """The force."""
+        return self._number()
+
+    def close(self) -> None:
+        """Close what the library has opened. Never raises."""
+        try:
+            self.close_all()
+        except Exception:
+            return
+
+    def _number(self) -> float:
+        """The reading; NaN if it is none."""
+        value = called(self.identity, "reading", self.read)
+        return NAN if value is None else float(value)
+
+
+def called(identity: str, what: str, function: Callable[..., _T], *values: float) -> _T:
+    """The result of a function of another library. Raises Silent, with its error, whatever it raises."""
+    try:
+        return function(*values)
+    except LinkFault:
+        raise
+    except Exception as error:
+        text = f"{type(error).__name__}: {error}".rstrip(".: ")
+        raise Silent(f"{identity}: {what} failed ({text}). {Silent.remedy}") from error

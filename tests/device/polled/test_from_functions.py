@@ -1,0 +1,155 @@
+"""Roles made of functions: the contract on an instrument of another library, and its errors as one sentence."""
+
+import math
+
+import pytest
+
+from smarig.config import load_rig
+from smarig.core import UsageError
+from smarig.device import (
+    ContractCase,
+    FunctionInput,
+    FunctionOutput,
+    Garbled,
+    PolledPosition,
+    PolledSource,
+    Silent,
+    check_contract,
+)
+
+RIG = load_rig("bench_one_wire")
+ANALOGUE = RIG.model_copy(update={"encoder": RIG.encoder.model_copy(update={"resolution": 0.01})})
+
+
+class Library:
+    """A supply as another library offers it, with properties and a watchdog of 1 s, on 5 ohm."""
+
+    def __init__(self):
+        self.now_s, self.fed_s = 0.0, 0.0
+        self.level, self.enabled, self.watched, self.lost = 0.0, False, False, False
+
+    def look(self):
+        if self.lost:
+            raise OSError("VI_ERROR_CONN_LOST")
+        if self.watched and self.now_s - self.fed_s > 1.0:
+            self.enabled = False
+        self.fed_s = self.now_s
+
+    def set_level(self, level):
+        self.look()
+        self.level = level
+
+    def get(self, name):
+        self.look()
+        return getattr(self, name)
+
+    def enable(self, on):
+        self.look()
+        self.enabled = on
+
+    def current(self):
+        return self.get("level") * self.enabled
+
+    def watch(self, seconds):
+        self.look()
+        self.watched = seconds == 1.0
+        return self.watched
+
+    def wait(self, seconds):
+        self.now_s += seconds
+
+
+def output(supply, **changed):
+    functions = {
+        "identity": "ACME 1",
+        "set_current_A": supply.set_level,
+        "current_A": supply.current,
+        "voltage_V": lambda: 5 * supply.current(),
+        "switch_on": lambda: supply.enable(True),
+        "switch_off": lambda: supply.enable(False),
+        "setting_A": lambda: supply.get("level"),
+        "is_on": lambda: supply.get("enabled"),
+        "arm_watchdog": supply.watch,
+        "lease_s": 1.0,
+    }
+    return FunctionOutput(**(functions | changed))
+
+
+def broken(role, make, absent, wait, rig=RIG):
+    case = ContractCase(make, absent, rig, wait)
+    return {r.name: r.observed for r in check_contract(role, case) if not r.passed}
+
+
+def raises():
+    raise Silent("nobody")
+
+
+@pytest.mark.parametrize("without", [(), ("setting_A",), ("is_on",), ("setting_A", "is_on", "arm_watchdog")])
+def test_it_meets_the_contract_with_whatever_is_read_back(without):
+    supply = Library()
+    given = dict.fromkeys(without)
+    if "setting_A" in without and "is_on" in without:
+        given |= {"switch_on": lambda: supply.enable(True)}
+    made = lambda: PolledSource(output(supply, **given))  # noqa: E731
+    if without == ("is_on",):  # a setting alone does not show that a watchdog has acted
+        given["arm_watchdog"] = None
+    assert broken("amplifier", made, raises, supply.wait) == {}
+
+
+def test_an_input_meets_the_contract():
+    clock = Library()
+
+    class Clock:
+        started = "clock"
+
+        def tick(self):
+            return int(clock.now_s / 0.1 + 1e-6)
+
+    made = lambda: PolledPosition(FunctionInput("laser", lambda: 1.234, "mm"), ANALOGUE, Clock())  # noqa: E731
+    assert broken("encoder_daq", made, raises, clock.wait, ANALOGUE) == {}
+
+
+def test_errors_of_the_library_are_one_sentence_with_a_remedy():
+    supply = Library()
+    source = output(supply)
+    source.arm()
+    supply.lost = True
+    with pytest.raises(
+        Silent, match=r"ACME 1: measuring the current failed \(OSError: VI_ERROR_CONN_LOST\)\. Check"
+    ):
+        source.measure()
+    assert "did not confirm that it is off" in source.off()
+
+
+def test_an_output_that_is_not_off_cannot_be_armed():
+    supply = Library()
+    with pytest.raises(Silent, match="did not confirm"):
+        output(supply, switch_off=lambda: None, is_on=lambda: True).arm()
+
+
+def test_a_setting_that_is_not_taken_switches_off():
+    supply = Library()
+    source = output(supply, setting_A=lambda: 0.7 * supply.level)
+    source.arm()
+    with pytest.raises(Garbled, match=r"set 0\.35 A instead of 0\.5 A"):
+        source.set_current(0.5)
+    assert (supply.level, supply.enabled) == (0.0, False)
+
+
+def test_no_number_reaches_the_instrument():
+    supply = Library()
+    source = output(supply)
+    source.arm()
+    with pytest.raises(UsageError):
+        source.set_current(math.nan)
+    assert supply.level == 0.0
+
+
+def test_a_watchdog_that_is_not_read_back_is_no_lease():
+    source = output(Library(), lease_s=2.0)
+    source.arm()
+    assert source.has_lease is False
+
+
+def test_a_reading_that_is_none_is_nan():
+    assert math.isnan(FunctionInput("laser", lambda: None, "mm").position())
