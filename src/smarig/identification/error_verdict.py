@@ -3,6 +3,8 @@
 from dataclasses import dataclass
 from enum import StrEnum
 
+from smarig.identification.repeatability import STEADY, Repeatability
+
 GOOD_RATIO, POOR_RATIO = 1.5, 3.0  # of the error to the noise floor
 POOR_SHARE = 0.05  # of the travel, where the noise is not known
 BETTER, HARDLY_BETTER = 1.5, 1.2  # error of the best simple curve over that of the model
@@ -28,12 +30,28 @@ class ErrorVerdict:
     text: str
 
 
-def error_verdict(rms: float, floor: float | None, share: float) -> ErrorVerdict:
+def error_verdict(
+    rms: float, floor: float | None, share: float, repeatability: Repeatability = STEADY
+) -> ErrorVerdict:
     """The verdict on an rms error with the noise floor (None: unknown) and its share of the measured travel.
+
+    Where repeats differ by many times the noise of a reading, an error as large as theirs is fair at best.
 
     >>> error_verdict(0.5, 0.05, 0.04).text
     '10 × the noise floor: poor'
+    >>> error_verdict(0.5, 0.05, 0.04, Repeatability(drift=0.004)).text
+    '10 × the noise floor: poor; repeats drift by 0.4 % of the travel per cycle'
     """
+    found = _of_error(rms, floor, share)
+    if not repeatability.text:
+        return found
+    if found.level is ErrorLevel.GOOD and repeatability.over_readings is not None:
+        found = ErrorVerdict(ErrorLevel.FAIR, "at the scatter of repeats: fair")
+    return ErrorVerdict(found.level, f"{found.text}; {repeatability.text}")
+
+
+def _of_error(rms: float, floor: float | None, share: float) -> ErrorVerdict:
+    """The verdict without regard to the repeats."""
     if floor:
         ratio = rms / floor
         if ratio <= GOOD_RATIO:
@@ -46,7 +64,9 @@ def error_verdict(rms: float, floor: float | None, share: float) -> ErrorVerdict
     return ErrorVerdict(ErrorLevel.UNKNOWN, f"{percent}; the noise is unknown")
 
 
-def level_against_curves(rms: float, floor: float | None, share: float, gain: float) -> ErrorLevel:
+def level_against_curves(
+    rms: float, floor: float | None, share: float, gain: float, repeatability: Repeatability = STEADY
+) -> ErrorLevel:
     """The level of an error where simple curves were fitted to the same data: ``gain`` is the error of the best of
     them over that of the model (NaN: none).
 
@@ -56,7 +76,7 @@ def level_against_curves(rms: float, floor: float | None, share: float, gain: fl
     >>> str(level_against_curves(0.5, 0.05, 0.04, 6.0)), str(level_against_curves(0.5, 0.05, 0.04, 1.1))
     ('fair', 'poor')
     """
-    level, better = error_verdict(rms, floor, share).level, not gain < BETTER
+    level, better = error_verdict(rms, floor, share, repeatability).level, not gain < BETTER
     if gain < HARDLY_BETTER:
         return ErrorLevel.POOR
     if level is ErrorLevel.GOOD:

@@ -12,6 +12,7 @@ from smarig.identification.extended.choose_extension import ExtensionChoice
 from smarig.identification.fod_data import FodData
 from smarig.identification.measured.load_dependence import LoadDependence
 from smarig.identification.positive.positive_fit import PositiveFit
+from smarig.identification.repeatability import Repeatability
 from smarig.identification.rows_used import RowsUsed
 from smarig.identification.surface.choose_surface import SurfaceChoice
 from smarig.identification.surface.curve_report import CurveReport
@@ -58,7 +59,9 @@ class Identification(NotebookDisplay):
         """How the error of the fit compares with the noise of the readings."""
         hysteresis, rms = self.model.hysteresis, float(self.model.fit["rms"])
         travel = float(np.ptp(self.model.predict([hysteresis.lower, hysteresis.upper])))
-        return error_verdict(rms, self.model.noise_floor.value, rms / travel if travel else 0.0)
+        noise = self.model.noise_floor
+        repeatability = Repeatability(noise.drift_per_cycle, noise.over_readings)
+        return error_verdict(rms, noise.value, rms / travel if travel else 0.0, repeatability)
 
     def to_json(self) -> dict[str, Any]:
         """The JSON object of the command line; errors in ``unit``, μ in unit per squared input unit."""

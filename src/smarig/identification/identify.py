@@ -26,7 +26,7 @@ from smarig.identification.fod_data import FodData, first_order_points, fod_data
 from smarig.identification.fod_data import select as selected
 from smarig.identification.identification_result import Identification
 from smarig.identification.identify_loads import check_load_settings, identify_loads
-from smarig.identification.noise_floor import noise_floor
+from smarig.identification.noise_floor import noise_floor, noise_record
 from smarig.identification.positive.positive_fit import PositiveFit
 from smarig.identification.rows_used import rows_of_runs, without_dropouts
 from smarig.identification.run_zeros import (
@@ -49,7 +49,6 @@ from smarig.preisach import Everett, Mirrored, surface_forms
 from smarig.record import OWN_ZERO, Run, load_run
 from smarig.replay import (
     Model,
-    NoiseRecord,
     file_hash,
     load_model,
     model_metadata,
@@ -120,14 +119,14 @@ def identify(
         hysteresis=Mirrored(found.image) if found.mirrored else found.image,
         mirrored=found.mirrored,
         fit=found.figures,
-        noise_floor=NoiseRecord(value=floor.value, unit=floor.unit, source=floor.source),
+        noise_floor=noise_record(floor),
         provenance=tuple(provenance(run) for run in given),
         twin=any(run.twin for run in loaded),
         created=datetime.now(UTC).isoformat(timespec="seconds"),
         parameters=fit.names if fit else (),
         covariance=fit.covariance if fit else np.empty((0, 0)),
         intervals=fit.intervals if fit else {},
-        warnings=(*curves.warnings, *found.warnings, *late, *pooled_conditions(loaded)),
+        warnings=(*curves.warnings, *found.warnings, *late, *floor.warnings, *pooled_conditions(loaded)),
         **model_metadata(loaded),
     )
     model = heating.model(model) if heating else model

@@ -14,7 +14,7 @@ from smarig.identification.identification_result import Identification
 from smarig.identification.measured.load_dependence import LoadDependence, fit_load_dependence
 from smarig.identification.measured.reading_plan import reading_plan
 from smarig.identification.measured.zero_by_load import zero_slope
-from smarig.identification.noise_floor import noise_floor
+from smarig.identification.noise_floor import noise_floor, noise_record
 from smarig.identification.rows_used import THINNED, rows_used
 from smarig.identification.surface.curve_report import curve_report
 from smarig.identification.surface.fit_figures import error_figures
@@ -24,7 +24,6 @@ from smarig.preisach import FodTable
 from smarig.record import Run
 from smarig.replay import (
     Model,
-    NoiseRecord,
     TemperatureSource,
     driven_by_input,
     load_records,
@@ -74,11 +73,11 @@ def identify_loads(runs: Sequence[Run], condition: str) -> Identification:
         hysteresis=table,
         mirrored=False,
         fit={**figures, "points": found.error.size, "select": None, "load": found.to_json()},
-        noise_floor=NoiseRecord(value=floor.value, unit=floor.unit, source=floor.source),
+        noise_floor=noise_record(floor),
         provenance=tuple(provenance(run) for run in everything),
         twin=any(run.twin for run in runs),
         created=datetime.now(UTC).isoformat(timespec="seconds"),
-        warnings=(*_warnings(found), *pooled_conditions(runs, {condition})),
+        warnings=(*_warnings(found), *floor.warnings, *pooled_conditions(runs, {condition})),
         measurement={**found.part.to_json(), **({"temperature": source} if source else {})},
         **model_metadata(runs),
     )

@@ -1,18 +1,29 @@
 """The noise floor of a record: the standard deviation of outputs in the same state of the memory.
 
-Points with the same remembered extrema and the same input are repeats. Their pure error needs no model.
+Points with the same remembered extrema and the same input are repeats. Their pure error needs no model. A drift of the
+repeats from cycle to cycle is no noise: it is left out, and stated (``repeatability``).
 Verification and reports use this figure.
 """
 
 from collections import defaultdict
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
+from smarig.identification.repeatability import (
+    STEADY,
+    PooledRepeats,
+    Repeatability,
+    Repeats,
+    excess_over_readings,
+    pooled_repeats,
+)
 from smarig.identification.settled_points import settled_points
+from smarig.measurement import reversals
 from smarig.record import Run
-from smarig.replay import MemoryHistory, memory_histories
+from smarig.replay import MemoryHistory, NoiseRecord, memory_histories
 
 FEWEST_PAIRS = 3
 FEWEST_ENDS = 8
@@ -24,38 +35,59 @@ class NoiseFloor:
 
     ``n_pairs`` are the degrees of freedom. ``source`` is the kind of repeats: "repeats" inside the loop,
     "saturation" if only the ends of the range were visited again, "windows" if the scatter of samples within the
-    settling windows is used instead, or "none".
+    settling windows is used instead, or "none". ``repeatability`` is what the repeats show besides noise.
     """
 
     value: float | None
     n_pairs: int
     unit: str
     source: str
+    repeatability: Repeatability = STEADY
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """Warnings about the repeats, one or two sentences each."""
+        return (self.repeatability.warning,) if self.repeatability.text else ()
+
+
+def noise_record(floor: NoiseFloor) -> NoiseRecord:
+    """The floor as a model file stores it."""
+    return NoiseRecord(
+        value=floor.value,
+        unit=floor.unit,
+        source=floor.source,
+        drift_per_cycle=floor.repeatability.drift,
+        over_readings=floor.repeatability.over_readings,
+    )
 
 
 def noise_floor(runs: Run | Iterable[Run]) -> NoiseFloor:
     """Pure-error standard deviation √(Σ(y − ȳ)²/Σ(n − 1)) over repeated memory states, within each run.
 
     Repeats in saturation are used only if there are fewer than three others and at least eight of them, because
-    they are no repeats if the range was not fully exercised. Otherwise the windows of the points are used.
+    they are no repeats if the range was not fully exercised. Otherwise the windows of the points are used. A trend of
+    the repeats over the cycles of a run is left out of the value.
     """
     runs = [runs] if isinstance(runs, Run) else list(runs)
     unit = runs[0].unit if runs else ""
-    inside, ends = _PooledVariance(), _PooledVariance()
+    inside, ends = _RepeatsOfRuns(), _RepeatsOfRuns()
     for run in runs:
         if not run.points()[0].size:
             continue
         lower, upper, (history,) = memory_histories([run])
-        for at_end, outputs in _repeats(history, lower, upper):
-            (ends if at_end else inside).add(outputs)
-    if inside.freedom >= FEWEST_PAIRS:
-        return NoiseFloor(inside.sd, inside.freedom, unit, "repeats")
+        found = list(_repeats(history, _cycles(run, history), lower, upper))
+        travel = float(np.ptp(history.outputs))
+        inside.add([repeats for at_end, repeats in found if not at_end], travel)
+        ends.add([repeats for at_end, repeats in found if at_end], travel)
     windows = _of_windows(runs)
-    if windows is not None and ends.freedom < FEWEST_ENDS:  # one pair hardly determines a standard deviation
+    readings = windows[0] if windows else None
+    if inside.visited_again >= FEWEST_PAIRS:
+        return inside.floor(unit, "repeats", readings)
+    if windows is not None and ends.visited_again < FEWEST_ENDS:  # one pair hardly determines a deviation
         return NoiseFloor(*windows, unit, "windows")
-    if ends.freedom:
-        return NoiseFloor(ends.sd, ends.freedom, unit, "saturation")
-    return NoiseFloor(inside.sd, inside.freedom, unit, "repeats" if inside.freedom else "none")
+    if ends.visited_again:
+        return ends.floor(unit, "saturation", readings)
+    return inside.floor(unit, "repeats" if inside.visited_again else "none", readings)
 
 
 def _of_windows(runs: list[Run]) -> tuple[float, int] | None:
@@ -67,28 +99,56 @@ def _of_windows(runs: list[Run]) -> tuple[float, int] | None:
     return float(np.sqrt(np.mean(every**2))), every.size
 
 
-def _repeats(history: MemoryHistory, lower: float, upper: float) -> Iterable[tuple[bool, np.ndarray]]:
-    """(in saturation?, outputs) of every memory state that was reached more than once."""
-    visits: dict[tuple, list[float]] = defaultdict(list)
+def _cycles(run: Run, history: MemoryHistory) -> NDArray[np.float64]:
+    """Cycles before each point (k,): the way of the output in strokes, over two.
+
+    Without settled steps, the noise of single readings would add up: the way then grows at reversals only.
+    """
+    y = history.outputs
+    turns = np.arange(y.size) if run.settled else np.array(reversals(history.inputs))
+    way = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(y[turns])))])
+    branch = np.searchsorted(turns, np.arange(y.size), side="right") - 1
+    return way[branch] / (2 * float(np.ptp(y)) or 1.0)
+
+
+def _repeats(
+    history: MemoryHistory, cycles: NDArray[np.float64], lower: float, upper: float
+) -> Iterable[tuple[bool, Repeats]]:
+    """(in saturation?, repeats) of every memory state that was reached more than once."""
+    visits: dict[tuple, list[int]] = defaultdict(list)
     before = None
-    for state, y in zip(history.states, history.outputs.tolist()):
+    for k, state in enumerate(history.states):
         # A hold that follows the same hold continues the same visit and is not a repeat.
         if state is not None and state != before:
-            visits[(state.extrema, state.u, state.diagonal)].append(y)
+            visits[(state.extrema, state.u, state.diagonal)].append(k)
         before = state
-    for (extrema, u, _), outputs in visits.items():
-        if len(outputs) > 1:
-            yield len(extrema) == 1 and not lower < u < upper, np.array(outputs)
+    for (extrema, u, _), rows in visits.items():
+        if len(rows) > 1:
+            yield len(extrema) == 1 and not lower < u < upper, Repeats(cycles[rows], history.outputs[rows])
 
 
-class _PooledVariance:
+class _RepeatsOfRuns:
+    """Repeats of several runs, each with a trend of its own."""
+
     def __init__(self) -> None:
-        self.squares, self.freedom = 0.0, 0
+        self._of_runs: list[tuple[PooledRepeats, float]] = []
+        self.visited_again = 0
 
-    def add(self, outputs: np.ndarray) -> None:
-        self.squares += float(np.sum((outputs - outputs.mean()) ** 2))
-        self.freedom += outputs.size - 1
+    def add(self, repeats: Sequence[Repeats], travel: float) -> None:
+        """The repeats of one run, with the range of its outputs."""
+        if repeats:
+            self._of_runs.append((pooled_repeats(repeats), travel))
+            self.visited_again += sum(r.y.size - 1 for r in repeats)
 
-    @property
-    def sd(self) -> float | None:
-        return float(np.sqrt(self.squares / self.freedom)) if self.freedom else None
+    def floor(self, unit: str, source: str, readings: float | None) -> NoiseFloor:
+        """The floor of all; ``readings`` is the noise within readings, None if it is not known."""
+        freedom = sum(found.freedom for found, _ in self._of_runs)
+        if not freedom:
+            return NoiseFloor(None, 0, unit, source)
+        sd = float(np.sqrt(sum(found.squares for found, _ in self._of_runs) / freedom))
+        drifts = [
+            found.drift / travel for found, travel in self._of_runs if found.drift is not None and travel
+        ]
+        largest = max(drifts, key=abs, default=None)
+        over = excess_over_readings(sd, freedom, readings)
+        return NoiseFloor(sd, freedom, unit, source, Repeatability(largest, over))

@@ -20,6 +20,7 @@ from smarig.identification.measured.load_dependence import expected_rms, is_far
 from smarig.identification.measured.zero_by_load import fitted_zero_slope, stress_at_start, zero_slope_of
 from smarig.identification.noise_floor import noise_floor
 from smarig.identification.point_selection import matches
+from smarig.identification.repeatability import STEADY, Repeatability
 from smarig.identification.rows_used import without_dropouts
 from smarig.identification.run_zeros import has_own_zero
 from smarig.record import FORC_PROTOCOL, Run, continues_run
@@ -65,7 +66,8 @@ class RunVerification:
 
     ``input``, ``measured``, ``predicted`` (k,) are all settled points (offset added, NaN if the memory is unknown).
     ``counted`` (k,) marks the points that count. ``offset``, "known" or "fitted", was added to the model. ``expected``
-    is the rms error to be expected at a load that was not measured, None for other runs and models.
+    is the rms error to be expected at a load that was not measured, None for other runs and models. ``repeatability``
+    is what repeats of the run show besides noise.
     """
 
     run: str
@@ -80,11 +82,12 @@ class RunVerification:
     counted: NDArray[np.bool_]
     warnings: tuple[str, ...]
     expected: float | None = None
+    repeatability: Repeatability = STEADY
 
     @property
     def verdict(self) -> ErrorVerdict:
         """How the error compares with the noise of the readings."""
-        return error_verdict(self.settled.rms, self.noise_floor, self.settled.nrmse)
+        return error_verdict(self.settled.rms, self.noise_floor, self.settled.nrmse, self.repeatability)
 
     def to_json(self) -> dict[str, Any]:
         """Plain values, as the command line prints them."""
@@ -92,6 +95,7 @@ class RunVerification:
             "run": self.run,
             **self.settled.to_json(),
             "noise_floor": self.noise_floor,
+            "repeatability": self.repeatability.to_json(),
             "verdict": self.verdict.level.value,
             "offset": self.offset,
             "offset_kind": self.offset_kind,
@@ -200,11 +204,12 @@ def _verified(
     span = float(np.ptp(measured))
     outside = int(np.sum(out_of_range(model, applied_inputs(model, run)[counts])))
     early = 0 if run.info.protocol == FORC_PROTOCOL else int(np.sum(selected & ~counts))
+    floor = noise_floor(run)
     return RunVerification(
         run=str(run.path),
         settled=_errors((predicted + shift - measured)[counts], span),
         transient=None if select is not None or by_load else _transient(model, run, shift),
-        noise_floor=noise_floor(run).value,
+        noise_floor=floor.value,
         offset=shift,
         offset_kind=kind,
         input=inputs,
@@ -215,10 +220,12 @@ def _verified(
             *_validity_warnings(model, run),
             *by_load,
             *_far_loads(model, run),
+            *floor.warnings,
             *_warnings(model, early, outside, kind, missing, encoder=run.has("counts")),
             *(assumed_starts_text(assumed_starts(model, [run]), model.unit) if before is None else ()),
         ),
         expected=_expected(model, run),
+        repeatability=floor.repeatability,
     )
 
 

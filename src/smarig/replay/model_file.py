@@ -59,11 +59,13 @@ class ActuatorRecord(_FrozenSchema):
 
 
 class NoiseRecord(_FrozenSchema):
-    """Standard deviation of a settled output (None without repetitions) and its source."""
+    """Standard deviation of a settled output (None without repetitions), its source, and what repeats show besides."""
 
     value: float | None  # standard deviation of a settled output
     unit: str  # of the value
     source: str  # of the value
+    drift_per_cycle: float | None = None  # trend of repeats, as a share of the travel, left out of the value
+    over_readings: float | None = None  # scatter of repeats over the noise of a reading, if larger than usual
 
 
 class ConditionRecord(_FrozenSchema):
@@ -302,6 +304,7 @@ def _check_numbers(file: _ModelFileSchema) -> None:
     check_covariance(file.parameters, file.covariance)
     check_intervals(file.intervals)
     not_negative(file.noise_floor.value, "'noise_floor.value'")
+    not_negative(file.noise_floor.over_readings, "'noise_floor.over_readings'")
     check_fit(file.fit)
     check_constants(file.actuator.parameters)
     for run in file.provenance:

@@ -29,7 +29,7 @@ def error_reasons(split: DataSplit, best: CandidateModel) -> list[str]:
     They compare facts of the fitted and the held-out data (conditions, range of the input, errors) and name no effect:
     that is the diagnosis.
     """
-    found = [*_conditions(split), *_range(best), *_turned_back(best)]
+    found = [*_conditions(split), *_range(best), *_turned_back(best), *_repeats(best)]
     return [*found, *_fit(split, best, explained=bool(found))]
 
 
@@ -114,6 +114,12 @@ def _back(run: RunVerification) -> float:
         way = np.sign(bins[-1] - bins[0])
         most = max(most, float(np.max(np.maximum.accumulate(way * bins) - way * bins)))
     return most / float(np.ptp(y))
+
+
+def _repeats(best: CandidateModel) -> Iterator[str]:
+    """Repeats of one state that differ by more than noise."""
+    texts = dict.fromkeys(run.repeatability.text for run in (*best.train, *best.held_out))
+    yield from (f"The {text}: something besides the input acts on the output." for text in texts if text)
 
 
 def _fit(split: DataSplit, best: CandidateModel, *, explained: bool) -> Iterator[str]:

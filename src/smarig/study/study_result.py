@@ -83,7 +83,9 @@ class StudyResult:
         """ "good", "fair" or "poor"; "" without a model. The thresholds are those of ``verify``."""
         if self.evaluation is None:
             return ""
-        return str(level_against_curves(self.evaluation.best.rms, self.noise, self.nrmse, self.gain))
+        found = self.evaluation.best
+        unsteady = [r.repeatability for r in found.held_out if r.repeatability.over_readings is not None]
+        return str(level_against_curves(found.rms, self.noise, self.nrmse, self.gain, *unsteady[:1]))
 
     @property
     def reasons(self) -> list[str]:
