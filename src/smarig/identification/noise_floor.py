@@ -2,6 +2,10 @@
 
 Points with the same remembered extrema and the same input are repeats. Their pure error needs no model.
 Verification and reports use this figure.
+
+A state in which the output changed by far more than in the others (slip, a load that fell off) is not noise. Among ten
+states or more, one is left out if its variance exceeds that of noise with the median of all states, by a χ² test with a
+margin. Noise alone never leaves one out.
 """
 
 from collections import defaultdict
@@ -9,6 +13,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.special import chdtri
 
 from smarig.identification.settled_points import settled_points
 from smarig.record import Run
@@ -16,6 +21,9 @@ from smarig.replay import MemoryHistory, memory_histories
 
 FEWEST_PAIRS = 3
 FEWEST_ENDS = 8
+_FEWEST_STATES = 10  # repeated states with a typical spread
+_P_CHANGED, _MARGIN = 1e-9, 4.0  # of the test for a changed state, and on its variance
+_MOST_CHANGED = 0.25  # of the states: if more differ, the spread is not that of noise
 
 
 @dataclass(frozen=True)
@@ -24,13 +32,15 @@ class NoiseFloor:
 
     ``n_pairs`` are the degrees of freedom. ``source`` is the kind of repeats: "repeats" inside the loop,
     "saturation" if only the ends of the range were visited again, "windows" if the scatter of samples within the
-    settling windows is used instead, or "none".
+    settling windows is used instead, or "none". ``changed`` is the number of repeated states that were left out because
+    the output changed there by far more than in the others.
     """
 
     value: float | None
     n_pairs: int
     unit: str
     source: str
+    changed: int = 0
 
 
 def noise_floor(runs: Run | Iterable[Run]) -> NoiseFloor:
@@ -48,8 +58,9 @@ def noise_floor(runs: Run | Iterable[Run]) -> NoiseFloor:
         lower, upper, (history,) = memory_histories([run])
         for at_end, outputs in _repeats(history, lower, upper):
             (ends if at_end else inside).add(outputs)
+    inside, changed = inside.without_changed()
     if inside.freedom >= FEWEST_PAIRS:
-        return NoiseFloor(inside.sd, inside.freedom, unit, "repeats")
+        return NoiseFloor(inside.sd, inside.freedom, unit, "repeats", changed)
     windows = _of_windows(runs)
     if windows is not None and ends.freedom < FEWEST_ENDS:  # one pair hardly determines a standard deviation
         return NoiseFloor(*windows, unit, "windows")
@@ -82,13 +93,32 @@ def _repeats(history: MemoryHistory, lower: float, upper: float) -> Iterable[tup
 
 
 class _PooledVariance:
-    def __init__(self) -> None:
-        self.squares, self.freedom = 0.0, 0
+    """Sums of squares about the mean and degrees of freedom, a pair for each repeated state."""
+
+    def __init__(self, states: list[tuple[float, int]] | None = None) -> None:
+        self._states = states or []
 
     def add(self, outputs: np.ndarray) -> None:
-        self.squares += float(np.sum((outputs - outputs.mean()) ** 2))
-        self.freedom += outputs.size - 1
+        self._states.append((float(np.sum((outputs - outputs.mean()) ** 2)), outputs.size - 1))
+
+    def without_changed(self) -> tuple["_PooledVariance", int]:
+        """The states whose outputs differ as those of the others do, and the number of those left out."""
+        if len(self._states) < _FEWEST_STATES:
+            return self, 0
+        squares, freedom = np.array(self._states).T
+        usual = float(np.median(squares / chdtri(freedom, 0.5)))  # the variance, from the median of χ²
+        if usual == 0:  # readings in steps coarser than the noise
+            return self, 0
+        changed = squares > _MARGIN * usual * chdtri(freedom, _P_CHANGED / len(self._states))
+        if not changed.any() or changed.mean() > _MOST_CHANGED:
+            return self, 0
+        return _PooledVariance([s for s, out in zip(self._states, changed) if not out]), int(changed.sum())
+
+    @property
+    def freedom(self) -> int:
+        return sum(f for _, f in self._states)
 
     @property
     def sd(self) -> float | None:
-        return float(np.sqrt(self.squares / self.freedom)) if self.freedom else None
+        squares = sum(s for s, _ in self._states)
+        return float(np.sqrt(squares / self.freedom)) if self.freedom else None
