@@ -15,7 +15,9 @@ if TYPE_CHECKING:
     from smarig.identification.density_report import density_report as density_report
     from smarig.identification.error_verdict import BETTER as BETTER
     from smarig.identification.error_verdict import GOOD_RATIO as GOOD_RATIO
+    from smarig.identification.error_verdict import LARGE_PLACE as LARGE_PLACE
     from smarig.identification.error_verdict import LITTLE_UNPREDICTED as LITTLE_UNPREDICTED
+    from smarig.identification.error_verdict import POOR_RATIO as POOR_RATIO
     from smarig.identification.error_verdict import ErrorLevel as ErrorLevel
     from smarig.identification.error_verdict import ErrorVerdict as ErrorVerdict
     from smarig.identification.error_verdict import error_verdict as error_verdict

@@ -26,18 +26,18 @@ _FEWEST_ROWS, _PARTS = 60, 20  # of a branch
 _LEADS = "output leads its input"
 
 
-def error_reasons(split: DataSplit, best: CandidateModel, tables: Sequence[ImportedTable] = ()) -> list[str]:
+def error_reasons(split: DataSplit, best: CandidateModel) -> list[str]:
     """Sentences on what the data say about the error of a model, the most certain first; empty if nothing stands out.
 
     They compare facts of the fitted and the held-out data (conditions, range of the input, errors) and name no effect:
     that is the diagnosis.
     """
-    found = [*_wrong_direction(tables), *_conditions(split), *_range(best), *_turned_back(best)]
+    found = [*_conditions(split), *_range(best), *_turned_back(best)]
     return [*found, *_fit(split, best, explained=bool(found))]
 
 
-def _wrong_direction(tables: Sequence[ImportedTable]) -> Iterator[str]:
-    """Loops in which the output leads its input, which no hysteresis does."""
+def wrong_direction(tables: Sequence[ImportedTable]) -> Iterator[str]:
+    """A sentence on loops in which the output leads its input, which no hysteresis does."""
     found = [w for t in tables for w in t.warnings if finding_kind(w) == _LEADS]
     if found:
         many = f" In {len(found)} of {len(tables)} runs." if len(tables) > 1 else ""

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 from smarig.core import spaced
 from smarig.record import Run
-from smarig.report import Html, display_unit, figure_name, number, to_uncertainty
+from smarig.report import Html, display_unit, figure_name, number, tag, to_uncertainty
 from smarig.report import table as html_table
 from smarig.study.study_result import StudyResult
 from smarig.transformation import RunFigures
@@ -56,11 +56,8 @@ def _slopes(result: StudyResult) -> Iterator[Row]:
     """Clausius–Clapeyron: the stress that moves A_s and M_s by 1 K."""
     for name, MPa_per_K, (low, high) in result.transformation.slopes if result.transformation else ():
         if name in ("A_s", "M_s") and low is not None and high is not None:
-            yield (
-                "1 K of " + figure_name(name),
-                f"{number(MPa_per_K)} MPa",
-                f"{number(low)} to {number(high)}",
-            )
+            label = tag("span", figure_name(name), " rises 1 K per")
+            yield label, f"{number(MPa_per_K)} MPa", f"{number(low)} to {number(high)}"
 
 
 def _value(value: float, unit: str, digits: int = 3) -> str:

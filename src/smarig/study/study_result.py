@@ -7,11 +7,14 @@ from typing import Any
 
 import numpy as np
 
+from smarig.core import capitalised
 from smarig.diagnosis import Diagnosis, MeasuredDiagnosis
 from smarig.identification import (
     FEWEST_PAIRS,
     GOOD_RATIO,
+    LARGE_PLACE,
     LITTLE_UNPREDICTED,
+    POOR_RATIO,
     ErrorLevel,
     RunVerification,
     level_against_curves,
@@ -22,11 +25,11 @@ from smarig.identification import (
 from smarig.record import load_run
 from smarig.study.candidate_models import Evaluation
 from smarig.study.data_split import DataSplit
-from smarig.study.error_reasons import error_reasons
+from smarig.study.error_reasons import error_reasons, wrong_direction
 from smarig.study.held_out_parts import BranchError, branch_errors, unpredicted_share, worst_place
 from smarig.study.imported_runs import ImportedTable
+from smarig.study.study_json import study_json
 from smarig.study.study_sentences import (
-    LARGE_ERROR,
     LEVEL_WORDS,
     branch_name,
     error_sentence,
@@ -39,6 +42,7 @@ from smarig.study.study_sentences import (
 from smarig.study.transformation_figures import Transformation
 from smarig.study.understanding import Understanding
 
+_EXCHANGED = "If input and output are exchanged, name them with --input and --output."
 GOOD, FAIR = str(ErrorLevel.GOOD), str(ErrorLevel.FAIR)
 
 
@@ -132,16 +136,22 @@ class StudyResult:
         """
         if self.evaluation is None:
             return ""
-        least = GOOD_RATIO * (self.noise or 0.0)
-        shares = [b.rms / self.span for b in self.branches[:1] if self.span and b.rms > least]
-        return str(level_of_parts(self._level_on_average, max(shares, default=0.0), self.unpredicted))
+        place = worst_place(self.branches)
+        branch_share = self._share(self.branches[0].rms) if self.branches else 0.0
+        place_share = self._share(place.worst) if place else 0.0
+        return str(level_of_parts(self._level_on_average, branch_share, place_share, self.unpredicted))
+
+    def _share(self, error: float) -> float:
+        """An error over the range of the output; 0 if it is that of noise."""
+        return error / self.span if self.span and error > POOR_RATIO * (self.noise or 0.0) else 0.0
 
     @property
     def reasons(self) -> list[str]:
         """What the data say about an error that is not good: sentences, the most certain first."""
         if self.evaluation is None or self.split is None or self.verdict == GOOD:
             return []
-        return [*self._where(), *error_reasons(self.split, self.evaluation.best, self.tables)]
+        explained = error_reasons(self.split, self.evaluation.best)
+        return [*wrong_direction(self.tables), *self._where(), *explained]
 
     def sentences(self) -> list[str]:
         """Three sentences: how good the model is, against what, and what to do now."""
@@ -161,7 +171,7 @@ class StudyResult:
 
     def hints(self) -> list[str]:
         """What would show more, one sentence each."""
-        found = []
+        found = [f"{capitalised(g.by_loop)}. {_EXCHANGED}" for g in self.understood.guesses[:1] if g.by_loop]
         timed = any(table.run.has("t_s") or table.run.settled for table in self.tables)
         if not timed and not self.understood.forc and self.evaluation is not None and self.verdict != GOOD:
             found.append(
@@ -185,7 +195,7 @@ class StudyResult:
             return LEVEL_WORDS[level]
         if level is ErrorLevel.POOR and self._level_on_average is not level and not self.unpredicted > 0.5:
             return f"{LEVEL_WORDS[level]} on {branch_name(self.branches[0], temperature=self._hot)}"
-        if level is ErrorLevel.FAIR and place.worst > LARGE_ERROR * self.span:
+        if level is ErrorLevel.FAIR and place.worst > LARGE_PLACE * self.span:
             return (
                 f"usable, except on {place_text(place, self.tables[0].run.input_unit, temperature=self._hot)}"
             )
@@ -216,51 +226,4 @@ class StudyResult:
 
     def to_json(self) -> dict[str, Any]:
         """The JSON object of the command line, which is also DIR/study.json."""
-        j = self.evaluation
-        return {
-            "name": self.name,
-            "out": str(self.folder),
-            "page": str(self.folder / "index.html"),
-            "files": [str(file) for file in self.files],
-            "verdict": self.verdict or None,
-            "sentences": self.sentences(),
-            "reasons": self.reasons,
-            "hints": self.hints(),
-            "questions": self.understood.questions,
-            "columns": {}
-            if self.mapping
-            else {table.title: _columns(g) for table, g in zip(self.tables, self.understood.guesses)},
-            "left_out": self.left_out | self.understood.left_out,
-            "split": self.split and {"kind": self.split.kind, "reason": self.split.reason},
-            "runs": [str(table.run.path) for table in self.tables],
-            "model": j and str(self.folder / "model.json"),
-            "unit": self.unit or None,
-            "held_out": j and {"rms": j.best.rms, "nrmse": self.nrmse, "noise_floor": self.noise},
-            "unpredicted_share": j and self.unpredicted,
-            "transformation": self.transformation and self.transformation.to_json(),
-            "models": j and {c.name: {"train_rms": c.train_rms, "held_out_rms": c.rms} for c in j.candidates},
-            "models_that_failed": (j and j.failed) or {},
-            "simple_curves": j and j.simple,
-            "diagnosis": self.diagnosis
-            and {"verdict": self.diagnosis.verdict.word, "text": self.diagnosis.text()},
-            "diagnosis_reason": self.diagnosis_reason or None,
-            "warnings": [w for table in self.tables for w in table.warnings],
-            "seconds": round(self.seconds, 2),
-            "key": self.key,
-        }
-
-
-def _columns(guess: Any) -> dict[str, Any]:
-    found = {}
-    for c in guess.columns:
-        role = guess.roles.get(c.name)
-        if role is not None:
-            found[c.name] = {
-                "role": role.role,
-                "quantity": c.quantity or None,
-                "unit": c.unit or None,
-                "reason": role.reason,
-                "unit_reason": c.unit_reason or None,
-                "confidence": round(min(role.confidence, c.unit_confidence or 1.0), 2),
-            }
-    return found
+        return study_json(self)

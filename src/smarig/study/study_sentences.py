@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 from smarig.core import spaced
 from smarig.diagnosis import Diagnosis, MeasuredDiagnosis
-from smarig.identification import BETTER, ErrorLevel, ratio_text
+from smarig.identification import BETTER, LITTLE_UNPREDICTED, ErrorLevel, ratio_text
 from smarig.report import display_unit, number
 from smarig.study.held_out_parts import BranchError
 
@@ -21,8 +21,6 @@ _VARIABLES = {  # what the errors go with, in the words of the lab
     "history": "the earlier history",
     "stress": "the stress",
 }
-LARGE_ERROR = 0.1  # of the range: a place with more is excepted from the verdict
-_LEAST_UNPREDICTED = 0.005  # of the points: less is not mentioned
 
 
 def measure(value: float, unit: str, digits: int = 3) -> str:
@@ -42,7 +40,7 @@ def error_sentence(
     fitted: bool,
 ) -> str:
     """How large the error is, and the verdict in words."""
-    part = "" if unpredicted < _LEAST_UNPREDICTED else f"{100 * (1 - unpredicted):.0f} % of "
+    part = "" if unpredicted < LITTLE_UNPREDICTED else f"{100 * (1 - unpredicted):.0f} % of "
     what = f"fits {part}the data" if fitted else f"predicts {part}the held-out data"
     ratio = f", {ratio_text(rms / noise)} × the noise of a reading" if noise else ""
     rest = ", and nothing of the rest" if part else ""
