@@ -23,7 +23,8 @@ class LoopRoles:
 
 def roles_by_loop(drive: ColumnGuess, out: ColumnGuess) -> LoopRoles | None:
     """The roles of two columns whose names say nothing, exchanged if their loop says so; None if a name counts."""
-    if not (drive.by_numbers and out.by_numbers):
+    alike = drive.quantity == out.quantity != ""  # two channels in V, for example
+    if not (drive.by_numbers and out.by_numbers) and not alike:
         return None
     vote = role_vote(drive.facts.values, out.facts.values)
     prior = _LIKE_TEMPERATURE * ((drive.quantity == q.TEMPERATURE) - (out.quantity == q.TEMPERATURE))
@@ -31,8 +32,10 @@ def roles_by_loop(drive: ColumnGuess, out: ColumnGuess) -> LoopRoles | None:
     if score == 0:
         return LoopRoles(drive, out, f"{_NO_NAMES}, and the loop does not tell input from output", UNSURE / 2)
     if score < 0:
-        drive, out = out.without_meaning() if prior >= 0 else out, drive.without_meaning()
-        out = _beside(out, drive)
+        drive, out = out, drive
+        if not alike:
+            drive = drive.without_meaning() if prior >= 0 else drive
+            out = _beside(out.without_meaning(), drive)
     reasons = [*vote.reasons] if vote.score * score > 0 else []
     reasons += ["it looks like a temperature"] if prior * score > 0 else []
     against = ", although its loop speaks against it" if vote.score * score < 0 else ""

@@ -116,7 +116,7 @@ def guess_table(
         and drive is not None
         and "temperature" not in [r.role for r in roles.values()]
     ):
-        rest = [c for c in left if c is not drive and not c.quantity]
+        rest = [c for c in left if c is not drive and c.quantity in ("", drive.quantity)]
         out = rest[0] if rest else None
     found = None
     if drive is not None and out is not None and input is None and output is None and not pairs:

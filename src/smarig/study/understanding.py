@@ -134,6 +134,13 @@ def _answered(
         raise UnsureError(
             f"{guess.table.path}: no column looks like an input. Name one with --input NAME.", guess
         )
+    if guess.first("output") is None and not guess.heating_only:
+        names = ", ".join(f"'{name}'" for name in guess.table.names[:12])
+        raise UnsureError(
+            f"{guess.table.path}: no column looks like an output (columns: {names}). Name input and output with "
+            "--input NAME --output NAME.",
+            guess,
+        )
     return guess, replace(options, **given, units=units), count
 
 
