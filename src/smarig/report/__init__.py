@@ -36,9 +36,11 @@ if TYPE_CHECKING:
     from smarig.report.components.page import page as page
     from smarig.report.components.page import write_library as write_library
     from smarig.report.components.page import write_page as write_page
+    from smarig.report.components.page_summary import found_page as found_page
     from smarig.report.components.run_description import display_unit as display_unit
     from smarig.report.components.run_description import input_title as input_title
     from smarig.report.components.run_description import output_title as output_title
+    from smarig.report.components.thumbnail import thumbnail as thumbnail
     from smarig.report.diagnosis_page import diagnosis_page as diagnosis_page
     from smarig.report.drawing import figures_saved_in as figures_saved_in
     from smarig.report.folder_report import INDEX_FILE as INDEX_FILE

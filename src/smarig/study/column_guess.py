@@ -145,10 +145,11 @@ def _by_numbers(guesses: list[ColumnGuess], files: Sequence[str]) -> list[Column
     for guess in [g for g in out if g in unknown]:
         loaded = any(g.quantity == q.STRESS for g in out)
         most = max(abs(guess.facts.low), abs(guess.facts.high))
-        if most < _STRAIN_MM or (loaded and most < _STRAIN_PERCENT):
+        hot = any(g.quantity == q.TEMPERATURE for g in out)
+        if (hot and most < _STRAIN_MM) or (loaded and most < _STRAIN_PERCENT):
             reason = "its range is that of a strain" + (" beside a stress" if loaded else "")
             out[out.index(guess)] = _found(guess, q.STRAIN, reason, 0.7)
-        elif any(g.quantity == q.TEMPERATURE for g in out) and not guess.facts.constant:
+        elif hot and not guess.facts.constant:
             out[out.index(guess)] = _found(guess, q.DISPLACEMENT, "what moves beside a temperature", 0.6)
     return out
 
