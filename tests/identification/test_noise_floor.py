@@ -44,3 +44,23 @@ def test_repeats_are_pooled_within_runs_never_across_encoder_zeros():
     a, b = made_run(LOOPS, read(y, "one", rng)), made_run(LOOPS, read(y, "one", rng) + 5.0)
     assert noise_floor([a, b]).value == pytest.approx(noise_floor(a).value, rel=0.1)
     assert noise_floor([a, b]).n_pairs == 2 * noise_floor(a).n_pairs
+
+
+def test_a_state_in_which_the_output_moved_by_itself_is_no_noise():
+    """Twelve loops run twice with noise of 0.01, and one reading that is 0.5 off, as by slip in the grips."""
+    rng = np.random.default_rng(3)
+    inputs = [0.0, *(u for k in range(24) for u in (100.0, 20.0 + 2 * (k % 12)))]
+    y = np.array(inputs) / 100 + rng.normal(0, 0.01, len(inputs))
+    quiet = noise_floor(made_run(inputs, y))
+    assert quiet.changed == 0
+    y[-1] += 0.5
+    found = noise_floor(made_run(inputs, y))
+    assert found.changed == 1
+    assert found.value == pytest.approx(quiet.value, rel=0.3)
+
+
+def test_a_spread_that_differs_everywhere_is_kept():
+    rng = np.random.default_rng(4)
+    y = Preisach.from_surface(thesis_surface("one_e")).simulate(LOOPS) + rng.standard_t(2, len(LOOPS)) * 0.01
+    found = noise_floor(made_run(LOOPS, y))
+    assert found.changed == 0

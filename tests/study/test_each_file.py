@@ -36,6 +36,7 @@ def test_a_page_each_and_one_that_compares_them(folder, tmp_path):
             assert f'href="{name}/index.html"' in page
             assert "smarig-figures.js" in (out / name / "index.html").read_text(encoding="utf-8")
     assert "notes.txt holds no table" in page
+    assert page.count("<svg") == 2, "a thumbnail of each loop"
     assert "README" not in page
 
 
@@ -68,3 +69,16 @@ def test_a_folder_on_the_command_line_in_two_processes(folder, tmp_path, capsys)
 def test_an_output_inside_the_data_is_refused(folder, capsys):
     assert cli(["study", str(folder), "-o", str(folder / "out")]) == 2
     assert "Give another folder" in capsys.readouterr().err
+
+
+def test_files_are_compared_in_the_order_in_which_people_count(tmp_path):
+    data = tmp_path / "data"
+    data.mkdir()
+    u = temperatures(1, 50)
+    for name in ("wire 10.csv", "wire 9.csv", "wire 1.csv"):
+        (data / name).write_text(csv_text(np.arange(u.size) * 0.5, u, displacements(u)), encoding="utf-8")
+    out = tmp_path / "out"
+    study_each([data], out, QUICK, workers=1)
+    page = (out / "index.html").read_text(encoding="utf-8")
+    places = [page.index(f'href="wire_{k}.csv/index.html"') for k in (1, 9, 10)]
+    assert places == sorted(places)

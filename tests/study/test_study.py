@@ -112,9 +112,19 @@ def test_a_guess_that_is_not_sure_ends_with_what_to_say(tmp_path, capsys):
     assert (tmp_path / "out" / "mapping.toml").is_file()
 
 
-def test_questions_are_asked_and_their_answers_count(tmp_path):
+UNITS = ["Unit of 'foo'", "Unit of 'bar'"]
+ROLES = ["Which column is the input", "Which column is the output"]
+
+
+@pytest.mark.parametrize(("loop", "asked"), [(True, UNITS), (False, [*ROLES, *UNITS])], ids=["loop", "line"])
+def test_questions_are_asked_and_their_answers_count(tmp_path, loop, asked):
+    """A loop says which column is its input; a line does not."""
     u = temperatures(2, 60) * 1e3
-    x = displacements(u / 1e3) * 1e4
+    x = (
+        displacements(u / 1e3) * 1e4
+        if loop
+        else 0.3 * u + 1e3 + np.random.default_rng(0).normal(0, 50, u.size)
+    )
     path = tmp_path / "a.csv"
     path.write_text("foo,bar\n" + "\n".join(f"{a},{b}" for a, b in zip(u, x)), encoding="utf-8")
     answers = {"Which column is the input": "foo", "Which column is the output": "bar"}
@@ -125,13 +135,8 @@ def test_questions_are_asked_and_their_answers_count(tmp_path):
         return answers.get(question, "mK" if "foo" in question else "um")
 
     result = study([path], tmp_path / "out", QUICK, ask=ask)
-    assert count == [
-        "Which column is the input",
-        "Which column is the output",
-        "Unit of 'foo'",
-        "Unit of 'bar'",
-    ]
-    assert result.understood.questions == 4
+    assert count == asked
+    assert result.understood.questions == len(asked)
     assert result.tables[0].run.input_unit == "degC"
 
 

@@ -1,5 +1,6 @@
 """Finds the tables in a data file of any format that is known."""
 
+import re
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -10,7 +11,9 @@ from smarig.exchange.importing import LARGEST_BYTES
 from smarig.exchange.refused_files import check_data_file
 
 _HEAD = 4096  # bytes
-_FORC_WORDS = (b"first-order reversal curves", b"micromag", b"direct moment vs. field; first")
+_FORC_WORDS = re.compile(
+    rb"first[- ]order reversal|direct moment vs\. field; first|\bforcs?\b", re.IGNORECASE
+)
 
 
 def find_tables(path: Path, others: Sequence[Path] = ()) -> list[FoundTable]:
@@ -42,7 +45,7 @@ def find_tables(path: Path, others: Sequence[Path] = ()) -> list[FoundTable]:
         from smarig.exchange.mat_tables import mat_tables
 
         return mat_tables(path, others)
-    if any(word in head[:400].lower() for word in _FORC_WORDS):
+    if _FORC_WORDS.search(head[:400]):
         return [_forc(path)]
     from smarig.exchange.text_dialect import text_tables
 

@@ -8,7 +8,7 @@ beyond ``MAX_BYTES`` in memory. Other versions, texts, cells, structures, object
 import math
 import struct
 import zlib
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
@@ -28,6 +28,7 @@ _NUMBERS = {1: "i1", 2: "u1", 3: "i2", 4: "u2", 5: "i4", 6: "u4", 7: "f4", 9: "f
 _NUMERIC = {6: "double", 7: "single", 8: "int8", 9: "uint8", 10: "int16", 11: "uint16"}
 _NUMERIC |= {12: "int32", 13: "uint32", 14: "int64", 15: "uint64"}
 _OTHER = {1: "cell", 2: "struct", 3: "object", 4: "char", 5: "sparse", 16: "function", 17: "opaque"}
+_DEEPEST = 8  # structs within each other
 _COMPLEX, _LOGICAL = 0x800, 0x200
 _DAMAGE = (struct.error, zlib.error, ValueError, KeyError)  # raised by damaged bytes
 
@@ -85,6 +86,7 @@ def open_mat(path: Path) -> MatFile:
                 raise DataError(f"{path} holds the variable '{name}' more than once. Save the file again.")
             if name:  # variables without a name belong to MATLAB itself
                 variables[name] = variable
+                variables |= _fields(name, variable)
     except _DAMAGE:
         raise _damaged(path) from None
     if not variables:
@@ -185,6 +187,27 @@ def _variable(element: memoryview, order: str) -> tuple[str, Variable]:
     return bytes(name).decode("ascii"), Variable(shape, kind, order, rest)
 
 
+def _fields(name: str, variable: Variable, depth: int = 0) -> dict[str, Variable]:
+    """The fields of a single struct, and of structs in it, by names such as data/time."""
+    if variable.kind != "struct" or math.prod(variable.shape) != 1 or depth == _DEEPEST:
+        return {}
+    order = variable.order
+    _, size, rest = _element(variable.elements, order)
+    (length,) = struct.unpack(f"{order}i", size)
+    _, names, rest = _element(rest, order)
+    found: dict[str, Variable] = {}
+    for k in range(0, len(names), max(length, 1)):
+        field = bytes(names[k : k + length]).split(b"\0")[0].decode("ascii")
+        kind, payload, rest = _element(rest, order)
+        if kind != _MATRIX:
+            raise ValueError("not a variable")
+        if payload:
+            own = f"{name}/{field}"
+            found[own] = _variable(payload, order)[1]
+            found |= _fields(own, found[own], depth + 1)
+    return found
+
+
 def _values(variable: Variable) -> NDArray[np.float64]:
     """The numbers, column by column in the file; MATLAB stores integers in the smallest type that fits."""
     kind, payload, _ = _element(variable.elements, variable.order)
@@ -210,7 +233,7 @@ def read_mat_table(path: Path, mapping: MappingFile, layout: MatLayout) -> Table
     """
     files = [open_mat(file) for file in file_set(path, layout.files)]
     file_of = _files_by_variable(files)
-    require_columns(mapping, list(file_of), path, "variable")
+    require_columns(mapping, _to_be_mapped(list(file_of), list(mapping.used())), path, "variable")
     matrices = {name: _loops(file_of[name], name, layout) for name in mapping.used()}
     for (a, x), (b, y) in pairwise(matrices.items()):
         if x.shape != y.shape:
@@ -253,6 +276,16 @@ def file_set(path: Path, patterns: tuple[str, ...]) -> list[Path]:
             )
         return files
     raise UsageError(f"The mapping reads files named {' and '.join(patterns)}; {path} is none of them.")
+
+
+def _to_be_mapped(names: Sequence[str], used: Sequence[str]) -> list[str]:
+    """The variables that a mapping must name: fields of structs only where it uses them, and then not the structs.
+
+    >>> _to_be_mapped(["data", "data/t", "data/fs", "x"], ["data/t"])
+    ['data/t', 'x']
+    """
+    structs = {name.split("/")[0] for name in used if "/" in name}
+    return [name for name in names if name in used or ("/" not in name and name not in structs)]
 
 
 def _files_by_variable(files: list[MatFile]) -> dict[str, MatFile]:

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from smarig.core import DataError
-from smarig.exchange.found_table import FoundColumn, FoundTable
+from smarig.exchange.found_table import TEXT, FoundColumn, FoundTable
 from smarig.exchange.mat_file import MatFile, open_mat
 
 
@@ -21,11 +21,19 @@ def mat_tables(path: Path, others: Sequence[Path] = ()) -> list[FoundTable]:
     best = max(sizes.values(), key=len, default=[])
     if len(best) >= 2:
         columns = tuple(FoundColumn(name, "", _values(file, name)) for name in best)
+        nothing = np.full(columns[0].values.size, np.nan)
+        columns += tuple(FoundColumn(name, "", nothing, TEXT) for name in _others(file, best))
         return [FoundTable(path, "mat", "", columns, {"mat": _loops(file, best[0])}, {})]
     for other in [p for p in (*others, *sorted(path.parent.glob("*.mat"))[:200]) if p != path]:
         if (found := _together(file, best, other)) is not None:
             return [found]
     raise DataError(f"{path} holds no two variables of one size. Give a file with an input and an output.")
+
+
+def _others(file: MatFile, used: Sequence[str]) -> list[str]:
+    """Variables that are in no table and that no used struct contains: a mapping must name them."""
+    structs = {name.split("/")[0] for name in used if "/" in name}
+    return [name for name in file.variables if name not in used and name not in structs and "/" not in name]
 
 
 def _together(file: MatFile, names: Sequence[str], other: Path) -> FoundTable | None:

@@ -97,18 +97,28 @@ def _joined(
 def _block(
     rows: Sequence[Sequence[str]], kinds: Sequence[str], first: int, stop: int, style: NumberStyle
 ) -> FoundBlock | None:
+    original = rows
     data = [row for k, row in enumerate(rows[first:stop], first) if kinds[k] == "data"]
     width = Counter(len(row) for row in data).most_common(1)[0][0] if data else 0
     width = max([width, *(len(row) for row in data)])
     if len(data) < FEWEST_ROWS or width < 2:
         return None
+    above = {k: _in_columns(rows[k], width) for k in range(max(first - 2 - _HEADER_ROWS, 0), first)}
+    rows = [above.get(k, row) for k, row in enumerate(rows)]
     header, unit_row = _header_rows(rows, kinds, first, width)
     written = list(rows[header]) if header is not None else []
     names, own = _names(written, width)
+    own = own or (header is not None and above[header] is not original[header])
     units = [_unbracketed(cell) for cell in (rows[unit_row] if unit_row is not None else [])]
     units += [""] * (len(names) - len(units))
     columns = tuple(_column_kind([row[k] for row in data if k < len(row)], style) for k in range(len(names)))
     return FoundBlock(header, first, stop, names, tuple(units[: len(names)]), columns, own)
+
+
+def _in_columns(row: Sequence[str], width: int) -> Sequence[str]:
+    """The cells of a header that blanks align over columns which another sign divides; any other row unchanged."""
+    cells = re.split(r"\s{2,}", row[0].strip()) if len(row) == 1 else []
+    return cells if len(cells) == width else row
 
 
 def _header_rows(

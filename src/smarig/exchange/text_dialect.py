@@ -20,6 +20,7 @@ from smarig.exchange.text_table import (
     read_text,
     split,
 )
+from smarig.exchange.written_units import known_unit
 
 _SAMPLE = 250  # lines at the beginning, and as many from the rest, by which the dialect is chosen
 _MOST_LINES = 40_000  # a longer file counts as one table after its first lines
@@ -59,8 +60,17 @@ def text_tables(path: Path) -> list[FoundTable]:
             f"{path} holds no table: it has no {FEWEST_ROWS} lines of at least two numbers. "
             "Give a file of measured columns."
         )
-    found = [_table(path, lines, dialect, block, blocks) for block in blocks]
-    return [table for table in found if table is not None]
+    found, refused = [], None
+    for block in blocks:
+        try:
+            table = _table(path, lines, dialect, block, blocks)
+        except DataError as error:  # a list of segments, for example, before the readings
+            refused = refused or error
+            continue
+        found += [table] if table is not None else []
+    if refused is not None and not found:
+        raise refused
+    return found
 
 
 def _chosen(lines: Sequence[str]) -> _Dialect | None:
@@ -130,10 +140,19 @@ def _table(
         path=path,
         format="csv",
         name=f"table {number}" if len(blocks) > 1 else "",
-        columns=found_columns(table, dict(zip(block.names, block.units)), kinds),
+        columns=found_columns(table, _units(block, dialect.rows(lines[: block.first])), kinds),
         layout={"file": entries},
         header=preamble_keys([line.strip("# ") for line in before if line.strip()]),
     )
+
+
+def _units(block: FoundBlock, before: Sequence[Sequence[str]]) -> dict[str, str]:
+    """The units of the columns: from the row of units, else from a line such as "Vertical Units,V,V" before it."""
+    units = list(block.units)
+    for row in before if not any(units) else ():
+        if row and "unit" in row[0].lower() and len(row) <= len(units):
+            units = [old or known_unit(cell) for old, cell in zip(units, ["", *row[1:], *[""] * len(units)])]
+    return dict(zip(block.names, units))
 
 
 def _entries(
@@ -148,6 +167,8 @@ def _entries(
     if block.header is None:
         return entries | {"names": list(block.names)} if block is blocks[0] else None
     if len(blocks) > 1:
+        if block is blocks[-1] and any(not lines[k].strip() for k in range(block.first, block.stop)):
+            return entries | _at_line(block)  # segments with blank lines between them, up to the end
         if block.own_names:
             return None if block is not blocks[0] else entries | _at_line(block)
         start = lines[block.header][:_LONGEST_START]

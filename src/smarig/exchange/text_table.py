@@ -14,11 +14,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from smarig.core import DataError, UsageError, shown
-from smarig.exchange.cell_values import clock_column, is_number, number_column
+from smarig.exchange.cell_values import clock_column, is_missing, is_number, number_column
 
 MAX_BYTES = 500_000_000
 MAX_COLUMNS = 10_000
 MAX_LINE = 1_000_000  # characters: 10 000 columns of 100
+_FEWEST = 2  # rows of a table
 HEADER_WITHIN = 200  # lines searched for the header
 DELIMITERS = {"tab": "\t", "semicolon": ";", "comma": ",", "space": None}
 
@@ -322,7 +323,20 @@ def cells(
             )
         rows.append(row + [""] * missing)
         where.append(k + 1)
+    while len(rows) > _FEWEST and len(names) > 1 and _is_footer(rows[-1]):
+        rows.pop()
+        where.pop()
     return rows, where
+
+
+def _is_footer(row: Sequence[str]) -> bool:
+    """Whether a last line is a sentence, such as "Data file ends", and no reading."""
+    return (
+        bool(row[0])
+        and not any(row[1:])
+        and not any(is_number(row[0], d) for d in ".,")
+        and not is_missing(row[0])
+    )
 
 
 def _key(line: str) -> tuple[str, str]:

@@ -15,10 +15,14 @@ if TYPE_CHECKING:
     from smarig.identification.density_report import density_report as density_report
     from smarig.identification.error_verdict import BETTER as BETTER
     from smarig.identification.error_verdict import GOOD_RATIO as GOOD_RATIO
+    from smarig.identification.error_verdict import LARGE_PLACE as LARGE_PLACE
+    from smarig.identification.error_verdict import LITTLE_UNPREDICTED as LITTLE_UNPREDICTED
+    from smarig.identification.error_verdict import POOR_RATIO as POOR_RATIO
     from smarig.identification.error_verdict import ErrorLevel as ErrorLevel
     from smarig.identification.error_verdict import ErrorVerdict as ErrorVerdict
     from smarig.identification.error_verdict import error_verdict as error_verdict
     from smarig.identification.error_verdict import level_against_curves as level_against_curves
+    from smarig.identification.error_verdict import level_of_parts as level_of_parts
     from smarig.identification.error_verdict import ratio_text as ratio_text
     from smarig.identification.extended.choose_extension import ExtensionChoice as ExtensionChoice
     from smarig.identification.extended.extension_names import extension_names as extension_names
@@ -56,6 +60,7 @@ if TYPE_CHECKING:
     from smarig.identification.measured.reading_plan import reading_plan as reading_plan
     from smarig.identification.measured.reading_weights import local_slope as local_slope
     from smarig.identification.measured.reading_weights import reading_weights as reading_weights
+    from smarig.identification.noise_floor import FEWEST_PAIRS as FEWEST_PAIRS
     from smarig.identification.noise_floor import noise_floor as noise_floor
     from smarig.identification.positive.adapted_partition import SAME_LEVEL as SAME_LEVEL
     from smarig.identification.positive.adapted_partition import adapted_nodes as adapted_nodes
@@ -65,6 +70,7 @@ if TYPE_CHECKING:
     from smarig.identification.positive.positive_fit import fit_table as fit_table
     from smarig.identification.positive.triangle import Triangle as Triangle
     from smarig.identification.rows_used import RowsUsed as RowsUsed
+    from smarig.identification.rows_used import without_dropouts as without_dropouts
     from smarig.identification.run_passivity import passivity_of_run as passivity_of_run
     from smarig.identification.sensing.fit_sensing import identify_sensing as identify_sensing
     from smarig.identification.sensing.sensing_errors import SensingErrors as SensingErrors

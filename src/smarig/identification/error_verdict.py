@@ -12,6 +12,9 @@ _SMALL_SHARE = 0.005  # of the travel: an error that does not matter, whatever t
 _SMALL_UNKNOWN = 0.03  # the same, where the noise is not known
 _LARGE_SHARE = 0.15  # of the travel: poor, even if every simple curve is worse
 
+LARGE_PLACE = 0.1  # of the travel: an error that a reader must see, wherever it is
+LITTLE_UNPREDICTED, _MOSTLY_UNPREDICTED = 0.05, 0.5  # of the data: where a model has no prediction
+
 
 class ErrorLevel(StrEnum):
     """What an error says about a model."""
@@ -87,6 +90,25 @@ def level_against_curves(
         small = _SMALL_SHARE if floor else _SMALL_UNKNOWN
         return ErrorLevel.GOOD if share <= small else ErrorLevel.FAIR
     return ErrorLevel.FAIR if level is ErrorLevel.UNKNOWN else level
+
+
+def level_of_parts(
+    level: ErrorLevel, worst_branch: float, worst_place: float, unpredicted: float
+) -> ErrorLevel:
+    """The level of an error, lowered where the average hides a part of the data.
+
+    ``worst_branch`` and ``worst_place``: the rms errors of one whole branch, and of a part of a branch, over the range
+    of the output. ``unpredicted``: the share of the data for which the model has no prediction.
+
+    >>> str(level_of_parts(ErrorLevel.FAIR, 0.2, 0.2, 0.0)), str(level_of_parts(ErrorLevel.GOOD, 0.01, 0.02, 0.3))
+    ('poor', 'fair')
+    """
+    if worst_branch > _LARGE_SHARE or unpredicted > _MOSTLY_UNPREDICTED:
+        return ErrorLevel.POOR
+    hidden = worst_branch > POOR_SHARE or worst_place > LARGE_PLACE or unpredicted > LITTLE_UNPREDICTED
+    if level is ErrorLevel.GOOD and hidden:
+        return ErrorLevel.FAIR
+    return level
 
 
 def ratio_text(ratio: float) -> str:

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from smarig.identification.changed_states import unchanged
 from smarig.identification.repeatability import (
     STEADY,
     PooledRepeats,
@@ -35,7 +36,8 @@ class NoiseFloor:
 
     ``n_pairs`` are the degrees of freedom. ``source`` is the kind of repeats: "repeats" inside the loop,
     "saturation" if only the ends of the range were visited again, "windows" if the scatter of samples within the
-    settling windows is used instead, or "none". ``repeatability`` is what the repeats show besides noise.
+    settling windows is used instead, or "none". ``repeatability`` is what the repeats show besides noise; ``changed``
+    is the number of repeated states that were left out because the output changed there by far more than in the others.
     """
 
     value: float | None
@@ -43,6 +45,7 @@ class NoiseFloor:
     unit: str
     source: str
     repeatability: Repeatability = STEADY
+    changed: int = 0
 
     @property
     def warnings(self) -> tuple[str, ...]:
@@ -70,15 +73,19 @@ def noise_floor(runs: Run | Iterable[Run]) -> NoiseFloor:
     """
     runs = [runs] if isinstance(runs, Run) else list(runs)
     unit = runs[0].unit if runs else ""
-    inside, ends = _RepeatsOfRuns(), _RepeatsOfRuns()
+    of_runs, ends = [], _RepeatsOfRuns()
     for run in runs:
         if not run.points()[0].size:
             continue
         lower, upper, (history,) = memory_histories([run])
         found = list(_repeats(history, _cycles(run, history), lower, upper))
         travel = float(np.ptp(history.outputs))
-        inside.add([repeats for at_end, repeats in found if not at_end], travel)
+        of_runs.append((travel, [repeats for at_end, repeats in found if not at_end]))
         ends.add([repeats for at_end, repeats in found if at_end], travel)
+    kept, changed = unchanged([repeats for _, repeats in of_runs])
+    inside = _RepeatsOfRuns(changed)
+    for (travel, _), repeats in zip(of_runs, kept):
+        inside.add(repeats, travel)
     windows = _of_windows(runs)
     readings = windows[0] if windows else None
     if inside.visited_again >= FEWEST_PAIRS:
@@ -130,7 +137,8 @@ def _repeats(
 class _RepeatsOfRuns:
     """Repeats of several runs, each with a trend of its own."""
 
-    def __init__(self) -> None:
+    def __init__(self, changed: int = 0) -> None:
+        self._changed = changed  # states that were left out
         self._of_runs: list[tuple[PooledRepeats, float]] = []
         self.visited_again = 0
 
@@ -151,4 +159,4 @@ class _RepeatsOfRuns:
         ]
         largest = max(drifts, key=abs, default=None)
         over = excess_over_readings(sd, freedom, readings)
-        return NoiseFloor(sd, freedom, unit, source, Repeatability(largest, over))
+        return NoiseFloor(sd, freedom, unit, source, Repeatability(largest, over), self._changed)

@@ -14,7 +14,7 @@ Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 REVERSAL_MARGIN = 1.2  # times the range that noise of this size has over all rows
 DROPOUT_STEPS = 3.0  # times the usual step from row to row
-DROPOUT_SHARE = 0.02  # of the input's range
+DROPOUT_SHARE = 0.005  # of the input's range: a smaller jump is none that a memory would keep
 REVERSAL_SHARE = 0.01  # of the input's range: a smaller reversal is noise, too
 
 

@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from smarig.report.closed_loop.loop_result import closed_loop_result as closed_loop_result
     from smarig.report.closed_loop.loop_result import is_closed_loop as is_closed_loop
     from smarig.report.components import style as style
+    from smarig.report.components.beside import beside as beside
     from smarig.report.components.comparison_labels import distinct_names as distinct_names
     from smarig.report.components.decimate import path as path
     from smarig.report.components.figure import Figure as Figure
@@ -29,14 +30,17 @@ if TYPE_CHECKING:
     from smarig.report.components.html import table as table
     from smarig.report.components.html import tag as tag
     from smarig.report.components.numbers import number as number
+    from smarig.report.components.numbers import to_uncertainty as to_uncertainty
     from smarig.report.components.page import LIBRARY as LIBRARY
     from smarig.report.components.page import Section as Section
     from smarig.report.components.page import page as page
     from smarig.report.components.page import write_library as write_library
     from smarig.report.components.page import write_page as write_page
+    from smarig.report.components.page_summary import found_page as found_page
     from smarig.report.components.run_description import display_unit as display_unit
     from smarig.report.components.run_description import input_title as input_title
     from smarig.report.components.run_description import output_title as output_title
+    from smarig.report.components.thumbnail import thumbnail as thumbnail
     from smarig.report.diagnosis_page import diagnosis_page as diagnosis_page
     from smarig.report.drawing import figures_saved_in as figures_saved_in
     from smarig.report.folder_report import INDEX_FILE as INDEX_FILE
@@ -56,6 +60,10 @@ if TYPE_CHECKING:
     from smarig.report.runs.derived_quantities import derived_quantities as derived_quantities
     from smarig.report.runs.run_summary import summary_with_loop as summary_with_loop
     from smarig.report.summary_page import summary_page as summary_page
+    from smarig.report.transformation.transformation_tables import figure_name as figure_name
+    from smarig.report.transformation.transformation_tables import figures_table as figures_table
+    from smarig.report.transformation.transformation_tables import stress_table as stress_table
+    from smarig.report.transformation.trend_figures import stress_figure as stress_figure
     from smarig.report.transformation_page import transformation_page as transformation_page
 else:
     __getattr__, __dir__, __all__ = lazy_exports(__name__)

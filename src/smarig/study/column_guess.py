@@ -11,9 +11,11 @@ from smarig.study import quantity_words as q
 from smarig.study.column_facts import ColumnFacts, column_facts
 
 STATED, LIKELY, WEAK, NONE = 0.95, 0.75, 0.5, 0.2  # confidences
+_STATED_BY = ("its name", "its unit", "clock")  # how the reasons of stated quantities begin
 UNSURE = 0.5  # a role or unit that is less sure needs an answer
 _STRAIN_MM = 0.1  # larger strains are not in mm/mm
 _STRAIN_PERCENT = 15.0
+_SYMMETRIC = 0.05  # of the range: a middle closer to 0
 _KELVIN_ABOVE = 200.0  # a temperature that never falls below is in K
 _IN_NAME = re.compile(r"(?<![\d.])(-?\d+(?:[.,]\d+)?)\s*_?(MPa|N|degC|°C|C|Hz)(?![A-Za-z])")
 
@@ -36,6 +38,23 @@ class ColumnGuess:
     def name(self) -> str:
         """The name of the column in the file."""
         return self.facts.name
+
+    @property
+    def by_numbers(self) -> bool:
+        """Whether neither its name nor its unit says what the column is."""
+        return not self.quantity_reason.startswith(_STATED_BY)
+
+    def without_meaning(self) -> "ColumnGuess":
+        """The guess without the quantity and unit that its numbers alone suggested."""
+        return replace(
+            self,
+            quantity="",
+            quantity_reason="",
+            quantity_confidence=0.0,
+            unit="",
+            unit_reason="",
+            unit_confidence=0.0,
+        )
 
     def corrected(self, unit: str) -> "ColumnGuess":
         """The guess with a unit that the user gave."""
@@ -126,10 +145,11 @@ def _by_numbers(guesses: list[ColumnGuess], files: Sequence[str]) -> list[Column
     for guess in [g for g in out if g in unknown]:
         loaded = any(g.quantity == q.STRESS for g in out)
         most = max(abs(guess.facts.low), abs(guess.facts.high))
-        if most < _STRAIN_MM or (loaded and most < _STRAIN_PERCENT):
+        hot = any(g.quantity == q.TEMPERATURE for g in out)
+        if (hot and most < _STRAIN_MM) or (loaded and most < _STRAIN_PERCENT):
             reason = "its range is that of a strain" + (" beside a stress" if loaded else "")
             out[out.index(guess)] = _found(guess, q.STRAIN, reason, 0.7)
-        elif any(g.quantity == q.TEMPERATURE for g in out) and not guess.facts.constant:
+        elif hot and not guess.facts.constant:
             out[out.index(guess)] = _found(guess, q.DISPLACEMENT, "what moves beside a temperature", 0.6)
     return out
 
@@ -142,7 +162,11 @@ def _near(a: ColumnFacts, b: ColumnFacts) -> bool:
 
 
 def _like_temperature(f: ColumnFacts) -> bool:
-    """Whether numbers may be temperatures of a wire in °C: they pass 15 and begin between −60 and 200."""
+    """Whether numbers may be temperatures of a wire in °C: they pass 15, begin between −60 and 200, and are not
+    symmetric about 0 as fields and voltages are.
+    """
+    if abs(f.low + f.high) < _SYMMETRIC * f.span:
+        return False
     return not f.constant and f.span > 15 and f.low > -200 and 15 < f.high < 800 and -60 < f.known[0] < 200
 
 

@@ -8,16 +8,16 @@ from pathlib import Path
 import numpy as np
 
 from smarig.core import UsageError
-from smarig.measurement import dropouts, reversals
+from smarig.measurement import dropouts
 from smarig.record import CONTINUED, FORC_PROTOCOL, Run, load_run, write_run
 from smarig.replay import recorded_conditions
 from smarig.study.imported_runs import ImportedTable
+from smarig.study.input_turns import wide_turns
 from smarig.study.study_options import Split
 
 LOAD = "stress"
 _TRAIN_SHARE = 0.6  # of the branches, for a split in time
 _FEWEST_BRANCHES = 4
-_LEAST_TRAVEL = 0.1  # of the range of the input: shorter branches do not count
 _HELD_SHARE = 3  # one of so many runs is held out
 _EVEN, _ODD = "curve%2==0", "curve%2==1"
 
@@ -144,20 +144,7 @@ def _turns(run: Run) -> np.ndarray:
         return np.zeros(1, dtype=int)
     known = np.flatnonzero(np.isfinite(run["input"]) & np.isfinite(run["position"]))
     known = known[~dropouts(run["input"][known])]  # each would look like two branches
-    return known[_wide_turns(run["input"][known])] if known.size > 3 else np.zeros(1, dtype=int)
-
-
-def _wide_turns(u: np.ndarray) -> np.ndarray:
-    """Reversals, with both ends, between which the input travels a tenth of its range or more: noise turns it too."""
-    turns = reversals(u)
-    kept = [int(turns[0])]
-    for turn in turns[1:]:
-        if len(kept) > 1 and (u[turn] - u[kept[-1]]) * (u[kept[-1]] - u[kept[-2]]) >= 0:
-            kept[-1] = int(turn)  # the branch goes on
-        elif abs(u[turn] - u[kept[-1]]) >= _LEAST_TRAVEL * np.ptp(u):
-            kept.append(int(turn))
-    kept[-1] = u.size - 1
-    return np.array(kept)
+    return known[wide_turns(run["input"][known])] if known.size > 3 else np.zeros(1, dtype=int)
 
 
 def _loops(run: Run) -> int:

@@ -8,6 +8,7 @@ from typing import Any
 
 from smarig.core import SmarigError, UsageError, atomic_file
 from smarig.report import LIBRARY, write_library
+from smarig.study.natural_order import natural_key
 from smarig.study.parallel import completed
 from smarig.study.studies_page import studies_page
 from smarig.study.study import STUDY_JSON, STUDY_PAGE, plain, study
@@ -39,7 +40,8 @@ def files_of(places: Sequence[Path]) -> list[Path]:
     found: list[Path] = []
     for place in places:
         if place.is_dir():
-            found += [p for p in sorted(place.rglob("*")) if p.is_file() and _may_hold_data(p, place)]
+            inside = sorted(place.rglob("*"), key=lambda p: natural_key(str(p.relative_to(place))))
+            found += [p for p in inside if p.is_file() and _may_hold_data(p, place)]
         elif place.is_file():
             found.append(place)
         else:

@@ -6,12 +6,14 @@ from itertools import pairwise
 import numpy as np
 
 from smarig.core import spaced
+from smarig.exchange import finding_kind
 from smarig.identification import RunVerification
 from smarig.measurement import reversals
 from smarig.record import Run
 from smarig.replay import recorded_conditions
 from smarig.study.candidate_models import CandidateModel
 from smarig.study.data_split import LOAD, DataSplit
+from smarig.study.imported_runs import ImportedTable
 
 _SAME_SHARE = 0.05  # conditions that differ less count as equal
 _BEYOND_SHARE = 0.05  # of the fitted range: inputs further outside are new to the model
@@ -21,6 +23,7 @@ _LOADS_NEEDED = 3
 _BACK_SHARE = 0.08  # of the output's range
 _WIDE_BRANCH = 0.5  # of the input's range
 _FEWEST_ROWS, _PARTS = 60, 20  # of a branch
+_LEADS = "output leads its input"
 
 
 def error_reasons(split: DataSplit, best: CandidateModel) -> list[str]:
@@ -31,6 +34,14 @@ def error_reasons(split: DataSplit, best: CandidateModel) -> list[str]:
     """
     found = [*_conditions(split), *_range(best), *_turned_back(best), *_repeats(best)]
     return [*found, *_fit(split, best, explained=bool(found))]
+
+
+def wrong_direction(tables: Sequence[ImportedTable]) -> Iterator[str]:
+    """A sentence on loops in which the output leads its input, which no hysteresis does."""
+    found = [w for t in tables for w in t.warnings if finding_kind(w) == _LEADS]
+    if found:
+        many = f" In {len(found)} of {len(tables)} runs." if len(tables) > 1 else ""
+        yield f"{found[0]}{many}"
 
 
 def _conditions(split: DataSplit) -> Iterator[str]:
@@ -91,7 +102,11 @@ def _extent(runs: Sequence[RunVerification]) -> tuple[float, float]:
 
 def _turned_back(best: CandidateModel) -> Iterator[str]:
     """An output that moves both ways while the input moves one way, which no positive measure gives."""
-    most = max((_back(r) for r in (*best.train, *best.held_out)), default=0.0)
+    runs = (*best.train, *best.held_out)
+    span = (
+        float(np.ptp(np.concatenate([r.measured for r in runs]))) if runs else 0.0
+    )  # a small loop of a family is small
+    most = max((_back(r, span) for r in runs), default=0.0)
     if most > _BACK_SHARE:
         yield (
             f"While the input goes one way, the output goes back by {100 * most:.2g} % of its range. No hysteresis "
@@ -100,8 +115,8 @@ def _turned_back(best: CandidateModel) -> Iterator[str]:
         )
 
 
-def _back(run: RunVerification) -> float:
-    """The largest travel of the output against its net direction on a wide branch, as a share of its range."""
+def _back(run: RunVerification, span: float) -> float:
+    """The largest travel of the output against its net direction on a wide branch, as a share of ``span``."""
     known = np.isfinite(run.input) & np.isfinite(run.measured)
     u, y = run.input[known], run.measured[known]
     if u.size < _FEWEST_ROWS or not np.ptp(y):
@@ -113,7 +128,7 @@ def _back(run: RunVerification) -> float:
         bins = np.array([np.median(part) for part in np.array_split(y[a : b + 1], _PARTS)])  # free of noise
         way = np.sign(bins[-1] - bins[0])
         most = max(most, float(np.max(np.maximum.accumulate(way * bins) - way * bins)))
-    return most / float(np.ptp(y))
+    return most / span
 
 
 def _repeats(best: CandidateModel) -> Iterator[str]:

@@ -54,7 +54,7 @@ def output_column(left: Sequence[ColumnGuess], named: str | None, not_this: str 
         if quantity == q.STRESS and any(c.quantity == q.FORCE for c in able) and not hot:
             continue
         if found:
-            return max(found, key=lambda c: (c.unit_confidence > UNSURE, -able.index(c)))
+            return max(found, key=lambda c: (not c.by_numbers, c.unit_confidence > UNSURE, -able.index(c)))
     return None
 
 

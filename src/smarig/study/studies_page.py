@@ -1,73 +1,154 @@
-"""The page that compares the studies of many files."""
+"""The page that compares the studies of many files: their loops, and a table that can be sorted."""
 
 from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from smarig.report import Html, Section, bullets, cards, display_unit, number, page, paragraph, tag
-from smarig.report import table as html_table
+from smarig.report import (
+    Html,
+    Section,
+    bullets,
+    cards,
+    display_unit,
+    found_page,
+    number,
+    page,
+    paragraph,
+    tag,
+    thumbnail,
+)
+from smarig.study.natural_order import natural_key
 
 if TYPE_CHECKING:
     from smarig.study.each_file import FileOutcome
 
-_ORDER = {"poor": 0, "fair": 1, "good": 2, None: 3}
+_LEVELS = {"poor": "bad", "fair": "warning", "good": "good"}
+_RANK = {"poor": 0, "fair": 1, "good": 2}
+_MOST_NAMED = 6
+_COLUMNS = (
+    "File",
+    "Verdict",
+    "rms",
+    "Unit",
+    "% of range",
+    "× noise",
+    "Best simple curve",
+    "Held out",
+    "Diagnosis",
+)
 
 
 def studies_page(outcomes: "Sequence[FileOutcome]", name: str) -> str:
-    """The HTML page: how many models are good, a row for each file (the worst first), and the files that failed."""
-    done = [o for o in outcomes if o.found is not None]
+    """The HTML page: how many models are good, the loop and a row of each file, and the files that failed."""
+    done = sorted((o for o in outcomes if o.found), key=lambda o: natural_key(Path(o.folder).name))
     failed = [o for o in outcomes if o.found is None]
     verdicts = Counter(o.found["verdict"] for o in done if o.found)
     items = [(word.capitalize(), str(verdicts[word]), "models") for word in ("good", "fair", "poor")]
-    items += [("Without an output", str(verdicts[None]), "files"), ("Failed", str(len(failed)), "files")]
-    rows = [_row(o.found, Path(o.folder).name) for o in sorted(done, key=_rank) if o.found]
-    head = (
-        "File",
-        "Verdict",
-        "Split",
-        "rms",
-        "Unit",
-        "% of range",
-        "× noise",
-        "Best simple curve",
-        "Diagnosis",
-        "Runs",
-    )
-    sections = [
-        Section(
-            "Result",
-            "Result",
-            [cards(items), html_table(head, rows, "The worst first.") if rows else paragraph("None.")],
+    items += [("Without an output", str(verdicts[None]), "files")] if verdicts[None] else []
+    items += [("Failed", str(len(failed)), "files")]
+    sections = [Section("", "Result", [cards(items), *_look_first(done)])]
+    if done:
+        words = "Output against input as recorded, vermilion rising and blue falling; each loop has axes of its own."
+        sections.append(Section("The loop of every file", "Loops", [_gallery(done), paragraph(words)]))
+        sections.append(
+            Section("Every file in numbers", "Table", [_table(done), tag("script", Html(SORT_SCRIPT))])
         )
-    ]
     if failed:
         sections.append(
             Section("Files that failed", "Failed", [bullets([f"{o.file}: {o.failure}" for o in failed])])
         )
-    lead = f"{len(done)} of {len(outcomes)} files were studied, each on its own page"
+    lead = f"{len(done)} of {len(outcomes)} files were studied, each on its own page, in the order of their names"
     return page(f"Studies of {name}", lead, sections)
 
 
-def _rank(outcome: "FileOutcome") -> tuple[int, float]:
-    found: dict[str, Any] = outcome.found or {}
-    held = found.get("held_out") or {}
-    return _ORDER.get(found.get("verdict"), 3), -float(held.get("nrmse") or 0.0)
+def _look_first(done: "Sequence[FileOutcome]") -> list[Html]:
+    """Links to the poor models, the largest errors first."""
+    poor = sorted(
+        (o for o in done if o.found and o.found["verdict"] == "poor"), key=lambda o: -_share(o.found)
+    )
+    if not poor:
+        return []
+    links: list[Any] = []
+    for o in poor[:_MOST_NAMED]:
+        links += [", " if links else "", _link(o)]
+    more = f" and {len(poor) - _MOST_NAMED} more" if len(poor) > _MOST_NAMED else ""
+    return [paragraph("Look first at ", *links, f"{more}: their models are poor.")]
 
 
-def _row(found: dict[str, Any], folder: str) -> list[Html | str]:
+def _link(outcome: "FileOutcome") -> Html:
+    folder = Path(outcome.folder).name
+    return tag("a", folder, href=f"{folder}/index.html")
+
+
+def _share(found: dict[str, Any] | None) -> float:
+    return float(((found or {}).get("held_out") or {}).get("nrmse") or 0.0)
+
+
+def _gallery(done: "Sequence[FileOutcome]") -> Html:
+    return tag("ul", *(_card(o, o.found or {}) for o in done), class_="gallery")
+
+
+def _card(outcome: "FileOutcome", found: dict[str, Any]) -> Html:
+    """The thumbnail of a file's loop, its verdict and its error."""
+    shown = found_page(Path(outcome.folder) / "index.html")
+    about = shown.summary if shown is not None else None
+    drawn = (
+        thumbnail(about.u, about.y, f"Loop of {Path(outcome.folder).name}.", about.units)
+        if about
+        else Html("")
+    )
+    verdict = found.get("verdict")
+    error = f", {number(100 * _share(found), 2)} % of the range" if verdict else ""
+    classes = f"level {_LEVELS[verdict]}" if verdict in _LEVELS else ""
+    return tag(
+        "li", drawn, _link(outcome), tag("p", tag("b", verdict or "heating only"), error), class_=classes
+    )
+
+
+def _table(done: "Sequence[FileOutcome]") -> Html:
+    heads = [tag("th", words, scope="col") for words in _COLUMNS]
+    rows = [tag("tr", *_cells(o, o.found or {}, k)) for k, o in enumerate(done)]
+    caption = tag("caption", "Files in the order of their names. A click on a column sorts by it.")
+    table = tag("table", caption, tag("thead", tag("tr", *heads)), tag("tbody", *rows), class_="sortable")
+    return tag("div", table, class_="table", tabindex=0)
+
+
+def _cells(outcome: "FileOutcome", found: dict[str, Any], place: int) -> list[Html]:
+    """The cells of a row, each with the value by which it is sorted."""
     held, split = found.get("held_out") or {}, found.get("split") or {}
-    noise = held.get("noise_floor")
+    noise, rms = held.get("noise_floor"), held.get("rms")
+    ratio = rms / noise if noise and rms is not None else None
     simple = min((found.get("simple_curves") or {}).values(), default=None)
-    return [
-        tag("a", folder, href=f"{folder}/index.html"),
-        found.get("verdict") or "heating only",
-        split.get("kind", ""),
-        number(held.get("rms")),
-        display_unit(found.get("unit") or ""),
-        number(100 * held["nrmse"], 2) if held.get("nrmse") is not None else "–",
-        number(held["rms"] / noise, 2) if noise and held.get("rms") is not None else "–",
-        number(simple),
-        (found.get("diagnosis") or {}).get("verdict", "–"),
-        str(len(found.get("runs", ()))),
+    share = 100 * held["nrmse"] if held.get("nrmse") is not None else None
+    verdict, unit = found.get("verdict"), display_unit(found.get("unit") or "")
+    diagnosis = (found.get("diagnosis") or {}).get("verdict", "–")
+    rest: list[tuple[Any, Any]] = [
+        (verdict or "heating only", _RANK.get(verdict or "", 3)),
+        (number(rms), rms),
+        (unit, unit),
+        (number(share, 2) if share is not None else "–", share),
+        (number(ratio, 2) if ratio is not None else "–", ratio),
+        (number(simple), simple),
+        (split.get("kind", ""), split.get("kind", "")),
+        (diagnosis, diagnosis),
     ]
+    first = tag("th", _link(outcome), scope="row", data_sort=f"{place}")
+    return [first, *(tag("td", shown, data_sort="" if key is None else f"{key}") for shown, key in rest)]
+
+
+SORT_SCRIPT = """
+(function(){ document.querySelectorAll('table.sortable').forEach(table=>{
+ const heads=[...table.querySelectorAll('thead th')], body=table.tBodies[0];
+ heads.forEach((th,k)=>{ const button=document.createElement('button'); button.type='button';
+  button.textContent=th.textContent; th.replaceChildren(button);
+  button.onclick=()=>{ const falling=th.getAttribute('aria-sort')==='ascending';
+   const value=row=>{ const v=row.cells[k].dataset.sort??'', x=Number(v); return v!==''&&!isNaN(x)?x:v; };
+   const rows=[...body.rows].sort((a,b)=>{ const x=value(a), y=value(b);
+    if(x===''||y==='') return (x==='')-(y==='');
+    const order=typeof x==='number'&&typeof y==='number'?x-y:String(x).localeCompare(String(y));
+    return falling?-order:order; });
+   body.append(...rows);
+   heads.forEach(other=>other.setAttribute('aria-sort',other!==th?'none':falling?'descending':'ascending')); }; });
+ heads[0].setAttribute('aria-sort','ascending'); }); })();
+"""

@@ -19,6 +19,7 @@ from smarig.study.mapping_draft import mapping_draft
 from smarig.study.study_options import StudyOptions, study_key
 from smarig.study.study_page import study_page
 from smarig.study.study_result import StudyResult
+from smarig.study.transformation_figures import transformation_of
 from smarig.study.understanding import Ask, UnsureError, understand
 
 STUDY_JSON, STUDY_PAGE, STUDY_MODEL = "study.json", "index.html", "model.json"
@@ -80,6 +81,7 @@ def study(
         diagnosis=diagnosis,
         diagnosis_reason=why_not,
         heating=heating,
+        transformation=transformation_of([table.run for table in tables]),
         seconds=time.monotonic() - started,
         key=key,
         mapping=options.mapping,

@@ -3,60 +3,67 @@
 from collections.abc import Iterator, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from smarig.core import spaced
-from smarig.identification import RunVerification
+from smarig.identification import ratio_text
 from smarig.report import (
     Figure,
     Html,
-    Panel,
     Section,
-    axis,
+    beside,
     bullets,
     cards,
     display_unit,
-    dots,
+    figures_table,
     input_title,
-    line,
     notice,
     number,
     output_title,
     page,
     paragraph,
-    path,
-    style,
+    stress_figure,
+    stress_table,
     summary_with_loop,
     tag,
 )
 from smarig.report import table as html_table
 from smarig.study.column_guess import STATED
+from smarig.study.key_figures import key_figures
+from smarig.study.study_figure import heating_figure, loop_figure, other_loops, run_title, shown_run
 from smarig.study.study_result import FAIR, GOOD, StudyResult
 from smarig.study.table_guess import TableGuess
 
-Array = NDArray[np.float64]
-_MOST_LOOPS = 4
-_PALE = 0.45
 _BOX = {GOOD: "good", FAIR: "warning"}
 
 
 def study_page(result: StudyResult, *, library: str = "") -> str:
     """The HTML page of a study; ``library`` is the address of the script of the figures, "" to embed it."""
+    has_model = result.evaluation is not None
     sections = [
-        Section("Result", "Result", list(_summary(result))),
+        Section("", "Result", list(_summary(result))),
         *(
-            [Section("The model beside simple curves", "Comparison", list(_comparison(result)))]
-            if result.evaluation
+            [Section("Transformation temperatures", "Temperatures", list(_temperatures(result)))]
+            if result.transformation
             else []
         ),
-        *([Section("Causes of the errors", "Causes", list(_causes(result)))] if result.evaluation else []),
+        *(
+            [Section("The model beside simple curves", "Comparison", list(_comparison(result)))]
+            if has_model
+            else []
+        ),
+        *([Section("Causes of the errors", "Causes", list(_causes(result)))] if has_model else []),
         Section("Columns and their meaning", "Columns", list(_columns(result))),
         Section("What looks wrong in the data", "Data quality", list(_quality(result))),
         Section("Files", "Files", list(_files(result))),
     ]
-    level = _BOX.get(result.verdict, "bad") if result.evaluation else "warning"
-    about = summary_with_loop("study", next(iter(result.sentences())), level, result.tables[0].run)
+    run = shown_run(result)
+    drawn = next((t.run for t in result.tables if run and str(t.run.path) == run.run), result.tables[0].run)
+    about = summary_with_loop("study", next(iter(result.sentences())), _level(result), drawn)
     return page(f"Study of {result.name}", _lead(result), sections, library=library, summary=about)
+
+
+def _level(result: StudyResult) -> str:
+    return _BOX.get(result.verdict, "bad") if result.evaluation else "warning"
 
 
 def _lead(result: StudyResult) -> str:
@@ -68,76 +75,40 @@ def _lead(result: StudyResult) -> str:
 
 
 def _summary(result: StudyResult) -> Iterator[Html | Figure]:
-    first, *rest = [
-        s.replace(result.unit, display_unit(result.unit)) if "^" in result.unit else s
-        for s in result.sentences()
-    ]
-    yield notice(
-        _BOX.get(result.verdict, "bad") if result.evaluation else "warning", paragraph(tag("b", first))
-    )
-    yield bullets([*rest, *result.reasons, *result.hints()])
-    if result.evaluation is not None:
-        yield _loops_figure(result)
-        yield paragraph(result.split.reason if result.split else "")
+    """The first screen: three sentences, and the loop with its figures and what explains the error beside it."""
+    first, *rest = result.sentences()
+    further = " ".join(s for s in rest if s)
+    yield notice(_level(result), paragraph(tag("b", first)), *([paragraph(further)] if further else []))
+    figure = loop_figure(result) or heating_figure([t.run for t in result.tables])
+    if figure is None:
+        return
+    shown = shown_run(result)
+    if shown is None:
+        yield figure
+        return
+    run = next((t.run for t in result.tables if str(t.run.path) == shown.run), result.tables[0].run)
+    yield beside(figure, key_figures(result, run), bullets([*result.reasons, *result.hints()]))
 
 
-def _loops_figure(result: StudyResult) -> Figure:
-    """Measured and predicted loops of the held-out runs."""
-    best = result.evaluation.best if result.evaluation else None
-    runs = best.held_out[:_MOST_LOOPS] if best else ()
-    run = result.tables[0].run
-    layout = {"xaxis": axis(input_title(run)), "yaxis": axis(output_title(run))}
-    panels = [Panel(_traces(r), layout, 460, wide=len(runs) == 1) for r in runs]
-    more = len(best.held_out) - len(runs) if best else 0
-    held = (
-        "Data that were fitted."
-        if result.split and result.split.kind == "none"
-        else "Data that the fit has not seen."
-    )
-    caption = [held, f"{more} further runs are not drawn." if more else ""]
-    return Figure(panels, "Measured and predicted output.", caption, "")
+def _temperatures(result: StudyResult) -> Iterator[Html | Figure]:
+    """The transformation temperatures of all runs, their dependence on stress, and why runs have none."""
+    found = result.transformation
+    if found is None:
+        return
+    if found.result is not None:
+        slopes = stress_figure(found.result.runs, found.result.stress)
+        if slopes:
+            yield from (slopes, stress_table(found.result.stress))
+        yield from (figures_table(run) for run in found.result.runs)
+    if found.left_out:
+        yield html_table(
+            ("Run", "Why it has none"),
+            list(found.left_out.items()),
+            "Runs without transformation temperatures.",
+        )
 
 
-def _traces(r: RunVerification) -> list[dict]:
-    """The measured loop and the model over it, as continuous paths."""
-    if not r.counted.all() and _scattered(r.counted):  # curves of a selection: each is a path of its own
-        return _curves(r)
-    keep = path(r.input, r.measured)
-    shown = np.where(r.counted, r.predicted, np.nan)[keep]
-    u = r.input[keep]
-    many = r.input.size > 300
-    measured = line(u, r.measured[keep], "measured", style.INK, width=1.6, opacity=_PALE)
-    if not many:
-        return [
-            measured,
-            dots(r.input, r.measured, "readings", style.INK, size=4),
-            line(u, shown, "model", style.MODEL, width=1.3),
-        ]
-    return [measured, line(u, shown, "model", style.MODEL, width=1.3)]
-
-
-def _scattered(counted: NDArray[np.bool_]) -> bool:
-    return int(np.sum(np.diff(counted.astype(int)) != 0)) > 4
-
-
-def _curves(r: RunVerification) -> list[dict]:
-    """Some of the selected curves, apart from each other."""
-    edges = np.flatnonzero(np.diff(r.counted.astype(int)) != 0) + 1
-    parts = [p for p in np.split(np.arange(r.counted.size), edges) if r.counted[p[0]]]
-    chosen = [parts[k] for k in np.unique(np.linspace(0, len(parts) - 1, 25).astype(int))]
-    gap = np.array([np.nan])
-
-    def joined(values: Array) -> Array:
-        return np.concatenate([np.concatenate([values[p], gap]) for p in chosen])
-
-    u = joined(r.input)
-    return [
-        line(u, joined(r.measured), "measured", style.INK, width=1.6, opacity=_PALE),
-        line(u, joined(r.predicted), "model", style.MODEL, width=1.1),
-    ]
-
-
-def _comparison(result: StudyResult) -> Iterator[Html]:
+def _comparison(result: StudyResult) -> Iterator[Html | Figure]:
     evaluation = result.evaluation
     if evaluation is None:
         return
@@ -148,7 +119,7 @@ def _comparison(result: StudyResult) -> Iterator[Html]:
         [
             (f"Error, rms{unit}", number(evaluation.best.rms), noise),
             ("Of the output's range", f"{number(100 * result.nrmse, 2)} %", "rms error"),
-            (f"Best simple curve, rms{unit}", number(simple), f"{number(result.gain, 2)} × the model's"),
+            (f"Best simple curve, rms{unit}", number(simple), f"{ratio_text(result.gain)} × the model's"),
         ]
     )
     rows = [(c.name, "model", number(c.train_rms), number(c.rms)) for c in evaluation.candidates]
@@ -160,9 +131,12 @@ def _comparison(result: StudyResult) -> Iterator[Html]:
     yield html_table(
         ("Name", "Kind", f"Fitted data, rms{unit}", f"{held.capitalize()}, rms{unit}"), rows, "Errors."
     )
+    others = other_loops(result)
+    if others is not None:
+        yield others
     per_run = [
         (
-            _title(r),
+            run_title(r),
             str(r.settled.n),
             number(r.settled.rms),
             number(100 * r.settled.rms / (np.ptp(r.measured[r.counted]) or np.nan), 2),
@@ -185,10 +159,6 @@ def _remarks(result: StudyResult) -> list[str]:
     found = dict.fromkeys([*best.warnings, *(w for r in best.held_out for w in r.warnings)])
     apart = result.split is not None and result.split.select is not None
     return [w for w in found if not (apart and w.startswith("The model was fitted to this run"))]
-
-
-def _title(r: RunVerification) -> str:
-    return r.run.rsplit("/", 1)[-1].removesuffix(".run.sqlite")
 
 
 def _causes(result: StudyResult) -> Iterator[Html]:

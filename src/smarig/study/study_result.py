@@ -1,21 +1,49 @@
 """The result of a study as a value: what was read, how good the model is, and what to do now."""
 
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from smarig.core import spaced
+from smarig.core import capitalised
 from smarig.diagnosis import Diagnosis, MeasuredDiagnosis
-from smarig.identification import BETTER, GOOD_RATIO, ErrorLevel, level_against_curves, ratio_text
+from smarig.identification import (
+    FEWEST_PAIRS,
+    GOOD_RATIO,
+    LARGE_PLACE,
+    LITTLE_UNPREDICTED,
+    POOR_RATIO,
+    ErrorLevel,
+    RunVerification,
+    level_against_curves,
+    level_of_parts,
+    noise_floor,
+    without_dropouts,
+)
+from smarig.record import load_run
 from smarig.study.candidate_models import Evaluation
 from smarig.study.data_split import DataSplit
-from smarig.study.error_reasons import error_reasons
+from smarig.study.error_reasons import error_reasons, wrong_direction
+from smarig.study.held_out_parts import BranchError, branch_errors, unpredicted_share, worst_place
 from smarig.study.imported_runs import ImportedTable
+from smarig.study.study_json import study_json
+from smarig.study.study_sentences import (
+    LEVEL_WORDS,
+    branch_name,
+    error_sentence,
+    finding_sentence,
+    place_text,
+    simple_curve_sentence,
+    unpredicted_sentence,
+    where_sentence,
+)
+from smarig.study.transformation_figures import Transformation
 from smarig.study.understanding import Understanding
 
-GOOD, FAIR, POOR = str(ErrorLevel.GOOD), str(ErrorLevel.FAIR), str(ErrorLevel.POOR)
+_EXCHANGED = "If input and output are exchanged, name them with --input and --output."
+GOOD, FAIR = str(ErrorLevel.GOOD), str(ErrorLevel.FAIR)
 
 
 @dataclass(frozen=True, eq=False)
@@ -24,7 +52,7 @@ class StudyResult:
 
     ``evaluation`` and ``split`` are None for data without an output; ``heating`` then describes the temperature record.
     ``diagnosis`` is None if it was not requested or failed, with ``diagnosis_reason``. ``mapping`` is a mapping file
-    that was given, None if one was drafted.
+    that was given, None if one was drafted. ``transformation``: None for an input that is no temperature.
     """
 
     name: str
@@ -40,6 +68,7 @@ class StudyResult:
     heating: str
     seconds: float
     key: str
+    transformation: Transformation | None = None
     mapping: str | None = None
 
     @property
@@ -48,19 +77,35 @@ class StudyResult:
         return self.tables[0].run.unit
 
     @property
-    def nrmse(self) -> float:
-        """Rms error on held-out data over the range of their output."""
-        if self.evaluation is None:
-            return np.nan
-        measured = np.concatenate([r.measured[r.counted] for r in self.evaluation.best.held_out])
-        return self.evaluation.best.rms / float(np.ptp(measured)) if np.ptp(measured) else np.nan
+    def _held_out(self) -> tuple[RunVerification, ...]:
+        return self.evaluation.best.held_out if self.evaluation else ()
 
     @property
+    def span(self) -> float:
+        """The range of the output in the held-out data, also where the model has no prediction; NaN without a model."""
+        parts = [r.measured[r.counted | ~np.isfinite(r.predicted)] for r in self._held_out]
+        return float(np.ptp(np.concatenate(parts))) if parts else np.nan
+
+    @property
+    def nrmse(self) -> float:
+        """Rms error on held-out data over the range of their output."""
+        return self.evaluation.best.rms / self.span if self.evaluation and self.span else np.nan
+
+    @property
+    def unpredicted(self) -> float:
+        """The share of the held-out data for which the model has no prediction."""
+        return unpredicted_share(self._held_out)
+
+    @cached_property
+    def branches(self) -> list[BranchError]:
+        """The errors on the wide branches of the held-out data, the largest first."""
+        return branch_errors(self._held_out)
+
+    @cached_property
     def noise(self) -> float | None:
         """The noise of one reading: from repeated readings, else as the diagnosis estimates it; None if unknown."""
-        if self.evaluation is None:
-            return None
-        floors = [r.noise_floor for r in self.evaluation.best.held_out if r.noise_floor]
+        found = [noise_floor(without_dropouts(load_run(r.run))) for r in self._held_out]
+        floors = [f.value for f in found if f.value and f.n_pairs >= FEWEST_PAIRS]
         if floors:
             return float(np.median(floors))
         return self.diagnosis.noise if isinstance(self.diagnosis, MeasuredDiagnosis) else None
@@ -79,30 +124,57 @@ class StudyResult:
         return bool(found and noise is not None and found.best.rms <= GOOD_RATIO * noise)
 
     @property
-    def verdict(self) -> str:
-        """ "good", "fair" or "poor"; "" without a model. The thresholds are those of ``verify``."""
+    def _level_on_average(self) -> ErrorLevel:
         if self.evaluation is None:
-            return ""
+            return level_against_curves(np.nan, self.noise, self.nrmse, self.gain)
         found = self.evaluation.best
         unsteady = [r.repeatability for r in found.held_out if r.repeatability.over_readings is not None]
-        return str(level_against_curves(found.rms, self.noise, self.nrmse, self.gain, *unsteady[:1]))
+        return level_against_curves(found.rms, self.noise, self.nrmse, self.gain, *unsteady[:1])
+
+    @property
+    def verdict(self) -> str:
+        """ "good", "fair" or "poor"; "" without a model. The thresholds are those of ``verify``.
+
+        The level on average is lowered where a whole branch is wrong, and where the model has no prediction.
+        """
+        if self.evaluation is None:
+            return ""
+        place = worst_place(self.branches)
+        branch_share = self._share(self.branches[0].rms) if self.branches else 0.0
+        place_share = self._share(place.worst) if place else 0.0
+        return str(level_of_parts(self._level_on_average, branch_share, place_share, self.unpredicted))
+
+    def _share(self, error: float) -> float:
+        """An error over the range of the output; 0 if it is that of noise."""
+        return error / self.span if self.span and error > POOR_RATIO * (self.noise or 0.0) else 0.0
 
     @property
     def reasons(self) -> list[str]:
         """What the data say about an error that is not good: sentences, the most certain first."""
         if self.evaluation is None or self.split is None or self.verdict == GOOD:
             return []
-        return error_reasons(self.split, self.evaluation.best)
+        explained = error_reasons(self.split, self.evaluation.best)
+        return [*wrong_direction(self.tables), *self._where(), *explained]
 
     def sentences(self) -> list[str]:
         """Three sentences: how good the model is, against what, and what to do now."""
         if self.evaluation is None:
             return [self.heating]
-        return [self._error_sentence(), self._simple_sentence(), self._next_sentence()]
+        first = error_sentence(
+            self.evaluation.best.name,
+            self.evaluation.best.rms,
+            self.unit,
+            share=self.nrmse,
+            noise=self.noise,
+            verdict=self._verdict_words(),
+            unpredicted=self.unpredicted,
+            fitted=self.split is not None and self.split.kind == "none",
+        )
+        return [first, self._simple_sentence(), self._next_sentence()]
 
     def hints(self) -> list[str]:
         """What would show more, one sentence each."""
-        found = []
+        found = [f"{capitalised(g.by_loop)}. {_EXCHANGED}" for g in self.understood.guesses[:1] if g.by_loop]
         timed = any(table.run.has("t_s") or table.run.settled for table in self.tables)
         if not timed and not self.understood.forc and self.evaluation is not None and self.verdict != GOOD:
             found.append(
@@ -111,93 +183,50 @@ class StudyResult:
             )
         return found
 
-    def _error_sentence(self) -> str:
-        best = self.evaluation.best if self.evaluation else None
-        if best is None:
-            return ""
-        what = "fits the data" if self.split and self.split.kind == "none" else "predicts the held-out data"
-        noise = f", {ratio_text(best.rms / self.noise)} × the noise of a reading" if self.noise else ""
-        words = {GOOD: "good", FAIR: "usable, with errors to explain", POOR: "poor"}[self.verdict]
-        return (
-            f"The model ({best.name}) {what} with {best.rms:.3g}{spaced(self.unit)} rms, {100 * self.nrmse:.2g} % of "
-            f"the output's range{noise}: {words}."
-        )
+    @property
+    def _hot(self) -> bool:
+        return self.tables[0].run.input_unit in ("K", "degC")
+
+    @property
+    def _mostly_silent(self) -> bool:
+        return self.unpredicted > LITTLE_UNPREDICTED
+
+    def _verdict_words(self) -> str:
+        """The verdict, with the branch that decides it, or with the place that it excepts."""
+        level, place = ErrorLevel(self.verdict), worst_place(self.branches)
+        if place is None or not self.span:
+            return LEVEL_WORDS[level]
+        if level is ErrorLevel.POOR and self._level_on_average is not level and not self.unpredicted > 0.5:
+            return f"{LEVEL_WORDS[level]} on {branch_name(self.branches[0], temperature=self._hot)}"
+        if level is ErrorLevel.FAIR and place.worst > LARGE_PLACE * self.span:
+            return (
+                f"usable, except on {place_text(place, self.tables[0].run.input_unit, temperature=self._hot)}"
+            )
+        return LEVEL_WORDS[level]
+
+    def _where(self) -> list[str]:
+        """Where the error is largest, and what is not predicted."""
+        found = []
+        if self._mostly_silent:
+            whole = self.split is not None and self.split.kind == "none"
+            found.append(unpredicted_sentence(self.unpredicted, whole_record=whole))
+        place = worst_place(self.branches)
+        if place is not None:
+            units = self.tables[0].run.input_unit, self.unit
+            found.append(where_sentence(place, self.span, units, temperature=self._hot))
+        return found
 
     def _simple_sentence(self) -> str:
         if self.evaluation is None or not self.evaluation.simple:
             return ""
         name, error = min(self.evaluation.simple.items(), key=lambda item: item[1])
-        if self.gain >= BETTER:
-            return f"The best simple curve ({name}) leaves {self.gain:.2g} × as much, {error:.3g}{spaced(self.unit)}."
-        if self.gain >= 1:
-            return f"A simple curve ({name}) does nearly as well: {error:.3g}{spaced(self.unit)}."
-        return f"A simple curve ({name}) does better: {error:.3g}{spaced(self.unit)}. Do not use the model as it is."
+        return simple_curve_sentence(name, error, self.gain, self.unit)
 
     def _next_sentence(self) -> str:
-        d = self.diagnosis
-        if d is None:
+        if self.diagnosis is None:
             return f"No diagnosis: {self.diagnosis_reason}"
-        lines = d.text().splitlines()
-        shifted = [line for line in lines if "is shifted by" in line][:1]
-        return " ".join([_finding(d.verdict.word, d.verdict.depends_on, lines[0], self.at_noise), *shifted])
+        return finding_sentence(self.diagnosis, at_noise=self.at_noise)
 
     def to_json(self) -> dict[str, Any]:
         """The JSON object of the command line, which is also DIR/study.json."""
-        j = self.evaluation
-        return {
-            "name": self.name,
-            "out": str(self.folder),
-            "page": str(self.folder / "index.html"),
-            "files": [str(file) for file in self.files],
-            "verdict": self.verdict or None,
-            "sentences": self.sentences(),
-            "reasons": self.reasons,
-            "hints": self.hints(),
-            "questions": self.understood.questions,
-            "columns": {}
-            if self.mapping
-            else {table.title: _columns(g) for table, g in zip(self.tables, self.understood.guesses)},
-            "left_out": self.left_out | self.understood.left_out,
-            "split": self.split and {"kind": self.split.kind, "reason": self.split.reason},
-            "runs": [str(table.run.path) for table in self.tables],
-            "model": j and str(self.folder / "model.json"),
-            "unit": self.unit or None,
-            "held_out": j and {"rms": j.best.rms, "nrmse": self.nrmse, "noise_floor": self.noise},
-            "models": j and {c.name: {"train_rms": c.train_rms, "held_out_rms": c.rms} for c in j.candidates},
-            "models_that_failed": (j and j.failed) or {},
-            "simple_curves": j and j.simple,
-            "diagnosis": self.diagnosis
-            and {"verdict": self.diagnosis.verdict.word, "text": self.diagnosis.text()},
-            "diagnosis_reason": self.diagnosis_reason or None,
-            "warnings": [w for table in self.tables for w in table.warnings],
-            "seconds": round(self.seconds, 2),
-            "key": self.key,
-        }
-
-
-def _finding(word: str, depends_on: str | None, first_line: str, at_noise: bool) -> str:
-    """What the diagnosis says of the errors that are left; they look like noise only if they are as small."""
-    if word == "silent":
-        left = "look like noise" if at_noise else "have no cause that it knows"
-        return f"The diagnosis finds nothing: the errors {left}."
-    if word == "unknown" and depends_on:
-        return f"The errors that are left go with the variable '{depends_on}'; no known effect explains them."
-    if word == "unknown":
-        return "The errors that are left are more than noise, but no known effect explains them."
-    return first_line if first_line.endswith(".") else f"{first_line}."
-
-
-def _columns(guess: Any) -> dict[str, Any]:
-    found = {}
-    for c in guess.columns:
-        role = guess.roles.get(c.name)
-        if role is not None:
-            found[c.name] = {
-                "role": role.role,
-                "quantity": c.quantity or None,
-                "unit": c.unit or None,
-                "reason": role.reason,
-                "unit_reason": c.unit_reason or None,
-                "confidence": round(min(role.confidence, c.unit_confidence or 1.0), 2),
-            }
-    return found
+        return study_json(self)

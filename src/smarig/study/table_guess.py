@@ -10,6 +10,7 @@ from smarig.exchange import FoundTable, dimension
 from smarig.study import quantity_words as q
 from smarig.study.branch_pairs import branch_pairs
 from smarig.study.column_guess import LIKELY, STATED, UNSURE, WEAK, ColumnGuess, guess_columns
+from smarig.study.nameless_columns import roles_by_loop
 from smarig.study.signal_columns import holds_still, input_column, is_grid, output_column
 
 _HEATING = (q.CURRENT, q.VOLTAGE, q.POWER, q.DUTY)
@@ -31,7 +32,8 @@ class Role:
 class TableGuess:
     """The meaning of a table: guesses of its columns and their roles by name.
 
-    ``scale`` multiplies the output, with ``sign`` as its reason. ``branches`` pairs the columns of a heating branch
+    ``scale`` multiplies the output, with ``sign`` as its reason. ``by_loop``: why one of two columns without names
+    is the input, "" for columns with names. ``branches`` pairs the columns of a heating branch
     with those of a cooling branch in the same rows. ``settled``: each row is one settled reading.
     """
 
@@ -42,6 +44,7 @@ class TableGuess:
     sign: str = ""
     branches: dict[str, str] = field(default_factory=dict)
     settled: bool = False
+    by_loop: str = ""
 
     def of_role(self, role: str) -> list[ColumnGuess]:
         """The columns in a role, in the order of the table."""
@@ -113,14 +116,22 @@ def guess_table(
         and drive is not None
         and "temperature" not in [r.role for r in roles.values()]
     ):
-        rest = [c for c in left if c is not drive and not c.quantity]
+        rest = [c for c in left if c is not drive and c.quantity in ("", drive.quantity)]
         out = rest[0] if rest else None
-    if out is not None:
-        roles[out.name] = _role("output", out, output)
-    if drive is not None:
-        roles[drive.name] = _role("input", drive, input)
+    found = None
+    if drive is not None and out is not None and input is None and output is None and not pairs:
+        found = roles_by_loop(drive, out)
+    if found is not None:
+        drive, out = found.drive, found.out
+        columns = [next((c for c in (drive, out) if c.name == g.name), g) for g in columns]
+        roles |= {
+            c.name: Role(r, found.reason, found.confidence) for r, c in (("input", drive), ("output", out))
+        }
+    else:
+        roles |= {out.name: _role("output", out, output)} if out is not None else {}
+        roles |= {drive.name: _role("input", drive, input)} if drive is not None else {}
     _further_roles(columns, roles, drive, out)
-    guess = TableGuess(table, tuple(columns), roles)
+    guess = TableGuess(table, tuple(columns), roles, by_loop=found.reason if found else "")
     if pairs and drive is not None and out is not None and drive.name in pairs and out.name in pairs:
         guess = replace(guess, branches=pairs)
     scale, sign = _sign(drive, out)

@@ -7,6 +7,7 @@ from pathlib import Path
 
 from smarig.core import DataError, UsageError
 from smarig.exchange import FoundTable, find_tables
+from smarig.study.column_guess import ColumnGuess
 from smarig.study.study_options import StudyOptions
 from smarig.study.table_guess import TableGuess, guess_table
 
@@ -133,6 +134,13 @@ def _answered(
         raise UnsureError(
             f"{guess.table.path}: no column looks like an input. Name one with --input NAME.", guess
         )
+    if guess.first("output") is None and not guess.heating_only:
+        names = ", ".join(f"'{name}'" for name in guess.table.names[:12])
+        raise UnsureError(
+            f"{guess.table.path}: no column looks like an output (columns: {names}). Name input and output with "
+            "--input NAME --output NAME.",
+            guess,
+        )
     return guess, replace(options, **given, units=units), count
 
 
@@ -187,12 +195,24 @@ def _guesses(
             replace(
                 again,
                 roles=reasons,
-                columns=_as_found(again, guess, options),
+                columns=_with_meaning(lead, _as_found(again, guess, options)),
                 scale=lead.scale,
                 sign=lead.sign,
+                by_loop=lead.by_loop,
             )
         )
     return found
+
+
+def _with_meaning(lead: TableGuess, columns: Sequence[ColumnGuess]) -> tuple[ColumnGuess, ...]:
+    """Columns with the quantities of the leading table, whose loop may have said what numbers alone did not."""
+    known = {c.name: c for c in (*lead.of_role("input"), *lead.of_role("output"))} if lead.by_loop else {}
+    return tuple(
+        replace(known[c.name], facts=c.facts)
+        if c.name in known and c.quantity != known[c.name].quantity
+        else c
+        for c in columns
+    )
 
 
 def _given_reasons(again: TableGuess, own: TableGuess, lead: TableGuess, options: StudyOptions) -> dict:

@@ -1,6 +1,7 @@
 """Descriptions of a run for captions: rig, wire, n, seed, units, origin of the input, and quality counts."""
 
 import math
+import re
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,6 +12,8 @@ from smarig.report.components.numbers import thousands
 
 _FEWEST_SETTLED = 2
 _SOURCE_LABELS = {"twin": "TWIN", "simulation": "SIMULATION"}
+
+_MICRO = re.compile(r"(?<![A-Za-z])u(?=(?:m|s|g|A|V|W|T|C|N|J|ohm)(?![A-Za-z]))")
 
 
 def source_label(*runs: AnyRun) -> str:
@@ -73,12 +76,13 @@ def duration_s(run: AnyRun) -> float:
 
 
 def display_unit(unit: str) -> str:
-    """A unit as displayed: kg/m³ for kg/m^3, °C for degC, and nothing for 1."""
-    return (
-        ""
-        if unit == "1"
-        else unit.replace("^2", "²").replace("^3", "³").replace("degC", "°C").replace("100K", "100 K")
-    )
+    """A unit as displayed: kg/m³ for kg/m^3, °C for degC, µm for um, and nothing for 1.
+
+    >>> display_unit("uC/cm^2"), display_unit("um"), display_unit("1")
+    ('µC/cm²', 'µm', '')
+    """
+    shown = unit.replace("^2", "²").replace("^3", "³").replace("degC", "°C").replace("100K", "100 K")
+    return "" if unit == "1" else _MICRO.sub("µ", shown)
 
 
 def input_title(run: AnyRun) -> str:

@@ -1,0 +1,64 @@
+"""The headline figures of a study in the words of the field: temperatures, stroke, width, stress, error and noise."""
+
+from collections.abc import Iterator
+
+from smarig.core import spaced
+from smarig.record import Run
+from smarig.report import Html, display_unit, figure_name, number, tag, to_uncertainty
+from smarig.report import table as html_table
+from smarig.study.study_result import StudyResult
+from smarig.transformation import RunFigures
+
+Row = tuple[Html | str, str, str]
+_SHOWN = ("A_s", "A_f", "M_s", "M_f", "width", "stroke")
+
+
+def key_figures(result: StudyResult, run: Run) -> Html:
+    """The table of figures beside the loop of a run: those of that run, then those of the study."""
+    rows = list(_rows(result, run))
+    figures = result.transformation and result.transformation.of(run)
+    what = f"{figures.name}, and the model." if figures else "The model."
+    return html_table(("Figure", "Value", "95 % interval"), rows, what)
+
+
+def _rows(result: StudyResult, run: Run) -> Iterator[Row]:
+    found = result.transformation.of(run) if result.transformation else None
+    if found is not None:
+        yield from _temperatures(found)
+    if result.transformation is not None and result.transformation.slopes:
+        yield from _slopes(result)
+    if result.evaluation is None:
+        return
+    unit = result.unit
+    yield (
+        "Error, rms",
+        _value(result.evaluation.best.rms, unit),
+        f"{number(100 * result.nrmse, 2)} % of the range",
+    )
+    noise = _value(result.noise, unit, 2) if result.noise else "not known"
+    yield "Noise of a reading", noise, "" if result.noise else "nothing repeats"
+
+
+def _temperatures(found: RunFigures) -> Iterator[Row]:
+    for name in _SHOWN:
+        if name in found.means:
+            drawn, unit = found.means[name], display_unit(found.unit_of(name))
+            low, high = drawn.ci95
+            half = (high - low) / 2
+            yield (
+                figure_name(name),
+                f"{to_uncertainty(drawn.value, half)}{spaced(unit)}",
+                f"{to_uncertainty(low, half)} to {to_uncertainty(high, half)}",
+            )
+
+
+def _slopes(result: StudyResult) -> Iterator[Row]:
+    """Clausius–Clapeyron: the stress that moves A_s and M_s by 1 K."""
+    for name, MPa_per_K, (low, high) in result.transformation.slopes if result.transformation else ():
+        if name in ("A_s", "M_s") and low is not None and high is not None:
+            label = tag("span", figure_name(name), " rises 1 K per")
+            yield label, f"{number(MPa_per_K)} MPa", f"{number(low)} to {number(high)}"
+
+
+def _value(value: float, unit: str, digits: int = 3) -> str:
+    return f"{number(value, digits)}{spaced(display_unit(unit))}"

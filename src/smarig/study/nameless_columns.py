@@ -1,0 +1,58 @@
+"""Input and output of columns whose names say nothing: by their loop, and by numbers that look like temperatures."""
+
+from dataclasses import dataclass, replace
+
+from smarig.study import quantity_words as q
+from smarig.study.column_guess import LIKELY, UNSURE, WEAK, ColumnGuess
+from smarig.study.physical_roles import role_vote
+
+_LIKE_TEMPERATURE = 1.5  # votes: more than one fact of the loop, less than both
+_SURE = 1.0  # votes
+_NO_NAMES = "the names of the columns say nothing"
+
+
+@dataclass(frozen=True)
+class LoopRoles:
+    """The input and the output of two columns, why, and the confidence."""
+
+    drive: ColumnGuess
+    out: ColumnGuess
+    reason: str
+    confidence: float
+
+
+def roles_by_loop(drive: ColumnGuess, out: ColumnGuess) -> LoopRoles | None:
+    """The roles of two columns whose names say nothing, exchanged if their loop says so; None if a name counts."""
+    alike = drive.quantity == out.quantity != ""  # two channels in V, for example
+    if not (drive.by_numbers and out.by_numbers) and not alike:
+        return None
+    vote = role_vote(drive.facts.values, out.facts.values)
+    prior = _LIKE_TEMPERATURE * ((drive.quantity == q.TEMPERATURE) - (out.quantity == q.TEMPERATURE))
+    score = vote.score + prior
+    if score == 0:
+        return LoopRoles(drive, out, f"{_NO_NAMES}, and the loop does not tell input from output", UNSURE / 2)
+    if score < 0:
+        drive, out = out, drive
+        if not alike:
+            drive = drive.without_meaning() if prior >= 0 else drive
+            out = _beside(out.without_meaning(), drive)
+    reasons = [*vote.reasons] if vote.score * score > 0 else []
+    reasons += ["it looks like a temperature"] if prior * score > 0 else []
+    against = ", although its loop speaks against it" if vote.score * score < 0 else ""
+    why = f"{_NO_NAMES}; '{drive.name}' is the input because {' and '.join(reasons)}{against}"
+    return LoopRoles(drive, out, why, LIKELY if abs(score) >= _SURE else WEAK)
+
+
+def _beside(out: ColumnGuess, drive: ColumnGuess) -> ColumnGuess:
+    """An output beside a temperature is a displacement in mm, unless it is known better."""
+    if out.quantity or drive.quantity != q.TEMPERATURE:
+        return out
+    return replace(
+        out,
+        quantity=q.DISPLACEMENT,
+        quantity_reason="what moves beside a temperature",
+        quantity_confidence=0.6,
+        unit="mm",
+        unit_reason="assumed: no unit is stated",
+        unit_confidence=WEAK,
+    )

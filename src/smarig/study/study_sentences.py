@@ -1,0 +1,130 @@
+"""The sentences of a study: how large the error is and where, what a simple curve does, and what the diagnosis says."""
+
+from collections.abc import Sequence
+
+from smarig.core import spaced
+from smarig.diagnosis import Diagnosis, MeasuredDiagnosis
+from smarig.identification import BETTER, LITTLE_UNPREDICTED, ErrorLevel, ratio_text
+from smarig.report import display_unit, number
+from smarig.study.held_out_parts import BranchError
+
+LEVEL_WORDS = {
+    ErrorLevel.GOOD: "good",
+    ErrorLevel.FAIR: "usable, with errors to explain",
+    ErrorLevel.POOR: "poor",
+}
+_VARIABLES = {  # what the errors go with, in the words of the lab
+    "level": "the output itself",
+    "run": "the run",
+    "rate": "the rate of the input",
+    "cycle": "the number of cycles",
+    "history": "the earlier history",
+    "stress": "the stress",
+}
+
+
+def measure(value: float, unit: str, digits: int = 3) -> str:
+    """A value with its unit as shown."""
+    return f"{number(value, digits)}{spaced(display_unit(unit))}"
+
+
+def error_sentence(
+    model: str,
+    rms: float,
+    unit: str,
+    *,
+    share: float,
+    noise: float | None,
+    verdict: str,
+    unpredicted: float,
+    fitted: bool,
+) -> str:
+    """How large the error is, and the verdict in words."""
+    part = "" if unpredicted < LITTLE_UNPREDICTED else f"{100 * (1 - unpredicted):.0f} % of "
+    what = f"fits {part}the data" if fitted else f"predicts {part}the held-out data"
+    ratio = f", {ratio_text(rms / noise)} × the noise of a reading" if noise else ""
+    rest = ", and nothing of the rest" if part else ""
+    return (
+        f"The model ({model}) {what} with {measure(rms, unit)} rms, {number(100 * share, 2)} % of the output's range"
+        f"{ratio}{rest}: {verdict}."
+    )
+
+
+def simple_curve_sentence(name: str, error: float, gain: float, unit: str) -> str:
+    """How large the error of the best simple curve is; ``gain`` times that of the model."""
+    if gain >= BETTER:
+        return f"The best simple curve ({name}) leaves {ratio_text(gain)} × as much, {measure(error, unit)}."
+    if gain >= 1:
+        return f"A simple curve ({name}) does nearly as well: {measure(error, unit)}."
+    return f"A simple curve ({name}) does better: {measure(error, unit)}. Do not use the model as it is."
+
+
+def branch_name(branch: BranchError, *, temperature: bool) -> str:
+    """A branch in words."""
+    if temperature:
+        return "the heating branch" if branch.direction > 0 else "the cooling branch"
+    return "a branch of rising input" if branch.direction > 0 else "a branch of falling input"
+
+
+def where_sentence(branch: BranchError, span: float, units: tuple[str, str], *, temperature: bool) -> str:
+    """Where the error is largest; ``units`` of input and output, ``span`` the range of the output."""
+    share = number(100 * branch.worst / span, 2) if span else "–"
+    where = place_text(branch, units[0], temperature=temperature)
+    return f"The error is largest on {where}: {measure(branch.worst, units[1])} rms, {share} % of the range."
+
+
+def place_text(branch: BranchError, input_unit: str, *, temperature: bool) -> str:
+    """The place of the largest error on a branch."""
+    ends = f"from {number(branch.start)} to {measure(branch.end, input_unit)}"
+    return f"{branch_name(branch, temperature=temperature)} {ends}"
+
+
+def unpredicted_sentence(share: float, *, whole_record: bool) -> str:
+    """What the model cannot predict, and what would change that."""
+    about = "the data" if whole_record else "the held-out data"
+    return (
+        f"For {100 * share:.0f} % of {about} the model has no prediction: they depend on a history before the record "
+        'begins. If you know the state at the start, write initial = "negative" or "positive" in mapping.toml.'
+    )
+
+
+def finding_sentence(d: Diagnosis | MeasuredDiagnosis, *, at_noise: bool) -> str:
+    """What the diagnosis says of the errors that are left; they look like noise only if they are as small."""
+    lines = d.text().splitlines()
+    shifted = [line.replace(" degC", " °C") for line in lines if "is shifted by" in line][:1]
+    return " ".join([_finding(d, lines[0], at_noise=at_noise), *shifted])
+
+
+def _finding(d: Diagnosis | MeasuredDiagnosis, first_line: str, *, at_noise: bool) -> str:
+    word, variable = d.verdict.word, d.verdict.depends_on
+    if word == "silent":
+        left = "look like noise" if at_noise else "have no cause that it knows"
+        return f"The diagnosis finds nothing: the errors {left}."
+    if word == "unknown" and variable:
+        named = " and ".join(_VARIABLES.get(v, v) for v in variable.split(" and "))
+        return f"The errors that are left go with {named}; no known effect explains them."
+    if word == "unknown":
+        return "The errors that are left are more than noise, but no known effect explains them."
+    if word == "named" and isinstance(d, MeasuredDiagnosis) and d.best is not None:
+        return " ".join(_effects(d))
+    return first_line if first_line.endswith(".") else f"{first_line}."
+
+
+def _effects(d: MeasuredDiagnosis) -> list[str]:
+    """Each effect found: its name, its strength with an interval, and what it is."""
+    summaries = {e.kind.name: e.kind.summary for e in d.best.effects} if d.best else {}
+    found = []
+    for effect in d.effects():
+        name = effect["name"]
+        strengths = [_strength(p) for k, p in effect["parameters"].items() if k != "reference"]
+        found.append(
+            f"The diagnosis finds {': '.join([name, ', '.join(strengths)])}. {summaries.get(name, '')}".strip()
+        )
+    return found
+
+
+def _strength(parameter: dict) -> str:
+    unit = display_unit(parameter["unit"] or "")
+    ends: Sequence[float | None] = parameter["ci95"] or (None, None)
+    between = f" ({number(ends[0])} to {number(ends[1])})" if None not in ends else ""
+    return f"{measure(parameter['value'], unit)}{between}"

@@ -1,0 +1,57 @@
+"""Columns without names: their loop says which is the input, in both orders; where it does not, a question is asked."""
+
+import numpy as np
+import pytest
+
+from smarig.exchange import find_tables
+from smarig.study import StudyOptions, guess_table, study
+from study.known_data import displacements, temperatures
+
+U = temperatures(2, 100)
+X = displacements(U)
+QUICK = StudyOptions(diagnose=False, accept=True)
+
+
+def _guess(tmp_path, first, second):
+    path = tmp_path / "loop.txt"
+    np.savetxt(path, np.column_stack([first, second]), fmt="%.6g", delimiter="\t")
+    return path, guess_table(max(find_tables(path), key=len))
+
+
+LOOPS = {
+    "current and a travel that looks like a temperature": (0.01 * U, 10 * X + 20),
+    "voltage and polarisation": (1400 * (U - 70) / 50, 20 * (X - 2)),
+    "temperature and travel": (U, X),
+}
+
+
+@pytest.mark.parametrize("name", LOOPS)
+@pytest.mark.parametrize("exchanged", [False, True])
+def test_the_column_that_the_other_lags_behind_is_the_input(tmp_path, name, exchanged):
+    u, x = LOOPS[name]
+    _, guess = _guess(tmp_path, *((x, u) if exchanged else (u, x)))
+    assert guess.first("input").name == ("column 2" if exchanged else "column 1")
+    assert "input" not in guess.doubts
+    assert "lags behind" in guess.by_loop
+
+
+def test_a_line_without_a_loop_is_a_doubt(tmp_path):
+    _, guess = _guess(tmp_path, 1400 * np.sin(U / 10), 3 * 1400 * np.sin(U / 10) + 5)
+    assert {"input", "output"} <= set(guess.doubts)
+
+
+def test_a_temperature_that_lags_is_taken_and_the_choice_is_said(tmp_path):
+    path, guess = _guess(tmp_path, np.roll(U, 6), X)
+    assert guess.first("input").name == "column 1"
+    assert "looks like a temperature" in guess.by_loop
+    result = study([path], tmp_path / "out", QUICK)
+    assert any("name them with --input and --output" in hint for hint in result.hints())
+
+
+def test_names_are_believed(tmp_path):
+    path = tmp_path / "named.csv"
+    rows = "\n".join(f"{a:.4f},{b:.4f}" for a, b in zip(X, U))
+    path.write_text(f"displacement,temperature\n{rows}\n", encoding="utf-8")
+    guess = guess_table(max(find_tables(path), key=len))
+    assert guess.first("input").name == "temperature"
+    assert not guess.by_loop
