@@ -130,7 +130,7 @@ def _table(
         path=path,
         format="csv",
         name=f"table {number}" if len(blocks) > 1 else "",
-        columns=found_columns(table, dict(zip(block.names, block.units)), kinds),
+        columns=found_columns(path, table, dict(zip(block.names, block.units)), kinds),
         layout={"file": entries},
         header=preamble_keys([line.strip("# ") for line in before if line.strip()]),
     )
