@@ -1,6 +1,7 @@
 """The command line: one file per command. A command is found by its name and imported when it is used."""
 
 import contextlib
+import errno
 import importlib
 import os
 import signal
@@ -9,7 +10,7 @@ from collections.abc import Iterator, Sequence
 
 import click
 
-from smarig.cli.output import report_error
+from smarig.cli.output import close_output, report_error
 from smarig.cli.working_line import working_line
 from smarig.core import (
     Interrupted,
@@ -21,6 +22,7 @@ from smarig.core import (
     suggestion,
 )
 
+_FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
 _SPELLINGS = {"characterize": "characterise"}
 EPILOG = """\b
 Examples:
@@ -70,7 +72,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     for number in _signals("SIGINT", "SIGTERM", "SIGHUP"):  # the command is finished and its status is final
         with contextlib.suppress(ValueError):
             signal.signal(number, signal.SIG_IGN)
-    sys.exit(status)
+    sys.exit(close_output(status))
 
 
 def run(arguments: Sequence[str] | None = None) -> int:
@@ -96,7 +98,8 @@ def run(arguments: Sequence[str] | None = None) -> int:
     except MemoryError:
         return report_error("This needs more memory than is available. Request less.", 4)
     except OSError as error:
-        what = f"{error.filename}: " if error.filename else ""
+        full = "Standard output or a file cannot be written: " if error.errno in _FULL else ""
+        what = f"{error.filename}: " if error.filename else full
         return report_error(f"{what}{error.strerror or error}.", 4)
     except ArithmeticError as error:
         return report_error(f"A number in these files is too large or too small to compute with: {error}.", 4)
