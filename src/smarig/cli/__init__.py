@@ -23,6 +23,7 @@ from smarig.core import (
 )
 
 _FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
+_ENDING = ("SIGINT", "SIGTERM", "SIGHUP")
 _SPELLINGS = {"characterize": "characterise"}
 EPILOG = """\b
 Examples:
@@ -69,7 +70,7 @@ def cli() -> None:
 def main(arguments: Sequence[str] | None = None) -> None:
     """Run a command and exit with its status (0, 2, 3, 4, 5 or 130; 1 for an internal error)."""
     status = run(arguments)
-    for number in _signals("SIGINT", "SIGTERM", "SIGHUP"):  # the command is finished and its status is final
+    for number in _signals(*_ENDING):  # the command is finished and its status is final
         with contextlib.suppress(ValueError):
             signal.signal(number, signal.SIG_IGN)
     sys.exit(close_output(status))
@@ -94,7 +95,8 @@ def run(arguments: Sequence[str] | None = None) -> int:
     except SmarigError as error:
         return report_error(str(error), error.exit_status)
     except (KeyboardInterrupt, click.Abort):
-        return report_error("Interrupted.", Interrupted.exit_status)
+        with _signals_ignored():  # Ctrl-C pressed twice
+            return report_error("Interrupted.", Interrupted.exit_status)
     except MemoryError:
         return report_error("This needs more memory than is available. Request less.", 4)
     except OSError as error:
@@ -133,6 +135,15 @@ def _interrupt_on(*signal_names: str) -> None:
         with contextlib.suppress(ValueError):  # not the main thread, where signals can be handled
             if signal.getsignal(number) != signal.SIG_IGN:  # keep a signal ignored by nohup
                 signal.signal(number, signal.default_int_handler)
+
+
+@contextlib.contextmanager
+def _signals_ignored() -> Iterator[None]:
+    with contextlib.ExitStack() as restored:
+        for number in _signals(*_ENDING):
+            with contextlib.suppress(ValueError):
+                restored.callback(signal.signal, number, signal.signal(number, signal.SIG_IGN))
+        yield
 
 
 def _signals(*signal_names: str) -> list[signal.Signals]:

@@ -2,6 +2,7 @@
 
 import json
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import closing
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -80,11 +81,10 @@ def study_each(
     if outcomes:
         progress(f"{len(outcomes)} of {len(tasks)} files were studied before")
     try:
-        for done, outcome in enumerate(
-            completed(study_one, waiting, workers, scheduler), start=len(outcomes) + 1
-        ):
-            outcomes[outcome.file] = outcome
-            progress(f"{done} of {len(tasks)}: {outcome.file} {_short(outcome)}")
+        with closing(completed(study_one, waiting, workers, scheduler)) as answers:
+            for done, outcome in enumerate(answers, start=len(outcomes) + 1):
+                outcomes[outcome.file] = outcome
+                progress(f"{done} of {len(tasks)}: {outcome.file} {_short(outcome)}")
     except KeyboardInterrupt:
         progress(f"{len(outcomes)} of {len(tasks)} files are done and kept; the same command continues.")
         raise
