@@ -97,7 +97,9 @@ def command(
     unit = found["identify"]["unit"]
     for run in found["verify"].get(found["surface"], {}).get("runs", ()):
         if run["verdict"] == "poor":
-            show_message(f"Warning: The model does not predict {run['run']}: {run['rms']:.3g} {unit} rms error.")
+            show_message(
+                f"Warning: The model does not predict {run['run']}: {run['rms']:.3g} {unit} rms error."
+            )
     diagnosis = done.evidence.diagnosis
     emit(found, _text(found, diagnosis.text() if diagnosis else ""))
 
