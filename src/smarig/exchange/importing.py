@@ -15,6 +15,7 @@ from smarig.exchange.reader_result import RunDraft
 from smarig.exchange.refused_files import check_data_file
 from smarig.exchange.repair import Repair, repaired
 from smarig.exchange.rig_constants import RigConstants
+from smarig.exchange.unchanged_file import unchanged
 from smarig.exchange.value_bounds import LONGEST_S
 from smarig.record import CONTINUED, Run, load_run, write_run
 
@@ -65,11 +66,13 @@ def import_file(
     if target.exists() and not force:
         raise UsageError(f"{target} exists; give another name or --force to replace it.")
     before = load_run(continues) if continues is not None else None
-    draft = read(source, rig=rig, mapping=mapping)
+    with unchanged([source]):
+        draft = read(source, rig=rig, mapping=mapping)
+        described = _describe(source, format, rig, mapping, wire)
     draft, repairs = repaired(draft) if repair else (draft, ())
     if t0 is not None:
         draft = _shifted(draft, source, t0)
-    meta = _describe(source, format, rig, mapping, wire) | draft.meta | {"warnings": list(draft.warnings)}
+    meta = described | draft.meta | {"warnings": list(draft.warnings)}
     if t0 is not None:
         meta["t0_s"] = t0
     if before is not None:

@@ -7,7 +7,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from smarig.core import SmarigError, UsageError, atomic_file
+from smarig.core import SmarigError, StorageError, UsageError, atomic_file
+from smarig.exchange import FileChangedError
 from smarig.report import LIBRARY, write_library
 from smarig.study.parallel import completed
 from smarig.study.studies_page import studies_page
@@ -95,11 +96,15 @@ def study_each(
 
 
 def study_one(task: tuple[str, str, StudyOptions]) -> FileOutcome:
-    """The study of one file, in this or another process."""
+    """The study of one file, in this or another process. Raises StorageError, because a full disk ends all others."""
     file, folder, options = task
     try:
         result = study([file], folder, options, library=f"../{LIBRARY}")
         return FileOutcome(file, folder, plain(result.to_json()))
+    except StorageError:
+        raise
+    except FileChangedError as error:  # not kept: it says nothing of the file
+        return FileOutcome(file, folder, None, str(error))
     except SmarigError as error:
         return _failed(task, str(error))
     except Exception as error:  # one bad file must not end the others
