@@ -10,7 +10,7 @@ from smarig.cli.panel.panel_layout import panel, summary
 from smarig.cli.panel.run_status import PanelRunInfo, RunStatus, run_info
 from smarig.config import load_rig
 from smarig.core.command import Elapsed, Hold, Settled, StepResult, StepVerdict, Waveform
-from smarig.core.errors import Interrupted, LimitExceeded
+from smarig.core.errors import Interrupted, LimitExceeded, StorageError
 from smarig.core.sample import NAN, Sample
 from smarig.device.encoding.link_faults import Silent
 from smarig.record import load_run
@@ -161,6 +161,19 @@ def test_the_summary_line_states_how_the_run_ended(error, words):
     line = summary(status).plain
     assert line.startswith(words), line
     assert line.endswith("v.run.sqlite")
+
+
+def test_what_is_refused_before_the_first_sample_is_no_fault():
+    status = RunStatus(RUN_INFO)
+    status.end(StorageError("The disk is full."))
+    assert summary(status).plain == "✖ NOT STARTED validation (BENCH): no current has flowed"
+    assert status.severity == "none"
+    for status, error in (
+        (fed([264] * 10), StorageError("full")),
+        (RunStatus(RUN_INFO), LimitExceeded("hot")),
+    ):
+        status.end(error)
+        assert status.ending.kind == "fault"
 
 
 def test_without_unicode_everything_is_ascii():

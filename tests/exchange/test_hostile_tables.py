@@ -81,3 +81,16 @@ def test_no_unit_starts_a_cell_of_an_exported_table(tmp_path, unit):
     header, *rows = csv.reader(text.splitlines())
     assert all(name[0].isalpha() for name in header)
     assert all(len(row) == len(header) for row in rows)
+
+
+@pytest.mark.parametrize(
+    ("content", "said"),
+    [
+        (b"SQLite format 3\x00", "was cut off after 16 byte"),
+        (b"<!DOCTYPE html><html></html>", "is a page, not a table of numbers"),
+        (b"\x89PNG\r\n\x1a\n", "is a picture, not a table of numbers"),
+    ],
+)
+def test_a_reference_of_another_kind_is_named(write, content, said):
+    with pytest.raises(UsageError, match=said):
+        reference_from_csv(write(content), "mm")

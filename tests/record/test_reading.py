@@ -136,6 +136,7 @@ def test_what_is_no_run_is_refused_in_one_sentence(tmp_path, kind: str):
     words = str(refusal.value)
     swapped = {
         "text": "is a table of numbers, not a run: ",
+        "empty": "is empty.",
         "another database": "is an SQLite database, but no run ",
     }
     assert words.startswith(f"{file} {swapped.get(kind, 'is not a run file, or is damaged: ')}")

@@ -1,6 +1,7 @@
 """The command line: one file per command. A command is found by its name and imported when it is used."""
 
 import contextlib
+import errno
 import importlib
 import os
 import signal
@@ -9,7 +10,7 @@ from collections.abc import Iterator, Sequence
 
 import click
 
-from smarig.cli.output import report_error
+from smarig.cli.output import close_output, report_error
 from smarig.cli.parameter_types import PluginName
 from smarig.cli.working_line import working_line
 from smarig.core import (
@@ -22,6 +23,8 @@ from smarig.core import (
     suggestion,
 )
 
+_FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
+_ENDING = ("SIGINT", "SIGTERM", "SIGHUP")
 _SPELLINGS = {"characterize": "characterise"}
 EPILOG = """\b
 Examples:
@@ -77,10 +80,10 @@ def cli() -> None:
 def main(arguments: Sequence[str] | None = None) -> None:
     """Run a command and exit with its status (0, 2, 3, 4, 5 or 130; 1 for an internal error)."""
     status = run(arguments)
-    for number in _signals("SIGINT", "SIGTERM", "SIGHUP"):  # the command is finished and its status is final
+    for number in _signals(*_ENDING):  # the command is finished and its status is final
         with contextlib.suppress(ValueError):
             signal.signal(number, signal.SIG_IGN)
-    sys.exit(status)
+    sys.exit(close_output(status))
 
 
 def run(arguments: Sequence[str] | None = None) -> int:
@@ -101,11 +104,13 @@ def run(arguments: Sequence[str] | None = None) -> int:
     except SmarigError as error:
         return report_error(str(error), error.exit_status)
     except (KeyboardInterrupt, click.Abort):
-        return report_error("Interrupted.", Interrupted.exit_status)
+        with _signals_ignored():  # Ctrl-C pressed twice
+            return report_error("Interrupted.", Interrupted.exit_status)
     except MemoryError:
         return report_error("This needs more memory than is available. Request less.", 4)
     except OSError as error:
-        what = f"{error.filename}: " if error.filename else ""
+        full = "Standard output or a file cannot be written: " if error.errno in _FULL else ""
+        what = f"{error.filename}: " if error.filename else full
         return report_error(f"{what}{error.strerror or error}.", 4)
     except ArithmeticError as error:
         return report_error(f"A number in these files is too large or too small to compute with: {error}.", 4)
@@ -145,6 +150,15 @@ def _interrupt_on(*signal_names: str) -> None:
         with contextlib.suppress(ValueError):  # not the main thread, where signals can be handled
             if signal.getsignal(number) != signal.SIG_IGN:  # keep a signal ignored by nohup
                 signal.signal(number, signal.default_int_handler)
+
+
+@contextlib.contextmanager
+def _signals_ignored() -> Iterator[None]:
+    with contextlib.ExitStack() as restored:
+        for number in _signals(*_ENDING):
+            with contextlib.suppress(ValueError):
+                restored.callback(signal.signal, number, signal.signal(number, signal.SIG_IGN))
+        yield
 
 
 def _signals(*signal_names: str) -> list[signal.Signals]:

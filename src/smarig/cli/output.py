@@ -13,7 +13,7 @@ from typing import Any
 import click
 
 from smarig.cli.working_line import without_line
-from smarig.core import UsageError, printable
+from smarig.core import StorageError, UsageError, printable
 
 LONGEST_RESULT = 1_000_000  # characters of a result as text
 _STATE = {"json": False}
@@ -50,8 +50,8 @@ def as_json(data: dict[str, Any]) -> str:
 
 
 def show_message(text: str) -> None:
-    """Print a message on stderr. A closed stderr is no error."""
-    with contextlib.suppress(OSError):
+    """Print a message on stderr. A closed or full stderr is no error."""
+    with contextlib.suppress(StorageError):
         _print(printable(text), err=True)
 
 
@@ -63,26 +63,50 @@ def json_requested() -> bool:
 def report_error(sentence: str, status: int) -> int:
     """Print an error on stderr, and as JSON on stdout with --json; return the exit status."""
     sentence = printable(sentence)
-    with contextlib.suppress(OSError):  # stderr is closed: the exit status still shows the error
+    with contextlib.suppress(StorageError):  # stderr is closed: the exit status still shows the error
         _print(f"smarig: {sentence}", err=True)
+    with contextlib.suppress(StorageError):
         if _STATE["json"] or "--json" in sys.argv:
             _print(json.dumps({"error": sentence, "exit_status": status}, ensure_ascii=False))
     return status
 
 
 def _print(text: str, *, err: bool = False) -> None:
-    """Print a line; a closed pipe (``| head``) has no effect on the command.
-
-    The rest of the stream's buffer goes to the null device. Otherwise the interpreter would fail on it at
-    exit.
-    """
+    """Print a line; a closed pipe (``| head``) has no effect on the command. StorageError for a full disk."""
     try:
         with without_line():
             click.echo(text, err=err)
     except BrokenPipeError:
-        nowhere = os.open(os.devnull, os.O_WRONLY)
-        os.dup2(nowhere, (sys.stderr if err else sys.stdout).fileno())
-        os.close(nowhere)
+        _discard(err)
+    except OSError as error:
+        _discard(err)
+        name = "Standard error" if err else "Standard output"
+        raise StorageError(f"{name} cannot be written: {error.strerror or error}.") from None
+
+
+def close_output(status: int) -> int:
+    """Write what the streams still hold at the end of a command; returns the exit status.
+
+    The help of a command is written by click, so its failure shows here. The interpreter would fail on it at exit.
+    """
+    for err in (True, False):
+        stream = sys.stderr if err else sys.stdout
+        try:
+            if stream is not None:
+                stream.flush()
+        except BrokenPipeError:
+            _discard(err)
+        except OSError:
+            _discard(err)
+            status = status or StorageError.exit_status
+    return status
+
+
+def _discard(err: bool) -> None:
+    """Send what a stream holds, and all that follows, to the null device."""
+    nowhere = os.open(os.devnull, os.O_WRONLY)
+    os.dup2(nowhere, (sys.stderr if err else sys.stdout).fileno())
+    os.close(nowhere)
 
 
 def check_distinct(out: Path | None, *inputs: Path | None) -> None:

@@ -12,7 +12,7 @@ from pydantic import Field, model_validator
 from smarig.config.load_file import LoadFile
 from smarig.config.quantity import Amperes, Density, Kelvin, Millimetres, Ohms, PulleyRadius, SpecificHeat
 from smarig.config.thermomechanical_file import LARGEST_STRESS_MPA, ThermomechanicalSection
-from smarig.core import Number, TomlTable
+from smarig.core import ACTUATOR_FILE, CAMPAIGN_FILE, RIG_FILE, Number, TomlTable
 
 LEAST_A, MOST_A = 1e-6, 1e4  # no wire needs less, or more
 TAU_RANGE_S = (1e-3, 1e5)  # of a wire in air: from micrometres to a bar
@@ -58,6 +58,7 @@ class HysteresisSection(TomlTable):
 class ActuatorFile(TomlTable):
     """configs/actuators/NAME.toml"""
 
+    file_kind = ACTUATOR_FILE
     name: str  # name of the file
     arrangement: Literal["one_wire", "two_wire"]  # two wires work against each other
     source: str  # source of the set of values
@@ -245,6 +246,7 @@ class SimulatorFile(TomlTable):
 class RigFile(TomlTable):
     """configs/rigs/NAME.toml. ``base`` names another rig file, which supplies every key that is missing here."""
 
+    file_kind = RIG_FILE
     name: str  # name of the file
     kind: Literal["twin", "bench"]  # twin: in this process; bench: over links
     base: str = ""  # another rig file, which supplies every key that is missing here
@@ -318,6 +320,7 @@ class CampaignStep(TomlTable):
 class CampaignFile(TomlTable):
     """configs/campaigns/NAME.toml: protocols in order."""
 
+    file_kind = CAMPAIGN_FILE
     name: str  # name of the file
     summary: str  # one line for smarig list
     step: tuple[CampaignStep, ...] = Field(min_length=1)  # the protocols in order

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 from pydantic import Field, model_validator
 
-from smarig.core import Number, TomlTable, UsageError, number_from_text
+from smarig.core import Number, TomlTable, UsageError, number_from_text, swapped_file
 
 if TYPE_CHECKING:
     from smarig.config.file_schemas import RigFile
@@ -31,7 +31,8 @@ class LoadFile(TomlTable):
 
 
 def with_load(rig: "RigFile", text: str) -> "RigFile":
-    """The rig with another load: a number in N, a CSV file, or else a formula of t. Raises UsageError for a bad number.
+    """The rig with another load: a number in N, a CSV file, or else a formula of t. Raises UsageError for a bad number
+    and for a file of another kind.
 
     >>> from smarig.config import load_rig
     >>> with_load(load_rig("one_wire_thermomechanical"), "24").load.force_N
@@ -40,6 +41,9 @@ def with_load(rig: "RigFile", text: str) -> "RigFile":
     try:
         force_N = number_from_text(text)
     except ValueError:
+        if Path(text).is_file() and not text.lower().endswith(".csv"):
+            unknown = f"{text} is no load. Give a force in N, a formula of t, or a CSV file (time_s,force_N)."
+            raise UsageError(swapped_file(Path(text), "a load") or unknown) from None
         by_file = text.lower().endswith(".csv")
         load = LoadFile(file=str(Path(text).resolve())) if by_file else LoadFile(formula=text)
     else:

@@ -46,6 +46,7 @@ if TYPE_CHECKING:
     from smarig.core.errors import SmarigError as SmarigError
     from smarig.core.errors import StorageError as StorageError
     from smarig.core.errors import UsageError as UsageError
+    from smarig.core.file_content import CURVES as CURVES
     from smarig.core.file_content import MODEL as MODEL
     from smarig.core.file_content import PAGE as PAGE
     from smarig.core.file_content import RUN as RUN
@@ -86,13 +87,16 @@ if TYPE_CHECKING:
     from smarig.core.shown_text import printable as printable
     from smarig.core.shown_text import shown as shown
     from smarig.core.stored_number import stored_number as stored_number
-    from smarig.core.swapped_file import has_run_tables as has_run_tables
     from smarig.core.swapped_file import swapped_file as swapped_file
     from smarig.core.toml_file import Number as Number
     from smarig.core.toml_file import TomlTable as TomlTable
     from smarig.core.toml_file import check_table as check_table
     from smarig.core.toml_file import load_toml as load_toml
     from smarig.core.toml_file import read_toml as read_toml
+    from smarig.core.toml_kind import ACTUATOR_FILE as ACTUATOR_FILE
+    from smarig.core.toml_kind import CAMPAIGN_FILE as CAMPAIGN_FILE
+    from smarig.core.toml_kind import MAPPING_FILE as MAPPING_FILE
+    from smarig.core.toml_kind import RIG_FILE as RIG_FILE
     from smarig.core.unit_text import in_unit as in_unit
     from smarig.core.unit_text import spaced as spaced
 else:

@@ -8,6 +8,7 @@ from pathlib import Path
 
 RUN, MODEL, PAGE = "a run", "a model", "a page"
 JSON, TOML, TABLE = "JSON", "TOML", "a table of numbers"
+CURVES = "a file of reversal curves"
 
 _HEAD = 4096  # bytes
 _MAGIC = (
@@ -16,20 +17,18 @@ _MAGIC = (
     (b"\x89HDF", "a NetCDF file"),
     (b"MATLAB 5", "a MATLAB file"),
     (b"RRF", "a Rerun recording"),
+    (b"%PDF", "a PDF document"),
+    (b"\x89PNG", "a picture"),
+    (b"\xff\xd8\xff", "a picture"),
+    (b"\x1f\x8b", "a file compressed by gzip"),
+    (b"7z\xbc\xaf", "a file compressed by 7-Zip"),
+    (b"\xd0\xcf\x11\xe0", "an old Excel workbook (.xls)"),
+    (b"PK\x03\x04", "a workbook or ZIP archive"),
+    (b"TDSm", "a LabVIEW TDMS file"),
 )
-_NAMES = {
-    ".run.sqlite": RUN,
-    ".model.json": MODEL,
-    ".html": PAGE,
-    ".json": JSON,
-    ".toml": TOML,
-    ".csv": TABLE,
-    ".parquet": "a Parquet file",
-    ".nc": "a NetCDF file",
-    ".mat": "a MATLAB file",
-    ".rrd": "a Rerun recording",
-}
-_TOML_LINE = re.compile(r"""\[{1,2}["'\w. -]+\]{1,2}\s*(#.*)?|["'\w.-]+\s*=.*""")
+_FORC_WORDS = re.compile(
+    rb"first[- ]order reversal|direct moment vs\. field; first|\bforcs?\b", re.IGNORECASE
+)
 _NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?|nan|[-+]?inf", re.IGNORECASE)
 
 
@@ -43,6 +42,8 @@ def content_kind(path: Path, final_name: str = "") -> str:
     if not head.strip():
         return ""
     binary = next((kind for magic, kind in _MAGIC if head.startswith(magic)), "")
+    if not binary and _FORC_WORDS.search(head[:400]):
+        return CURVES
     return binary or _text(head.decode("utf-8", errors="replace")) or _kind_by_name(final_name or path.name)
 
 

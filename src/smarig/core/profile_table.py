@@ -7,7 +7,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from smarig.core.errors import DataError, UsageError
+from smarig.core.file_content import TABLE
 from smarig.core.number_text import number_from_text
+from smarig.core.swapped_file import swapped_file
 
 _LARGEST_BYTES = 10_000_000
 
@@ -16,6 +18,8 @@ def profile_rows(path: Path) -> list[list[str]]:
     """The cells of a CSV file, line by line. UsageError if it cannot be read, DataError if it is no text table."""
     if not path.is_file() or path.stat().st_size > _LARGEST_BYTES:
         raise UsageError(f"Table {path} cannot be read: the file is missing or larger than 10 MB.")
+    if swapped := swapped_file(path, TABLE):
+        raise DataError(swapped)
     try:
         with path.open(newline="", encoding="utf-8-sig") as lines:
             return list(csv.reader(lines))

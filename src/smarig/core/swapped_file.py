@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from smarig.core.file_content import MODEL, PAGE, RUN, TABLE, TOML, content_kind
+from smarig.core.file_content import CURVES, JSON, MODEL, PAGE, RUN, TABLE, TOML, content_kind
 
 _NOUNS = {
     RUN: "a run",
@@ -17,26 +17,57 @@ _TAKES = {
     PAGE: "open it with a browser",
     TOML: "`--map` takes mapping files, `--rig` rigs",
     TABLE: "`smarig study` reads tables, and `smarig import` makes runs of them",
+    CURVES: "`smarig study` reads it, and `smarig import --format forc` makes a run of it",
+    "a Rerun recording": "the command rerun shows it",
+    "a PDF document": "it holds no numbers that can be read",
+    "a picture": "it holds no numbers that can be read",
+    "a file compressed by gzip": "unpack it first",
+    "a file compressed by 7-Zip": "unpack it first",
+    "an old Excel workbook (.xls)": "save it as .xlsx",
+    "a LabVIEW TDMS file": "export it as text or HDF5",
 }
+_UNKNOWN = ("something else", JSON)
 _SQLITE = b"SQLite format 3\x00"
+_HEADER_BYTES = 100  # of an SQLite file
 _DATA = "`smarig study` and `smarig import` read data files"
 
 
 def swapped_file(path: Path, wanted: str) -> str:
-    """A sentence on a file that is of a known kind other than ``wanted`` (RUN, MODEL, …), "" for all others."""
+    """A sentence on a file that is of a known kind other than ``wanted``, "" for all others.
+
+    ``wanted`` is a kind (RUN, MODEL, …), or the noun of what was expected.
+    """
     try:
         kind = content_kind(path)
     except OSError:
         return ""
-    if kind == RUN and not has_run_tables(path):
+    if kind == RUN and (held := _bytes_before_first_page(path)):
+        return f"{path} was cut off after {held} byte(s), before anything of a run. Copy it again from its source."
+    if kind == RUN and _is_foreign_database(path):
         return f"{path} is an SQLite database, but no run of smarig. Export its table as CSV."
-    if kind in ("", wanted, "something else", "JSON"):
+    if not kind:
+        return f"{path} is empty."
+    if kind in _UNKNOWN and wanted == RUN:
+        return f"{path} is not a run, which is an SQLite database. {_DATA}."
+    if kind in (wanted, *_UNKNOWN):
         return ""
-    return f"{path} is {_NOUNS.get(kind, kind)}, not {_NOUNS[wanted]}: {_TAKES.get(kind, _DATA)}."
+    return f"{path} is {_NOUNS.get(kind, kind)}, not {_NOUNS.get(wanted, wanted)}: {_TAKES.get(kind, _DATA)}."
 
 
-def has_run_tables(path: Path) -> bool:
-    """Whether a file may hold a run: it is no SQLite file, or its first bytes define the tables of one."""
+def _bytes_before_first_page(path: Path) -> int:
+    """The size of an SQLite file that ends within its first page, which defines its tables; 0 for all others."""
+    with path.open("rb") as file:
+        head = file.read(_HEADER_BYTES)
+    if not head.startswith(_SQLITE[: max(len(head), 1)]):
+        return 0
+    page_bytes = int.from_bytes(head[16:18], "big")  # SQLite file format, 1.3.2
+    size = path.stat().st_size
+    return size if size < max(_HEADER_BYTES, 65536 if page_bytes == 1 else page_bytes) else 0
+
+
+def _is_foreign_database(path: Path) -> bool:
+    """Whether an SQLite file defines tables in its first bytes, but none of a run. Damage may have removed all."""
     with path.open("rb") as file:
         head = file.read(1 << 16)
-    return not head.startswith(_SQLITE) or b"CREATE TABLE sample" in head or b"CREATE TABLE run" in head
+    own = b"CREATE TABLE sample" in head or b"CREATE TABLE run" in head
+    return head.startswith(_SQLITE) and b"CREATE TABLE" in head.upper() and not own

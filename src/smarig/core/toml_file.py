@@ -2,7 +2,7 @@
 
 import tomllib
 from pathlib import Path
-from typing import Annotated, Any, TypeVar, get_args
+from typing import Annotated, Any, ClassVar, TypeVar, get_args
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
@@ -11,6 +11,7 @@ from smarig.core.errors import ConfigError, UsageError
 from smarig.core.file_content import TOML
 from smarig.core.shown_text import shown
 from smarig.core.swapped_file import swapped_file
+from smarig.core.toml_kind import swapped_table
 
 LARGEST_BYTES = 10_000_000
 _MOST_PROBLEMS = 20  # listed in one message
@@ -22,9 +23,10 @@ Number = Annotated[
 
 
 class TomlTable(BaseModel):
-    """A frozen table of a configuration file; unknown keys are errors."""
+    """A frozen table of a configuration file; unknown keys are errors. ``file_kind``: of the schema of a whole file."""
 
     model_config = ConfigDict(frozen=True, extra="forbid")
+    file_kind: ClassVar[str] = ""
 
 
 SchemaType = TypeVar("SchemaType", bound=BaseModel)
@@ -54,15 +56,26 @@ def read_toml(path: Path) -> dict[str, Any]:
 
 
 def check_table(schema: type[SchemaType], data: Any, where: str) -> SchemaType:
-    """Check data against a schema. One ConfigError lists every problem."""
+    """Check data against a schema. One ConfigError lists every problem, or says that it is a file of another kind."""
     try:
         return schema.model_validate(data)
     except ValidationError as error:
+        if swapped := _swapped(schema, data, where):
+            raise ConfigError(swapped) from None
         problems = error.errors(include_url=False, include_context=False)
         sentences = [f"{where}: {_sentence(e, schema)}" for e in problems[:_MOST_PROBLEMS]]
         if len(problems) > _MOST_PROBLEMS:
             sentences.append(f"{where}: {len(problems) - _MOST_PROBLEMS} more problems are not listed.")
         raise ConfigError("\n".join(sentences)) from None
+
+
+def _swapped(schema: type[BaseModel], data: Any, where: str) -> str:
+    """A sentence on a file of another kind, "" for all others."""
+    kind = schema.file_kind if issubclass(schema, TomlTable) else ""
+    if not kind or not isinstance(data, dict):
+        return ""
+    required = [key for key, field in schema.model_fields.items() if field.is_required()]
+    return swapped_table(data, kind, where, required)
 
 
 def _sentence(error: Any, schema: type[BaseModel]) -> str:

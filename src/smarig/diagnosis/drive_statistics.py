@@ -33,8 +33,9 @@ class DriveStatistics:
         samples = max(float(np.median([step.n for run in timeline.runs for step in run.settled])), 1.0)
         sample_noise = raw_noise(timeline, plant_model)
         minimised, most = (
-            max(sample_noise / np.sqrt(samples), MIN_COUNT_SD * plant_model.per_count) / plant_model.stroke,
-            max(MAX_COUNT_SD * plant_model.per_count, sample_noise) / plant_model.stroke,
+            max(sample_noise / np.sqrt(samples), MIN_COUNT_SD * plant_model.per_count)
+            / abs(plant_model.stroke),
+            max(MAX_COUNT_SD * plant_model.per_count, sample_noise) / abs(plant_model.stroke),
         )
         return (minimised, most), (MIN_FLUCTUATION_K, MAX_FLUCTUATION_K)
 

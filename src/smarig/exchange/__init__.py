@@ -22,8 +22,11 @@ if TYPE_CHECKING:
     from smarig.exchange.mapping import MappingFile as MappingFile
     from smarig.exchange.mapping import load_mapping as load_mapping
     from smarig.exchange.refused_files import check_data_file as check_data_file
+    from smarig.exchange.unchanged_file import FileChangedError as FileChangedError
+    from smarig.exchange.unchanged_file import unchanged as unchanged
     from smarig.exchange.unit_conversion import convert as convert
     from smarig.exchange.unit_conversion import dimension as dimension
+    from smarig.exchange.value_bounds import plausible as plausible
     from smarig.exchange.written_units import known_unit as known_unit
 else:
     __getattr__, __dir__, __all__ = lazy_exports(__name__)

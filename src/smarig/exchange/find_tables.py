@@ -1,27 +1,31 @@
 """Finds the tables in a data file of any format that is known."""
 
-import re
 from collections.abc import Sequence
 from pathlib import Path
 
-from smarig.core import DataError, UsageError
+from smarig.core import CURVES, DataError, UsageError, content_kind
 from smarig.exchange.forc_file import read_forc
 from smarig.exchange.found_table import FoundColumn, FoundTable
 from smarig.exchange.importing import LARGEST_BYTES
 from smarig.exchange.refused_files import check_data_file
+from smarig.exchange.value_bounds import check_size
 
 _HEAD = 4096  # bytes
-_FORC_WORDS = re.compile(
-    rb"first[- ]order reversal|direct moment vs\. field; first|\bforcs?\b", re.IGNORECASE
-)
 
 
 def find_tables(path: Path, others: Sequence[Path] = ()) -> list[FoundTable]:
     """The tables of a file, in order. A file of reversal curves is one table without columns to choose.
 
     ``others`` are files given with it, of which some may belong to it. Raises UsageError for a missing file or extra,
-    and DataError for a file that holds no table.
+    and DataError for a file that holds no table, or a number that is too large to be measured.
     """
+    tables = _tables(path, others)
+    for column in (column for table in tables for column in table.columns):
+        check_size(path, column.name, column.values, marks=True)  # text tables did so with their line numbers
+    return tables
+
+
+def _tables(path: Path, others: Sequence[Path]) -> list[FoundTable]:
     if not path.is_file():
         raise UsageError(f"There is no file {path}.")
     if path.stat().st_size > LARGEST_BYTES:
@@ -45,7 +49,7 @@ def find_tables(path: Path, others: Sequence[Path] = ()) -> list[FoundTable]:
         from smarig.exchange.mat_tables import mat_tables
 
         return mat_tables(path, others)
-    if _FORC_WORDS.search(head[:400]):
+    if content_kind(path) == CURVES:
         return [_forc(path)]
     from smarig.exchange.text_dialect import text_tables
 

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from smarig.core import DataError, number_from_text, shown, spaced
 from smarig.exchange.text_table import check_lines, read_text
 from smarig.exchange.units import spelled
+from smarig.exchange.value_bounds import check_size
 
 Array = NDArray[np.float64]
 _UNITS = {
@@ -84,6 +85,8 @@ def read_forc(path: Path) -> ForcFile:
         [np.full(len(b), -1 if c else n) for b, c, n in zip(blocks, calibration, numbers, strict=True)]
     )
     field, moment = np.concatenate(blocks).T
+    for name, values in (("field", field), ("moment", moment)):
+        check_size(path, name, values, np.array(where))
     forc = ForcFile(
         field=field, moment=moment, curve=curve, line=np.array(where), units=units, header=header, warnings=()
     )

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from smarig.exchange.text_table import Table
+from smarig.exchange.value_bounds import check_size
 
 CLOCK, NUMBER, TEXT = "clock", "number", "text"
 
@@ -50,8 +51,12 @@ class FoundTable:
         return tuple(column.name for column in self.columns)
 
 
-def found_columns(table: Table, units: dict[str, str], kinds: dict[str, str]) -> tuple[FoundColumn, ...]:
-    """The columns of a table that was read."""
+def found_columns(
+    path: Path, table: Table, units: dict[str, str], kinds: dict[str, str]
+) -> tuple[FoundColumn, ...]:
+    """The columns of a table that was read; DataError with the line for a value that is too large to be measured."""
+    for name, values in table.columns.items():
+        check_size(path, name, values, table.line, marks=True)
     return tuple(
         FoundColumn(name, units.get(name, ""), values, kinds.get(name, NUMBER))
         for name, values in table.columns.items()

@@ -3,7 +3,6 @@ at all.
 """
 
 import hashlib
-import math
 import platform
 from dataclasses import dataclass
 from importlib.metadata import version
@@ -16,6 +15,8 @@ from smarig.exchange.reader_result import RunDraft
 from smarig.exchange.refused_files import check_data_file
 from smarig.exchange.repair import Repair, repaired
 from smarig.exchange.rig_constants import RigConstants
+from smarig.exchange.unchanged_file import unchanged
+from smarig.exchange.value_bounds import LONGEST_S
 from smarig.record import CONTINUED, Run, load_run, write_run
 
 LARGEST_BYTES = 2 * 10**9
@@ -58,18 +59,20 @@ def import_file(
         raise UsageError(f"There is no file {source}.")
     if source.stat().st_size > LARGEST_BYTES:
         raise DataError(f"{source} is larger than {LARGEST_BYTES // 10**9} GB. Split it.")
-    if t0 is not None and not math.isfinite(t0):
-        raise UsageError(f"--t0 is {t0}. Give a time in seconds.")
+    if t0 is not None and not abs(t0) <= LONGEST_S:
+        raise UsageError(f"--t0 is {t0:g}. Give a time in seconds.")
     read = catalogue_entry("smarig.exchange.readers", format)
     check_data_file(source)
     if target.exists() and not force:
         raise UsageError(f"{target} exists; give another name or --force to replace it.")
     before = load_run(continues) if continues is not None else None
-    draft = read(source, rig=rig, mapping=mapping)
+    with unchanged([source]):
+        draft = read(source, rig=rig, mapping=mapping)
+        described = _describe(source, format, rig, mapping, wire)
     draft, repairs = repaired(draft) if repair else (draft, ())
     if t0 is not None:
         draft = _shifted(draft, source, t0)
-    meta = _describe(source, format, rig, mapping, wire) | draft.meta | {"warnings": list(draft.warnings)}
+    meta = described | draft.meta | {"warnings": list(draft.warnings)}
     if t0 is not None:
         meta["t0_s"] = t0
     if before is not None:

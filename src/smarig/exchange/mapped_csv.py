@@ -19,7 +19,7 @@ from smarig.exchange.text_table import Table, TableLayout
 from smarig.exchange.time_axis import check_time, merge_repeats, time_findings
 from smarig.exchange.unit_conversion import convert
 from smarig.exchange.units import spelled
-from smarig.exchange.value_bounds import check_bounds, check_strain
+from smarig.exchange.value_bounds import check_bounds, check_size, check_strain, plausible
 from smarig.record import OWN_ZERO
 
 Array = NDArray[np.float64]
@@ -48,7 +48,7 @@ def read_mapped_csv(path: Path, mapping: MappingFile) -> RunDraft:
 
 def mapped_draft(path: Path, table: Table, mapping: MappingFile) -> RunDraft:
     """The run of a table that holds every column of its mapping; loops keep their numbers as ``step``."""
-    table, clock = _with_time(path, table, mapping)
+    table, clock = _with_time(path, _of_plausible_size(path, table, mapping), mapping)
     columns, line, branch, notes = _unfold_branches(path, table, mapping)
     conditions, remarks = _conditions(path, table, mapping)
     odd = _compare_sensors(path, table, mapping, columns)
@@ -80,6 +80,15 @@ def mapped_draft(path: Path, table: Table, mapping: MappingFile) -> RunDraft:
         columns["step"] = table.loop.astype(float)
     steps = _reading_steps(columns, branch) if mapping.steps == "rows" else []
     return RunDraft(columns, _meta(mapping, columns, conditions, table), tuple(steps), tuple(warnings))
+
+
+def _of_plausible_size(path: Path, table: Table, mapping: MappingFile) -> Table:
+    """The table; DataError for a value of a used column that is too large. In unused columns it counts as missing."""
+    used = mapping.used()
+    for name in used:
+        check_size(path, name, table.columns[name], table.line)
+    columns = {name: x if name in used else plausible(x) for name, x in table.columns.items()}
+    return _replace_rows(table, columns, table.line)
 
 
 def _findings_by_loop(
@@ -121,6 +130,7 @@ def _with_time(path: Path, table: Table, mapping: MappingFile) -> tuple[Table, l
                 f"outside the period of {time.period_s:g} s."
             )
         t_s = t_s + np.arange(len(table)) // time.rows_per_period * time.period_s
+    check_bounds(path, "t_s", time.column or "time", t_s, table.line)
     check_time(path, time.column or "time", t_s, table.line, time.repeated)
     messages = time_findings(t_s, table.line, time.repeated) if time.period_s is None else []
     if time.period_s is not None:

@@ -8,7 +8,7 @@ from typing import Annotated, Literal
 from pydantic import AfterValidator, Field, model_validator
 
 from smarig.config import locate
-from smarig.core import ConfigError, TomlTable, UsageError, load_toml
+from smarig.core import MAPPING_FILE, ConfigError, TomlTable, UsageError, load_toml
 from smarig.exchange.unit_conversion import check_same_quantity, check_unit
 from smarig.exchange.units import spelled
 
@@ -175,6 +175,7 @@ class SensorComparison(TomlTable):
 class MappingFile(TomlTable):
     """configs/imports/NAME.toml"""
 
+    file_kind = MAPPING_FILE
     name: str  # name of the mapping
     summary: str  # one line, for smarig list
     source: str  # origin of the data

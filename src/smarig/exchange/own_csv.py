@@ -20,7 +20,7 @@ from smarig.exchange.rig_constants import RigConstants
 from smarig.exchange.table_file import read_table
 from smarig.exchange.text_table import Table, TableLayout
 from smarig.exchange.time_axis import check_time, time_findings
-from smarig.exchange.value_bounds import check_bounds
+from smarig.exchange.value_bounds import check_bounds, check_size
 from smarig.exchange.with_heating_model import input_description
 
 Array = NDArray[np.float64]
@@ -43,6 +43,9 @@ def read_own_csv(path: Path, rig: RigConstants | None = None) -> RunDraft:
     table = read_table(path, TableLayout(known=(*known, *EXPORTED)))
     _check_columns(path, table, known)
     line, t_s = table.line, table.columns["time_s"]
+    for name, values in table.columns.items():
+        check_size(path, name, values, line)
+    check_bounds(path, "t_s", "time_s", t_s, line)
     check_time(path, "time_s", t_s, line, "refuse")
     columns: dict[str, Array] = {"t_s": t_s}
     for name in (*CURRENTS, *UNITS):

@@ -140,7 +140,7 @@ def _table(
         path=path,
         format="csv",
         name=f"table {number}" if len(blocks) > 1 else "",
-        columns=found_columns(table, _units(block, dialect.rows(lines[: block.first])), kinds),
+        columns=found_columns(path, table, _units(block, dialect.rows(lines[: block.first])), kinds),
         layout={"file": entries},
         header=preamble_keys([line.strip("# ") for line in before if line.strip()]),
     )

@@ -1,4 +1,4 @@
-"""Bounds of plausible values: a value outside them indicates a wrong unit."""
+"""Bounds of plausible values: a value outside them indicates a wrong unit, or a mark for a missing reading."""
 
 from pathlib import Path
 
@@ -8,7 +8,11 @@ from numpy.typing import NDArray
 from smarig.core import DataError, spaced
 
 Array = NDArray[np.float64]
+LARGEST = 1e30  # in any unit: nothing measured is larger, and the square of a larger number may overflow
+LONGEST_S = 1e14  # three million years: milliseconds since 1970 are allowed
+_LARGEST_MARK = 1e39  # instruments write numbers up to the largest of 32 bits for overload or no reading
 _BOUNDS = {  # channel: (lowest, highest, unit), with a wide margin
+    "t_s": (-LONGEST_S, LONGEST_S, "s"),
     "current_command_A": (-100.0, 100.0, "A"),
     "current_A": (-100.0, 100.0, "A"),
     "voltage_V": (-1000.0, 1000.0, "V"),
@@ -21,13 +25,38 @@ _STRAIN_RANGE_MIN = 1e-3  # less than thermal expansion over 100 K
 
 def check_bounds(path: Path, channel: str, column: str, x: Array, line: NDArray[np.int64]) -> None:
     """Raise DataError with line and column for a value outside the channel's bounds."""
-    low, high, unit = _BOUNDS.get(channel, (-np.inf, np.inf, ""))
+    low, high, unit = _BOUNDS.get(channel, (-LARGEST, LARGEST, ""))
     bad = np.flatnonzero((x < low) | (x > high))
     if bad.size:
         raise DataError(
             f"{path}, line {line[bad[0]]}, column '{column}': {x[bad[0]]:g}{spaced(unit)} as {channel} lies outside "
             f"{low:g} … {high:g}{spaced(unit)}. Is the unit right?"
         )
+
+
+def check_size(
+    path: Path, column: str, x: Array, line: NDArray[np.int64] | None = None, *, marks: bool = False
+) -> None:
+    """Raise DataError with line (or row) and column for a value that is too large to be measured in any unit.
+
+    ``marks``: numbers such as 9.91e37, which instruments write where there is no reading, are allowed.
+    """
+    bad = np.flatnonzero(np.abs(x) > (_LARGEST_MARK if marks else LARGEST))
+    if bad.size:
+        where = f"row {bad[0] + 1}" if line is None else f"line {line[bad[0]]}"
+        raise DataError(
+            f"{path}, {where}, column '{column}': {x[bad[0]]:g} is no measured value (at most {LARGEST:g}). "
+            "Leave the cell empty if there was no reading."
+        )
+
+
+def plausible(x: Array) -> Array:
+    """The values (n,) with NaN for those that are infinite or too large to be measured.
+
+    >>> plausible(np.array([1.0, -2.0, 9.91e37])).tolist()
+    [1.0, -2.0, nan]
+    """
+    return np.where(np.abs(x) <= LARGEST, x, np.nan)
 
 
 def check_strain(path: Path, column: str, strain: Array) -> list[str]:

@@ -88,7 +88,7 @@ def _found(path: Path, title: str, rows: _Rows, block: FoundBlock, sheets: int) 
         path=path,
         format="xlsx",
         name=title if sheets > 1 else "",
-        columns=found_columns(table, dict(zip(block.names, block.units)), kinds),
+        columns=found_columns(path, table, dict(zip(block.names, block.units)), kinds),
         layout={"workbook": entries},
         header=table.header,
     )

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from smarig.core import DataError
+from smarig.core import RUN, DataError, swapped_file
 from smarig.record import schema
 from smarig.record.new_run_file import new_run_file
 from smarig.record.opened_run import recovered_file
@@ -102,7 +102,8 @@ def salvage(file: Path) -> Salvaged:
     meta, lost = readable_keys(rows["run"].values())
     if "schema_version" not in meta and not rows["sample"]:
         raise DataError(
-            f"Nothing can be saved from {file}: none of its pages holds a sample or the description of a run."
+            swapped_file(file, RUN)
+            or f"Nothing can be saved from {file}: none of its pages holds a sample or the description of a run."
         )
     tables = {table: [row for _, row in sorted(found.items())] for table, found in rows.items()}
     missing, unverified = missing_and_unverified(tables["sample"], meta)

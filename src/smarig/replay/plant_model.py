@@ -33,7 +33,7 @@ class PlantModel:
 
     @property
     def stroke(self) -> float:
-        """Output between both saturations."""
+        """Output between both saturations; negative if the output falls while the input rises."""
         h = self.hysteresis
         return h.everett(h.upper, h.lower) or 1.0
 

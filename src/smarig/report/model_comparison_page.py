@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from smarig.core import spaced
-from smarig.identification import PredictionErrors, RunVerification, density_report, verify
+from smarig.identification import ErrorLevel, PredictionErrors, RunVerification, density_report, verify
 from smarig.record import Run
 from smarig.replay import Model, simulate_samples, with_heating_of
 from smarig.report.components.comparison_labels import banner, check_comparable_count
@@ -54,6 +54,7 @@ def models_page(models: Mapping[str, Model], runs: Mapping[str, Run]) -> str:
             "Errors",
             [
                 _errors(verifications, display_unit(next(iter(models.values())).unit)),
+                *_poor(verifications),
                 *_warnings(verifications),
             ],
         ),
@@ -121,6 +122,17 @@ def _warnings(verifications: _Verifications) -> list[Html]:
         for words in each.warnings
     ]
     return [notice("warning", paragraph("Limits of this comparison:"), bullets(warnings))] if warnings else []
+
+
+def _poor(verifications: _Verifications) -> list[Html]:
+    """A notice on runs that a model does not predict."""
+    found = [
+        f"{model} on {run}: {each.verdict.text}"
+        for run, by_model in verifications.items()
+        for model, each in by_model.items()
+        if each.verdict.level == ErrorLevel.POOR
+    ]
+    return [notice("warning", paragraph("Poor predictions:"), bullets(found))] if found else []
 
 
 def _origins(models: Mapping[str, Model]) -> Html:

@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from smarig.study.study import study as study
     from smarig.study.study_options import SPLITS as SPLITS
     from smarig.study.study_options import StudyOptions as StudyOptions
+    from smarig.study.study_result import POOR as POOR
     from smarig.study.study_result import StudyResult as StudyResult
     from smarig.study.table_guess import TableGuess as TableGuess
     from smarig.study.table_guess import guess_table as guess_table

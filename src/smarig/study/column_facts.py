@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.exchange import FoundColumn
+from smarig.exchange import FoundColumn, plausible
 
 Array = NDArray[np.float64]
 CONSTANT_SHARE = 0.1  # of the mean: a column that varies less counts as a condition
@@ -60,12 +60,13 @@ class ColumnFacts:
 
 
 def column_facts(column: FoundColumn) -> ColumnFacts:
-    """The facts about a column.
+    """The facts about a column. Values that are too large to be measured count as missing.
 
     >>> column_facts(FoundColumn("t", "s", np.arange(5.0))).looks()
     'rises evenly'
     """
-    x = column.values[np.isfinite(column.values)]
+    values = plausible(column.values)
+    x = values[np.isfinite(values)]
     steps = np.diff(x)
     moved = np.abs(steps[steps != 0])
     step = float(np.median(moved)) if moved.size else 0.0
@@ -75,8 +76,8 @@ def column_facts(column: FoundColumn) -> ColumnFacts:
         name=column.name,
         written_unit=column.unit,
         kind=column.kind,
-        values=column.values,
-        missing=int(column.values.size - x.size),
+        values=values,
+        missing=int(values.size - x.size),
         low=float(x.min()) if x.size else np.nan,
         high=float(x.max()) if x.size else np.nan,
         step=step,

@@ -2,11 +2,13 @@
 
 import json
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import closing
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from smarig.core import SmarigError, UsageError, atomic_file
+from smarig.core import SmarigError, StorageError, UsageError, atomic_file
+from smarig.exchange import FileChangedError
 from smarig.report import LIBRARY, write_library
 from smarig.study.natural_order import natural_key
 from smarig.study.parallel import completed
@@ -82,11 +84,10 @@ def study_each(
     if outcomes:
         progress(f"{len(outcomes)} of {len(tasks)} files were studied before")
     try:
-        for done, outcome in enumerate(
-            completed(study_one, waiting, workers, scheduler), start=len(outcomes) + 1
-        ):
-            outcomes[outcome.file] = outcome
-            progress(f"{done} of {len(tasks)}: {outcome.file} {_short(outcome)}")
+        with closing(completed(study_one, waiting, workers, scheduler)) as answers:
+            for done, outcome in enumerate(answers, start=len(outcomes) + 1):
+                outcomes[outcome.file] = outcome
+                progress(f"{done} of {len(tasks)}: {outcome.file} {_short(outcome)}")
     except KeyboardInterrupt:
         progress(f"{len(outcomes)} of {len(tasks)} files are done and kept; the same command continues.")
         raise
@@ -97,11 +98,15 @@ def study_each(
 
 
 def study_one(task: tuple[str, str, StudyOptions]) -> FileOutcome:
-    """The study of one file, in this or another process."""
+    """The study of one file, in this or another process. Raises StorageError, because a full disk ends all others."""
     file, folder, options = task
     try:
         result = study([file], folder, options, library=f"../{LIBRARY}")
         return FileOutcome(file, folder, plain(result.to_json()))
+    except StorageError:
+        raise
+    except FileChangedError as error:  # not kept: it says nothing of the file
+        return FileOutcome(file, folder, None, str(error))
     except SmarigError as error:
         return _failed(task, str(error))
     except Exception as error:  # one bad file must not end the others

@@ -3,11 +3,14 @@
 Other processes use the plug-ins that this one uses.
 """
 
-from collections.abc import Callable, Iterator, Sequence
+import os
+import signal
+import threading
+from collections.abc import Callable, Generator, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from concurrent.futures.process import BrokenProcessPool
 from functools import partial
-from multiprocessing import get_context
+from multiprocessing import active_children, get_context, parent_process
 from typing import Any, TypeVar
 
 from smarig.core import DataError, UsageError, plugins_in_use, use_plugin
@@ -18,8 +21,10 @@ Answer = TypeVar("Answer")
 
 def completed(
     function: Callable[[Any], Answer], tasks: Sequence[Any], workers: int, scheduler: str | None = None
-) -> Iterator[Answer]:
+) -> Generator[Answer, None, None]:
     """The answers as they are completed, in any order. ``scheduler``: the address of a Dask scheduler.
+
+    Closing the generator ends the processes; what they were doing is not completed.
 
     Raises UsageError if no scheduler responds there, or without the extra 'scale'; DataError if a process is killed.
 
@@ -44,17 +49,36 @@ def _with_plugins(names: Sequence[str], function: Callable[[Any], Answer], task:
 
 
 def _by_processes(function: Callable[[Any], Answer], tasks: Sequence[Any], workers: int) -> Iterator[Answer]:
-    pool = ProcessPoolExecutor(workers, mp_context=get_context("spawn"))
+    others = set(active_children())
+    pool = ProcessPoolExecutor(workers, mp_context=get_context("spawn"), initializer=_follow_parent)
+    finished = False
     try:
         for future in as_completed([pool.submit(function, task) for task in tasks]):
             yield future.result()
+        finished = True
     except BrokenProcessPool:
         raise DataError(
             "A worker process was ended from outside, perhaps for want of memory. What is done is kept: repeat "
             "the command, with fewer --workers."
         ) from None
     finally:  # not "with", whose end would wait for the tasks that have not begun
+        if not finished:
+            for process in set(active_children()) - others:
+                process.terminate()
         pool.shutdown(wait=True, cancel_futures=True)
+
+
+def _follow_parent() -> None:
+    """In a worker: leave Ctrl-C to the parent process, which ends the workers, and end when it is killed."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    threading.Thread(target=_end_with_parent, daemon=True).start()
+
+
+def _end_with_parent() -> None:
+    parent = parent_process()
+    if parent is not None:
+        parent.join()
+        os._exit(1)
 
 
 def _by_dask(function: Callable[[Any], Answer], tasks: Sequence[Any], address: str) -> Iterator[Answer]:

@@ -11,6 +11,7 @@ from threadpoolctl import threadpool_limits
 
 from smarig.core import DataError, SmarigError, UsageError, atomic_file
 from smarig.diagnosis import diagnose
+from smarig.exchange import unchanged
 from smarig.identification import calibrate
 from smarig.study.candidate_models import Evaluation, evaluate, with_extended
 from smarig.study.data_split import DataSplit, split_runs
@@ -48,14 +49,15 @@ def study(
     if not paths:
         raise UsageError("Name at least one file to study.")
     name = name or (paths[0].stem if len(paths) == 1 else folder.name or "study")
-    key = study_key(paths, options)
-    folder.mkdir(parents=True, exist_ok=True)
-    progress("reading")
-    try:
-        understood = understand(paths, options, ask)
-    except UnsureError as error:
-        raise UsageError(f"{error} {_saved(mapping_draft(error.guess, name), folder)}") from None
-    tables, left_out = import_tables(understood.guesses, folder, options.mapping, name)
+    with unchanged(paths):
+        key = study_key(paths, options)
+        folder.mkdir(parents=True, exist_ok=True)
+        progress("reading")
+        try:
+            understood = understand(paths, options, ask)
+        except UnsureError as error:
+            raise UsageError(f"{error} {_saved(mapping_draft(error.guess, name), folder)}") from None
+        tables, left_out = import_tables(understood.guesses, folder, options.mapping, name)
     for table in tables:
         progress(f"{table.title}: {len(table.run)} rows")
     split, evaluation, heating = None, None, ""

@@ -94,6 +94,12 @@ def command(
             progress=None if quiet else show_message,
         )
     found = done.to_json()
+    unit = found["identify"]["unit"]
+    for run in found["verify"].get(found["surface"], {}).get("runs", ()):
+        if run["verdict"] == "poor":
+            show_message(
+                f"Warning: The model does not predict {run['run']}: {run['rms']:.3g} {unit} rms error."
+            )
     diagnosis = done.evidence.diagnosis
     emit(found, _text(found, diagnosis.text() if diagnosis else ""))
 
@@ -107,7 +113,8 @@ def _text(found: dict, diagnosis: str) -> str:
     for name, verified in found["verify"].items():
         for run in verified["runs"]:
             lines.append(
-                f"Validation with {name}: {run['rms']:.3g} {verified['unit']} rms error, n = {run['n']}."
+                f"Validation with {name}: {run['rms']:.3g} {verified['unit']} rms error, n = {run['n']}: "
+                f"{run['verdict']}."
             )
     lines += [diagnosis] if diagnosis else []
     lines += found["preisach"]["sentences"]

@@ -69,7 +69,11 @@ def command(
     diagram = forc or smoothing is not None
     if diagram and (len(runs) != 1 or models or runs[0].is_dir()):
         raise UsageError("A FORC diagram is made of one run, without a model. Name one run file.")
-    if summary and (diagram or len(runs) != 1 or runs[0].is_dir() or len(models) > 1):
+    if summary and diagram:
+        raise UsageError(
+            f"--summary and {'--forc' if forc else '--smoothing'} write different pages. Give one of them."
+        )
+    if summary and (len(runs) != 1 or runs[0].is_dir() or len(models) > 1):
         raise UsageError("--summary is of one run, with at most one --model. Name one run file.")
     if figures is None:
         _pages(runs, models, out, force, diagram, smoothing, summary)

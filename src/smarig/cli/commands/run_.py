@@ -10,7 +10,7 @@ from smarig.cli.output import emit, json_option, show_message
 from smarig.cli.parameter_types import ANY_PATH, EXPERIMENT
 from smarig.cli.progress import STREAMS, preview_progress
 from smarig.cli.run_options import RunOptions, check_target, print_warnings, run_options, run_summary
-from smarig.core import UsageError, catalogue_names, offered_names, suggestion
+from smarig.core import UsageError, catalogue_names, offered_names, suggestion, swapped_file
 
 if TYPE_CHECKING:
     from smarig.config import CampaignFile, CampaignStep
@@ -125,7 +125,18 @@ def _plan(experiment: str, settings: dict) -> "CampaignFile":
     refuse_closed_loops(experiment)
     if experiment not in campaigns and not experiment.endswith(".toml"):
         known = [*protocols, *offered_names("smarig.protocols"), *campaigns]
-        raise UsageError(f"No protocol or campaign '{experiment}'{suggestion(experiment, known)}.")
+        raise UsageError(
+            _other_file(Path(experiment))
+            or f"No protocol or campaign '{experiment}'{suggestion(experiment, known)}."
+        )
     if settings:
         raise UsageError("--set applies to a single protocol only. Set the values of a campaign in its file.")
     return with_loaded_protocols(load_campaign(experiment))
+
+
+def _other_file(path: Path) -> str:
+    """A sentence on an existing file that is neither a protocol nor a campaign; "" if there is no such file."""
+    if not path.is_file():
+        return ""
+    unknown = f"{path} is neither a protocol (NAME.py) nor a campaign (NAME.toml)."
+    return swapped_file(path, "a protocol or campaign") or unknown

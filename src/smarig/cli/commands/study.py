@@ -93,10 +93,12 @@ def command(
 
 
 def _one(files: Sequence[Path], out: Path, options: "StudyOptions") -> None:
-    from smarig.study import study
+    from smarig.study import POOR, study
 
     result = study(files, out, options, ask=_asker(), progress=show_message)
     show_message(_columns_text(result))
+    if result.verdict == POOR:
+        show_message("Warning: The model is poor. Do not use it before its errors are explained.")
     emit(
         result.to_json(),
         "\n".join([*result.sentences(), *result.reasons, *result.hints(), f"Page: {out / 'index.html'}"]),

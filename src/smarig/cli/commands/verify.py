@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 def command(model: Path, runs: tuple[Path, ...], select: str | None) -> None:
     """Verify a model on the settled points of runs. The model is simulated along the whole history of each
     run."""
-    from smarig.identification import verify
+    from smarig.identification import ErrorLevel, verify
     from smarig.record import load_run
     from smarig.replay import load_model
 
@@ -34,6 +34,11 @@ def command(model: Path, runs: tuple[Path, ...], select: str | None) -> None:
     for run in found["runs"]:
         for warning in run.get("warnings", ()):
             show_message(f"Warning: {warning}")
+    for run in result.runs:
+        if run.verdict.level == ErrorLevel.POOR:
+            show_message(
+                f"Warning: The model does not predict {run.run}: {run.verdict.text.removesuffix(': poor')}."
+            )
     lines = [
         f"{run['run']}: rms error {run['rms']:.4g}{spaced(unit)} (NRMSE {run['nrmse']:.3g}), "
         f"largest {run['max_abs']:.4g}{spaced(unit)}, n = {run['n']}; noise floor "

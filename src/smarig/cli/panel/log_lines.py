@@ -152,9 +152,12 @@ class JsonLogLines(_StatusUpdates):
         self._status.end(error)
         ending = self._status.ending
         cause = (ending.text or ending.word) if ending else ""
-        level = "info" if error is None else "error" if ending and ending.kind == "fault" else "warning"
+        failed = ending is not None and ending.kind in ("fault", "refused")
+        level = "info" if error is None else "error" if failed else "warning"
         facts: dict[str, Any] = {"out": self._status.run_info.out, "steps": self._status.finished}
-        facts |= {"severity": end_severity(error), "highest_severity": self._status.severity}
+        refused = ending is not None and ending.kind == "refused"
+        severity = Severity.NONE if refused else end_severity(error)
+        facts |= {"severity": severity, "highest_severity": self._status.severity}
         self._event(self._t_s, "end", level, f"Run ended: {cause}", facts)
         self._writer.close()
 

@@ -23,6 +23,7 @@ _SIGNS = {
     "paused": ("▮▮", "||", "bold yellow"),
     "stopped": ("■", "#", "bold magenta"),
     "fault": ("✖", "X", "bold red"),
+    "refused": ("✖", "X", "bold yellow"),
     "minor": ("▲", "!", "yellow"),
     "major": ("✖", "X", "bold red"),
     "invalid": ("◆", "?", "bold red reverse"),
@@ -75,6 +76,9 @@ def summary(status: RunStatus, *, plain: bool = False) -> Text:
     """The one line that remains after the run: protocol, progress and file."""
     run_info, ending = status.run_info, status.ending
     kind = ending.kind if ending else "running"
+    if kind == "refused":
+        text = _with_sign(kind, "NOT STARTED", plain)
+        return text.append(f"{run_info.protocol} ({run_info.label}): no current has flowed", style="none")
     steps = run_info.done_steps + status.finished
     step_text = f"{steps} steps" if kind == "done" else f"{steps} of {run_info.steps} steps"
     text = _with_sign(kind, "" if kind == "done" else (ending.word if ending else ""), plain)

@@ -17,6 +17,7 @@ from smarig.core import (
     Sample,
     Settled,
     Severity,
+    SmarigError,
     StepResult,
     Waveform,
     highest_severity,
@@ -75,7 +76,7 @@ class SettlingProgress(NamedTuple):
 
 
 class RunEnding(NamedTuple):
-    """The end of a run: kind (done, stopped or fault), a word and a sentence."""
+    """The end of a run: kind (done, stopped, fault or refused), a word and a sentence."""
 
     kind: str
     word: str
@@ -159,7 +160,10 @@ class RunStatus:
             self.error = entry
 
     def end(self, error: BaseException | None) -> None:
-        """Store how the run ended."""
+        """Store how the run ended. An error of the user or the disk before the first sample is no fault of the rig."""
+        if self.last_sample is None and _is_refusal(error):
+            self.ending = RunEnding("refused", "NOT STARTED", str(error))
+            return
         self.ending = _ending(error)
         self.severity = highest_severity((self.severity, end_severity(error)))
 
@@ -245,6 +249,10 @@ class RunStatus:
 def _fixed_duration(whole_s: float, elapsed_in_step_s: float) -> SettlingProgress:
     left_s = max(whole_s - elapsed_in_step_s, 0.0)
     return SettlingProgress(1 - left_s / whole_s if whole_s > 0 else 1.0, None, None, left_s, left_s)
+
+
+def _is_refusal(error: BaseException | None) -> bool:
+    return isinstance(error, SmarigError) and not isinstance(error, RigFault | Interrupted)
 
 
 def _ending(error: BaseException | None) -> RunEnding:

@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 
 from smarig.control.argument_checks import finite
-from smarig.core import UsageError, number_from_text, shown, suggestion
+from smarig.core import TABLE, UsageError, number_from_text, shown, suggestion, swapped_file
 
 LONGEST_S = 24 * 3600.0
 LARGEST_BYTES = 20_000_000
@@ -146,6 +146,8 @@ def reference_from_csv(path: Path, unit: str) -> Reference:
         )
     if path.stat().st_size > LARGEST_BYTES:
         raise UsageError(f"{path} is larger than {LARGEST_BYTES // 10**6} MB, too large for a reference.")
+    if swapped := swapped_file(path, TABLE):
+        raise UsageError(swapped)
     wanted = ("time_s", f"position_{unit}")
     try:
         with path.open(encoding="utf-8-sig", newline="") as file:

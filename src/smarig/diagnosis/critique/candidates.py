@@ -155,7 +155,10 @@ def generic(
     Other channels may depend on time and level on their own.
     """
     total, h = sum(len(r) for r in timeline.all_readings), plant_model.hysteresis
-    output_change, input_change = EXPECTED_SHARE * plant_model.stroke, EXPECTED_SHARE * (h.upper - h.lower)
+    output_change, input_change = (
+        EXPECTED_SHARE * abs(plant_model.stroke),
+        EXPECTED_SHARE * (h.upper - h.lower),
+    )
     at = 0
     for r in timeline.all_readings:
         if r.kind not in ("settled", "moving"):

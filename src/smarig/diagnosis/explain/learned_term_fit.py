@@ -123,7 +123,7 @@ def _values(timeline: Timeline, base: PlantModel, prediction: Prediction, variab
     if variable == "cycle":
         path = prediction.outputs_along(base.hysteresis, base.initial, prediction.hysteresis_input_K)
         travel = np.cumsum(np.abs(np.diff(path, prepend=path[0])))
-        return travel[prediction.tick_index[:count]] / (2 * base.stroke)
+        return travel[prediction.tick_index[:count]] / (2 * abs(base.stroke))
     z = DriveStatistics(timeline).variables(prediction)[variable]
     return z / np.log(10.0) if variable == "hold" else z
 
@@ -138,7 +138,7 @@ def _fitted(
 ) -> LearnedTermFit | None:
     """A law with its values fitted, or None if it does not pass."""
     h = base.hysteresis
-    extent = base.stroke if shape.enters == "output" else h.upper - h.lower
+    extent = abs(base.stroke) if shape.enters == "output" else h.upper - h.lower
     kind = learned_effect_type(shape, extent)
     start = kind(**{p.name: 0.0 for p in kind.parameters})
     extended = replace(base, effects=(*base.effects, start))

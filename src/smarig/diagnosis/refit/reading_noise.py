@@ -25,7 +25,7 @@ def reading_scales(
     effect_contribution: Array,
 ) -> tuple[Array, Array, Array, Array]:
     """Per coupled reading: white noise (scaled), covariance of free zeros, scale, and slope to y (scaled)."""
-    raw, span = raw_noise(timeline, plant_model), plant_model.stroke
+    raw, span = raw_noise(timeline, plant_model), plant_model.stroke  # negative if the output falls
     timing_noise = DriveStatistics(timeline).timing_noise(prediction, output_rate)
     white, scale, zero, at = [], [], [], 0
     for k, r in enumerate(coupled):
@@ -33,13 +33,15 @@ def reading_scales(
         known_noise = {"settled": 0.0, "moving": raw}.get(r.kind)
         noise = 0.0 if known_noise is None else known_noise
         scale.append(
-            _resistance_noise(y, timeline.target_K[r.step]) if known_noise is None else np.full(len(r), span)
+            _resistance_noise(y, timeline.target_K[r.step])
+            if known_noise is None
+            else np.full(len(r), abs(span))
         )
         effect_error = EFFECT_ERROR_SHARE * np.abs(effect_contribution[at : at + len(r)])
         white.append(
             np.full(len(r), 1.0)
             if known_noise is None
-            else np.sqrt(noise**2 + timing_noise[at : at + len(r)] ** 2 + effect_error**2) / span
+            else np.sqrt(noise**2 + timing_noise[at : at + len(r)] ** 2 + effect_error**2) / abs(span)
         )
         at += len(r)
         session_zero = timeline.zero[r.step] if timeline.zero.size else np.zeros(len(r), dtype=np.int64)

@@ -102,7 +102,7 @@ def refit(
     readings = coupled_readings(timeline, prediction, plant_model)
     y, scale, reading_covariance = readings.y, readings.scale, readings.covariance
     free, output_slope, is_moving = readings.free, reading_covariance.slope, reading_covariance.is_moving
-    span, n = plant_model.stroke, y.size
+    span, n = abs(plant_model.stroke), y.size
     memories = [
         (seconds, memory_covariance(readings.slopes, readings.times, seconds) / span**2)
         for seconds in _correlations_s(timeline, noise_of or warm_start)

@@ -6,6 +6,7 @@ Panels are in Plotly's schema, which the interactive view also reads; this packa
 from typing import TYPE_CHECKING
 
 from smarig.core.lazy_exports import lazy_exports
+from smarig.report.drawing.matplotlib_messages import hide_folder_messages
 
 if TYPE_CHECKING:
     from smarig.report.drawing.drawing import NARROW_PX as NARROW_PX
@@ -18,3 +19,5 @@ if TYPE_CHECKING:
     from smarig.report.drawing.saved_figures import save_if_active as save_if_active
 else:
     __getattr__, __dir__, __all__ = lazy_exports(__name__)
+
+hide_folder_messages()
