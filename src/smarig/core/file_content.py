@@ -26,9 +26,22 @@ _MAGIC = (
     (b"PK\x03\x04", "a workbook or ZIP archive"),
     (b"TDSm", "a LabVIEW TDMS file"),
 )
-_FORC_WORDS = re.compile(
-    rb"first[- ]order reversal|direct moment vs\. field; first|\bforcs?\b", re.IGNORECASE
+_FORC_WORDS = re.compile(  # in the first 400 bytes
+    rb"first[- ]order reversal|micromag|direct moment vs\. field; first|\bforcs?\b", re.IGNORECASE
 )
+_NAMES = {
+    ".run.sqlite": RUN,
+    ".model.json": MODEL,
+    ".html": PAGE,
+    ".json": JSON,
+    ".toml": TOML,
+    ".csv": TABLE,
+    ".parquet": "a Parquet file",
+    ".nc": "a NetCDF file",
+    ".mat": "a MATLAB file",
+    ".rrd": "a Rerun recording",
+}
+_TOML_LINE = re.compile(r"""\[{1,2}["'\w. -]+\]{1,2}\s*(#.*)?|["'\w.-]+\s*=.*""")
 _NUMBER = re.compile(r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?|nan|[-+]?inf", re.IGNORECASE)
 
 

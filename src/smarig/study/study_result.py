@@ -43,7 +43,7 @@ from smarig.study.transformation_figures import Transformation
 from smarig.study.understanding import Understanding
 
 _EXCHANGED = "If input and output are exchanged, name them with --input and --output."
-GOOD, FAIR = str(ErrorLevel.GOOD), str(ErrorLevel.FAIR)
+GOOD, FAIR, POOR = str(ErrorLevel.GOOD), str(ErrorLevel.FAIR), str(ErrorLevel.POOR)
 
 
 @dataclass(frozen=True, eq=False)
