@@ -17,7 +17,8 @@ _ORDER = {"poor": 0, "fair": 1, "good": 2, None: 3}
 def studies_page(outcomes: "Sequence[FileOutcome]", name: str) -> str:
     """The HTML page: how many models are good, a row for each file (the worst first), and the files that failed."""
     done = [o for o in outcomes if o.found is not None]
-    failed = [o for o in outcomes if o.found is None]
+    failed = [o for o in outcomes if o.failed]
+    left_out = [o for o in outcomes if o.left_out]
     verdicts = Counter(o.found["verdict"] for o in done if o.found)
     items = [(word.capitalize(), str(verdicts[word]), "models") for word in ("good", "fair", "poor")]
     items += [("Without an output", str(verdicts[None]), "files"), ("Failed", str(len(failed)), "files")]
@@ -45,7 +46,10 @@ def studies_page(outcomes: "Sequence[FileOutcome]", name: str) -> str:
         sections.append(
             Section("Files that failed", "Failed", [bullets([f"{o.file}: {o.failure}" for o in failed])])
         )
-    lead = f"{len(done)} of {len(outcomes)} files were studied, each on its own page"
+    if left_out:
+        files = bullets([f"{o.file}: {o.left_out}" for o in left_out])
+        sections.append(Section("Files that are no data", "Left out", [files], folded=True))
+    lead = f"{len(done)} of {len(done) + len(failed)} files were studied, each on its own page"
     return page(f"Studies of {name}", lead, sections)
 
 

@@ -7,7 +7,7 @@ import click
 
 from smarig.cli.output import check_distinct, emit, json_option, show_message
 from smarig.cli.parameter_types import ANY_PATH, FILE, FOLDER, own_effects
-from smarig.core import UsageError
+from smarig.core import UsageError, pattern_order
 
 EPILOG = """\b
 Examples:
@@ -105,7 +105,8 @@ def _pages(
     if len(runs) == 1 and runs[0].is_dir() and not models:
         _folder(runs[0], out, force)
         return
-    found = [file for path in runs for file in (run_files(path) if path.is_dir() else [path])]
+    places, models = pattern_order(runs), tuple(pattern_order(models))
+    found = [file for path in places for file in (run_files(path) if path.is_dir() else [path])]
     if len(models) == len(found) == 1 and _is_loop(found[0]):
         _run(found[0], out, force, models[0])
     elif models:
