@@ -94,7 +94,8 @@ def _loops_figure(result: StudyResult) -> Figure:
         if result.split and result.split.kind == "none"
         else "Data that the fit has not seen."
     )
-    caption = [held, f"{more} further runs are not drawn." if more else ""]
+    further = "1 further run is" if more == 1 else f"{more} further runs are"
+    caption = [held, f"{further} not drawn." if more else ""]
     return Figure(panels, "Measured and predicted output.", caption, "")
 
 
