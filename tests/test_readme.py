@@ -5,6 +5,7 @@ import re
 import shutil
 import subprocess
 import sys
+import tomllib
 from pathlib import Path
 
 import pytest
@@ -12,6 +13,7 @@ import pytest
 import smarig
 from docs.blocks import Command
 from smarig.cli import run as cli
+from smarig.plant import effects_from_arguments
 
 ROOT = Path(__file__).resolve().parents[1]
 BLOCKS = re.findall(r"```(\w+)\n(.*?)```", (ROOT / "README.md").read_text(encoding="utf-8"), flags=re.S)
@@ -155,3 +157,25 @@ def test_what_is_wrong_with_the_model(monkeypatch, tmp_path, capsys):
     assert low <= 0.4 <= high
     assert abs(size - 0.4) < 0.02
     assert (tmp_path / "walking.extended.model.json").is_file()
+
+
+def test_effects_on_the_command_line(tmp_path, run_line):
+    """But for the last command, which is that of the tutorial with an effect."""
+    lines = lines_of("sh", "--effect walking=0.4")
+    for line in lines[:-1]:
+        run_line(line)
+    runs = {path.name: smarig.load_run(path).info.effects for path in tmp_path.glob("*.sqlite")}
+    assert len(runs) == 2
+    assert [str(e).partition("(")[0] for e in runs["two_effects.run.sqlite"]] == ["ambient_drift", "creep"]
+    assert lines[-1].startswith("smarig characterise ")
+    assert effects_from_arguments((lines[-1].split("--effect ")[1].split()[0],))
+
+
+def test_the_table_of_extras_is_that_of_the_package():
+    extras = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]["optional-dependencies"]
+    page = (ROOT / "README.md").read_text(encoding="utf-8").split("### Extras")[1].split("\n## ")[0]
+    told = re.findall(r"^\| `(\w+)` \|", page, flags=re.M)
+    assert sorted(told) == sorted(set(extras) - {"test", "docs", "dev"})
+    every = re.fullmatch(r"smarig\[([\w,]+)\]", extras["all"][0])
+    assert every is not None
+    assert sorted(every[1].split(",")) == sorted(set(told) - {"all"})

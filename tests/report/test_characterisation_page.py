@@ -10,10 +10,14 @@ import pytest
 
 from report.pages import LOADING, Page, unpacked
 from smarig.app.characterise import characterise
+from smarig.app.characterised_folder import characterised_folder
+from smarig.cli import run as cli
+from smarig.core.errors import UsageError
 from smarig.diagnosis.commanded_diagnosis import diagnose_commanded
 from smarig.identification.density_report import density_report
 from smarig.plant.effect_catalogue import effect_types
 from smarig.report.characterisation_page import characterisation_page
+from smarig.report.models.assessment import assessment
 
 COMPETE = ("ambient_drift", "creep", "slip", "walking")
 
@@ -294,3 +298,31 @@ def test_a_campaign_without_a_model_or_validation_still_gives_a_page(evidence):
     assert "unknown" in page.card("Model error on held-out data")
     blind = Page(characterisation_page(replace(evidence, verifications={})))
     assert "No held-out run" in blind.visible
+
+
+def test_the_folder_of_a_characterisation_gives_its_sheet(evidence, monkeypatch):
+    """The analysis itself is that of ``characterise``; here, what it is given."""
+    given = {}
+    module = import_module("smarig.app.characterised_folder")
+    monkeypatch.setattr(module, "analyse", lambda **found: given.update(found) or evidence)
+    folder = next(iter(evidence.runs.values())).path.parents[1]
+    assert cli(["report", str(folder), "--summary"]) == 0
+    assert (given["rig"], given["options"], given["plan"].name) == (
+        "one_wire_twin",
+        " --seed 2",
+        "characterise",
+    )
+    assert {name: run.path for name, run in given["runs"].items()} == {
+        name: run.path for name, run in evidence.runs.items()
+    }
+    page = Page((folder / "summary.html").read_text(encoding="utf-8"))
+    assert assessment(evidence).quality in page.visible
+    assert page.tables[0][0] == ["Wire", "Load", "Measured", "Rig"]
+    assert page.tables[0][1][0] == "twin-one-wire"
+
+
+def test_runs_of_another_campaign_are_named(evidence, tmp_path):
+    for name in ("report.html", "model.json", "runs"):
+        (tmp_path / name).mkdir()
+    with pytest.raises(UsageError, match="not those of the campaigns"):
+        characterised_folder(tmp_path)

@@ -131,3 +131,24 @@ def test_a_run_that_holds_nothing_is_listed_all_the_same():
     page = Page(index_page("empty", [IndexEntry(summary_of(run_of(end=None)), "e.html")]))
     assert "Nothing to draw." in page.visible
     assert "never closed" in page.visible
+
+
+def test_a_wire_that_stays_cold_has_no_loop_to_draw():
+    meta = {"source": "twin", "rig": "r", "wire": "w", "input": INPUT, "output": OUTPUT}
+    cold = run_of({"t_s": np.arange(9.0), "position": np.tile([0, 0.01, 0], 3), "input": np.zeros(9)}, **meta)
+    entries = [IndexEntry(summary_of(run), "x.html") for run in (cold, loop())]
+    page = Page(index_page("made", entries))
+    assert "No loop: input and output hardly change (ranges: input 0 K, output 0.01 mm)." in page.visible
+    assert len([name for name, _ in page.tags if name == "svg"]) == 1
+    alone = Page(index_page("alone", entries[:1]))  # on its own scale it is drawn
+    assert "No loop" not in alone.visible
+
+
+def test_wires_are_counted_only_where_runs_name_them():
+    named, unnamed = summary_of(loop()), summary_of(loop(wire="", rig=""))
+
+    def index(*runs):
+        return Page(index_page("made", [IndexEntry(run, "x.html") for run in runs])).visible
+
+    assert "distinct pairs" not in index(unnamed, unnamed)
+    assert "Wires1distinct pairs of rig and wire; 1 run of unnamed wires" in index(named, named, unnamed)

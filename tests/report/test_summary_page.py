@@ -85,3 +85,14 @@ def test_the_summary_holds_sentences_loops_figures_and_origin(wire):
     assert page.card("Error, rms")
     assert "c.run.sqlite, SHA-256" in page.visible
     assert len(Page(summary_page(run)).plots) == 1
+
+
+def test_the_summary_says_wire_load_and_date():
+    run = made(wire="NiTi 7", start_epoch=1_790_000_000.0, conditions={"load": {"mean": 4.2, "unit": "N"}})
+    assert Page(summary_page(run)).tables[0][1] == [
+        "NiTi 7",
+        "load 4.2 N",
+        "2026-09-21 14:13 UTC",
+        "not recorded",
+    ]
+    assert Page(summary_page(made())).tables[0][1] == ["not recorded"] * 4

@@ -125,7 +125,7 @@ def characterise(
         control=control,
         listener_factory=listener_factory or (lambda _: nullcontext()),
     )
-    evidence = _analyse(
+    evidence = analyse(
         rig=rig,
         out=out,
         options="".join(f" --effect {effect}" for effect in effects) + f" --seed {seed}",
@@ -194,7 +194,7 @@ def _run_all(
     return runs
 
 
-def _analyse(
+def analyse(
     rig: str,
     out: Path,
     options: str,
@@ -203,6 +203,7 @@ def _analyse(
     started: float,
     progress: Callable[[str], None],
 ) -> Evidence:
+    """The evidence of the runs of a campaign; ``out`` and ``options`` are those of the command, as text."""
     train, held_out = _runs_for(plan, runs, "train"), _runs_for(plan, runs, "held_out")
     results, identification_warnings = _identify_all(train)
     verified = {name: verify(result.model, held_out) for name, result in results.items()} if held_out else {}

@@ -54,6 +54,8 @@ if TYPE_CHECKING:
     from smarig.core.file_content import TOML as TOML
     from smarig.core.file_content import content_kind as content_kind
     from smarig.core.formula import Formula as Formula
+    from smarig.core.natural_order import natural_order as natural_order
+    from smarig.core.natural_order import pattern_order as pattern_order
     from smarig.core.new_file import check_regular as check_regular
     from smarig.core.new_file import new_file as new_file
     from smarig.core.notebook_display import NotebookDisplay as NotebookDisplay

@@ -10,6 +10,7 @@ if TYPE_CHECKING:
     from smarig.report.certificate.certificate_page import certificate_units as certificate_units
     from smarig.report.certificate.certificate_page import certified_model as certified_model
     from smarig.report.characterisation_page import characterisation_page as characterisation_page
+    from smarig.report.characterisation_summary import characterisation_summary as characterisation_summary
     from smarig.report.closed_loop.closed_loop_text import loop_result_text as loop_result_text
     from smarig.report.closed_loop.loop_result import closed_loop_result as closed_loop_result
     from smarig.report.closed_loop.loop_result import is_closed_loop as is_closed_loop
@@ -33,6 +34,7 @@ if TYPE_CHECKING:
     from smarig.report.components.numbers import to_uncertainty as to_uncertainty
     from smarig.report.components.page import LIBRARY as LIBRARY
     from smarig.report.components.page import Section as Section
+    from smarig.report.components.page import is_smarig_page as is_smarig_page
     from smarig.report.components.page import page as page
     from smarig.report.components.page import write_library as write_library
     from smarig.report.components.page import write_page as write_page

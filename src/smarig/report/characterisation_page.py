@@ -17,7 +17,7 @@ from smarig.report.models.density_figures import density_figure, maps_figure
 from smarig.report.models.evidence import Evidence
 from smarig.report.models.first_order_figures import curves_figure, parameters_figure, replay_figure
 from smarig.report.models.identification_plot_data import density_report_of
-from smarig.report.models.loop_figure import loop_figure
+from smarig.report.models.loop_figure import loop_figure, training_run
 from smarig.report.models.model_tables import (
     M_P,
     calibration_table,
@@ -61,13 +61,13 @@ def characterisation_page(evidence: Evidence) -> str:
 def _page_summary(e: Evidence) -> PageSummary:
     found = assessment(e)
     words = f"{found.quality} {found.advice}"
-    return summary_with_loop("characterisation", words, found.level, _training_run(e))
+    return summary_with_loop("characterisation", words, found.level, training_run(e))
 
 
 def _first_screen(e: Evidence) -> Parts:
     """What was measured, whether the model is good, what to do; the loops; the key figures."""
     yield assessment(e).html()
-    run = _training_run(e)
+    run = training_run(e)
     figure = loop_figure(e, run) if run is not None else None
     if figure:
         yield figure
@@ -143,17 +143,8 @@ def _representation(e: Evidence) -> Parts:
             yield representation_figure(test, run)
 
 
-def _training_run(e: Evidence) -> Run | None:
-    """The run that contributed most to the chosen model."""
-    if e.best is None:
-        return None
-    names = {p.run for p in e.best.model.provenance}
-    made_from = [r for r in e.runs.values() if r.path.name in names or str(r.path) in names]
-    return max(made_from or e.of("first_order_descending", "first_order_ascending"), key=len, default=None)
-
-
 def _curves(e: Evidence) -> Parts:
-    run = _training_run(e)
+    run = training_run(e)
     if e.best is None or run is None:
         yield paragraph("No model was identified.")
         return
@@ -182,7 +173,7 @@ def _first_order_parts(e: Evidence, run: Run) -> Parts:
 
 
 def _density(e: Evidence) -> Parts:
-    run = _training_run(e)
+    run = training_run(e)
     if e.best is None or run is None:
         return
     yield classes_table(e.identifications, run)

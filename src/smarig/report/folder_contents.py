@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from smarig.core import SmarigError, spaced
+from smarig.core import SmarigError, natural_order, spaced
 from smarig.replay import Model, load_model
 from smarig.report.components.numbers import number
 from smarig.report.components.page_summary import FoundPage, PageSummary, found_page
@@ -31,14 +31,14 @@ def folder_contents(folder: Path, left_out: Collection[Path]) -> FolderContents:
     """The pages with a summary, except those ``left_out`` (of runs, and the index), and the models."""
     pages = [
         page
-        for file in sorted(folder.rglob("*.html"))
+        for file in natural_order(folder.rglob("*.html"))
         if file not in left_out
         and _is_text(file)
         and file.is_file()
         and (page := found_page(file)) is not None
     ]
     models, unreadable = [], []
-    for file in sorted(folder.rglob(f"*{MODEL_ENDING}")):
+    for file in natural_order(folder.rglob(f"*{MODEL_ENDING}")):
         if not _is_text(file) or (file.name != MODEL_ENDING and not file.name.endswith(f".{MODEL_ENDING}")):
             continue
         try:

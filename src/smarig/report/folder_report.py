@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from urllib.parse import quote
 
-from smarig.core import DataError, UsageError, counted
+from smarig.core import DataError, UsageError, counted, natural_order
 from smarig.record import Run, load_run, stored_run
 from smarig.report.components.page import LIBRARY, is_smarig_page, write_library, write_page
 from smarig.report.folder_contents import folder_contents
@@ -42,7 +42,7 @@ class FolderReport:
 
 def run_files(folder: Path) -> list[Path]:
     """The run files in a folder and its subfolders, sorted by name; UsageError if there are none."""
-    files = sorted(file for file in folder.rglob("*.run.sqlite") if file.is_file())
+    files = natural_order(file for file in folder.rglob("*.run.sqlite") if file.is_file())
     if not files:
         raise UsageError(f"Folder {folder} contains no run files (*.run.sqlite).")
     return files

@@ -11,10 +11,10 @@ import numpy as np
 from smarig.core import spaced
 from smarig.report.components.comparison_labels import banner
 from smarig.report.components.html import Html, bullets, cards, joined, notice, paragraph, tag
-from smarig.report.components.numbers import duration, number, thousands
+from smarig.report.components.numbers import duration, number, runs_text, thousands
 from smarig.report.components.page import Section, page
 from smarig.report.components.page_summary import FoundPage
-from smarig.report.components.thumbnail import thumbnail
+from smarig.report.components.thumbnail import Frame, thumbnail
 from smarig.report.runs.run_summary import RunSummary, shared_frames
 
 _COLUMNS = (
@@ -32,6 +32,7 @@ _COLUMNS = (
     ("Ended", "ended"),
 )
 _SEVERITY = {"bad": 0, "warning": 1, "good": 2}
+_DOT_SHARE = 0.02  # of both axes: smaller loops are dots
 _LONGEST = 220  # characters of a sentence on a card
 _SORTS = (
     ("began", "time"),
@@ -123,7 +124,7 @@ def _result_card(entry: ResultEntry) -> Html:
 def _cards(runs: Sequence[RunSummary]) -> Html:
     ending_text = sum(run.cause == "done" for run in runs)
     flagged = sum(run.flagged > 0 for run in runs)
-    wires = {(run.rig, run.wire) for run in runs}
+    marked = f"{runs_text(flagged)} with marked samples" if flagged else "no marked samples"
     return cards(
         [
             (
@@ -132,14 +133,20 @@ def _cards(runs: Sequence[RunSummary]) -> Html:
                 f"{ending_text} ended as planned, {len(runs) - ending_text} did not",
             ),
             ("Rig time", duration(float(np.nansum([run.duration_s for run in runs]))), "sum of all runs"),
-            (
-                "Samples",
-                thousands(sum(run.samples for run in runs)),
-                f"{flagged or 'no'} runs with marked samples",
-            ),
-            ("Wires", str(len(wires)), "distinct pairs of rig and wire"),
+            ("Samples", thousands(sum(run.samples for run in runs)), marked),
+            *_wires_card(runs),
         ]
     )
+
+
+def _wires_card(runs: Sequence[RunSummary]) -> list[tuple[str, str, str]]:
+    """The number of wires; none if no run names its wire, as imported ones usually do not."""
+    wires = {(run.rig, run.wire) for run in runs if run.wire}
+    unnamed = sum(not run.wire for run in runs)
+    if not wires:
+        return []
+    also = f"; {runs_text(unnamed)} of unnamed wires" if unnamed else ""
+    return [("Wires", str(len(wires)), f"distinct pairs of rig and wire{also}")]
 
 
 # --- controls -------------------------------------------------------------------------------------------
@@ -183,6 +190,8 @@ def _gallery(entries: Sequence[IndexEntry]) -> Html:
     for k, (entry, frame) in enumerate(zip(entries, frames)):
         run = entry.summary
         drawn = run.drawing(frame) if run.u.size else paragraph("Nothing to draw.")
+        if frame is not None and _is_still(run, frame):
+            drawn = paragraph(_still_text(run))
         ending = [] if run.cause == "done" else [tag("p", tag("b", run.cause))]
         name = tag("a", _run_stem(run), href=entry.href)
         about = tag("p", f"{run.protocol}; {run.size}")
@@ -190,6 +199,22 @@ def _gallery(entries: Sequence[IndexEntry]) -> Html:
             tag("li", drawn, name, about, *ending, data_run=str(k), class_="twinned" if run.label else "")
         )
     return tag("ul", *items, class_="gallery")
+
+
+def _is_still(run: RunSummary, frame: Frame) -> bool:
+    """Whether a loop is no more than a dot in its frame, as that of a cold wire that is initialised."""
+    return all(
+        np.ptp(values) < _DOT_SHARE * (ends[1] - ends[0])
+        for values, ends in ((run.u, frame.u), (run.y, frame.y))
+    )
+
+
+def _still_text(run: RunSummary) -> str:
+    moved = [
+        f"{name} {number(float(np.ptp(values)), 2)}{spaced(unit)}"
+        for name, values, unit in (("input", run.u, run.input_unit), ("output", run.y, run.unit))
+    ]
+    return f"No loop: input and output hardly change (ranges: {', '.join(moved)})."
 
 
 def _caption(runs: Sequence[RunSummary]) -> Html:
@@ -279,7 +304,7 @@ INDEX_SCRIPT = """
   });
   document.querySelectorAll('li[data-words]').forEach(one=>{
    one.hidden=!words.every(w=>one.dataset.words.includes(w)); });
-  status.textContent=n+' of '+rows.length+' runs';
+  status.textContent=n+' of '+rows.length+(rows.length===1?' run':' runs');
  }
  function value(row){ const v=row.dataset[key]??'', x=Number(v); return v!==''&&!isNaN(x)?x:v; }
  function compare(a,b){

@@ -20,6 +20,7 @@ from smarig.report.run_page import ending_notices, run_lead
 from smarig.report.runs.hysteresis_figure import hysteresis_figure
 from smarig.report.runs.run_assessment import run_assessment
 from smarig.report.runs.run_summary import summary_with_loop
+from smarig.report.runs.sheet_header import sheet_header
 from smarig.report.transformation.transformation_tables import figure_name
 from smarig.transformation import headline
 
@@ -36,6 +37,7 @@ def summary_page(run: Run, model: Model | None = None, *, library: str = LIBRARY
     figure = _figure(run, model, verified)
     parts: list[Html | Figure] = [
         assessed.html(),
+        sheet_header([run]),
         figure,
         cards(_cards(run, verified)),
         paragraph(_origin(run, model)),

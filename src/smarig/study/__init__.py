@@ -5,8 +5,8 @@ from typing import TYPE_CHECKING
 from smarig.core.lazy_exports import lazy_exports
 
 if TYPE_CHECKING:
+    from smarig.study.data_files import find_files as find_files
     from smarig.study.each_file import FileOutcome as FileOutcome
-    from smarig.study.each_file import files_of as files_of
     from smarig.study.each_file import studies_json as studies_json
     from smarig.study.each_file import study_each as study_each
     from smarig.study.mapping_draft import mapping_draft as mapping_draft

@@ -7,52 +7,34 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from smarig.core import SmarigError, StorageError, UsageError, atomic_file
+from smarig.core import SmarigError, StorageError, atomic_file
 from smarig.exchange import FileChangedError
 from smarig.report import LIBRARY, write_library
-from smarig.study.natural_order import natural_key
+from smarig.study.data_files import NOT_DATA, find_files
 from smarig.study.parallel import completed
 from smarig.study.studies_page import studies_page
 from smarig.study.study import STUDY_JSON, STUDY_PAGE, plain, study
 from smarig.study.study_options import StudyOptions, study_key
-
-MOST_FILES = 100_000
-_NOT_DATA = (".md", ".py", ".m", ".html", ".htm", ".toml", ".yaml", ".yml", ".ini", ".log", ".zip", ".gz")
 
 
 @dataclass(frozen=True)
 class FileOutcome:
     """What became of one file: its folder, the JSON object of its study, or the reason of its failure.
 
-    ``reused``: an earlier result with equal file and options was kept.
+    ``left_out``: why the file was not tried. ``reused``: an earlier result with equal file and options was kept.
     """
 
     file: str
     folder: str
     found: dict[str, Any] | None = None
     failure: str = ""
+    left_out: str = ""
     reused: bool = False
 
-
-def files_of(places: Sequence[Path]) -> list[Path]:
-    """The files given, and all in the given folders and below, in order; hidden files, texts and programs are left out.
-
-    Raises UsageError for a place that does not exist, or if nothing is left.
-    """
-    found: list[Path] = []
-    for place in places:
-        if place.is_dir():
-            inside = sorted(place.rglob("*"), key=lambda p: natural_key(str(p.relative_to(place))))
-            found += [p for p in inside if p.is_file() and _may_hold_data(p, place)]
-        elif place.is_file():
-            found.append(place)
-        else:
-            raise UsageError(f"There is no file {place}.")
-    if not found:
-        raise UsageError(f"There is no file in {', '.join(map(str, places))}.")
-    if len(found) > MOST_FILES:
-        raise UsageError(f"These are {len(found)} files, more than {MOST_FILES}. Study a part of them.")
-    return list(dict.fromkeys(found))
+    @property
+    def failed(self) -> bool:
+        """Whether the file was tried and could not be studied."""
+        return self.found is None and not self.left_out
 
 
 def study_each(
@@ -67,9 +49,11 @@ def study_each(
     """Study each file on its own in ``out``/NAME and write a page that compares them.
 
     ``workers`` processes, or the workers of the Dask ``scheduler`` at an address. A file that fails is listed with its
-    reason. Earlier results of equal files and options are kept.
+    reason. Earlier results of equal files and options are kept. Files of a folder that are no data (notes, programs)
+    come last, with the reason why they were left out.
     """
-    files = files_of(places)
+    found = find_files(places)
+    files = found.data
     out.mkdir(parents=True, exist_ok=True)
     write_library(out)
     tasks = [(str(file), str(out / name), options) for file, name in zip(files, _folders(files, places))]
@@ -92,6 +76,7 @@ def study_each(
         progress(f"{len(outcomes)} of {len(tasks)} files are done and kept; the same command continues.")
         raise
     ordered = [outcomes[task[0]] for task in tasks]
+    ordered += [FileOutcome(str(file), "", left_out=NOT_DATA) for file in found.left_out]
     _write(out / STUDY_PAGE, studies_page(ordered, out.name))
     _write(out / STUDY_JSON, json.dumps(plain(studies_json(ordered, out)), indent=1, ensure_ascii=False))
     return ordered
@@ -119,7 +104,8 @@ def studies_json(outcomes: Sequence[FileOutcome], out: Path) -> dict[str, Any]:
         "out": str(out),
         "page": str(out / STUDY_PAGE),
         "studied": sum(o.found is not None for o in outcomes),
-        "failed": {o.file: o.failure for o in outcomes if o.found is None},
+        "failed": {o.file: o.failure for o in outcomes if o.failed},
+        "left_out": {o.file: o.left_out for o in outcomes if o.left_out},
         "reused": sum(o.reused for o in outcomes),
         "studies": [o.found for o in outcomes if o.found is not None],
     }
@@ -162,11 +148,6 @@ def _folders(files: Sequence[Path], places: Sequence[Path]) -> Iterator[str]:
             unique, number = f"{name}_{number}", number + 1
         taken.add(unique)
         yield unique
-
-
-def _may_hold_data(path: Path, place: Path) -> bool:
-    hidden = any(part.startswith(".") for part in path.relative_to(place).parts)
-    return not hidden and path.suffix.lower() not in _NOT_DATA and "license" not in path.name.lower()
 
 
 def _short(outcome: FileOutcome) -> str:

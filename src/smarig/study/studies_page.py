@@ -18,7 +18,6 @@ from smarig.report import (
     tag,
     thumbnail,
 )
-from smarig.study.natural_order import natural_key
 
 if TYPE_CHECKING:
     from smarig.study.each_file import FileOutcome
@@ -41,8 +40,9 @@ _COLUMNS = (
 
 def studies_page(outcomes: "Sequence[FileOutcome]", name: str) -> str:
     """The HTML page: how many models are good, the loop and a row of each file, and the files that failed."""
-    done = sorted((o for o in outcomes if o.found), key=lambda o: natural_key(Path(o.folder).name))
-    failed = [o for o in outcomes if o.found is None]
+    done = [o for o in outcomes if o.found is not None]
+    failed = [o for o in outcomes if o.failed]
+    left_out = [o for o in outcomes if o.left_out]
     verdicts = Counter(o.found["verdict"] for o in done if o.found)
     items = [(word.capitalize(), str(verdicts[word]), "models") for word in ("good", "fair", "poor")]
     items += [("Without an output", str(verdicts[None]), "files")] if verdicts[None] else []
@@ -58,7 +58,11 @@ def studies_page(outcomes: "Sequence[FileOutcome]", name: str) -> str:
         sections.append(
             Section("Files that failed", "Failed", [bullets([f"{o.file}: {o.failure}" for o in failed])])
         )
-    lead = f"{len(done)} of {len(outcomes)} files were studied, each on its own page, in the order of their names"
+    if left_out:
+        files = bullets([f"{o.file}: {o.left_out}" for o in left_out])
+        sections.append(Section("Files that are no data", "Left out", [files], folded=True))
+    tried = len(done) + len(failed)
+    lead = f"{len(done)} of {tried} files were studied, each on its own page, in the order of their names"
     return page(f"Studies of {name}", lead, sections)
 
 

@@ -1,13 +1,14 @@
 """``smarig report``: pages of runs, folders, comparisons of runs, and comparisons of models."""
 
 import os
+from dataclasses import dataclass
 from pathlib import Path
 
 import click
 
 from smarig.cli.output import check_distinct, emit, json_option, show_message
 from smarig.cli.parameter_types import ANY_PATH, FILE, FOLDER, own_effects
-from smarig.core import UsageError
+from smarig.core import UsageError, pattern_order
 
 EPILOG = """\b
 Examples:
@@ -18,6 +19,7 @@ Examples:
   smarig report --model wire.model.json held.run.sqlite
   smarig report validation.run.sqlite --figures figures
   smarig report validation.run.sqlite --model wire.model.json --summary
+  smarig report out/one_wire --summary
   smarig report first_order_descending.run.sqlite --forc -o density.html
   smarig report magnet.run.sqlite --smoothing 4
 """
@@ -34,10 +36,15 @@ Examples:
 )
 @click.option("-o", "--out", type=FILE, help="The HTML file; default: in the folder of the (first) run.")
 @click.option(
-    "--figures", type=FOLDER, metavar="DIR", help="Also save the figures of the page in DIR, as SVG and PDF."
+    "--figures",
+    type=FOLDER,
+    metavar="DIR",
+    help="Also save the figures of the page, or of all pages of a folder, in DIR, as SVG and PDF.",
 )
 @click.option(
-    "--summary", is_flag=True, help="One sheet to print: a run, or a run and a --model verified on it."
+    "--summary",
+    is_flag=True,
+    help="One sheet to print: of a run, of a --model verified on a run, or of a folder of 'smarig characterise'.",
 )
 @click.option(
     "--forc",
@@ -73,27 +80,49 @@ def command(
         raise UsageError(
             f"--summary and {'--forc' if forc else '--smoothing'} write different pages. Give one of them."
         )
-    if summary and (len(runs) != 1 or runs[0].is_dir() or len(models) > 1):
-        raise UsageError("--summary is of one run, with at most one --model. Name one run file.")
+    folder = runs[0] if len(runs) == 1 and runs[0].is_dir() and not models else None
+    if summary and (len(runs) != 1 or (runs[0].is_dir() and folder is None) or len(models) > 1):
+        raise UsageError(
+            "--summary is of one run, with at most one --model, or of the folder of a characterisation."
+        )
+    place = _Target(out, force, figures is not None)
     if figures is None:
-        _pages(runs, models, out, force, diagram, smoothing, summary)
+        _pages(runs, models, place, diagram, smoothing, summary)
         return
+    from smarig.cli.folder_figures import save_folder_figures
     from smarig.report import figures_saved_in
 
-    if len(runs) == 1 and runs[0].is_dir() and not models:
-        raise UsageError(
-            "--figures saves the figures of one page, but a folder gets a page for each run. Name a run."
-        )
-    with figures_saved_in(figures, force):
-        _pages(runs, models, out, force, diagram, smoothing, summary)
+    if folder is not None and not summary:
+        _folder(folder, out, force)
+        save_folder_figures(folder, figures, force)
+    else:
+        with figures_saved_in(figures, force):
+            _pages(runs, models, place, diagram, smoothing, summary)
     show_message(f"Figures: {figures}")
+
+
+@dataclass(frozen=True)
+class _Target:
+    """Where a page goes (None: its usual place), whether it replaces another, and whether only figures are wanted."""
+
+    out: Path | None
+    force: bool
+    for_figures: bool
+
+    def write(self, html: str, file: Path) -> None:
+        """Write the page; one that is there already stays as it is if only its figures were asked for."""
+        from smarig.report import is_smarig_page, write_page
+
+        if self.for_figures and self.out is None and not self.force and is_smarig_page(file):
+            show_message(f"{file} exists and is left as it is; --force replaces it.")
+            return
+        write_page(html, file, force=self.force)
 
 
 def _pages(
     runs: tuple[Path, ...],
     models: tuple[Path, ...],
-    out: Path | None,
-    force: bool,
+    place: "_Target",
     diagram: bool,
     smoothing: float | None,
     summary: bool,
@@ -101,23 +130,24 @@ def _pages(
     from smarig.report import run_files
 
     if summary:
-        _summary(runs[0], models[0] if models else None, out, force)
+        _summary(runs[0], models[0] if models else None, place)
         return
     if diagram:
-        _forc(runs[0], out, force, smoothing)
+        _forc(runs[0], place, smoothing)
         return
     if len(runs) == 1 and runs[0].is_dir() and not models:
-        _folder(runs[0], out, force)
+        _folder(runs[0], place.out, place.force)
         return
-    found = [file for path in runs for file in (run_files(path) if path.is_dir() else [path])]
+    given, models = pattern_order(runs), tuple(pattern_order(models))
+    found = [file for path in given for file in (run_files(path) if path.is_dir() else [path])]
     if len(models) == len(found) == 1 and _is_loop(found[0]):
-        _run(found[0], out, force, models[0])
+        _run(found[0], place, models[0])
     elif models:
-        _models(models, found, out, force)
+        _models(models, found, place)
     elif len(found) == 1:
-        _run(found[0], out, force)
+        _run(found[0], place)
     else:
-        _compared(found, out, force)
+        _compared(found, place)
 
 
 def _folder(folder: Path, out: Path | None, force: bool) -> None:
@@ -131,7 +161,8 @@ def _folder(folder: Path, out: Path | None, force: bool) -> None:
     for sentence in made.unreadable:
         show_message(f"Not read: {sentence}")
     pages = [{"report": str(p.report), "complete": p.complete, "cause": p.cause} for p in made.pages]
-    words = f"Report: {made.index} ({len(pages)} runs, each with a page in the same folder)"
+    each = "1 run, with a page" if len(pages) == 1 else f"{len(pages)} runs, each with a page"
+    words = f"Report: {made.index} ({each} in the same folder)"
     emit({"report": str(made.index), "reports": pages, "unread": list(made.unreadable)}, words)
 
 
@@ -142,74 +173,86 @@ def _is_loop(file: Path) -> bool:
     return is_closed_loop(load_run(file))
 
 
-def _run(file: Path, out: Path | None, force: bool, model: Path | None = None) -> None:
+def _run(file: Path, place: _Target, model: Path | None = None) -> None:
     from smarig.app import ModelSource
     from smarig.record import load_run
-    from smarig.report import derived_quantities, page_path, run_page, write_page
+    from smarig.report import derived_quantities, page_path, run_page
     from smarig.transformation import headline
 
-    target = out or page_path(file)
+    target = place.out or page_path(file)
     check_distinct(target, file, model)
     run = load_run(file)
     loaded = ModelSource.of(model) if model else None
     certified = (loaded.model, loaded.name, loaded.sha256) if loaded else None
     derived = derived_quantities(run)
-    write_page(run_page(run, certified=certified, derived=derived), target, force=force)
+    place.write(run_page(run, certified=certified, derived=derived), target)
     page = {"report": str(target), "complete": run.complete, "cause": run.cause}
     found = {name: e.to_json() for name, e in headline(run).items()} if run.has("input") else {}
     figures = derived.to_json() | ({"transformation": found} if found else {})
     emit({**page, "reports": [page], **figures}, f"Report: {target}")
 
 
-def _summary(file: Path, model: Path | None, out: Path | None, force: bool) -> None:
+def _summary(file: Path, model: Path | None, place: _Target) -> None:
     from smarig.record import load_run
     from smarig.replay import load_model
-    from smarig.report import page_path, summary_page, write_page
+    from smarig.report import page_path, summary_page
 
-    target = out or page_path(file).with_suffix(".summary.html")
+    if file.is_dir():
+        _characterisation_summary(file, place)
+        return
+    target = place.out or page_path(file).with_suffix(".summary.html")
     check_distinct(target, file, model)
     run = load_run(file)
-    write_page(summary_page(run, load_model(model) if model else None), target, force=force)
+    place.write(summary_page(run, load_model(model) if model else None), target)
     page = {"report": str(target), "complete": run.complete, "cause": run.cause}
     emit({**page, "reports": [page]}, f"Report: {target}")
 
 
-def _forc(file: Path, out: Path | None, force: bool, smoothing: float | None) -> None:
-    from smarig.record import load_run
-    from smarig.report import forc_page, page_path, write_page
+def _characterisation_summary(folder: Path, place: _Target) -> None:
+    from smarig.app import characterised_folder
+    from smarig.report import characterisation_summary
 
-    target = out or page_path(file)
+    target = place.out or folder / "summary.html"
+    place.write(characterisation_summary(characterised_folder(folder, show_message)), target)
+    emit({"report": str(target)}, f"Report: {target}")
+
+
+def _forc(file: Path, place: _Target, smoothing: float | None) -> None:
+    from smarig.record import load_run
+    from smarig.report import forc_page, page_path
+
+    target = place.out or page_path(file)
     check_distinct(target, file)
     run = load_run(file)
-    write_page(forc_page(run, smoothing=smoothing), target, force=force)
+    place.write(forc_page(run, smoothing=smoothing), target)
     page = {"report": str(target), "complete": run.complete, "cause": run.cause}
     emit({**page, "reports": [page]}, f"Report: {target}")
 
 
-def _compared(files: list[Path], out: Path | None, force: bool) -> None:
+def _compared(files: list[Path], place: _Target) -> None:
     from smarig.record import load_run
-    from smarig.report import comparison_page, distinct_names, write_page
+    from smarig.report import comparison_page, distinct_names
 
     _check_no_repeats(files, "run")
-    target = out or files[0].with_name("comparison.html")
+    target = place.out or files[0].with_name("comparison.html")
     check_distinct(target, *files)
     runs = {name: load_run(file) for name, file in zip(distinct_names(files, ".run.sqlite"), files)}
-    write_page(comparison_page(runs), target, force=force)
+    place.write(comparison_page(runs), target)
     emit({"report": str(target), "runs": [str(file) for file in files]}, f"Report: {target}")
 
 
-def _models(models: tuple[Path, ...], files: list[Path], out: Path | None, force: bool) -> None:
+def _models(models: tuple[Path, ...], files: list[Path], place: _Target) -> None:
     from smarig.record import load_run
     from smarig.replay import load_model
-    from smarig.report import distinct_names, models_page, write_page
+    from smarig.report import distinct_names, models_page
 
     _check_no_repeats(models, "model")
     _check_no_repeats(files, "run")
-    target = out or files[0].with_name("models.html")
+    target = place.out or files[0].with_name("models.html")
     check_distinct(target, *files, *models)
     loaded = {name: load_model(file) for name, file in zip(distinct_names(models, ".model.json"), models)}
     runs = {name: load_run(file) for name, file in zip(distinct_names(files, ".run.sqlite"), files)}
-    write_page(models_page(loaded, runs), target, force=force)
+    place.write(models_page(loaded, runs), target)
     plain = {"models": [str(file) for file in models], "runs": [str(file) for file in files]}
     emit({"report": str(target), **plain}, f"Report: {target}")
 

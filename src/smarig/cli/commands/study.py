@@ -11,7 +11,7 @@ import click
 from smarig.cli.output import emit, json_option, json_requested, show_message
 from smarig.cli.parameter_types import ANY_PATH, FOLDER, CatalogueName
 from smarig.cli.working_line import without_line
-from smarig.core import UsageError
+from smarig.core import UsageError, pattern_order
 
 if TYPE_CHECKING:
     from smarig.study import StudyOptions, StudyResult
@@ -89,7 +89,7 @@ def command(
     if each or scheduler is not None or any(place.is_dir() for place in places):
         _each(places, out, options, workers or os.cpu_count() or 1, scheduler)
     else:
-        _one(places, out, options)
+        _one(pattern_order(places), out, options)
 
 
 def _one(files: Sequence[Path], out: Path, options: "StudyOptions") -> None:
@@ -112,12 +112,12 @@ def _each(
 
     outcomes = study_each(places, out, options, workers=workers, scheduler=scheduler, progress=show_message)
     found = studies_json(outcomes, out)
+    tried = found["studied"] + len(found["failed"])
     if not found["studied"]:
-        raise UsageError(
-            f"None of the {len(outcomes)} files could be studied; {out / 'index.html'} says why."
-        )
+        raise UsageError(f"None of the {tried} files could be studied; {out / 'index.html'} says why.")
     failed = f", {len(found['failed'])} failed" if found["failed"] else ""
-    emit(found, f"{found['studied']} of {len(outcomes)} files studied{failed}. Page: {out / 'index.html'}")
+    failed += f"; {len(found['left_out'])} left out, not data" if found["left_out"] else ""
+    emit(found, f"{found['studied']} of {tried} files studied{failed}. Page: {out / 'index.html'}")
 
 
 def _columns_text(result: "StudyResult") -> str:

@@ -8,7 +8,7 @@ from smarig.core import spaced
 from smarig.diagnosis import Diagnosis
 from smarig.identification import ErrorLevel, ErrorVerdict, error_verdict
 from smarig.report.components.assessment_box import Assessment, box_level
-from smarig.report.components.numbers import duration
+from smarig.report.components.numbers import duration, runs_text
 from smarig.report.components.run_description import display_unit, duration_s, extent
 from smarig.report.diagnosis.verdict_text import strengths_text
 from smarig.report.models.evidence import Evidence
@@ -48,7 +48,7 @@ def _measured(e: Evidence) -> str:
     inputs = [extent(each, "input") for each in runs if each.has("input")]
     if inputs:
         stroke += f" over {max(inputs):.3g}{spaced(display_unit(run.input_unit))}"
-    count = "1 run" if len(runs) == 1 else f"{len(runs)} runs"
+    count = runs_text(len(runs))
     return f"Measured: a stroke of {stroke}, {settled} settled points in {count}, {hours} on the rig."
 
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from smarig.identification import POSITIVE_KIND, SIMPLER_TOLERANCE
 from smarig.report.components.html import Html, cards, joined, notice, paragraph, tag
-from smarig.report.components.numbers import duration, number
+from smarig.report.components.numbers import duration, number, runs_text
 from smarig.report.components.run_description import count_size, duration_s, quality_counts
 from smarig.report.models.density_figures import density_unit
 from smarig.report.models.evidence import Evidence
@@ -62,7 +62,7 @@ def _class_card(e: Evidence) -> _Card:
 
 def _duration_card(e: Evidence) -> _Card:
     total = float(np.nansum([duration_s(run) for run in e.runs.values()]))
-    return "Rig time", duration(total), f"{len(e.runs)} runs; computed in {e.seconds:.1f} s"
+    return "Rig time", duration(total), f"{runs_text(len(e.runs))}; computed in {e.seconds:.1f} s"
 
 
 def _points_card(e: Evidence) -> _Card:

@@ -73,3 +73,12 @@ def _error_panel(found: RunVerification, run: Run) -> Panel:
     data.append(dots(found.input, error, "model − measured, held out", INK, size=6))
     layout = {"xaxis": axis(input_title(run)), "yaxis": axis(f"Model − measured ({run.unit})")}
     return Panel(data, layout, 400)
+
+
+def training_run(e: Evidence) -> Run | None:
+    """The run that contributed most to the chosen model."""
+    if e.best is None:
+        return None
+    names = {p.run for p in e.best.model.provenance}
+    made_from = [r for r in e.runs.values() if r.path.name in names or str(r.path) in names]
+    return max(made_from or e.of("first_order_descending", "first_order_ascending"), key=len, default=None)

@@ -1,0 +1,37 @@
+"""One sheet of paper on a characterisation: three sentences, the loop with the model, key figures, and its origin."""
+
+from smarig.report.components.figure import Figure
+from smarig.report.components.html import Html, paragraph
+from smarig.report.components.page import LIBRARY, Section, page
+from smarig.report.components.run_description import source_label
+from smarig.report.models.assessment import assessment
+from smarig.report.models.characterisation_cards import characterisation_cards
+from smarig.report.models.evidence import Evidence
+from smarig.report.models.loop_figure import loop_figure, training_run
+from smarig.report.run_page import ending_notices, run_lead
+from smarig.report.runs.run_summary import summary_with_loop
+from smarig.report.runs.sheet_header import sheet_header
+
+
+def characterisation_summary(e: Evidence, *, library: str = LIBRARY) -> str:
+    """The HTML page, made to be printed on one sheet."""
+    runs, assessed = list(e.runs.values()), assessment(e)
+    run = training_run(e)
+    figure = loop_figure(e, run) if run is not None else None
+    files = ", ".join(each.path.name for each in runs)
+    parts: list[Html | Figure] = [
+        assessed.html(),
+        sheet_header(runs),
+        *([figure] if figure else []),
+        characterisation_cards(e),
+        paragraph(f"Runs {files}; {e.chosen} model."),
+    ]
+    return page(
+        f"Summary: {e.title[:1].lower()}{e.title[1:]}",
+        run_lead(*runs) if runs else "No runs",
+        [Section("", "", parts)],
+        label=source_label(*runs),
+        notices=ending_notices(runs),
+        library=library,
+        summary=summary_with_loop("summary", f"{assessed.quality} {assessed.advice}", assessed.level, run),
+    )

@@ -1,0 +1,94 @@
+"""Which files of a folder may hold measurements: notes, programs and archives are left out and named."""
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from smarig.core import UsageError, natural_order, pattern_order
+
+MOST_FILES = 100_000
+NOT_DATA = "not data, left out"
+_OTHER_KINDS = (
+    ".md",
+    ".rst",
+    ".py",
+    ".m",
+    ".html",
+    ".htm",
+    ".toml",
+    ".yaml",
+    ".yml",
+    ".ini",
+    ".log",
+    ".zip",
+    ".gz",
+)
+_TEXTS = ("", ".txt", ".text")
+_ABOUT = re.compile(
+    r"(read[ _-]?me|notes?|licen[cs]e|changelog|authors|copying|citation|liesmich)\b", re.IGNORECASE
+)
+_BETWEEN = re.compile(r"[\s,;|]+")
+_NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?")
+_FEWEST_ROWS, _READ_BYTES = 3, 1 << 16
+
+
+@dataclass(frozen=True)
+class FoundFiles:
+    """Files in natural order: ``data`` may hold measurements, ``left_out`` do not."""
+
+    data: tuple[Path, ...]
+    left_out: tuple[Path, ...] = ()
+
+
+def find_files(places: Sequence[Path]) -> FoundFiles:
+    """The files given, and all in the given folders and below; hidden files are ignored.
+
+    A file that is named is always used. Raises UsageError for a place that does not exist, or if nothing is left.
+    """
+    data: dict[Path, None] = {}
+    left_out: dict[Path, None] = {}
+    for place in pattern_order(places):
+        if place.is_dir():
+            for file in natural_order(p for p in place.rglob("*") if p.is_file() and not _hidden(p, place)):
+                (left_out if _is_no_data(file) else data)[file] = None
+        elif place.is_file():
+            data[place] = None
+        else:
+            raise UsageError(f"There is no file {place}.")
+    if not data:
+        raise UsageError(f"There is no file with data in {', '.join(map(str, places))}.")
+    if len(data) > MOST_FILES:
+        raise UsageError(f"These are {len(data)} files, more than {MOST_FILES}. Study a part of them.")
+    return FoundFiles(tuple(data), tuple(file for file in left_out if file not in data))
+
+
+def _hidden(file: Path, place: Path) -> bool:
+    return any(part.startswith(".") for part in file.relative_to(place).parts)
+
+
+def _is_no_data(file: Path) -> bool:
+    """Whether name or content of a file in a folder says that it is a text, a program or an archive."""
+    kind = file.suffix.lower()
+    if kind in _OTHER_KINDS:
+        return True
+    return kind in _TEXTS and (_ABOUT.match(file.name) is not None or _is_prose(file))
+
+
+def _is_prose(file: Path) -> bool:
+    """Whether the beginning of a text holds hardly a row of numbers; a file that cannot be read is no prose."""
+    try:
+        with file.open("rb") as opened:
+            start = opened.read(_READ_BYTES)
+    except OSError:
+        return False
+    if not start.strip() or b"\0" in start:  # empty, binary or UTF-16: its reader says what is wrong with it
+        return False
+    lines = start.decode("utf-8", errors="replace").splitlines()
+    return sum(map(_is_row, lines)) < _FEWEST_ROWS
+
+
+def _is_row(line: str) -> bool:
+    cells = [cell for cell in _BETWEEN.split(line) if cell]
+    numbers = sum(_NUMBER.fullmatch(cell) is not None for cell in cells)
+    return numbers > 0 and 2 * numbers >= len(cells)
