@@ -9,6 +9,7 @@
 #include <stdint.h>
 
 #include "exchange.h"
+#include "flash.h"
 
 /* A writable value. 64 bits hold the limits of signed and of unsigned words. */
 struct value {
@@ -18,12 +19,13 @@ struct value {
 };
 #define VALUE(name, words) {name, words, name##_LEAST, name##_MOST, name##_SAFE}
 
-/* Consecutive values, in order of address. */
+/* Consecutive values in flash, in order of address. */
 struct block {
     const struct value *values;
     uint8_t count;
+    uint16_t first, size; /* address of the first word; words */
 };
-#define BLOCK(values) {values, sizeof(values) / sizeof((values)[0])}
+#define BLOCK(values, name) {values, sizeof(values) / sizeof((values)[0]), name##_FIRST, name##_WORDS}
 
 struct map {
     struct block command, settings;
@@ -36,7 +38,7 @@ void block_boot(const struct block *block, uint16_t *words);
 
 static inline bool block_is(const struct block *block, uint16_t address)
 {
-    return block->values[0].address == address;
+    return block->first == address;
 }
 
 /* All checks of an exchange that do not depend on the device's state. */
