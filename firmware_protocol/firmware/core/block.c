@@ -14,11 +14,12 @@ static uint16_t offset(const struct block *block, const struct value *value)
     return (uint16_t)(value->address - block->first);
 }
 
-static int64_t raw(const struct value *value, const uint16_t *words)
+static bool within(const struct value *value, const uint16_t *words)
 {
-    if (value->words == 1)
-        return words[0];
-    return value->least < 0 ? (int64_t)words_i32(words) : (int64_t)words_u32(words);
+    const uint32_t raw = value->words == 1 ? words[0] : words_u32(words);
+    if (value->negative)
+        return (int32_t)raw >= (int32_t)value->least && (int32_t)raw <= (int32_t)value->most;
+    return raw >= value->least && raw <= value->most;
 }
 
 void block_boot(const struct block *block, uint16_t *words)
@@ -27,7 +28,7 @@ void block_boot(const struct block *block, uint16_t *words)
         const struct value value = value_at(block, i);
         uint16_t *at = words + offset(block, &value);
         if (value.words == 2)
-            words_put32(at, (uint32_t)value.safe);
+            words_put32(at, value.safe);
         else
             *at = (uint16_t)value.safe;
     }
@@ -57,8 +58,7 @@ static bool in_range(const struct block *block, const struct exchange *asked)
         const uint16_t at = offset(block, &value);
         if (at >= asked->write_count)
             break;
-        const int64_t word = raw(&value, asked->words + at);
-        if (word < value.least || word > value.most)
+        if (!within(&value, asked->words + at))
             return false;
     }
     return true;

@@ -8,16 +8,20 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+#include <stdbool.h>
+
 #include "exchange.h"
 #include "flash.h"
 
-/* A writable value. 64 bits hold the limits of signed and of unsigned words. */
+/* A writable value; `negative`: its words are signed, and so are its limits. */
 struct value {
     uint16_t address;
     uint8_t words;
-    int64_t least, most, safe;
+    bool negative;
+    uint32_t least, most, safe;
 };
-#define VALUE(name, words) {name, words, name##_LEAST, name##_MOST, name##_SAFE}
+#define VALUE(name, words) \
+    {name, words, name##_LEAST < 0, (uint32_t)name##_LEAST, (uint32_t)name##_MOST, (uint32_t)name##_SAFE}
 
 /* Consecutive values in flash, in order of address. */
 struct block {

@@ -13,7 +13,7 @@ enum {
     WRITE_MOST = 121,       /* words in one request */
     WORDS_KEPT = 15,        /* of them; the largest block. A longer write is refused for its address */
     READ_MOST = 125,        /* words in one reply */
-    PIECE_WORDS = 25,       /* of a reply, read at once */
+    PIECE_WORDS = 12,       /* of a reply, read at once */
     RTU_REQUEST_ROOM = 256, /* bytes */
     RTU_REPLY_ROOM = 256,
     LINE_MOST = 1000,       /* characters of a request without its end */

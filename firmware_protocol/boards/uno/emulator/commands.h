@@ -1,0 +1,20 @@
+/* What the parent of the emulator may say on its stdin; emulator.c lists it. */
+#ifndef UNO_COMMANDS_H
+#define UNO_COMMANDS_H
+
+#include <stdbool.h>
+
+#include "chip.h"
+#include "sensors.h"
+
+struct bench {
+    struct chip chip;
+    struct power_stage power;
+    struct wire wire;
+    struct sensors sensors;
+    bool answered; /* the wire's state has arrived */
+};
+
+void commands_obey(struct bench *b, const char *line);
+
+#endif
