@@ -78,14 +78,14 @@ static uint16_t word_at(const struct chip *c, uint16_t address)
 }
 
 /* simavr 1.6 does not draw fast PWM at its pin, so it is derived from the registers. */
-bool chip_gate(const struct chip *c, avr_cycle_count_t at)
+double chip_gate(const struct chip *c)
 {
     const uint8_t *data = c->avr->data;
     if (!(data[DDRB] & GATE))
-        return false; /* the resistor at the gate keeps it low */
+        return 0; /* the resistor at the gate keeps it low */
     if (!(data[TCCR1A] & COM1A1) || !(data[TCCR1B] & CLOCKED))
-        return data[PORTB] & GATE;
-    return at % (word_at(c, ICR1) + 1u) <= word_at(c, OCR1A);
+        return data[PORTB] & GATE ? 1 : 0;
+    return (word_at(c, OCR1A) + 1.0) / (word_at(c, ICR1) + 1.0);
 }
 
 unsigned chip_free_ram(const struct chip *c)

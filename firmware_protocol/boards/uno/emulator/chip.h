@@ -22,8 +22,8 @@ bool chip_load(struct chip *c, const char *elf);
 /* Runs to this cycle; false if the firmware crashed. */
 bool chip_run(struct chip *c, avr_cycle_count_t until);
 
-/* Whether the gate is high at a cycle, by the registers of timer 1 and of port B. */
-bool chip_gate(const struct chip *c, avr_cycle_count_t at);
+/* The share of time for which the gate is high, 0 to 1, by the registers of timer 1 and of port B. */
+double chip_gate(const struct chip *c);
 
 /* Bytes of RAM between the variables and the deepest stack so far. */
 unsigned chip_free_ram(const struct chip *c);

@@ -116,10 +116,14 @@ void commands_obey(struct bench *b, const char *line)
         b->answered = true;
     } else if (sscanf(line, "supply %lf", &ohm) == 1)
         b->power.supply_V = ohm;
+    else if (sscanf(line, "turned %lf", &ohm) == 1)
+        b->turned = ohm;
     else if (sscanf(line, "gain %lf", &ohm) == 1)
         b->sensors.ina219.gain = ohm;
     else if (!strcmp(line, "stop open") || !strcmp(line, "stop closed"))
         chip_open_stop(&b->chip, line[5] == 'o');
+    else if (sscanf(line, "go %lf", &ohm) == 1)
+        b->go_ms = (long)ohm;
     else if (!strcmp(line, "reset"))
         chip_reset(&b->chip);
     else if (!strcmp(line, "hang"))

@@ -12,7 +12,9 @@ struct bench {
     struct power_stage power;
     struct wire wire;
     struct sensors sensors;
+    double turned; /* counts by which the magnet is turned by hand */
     bool answered; /* the wire's state has arrived */
+    long go_ms;    /* device time to pass whatever the host does */
 };
 
 void commands_obey(struct bench *b, const char *line);

@@ -6,17 +6,21 @@
  *
  * --speed X    device seconds per second; 1 without it, 0: as fast as this machine can
  * --wait MS    device time stops so long after the host's last byte until its next one, for 5 s at most: a busy machine
- *              then never makes a host late
+ *              then never makes a host late. A host that is silent for longer has ended, and time goes on
  * --couple MS  the parent is the wire: see below
  * --trace FILE one line per device millisecond: time, mean, least and largest current of the wire in uA, state of the
  *              LED, time of the host's last byte (all times in ms)
  * --seconds S  ends after so much device time
  *
- * Prints `pty PATH` once. Accepts on stdin, a line each: stop open | stop closed | unplug ina219 | plug ina219 | unplug
- * as5600 | plug as5600 | magnet off | magnet on | supply V | gain X (of the INA219) | reset | hang (only the watchdog
- * ends it) | free (prints the bytes of RAM that neither variables
- * nor the stack have used so far). Calls of the firmware's functions:
- * boot DEVICE COUNT, tick DEVICE INPUTS, now COUNTS, answer DEVICE ADDRESS HEX, with DEVICE amp or daq.
+ * Prints `pty PATH` once. Accepts on stdin, a line each:
+ *     stop open | stop closed | unplug ina219 | plug ina219 | unplug as5600 | plug as5600 | magnet off | magnet on
+ *     supply V | gain X            of the INA219
+ *     turned COUNTS                the magnet, by hand
+ *     reset | hang                 only the watchdog ends it
+ *     go MS                        device time passes whatever the host does; then prints `went`
+ *     free                         prints the bytes of RAM that neither variables nor the stack have used so far
+ * and calls of the firmware's functions, with DEVICE amp or daq:
+ *     boot DEVICE COUNT | tick DEVICE INPUTS | now COUNTS | answer DEVICE ADDRESS HEX
  * With --couple, prints `flowed MEAN_SQUARE_A2` after each interval and waits for `wire OHM COUNTS AMBIENT_degC`.
  * The program ends when stdin is closed.
  */
@@ -48,8 +52,7 @@ static struct serial_port port;
 
 /* Sums over the present millisecond and over the present interval of the coupling. */
 static struct {
-    double current, least, largest, square, interval_square;
-    long steps, interval_steps;
+    double current, least, largest, square, cycles, interval_square, interval_cycles;
 } seen;
 
 static void fail(const char *what)
@@ -60,28 +63,37 @@ static void fail(const char *what)
 
 /* --- the bench: the power stage and the INA219 in steps of a microsecond --- */
 
-static void note_current(void)
+static void note_current(double cycles)
 {
     const double i = bench.power.wire_A;
-    seen.current += i;
-    seen.square += i * i;
-    seen.least = seen.steps ? fmin(seen.least, i) : i;
-    seen.largest = seen.steps ? fmax(seen.largest, i) : i;
-    seen.steps++;
+    seen.current += i * cycles;
+    seen.square += i * i * cycles;
+    seen.least = seen.cycles ? fmin(seen.least, i) : i;
+    seen.largest = seen.cycles ? fmax(seen.largest, i) : i;
+    seen.cycles += cycles;
 }
 
+static void pass(bool gate, double cycles)
+{
+    while (cycles > 0) {
+        const double step = fmin(cycles, STEP_CYCLES);
+        power_stage_step(&bench.power, gate, step / F_CPU);
+        sensors_step(&bench.sensors, step / F_CPU);
+        note_current(step);
+        cycles -= step;
+    }
+}
+
+/* One period of the PWM. */
 static avr_cycle_count_t chunk(avr_t *avr, avr_cycle_count_t when, void *param)
 {
-    static long off_for = LAG_CYCLES;
+    const double share = chip_gate(&bench.chip);
+    const double on = share > 0 ? fmin(share * CHUNK_CYCLES + LAG_CYCLES, CHUNK_CYCLES) : 0;
     (void)avr, (void)param;
     bench.power.wire_ohm = bench.wire.ohm;
-    bench.sensors.as5600.counts = bench.wire.counts;
-    for (int i = 0; i < CHUNK_CYCLES; i += STEP_CYCLES) {
-        off_for = chip_gate(&bench.chip, when + (avr_cycle_count_t)i) ? 0 : off_for + STEP_CYCLES;
-        power_stage_step(&bench.power, off_for < LAG_CYCLES, STEP_CYCLES / (double)F_CPU);
-        sensors_step(&bench.sensors, STEP_CYCLES / (double)F_CPU);
-        note_current();
-    }
+    bench.sensors.as5600.counts = bench.wire.counts + bench.turned;
+    pass(true, on);
+    pass(false, CHUNK_CYCLES - on);
     return when + CHUNK_CYCLES;
 }
 
@@ -117,10 +129,10 @@ static void listen_to_parent(void)
 static void couple(void)
 {
     struct pollfd parent = {STDIN_FILENO, POLLIN, 0};
-    printf("flowed %.9g\n", seen.interval_square / (double)seen.interval_steps);
+    printf("flowed %.9g\n", seen.interval_square / seen.interval_cycles);
     fflush(stdout);
     seen.interval_square = 0;
-    seen.interval_steps = 0;
+    seen.interval_cycles = 0;
     for (bench.answered = false; !bench.answered; listen_to_parent())
         poll(&parent, 1, 100);
 }
@@ -156,14 +168,29 @@ static void keep_pace(void)
 
 static void wait_for_host(void)
 {
-    const avr_cycle_count_t silent = bench.chip.avr->cycle - port.last_byte;
-    if (!options.wait_ms || !port.bytes || silent < (avr_cycle_count_t)options.wait_ms * ms_CYCLES)
+    static unsigned long ended_after; /* so many bytes, no more came */
+    static avr_cycle_count_t from;
+    if (bench.go_ms) {
+        from = bench.chip.avr->cycle;
+        if (!--bench.go_ms) {
+            puts("went");
+            fflush(stdout);
+        }
+        return;
+    }
+    from = port.last_byte > from ? port.last_byte : from;
+    const avr_cycle_count_t silent = bench.chip.avr->cycle - from;
+    if (!options.wait_ms || port.bytes == ended_after || silent < (avr_cycle_count_t)options.wait_ms * ms_CYCLES)
         return;
     struct pollfd host = {port.pty, POLLIN, 0};
     const double end_s = clock_s() + HOST_WAIT_s;
-    while (poll(&host, 1, 10) == 0 && clock_s() < end_s)
+    while (poll(&host, 1, 10) == 0 && !bench.go_ms) {
         listen_to_parent();
-    port.last_byte = bench.chip.avr->cycle;
+        if (clock_s() < end_s)
+            continue;
+        ended_after = port.bytes;
+        return;
+    }
 }
 
 /* --- every millisecond --- */
@@ -171,7 +198,7 @@ static void wait_for_host(void)
 static void write_trace(long ms)
 {
     if (options.trace)
-        fprintf(options.trace, "%ld %.1f %.1f %.1f %d %.3f\n", ms, 1e6 * seen.current / (double)seen.steps,
+        fprintf(options.trace, "%ld %.1f %.1f %.1f %d %.3f\n", ms, 1e6 * seen.current / seen.cycles,
                 1e6 * seen.least, 1e6 * seen.largest, chip_led(&bench.chip),
                 port.bytes ? (double)port.last_byte / ms_CYCLES : -1.0);
 }
@@ -180,13 +207,12 @@ static void millisecond(long ms)
 {
     write_trace(ms);
     seen.interval_square += seen.square;
-    seen.interval_steps += seen.steps;
+    seen.interval_cycles += seen.cycles;
     if (options.couple_ms && ms % options.couple_ms == 0)
         couple();
-    else if (!options.couple_ms && seen.steps)
-        wire_heat(&bench.wire, seen.square / (double)seen.steps, 1e-3);
-    seen.current = seen.square = 0;
-    seen.steps = 0;
+    else if (!options.couple_ms)
+        wire_heat(&bench.wire, seen.square / seen.cycles, 1e-3);
+    seen.current = seen.square = seen.cycles = 0;
     listen_to_parent();
     wait_for_host();
     keep_pace();

@@ -31,20 +31,18 @@ static int16_t shunt_word(const struct ina219 *s, double volts)
 static void convert(struct ina219 *s)
 {
     if (s->bus_next)
-        s->bus_word = (uint16_t)((uint16_t)fmax(0, floor(s->bus_sum / s->samples / 4e-3 + 0.3 * noise() + 0.5)) << 3 | 2u);
+        s->bus_word = (uint16_t)((uint16_t)fmax(0, floor(s->bus_sum / s->time_s / 4e-3 + 0.3 * noise() + 0.5)) << 3 | 2u);
     else
-        s->shunt_word = shunt_word(s, s->shunt_sum / s->samples);
+        s->shunt_word = shunt_word(s, s->shunt_sum / s->time_s);
     s->bus_next = !s->bus_next;
     s->time_s = s->shunt_sum = s->bus_sum = 0;
-    s->samples = 0;
 }
 
 void sensors_step(struct sensors *s, double dt_s)
 {
     struct ina219 *ina = &s->ina219;
-    ina->shunt_sum += s->power->wire_A * SHUNT_ohm;
-    ina->bus_sum += s->power->shunt_out_V;
-    ina->samples++;
+    ina->shunt_sum += s->power->wire_A * SHUNT_ohm * dt_s;
+    ina->bus_sum += s->power->shunt_out_V * dt_s;
     ina->time_s += dt_s;
     if (ina->time_s >= conversion_s(ina->bus_next ? ina->setup >> 7 : ina->setup >> 3))
         convert(ina);

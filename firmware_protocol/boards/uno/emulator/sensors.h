@@ -17,7 +17,6 @@ struct ina219 {
     uint8_t pointer, written; /* bytes of a write */
     uint16_t incoming;
     double time_s, shunt_sum, bus_sum; /* of the present conversion */
-    uint32_t samples;
     bool bus_next;
     int16_t shunt_word;
     uint16_t bus_word;

@@ -2,8 +2,8 @@
 
 #include <math.h>
 
-/* The one-wire rig of the twin: 174 K at 1 A, 0.3 mm thick; 350 counts of motion between 60 and 110 K. */
-static const double K_PER_A2 = 174.1, TAU_s = 7.6, MIDDLE_K = 85.0, WIDTH_K = 10.0, MOTION_counts = 350.0;
+/* The one-wire rig of the twin: 174 K at 1 A, 0.3 mm thick; 350 counts of motion around 50 K. */
+static const double K_PER_A2 = 174.1, TAU_s = 5.3, MIDDLE_K = 50.0, WIDTH_K = 12.0, MOTION_counts = 350.0;
 static const double COLD_ohm = 5.0, HOT_ohm = 4.5, REST_counts = 1000.0;
 
 void wire_start(struct wire *w)
