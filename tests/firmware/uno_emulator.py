@@ -70,6 +70,11 @@ class Uno:
         self.tell(line)
         return self.process.stdout.readline().decode().split()
 
+    def now(self) -> tuple[int, int]:
+        """Device time in ms, and the current of the wire in uA."""
+        _, ms, current_uA = self.told("now")
+        return int(ms), int(current_uA)
+
     def go(self, ms: int) -> None:
         """Let device time pass without a host."""
         assert self.told(f"go {ms}") == ["went"]

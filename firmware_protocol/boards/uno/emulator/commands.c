@@ -128,6 +128,8 @@ void commands_obey(struct bench *b, const char *line)
         chip_reset(&b->chip);
     else if (!strcmp(line, "hang"))
         chip_hang(&b->chip);
+    else if (!strcmp(line, "now"))
+        printf("now %lu %.0f\n", (unsigned long)(b->chip.avr->cycle / (F_CPU / 1000)), 1e6 * b->power.wire_A);
     else if (!strcmp(line, "free"))
         printf("free %u\n", chip_free_ram(&b->chip));
     else if (!changed(b, line) && !called(b, line))

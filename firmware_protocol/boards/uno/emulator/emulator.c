@@ -18,6 +18,7 @@
  *     turned COUNTS                the magnet, by hand
  *     reset | hang                 only the watchdog ends it
  *     go MS                        device time passes whatever the host does; then prints `went`
+ *     now                          prints the device time in ms and the current of the wire in uA
  *     free                         prints the bytes of RAM that neither variables nor the stack have used so far
  * and calls of the firmware's functions, with DEVICE amp or daq:
  *     boot DEVICE COUNT | tick DEVICE INPUTS | now COUNTS | answer DEVICE ADDRESS HEX
