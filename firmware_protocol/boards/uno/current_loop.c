@@ -7,7 +7,8 @@
 enum {
     TOP = 511,          /* 16 MHz / 512: 31 kHz */
     BLIND_ms = 5,       /* without a measurement */
-    HOLD_STEPS = 3,     /* after a jump: what is measured is still the current before it */
+    MOVE_STEPS = 4,     /* of a large change of duty: at once, it would make inductor and capacitor ring */
+    HOLD_STEPS = 3,     /* after it: what is measured is still the current before it */
     GAIN_SHIFT = 2,     /* a step corrects a quarter of the error, for a wire of the least resistance */
     LEAST_mohm = 1000,  /* where the host states none: slow, but never more than the wire needs */
     SUPPLY_LEAST_mV = 3000,
@@ -23,7 +24,10 @@ static struct {
     int32_t per_lsb;   /* duty for one LSB through the least resistance */
     int32_t duty;
     uint16_t rest;
-    uint8_t hold, blind_ms;
+    int32_t part;       /* of a large change, added in each of its steps */
+    uint8_t left;       /* steps of a large change and of the hold after it */
+    bool estimated;     /* the change rests on the least resistance; the next one on what flows then */
+    uint8_t blind_ms;
     bool closed;       /* until the next current_loop_drive */
     int16_t peak;      /* what closed it, 0 for nothing */
     int32_t sum_shunt, sum_bus;
@@ -78,6 +82,28 @@ static void change_duty(int32_t by)
         loop.duty = FULL_DUTY;
 }
 
+static void begin_change(int32_t by)
+{
+    loop.part = by / MOVE_STEPS;
+    loop.left = MOVE_STEPS + HOLD_STEPS;
+}
+
+/* After a change by estimate, current and duty are known: the rest of the way is nearly proportional. */
+static void correct_estimate(int16_t shunt)
+{
+    loop.estimated = false;
+    if (shunt > loop.set / 4 && shunt / 4 < loop.set)
+        begin_change(loop.duty / shunt * (loop.set - (int32_t)shunt));
+}
+
+static void change_in_progress(int16_t shunt)
+{
+    if (loop.left > HOLD_STEPS)
+        change_duty(loop.part);
+    if (--loop.left == 0 && loop.estimated)
+        correct_estimate(shunt);
+}
+
 static int16_t in_lsb(int32_t current_uA)
 {
     const int32_t lsb = current_uA / (int32_t)uA_PER_LSB;
@@ -102,11 +128,13 @@ void current_loop_drive(int32_t current_uA, uint32_t least_mohm, uint16_t supply
     ATOMIC_BLOCK(ATOMIC_RESTORESTATE)
     {
         if (set != loop.set || !set) {
-            change_duty(set ? (set - (int32_t)loop.set) * per_lsb : -loop.duty);
-            loop.hold = HOLD_STEPS;
+            begin_change((set - (int32_t)loop.set) * per_lsb);
+            loop.estimated = true;
         }
-        if (!set)
+        if (!set) {
             loop.peak = 0;
+            loop.duty = 0;
+        }
         loop.set = set;
         loop.cut = cut;
         loop.per_lsb = per_lsb;
@@ -142,8 +170,8 @@ void current_loop_step(int16_t shunt, int16_t bus)
         current_loop_off();
         return;
     }
-    if (loop.hold)
-        loop.hold--;
+    if (loop.left)
+        change_in_progress(shunt);
     else
         change_duty((loop.set - (int32_t)shunt) * loop.per_lsb >> GAIN_SHIFT);
     apply_duty();

@@ -1,6 +1,7 @@
 /*
  * The current loop: timer 1 switches the MOSFET at 31 kHz, the INA219 measures, and once per millisecond an integral
- * controller changes the duty. Functions marked ISR run in interrupts.
+ * controller changes the duty. A step of the current goes by estimate first: most of the way from the least resistance,
+ * then the rest in proportion to what flows. Functions marked ISR run in interrupts.
  */
 #ifndef UNO_CURRENT_LOOP_H
 #define UNO_CURRENT_LOOP_H

@@ -67,11 +67,12 @@ static void ina219_written(struct ina219 *s, uint8_t byte)
 
 static uint8_t as5600_byte(struct as5600 *s, uint8_t number)
 {
-    const long counts = lround(s->counts + AS5600_NOISE_counts * noise()) & 0xFFF;
     switch (s->pointer + number) {
     case 0x0B: return s->no_magnet ? 0x10 : 0x20;
-    case 0x0C: return (uint8_t)(counts >> 8);
-    case 0x0D: return (uint8_t)counts;
+    case 0x0C:
+        s->latched = lround(s->counts + AS5600_NOISE_counts * noise()) & 0xFFF;
+        return (uint8_t)(s->latched >> 8);
+    case 0x0D: return (uint8_t)s->latched;
     default: return 0;
     }
 }

@@ -26,6 +26,7 @@ struct as5600 {
     bool unplugged, no_magnet;
     uint8_t pointer;
     double counts; /* at present */
+    long latched;  /* the angle whose high byte was read last */
 };
 
 struct sensors {
