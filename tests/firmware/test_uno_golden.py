@@ -63,6 +63,7 @@ def board(uno_folder, tmp_path_factory):
     from firmware.uno_emulator import Uno
 
     board = Uno(uno_folder, tmp_path_factory.mktemp("golden") / "trace.txt")
+    board.tell("hold")  # no tick of its own between those of a script
     board.go(50)
     yield board
     board.close()

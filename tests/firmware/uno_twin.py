@@ -8,7 +8,7 @@ from smarig.plant import Actuator
 from smarig.rig import TwinSettings
 from smarig.rig.specimen import plant_of
 
-COUPLE_MS = 10
+COUPLE_MS = 25
 # device time follows the host, so a busy machine is never late: the host need not wait for its clock
 OPTIONS = ("--speed", "0", "--wait", "110", "--couple", str(COUPLE_MS))
 HOST_SPEED = 200.0

@@ -124,6 +124,8 @@ void commands_obey(struct bench *b, const char *line)
         chip_open_stop(&b->chip, line[5] == 'o');
     else if (sscanf(line, "go %lf", &ohm) == 1)
         b->go_ms = (long)ohm;
+    else if (!strcmp(line, "hold"))
+        b->held = true;
     else if (!strcmp(line, "reset"))
         chip_reset(&b->chip);
     else if (!strcmp(line, "hang"))

@@ -14,6 +14,7 @@ struct bench {
     struct sensors sensors;
     double turned; /* counts by which the magnet is turned by hand */
     bool answered; /* the wire's state has arrived */
+    bool held;     /* device time stands still but for go_ms */
     long go_ms;    /* device time to pass whatever the host does */
 };
 

@@ -17,6 +17,7 @@
  *     supply V | gain X            of the INA219
  *     turned COUNTS                the magnet, by hand
  *     reset | hang                 only the watchdog ends it
+ *     hold                         from now on device time passes only by go
  *     go MS                        device time passes whatever the host does; then prints `went`
  *     now                          prints the device time in ms and the current of the wire in uA
  *     free                         prints the bytes of RAM that neither variables nor the stack have used so far
@@ -194,6 +195,15 @@ static void wait_for_host(void)
     }
 }
 
+static void wait_while_held(void)
+{
+    struct pollfd parent = {STDIN_FILENO, POLLIN, 0};
+    while (bench.held && !bench.go_ms) {
+        poll(&parent, 1, 100);
+        listen_to_parent();
+    }
+}
+
 /* --- every millisecond --- */
 
 static void write_trace(long ms)
@@ -215,6 +225,7 @@ static void millisecond(long ms)
         wire_heat(&bench.wire, seen.square / seen.cycles, 1e-3);
     seen.current = seen.square = seen.cycles = 0;
     listen_to_parent();
+    wait_while_held();
     wait_for_host();
     keep_pace();
 }
