@@ -2,8 +2,9 @@
  * An Uno on its bench, on this machine: the firmware's ELF under simavr, INA219, AS5600 and ADC, the power stage and a
  * wire, the serial line as a pty.
  *
- *     uno_emulator ELF [--speed X] [--wait MS] [--couple MS] [--trace FILE] [--seconds S]
+ *     uno_emulator ELF [--link PATH] [--speed X] [--wait MS] [--couple MS] [--trace FILE] [--seconds S]
  *
+ * --link PATH  also a symbolic link to the pty, so that a rig file can name it
  * --speed X    device seconds per second; 1 without it, 0: as fast as this machine can
  * --wait MS    device time stops so long after the host's last byte until its next one, for 5 s at most: a busy machine
  *              then never makes a host late. A host that is silent for longer has ended, and time goes on
@@ -47,6 +48,7 @@ static struct {
     double speed, seconds;
     long wait_ms, couple_ms;
     FILE *trace;
+    const char *link;
 } options = {.speed = 1.0};
 
 static struct bench bench;
@@ -239,19 +241,21 @@ static void take_options(int argc, char **argv)
             options.seconds = atof(argv[i + 1]);
         else if (!strcmp(argv[i], "--wait"))
             options.wait_ms = atol(argv[i + 1]);
+        else if (!strcmp(argv[i], "--link"))
+            options.link = argv[i + 1];
         else if (!strcmp(argv[i], "--couple"))
             options.couple_ms = atol(argv[i + 1]);
         else if (!strcmp(argv[i], "--trace"))
             options.trace = fopen(argv[i + 1], "w");
         else
-            fail("unknown option; its source begins with all of them");
+            fail("unknown option; its source begins with all options");
     }
 }
 
 int main(int argc, char **argv)
 {
     if (argc < 2 || argc % 2)
-        fail("usage: uno_emulator ELF [--speed X] [--wait MS] [--couple MS] [--trace FILE] [--seconds S]");
+        fail("usage: uno_emulator ELF [OPTION VALUE]...; its source begins with all options");
     take_options(argc, argv);
     power_stage_start(&bench.power);
     wire_start(&bench.wire);
@@ -261,6 +265,8 @@ int main(int argc, char **argv)
     const char *path = serial_port_open(&port, bench.chip.avr);
     if (!path)
         fail("no pty");
+    if (options.link && ((unlink(options.link) && errno != ENOENT) || symlink(path, options.link)))
+        fail("the link cannot be made");
     printf("pty %s\n", path);
     fflush(stdout);
     fcntl(STDIN_FILENO, F_SETFL, O_NONBLOCK);
