@@ -1,5 +1,6 @@
 """An Uno on its bench: the firmware of boards/uno under simavr with its sensors, its power stage and a wire."""
 
+import contextlib
 import os
 import select
 import subprocess
@@ -53,13 +54,16 @@ class Uno:
         self.path = self.process.stdout.readline().split()[1].decode()
         self._line: int | None = None
         self._sequence = {65: 0, 100: 0}
+        self._wire: threading.Thread | None = None
         if wire:
-            threading.Thread(target=self._couple, args=(wire,), daemon=True).start()
+            self._wire = threading.Thread(target=self._couple, args=(wire,))
+            self._wire.start()
 
     def _couple(self, wire: Callable[[float], str]) -> None:
         for line in self.process.stdout:
             if line.startswith(b"flowed"):
-                self.tell(f"wire {wire(float(line.split()[1]))}")
+                with contextlib.suppress(OSError, ValueError):  # it is being closed
+                    self.tell(f"wire {wire(float(line.split()[1]))}")
 
     def tell(self, line: str) -> None:
         """A command of emulator.c."""
@@ -163,6 +167,8 @@ class Uno:
             os.close(self._line)
         self.process.stdin.close()
         assert self.process.wait(PATIENCE_S) == 0
+        if self._wire:
+            self._wire.join(PATIENCE_S)
         self.process.stdout.close()
         return Trace(*np.loadtxt(self._trace, ndmin=2).T)
 

@@ -11,8 +11,8 @@ from smarig.rig.specimen import plant_of
 COUPLE_MS = 25
 # device time follows the host, so a busy machine is never late: the host need not wait for its clock
 OPTIONS = ("--speed", "0", "--wait", "110", "--couple", str(COUPLE_MS))
-HOST_SPEED = 200.0
 REST_counts = 1000.0
+TIMEOUT_S = 5.0  # of a reply: device time waits, but a busy machine takes its own time
 
 
 class TwinWire:
@@ -45,8 +45,8 @@ def host_rig(folder: Path, port: str, **more: str) -> Path:
                 'base = "uno_one_wire"',
                 f'wire = "uno {folder.name}"',
                 *lines,
-                f'links.amplifier.url = "{port}"',
-                f'links.encoder_daq.url = "{port}"',
+                f'links.amplifier = {{ url = "{port}", timeout_s = {TIMEOUT_S} }}',
+                f'links.encoder_daq = {{ url = "{port}", timeout_s = {TIMEOUT_S} }}',
             ]
         ),
         encoding="utf-8",
@@ -54,13 +54,13 @@ def host_rig(folder: Path, port: str, **more: str) -> Path:
     return path
 
 
-def twin_rig(folder: Path) -> Path:
+def twin_rig(folder: Path, actuator: str) -> Path:
     """The same rig in process, without noise."""
     path = folder / "twin.toml"
     path.write_text(
-        'name = "uno_twin"\nbase = "one_wire_twin"\n'
+        f'name = "uno_twin"\nbase = "one_wire_twin"\nactuator = "{actuator}"\n'
         "encoder = { counts_per_rev = 4096, noise_counts = 0.0 }\n"
-        "amplifier.current_noise_A = 0.0\namplifier.voltage_noise_V = 0.0\n",
+        "amplifier = { current_noise_A = 0.0, voltage_noise_V = 0.0 }\n",
         encoding="utf-8",
     )
     return path
