@@ -135,6 +135,33 @@ def test_a_shunt_that_jumps_cuts_the_gate(uno):
     assert board.position()["fault"] == 0
 
 
+def test_an_opened_supply_trips_as_open(uno):
+    board = driven(uno)
+    board.tell("supply 0")
+    board.go(450)
+    status = board.command()
+    assert (status["state"], status["trip"]) == (TRIPPED, OPEN)
+
+
+def flashes(trace, ms):
+    """How often the LED is switched on in the last milliseconds."""
+    return int(np.sum(np.diff(trace.led[-ms:]) > 0))
+
+
+def test_the_led_tells_the_state(uno):
+    board = uno()
+    board.settings()
+    board.go(4000)
+    assert flashes(board.close(), 4000) == 2, "off: every two seconds"
+    board = driven(uno)
+    assert board.close().led[-50:].all(), "current: on"
+    board = driven(uno)
+    board.tell("stop open")
+    board.go(200 + 2 * 8 * 400)
+    period_ms = (2 * 8 + 5) * 200
+    assert flashes(board.close(), period_ms) == 8, "the number of the trip `stop`"
+
+
 def test_a_hanging_program_is_reset_with_the_gate_closed(uno):
     board = driven(uno)
     boots = board.command()["boot_count"]

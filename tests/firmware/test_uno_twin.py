@@ -1,7 +1,7 @@
 """Protocols on the Uno under simavr, coupled to the twin's wire: the same settled positions as in the twin, in counts.
 
-``SMARIG_LONG=1`` makes a whole quick look, with a wire five times as quick as the twin's: ten minutes of device time. By
-default three currents are held, briefly, with a wire twenty times as quick.
+``SMARIG_LONG=1`` makes a whole quick look, with a wire five times as quick as the twin's: ten minutes of device time.
+By default three currents are held, briefly, with a wire twenty times as quick.
 """
 
 import os
