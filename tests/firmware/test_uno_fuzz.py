@@ -8,6 +8,7 @@ import random
 
 from firmware.codes import IS_OFF
 from firmware.firmware_build import frame
+from firmware.uno_emulator import AMPLIFIER
 
 LONG = bool(os.environ.get("SMARIG_LONG"))
 BYTES, FRAMES = (1_000_000, 20_000) if LONG else (6_000, 60)
@@ -33,6 +34,17 @@ def damaged(chance):
     if chance.random() < 0.3:
         whole[chance.randrange(len(whole))] ^= 1 << chance.randrange(8)
     return bytes(whole[: chance.randrange(1, len(whole))] if chance.random() < 0.2 else whole)
+
+
+def test_a_request_during_a_reply_is_lost_and_does_not_change_it(uno):
+    board = uno("--speed", "0.2")  # slow enough to speak in between
+    request = frame(bytes([65, 3, 0, 0, 0, AMPLIFIER.size("status")]))
+    length = 5 + 2 * AMPLIFIER.size("status")
+    reply = board.ask(request, 1)
+    reply += board.ask(frame(bytes([65, 3, 0, 0, 0, 1])), length - len(reply))
+    assert reply == frame(reply[:-2])
+    assert board.ask(b"", 1, patience_s=0.5) == b""
+    assert (len(reply), reply[:2]) == (length, bytes([65, 3]))
 
 
 def test_noise_and_damaged_frames(uno):
