@@ -18,12 +18,12 @@ _ROOM = 640
 _SHORT = {"amplifier": "amp", "encoder_daq": "daq"}
 
 
-def make(folder: Path, target: str, needs: tuple[str, ...], *variables: str) -> Path:
-    """One product of the Makefile, with variables of it; skips where a program or a header for it is missing."""
+def make(folder: Path, target: str, needs: tuple[str, ...], *variables: str, source: Path = FIRMWARE) -> Path:
+    """One product of a Makefile, with variables of it; skips where a program or a header for it is missing."""
     for need in ("make", *needs):
         if not (Path(need).exists() if need.startswith("/") else shutil.which(need)):
             pytest.skip(f"{need} is not installed")
-    command = ["make", "-C", str(FIRMWARE), f"OUT={folder}", *variables, str(folder / target)]
+    command = ["make", "-C", str(source), f"OUT={folder}", *variables, str(folder / target)]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
     return folder / target

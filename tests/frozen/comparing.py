@@ -58,6 +58,7 @@ ADDED = {
     "thermomechanical_one_wire",
     "thermomechanical_two_wire",
     "two_wire_thermomechanical",
+    "uno_one_wire",
     "verdict",
     "wire_K",
 }  # keys that came later, on purpose

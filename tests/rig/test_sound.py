@@ -31,3 +31,17 @@ def test_inconsistencies_are_reported(tmp_path, capsys, line, says):
     assert [says in problem for problem in inconsistencies(load_rig(str(path)))] == [True]
     assert cli(["check", str(path), "--no-current"]) == 2
     assert says in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("lines", "says"),
+    [
+        ('links.amplifier.framing = "lines"', 'Devices on one port need framing = "modbus_rtu"'),
+        ("links.amplifier.baud = 9600", "at 9600 and at 115200 baud"),
+        ("links.amplifier.address = 65\nlinks.encoder_daq.address = 65", "Give each device its own address."),
+    ],
+)
+def test_links_that_cannot_share_a_port_are_reported(tmp_path, lines, says):
+    path = tmp_path / "mine.toml"
+    path.write_text(f'name = "mine"\nbase = "uno_one_wire"\n{lines}\n', encoding="utf-8")
+    assert [says in problem for problem in inconsistencies(load_rig(str(path)))] == [True]

@@ -7,12 +7,12 @@
 #include "sequence.h"
 #include "words.h"
 
-static const struct value COMMAND[] = {
+static const struct value COMMAND[] IN_FLASH = {
     VALUE(AMP_SEQUENCE, 1),  VALUE(AMP_ORDER, 1),     VALUE(AMP_CURRENT, 2),
     VALUE(AMP_RING_NEXT, 2), VALUE(AMP_RING_WANT, 1), VALUE(AMP_NONCE, 2),
 };
 
-static const struct value SETTINGS[] = {
+static const struct value SETTINGS[] IN_FLASH = {
     VALUE(AMP_PERIOD, 1),         VALUE(AMP_LEASE, 1),          VALUE(AMP_CURRENT_MIN, 2),
     VALUE(AMP_CURRENT_MAX, 2),    VALUE(AMP_SLEW_MAX, 2),       VALUE(AMP_RESISTANCE_MIN, 2),
     VALUE(AMP_RESISTANCE_MAX, 2), VALUE(AMP_HEAT_MAX, 2),       VALUE(AMP_HEAT_SETTLE, 1),
@@ -35,7 +35,8 @@ static bool inside_value(uint16_t address)
            address == AMP_BOARD_MAX + 1;
 }
 
-static const struct map MAP = {BLOCK(COMMAND), BLOCK(SETTINGS), AMP_STATUS_FIRST, AMP_STATUS_WORDS, inside_value};
+static const struct map MAP = {BLOCK(COMMAND, AMP_COMMAND), BLOCK(SETTINGS, AMP_SETTINGS), AMP_STATUS_FIRST, AMP_STATUS_WORDS,
+                                inside_value};
 
 /* The settings as bytes on the line, which is what the host can repeat. */
 static void update_settings_crc(struct amplifier *a)
@@ -241,7 +242,8 @@ static uint16_t lease_left_ms(const struct amplifier *a)
     return (uint16_t)((guard_lease_ticks(a) - a->ticks_unfed) * *AMPLIFIER_SETTING(a, AMP_PERIOD));
 }
 
-static void status(const struct amplifier *a, uint16_t *words)
+/* The status block before its ring. */
+static void status_head(const struct amplifier *a, uint16_t *words)
 {
     words[AMP_ECHO] = a->command[AT(AMP_SEQUENCE)];
     words[AMP_KIND] = AMP_DEVICE_KIND;
@@ -259,23 +261,28 @@ static void status(const struct amplifier *a, uint16_t *words)
     words[AMP_SETTINGS_CRC] = a->settings_crc;
     words_put32(words + AMP_ARM_NONCE, arm_nonce(a));
     words_put32(words + AMP_BOARD_MAX, AMPLIFIER_BOARD_MAX_uA);
-    memcpy(words + AMP_RING, a->window_words, sizeof a->window_words);
+}
+
+static void read_status(const struct amplifier *a, uint16_t at, uint16_t count, uint16_t *words)
+{
+    uint16_t head[AMP_RING];
+    if (at < AMP_RING)
+        status_head(a, head);
+    for (; count; count--, at++) {
+        const uint16_t in_ring = (uint16_t)(at - AMP_RING);
+        *words++ = at < AMP_RING ? head[at] : a->window_words[in_ring / AMP_RING_RECORD_WORDS][in_ring % AMP_RING_RECORD_WORDS];
+    }
 }
 
 static void read(const void *device, uint16_t at, uint16_t count, uint16_t *words)
 {
     const struct amplifier *a = device;
-    uint16_t all[AMP_STATUS_WORDS];
-    const uint16_t *from;
     if (at >= AMP_SETTINGS_FIRST)
-        from = a->settings + (at - AMP_SETTINGS_FIRST);
+        memcpy(words, a->settings + (at - AMP_SETTINGS_FIRST), count * sizeof words[0]);
     else if (at >= AMP_COMMAND_FIRST)
-        from = a->command + AT(at);
-    else {
-        status(a, all);
-        from = all + at;
-    }
-    memcpy(words, from, count * sizeof words[0]);
+        memcpy(words, a->command + AT(at), count * sizeof words[0]);
+    else
+        read_status(a, at, count, words);
 }
 
 uint16_t amplifier_answer(struct amplifier *a, uint8_t framing, uint8_t address, const uint8_t *request, uint16_t n,

@@ -1,62 +1,64 @@
 #include "block.h"
 
-
 #include "words.h"
+
+static struct value value_at(const struct block *block, uint8_t i)
+{
+    struct value value;
+    copy_from_flash(&value, &block->values[i], sizeof value);
+    return value;
+}
 
 static uint16_t offset(const struct block *block, const struct value *value)
 {
-    return (uint16_t)(value->address - block->values[0].address);
+    return (uint16_t)(value->address - block->first);
 }
 
-static uint16_t size(const struct block *block)
+static bool within(const struct value *value, const uint16_t *words)
 {
-    const struct value *last = &block->values[block->count - 1];
-    return (uint16_t)(offset(block, last) + last->words);
-}
-
-static int64_t raw(const struct value *value, const uint16_t *words)
-{
-    if (value->words == 1)
-        return words[0];
-    return value->least < 0 ? (int64_t)words_i32(words) : (int64_t)words_u32(words);
+    const uint32_t raw = value->words == 1 ? words[0] : words_u32(words);
+    if (value->negative)
+        return (int32_t)raw >= (int32_t)value->least && (int32_t)raw <= (int32_t)value->most;
+    return raw >= value->least && raw <= value->most;
 }
 
 void block_boot(const struct block *block, uint16_t *words)
 {
     for (uint8_t i = 0; i < block->count; i++) {
-        const struct value *value = &block->values[i];
-        uint16_t *at = words + offset(block, value);
-        if (value->words == 2)
-            words_put32(at, (uint32_t)value->safe);
+        const struct value value = value_at(block, i);
+        uint16_t *at = words + offset(block, &value);
+        if (value.words == 2)
+            words_put32(at, value.safe);
         else
-            *at = (uint16_t)value->safe;
+            *at = (uint16_t)value.safe;
     }
 }
 
 /* Whether a border before word `at` of the block cuts a value in two. */
 static bool cuts(const struct block *block, uint32_t at)
 {
-    for (uint8_t i = 0; i < block->count; i++)
-        if (block->values[i].words == 2 && at == offset(block, &block->values[i]) + 1u)
+    for (uint8_t i = 0; i < block->count; i++) {
+        const struct value value = value_at(block, i);
+        if (value.words == 2 && at == offset(block, &value) + 1u)
             return true;
+    }
     return false;
 }
 
 /* A write starts at the block's first register and ends with a complete value. */
 static bool writable(const struct block *block, const struct exchange *asked)
 {
-    return block_is(block, asked->write_at) && asked->write_count <= size(block) && !cuts(block, asked->write_count);
+    return block_is(block, asked->write_at) && asked->write_count <= block->size && !cuts(block, asked->write_count);
 }
 
 static bool in_range(const struct block *block, const struct exchange *asked)
 {
     for (uint8_t i = 0; i < block->count; i++) {
-        const struct value *value = &block->values[i];
-        const uint16_t at = offset(block, value);
+        const struct value value = value_at(block, i);
+        const uint16_t at = offset(block, &value);
         if (at >= asked->write_count)
             break;
-        const int64_t word = raw(value, asked->words + at);
-        if (word < value->least || word > value->most)
+        if (!within(&value, asked->words + at))
             return false;
     }
     return true;
@@ -64,9 +66,9 @@ static bool in_range(const struct block *block, const struct exchange *asked)
 
 static bool readable_block(const struct block *block, uint16_t at, uint16_t count)
 {
-    const uint16_t first = block->values[0].address;
+    const uint16_t first = block->first;
     const uint32_t end = (uint32_t)at + count;
-    return at >= first && end <= (uint32_t)first + size(block) && !cuts(block, (uint32_t)at - first) &&
+    return at >= first && end <= (uint32_t)first + block->size && !cuts(block, (uint32_t)at - first) &&
            !cuts(block, end - first);
 }
 

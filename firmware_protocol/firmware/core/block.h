@@ -8,22 +8,28 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-#include "exchange.h"
+#include <stdbool.h>
 
-/* A writable value. 64 bits hold the limits of signed and of unsigned words. */
+#include "exchange.h"
+#include "flash.h"
+
+/* A writable value; `negative`: its words are signed, and so are its limits. */
 struct value {
     uint16_t address;
     uint8_t words;
-    int64_t least, most, safe;
+    bool negative;
+    uint32_t least, most, safe;
 };
-#define VALUE(name, words) {name, words, name##_LEAST, name##_MOST, name##_SAFE}
+#define VALUE(name, words) \
+    {name, words, name##_LEAST < 0, (uint32_t)name##_LEAST, (uint32_t)name##_MOST, (uint32_t)name##_SAFE}
 
-/* Consecutive values, in order of address. */
+/* Consecutive values in flash, in order of address. */
 struct block {
     const struct value *values;
     uint8_t count;
+    uint16_t first, size; /* address of the first word; words */
 };
-#define BLOCK(values) {values, sizeof(values) / sizeof((values)[0])}
+#define BLOCK(values, name) {values, sizeof(values) / sizeof((values)[0]), name##_FIRST, name##_WORDS}
 
 struct map {
     struct block command, settings;
@@ -36,7 +42,7 @@ void block_boot(const struct block *block, uint16_t *words);
 
 static inline bool block_is(const struct block *block, uint16_t address)
 {
-    return block->values[0].address == address;
+    return block->first == address;
 }
 
 /* All checks of an exchange that do not depend on the device's state. */

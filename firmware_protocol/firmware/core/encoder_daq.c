@@ -6,14 +6,14 @@
 #include "sequence.h"
 #include "words.h"
 
-static const struct value COMMAND[] = {
+static const struct value COMMAND[] IN_FLASH = {
     VALUE(DAQ_SEQUENCE, 1),
     VALUE(DAQ_ORDER, 1),
     VALUE(DAQ_RING_NEXT, 2),
     VALUE(DAQ_RING_WANT, 1),
 };
 
-static const struct value SETTINGS[] = {VALUE(DAQ_PERIOD, 1)};
+static const struct value SETTINGS[] IN_FLASH = {VALUE(DAQ_PERIOD, 1)};
 
 /* A record of the ring: counts (2 words), ambient, marks. */
 enum { RECORD_COUNTS = 0, RECORD_AMBIENT = 2, RECORD_MARKS = 3 };
@@ -29,7 +29,8 @@ static bool inside_value(uint16_t address)
            address == DAQ_RING_FIRST + 1;
 }
 
-static const struct map MAP = {BLOCK(COMMAND), BLOCK(SETTINGS), DAQ_STATUS_FIRST, DAQ_STATUS_WORDS, inside_value};
+static const struct map MAP = {BLOCK(COMMAND, DAQ_COMMAND), BLOCK(SETTINGS, DAQ_SETTINGS), DAQ_STATUS_FIRST, DAQ_STATUS_WORDS,
+                                inside_value};
 
 void encoder_daq_boot(struct encoder_daq *d, uint16_t boot_count)
 {
@@ -112,7 +113,8 @@ static void write(void *device, const struct exchange *asked)
     choose_window(d);
 }
 
-static void status(const struct encoder_daq *d, uint16_t *words)
+/* The status block before its ring. */
+static void status_head(const struct encoder_daq *d, uint16_t *words)
 {
     words[DAQ_ECHO] = d->command[AT(DAQ_SEQUENCE)];
     words[DAQ_KIND] = DAQ_DEVICE_KIND;
@@ -125,23 +127,28 @@ static void status(const struct encoder_daq *d, uint16_t *words)
     words[DAQ_INDEX_COUNT] = d->index_count;
     words_put32(words + DAQ_RING_FIRST, d->window.first);
     words[DAQ_RING_COUNT] = d->window.count;
-    memcpy(words + DAQ_RING, d->window_words, sizeof d->window_words);
+}
+
+static void read_status(const struct encoder_daq *d, uint16_t at, uint16_t count, uint16_t *words)
+{
+    uint16_t head[DAQ_RING];
+    if (at < DAQ_RING)
+        status_head(d, head);
+    for (; count; count--, at++) {
+        const uint16_t in_ring = (uint16_t)(at - DAQ_RING);
+        *words++ = at < DAQ_RING ? head[at] : d->window_words[in_ring / DAQ_RING_RECORD_WORDS][in_ring % DAQ_RING_RECORD_WORDS];
+    }
 }
 
 static void read(const void *device, uint16_t at, uint16_t count, uint16_t *words)
 {
     const struct encoder_daq *d = device;
-    uint16_t all[DAQ_STATUS_WORDS];
-    const uint16_t *from;
     if (at >= DAQ_SETTINGS_FIRST)
-        from = d->settings + (at - DAQ_SETTINGS_FIRST);
+        memcpy(words, d->settings + (at - DAQ_SETTINGS_FIRST), count * sizeof words[0]);
     else if (at >= DAQ_COMMAND_FIRST)
-        from = d->command + AT(at);
-    else {
-        status(d, all);
-        from = all + at;
-    }
-    memcpy(words, from, count * sizeof words[0]);
+        memcpy(words, d->command + AT(at), count * sizeof words[0]);
+    else
+        read_status(d, at, count, words);
 }
 
 uint16_t encoder_daq_answer(struct encoder_daq *d, uint8_t framing, uint8_t address, const uint8_t *request, uint16_t n,

@@ -61,7 +61,7 @@ static bool take_write(struct exchange *asked, struct text *text)
     if (!number(text, &asked->write_at))
         return false;
     for (; number(text, &word); asked->write_count++)
-        if (asked->write_count < WRITE_MOST)
+        if (asked->write_count < WORDS_KEPT)
             asked->words[asked->write_count] = word;
     return asked->write_count > 0;
 }
@@ -142,7 +142,7 @@ static uint8_t *put_end(uint8_t *at, const uint8_t *line)
     return at;
 }
 
-uint16_t lines_encode(const struct exchange *asked, uint8_t refusal, const uint16_t *words, uint8_t *line)
+uint16_t lines_encode(const struct exchange *asked, uint8_t refusal, struct reading *reading, uint8_t *line)
 {
     uint8_t *at = line;
     *at++ = refusal ? '!' : '=';
@@ -152,7 +152,7 @@ uint16_t lines_encode(const struct exchange *asked, uint8_t refusal, const uint1
     }
     for (uint16_t i = 0; !refusal && i < asked->read_count; i++) {
         *at++ = ' ';
-        at = put(at, words[i]);
+        at = put(at, reading_word(reading, asked, i));
     }
     return (uint16_t)(put_end(at, line) - line);
 }

@@ -22,7 +22,7 @@ static uint8_t take_words(struct exchange *asked, const uint8_t *bytes, uint16_t
     asked->write_count = word(bytes);
     if (!fits(asked->write_count, WRITE_MOST) || bytes[2] != 2 * asked->write_count || n != 3u + bytes[2])
         return REFUSED_WORD;
-    for (uint16_t i = 0; i < asked->write_count; i++)
+    for (uint16_t i = 0; i < asked->write_count && i < WORDS_KEPT; i++)
         asked->words[i] = word(bytes + 3 + 2 * i);
     return ACCEPTED;
 }
@@ -79,14 +79,14 @@ static uint8_t *put(uint8_t *at, uint16_t value)
     return at;
 }
 
-static uint8_t *put_accepted(uint8_t *at, const struct exchange *asked, const uint16_t *words)
+static uint8_t *put_accepted(uint8_t *at, const struct exchange *asked, struct reading *reading)
 {
     *at++ = asked->function;
     if (asked->function == FUNCTION_WRITE)
         return put(put(at, asked->write_at), asked->write_count);
     *at++ = (uint8_t)(2 * asked->read_count);
     for (uint16_t i = 0; i < asked->read_count; i++)
-        at = put(at, words[i]);
+        at = put(at, reading_word(reading, asked, i));
     return at;
 }
 
@@ -97,12 +97,12 @@ static uint8_t *put_refused(uint8_t *at, uint8_t function, uint8_t refusal)
     return at;
 }
 
-uint16_t rtu_encode(const struct exchange *asked, uint8_t address, uint8_t refusal, const uint16_t *words,
+uint16_t rtu_encode(const struct exchange *asked, uint8_t address, uint8_t refusal, struct reading *reading,
                     uint8_t *frame)
 {
     uint8_t *at = frame;
     *at++ = address;
-    at = refusal ? put_refused(at, asked->function, refusal) : put_accepted(at, asked, words);
+    at = refusal ? put_refused(at, asked->function, refusal) : put_accepted(at, asked, reading);
     const uint16_t crc = crc_modbus(frame, (uint16_t)(at - frame));
     *at++ = (uint8_t)(crc & 0xFFu);
     *at++ = (uint8_t)(crc >> 8);

@@ -35,6 +35,12 @@ struct request {
     uint16_t n;
 };
 
+/* What a request asks for, with as many words as a frame holds; a device keeps fewer. */
+struct plan {
+    uint16_t write_at, write_count, read_at, read_count;
+    uint16_t words[WRITE_MOST];
+};
+
 static uint16_t random_word(void)
 {
     static const uint16_t liked[] = {0, 0, 1, 2, 3, 16, 100, 0xFFFF, 0x8000, 0x000F, 0x4240};
@@ -42,7 +48,7 @@ static uint16_t random_word(void)
 }
 
 /* Often a block that can be written completely, with acceptable words. */
-static void plan(struct exchange *e, bool is_amp)
+static void plan(struct plan *e, bool is_amp)
 {
     static const uint16_t at[] = {AMP_COMMAND_FIRST, AMP_COMMAND_FIRST, AMP_SETTINGS_FIRST, AMP_STATUS_FIRST};
     static const uint16_t whole[] = {
@@ -90,7 +96,7 @@ static void end_rtu(struct request *r)
     r->bytes[r->n++] = (uint8_t)(crc >> 8);
 }
 
-static void build_rtu(struct request *r, const struct exchange *e, uint8_t address)
+static void build_rtu(struct request *r, const struct plan *e, uint8_t address)
 {
     static const uint8_t functions[] = {3, 16, 23, 23};
     const uint8_t function = chance(20) ? functions[chance(4)] : (uint8_t)chance(256);
@@ -123,7 +129,7 @@ static void end_line(struct request *r)
     print(r, chance(8) ? "\n" : "\r\n", 0);
 }
 
-static void build_line(struct request *r, const struct exchange *e)
+static void build_line(struct request *r, const struct plan *e)
 {
     const uint32_t parts = 1 + chance(3);
     r->n = 0;
@@ -170,7 +176,7 @@ static void noise(struct request *r)
 
 static void make(struct request *r, bool is_amp, uint8_t framing, uint8_t address)
 {
-    struct exchange e;
+    struct plan e;
     plan(&e, is_amp);
     if (framing == FRAMING_RTU)
         build_rtu(r, &e, address);

@@ -57,6 +57,7 @@ def _links(file: RigFile, links: LinksFile) -> Iterator[str]:
             yield f"links.{device}.driver: no driver '{driver}'{suggestion(driver, known)}."
         if not link.url and not (simulated and device in SIMULATED):
             yield f"links.{device}.url is missing. Give the port or address of the device."
+    yield from _shared_port(links)
     tries_s = ATTEMPTS * links.amplifier.timeout_s
     if file.simulator is None and tries_s > file.lease_s:
         yield (
@@ -68,6 +69,19 @@ def _links(file: RigFile, links: LinksFile) -> Iterator[str]:
         low, high = (lease.value.decode(raw) for raw in lease.limits)
         if not low <= file.lease_s <= high:
             yield f"lease_s = {file.lease_s:g} is outside {low:g}…{high:g} s, the range of the amplifier."
+
+
+def _shared_port(links: LinksFile) -> Iterator[str]:
+    """Two devices on one serial port differ by their addresses, and only Modbus RTU has addresses."""
+    a, b = links.amplifier, links.encoder_daq
+    if not a.url or a.url != b.url or "modbus_tcp" in (a.framing, b.framing):
+        return
+    if a.framing != "modbus_rtu" or b.framing != "modbus_rtu":
+        yield f'Both links use {a.url}. Devices on one port need framing = "modbus_rtu", which has addresses.'
+    elif a.baud != b.baud:
+        yield f"Both links use {a.url}, at {a.baud} and at {b.baud} baud. Give both the same baud."
+    elif a.address and a.address == b.address:
+        yield f"Both links use {a.url} and address {a.address}. Give each device its own address."
 
 
 def _protection(file: RigFile, p: ProtectionFile) -> Iterator[str]:

@@ -248,7 +248,7 @@ def held(monkeypatch):
         of_device, of_host = FRAMINGS[framing]
         there = Held(Device(of_device))
         line = SerialLine(there.path, of_host, NEVER_S)
-        there.end_of_patience = lambda: line._port.cancel_read()
+        there.end_of_patience = lambda: line._port.opened().cancel_read()
         talk = Watched(line, MAP)
         talk.device = there.device
         made.append((there, line))

@@ -7,6 +7,7 @@ from smarig.core import ConfigError
 from smarig.device.links.link import Link
 from smarig.device.links.modbus_tcp import ModbusTcp
 from smarig.device.links.serial_line import TEXT, SerialLine, rtu_framing
+from smarig.device.links.serial_port import SharedPort
 
 PORT = 502
 NETWORK = ("socket", "rfc2217")  # schemes of pyserial with host and port
@@ -22,7 +23,9 @@ def opened(where: LinkFile, default_address: int) -> Link:
             host, port = _place(where.url)
             return ModbusTcp(host, port, address, where.timeout_s)
         case "modbus_rtu":
-            return SerialLine(_line(where.url), rtu_framing(address), where.timeout_s, where.baud)
+            url = _line(where.url)
+            port = SharedPort(url, where.baud, where.timeout_s, address)
+            return SerialLine(url, rtu_framing(address), where.timeout_s, port=port)
         case "lines":
             return SerialLine(_line(where.url), TEXT, where.timeout_s, where.baud)
 

@@ -1,27 +1,14 @@
 """A serial port, or any URL that pyserial accepts (``socket://``, ``rfc2217://``), with either framing."""
 
-import contextlib
-import importlib
-import re
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
-from importlib.util import find_spec
-
-import serial
 
 from smarig.device.encoding import lines, rtu
 from smarig.device.encoding.exchange import Exchange, Refusal
 from smarig.device.encoding.link_faults import Garbled, Silent
+from smarig.device.links.serial_port import PORT_ERRORS, SerialPort
 
-_TERMIOS = (importlib.import_module("termios").error,) if find_spec("termios") else ()
-PORT_ERRORS = (
-    serial.SerialException,
-    OSError,
-    ValueError,
-    re.error,
-    *_TERMIOS,
-)  # an unplugged port raises any of these
 LONGEST = 4096  # largest number of received bytes that are kept
 
 
@@ -42,7 +29,7 @@ def rtu_framing(address: int) -> Framing:
 
 
 class SerialLine:
-    """A port that is opened exclusively and read until a reply is complete."""
+    """The line to one device: a port that is read until a reply is complete."""
 
     def __init__(
         self,
@@ -51,22 +38,23 @@ class SerialLine:
         timeout_s: float,
         baud: int = 115200,
         clock: Callable[[], float] = time.monotonic,
+        port: SerialPort | None = None,
     ) -> None:
-        self.where, self._framing, self._timeout_s, self._baud = url, framing, timeout_s, baud
+        self.where, self._framing, self._timeout_s = url, framing, timeout_s
         self._clock = clock
-        self._port: serial.Serial | None = None
+        self._port = port or SerialPort(url, baud, timeout_s)
         self._received = b""
-        self.reopen()
+        self._port.open()
 
     def exchange(self, exchange: Exchange) -> list[int] | Refusal:
         """Send and wait. Bytes received before are discarded."""
         try:
-            port = self._opened()
+            port = self._port.opened()
             self._received = b""
             port.reset_input_buffer()
             port.write(self._framing.request(exchange))
         except PORT_ERRORS as error:
-            raise self._port_closed(error) from None
+            raise self._port.unusable(error) from None
         return self.more(exchange)
 
     def more(self, exchange: Exchange) -> list[int] | Refusal:
@@ -78,7 +66,7 @@ class SerialLine:
                 left = end - self._clock()
                 data = self._read(left) if left > 0 else b""
             except PORT_ERRORS as error:
-                raise self._port_closed(error) from None
+                raise self._port.unusable(error) from None
             if not data:
                 kind = Garbled if received_any else Silent
                 raise kind(
@@ -94,7 +82,7 @@ class SerialLine:
 
     def _read(self, left_s: float) -> bytes:
         """Wait for a first byte, then take all that are available: a reply may come in pieces."""
-        port = self._opened()
+        port = self._port.opened()
         port.timeout = left_s
         first = port.read(1)
         if not first:
@@ -104,35 +92,8 @@ class SerialLine:
 
     def reopen(self) -> None:
         """Close and open. Raises Silent if there is no such port."""
-        self.close()
-        try:
-            self._port = serial.serial_for_url(
-                self.where,
-                baudrate=self._baud,
-                timeout=0.1,
-                write_timeout=None
-                if self.where.startswith("rfc2217:")
-                else self._timeout_s,  # rfc2217 has none
-                do_not_open=True,
-            )
-            with contextlib.suppress(*PORT_ERRORS):
-                self._port.exclusive = True  # sockets do not support it
-            self._port.open()
-        except PORT_ERRORS as error:
-            self.close()
-            raise self._port_closed(error) from None
+        self._port.reopen()
 
     def close(self) -> None:
         """Close the port."""
-        port, self._port = self._port, None
-        if port is not None:
-            with contextlib.suppress(*PORT_ERRORS):
-                port.close()
-
-    def _opened(self) -> serial.Serial:
-        if self._port is None:
-            raise Silent(f"{self.where} is not open. {Silent.remedy}")
-        return self._port
-
-    def _port_closed(self, error: BaseException) -> Silent:
-        return Silent(f"{self.where} cannot be used: {error}. {Silent.remedy}")
+        self._port.close()

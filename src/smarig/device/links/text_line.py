@@ -12,7 +12,7 @@ import math
 import serial
 
 from smarig.device.encoding.link_faults import Garbled, Silent
-from smarig.device.links.serial_line import PORT_ERRORS
+from smarig.device.links.serial_port import PORT_ERRORS
 
 QUIET = 8  # time-outs without a reply after which no answer can follow
 TRIES = 3  # queries of the identity on a line that still answers

@@ -1,0 +1,281 @@
+/*
+ * An Uno on its bench, on this machine: the firmware's ELF under simavr, INA219, AS5600 and ADC, the power stage and a
+ * wire, the serial line as a pty.
+ *
+ *     uno_emulator ELF [--link PATH] [--speed X] [--wait MS] [--couple MS] [--trace FILE] [--seconds S]
+ *
+ * --link PATH  also a symbolic link to the pty, so that a rig file can name it
+ * --speed X    device seconds per second; 1 without it, 0: as fast as this machine can
+ * --wait MS    device time stops so long after the host's last byte until its next one, for 5 s at most: a busy machine
+ *              then never makes a host late. A host that is silent for longer has ended, and time goes on
+ * --couple MS  the parent is the wire: see below
+ * --trace FILE one line per device millisecond: time, mean, least and largest current of the wire in uA, state of the
+ *              LED, time of the host's last byte (all times in ms)
+ * --seconds S  ends after so much device time
+ *
+ * Prints `pty PATH` once. Accepts on stdin, a line each:
+ *     stop open | stop closed | unplug ina219 | plug ina219 | unplug as5600 | plug as5600 | magnet off | magnet on
+ *     supply V | gain X            of the INA219
+ *     turned COUNTS                the magnet, by hand
+ *     reset | hang                 only the watchdog ends it
+ *     hold                         from now on device time passes only by go
+ *     go MS                        device time passes whatever the host does; then prints `went`
+ *     now                          prints the device time in ms and the current of the wire in uA
+ *     free                         prints the bytes of RAM that neither variables nor the stack have used so far
+ * and calls of the firmware's functions, with DEVICE amp or daq:
+ *     boot DEVICE COUNT | tick DEVICE INPUTS | now COUNTS | answer DEVICE ADDRESS HEX
+ * With --couple, prints `flowed MEAN_SQUARE_A2` after each interval and waits for `wire OHM COUNTS AMBIENT_degC`.
+ * The program ends when stdin is closed.
+ */
+#define _XOPEN_SOURCE 700
+#include <errno.h>
+#include <fcntl.h>
+#include <math.h>
+#include <poll.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+#include <unistd.h>
+
+#include "commands.h"
+#include "serial_port.h"
+
+enum { STEP_CYCLES = 16, CHUNK_CYCLES = 512, ms_CYCLES = F_CPU / 1000, HOST_WAIT_s = 5, BEHIND_MOST_ms = 50 };
+enum { LAG_CYCLES = 48 }; /* the MOSFET turns off 3 us late: its gate is charged by a resistor */
+
+static struct {
+    double speed, seconds;
+    long wait_ms, couple_ms;
+    FILE *trace;
+    const char *link;
+} options = {.speed = 1.0};
+
+static struct bench bench;
+static struct serial_port port;
+
+/* Sums over the present millisecond and over the present interval of the coupling. */
+static struct {
+    double current, least, largest, square, cycles, interval_square, interval_cycles;
+} seen;
+
+static void fail(const char *what)
+{
+    fprintf(stderr, "uno_emulator: %s\n", what);
+    exit(1);
+}
+
+/* --- the bench: the power stage and the INA219 in steps of a microsecond --- */
+
+static void note_current(double cycles)
+{
+    const double i = bench.power.wire_A;
+    seen.current += i * cycles;
+    seen.square += i * i * cycles;
+    seen.least = seen.cycles ? fmin(seen.least, i) : i;
+    seen.largest = seen.cycles ? fmax(seen.largest, i) : i;
+    seen.cycles += cycles;
+}
+
+static void pass(bool gate, double cycles)
+{
+    while (cycles > 0) {
+        const double step = fmin(cycles, STEP_CYCLES);
+        power_stage_step(&bench.power, gate, step / F_CPU);
+        sensors_step(&bench.sensors, step / F_CPU);
+        note_current(step);
+        cycles -= step;
+    }
+}
+
+/* One period of the PWM. */
+static avr_cycle_count_t chunk(avr_t *avr, avr_cycle_count_t when, void *param)
+{
+    const double share = chip_gate(&bench.chip);
+    const double on = share > 0 ? fmin(share * CHUNK_CYCLES + LAG_CYCLES, CHUNK_CYCLES) : 0;
+    (void)avr, (void)param;
+    bench.power.wire_ohm = bench.wire.ohm;
+    bench.sensors.as5600.counts = bench.wire.counts + bench.turned;
+    pass(true, on);
+    pass(false, CHUNK_CYCLES - on);
+    return when + CHUNK_CYCLES;
+}
+
+static void run_bench(void)
+{
+    avr_cycle_timer_register(bench.chip.avr, CHUNK_CYCLES, chunk, NULL);
+    serial_port_run(&port);
+}
+
+/* --- the parent --- */
+
+/* Reads what the parent has said; ends when it has. */
+static void listen_to_parent(void)
+{
+    static char line[2048];
+    static size_t length;
+    char c;
+    ssize_t n;
+    while ((n = read(STDIN_FILENO, &c, 1)) == 1) {
+        if (c != '\n') {
+            if (length < sizeof line - 1)
+                line[length++] = c;
+            continue;
+        }
+        line[length] = 0;
+        length = 0;
+        commands_obey(&bench, line);
+    }
+    if (n == 0)
+        exit(0);
+}
+
+static void couple(void)
+{
+    struct pollfd parent = {STDIN_FILENO, POLLIN, 0};
+    printf("flowed %.9g\n", seen.interval_square / seen.interval_cycles);
+    fflush(stdout);
+    seen.interval_square = 0;
+    seen.interval_cycles = 0;
+    for (bench.answered = false; !bench.answered; listen_to_parent())
+        poll(&parent, 1, 100);
+}
+
+/* --- time --- */
+
+static double clock_s(void)
+{
+    struct timespec t;
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+static void sleep_s(double seconds)
+{
+    const struct timespec t = {(time_t)seconds, (long)(1e9 * (seconds - floor(seconds)))};
+    nanosleep(&t, NULL);
+}
+
+/* Time that this machine has lost is skipped, so that the device never runs faster for long. */
+static void keep_pace(void)
+{
+    static double due_s;
+    if (options.speed <= 0)
+        return;
+    const double now_s = clock_s();
+    due_s = due_s ? due_s + 1e-3 / options.speed : now_s;
+    if (now_s > due_s + BEHIND_MOST_ms * 1e-3)
+        due_s = now_s;
+    else if (due_s > now_s)
+        sleep_s(due_s - now_s);
+}
+
+static void wait_for_host(void)
+{
+    static unsigned long ended_after; /* so many bytes, no more came */
+    static avr_cycle_count_t from;
+    if (bench.go_ms) {
+        from = bench.chip.avr->cycle;
+        if (!--bench.go_ms) {
+            puts("went");
+            fflush(stdout);
+        }
+        return;
+    }
+    from = port.last_byte > from ? port.last_byte : from;
+    const avr_cycle_count_t silent = bench.chip.avr->cycle - from;
+    if (!options.wait_ms || port.bytes == ended_after || silent < (avr_cycle_count_t)options.wait_ms * ms_CYCLES)
+        return;
+    struct pollfd host = {port.pty, POLLIN, 0};
+    const double end_s = clock_s() + HOST_WAIT_s;
+    while (poll(&host, 1, 10) == 0 && !bench.go_ms) {
+        listen_to_parent();
+        if (clock_s() < end_s)
+            continue;
+        ended_after = port.bytes;
+        return;
+    }
+}
+
+static void wait_while_held(void)
+{
+    struct pollfd parent = {STDIN_FILENO, POLLIN, 0};
+    while (bench.held && !bench.go_ms) {
+        poll(&parent, 1, 100);
+        listen_to_parent();
+    }
+}
+
+/* --- every millisecond --- */
+
+static void write_trace(long ms)
+{
+    if (options.trace)
+        fprintf(options.trace, "%ld %.1f %.1f %.1f %d %.3f\n", ms, 1e6 * seen.current / seen.cycles,
+                1e6 * seen.least, 1e6 * seen.largest, chip_led(&bench.chip),
+                port.bytes ? (double)port.last_byte / ms_CYCLES : -1.0);
+}
+
+static void millisecond(long ms)
+{
+    write_trace(ms);
+    seen.interval_square += seen.square;
+    seen.interval_cycles += seen.cycles;
+    if (options.couple_ms && ms % options.couple_ms == 0)
+        couple();
+    else if (!options.couple_ms)
+        wire_heat(&bench.wire, seen.square / seen.cycles, 1e-3);
+    seen.current = seen.square = seen.cycles = 0;
+    listen_to_parent();
+    wait_while_held();
+    wait_for_host();
+    keep_pace();
+}
+
+static void take_options(int argc, char **argv)
+{
+    for (int i = 2; i + 1 < argc; i += 2) {
+        if (!strcmp(argv[i], "--speed"))
+            options.speed = atof(argv[i + 1]);
+        else if (!strcmp(argv[i], "--seconds"))
+            options.seconds = atof(argv[i + 1]);
+        else if (!strcmp(argv[i], "--wait"))
+            options.wait_ms = atol(argv[i + 1]);
+        else if (!strcmp(argv[i], "--link"))
+            options.link = argv[i + 1];
+        else if (!strcmp(argv[i], "--couple"))
+            options.couple_ms = atol(argv[i + 1]);
+        else if (!strcmp(argv[i], "--trace"))
+            options.trace = fopen(argv[i + 1], "w");
+        else
+            fail("unknown option; its source begins with all options");
+    }
+}
+
+int main(int argc, char **argv)
+{
+    if (argc < 2 || argc % 2)
+        fail("usage: uno_emulator ELF [OPTION VALUE]...; its source begins with all options");
+    take_options(argc, argv);
+    power_stage_start(&bench.power);
+    wire_start(&bench.wire);
+    if (!chip_load(&bench.chip, argv[1]))
+        fail("the ELF cannot be read");
+    sensors_connect(&bench.sensors, bench.chip.avr, &bench.power, &bench.wire);
+    const char *path = serial_port_open(&port, bench.chip.avr);
+    if (!path)
+        fail("no pty");
+    if (options.link && ((unlink(options.link) && errno != ENOENT) || symlink(path, options.link)))
+        fail("the link cannot be made");
+    printf("pty %s\n", path);
+    fflush(stdout);
+    fcntl(STDIN_FILENO, F_SETFL, O_NONBLOCK);
+    bench.chip.after_reset = run_bench;
+    run_bench();
+    for (long ms = 1; !options.seconds || (double)ms <= 1e3 * options.seconds; ms++) {
+        if (!chip_run(&bench.chip, (avr_cycle_count_t)ms * ms_CYCLES))
+            fail("the firmware crashed");
+        millisecond(ms);
+    }
+    return 0;
+}
