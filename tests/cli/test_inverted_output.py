@@ -37,7 +37,10 @@ def files(tmp_path_factory):
     return found
 
 
-FITS = [(surface, "none") for surface in surface_choices()] + [("positive", "best"), ("best", "best")]
+FITS = [(surface, "none") for surface in surface_choices()] + [
+    ("positive", "best"),
+    ("table", "accommodating"),
+]
 
 
 @pytest.mark.parametrize(("surface", "extension"), FITS)

@@ -59,7 +59,7 @@ SWAPPED = [
     ("check database", "is an SQLite database, but no run of smarig"),
     ("report cut", "was cut off after 100 byte(s), before anything of a run"),
     ("check cut", "was cut off after 100 byte(s), before anything of a run"),
-    ("report notes", "is not a run, which is an SQLite database"),
+    ("report notes", "is not a run file: it is no SQLite database"),
     ("view empty", "is empty."),
     ("view model", "is a model, not a run"),
     ("report run --model a.csv", "is a table of numbers, not a model"),

@@ -48,7 +48,7 @@ def swapped_file(path: Path, wanted: str) -> str:
     if not kind:
         return f"{path} is empty."
     if kind in _UNKNOWN and wanted == RUN:
-        return f"{path} is not a run, which is an SQLite database. {_DATA}."
+        return f"{path} is not a run file: it is no SQLite database. {_DATA}."
     if kind in (wanted, *_UNKNOWN):
         return ""
     return f"{path} is {_NOUNS.get(kind, kind)}, not {_NOUNS.get(wanted, wanted)}: {_TAKES.get(kind, _DATA)}."

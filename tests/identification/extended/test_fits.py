@@ -5,6 +5,8 @@ There are ten records each, with fixed seeds; at least eight intervals of 95 % m
 has probability 1 %).
 """
 
+import tracemalloc
+
 import numpy as np
 import pytest
 
@@ -190,6 +192,22 @@ def test_second_order_curves_of_a_classical_wire_show_no_excess():
 def test_a_missing_second_order_curve_is_named():
     with pytest.raises(DataError, match="No second-order point at α = 75, β = 25, u = 50"):
         identify_nonlinear([record(first_order(COARSE), truths.classical(first_order(COARSE), m=12))], NOISE)
+
+
+def test_curves_between_hundreds_of_inputs_are_refused_before_their_tensor_is_made():
+    """As in FORC files of thousands of points: a tensor of 400³ would take half a gigabyte."""
+    known = identify_nonlinear([record(CURVES, truths.classical(CURVES, m=12))], NOISE).hysteresis
+    inner = np.random.default_rng(1).uniform(truths.LOWER, truths.UPPER, 400)
+    u = [truths.LOWER, *inner.tolist()]
+    tracemalloc.start()
+    try:
+        with pytest.raises(
+            DataError, match=r"different inputs, and all second-order curves .* Run second_ord"
+        ):
+            identify_nonlinear([record(u, truths.classical(u, m=12))], NOISE, known)
+        assert tracemalloc.get_traced_memory()[1] < 30e6
+    finally:
+        tracemalloc.stop()
 
 
 # --- reversible ---------------------------------------------------------------------------------------------

@@ -146,8 +146,8 @@ def choose_extension(
         try:
             fits[candidate] = identify_extension(data)
         except (DataError, UsageError) as error:
-            if name != BEST:
-                raise
+            if name != BEST:  # what an extension refuses follows from the data, not from the command
+                raise DataError(str(error)) from None
             refused[candidate] = str(error)
     folds = list(_folds(runs, refit)) if fits else []
     scored = {candidate: _held_out(candidate, folds, unit) for candidate in fits}

@@ -14,6 +14,7 @@ order has the same Q; the two models differ for deeper memories.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from math import comb
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,6 +26,7 @@ from smarig.record import Run
 from smarig.theory import NonlinearPreisach, RestrictedPreisach, SecondOrderExcess, second_order_mask
 
 Array = NDArray[np.float64]
+MOST_NODES = 34  # of the partition: 5,456 values of Q, whose covariance takes 0.2 GB
 
 
 @dataclass(frozen=True, eq=False)
@@ -102,12 +104,28 @@ def _second_order_nodes(record: ExtremumChains, hysteresis: Everett | None) -> A
     return np.unique([hysteresis.lower, *inner, hysteresis.upper])
 
 
+def _check_size(record: ExtremumChains, nodes: int) -> None:
+    """Raise DataError for a partition whose curves cannot all have been measured, or are too many to be computed."""
+    if nodes <= MOST_NODES:
+        return
+    points, needed = _second_order_points(record)[0].size, comb(nodes - 1, 3)
+    if points < needed:
+        raise DataError(
+            f"The curves turn and were read at {nodes} different inputs, and all second-order curves between these "
+            f"have {needed:,} points, but the runs hold {points:,}. Run second_order_transition."
+        )
+    raise DataError(
+        f"The partition has {nodes} inputs. The nonlinear model is identified with at most {MOST_NODES}."
+    )
+
+
 def _first_order(record: ExtremumChains, partition: Array | None) -> tuple[Array, Array, Array]:
     """Partition (n,), sums and counts (n, n) of y(α, β), the ascending branch on the diagonal."""
     up = record.origin < 0
     down = ~up & (np.append(record.origin, -1)[record.origin] < 0)
     alpha = np.where(up, record.u, record.u[record.origin])
     nodes = np.unique(record.u[up | down]) if partition is None else partition
+    _check_size(record, nodes.size)
     used = (up | down) & np.isin(alpha, nodes) & np.isin(record.u, nodes)
     i, j = np.searchsorted(nodes, alpha[used]), np.searchsorted(nodes, record.u[used])
     sums, counts = np.zeros((nodes.size,) * 2), np.zeros((nodes.size,) * 2)
