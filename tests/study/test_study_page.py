@@ -33,7 +33,7 @@ def test_the_loop_comes_before_everything_but_the_verdict(loads):
     page = _page(loads)
     first = page[page.index("<main>") : page.index('id="section-2"')]
     assert first.index("notice") < first.index("<svg") < first.index("<table")
-    assert 'class="beside"' in first
+    assert 'class="with-text"' in first
 
 
 def test_the_family_of_loads_is_drawn_with_the_held_out_one(loads):
