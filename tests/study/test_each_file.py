@@ -7,6 +7,7 @@ import pytest
 
 from smarig.cli import run as cli
 from smarig.study import StudyOptions, study_each
+from smarig.study.natural_order import natural_key
 from study.known_data import csv_text, displacements, temperatures
 
 QUICK = StudyOptions(diagnose=False)
@@ -72,6 +73,7 @@ def test_an_output_inside_the_data_is_refused(folder, capsys):
 
 
 def test_files_are_compared_in_the_order_in_which_people_count(tmp_path):
+    assert sorted(["200 MPa", "7 MPa", "50 MPa"], key=natural_key) == ["7 MPa", "50 MPa", "200 MPa"]
     data = tmp_path / "data"
     data.mkdir()
     u = temperatures(1, 50)
