@@ -97,10 +97,9 @@ def _one(files: Sequence[Path], out: Path, options: "StudyOptions") -> None:
 
     result = study(files, out, options, ask=_asker(), progress=show_message)
     show_message(_columns_text(result))
-    emit(
-        result.to_json(),
-        "\n".join([*result.sentences(), *result.reasons, *result.hints(), f"Page: {out / 'index.html'}"]),
-    )
+    temperatures = result.transformation.lines() if result.transformation else []
+    lines = [*result.sentences(), *temperatures, *result.reasons, *result.hints()]
+    emit(result.to_json(), "\n".join([*lines, f"Page: {out / 'index.html'}"]))
 
 
 def _each(
