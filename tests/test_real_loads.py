@@ -57,6 +57,7 @@ def test_one_model_fits_six_stresses(measured):
 @pytest.mark.parametrize("stress", [100, 200])
 def test_both_files_of_the_chamber_are_imported_and_repaired(measured, stress):
     run = measured("sma_chamber", f"chamber_{stress}MPa.csv", "sma_chamber", repair=True)
-    assert run.info.repairs["drop-outs"]["count"] == {100: 33, 200: 26}[stress]
+    dropouts = {100: 39, 200: 38}[stress]  # rows of 0.0 °C between readings that are more than 0.7 K away
+    assert run.info.repairs["drop-outs"]["count"] == dropouts
     assert 0.007 < np.nanmax(run["position"]) - np.nanmin(run["position"]) < 0.009, "mm/mm"
     assert run.info.conditions["stress"]["mean"] == pytest.approx(stress, rel=0.02)

@@ -55,3 +55,11 @@ def test_names_are_believed(tmp_path):
     guess = guess_table(max(find_tables(path), key=len))
     assert guess.first("input").name == "temperature"
     assert not guess.by_loop
+
+
+def test_a_unit_from_the_user_says_more_than_numbers(tmp_path):
+    path = tmp_path / "sweep.txt"
+    np.savetxt(path, np.column_stack([np.arange(140.0, 700.0, 4), np.arange(140.0) ** 2]), fmt="%.6g")
+    table = max(find_tables(path), key=len)
+    guess = guess_table(table, input="column 1", output="column 2", units={"column 1": "degC"})
+    assert guess.first("input").quantity == "temperature"

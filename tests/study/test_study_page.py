@@ -33,7 +33,7 @@ def test_the_loop_comes_before_everything_but_the_verdict(loads):
     page = _page(loads)
     first = page[page.index("<main>") : page.index('id="section-2"')]
     assert first.index("notice") < first.index("<svg") < first.index("<table")
-    assert 'class="beside"' in first
+    assert 'class="with-text"' in first
 
 
 def test_the_family_of_loads_is_drawn_with_the_held_out_one(loads):
@@ -49,6 +49,9 @@ def test_transformation_temperatures_and_their_dependence_on_stress_are_headline
     assert slopes["A_s"][0] == pytest.approx(10, rel=0.25)
     low, high = slopes["A_s"][1]
     assert low < 10 < high
+    said = "\n".join(loads.transformation.lines())
+    assert "wire_100MPa: A_s " in said
+    assert "A_s rises by 1 K per " in said
     page = _page(loads)
     first = page[: page.index('id="section-2"')]
     for words in ("A<sub>s</sub>", "A<sub>f</sub>", "M<sub>s</sub>", "M<sub>f</sub>", "rises 1 K per"):
@@ -62,4 +65,5 @@ def test_a_run_without_a_full_loop_says_why(tmp_path):
     path.write_text(f"temperature [°C],stroke [mm]\n{rows}\n", encoding="utf-8")
     result = study([path], tmp_path / "out", QUICK)
     assert result.transformation.result is None
+    assert "contains no full loop" in result.transformation.lines()[0]
     assert "contains no full loop" in _page(result)

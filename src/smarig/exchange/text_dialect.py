@@ -57,7 +57,7 @@ def text_tables(path: Path) -> list[FoundTable]:
     blocks = find_blocks(dialect.rows(lines[:_MOST_LINES]), dialect.style) if dialect else []
     if not dialect or not blocks:
         raise DataError(
-            f"{path} holds no table: it has no {FEWEST_ROWS} lines of at least two numbers. "
+            f"{path} holds no table: it has no {FEWEST_ROWS} lines that are mostly numbers, two or more. "
             "Give a file of measured columns."
         )
     found, refused = [], None

@@ -15,7 +15,6 @@ if TYPE_CHECKING:
     from smarig.report.closed_loop.loop_result import closed_loop_result as closed_loop_result
     from smarig.report.closed_loop.loop_result import is_closed_loop as is_closed_loop
     from smarig.report.components import style as style
-    from smarig.report.components.beside import beside as beside
     from smarig.report.components.comparison_labels import distinct_names as distinct_names
     from smarig.report.components.decimate import path as path
     from smarig.report.components.figure import Figure as Figure
@@ -23,6 +22,7 @@ if TYPE_CHECKING:
     from smarig.report.components.figure import axis as axis
     from smarig.report.components.figure import dots as dots
     from smarig.report.components.figure import line as line
+    from smarig.report.components.figure_with_text import figure_with_text as figure_with_text
     from smarig.report.components.html import Html as Html
     from smarig.report.components.html import bullets as bullets
     from smarig.report.components.html import cards as cards

@@ -58,7 +58,9 @@ class ColumnGuess:
 
     def corrected(self, unit: str) -> "ColumnGuess":
         """The guess with a unit that the user gave."""
-        quantity = self.quantity or q.quantity_of_unit(unit)
+        by_unit = q.quantity_of_unit(unit)
+        guessed = self.by_numbers and by_unit and dimension(unit) not in q.DIMENSIONS.get(self.quantity, ())
+        quantity = by_unit if guessed else self.quantity or by_unit
         return replace(
             self,
             unit=unit,

@@ -18,6 +18,8 @@ def key_figures(result: StudyResult, run: Run) -> Html:
     rows = list(_rows(result, run))
     figures = result.transformation and result.transformation.of(run)
     what = f"{figures.name}, and the model." if figures else "The model."
+    if not any(interval for *_, interval in rows):
+        return html_table(("Figure", "Value"), [(name, value) for name, value, _ in rows], what)
     return html_table(("Figure", "Value", "95 % interval"), rows, what)
 
 
@@ -30,13 +32,9 @@ def _rows(result: StudyResult, run: Run) -> Iterator[Row]:
     if result.evaluation is None:
         return
     unit = result.unit
-    yield (
-        "Error, rms",
-        _value(result.evaluation.best.rms, unit),
-        f"{number(100 * result.nrmse, 2)} % of the range",
-    )
-    noise = _value(result.noise, unit, 2) if result.noise else "not known"
-    yield "Noise of a reading", noise, "" if result.noise else "nothing repeats"
+    yield "Error, rms", _value(result.evaluation.best.rms, unit), ""
+    yield "Error over the range", f"{number(100 * result.nrmse, 2)} %", ""
+    yield "Noise of a reading", _value(result.noise, unit, 2) if result.noise else "not known", ""
 
 
 def _temperatures(found: RunFigures) -> Iterator[Row]:

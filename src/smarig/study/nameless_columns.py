@@ -23,8 +23,8 @@ class LoopRoles:
 
 def roles_by_loop(drive: ColumnGuess, out: ColumnGuess) -> LoopRoles | None:
     """The roles of two columns whose names say nothing, exchanged if their loop says so; None if a name counts."""
-    alike = drive.quantity == out.quantity != ""  # two channels in V, for example
-    if not (drive.by_numbers and out.by_numbers) and not alike:
+    same_quantity = drive.quantity == out.quantity != ""  # two channels in V, for example
+    if not (drive.by_numbers and out.by_numbers) and not same_quantity:
         return None
     vote = role_vote(drive.facts.values, out.facts.values)
     prior = _LIKE_TEMPERATURE * ((drive.quantity == q.TEMPERATURE) - (out.quantity == q.TEMPERATURE))
@@ -33,9 +33,9 @@ def roles_by_loop(drive: ColumnGuess, out: ColumnGuess) -> LoopRoles | None:
         return LoopRoles(drive, out, f"{_NO_NAMES}, and the loop does not tell input from output", UNSURE / 2)
     if score < 0:
         drive, out = out, drive
-        if not alike:
+        if not same_quantity:
             drive = drive.without_meaning() if prior >= 0 else drive
-            out = _beside(out.without_meaning(), drive)
+            out = _with_displacement(out.without_meaning(), drive)
     reasons = [*vote.reasons] if vote.score * score > 0 else []
     reasons += ["it looks like a temperature"] if prior * score > 0 else []
     against = ", although its loop speaks against it" if vote.score * score < 0 else ""
@@ -43,7 +43,7 @@ def roles_by_loop(drive: ColumnGuess, out: ColumnGuess) -> LoopRoles | None:
     return LoopRoles(drive, out, why, LIKELY if abs(score) >= _SURE else WEAK)
 
 
-def _beside(out: ColumnGuess, drive: ColumnGuess) -> ColumnGuess:
+def _with_displacement(out: ColumnGuess, drive: ColumnGuess) -> ColumnGuess:
     """An output beside a temperature is a displacement in mm, unless it is known better."""
     if out.quantity or drive.quantity != q.TEMPERATURE:
         return out

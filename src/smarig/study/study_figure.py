@@ -105,7 +105,8 @@ def _words(
         if several and not family
         else ""
     )
-    dotted = "Dotted: readings without a prediction." if not np.isfinite(run.predicted).all() else ""
+    silent = not np.isfinite(run.predicted).all() and not _scattered(run.counted)
+    dotted = "Dotted: readings without a prediction." if silent else ""
     thick = "Thick: where the error is largest." if marked else ""
     return title, [which, split.reason if split else "", dotted, thick]
 

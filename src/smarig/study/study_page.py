@@ -10,10 +10,10 @@ from smarig.report import (
     Figure,
     Html,
     Section,
-    beside,
     bullets,
     cards,
     display_unit,
+    figure_with_text,
     figures_table,
     input_title,
     notice,
@@ -87,7 +87,7 @@ def _summary(result: StudyResult) -> Iterator[Html | Figure]:
         yield figure
         return
     run = next((t.run for t in result.tables if str(t.run.path) == shown.run), result.tables[0].run)
-    yield beside(figure, key_figures(result, run), bullets([*result.reasons, *result.hints()]))
+    yield figure_with_text(figure, key_figures(result, run), bullets([*result.reasons, *result.hints()]))
 
 
 def _temperatures(result: StudyResult) -> Iterator[Html | Figure]:

@@ -1,5 +1,6 @@
 """The sentences of a study: how large the error is and where, what a simple curve does, and what the diagnosis says."""
 
+import re
 from collections.abc import Sequence
 
 from smarig.core import spaced
@@ -91,8 +92,13 @@ def unpredicted_sentence(share: float, *, whole_record: bool) -> str:
 def finding_sentence(d: Diagnosis | MeasuredDiagnosis, *, at_noise: bool) -> str:
     """What the diagnosis says of the errors that are left; they look like noise only if they are as small."""
     lines = d.text().splitlines()
-    shifted = [line.replace(" degC", " °C") for line in lines if "is shifted by" in line][:1]
+    shifted = [_as_shown(line) for line in lines if "is shifted by" in line][:1]
     return " ".join([_finding(d, lines[0], at_noise=at_noise), *shifted])
+
+
+def _as_shown(line: str) -> str:
+    """A line of a diagnosis with true minus signs and the degree sign."""
+    return re.sub(r"(?<!\w)-(?=\d)", "−", line).replace(" degC", " °C")
 
 
 def _finding(d: Diagnosis | MeasuredDiagnosis, first_line: str, *, at_noise: bool) -> str:

@@ -6,7 +6,15 @@ from typing import Any
 
 from smarig.core import UsageError
 from smarig.record import Run
-from smarig.transformation import RunFigures, TransformationResult, transformation_temperatures
+from smarig.transformation import (
+    TEMPERATURES,
+    RunFigures,
+    TransformationResult,
+    transformation_temperatures,
+    value_text,
+)
+
+_MOST = 8  # runs in a text
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,6 +39,21 @@ class Transformation:
         """The figures of a run, None if it has no full loop."""
         own = self.result.runs if self.result else ()
         return next((f for f in own if run is not None and f.run.path == run.path), None)
+
+    def lines(self) -> list[str]:
+        """The temperatures of each run and their dependence on stress as text, or why there are none."""
+        runs = self.result.runs if self.result else ()
+        found = [
+            f"{run.name}: {', '.join(f'{n} {value_text(run, n)}' for n in TEMPERATURES if n in run.means)}."
+            for run in runs[:_MOST]
+        ]
+        found += [f"{len(runs) - _MOST} more runs are on the page."] if len(runs) > _MOST else []
+        found += [
+            f"{name} rises by 1 K per {value:.3g} MPa ({low:.3g} to {high:.3g})."
+            for name, value, (low, high) in self.slopes
+            if low is not None and high is not None
+        ]
+        return found or [f"No transformation temperatures: {next(iter(self.left_out.values()))}"]
 
     def to_json(self) -> dict[str, Any]:
         """As a JSON object."""

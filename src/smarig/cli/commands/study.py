@@ -99,10 +99,9 @@ def _one(files: Sequence[Path], out: Path, options: "StudyOptions") -> None:
     show_message(_columns_text(result))
     if result.verdict == POOR:
         show_message("Warning: The model is poor. Do not use it before its errors are explained.")
-    emit(
-        result.to_json(),
-        "\n".join([*result.sentences(), *result.reasons, *result.hints(), f"Page: {out / 'index.html'}"]),
-    )
+    temperatures = result.transformation.lines() if result.transformation else []
+    lines = [*result.sentences(), *temperatures, *result.reasons, *result.hints()]
+    emit(result.to_json(), "\n".join([*lines, f"Page: {out / 'index.html'}"]))
 
 
 def _each(

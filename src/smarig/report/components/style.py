@@ -135,10 +135,10 @@ figure .panels{display:grid;grid-template-columns:repeat(auto-fit,minmax(min(100
 .tools button:hover{color:var(--blue)}
 @media (min-width:1000px){figure.single{display:grid;grid-template-columns:minmax(0,660px) minmax(240px,1fr);gap:0 28px;
  align-items:center}.pairs figure.single{display:block}
- .beside{display:grid;grid-template-columns:minmax(0,660px) minmax(280px,1fr);gap:0 28px;align-items:start}
- .beside figure.single{display:block;margin-top:12px}.beside .table{margin:8px 0 10px}
- .beside table{font-size:13px}.beside td,.beside th{padding-right:10px;white-space:nowrap}
- .beside ul{padding-left:18px;margin:8px 0;font-size:15px;line-height:1.45}}
+ .with-text{display:grid;grid-template-columns:minmax(0,660px) minmax(280px,1fr);gap:0 28px;align-items:start}
+ .with-text figure.single{display:block;margin-top:12px}.with-text .table{margin:8px 0 10px}
+ .with-text table{font-size:13px}.with-text td,.with-text th{padding-right:10px;white-space:nowrap}
+ .with-text ul{padding-left:18px;margin:8px 0;font-size:15px;line-height:1.45}}
 .choices{display:flex;flex-wrap:wrap;gap:6px}
 button,input,select{font:inherit;font-size:14px;color:var(--ink);background:#fff;border:1px solid #8b939e;
  border-radius:3px;padding:5px 10px}

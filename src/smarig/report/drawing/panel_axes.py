@@ -64,10 +64,25 @@ def finish_axes(axes: dict[str, Axes], layout: Layout) -> None:
         if layout.get(name, {}).get("scaleanchor"):
             row.set_aspect("equal", adjustable="box")
     _set_range(rows[-1], "x", layout.get("xaxis", {}))
+    for row in rows:
+        _power_in_label(row)
     for shape in layout.get("shapes", ()):
         _line_across(rows, shape)
     for note in layout.get("annotations", ()):
         _note(rows[0], note)
+
+
+def _power_in_label(axes: Axes) -> None:
+    """State a common power of ten with the unit, as in "Moment (10⁻⁷ A m²)": elsewhere a legend would hide it."""
+    form, title = axes.yaxis.get_major_formatter(), axes.get_ylabel()
+    if not isinstance(form, _PlainNumbers) or not title.endswith(")") or "(" not in title:
+        return
+    low, high = sorted(axes.get_ylim())
+    form.set_locs([at for at in axes.get_yticks().tolist() if low <= at <= high])
+    if power := form.get_offset():
+        quantity, unit = title.rsplit("(", 1)
+        axes.set_ylabel(f"{quantity}({power.removeprefix('× ')} {unit}")
+        axes.yaxis.get_offset_text().set_visible(False)
 
 
 def _set_axis(axes: Axes, side: str, given: Mapping[str, Any]) -> None:

@@ -6,6 +6,6 @@ from smarig.report.components.figure import Figure
 from smarig.report.components.html import Html, tag
 
 
-def beside(figure: Figure, *parts: Any) -> Html:
+def figure_with_text(figure: Figure, *parts: Any) -> Html:
     """The figure at the left and the other parts at the right; below each other on narrow screens and on paper."""
-    return tag("div", figure.html(), tag("div", *parts), class_="beside")
+    return tag("div", figure.html(), tag("div", *parts), class_="with-text")
