@@ -1,6 +1,6 @@
 """Random bytes and damaged frames on the Uno's line: no current, no reset, no overflow of the stack.
 
-``SMARIG_LONG=1`` sends a million bytes and 20,000 frames, the default 6,000 and 60.
+``SMARIG_LONG=1`` sends a million bytes and 4,000 frames, the default 6,000 and 60.
 """
 
 import os
@@ -11,7 +11,7 @@ from firmware.firmware_build import frame
 from firmware.uno_emulator import AMPLIFIER
 
 LONG = bool(os.environ.get("SMARIG_LONG"))
-BYTES, FRAMES = (1_000_000, 20_000) if LONG else (6_000, 60)
+BYTES, FRAMES = (1_000_000, 4_000) if LONG else (6_000, 60)
 CHUNK = 1000
 LEAST_FREE = 48  # bytes of RAM
 

@@ -9,7 +9,7 @@ import pytest
 TICK_MS = 100
 SETTLED_MS = 60  # after a step
 BENCHES = {  # supply in V, wire in ohm, currents in mA
-    "5 ohm at 6 V": (6.0, 5.0, (1000, 500, 100, 1000)),
+    "5 ohm at 6 V": (6.0, 5.0, (1000, 500, 100, 1000, 50, 20)),
     "11 ohm at 7.5 V": (7.5, 11.0, (400, 100, 300)),
     "2 ohm at 5 V": (5.0, 2.0, (1000, 200, 800)),
 }
@@ -19,7 +19,7 @@ class StepResponse(NamedTuple):
     """One step: times in ms, the rest in mA."""
 
     rise_ms: float  # from a tenth to nine tenths
-    settling_ms: float  # until it stays within 2 %
+    settling_ms: float  # until it stays within 2 %, at least 3 mA
     overshoot_mA: float
     error_mA: float  # of the mean, settled
     ripple_mA: float  # peak to peak, settled, at all frequencies
@@ -33,7 +33,7 @@ def response(trace, begin_ms, before_mA, after_mA):
     step = after_mA - before_mA
     share = (mean - before_mA) / step
     late = slice(SETTLED_MS, None)
-    outside = np.flatnonzero(np.abs(mean - after_mA) > 0.02 * abs(step))
+    outside = np.flatnonzero(np.abs(mean - after_mA) > max(0.02 * abs(step), 3.0))
     beyond = (largest if step > 0 else -least)[:SETTLED_MS] - (largest if step > 0 else -least)[late].max()
     return StepResponse(
         rise_ms=float(np.argmax(share > 0.9) - np.argmax(share > 0.1)),
@@ -75,7 +75,7 @@ def test_steps(name, uno):
         step_mA = abs(after_mA - before_mA)
         assert r.rise_ms <= 15
         assert r.settling_ms <= 30
-        assert r.overshoot_mA <= max(10, 0.02 * step_mA)
+        assert r.overshoot_mA <= max(10, 0.05 * step_mA)
         assert abs(r.error_mA) <= 1.0
         assert r.ripple_mA <= 25
         assert r.wander_mA <= 3

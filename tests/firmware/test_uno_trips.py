@@ -1,4 +1,7 @@
-"""The Uno takes the current away: lease, stop, missing sensors, a program that hangs. All times are device times."""
+"""The Uno drives, measures, and takes the current away: lease, stop, missing sensors, a program that hangs.
+
+All times are device times.
+"""
 
 import numpy as np
 
@@ -54,6 +57,15 @@ def test_it_drives_and_measures(uno):
     assert abs(current - HALF_uA) < 2000
     assert 4.5 < voltage / current < 5.05, "the wire, and its lead"
     assert abs(np.mean(trace.mean_uA[-200:]) - HALF_uA) < 1000, "what really flows"
+
+
+def test_the_ring_keeps_32_samples(uno):
+    board = uno()
+    board.settings(period=20)
+    board.go(1000)
+    status = board.command(ring_next=1)
+    assert status["tick"] > 40
+    assert (status["ring_first"], len(status.samples)) == (status["tick"] - 31, 12)
 
 
 def test_the_lease_ends_the_current(uno):

@@ -1,6 +1,6 @@
 """Protocols on the Uno under simavr, coupled to the twin's wire: the same settled positions as in the twin, in counts.
 
-``SMARIG_LONG=1`` makes a whole quick look, with a wire five times as quick as the twin's: ten minutes of device time.
+``SMARIG_LONG=1`` makes a whole quick look, with a wire ten times as quick as the twin's: some minutes of device time.
 By default three currents are held, briefly, with a wire twenty times as quick.
 """
 
@@ -16,7 +16,7 @@ from smarig.plant import Actuator
 from smarig.record import load_run
 
 LONG = bool(os.environ.get("SMARIG_LONG"))
-QUICKER = 5 if LONG else 20
+QUICKER = 10 if LONG else 20
 BRIEF = ("currents_A=0.5,0.9,0.6", "settle.window_s=1", "settle.approach_K=2")
 WORK = ("quick_look",) if LONG else ("step_currents", *(word for pair in BRIEF for word in ("--set", pair)))
 SIMULATOR = "{ start = false, speed = 200.0 }"

@@ -12,6 +12,7 @@ enum {
     GAIN_SHIFT = 2,     /* a step corrects a quarter of the error, for a wire of the least resistance */
     LEAST_mohm = 1000,  /* where the host states none: slow, but never more than the wire needs */
     SUPPLY_LEAST_mV = 3000,
+    DIODE_mV = 350,
     PER_LSB_MOST = 30000 /* times the largest error it still fits 32 bits */
 };
 
@@ -22,6 +23,7 @@ enum {
 static struct {
     int16_t set, cut;  /* LSB of the shunt */
     int32_t per_lsb;   /* duty for one LSB through the least resistance */
+    int32_t diode;     /* duty that only makes up for the diode's drop while the gate is closed */
     int32_t duty;
     uint16_t rest;
     int32_t part;       /* of a large change, added in each of its steps */
@@ -88,12 +90,13 @@ static void begin_change(int32_t by)
     loop.left = MOVE_STEPS + HOLD_STEPS;
 }
 
-/* After a change by estimate, current and duty are known: the rest of the way is nearly proportional. */
+/* After a change by estimate, current and duty are known: beyond the diode's share they are proportional. */
 static void correct_estimate(int16_t shunt)
 {
+    const int32_t used = loop.duty - loop.diode;
     loop.estimated = false;
-    if (shunt > loop.set / 4 && shunt / 4 < loop.set)
-        begin_change(loop.duty / shunt * (loop.set - (int32_t)shunt));
+    if (used > 0 && shunt > loop.set / 4 && shunt / 4 < loop.set)
+        begin_change(used / shunt * (loop.set - (int32_t)shunt));
 }
 
 static void change_in_progress(int16_t shunt)
@@ -114,8 +117,6 @@ static int32_t duty_per_lsb(uint32_t least_mohm, uint16_t supply_mV)
 {
     if (least_mohm < LEAST_mohm)
         least_mohm = LEAST_mohm;
-    if (supply_mV < SUPPLY_LEAST_mV)
-        supply_mV = SUPPLY_LEAST_mV;
     /* 2^24 mohm uA / (10^6 mV) */
     const uint32_t duty = least_mohm * (uA_PER_LSB * 16777ul / 1000) / supply_mV;
     return duty < PER_LSB_MOST ? (int32_t)duty : PER_LSB_MOST;
@@ -124,6 +125,9 @@ static int32_t duty_per_lsb(uint32_t least_mohm, uint16_t supply_mV)
 void current_loop_drive(int32_t current_uA, uint32_t least_mohm, uint16_t supply_mV, int32_t cut_uA)
 {
     const int16_t set = in_lsb(current_uA), cut = in_lsb(cut_uA);
+    if (supply_mV < SUPPLY_LEAST_mV)
+        supply_mV = SUPPLY_LEAST_mV;
+    const int32_t diode = FULL_DUTY / (supply_mV + DIODE_mV) * DIODE_mV;
     const int32_t per_lsb = duty_per_lsb(least_mohm, supply_mV);
     ATOMIC_BLOCK(ATOMIC_RESTORESTATE)
     {
@@ -138,6 +142,7 @@ void current_loop_drive(int32_t current_uA, uint32_t least_mohm, uint16_t supply
         loop.set = set;
         loop.cut = cut;
         loop.per_lsb = per_lsb;
+        loop.diode = diode;
         loop.closed = !set || loop.peak || loop.blind_ms >= BLIND_ms;
         if (loop.closed)
             close_gate();
