@@ -25,6 +25,7 @@ def _nothing() -> None:
 class FunctionOutput:
     """A current output. ``switch_on`` and ``switch_off`` act on the output; without one, leave them out.
 
+    ``prepare`` is called while the output is off, before the watchdog is armed: function, protections, voltage limit.
     ``setting`` reads the set current back (A), ``is_on`` the state of the output. At least one of them, or the measured
     current, confirms ``off``. ``arm_watchdog`` is given the lease in seconds, arms the watchdog, reads it back, and
     returns whether it is armed; without it the output has no lease. Errors of the library become ``Silent``.
@@ -39,6 +40,7 @@ class FunctionOutput:
     setting_A: Callable[[], float] | None = None
     is_on: Callable[[], Any] | None = None
     wire_degC: Callable[[], float] | None = None
+    prepare: Callable[[], Any] = _nothing
     arm_watchdog: Callable[[float], bool] | None = None
     lease_s: float = 0.0
     close_all: Callable[[], Any] = _nothing
@@ -54,6 +56,7 @@ class FunctionOutput:
         if unconfirmed:
             raise Silent(unconfirmed)
         self.tripped = ""
+        self._call("preparing the output", self.prepare)
         if self.arm_watchdog is not None:
             self.has_lease = bool(self._call("arming its watchdog", self.arm_watchdog, self.lease_s))
 

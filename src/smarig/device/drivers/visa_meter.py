@@ -1,0 +1,45 @@
+"""A meter that answers one query by VISA, as a position, temperature or force: scale × answer + offset."""
+
+import math
+
+from smarig.config import LinkFile, RigFile
+from smarig.core import NAN, TomlTable
+from smarig.device.drivers._settings import settings_of
+from smarig.device.links.visa_line import VisaLine
+from smarig.device.polled.from_functions import FunctionInput
+
+_OVERFLOW = 1e30  # meters answer 9.9E37 for an overload
+
+
+class VisaMeterSettings(TomlTable):
+    """[links.DEVICE.settings] of visa_meter."""
+
+    query: str = "READ?"  # answered by a number
+    unit: str = ""  # of a position: "count", "mm" or "deg"
+    scale: float = 1.0  # of the answer, in the unit of the role (mm, deg, °C, N)
+    offset: float = 0.0  # added afterwards
+    low: float = -math.inf  # a reading below is none: out of range
+    high: float = math.inf  # a reading above is none
+    prepare: tuple[str, ...] = ()  # commands sent once
+    backend: str = ""  # of PyVISA; empty: the vendor's library if there is one, else pyvisa-py
+
+
+def visa_meter(where: LinkFile, rig: RigFile) -> FunctionInput:
+    """The meter at a VISA address."""
+    del rig
+    settings = settings_of(where, VisaMeterSettings)
+    line = VisaLine(where.url, where.timeout_s, backend=settings.backend, baud=where.baud)
+    try:
+        line.identify()
+        for command in settings.prepare:
+            line.write(command)
+    except BaseException:
+        line.close()
+        raise
+
+    def read() -> float:
+        answer = line.number(settings.query)
+        value = settings.scale * answer + settings.offset
+        return value if abs(answer) < _OVERFLOW and settings.low <= value <= settings.high else NAN
+
+    return FunctionInput(line.identity, read, settings.unit, line.close)

@@ -1,0 +1,123 @@
+"""A line to an instrument by VISA: USB-TMC, LAN, GPIB or serial, through PyVISA (extra ``visa``).
+
+An answer does not identify its query. After anything went wrong the session is closed, opened again and identified, so
+that a late answer of the old session is never taken for another.
+"""
+
+import contextlib
+import re
+from typing import Any
+
+from smarig.core import UsageError
+from smarig.device.encoding.link_faults import Garbled, Silent, WrongDevice
+
+_NUMBER = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)")
+_IDENTITY = "*IDN?"
+
+
+class VisaLine:
+    """``resource`` is a VISA address such as TCPIP0::192.168.1.20::INSTR; ``backend`` is that of PyVISA ("@py")."""
+
+    def __init__(self, resource: str, timeout_s: float, *, backend: str = "", baud: int = 115200) -> None:
+        self.where, self.identity = resource, ""
+        self._timeout_ms, self._baud = round(1000 * timeout_s), baud
+        self._manager = _manager(backend)
+        self._session: Any = None
+        self._open()
+
+    def identify(self) -> str:
+        """The answer to *IDN?. Raises WrongDevice if another instrument answers than before."""
+        found = self._query(_IDENTITY)
+        if self.identity and found != self.identity:
+            self._drop()
+            raise WrongDevice(f"'{found}' answers at {self.where} instead of '{self.identity}'.")
+        self.identity = found
+        return found
+
+    def write(self, text: str) -> None:
+        """Send a command without an answer."""
+        session = self._usable()
+        try:
+            session.write(text)
+        except Exception as error:
+            self._fail(error, text)
+
+    def ask(self, question: str) -> str:
+        """The answer to a query."""
+        self._usable()
+        return self._query(question)
+
+    def number(self, question: str) -> float:
+        """The first number of the answer; a unit after it is ignored. Raises Garbled without one."""
+        return self.numbers(question)[0]
+
+    def numbers(self, question: str) -> list[float]:
+        """All numbers of an answer, which commas separate. Raises Garbled if one is none."""
+        answer = self.ask(question)
+        found = [_NUMBER.match(part) for part in answer.split(",")]
+        numbers = [float(part.group(1)) for part in found if part]
+        if not numbers or len(numbers) < len(found):
+            self._drop()
+            raise Garbled(f"{self.where} answers '{answer}' to {question}. {Garbled.remedy}")
+        return numbers
+
+    def close(self) -> None:
+        """Close the session. Never raises."""
+        self._drop()
+        with contextlib.suppress(Exception):
+            self._manager.close()
+
+    def _query(self, question: str) -> str:
+        session = self._session
+        try:
+            return str(session.query(question)).strip()
+        except Exception as error:
+            self._fail(error, question)
+            raise  # not reached
+
+    def _usable(self) -> Any:
+        """The session, opened again and identified after a fault."""
+        if self._session is None:
+            self._open()
+            if self.identity:
+                self.identify()
+        return self._session
+
+    def _open(self) -> None:
+        try:
+            self._session = self._manager.open_resource(
+                self.where, open_timeout=self._timeout_ms, read_termination="\n", write_termination="\n"
+            )
+            self._session.timeout = self._timeout_ms
+            if self.where.upper().startswith("ASRL"):
+                self._session.baud_rate = self._baud
+        except Exception as error:
+            self._drop()
+            raise Silent(f"{self.where} cannot be opened: {_text(error)}. {Silent.remedy}") from None
+
+    def _fail(self, error: Exception, what: str) -> None:
+        self._drop()
+        raise Silent(f"{self.where} does not answer {what}: {_text(error)}. {Silent.remedy}") from None
+
+    def _drop(self) -> None:
+        session, self._session = self._session, None
+        if session is not None:
+            with contextlib.suppress(Exception):
+                session.close()
+
+
+def _manager(backend: str) -> Any:
+    """The resource manager of PyVISA. Raises UsageError without the extra or the backend."""
+    try:
+        import pyvisa
+    except ImportError:
+        raise UsageError('This driver needs the extra visa: pip install "smarig[visa]".') from None
+    try:
+        return pyvisa.ResourceManager(backend)
+    except Exception as error:
+        raise UsageError(f"PyVISA cannot use the backend '{backend}': {_text(error)}.") from None
+
+
+def _text(error: Exception) -> str:
+    """The error in one line."""
+    return " ".join(str(error).split()).rstrip(".") or type(error).__name__

@@ -1,0 +1,194 @@
+"""Supplies by VISA: the contract in every make's own dialect, watchdogs in real time, dead lines, wrong settings."""
+
+import time
+
+import pytest
+
+pytest.importorskip("pyvisa_py", reason="the extra visa is not installed")
+
+from device.visa.scpi_server import DIALECTS, ScpiServer
+from smarig.config import LinkFile, load_rig
+from smarig.core import ConfigError, RigFault
+from smarig.device import ContractCase, Garbled, PolledSource, Silent, WrongDevice, check_contract
+from smarig.device.drivers._makes import makes
+from smarig.device.drivers.visa_meter import visa_meter
+from smarig.device.drivers.visa_supply import visa_supply
+
+pytestmark = pytest.mark.filterwarnings(
+    "ignore::UserWarning"
+)  # pyvisa-py tells of parts that are not installed
+RIG = load_rig("bench_one_wire")  # a lease of 1 s
+SPEED = 20.0
+WATCHED = ("keysight_n6700", "keysight_n7900")
+
+
+def link(server, **settings):
+    given = {"backend": "@py", **settings}
+    return LinkFile(driver="visa_supply", framing="lines", url=server.url, timeout_s=1.0, settings=given)
+
+
+@pytest.fixture
+def serve():
+    servers = []
+
+    def made(make, **options):
+        servers.append(ScpiServer(make, **options))
+        return servers[-1]
+
+    yield made
+    for server in servers:
+        server.close()
+
+
+@pytest.mark.parametrize("make", DIALECTS)
+def test_each_make_meets_the_contract_in_its_own_dialect(make, serve):
+    speed = 4.0 if make in WATCHED else SPEED  # a busy machine must not be later than its margin
+    server = serve(make, speed=speed)
+    absent = link(server).model_copy(update={"url": "TCPIP0::127.0.0.1::9::SOCKET"})
+    case = ContractCase(
+        lambda: PolledSource(visa_supply(link(server), RIG)),
+        lambda: visa_supply(absent, RIG),
+        RIG,
+        lambda seconds: time.sleep(seconds / speed),
+    )
+    found = {r.name: r for r in check_contract("amplifier", case)}
+    assert [(r.name, r.observed) for r in found.values() if not r.passed] == []
+    assert found["lease"].observed.startswith("it claims no lease") == (make not in WATCHED)
+    assert server.unknown == [], "commands that the make does not know"
+    assert server.limit_V == pytest.approx(5.5, abs=0.6), "of the largest current through the wire"
+    assert server.flows_A == 0.0
+
+
+def test_every_shipped_make_has_a_dialect_here():
+    assert set(makes()) - {"scpi"} == set(DIALECTS)
+
+
+@pytest.mark.parametrize("make", WATCHED)
+def test_a_silent_host_leaves_no_current_on(make, serve):
+    server = serve(make, speed=4.0)
+    supply = visa_supply(link(server), RIG)
+    supply.arm()
+    assert supply.has_lease
+    supply.set_current(0.4)
+    assert server.flows_A == 0.4
+    time.sleep(2.5 / 4.0)  # a host that was killed says nothing any more
+    assert server.flows_A == 0.0
+    assert 1.0 <= server.off_after_s < 2.0
+    supply.measure()
+    assert "switched its output off" in supply.tripped
+    supply.close()
+
+
+def test_a_watchdog_that_does_not_read_back_is_no_lease(serve):
+    server = serve("keysight_n6700")
+    answer = server.answer
+    server.answer = lambda line: "60" if line == "OUTP:PROT:WDOG:DEL?" else answer(line)
+    supply = visa_supply(link(server), RIG)
+    supply.arm()
+    assert supply.has_lease is False
+
+
+def test_a_lease_that_the_watchdog_cannot_count_is_refused(serve):
+    rig = RIG.model_copy(update={"lease_s": 1.5})
+    with pytest.raises(
+        ConfigError, match=r"lease_s = 1\.5: the watchdog of this supply counts whole seconds"
+    ):
+        visa_supply(link(serve("keysight_n6700")), rig)
+
+
+@pytest.mark.parametrize(
+    ("settings", "sentence"),
+    [
+        ({"chanel": 2}, "chanel"),
+        ({"make": "keysight"}, "No make 'keysight' of supplies; did you mean keysight"),
+        ({"makes": "absent.toml"}, "absent.toml cannot be read"),
+    ],
+)
+def test_wrong_settings_are_one_sentence(settings, sentence, serve):
+    with pytest.raises(Exception, match=sentence) as error:
+        visa_supply(link(serve("rigol_dp800"), **settings), RIG)
+    assert getattr(error.value, "exit_status", 1) == 2
+
+
+def test_an_unknown_make_names_the_known_ones_and_the_way_out(serve):
+    server = serve("rigol_dp800")
+    server.identity = "ACME,PS 1,0,0"
+    with pytest.raises(
+        ConfigError, match=r"of no known make\. The makes are: keysight_e36300, .*settings\.make"
+    ):
+        visa_supply(link(server), RIG)
+
+
+def test_a_supply_is_not_for_two_wires_but_a_source_meter_is(serve):
+    two = load_rig("bench_two_wire")
+    with pytest.raises(ConfigError, match="gives current of one sign only"):
+        visa_supply(link(serve("rigol_dp800")), two)
+    visa_supply(link(serve("keithley_2400")), two).close()
+
+
+def test_a_cut_line_is_one_sentence_and_the_next_query_opens_it_again(serve):
+    server = serve("rigol_dp800")
+    supply = visa_supply(link(server), RIG)
+    supply.arm()
+    supply.set_current(0.3)
+    server.drop()
+    with pytest.raises(Silent, match="Check its power, the cable and the port"):
+        supply.measure()
+    assert supply.measure().current_A == pytest.approx(0.3)
+    supply.off()
+    supply.close()
+
+
+def test_another_device_at_the_same_address_is_refused(serve):
+    server = serve("rigol_dp800")
+    supply = visa_supply(link(server), RIG)
+    supply.arm()
+    server.drop()
+    with pytest.raises(Silent):
+        supply.measure()
+    server.identity = "RIGOL TECHNOLOGIES,DP832,ANOTHER,00.01"
+    with pytest.raises(WrongDevice, match="instead of"):
+        supply.measure()
+    assert "did not confirm" in supply.off()
+
+
+def test_a_late_answer_is_never_taken_for_the_next(serve):
+    server = serve("rigol_dp800")
+    supply = visa_supply(link(server).model_copy(update={"timeout_s": 0.2}), RIG)
+    supply.arm()
+    supply.set_current(0.3)
+    server.delay_answers_s = 0.4
+    with pytest.raises(Silent):
+        supply.measure()
+    server.delay_answers_s = 0.0
+    now = supply.measure()
+    assert (now.current_A, now.voltage_V) == (pytest.approx(0.3), pytest.approx(1.5))
+    supply.off()
+    supply.close()
+
+
+def test_a_meter_scales_and_knows_its_range(serve):
+    server = serve("rigol_dp800", position=lambda: 2.0)
+    settings = {"query": "MEAS:POS?", "unit": "mm", "scale": 2.5, "offset": 1.0, "low": 0.0, "high": 10.0}
+    meter = visa_meter(link(server, **settings), RIG)
+    assert (meter.position(), meter.unit) == (6.0, "mm")
+    server.position = lambda: 9.9e37
+    assert meter.position() != meter.position(), "an overload is no reading"
+    server.position = lambda: 4.0
+    assert meter.position() != meter.position(), "out of range is no reading"
+    meter.close()
+
+
+def test_an_answer_that_is_no_number_is_garbled(serve):
+    server = serve("rigol_dp800")
+    meter = visa_meter(link(server, query="*IDN?"), RIG)
+    with pytest.raises(Garbled, match="answers 'RIGOL"):
+        meter.position()
+
+
+def test_no_device_and_no_backend_are_one_sentence(serve):
+    server = serve("rigol_dp800")
+    with pytest.raises(RigFault, match="Connection refused"):
+        visa_supply(link(server).model_copy(update={"url": "TCPIP0::127.0.0.1::9::SOCKET"}), RIG)
+    with pytest.raises(Exception, match="cannot use the backend '@absent'"):
+        visa_supply(link(server, backend="@absent"), RIG)
