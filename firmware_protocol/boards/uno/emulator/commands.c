@@ -1,8 +1,10 @@
+#define _XOPEN_SOURCE 700
 #include "commands.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 /* --- calls of the firmware's functions, for exchanges whose ticks are given --- */
 
@@ -106,7 +108,7 @@ static bool changed(struct bench *b, const char *line)
     return false;
 }
 
-void commands_obey(struct bench *b, const char *line)
+static void obey(struct bench *b, const char *line)
 {
     double ohm, counts, ambient;
     if (sscanf(line, "wire %lf %lf %lf", &ohm, &counts, &ambient) == 3) {
@@ -137,4 +139,24 @@ void commands_obey(struct bench *b, const char *line)
     else if (!changed(b, line) && !called(b, line))
         fprintf(stderr, "uno_emulator: what is '%s'?\n", line);
     fflush(stdout);
+}
+
+void commands_listen(struct bench *b)
+{
+    static char line[2048];
+    static size_t length;
+    char c;
+    ssize_t n;
+    while ((n = read(STDIN_FILENO, &c, 1)) == 1) {
+        if (c != '\n') {
+            if (length < sizeof line - 1)
+                line[length++] = c;
+            continue;
+        }
+        line[length] = 0;
+        length = 0;
+        obey(b, line);
+    }
+    if (n == 0)
+        exit(0);
 }

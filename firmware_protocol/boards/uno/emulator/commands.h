@@ -18,6 +18,7 @@ struct bench {
     long go_ms;    /* device time to pass whatever the host does */
 };
 
-void commands_obey(struct bench *b, const char *line);
+/* Obeys all that the parent has said; ends the emulator when the parent has ended. */
+void commands_listen(struct bench *b);
 
 #endif

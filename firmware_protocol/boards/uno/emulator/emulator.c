@@ -28,28 +28,28 @@
  * The program ends when stdin is closed.
  */
 #define _XOPEN_SOURCE 700
-#include <errno.h>
 #include <fcntl.h>
 #include <math.h>
 #include <poll.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 #include <unistd.h>
 
 #include "commands.h"
+#include "pace.h"
 #include "serial_port.h"
 
-enum { STEP_CYCLES = 16, CHUNK_CYCLES = 512, ms_CYCLES = F_CPU / 1000, HOST_WAIT_s = 5, BEHIND_MOST_ms = 50 };
+enum { STEP_CYCLES = 16, CHUNK_CYCLES = 512, ms_CYCLES = F_CPU / 1000 };
 enum { LAG_CYCLES = 3 }; /* gate driver and MOSFET turn off 0.2 us late */
 
 static struct {
-    double speed, seconds;
-    long wait_ms, couple_ms;
+    struct pace pace;
+    double seconds;
+    long couple_ms;
     FILE *trace;
     const char *link;
-} options = {.speed = 1.0};
+} options = {.pace = {.speed = 1.0}};
 
 static struct bench bench;
 static struct serial_port port;
@@ -109,27 +109,6 @@ static void run_bench(void)
 
 /* --- the parent --- */
 
-/* Reads what the parent has said; ends when it has. */
-static void listen_to_parent(void)
-{
-    static char line[2048];
-    static size_t length;
-    char c;
-    ssize_t n;
-    while ((n = read(STDIN_FILENO, &c, 1)) == 1) {
-        if (c != '\n') {
-            if (length < sizeof line - 1)
-                line[length++] = c;
-            continue;
-        }
-        line[length] = 0;
-        length = 0;
-        commands_obey(&bench, line);
-    }
-    if (n == 0)
-        exit(0);
-}
-
 static void couple(void)
 {
     struct pollfd parent = {STDIN_FILENO, POLLIN, 0};
@@ -137,73 +116,8 @@ static void couple(void)
     fflush(stdout);
     seen.interval_square = 0;
     seen.interval_cycles = 0;
-    for (bench.answered = false; !bench.answered; listen_to_parent())
+    for (bench.answered = false; !bench.answered; commands_listen(&bench))
         poll(&parent, 1, 100);
-}
-
-/* --- time --- */
-
-static double clock_s(void)
-{
-    struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
-
-static void sleep_s(double seconds)
-{
-    const struct timespec t = {(time_t)seconds, (long)(1e9 * (seconds - floor(seconds)))};
-    nanosleep(&t, NULL);
-}
-
-/* Time that this machine has lost is skipped, so that the device never runs faster for long. */
-static void keep_pace(void)
-{
-    static double due_s;
-    if (options.speed <= 0)
-        return;
-    const double now_s = clock_s();
-    due_s = due_s ? due_s + 1e-3 / options.speed : now_s;
-    if (now_s > due_s + BEHIND_MOST_ms * 1e-3)
-        due_s = now_s;
-    else if (due_s > now_s)
-        sleep_s(due_s - now_s);
-}
-
-static void wait_for_host(void)
-{
-    static unsigned long ended_after; /* so many bytes, no more came */
-    static avr_cycle_count_t from;
-    if (bench.go_ms) {
-        from = bench.chip.avr->cycle;
-        if (!--bench.go_ms) {
-            puts("went");
-            fflush(stdout);
-        }
-        return;
-    }
-    from = port.last_byte > from ? port.last_byte : from;
-    const avr_cycle_count_t silent = bench.chip.avr->cycle - from;
-    if (!options.wait_ms || port.bytes == ended_after || silent < (avr_cycle_count_t)options.wait_ms * ms_CYCLES)
-        return;
-    struct pollfd host = {port.pty, POLLIN, 0};
-    const double end_s = clock_s() + HOST_WAIT_s;
-    while (poll(&host, 1, 10) == 0 && !bench.go_ms) {
-        listen_to_parent();
-        if (clock_s() < end_s)
-            continue;
-        ended_after = port.bytes;
-        return;
-    }
-}
-
-static void wait_while_held(void)
-{
-    struct pollfd parent = {STDIN_FILENO, POLLIN, 0};
-    while (bench.held && !bench.go_ms) {
-        poll(&parent, 1, 100);
-        listen_to_parent();
-    }
 }
 
 /* --- every millisecond --- */
@@ -226,21 +140,19 @@ static void millisecond(long ms)
     else if (!options.couple_ms)
         wire_heat(&bench.wire, seen.square / seen.cycles, 1e-3);
     seen.current = seen.square = seen.cycles = 0;
-    listen_to_parent();
-    wait_while_held();
-    wait_for_host();
-    keep_pace();
+    commands_listen(&bench);
+    pace_millisecond(options.pace, &bench, &port);
 }
 
 static void take_options(int argc, char **argv)
 {
     for (int i = 2; i + 1 < argc; i += 2) {
         if (!strcmp(argv[i], "--speed"))
-            options.speed = atof(argv[i + 1]);
+            options.pace.speed = atof(argv[i + 1]);
         else if (!strcmp(argv[i], "--seconds"))
             options.seconds = atof(argv[i + 1]);
         else if (!strcmp(argv[i], "--wait"))
-            options.wait_ms = atol(argv[i + 1]);
+            options.pace.wait_ms = atol(argv[i + 1]);
         else if (!strcmp(argv[i], "--link"))
             options.link = argv[i + 1];
         else if (!strcmp(argv[i], "--couple"))
@@ -250,6 +162,16 @@ static void take_options(int argc, char **argv)
         else
             fail("unknown option; its source begins with all options");
     }
+}
+
+/* Only a link of an earlier emulator is replaced, never a file. */
+static void make_link(const char *pty)
+{
+    char there[1];
+    if (readlink(options.link, there, sizeof there) > 0)
+        unlink(options.link);
+    if (symlink(pty, options.link))
+        fail("the link cannot be made");
 }
 
 int main(int argc, char **argv)
@@ -265,8 +187,8 @@ int main(int argc, char **argv)
     const char *path = serial_port_open(&port, bench.chip.avr);
     if (!path)
         fail("no pty");
-    if (options.link && ((unlink(options.link) && errno != ENOENT) || symlink(path, options.link)))
-        fail("the link cannot be made");
+    if (options.link)
+        make_link(path);
     printf("pty %s\n", path);
     fflush(stdout);
     fcntl(STDIN_FILENO, F_SETFL, O_NONBLOCK);
