@@ -46,7 +46,7 @@ def _links(file: RigFile, links: LinksFile) -> Iterator[str]:
             continue
         if driver not in catalogue_names(DRIVERS):
             yield f"links.{device}.driver: no driver '{driver}'{suggestion(driver, catalogue_names(DRIVERS))}."
-        if not link.url and not (simulated and device in SIMULATED):
+        if not link.url and not (simulated and (device in SIMULATED or driver.startswith("labjack_"))):
             yield f"links.{device}.url is missing. Give the port or address of the device."
     tries_s = ATTEMPTS * links.amplifier.timeout_s
     if file.simulator is None and tries_s > file.lease_s:
