@@ -81,7 +81,13 @@ class LabJackServer:
             await asyncio.sleep(min(0.02, self.wire.file.period_s / self._speed))
 
     async def _action(
-        self, function: int, start: int, at: int, count: int, registers: list[int], values: Sequence[int] | None
+        self,
+        function: int,
+        start: int,
+        at: int,
+        count: int,
+        registers: list[int],
+        values: Sequence[int] | None,
     ) -> ExcCodes | None:
         if self.delay_s:
             await asyncio.sleep(self.delay_s)

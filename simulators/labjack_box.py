@@ -114,9 +114,7 @@ class LabJackBox:
             return as_words(self.dac_V[at // 2 % 2])
         if FEATURE <= at < FEATURE + 2 * CHANNELS:
             channel = (at - FEATURE) // 2
-            return as_words(
-                self._degC(channel) if self._whole(FEATURE_INDEX + 2 * channel) else NO_RESULT
-            )
+            return as_words(self._degC(channel) if self._whole(FEATURE_INDEX + 2 * channel) else NO_RESULT)
         if COUNTER <= at < COUNTER + 46:
             return self._counted(at - COUNTER)
         known = {PRODUCT: float(self.product), FIRMWARE: 1.0292}

@@ -33,7 +33,7 @@ class LabJackWire:
         ).per_unit
         self._output = file.links.amplifier.settings
         self._inputs = _inputs(file)
-        self._noise = random.Random(settings.seed)  # noqa: S311 - noise of an instrument
+        self._noise = random.Random(settings.seed)
         self._noise_V = NOISE_V if settings.noise else 0.0
         self._counts = self.specimen.counts_now()
         self.reading = RawReading(0, 0, self._counts, round(file.ambient_degC * self._per_degC), 0, False)
@@ -98,11 +98,11 @@ def _inputs(file: RigFile) -> list[tuple[str, dict[str, Any]]]:
         ("temperature", links.room_thermometer, "input"),
         ("force", links.load_cell, "input"),
     )
-    found = [(name, link.settings[key]) for name, link, key in wired if _has(link, key)]
+    found = [(name, one) for name, link, key in wired if (one := _input(link, key))]
     if any(one["channel"] >= CHANNELS for _, one in found):
         raise UsageError(f"The simulated LabJack has the analogue inputs 0 to {CHANNELS - 1}.")
     return found
 
 
-def _has(link: LinkFile | None, key: str) -> bool:
-    return link is not None and link.driver.startswith("labjack_") and key in link.settings
+def _input(link: LinkFile | None, key: str) -> dict[str, Any] | None:
+    return link.settings.get(key) if link is not None and link.driver.startswith("labjack_") else None

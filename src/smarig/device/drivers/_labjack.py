@@ -121,7 +121,9 @@ class LabJack:
                 continue
             if isinstance(reply, Refusal):
                 at = exchange.write_at if exchange.words else exchange.read_at
-                raise Refused(f"The LabJack at {self._link.where} refused register {at}: {reply}.", reply.code)
+                raise Refused(
+                    f"The LabJack at {self._link.where} refused register {at}: {reply}.", reply.code
+                )
             return reply
         raise last
 

@@ -1,4 +1,4 @@
-"""A position on a LabJack: a laser, LVDT or potentiometer on an analogue input, or an encoder on a quadrature counter."""
+"""A position on a LabJack: a laser, LVDT or potentiometer on an analogue input, or an encoder on a counter."""
 
 from typing import Literal
 
@@ -78,7 +78,7 @@ class QuadraturePosition:
         self.identity = f"{self._box.identity}, DIO{self._line} and DIO{self._line + 1}"
 
     def position(self) -> float:
-        """Counts since opening: the change since the last reading, by the shorter way, is added. NaN after a restart."""
+        """Counts since opening: the shorter change since the last reading is added. NaN after a restart of the box."""
         if not self._counts():
             return NAN  # a restart of the box lost the position
         raw = self._box.whole(self._counter)
@@ -109,6 +109,10 @@ class QuadraturePosition:
                 f"counter_line = {self._line}: the quadrature inputs of a LabJack {reg.PRODUCTS[self._box.product]} "
                 f"start at {', '.join(map(str, pairs))}."
             )
-        for base, value in ((reg.DIO_EF_ENABLE, 0), (reg.DIO_EF_INDEX, reg.QUADRATURE), (reg.DIO_EF_ENABLE, 1)):
+        for base, value in (
+            (reg.DIO_EF_ENABLE, 0),
+            (reg.DIO_EF_INDEX, reg.QUADRATURE),
+            (reg.DIO_EF_ENABLE, 1),
+        ):
             for line in self._lines():
                 self._box.write_whole(base + line, value)
