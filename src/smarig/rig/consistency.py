@@ -55,7 +55,7 @@ def _links(file: RigFile, links: LinksFile) -> Iterator[str]:
         if driver not in (known := catalogue_names(DRIVERS)):
             known = sorted({*known, *offered_names(DRIVERS)})
             yield f"links.{device}.driver: no driver '{driver}'{suggestion(driver, known)}."
-        if not link.url and not (simulated and device in SIMULATED):
+        if not link.url and not (simulated and (device in SIMULATED or driver.startswith("labjack_"))):
             yield f"links.{device}.url is missing. Give the port or address of the device."
     yield from _shared_port(links)
     tries_s = ATTEMPTS * links.amplifier.timeout_s

@@ -44,6 +44,7 @@ from smarig.rig.twin import Twin, TwinSettings
 AT_ZERO_TEXT = " The current is at zero."  # removed from an error if the shutdown is not confirmed
 START_TIMEOUT_S = 60.0  # for simulated devices to start
 STOP_TIMEOUT_S = 10.0  # for simulated devices to end
+LABJACK = "labjack_"  # begin of the names of its drivers
 LOCK_STEP_S = 5.0  # reply time of simulated devices that lose no reply: a busy machine delays them
 HOST_TIMEOUT_S = 60.0  # time that they wait for a delayed host; they detect its end at once
 
@@ -161,19 +162,18 @@ def started_simulator(
         e.kind.name not in catalogue_names(EFFECTS) for e in with_type
     ):
         raise UsageError("Simulated devices accept only effects of the catalogue.")
-    if links.amplifier.framing != links.encoder_daq.framing:
-        raise UsageError("Simulated devices use one framing. Give both links the same framing.")
-    pace = ["--speed", str(speed)] if speed else ["--lock-step", "--gone-after", str(HOST_TIMEOUT_S)]
-    min_timeout_s = LOCK_STEP_S if not (speed or how.faults) else 0.0
-    effects = [word for pair in effects_to_arguments(with_type) for word in ("--effect", pair)]
-    files = {"--faults": how.faults, "--device-library": how.library, "--trace": how.trace}
-    extra = [word for option, path in files.items() if path for word in (option, path)]
-    extra += [f"--load={load.text}"] if load else []
-    command = [sys.executable, "-m", "simulators", "--rig", rig, "--framing", links.amplifier.framing]
     folder = tempfile.TemporaryDirectory(prefix="smarig-", ignore_cleanup_errors=True)
+    specific = (
+        _labjack_command(how, speed)
+        if links.amplifier.driver.startswith(LABJACK)
+        else _devices_command(how, links, speed, folder.name)
+    )
+    effects = [word for pair in effects_to_arguments(with_type) for word in ("--effect", pair)]
+    wire = ["--rig", rig, "--seed", str(settings.seed), *effects, *([f"--load={load.text}"] if load else [])]
+    min_timeout_s = LOCK_STEP_S if not (speed or how.faults) else 0.0
     search = [str(shipped("simulators").parent), os.environ.get("PYTHONPATH", "")]
     process = subprocess.Popen(
-        [*command, "--folder", folder.name, "--seed", str(settings.seed), *pace, *effects, *extra],
+        [sys.executable, "-m", *specific, *wire],
         stdin=subprocess.PIPE,
         stdout=subprocess.PIPE,
         text=True,
@@ -182,16 +182,35 @@ def started_simulator(
     )
     try:
         urls = _ready(process)
+        given = {name: link for name in LinksFile.model_fields if (link := getattr(links, name))}
         yield LinksFile(
-            amplifier=_with_url(links.amplifier, urls["amplifier"]["url"], min_timeout_s),
-            encoder_daq=_with_url(links.encoder_daq, urls["encoder_daq"]["url"], min_timeout_s),
-            thermometer=links.thermometer,
-            room_thermometer=links.room_thermometer,
-            load_cell=links.load_cell,
+            **{
+                name: _with_url(link, urls[name]["url"], min_timeout_s) if name in urls else link
+                for name, link in given.items()
+            }
         )
     finally:
         _stop_process(process, keep_until_lease=bool(how.trace))
         folder.cleanup()
+
+
+def _labjack_command(how: SimulatorFile, speed: float) -> list[str]:
+    """A LabJack counts no ticks that could wait for the host: it follows the clock. Raises UsageError for options."""
+    unknown = [key for key in ("faults", "library", "trace") if getattr(how, key)]
+    if unknown or not speed:
+        wrong = f"no simulator.{unknown[0]}" if unknown else "no lock-step; give simulator.speed above 0"
+        raise UsageError(f"The simulated LabJack has {wrong}.")
+    return ["simulators.labjack", "--speed", str(speed)]
+
+
+def _devices_command(how: SimulatorFile, links: LinksFile, speed: float, folder: str) -> list[str]:
+    """The devices of firmware_protocol."""
+    if links.amplifier.framing != links.encoder_daq.framing:
+        raise UsageError("Simulated devices use one framing. Give both links the same framing.")
+    pace = ["--speed", str(speed)] if speed else ["--lock-step", "--gone-after", str(HOST_TIMEOUT_S)]
+    files = {"--faults": how.faults, "--device-library": how.library, "--trace": how.trace}
+    extra = [word for option, path in files.items() if path for word in (option, path)]
+    return ["simulators", "--framing", links.amplifier.framing, "--folder", folder, *pace, *extra]
 
 
 def _with_url(link: LinkFile, url: str, min_timeout_s: float) -> LinkFile:

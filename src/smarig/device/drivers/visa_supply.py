@@ -8,8 +8,8 @@ from pydantic import Field
 
 from smarig.config import LinkFile, RigFile
 from smarig.core import ConfigError, TomlTable
+from smarig.device.drivers._link_settings import settings_of
 from smarig.device.drivers._makes import Make, filled, make_of
-from smarig.device.drivers._settings import settings_of
 from smarig.device.links.visa_line import VisaLine
 from smarig.device.polled.from_functions import FunctionOutput
 from smarig.plant import Actuator, largest_voltage_V
@@ -37,13 +37,13 @@ def visa_supply(where: LinkFile, rig: RigFile) -> FunctionOutput:
                 f"Rig '{rig.name}' has current_min_A = {rig.limits.current_min_A:g} A. A supply of make {name} gives "
                 "current of one sign only."
             )
-        return _output(_Supply(line, make, settings.channel, rig))
+        return _output(_SupplyCommands(line, make, settings.channel, rig))
     except BaseException:
         line.close()
         raise
 
 
-def _output(supply: "_Supply") -> FunctionOutput:
+def _output(supply: "_SupplyCommands") -> FunctionOutput:
     """The supply as a role."""
     return FunctionOutput(
         identity=supply.line.identity,
@@ -61,7 +61,7 @@ def _output(supply: "_Supply") -> FunctionOutput:
     )
 
 
-class _Supply:
+class _SupplyCommands:
     """The commands of a make, filled in for one output."""
 
     def __init__(self, line: VisaLine, make: Make, channel: int, rig: RigFile) -> None:
