@@ -33,6 +33,7 @@ ADDED = {
     "integral_action",
     "isothermal_loading",
     "load",
+    "labjack_one_wire",
     "learned",
     "measured",
     "no_candidates",
