@@ -57,6 +57,7 @@ class LabJackBox:
         self._memory: dict[int, int] = dict.fromkeys(range(*FLASH), 0)
         self.dac_V = [0.0, 0.0]
         self.fired = 0  # how often the watchdog acted
+        self.silent_s = 0.0  # how long nothing had been received when it last acted
         self.flash_writes = 0
         self._last_request_s = 0.0
         self._counter_zero = 0
@@ -71,6 +72,7 @@ class LabJackBox:
         timeout_s = self._whole(TIMEOUT)
         if not self._whole(ENABLE) or now_s - self._last_request_s <= timeout_s:
             return
+        self.silent_s = now_s - self._last_request_s
         self._last_request_s, self.fired = now_s, self.fired + 1
         for k in (0, 1):
             if self._whole(DAC_ENABLE[k]):

@@ -34,6 +34,7 @@ ADDED = {
     "integral_action",
     "isothermal_loading",
     "load",
+    "labjack_one_wire",
     "learned",
     "measured",
     "no_candidates",

@@ -59,6 +59,13 @@ def test_a_lost_or_changed_reply_costs_one_repetition(output, line, box, fault):
     assert not output.tripped
 
 
+def test_a_dac_that_was_left_on_is_off_before_anything_else(box):
+    box.wire.box.dac_V[0] = 3.0
+    with pytest.raises(ConfigError, match="needs 20 V at DAC0"):
+        output_on(box.url, links={"amplifier": {"settings": {"amperes_per_volt": 0.05}}})
+    assert box.wire.box.dac_V[0] == 0.0
+
+
 def test_a_line_that_is_cut_during_a_run_is_opened_again(output, line, box):
     output.set_current(0.3)
     line.cut()

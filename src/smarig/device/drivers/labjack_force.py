@@ -2,8 +2,8 @@
 
 from smarig.config import LinkFile, RigFile
 from smarig.core import TomlTable
+from smarig.device.drivers._driver_settings import settings_of
 from smarig.device.drivers._labjack import AnalogueChannel, LabJack
-from smarig.device.drivers._link_settings import settings_of
 
 
 class LabJackForceSettings(TomlTable):

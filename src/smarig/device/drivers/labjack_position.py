@@ -7,8 +7,8 @@ from pydantic import Field, model_validator
 from smarig.config import LinkFile, RigFile
 from smarig.core import NAN, ConfigError, Number, TomlTable
 from smarig.device.drivers import _labjack_registers as reg
+from smarig.device.drivers._driver_settings import settings_of
 from smarig.device.drivers._labjack import AnalogueChannel, LabJack
-from smarig.device.drivers._link_settings import settings_of
 
 WRAP = 1 << 32  # of the counter
 

@@ -4,7 +4,7 @@ import math
 
 from smarig.config import LinkFile, RigFile
 from smarig.core import NAN, TomlTable
-from smarig.device.drivers._link_settings import settings_of
+from smarig.device.drivers._driver_settings import settings_of
 from smarig.device.links.visa_line import VisaLine
 from smarig.device.polled.from_functions import FunctionInput
 

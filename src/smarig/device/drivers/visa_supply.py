@@ -8,7 +8,7 @@ from pydantic import Field
 
 from smarig.config import LinkFile, RigFile
 from smarig.core import ConfigError, TomlTable
-from smarig.device.drivers._link_settings import settings_of
+from smarig.device.drivers._driver_settings import settings_of
 from smarig.device.drivers._makes import Make, filled, make_of
 from smarig.device.links.visa_line import VisaLine
 from smarig.device.polled.from_functions import FunctionOutput
