@@ -68,7 +68,10 @@ def text_lines(d: "Diagnosis") -> Iterator[str]:
     if unsettled:
         yield f"{len(unsettled)} of {len(d.timeline.settled)} settled points had not settled by their time limit."
     if e.original > FAR_OFF_RATIO * max(min(e.base, e.extended), e.noise_floor):
-        yield "The given model is far from these data, with or without effects. Identify it again from them."
+        yield (
+            "The given model is far from these data, with or without effects. The model of this diagnosis is fitted "
+            "to them."
+        )
     if d.left is not None:
         yield (
             f"The remaining residuals exceed the noise and depend on {d.left}. The named effects explain most of "

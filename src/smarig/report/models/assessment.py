@@ -1,5 +1,6 @@
 """What a characterisation measured, whether its model is good, and what to do now: three sentences and a level."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -7,6 +8,7 @@ import numpy as np
 from smarig.core import spaced
 from smarig.diagnosis import Diagnosis
 from smarig.identification import ErrorLevel, ErrorVerdict, error_verdict
+from smarig.record import Run
 from smarig.report.components.assessment_box import Assessment, box_level
 from smarig.report.components.numbers import duration, runs_text
 from smarig.report.components.run_description import display_unit, duration_s, extent
@@ -19,13 +21,14 @@ from smarig.report.models.preisach_verdict import preisach_verdict
 def assessment(e: Evidence) -> Assessment:
     """The assessment of a characterisation, built from its figures."""
     verdict, error = _held_out(e)
-    cause = _cause(e.diagnosis, pooled_rms(e.verifications.get(e.chosen)))
+    cause = _cause(e, pooled_rms(e.verifications.get(e.chosen)))
     levels = {_quality_level(e, verdict), cause.level}
     level = "bad" if "bad" in levels else "warning" if "warning" in levels else "good"
     return Assessment(level, _measured(e), _quality(e, verdict, error), _advice(e, verdict, cause))
 
 
 _MUCH_LESS = 0.5  # of the chosen model's error
+_ROOM_CHANGED_K = 0.3  # a smaller change of the room is noise of its thermometer
 
 
 @dataclass(frozen=True)
@@ -81,13 +84,22 @@ def _quality(e: Evidence, verdict: ErrorVerdict | None, error: str) -> str:
     return f"The {e.chosen} model predicts held-out data to {error}, {verdict.text}.{against}"
 
 
-def _cause(d: Diagnosis | None, rms: float | None) -> _Cause:
+def _room_text(runs: Iterable[Run]) -> str:
+    """The measured temperatures of the room, "" if it stayed the same."""
+    ends = [found for run in runs if run.has("ambient_degC") and (found := run.extremes("ambient_degC"))]
+    low, high = min((a for a, _ in ends), default=0.0), max((b for _, b in ends), default=0.0)
+    return f" (the room: {low:.1f} to {high:.1f} °C)" if high - low > _ROOM_CHANGED_K else ""
+
+
+def _cause(e: Evidence, rms: float | None) -> _Cause:
     """What the diagnosis says, in one sentence each; ``rms`` is the held-out error of the chosen model."""
+    d = e.diagnosis
     if d is None:
         return _Cause("good", "", "")
     word, best = d.verdict.word, d.best
     if word == "named" and best is not None:
-        return _Cause("bad", f"Cause: {strengths_text(best)}.", _named_advice(d, rms))
+        room = _room_text(e.runs.values()) if "ambient_drift" in d.verdict.names else ""
+        return _Cause("bad", f"Cause: {strengths_text(best)}{room}.", _named_advice(d, rms))
     if word == "ambiguous":
         return _Cause(
             "bad",
@@ -124,8 +136,8 @@ def _unknown_advice(d: Diagnosis) -> str:
 def _named_advice(d: Diagnosis, rms: float | None) -> str:
     gain = d.gain
     if gain is not None and gain.extended < gain.base:
-        better = f"without and with it {gain.base:.2g} → {gain.extended:.2g}{spaced(d.timeline.unit)}"
-        return f"Use the extended model (held-out error {better}), or remove the cause and measure again."
+        error = f"{gain.extended:.2g}{spaced(d.timeline.unit)}"
+        return f"Use the extended model (held-out error {error}), or remove the cause and measure again."
     if gain is not None and rms is not None and gain.extended < _MUCH_LESS * rms:
         error = f"{gain.extended:.2g}{spaced(d.timeline.unit)}"
         return (

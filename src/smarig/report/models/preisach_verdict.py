@@ -11,6 +11,7 @@ from smarig.report.models.evidence import Evidence, ExtensionEvidence
 from smarig.report.models.model_tables import pooled_rms
 
 _TESTS = {"wiping_out": "wiping-out", "congruency": "congruency"}
+_AT_NOISE = 3.0  # times the noise: an error within it is explained
 
 
 @dataclass(frozen=True)
@@ -34,10 +35,19 @@ class PreisachVerdict:
         if self.holds is None:
             return "These runs do not test whether this wire is a Preisach operator."
         if self.effects:
-            return f"A Preisach operator alone does not describe this wire; with {' + '.join(self.effects)} it does."
+            return f"A Preisach operator alone does not describe this wire; {self._with_effects}."
         if self.holds:
             return "These runs give no evidence that this wire is not a Preisach operator."
         return "This wire is no Preisach operator."
+
+    @property
+    def _with_effects(self) -> str:
+        """What the effects leave of the error, as a clause; the last error is that of the model with them."""
+        names = f"with {' + '.join(self.effects)}"
+        if not self.errors or not self.noise:
+            return f"{names} it does"
+        times = self.errors[-1][1] / self.noise
+        return f"{names} it does" if times <= _AT_NOISE else f"{names}, {times:.0f} × the noise is left"
 
     @property
     def errors_sentence(self) -> str:
