@@ -254,9 +254,9 @@ def _sections(e: Evidence) -> tuple[tuple[str, str, Callable[[Evidence], Parts],
     quiet = e.diagnosis is None or e.diagnosis.verdict.word in ("silent", "not_identifiable")
     diagnosis = ("Diagnosis of the model", "Diagnosis", _model_errors, False)
     model = (
-        ("Which model the theorems apply to", "Theorems", _summary, False),
         ("Findings and warnings", "Findings", _findings, False),
         ("Is it a Preisach system? Wiping-out and congruency", "Representation", _representation, False),
+        ("Which model the theorems apply to", "Theorems", _summary, False),
         ("First-order curves and the model", "Curves and model", _curves, True),
         ("Weighting function μ and reversible part g", "Density μ", _density, True),
         ("Validation on held-out data", "Validation", _validation, True),

@@ -170,7 +170,11 @@ def certificate_cards(found: ModelCertificate) -> Html:
     """Cards of the classes of μ, the storage function and the bias."""
     c, s = found.classes, found.storage_bound
     inside = (
-        joined(["in ", M_P]) if c.M_P else joined(["in ", M_PC, ", not in ", M_P]) if c.M_PC else "neither"
+        joined(["μ ≥ 0: in ", M_P])
+        if c.M_P
+        else joined(["μ < 0 somewhere: in ", M_PC, " only"])
+        if c.M_PC
+        else "neither of both classes"
     )
     basis = {
         "positive": "Q_r",
