@@ -6,10 +6,10 @@ from typing import Any
 import pytest
 
 from device.labjack.boxes import INPUTS, SPEED, VOLTAGE_STAGE, rig, running_box
-from smarig.device import ContractCase, check_contract
+from smarig.device import ContractCase, Role, check_contract
 from smarig.rig.driver_check import in_role
 
-CASES: dict[str, tuple[str, dict[str, Any]]] = {
+CASES: dict[str, tuple[Role, dict[str, Any]]] = {
     "current amplifier": ("amplifier", {}),
     "voltage stage": ("amplifier", {"amplifier": ("labjack_output", VOLTAGE_STAGE | INPUTS)}),
     "laser": ("encoder_daq", {}),

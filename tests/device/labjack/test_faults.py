@@ -4,7 +4,7 @@ import time
 
 import pytest
 
-from device.labjack.boxes import SPEED, faulty_line, rig, running_box
+from device.labjack.boxes import SPEED, faulty_line, link_of, rig, running_box
 from smarig.core.errors import ConfigError
 from smarig.device import Garbled, Silent, WrongDevice
 from smarig.device.drivers.labjack_output import labjack_output
@@ -27,7 +27,7 @@ def line(box):
 
 def output_on(url, **changed):
     file = rig(url, **changed)
-    return labjack_output(file.links.amplifier.model_copy(update={"timeout_s": 0.05}), file)
+    return labjack_output(link_of(file, "amplifier").model_copy(update={"timeout_s": 0.05}), file)
 
 
 @pytest.fixture
@@ -139,7 +139,7 @@ def test_without_watchdog_there_is_no_lease_and_off_says_so(line, box):
 
 def test_a_laser_out_of_range_gives_no_position(box, monkeypatch):
     file = rig(box.url)
-    sensor = labjack_position(file.links.encoder_daq, file)
+    sensor = labjack_position(link_of(file, "encoder_daq"), file)
     assert abs(sensor.position()) < 0.01
     monkeypatch.setattr(box.wire.box, "_volts", lambda channel: 10.5)
     assert sensor.position() != sensor.position()  # NaN
@@ -149,7 +149,7 @@ def test_a_laser_out_of_range_gives_no_position(box, monkeypatch):
 def test_a_counter_continues_when_it_wraps_and_a_restart_loses_it(box):
     links = {"encoder_daq": ("labjack_position", {"counter_line": 2})}
     file = rig(box.url, links)
-    sensor = labjack_position(file.links.encoder_daq, file)
+    sensor = labjack_position(link_of(file, "encoder_daq"), file)
     counts = 0
     box.wire.box._counts = lambda: counts
     zero = sensor.position()
@@ -162,8 +162,8 @@ def test_a_counter_continues_when_it_wraps_and_a_restart_loses_it(box):
 
 def test_two_roles_share_one_connection_and_the_last_closes_it(box):
     file = rig(box.url)
-    output = labjack_output(file.links.amplifier, file)
-    sensor = labjack_position(file.links.encoder_daq, file)
+    output = labjack_output(link_of(file, "amplifier"), file)
+    sensor = labjack_position(link_of(file, "encoder_daq"), file)
     (entry,) = shared_link._OPEN.values()
     assert entry.users == 2
     output.close()
@@ -177,4 +177,4 @@ def test_two_roles_share_one_connection_and_the_last_closes_it(box):
 def test_a_failed_opening_leaves_the_connection(box):
     file = rig(box.url, {"encoder_daq": ("labjack_position", {"counter_line": 1})})
     with pytest.raises(ConfigError, match="start at 0, 2, 6"):
-        labjack_position(file.links.encoder_daq, file)
+        labjack_position(link_of(file, "encoder_daq"), file)

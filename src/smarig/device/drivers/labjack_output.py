@@ -7,9 +7,9 @@ from pydantic import Field, model_validator
 from smarig.config import LinkFile, RigFile
 from smarig.core import NAN, ConfigError, Number, SmarigError, TomlTable, UsageError
 from smarig.device.drivers import _labjack_registers as reg
+from smarig.device.drivers._driver_settings import settings_of
 from smarig.device.drivers._labjack import AnalogueChannel, LabJack
 from smarig.device.drivers._labjack_watchdog import arm_watchdog, whole_seconds
-from smarig.device.drivers._driver_settings import settings_of
 from smarig.device.encoding.link_faults import Garbled, Silent
 from smarig.device.roles.polled import Electrical
 from smarig.plant import Actuator, largest_voltage_V
