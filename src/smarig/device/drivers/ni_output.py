@@ -115,6 +115,7 @@ class NiOutput:
         """0 V, confirmed by the measured current. Never raises; returns "", or a sentence."""
         try:
             self._write(0.0)
+            current_A = NAN
             for _ in range(OFF_READINGS):
                 current_A = self._inputs.values()[0]
                 if abs(current_A) <= self._off_A:
