@@ -153,3 +153,15 @@ def test_wrong_settings(role, driver, settings, says):
 def test_a_device_without_a_name():
     with pytest.raises(ConfigError, match="'Dev1/ao0' is no name of an NI device"):
         opened("amplifier", "ni_output", CURRENT, url="Dev1/ao0")
+
+
+def test_measuring_feeds_the_watchdog(world):
+    source = opened("amplifier", "ni_output", CURRENT | {"watchdog": True})
+    source.set(0.3)
+    for _ in range(8):  # 2 s of the lease are 0.2 s here
+        time.sleep(0.05)
+        source.since(1, 1)
+    assert world.ao_V > 1.0
+    assert not source.tripped
+    source.off()
+    source.close()
