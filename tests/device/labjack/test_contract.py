@@ -34,10 +34,11 @@ CASES: dict[str, tuple[Role, dict[str, Any]]] = {
 }
 
 
-@pytest.mark.parametrize("name", CASES)
-def test_the_contract(name):
+@pytest.mark.parametrize(("name", "product"), [*((name, 7) for name in CASES), ("current amplifier", 4)])
+def test_the_contract(name, product):
+    """The DAC of a T4 has 10 bits: steps of 5 mV."""
     role, links = CASES[name]
-    with running_box(links) as box:
+    with running_box(links, product) as box:
         file = rig(box.url, links)
         absent = rig("tcp://127.0.0.1:1", links)
         case = ContractCase(
