@@ -1,5 +1,6 @@
 """Faults of a LabJack and of its line: each is one sentence, or is repaired, and the output is at zero."""
 
+import math
 import time
 
 import pytest
@@ -9,6 +10,7 @@ from smarig.core.errors import ConfigError
 from smarig.device import Garbled, Silent, WrongDevice
 from smarig.device.drivers.labjack_output import labjack_output
 from smarig.device.drivers.labjack_position import labjack_position
+from smarig.device.drivers.labjack_temperature import labjack_temperature
 from smarig.device.links import shared_link
 
 
@@ -142,7 +144,7 @@ def test_a_laser_out_of_range_gives_no_position(box, monkeypatch):
     sensor = labjack_position(link_of(file, "encoder_daq"), file)
     assert abs(sensor.position()) < 0.01
     monkeypatch.setattr(box.wire.box, "_volts", lambda channel: 10.5)
-    assert sensor.position() != sensor.position()  # NaN
+    assert math.isnan(sensor.position())
     sensor.close()
 
 
@@ -156,7 +158,7 @@ def test_a_counter_continues_when_it_wraps_and_a_restart_loses_it(box):
     for counts in (-5, 2**31 - 10, 2**32 - 20, 2**32 + 7):
         assert sensor.position() - zero == counts
     box.wire.box.restart()
-    assert sensor.position() != sensor.position()
+    assert math.isnan(sensor.position())
     sensor.close()
 
 
@@ -178,3 +180,12 @@ def test_a_failed_opening_leaves_the_connection(box):
     file = rig(box.url, {"encoder_daq": ("labjack_position", {"counter_line": 1})})
     with pytest.raises(ConfigError, match="start at 0, 2, 6"):
         labjack_position(link_of(file, "encoder_daq"), file)
+
+
+def test_a_feature_that_is_not_configured_gives_no_temperature(box):
+    file = rig(
+        box.url, {"thermometer": ("labjack_temperature", {"feature": {"channel": 5, "configured": True}})}
+    )
+    thermometer = labjack_temperature(link_of(file, "thermometer"), file)
+    assert math.isnan(thermometer.temperature_degC())
+    thermometer.close()
