@@ -162,12 +162,10 @@ def started_simulator(
         e.kind.name not in catalogue_names(EFFECTS) for e in with_type
     ):
         raise UsageError("Simulated devices accept only effects of the catalogue.")
+    is_labjack = links.amplifier.driver.startswith(LABJACK)
+    specific = _labjack_command(how, speed) if is_labjack else _devices_command(how, links, speed)
     folder = tempfile.TemporaryDirectory(prefix="smarig-", ignore_cleanup_errors=True)
-    specific = (
-        _labjack_command(how, speed)
-        if links.amplifier.driver.startswith(LABJACK)
-        else _devices_command(how, links, speed, folder.name)
-    )
+    specific += [] if is_labjack else ["--folder", folder.name]
     effects = [word for pair in effects_to_arguments(with_type) for word in ("--effect", pair)]
     wire = ["--rig", rig, "--seed", str(settings.seed), *effects, *([f"--load={load.text}"] if load else [])]
     min_timeout_s = LOCK_STEP_S if not (speed or how.faults) else 0.0
@@ -203,14 +201,14 @@ def _labjack_command(how: SimulatorFile, speed: float) -> list[str]:
     return ["simulators.labjack", "--speed", str(speed)]
 
 
-def _devices_command(how: SimulatorFile, links: LinksFile, speed: float, folder: str) -> list[str]:
+def _devices_command(how: SimulatorFile, links: LinksFile, speed: float) -> list[str]:
     """The devices of firmware_protocol."""
     if links.amplifier.framing != links.encoder_daq.framing:
         raise UsageError("Simulated devices use one framing. Give both links the same framing.")
     pace = ["--speed", str(speed)] if speed else ["--lock-step", "--gone-after", str(HOST_TIMEOUT_S)]
     files = {"--faults": how.faults, "--device-library": how.library, "--trace": how.trace}
     extra = [word for option, path in files.items() if path for word in (option, path)]
-    return ["simulators", "--framing", links.amplifier.framing, "--folder", folder, *pace, *extra]
+    return ["simulators", "--framing", links.amplifier.framing, *pace, *extra]
 
 
 def _with_url(link: LinkFile, url: str, min_timeout_s: float) -> LinkFile:

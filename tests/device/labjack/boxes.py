@@ -10,7 +10,7 @@ from typing import Any
 
 from simulators.labjack import LabJackServer
 from simulators.labjack_wire import LabJackWire
-from smarig.config import RigFile, load_rig
+from smarig.config import LinkFile, RigFile, load_rig
 from smarig.config.config_files import merged_tables
 from smarig.rig import TwinSettings
 
@@ -52,6 +52,11 @@ def running_box(
         yield server
     finally:
         server.stop()
+
+
+def link_of(file: RigFile, role: str) -> LinkFile:
+    """A link of a rig file."""
+    return getattr(file.links, role)
 
 
 class FaultyLine:

@@ -6,10 +6,10 @@ from typing import Any
 import pytest
 
 from device.labjack.boxes import INPUTS, SPEED, VOLTAGE_STAGE, rig, running_box
-from smarig.device import ContractCase, check_contract
+from smarig.device import ContractCase, Role, check_contract
 from smarig.rig.driver_check import in_role
 
-CASES: dict[str, tuple[str, dict[str, Any]]] = {
+CASES: dict[str, tuple[Role, dict[str, Any]]] = {
     "current amplifier": ("amplifier", {}),
     "voltage stage": ("amplifier", {"amplifier": ("labjack_output", VOLTAGE_STAGE | INPUTS)}),
     "laser": ("encoder_daq", {}),
@@ -34,10 +34,11 @@ CASES: dict[str, tuple[str, dict[str, Any]]] = {
 }
 
 
-@pytest.mark.parametrize("name", CASES)
-def test_the_contract(name):
+@pytest.mark.parametrize(("name", "product"), [*((name, 7) for name in CASES), ("current amplifier", 4)])
+def test_the_contract(name, product):
+    """The DAC of a T4 has 10 bits: steps of 5 mV."""
     role, links = CASES[name]
-    with running_box(links) as box:
+    with running_box(links, product) as box:
         file = rig(box.url, links)
         absent = rig("tcp://127.0.0.1:1", links)
         case = ContractCase(

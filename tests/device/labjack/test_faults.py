@@ -1,14 +1,16 @@
 """Faults of a LabJack and of its line: each is one sentence, or is repaired, and the output is at zero."""
 
+import math
 import time
 
 import pytest
 
-from device.labjack.boxes import SPEED, faulty_line, rig, running_box
+from device.labjack.boxes import SPEED, faulty_line, link_of, rig, running_box
 from smarig.core.errors import ConfigError
 from smarig.device import Garbled, Silent, WrongDevice
 from smarig.device.drivers.labjack_output import labjack_output
 from smarig.device.drivers.labjack_position import labjack_position
+from smarig.device.drivers.labjack_temperature import labjack_temperature
 from smarig.device.links import shared_link
 
 
@@ -27,7 +29,7 @@ def line(box):
 
 def output_on(url, **changed):
     file = rig(url, **changed)
-    return labjack_output(file.links.amplifier.model_copy(update={"timeout_s": 0.05}), file)
+    return labjack_output(link_of(file, "amplifier").model_copy(update={"timeout_s": 0.05}), file)
 
 
 @pytest.fixture
@@ -139,31 +141,31 @@ def test_without_watchdog_there_is_no_lease_and_off_says_so(line, box):
 
 def test_a_laser_out_of_range_gives_no_position(box, monkeypatch):
     file = rig(box.url)
-    sensor = labjack_position(file.links.encoder_daq, file)
+    sensor = labjack_position(link_of(file, "encoder_daq"), file)
     assert abs(sensor.position()) < 0.01
     monkeypatch.setattr(box.wire.box, "_volts", lambda channel: 10.5)
-    assert sensor.position() != sensor.position()  # NaN
+    assert math.isnan(sensor.position())
     sensor.close()
 
 
 def test_a_counter_continues_when_it_wraps_and_a_restart_loses_it(box):
     links = {"encoder_daq": ("labjack_position", {"counter_line": 2})}
     file = rig(box.url, links)
-    sensor = labjack_position(file.links.encoder_daq, file)
+    sensor = labjack_position(link_of(file, "encoder_daq"), file)
     counts = 0
     box.wire.box._counts = lambda: counts
     zero = sensor.position()
     for counts in (-5, 2**31 - 10, 2**32 - 20, 2**32 + 7):
         assert sensor.position() - zero == counts
     box.wire.box.restart()
-    assert sensor.position() != sensor.position()
+    assert math.isnan(sensor.position())
     sensor.close()
 
 
 def test_two_roles_share_one_connection_and_the_last_closes_it(box):
     file = rig(box.url)
-    output = labjack_output(file.links.amplifier, file)
-    sensor = labjack_position(file.links.encoder_daq, file)
+    output = labjack_output(link_of(file, "amplifier"), file)
+    sensor = labjack_position(link_of(file, "encoder_daq"), file)
     (entry,) = shared_link._OPEN.values()
     assert entry.users == 2
     output.close()
@@ -177,4 +179,13 @@ def test_two_roles_share_one_connection_and_the_last_closes_it(box):
 def test_a_failed_opening_leaves_the_connection(box):
     file = rig(box.url, {"encoder_daq": ("labjack_position", {"counter_line": 1})})
     with pytest.raises(ConfigError, match="start at 0, 2, 6"):
-        labjack_position(file.links.encoder_daq, file)
+        labjack_position(link_of(file, "encoder_daq"), file)
+
+
+def test_a_feature_that_is_not_configured_gives_no_temperature(box):
+    file = rig(
+        box.url, {"thermometer": ("labjack_temperature", {"feature": {"channel": 5, "configured": True}})}
+    )
+    thermometer = labjack_temperature(link_of(file, "thermometer"), file)
+    assert math.isnan(thermometer.temperature_degC())
+    thermometer.close()

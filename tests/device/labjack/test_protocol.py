@@ -5,6 +5,7 @@ of a busy machine: no pause looks like a host that failed, or like an encoder th
 """
 
 import numpy as np
+import pytest
 
 import smarig
 from smarig.cli import run as cli
@@ -47,3 +48,15 @@ def settled(folder, name, text):
         for end in ends
         if command[end] > 0.2
     ]
+
+
+@pytest.mark.parametrize(
+    ("simulator", "says"),
+    [("speed = 0.0", "no lock-step"), ('speed = 1.0\ntrace = "t.csv"', "no simulator.trace")],
+)
+def test_what_a_simulated_labjack_cannot_do_is_said(tmp_path, monkeypatch, capsys, simulator, says):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "a.toml").write_text(f'name = "a"\nbase = "labjack_one_wire"\n[simulator]\n{simulator}\n')
+    arguments = ["run", "validation", "--rig", "./a.toml", "-o", "a.run.sqlite", "--set", "points=2"]
+    assert cli([*arguments, "--quiet"]) == 2
+    assert f"The simulated LabJack has {says}" in capsys.readouterr().err

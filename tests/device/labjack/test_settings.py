@@ -4,7 +4,7 @@ from typing import Any
 
 import pytest
 
-from device.labjack.boxes import INPUTS, VOLTAGE_STAGE, rig, running_box
+from device.labjack.boxes import INPUTS, VOLTAGE_STAGE, link_of, rig, running_box
 from smarig.core.errors import ConfigError
 from smarig.rig.driver_check import in_role
 
@@ -42,7 +42,7 @@ WRONG: list[tuple[str, str, dict[str, Any], str]] = [
 def test_wrong_settings(role, driver, settings, says):
     file = rig("tcp://127.0.0.1:1", {role: (driver, settings)})
     with pytest.raises(ConfigError, match=f"settings of driver {driver}: .*{says}") as caught:
-        in_role(role, getattr(file.links, role), file)
+        in_role(role, link_of(file, role), file)
     assert "\n" not in str(caught.value)
 
 
@@ -60,5 +60,5 @@ def test_a_rig_that_a_labjack_cannot_serve(changed, says):
     with running_box() as box:
         file = rig(box.url, **changed)
         with pytest.raises(ConfigError, match=says):
-            in_role("amplifier", file.links.amplifier, file)
+            in_role("amplifier", link_of(file, "amplifier"), file)
         assert box.wire.box.dac_V == [0.0, 0.0]

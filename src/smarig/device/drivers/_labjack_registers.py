@@ -1,7 +1,7 @@
 """Addresses of the registers of LabJack T4, T7 and T8 (LabJack, T-series datasheet: Modbus map).
 
 Values are big-endian: FLOAT32 and UINT32 take two registers, UINT16 one. Checked against LabJack's published examples,
-except ``WATCHDOG_DAC…``, which are those of the Modbus map and which the bring-up of a rig tests on the box itself.
+except those of the watchdog's strict mode and DACs: arming reads them back, and the bring-up lets the lease expire.
 """
 
 PRODUCT_ID = 60000  # FLOAT32: 4, 7 or 8
