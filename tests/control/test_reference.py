@@ -56,7 +56,7 @@ def test_a_file(tmp_path):
         ("time_s,position_mm\n0,1\n1\n", "not a reference"),
         ("time_s,position_mm\n0,nan\n1,2\n", "finite"),
         ("time_s,position_mm\n0,1\n1e9,2\n", "more than"),
-        ("", "no column 'time_s'"),
+        ("", "is empty"),
         ("\x00\xff", "no column"),
     ],
 )

@@ -37,7 +37,7 @@ def damaged(chance):
 
 
 def test_a_request_during_a_reply_is_lost_and_does_not_change_it(uno):
-    board = uno("--speed", "0.2")  # slow enough to speak in between
+    board = uno("--speed", "0.02")  # slow enough to speak in between on a busy machine
     request = frame(bytes([65, 3, 0, 0, 0, AMPLIFIER.size("status")]))
     length = 5 + 2 * AMPLIFIER.size("status")
     reply = board.ask(request, 1)

@@ -27,7 +27,7 @@ _MAGIC = (
     (b"TDSm", "a LabVIEW TDMS file"),
 )
 _FORC_WORDS = re.compile(  # in the first 400 bytes
-    rb"first[- ]order reversal|micromag|direct moment vs\. field; first|\bforcs?\b", re.IGNORECASE
+    rb"first[- ]order reversal|direct moment vs\. field; first|\bforcs?\b", re.IGNORECASE
 )
 _NAMES = {
     ".run.sqlite": RUN,
