@@ -1,5 +1,8 @@
 """Runs whose steps come from outside: the same samples as a protocol's, and safe endings."""
 
+import subprocess
+import sys
+
 import numpy as np
 import pytest
 
@@ -85,3 +88,32 @@ def test_a_file_that_exists_is_refused_at_the_start(tmp_path):
     with pytest.raises(UsageError, match="exists"):
         SteppedRun("one_wire_twin", tmp_path / "a.run.sqlite").start()
     assert (tmp_path / "a.run.sqlite").read_text() == "mine"
+
+
+def test_a_program_that_ends_without_stop_closes_its_run(tmp_path):
+    program = (
+        "from smarig import SteppedRun\n"
+        f"run = SteppedRun('one_wire_twin', {str(tmp_path / 'a.run.sqlite')!r})\n"
+        "run.start()\nrun.hold_input(40).result()\n"
+    )
+    subprocess.run([sys.executable, "-c", program], check=True, timeout=120)
+    record = load_run(tmp_path / "a.run.sqlite")
+    assert record.cause == "the calling program ended"
+    assert len(record.steps) == 1
+
+
+@pytest.mark.parametrize("wrong", ["a", None, 1 + 2j, [1], True])
+def test_what_is_no_number_is_one_sentence(wrong, tmp_path):
+    with SteppedRun("one_wire_twin", tmp_path / "a.run.sqlite") as run:
+        with pytest.raises(UsageError, match="is a number in A"):
+            run.hold(wrong)
+        with pytest.raises(UsageError, match="is a number in K"):
+            run.hold_input(wrong)
+
+
+def test_starting_twice_or_not_at_all_is_one_sentence(tmp_path):
+    run = SteppedRun("one_wire_twin", tmp_path / "a.run.sqlite")
+    with pytest.raises(UsageError, match="was not started. Use it in a with block"):
+        run.hold(0.1)
+    with run, pytest.raises(UsageError, match="was started before"):
+        run.start()

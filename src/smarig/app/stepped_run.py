@@ -9,10 +9,12 @@ The rig keeps ticking in a thread of its own, with the guard, the record and the
 Between steps the last current stays on. On a twin without ``speed`` time passes during holds only.
 """
 
+import atexit
 import queue
 import threading
 from collections.abc import Generator
 from concurrent.futures import Future
+from numbers import Real
 from pathlib import Path
 from types import TracebackType
 from typing import NamedTuple, Self
@@ -74,6 +76,9 @@ class SteppedRun:
 
     def start(self) -> None:
         """Open the rig. Raises what the rig or the record raises."""
+        if self._thread.ident is not None:
+            raise UsageError("This run was started before. Make another SteppedRun.")
+        atexit.register(self._end_at_exit)
         self._thread.start()
         self._ready.result(START_TIMEOUT_S)
 
@@ -87,6 +92,8 @@ class SteppedRun:
     def hold_input(self, input_K: float) -> "Future[StepResult]":
         """Hold the steady current of a temperature above ambient (T₁ − T₂ for two wires)."""
         setup = self.session.setup
+        if isinstance(input_K, bool) or not isinstance(input_K, Real):
+            raise UsageError(f"An input is a number in K, not {input_K!r}.")
         if not setup.lower_K - _ROUNDING_A <= input_K <= setup.upper_K + _ROUNDING_A:
             raise LimitExceeded(
                 f"{input_K:g} K is outside the rig's range {setup.lower_K:g}…{setup.upper_K:g} K above ambient."
@@ -101,7 +108,9 @@ class SteppedRun:
         if cause:
             self._control.stop(cause)
         self._steps.put(None)
-        self._thread.join()
+        if self._thread.ident is not None:
+            self._thread.join()
+        atexit.unregister(self._end_at_exit)
         if self._error is not None and not cause:
             raise self._error
 
@@ -128,9 +137,12 @@ class SteppedRun:
         if not self.running:
             if self._error is not None and not isinstance(self._error, Interrupted):
                 raise self._error
-            why = f": {self._error}" if self._error else ", or was not started"
-            raise UsageError(f"The run is over{why}.")
+            if self._thread.ident is None:
+                raise UsageError("The run was not started. Use it in a with block, or call start().")
+            raise UsageError(f"The run is over{f': {self._error}' if self._error else ''}.")
         limits = self.session.guard.limits
+        if isinstance(current_A, bool) or not isinstance(current_A, Real):
+            raise UsageError(f"A current is a number in A, not {current_A!r}.")
         if not limits.current_min_A - _ROUNDING_A <= current_A <= limits.current_max_A + _ROUNDING_A:
             raise LimitExceeded(
                 f"Current {current_A:g} A is outside the limits {limits.current_min_A:g}…"
@@ -141,6 +153,13 @@ class SteppedRun:
         if not self._thread.is_alive():  # it ended meanwhile, and may have emptied the queue before
             self._fail_waiting()
         return step.done
+
+    def _end_at_exit(self) -> None:
+        """A program that ends without ``stop`` leaves the current at zero and a closed record."""
+        if self._thread.is_alive():
+            self._control.stop("the calling program ended")
+            self._steps.put(None)
+            self._thread.join()
 
     def _run(self) -> None:
         """The thread: open the rig, execute the steps, and end like every run."""

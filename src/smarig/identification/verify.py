@@ -130,8 +130,9 @@ def verify(
     """Compute the errors of a model at the settled points of runs, each simulated along its whole history.
 
     ``select`` counts only FOD points for which an expression on curve, alpha, beta holds; the whole history is
-    still simulated. With ``offset`` "known", a run with an unknown encoder zero is an error; "fitted" always fits
-    an offset. Raises DataError if units differ or the memory of a run is never known.
+    still simulated. A run without settled points is part of the history only, if the model has effects. With ``offset``
+    "known", a run with an unknown encoder zero is an error; "fitted" always fits an offset. Raises DataError if units
+    differ or the memory of a run is never known.
     """
     several = [_with_inputs(model, run) for run in ([runs] if isinstance(runs, Run) else runs)]
     for run in several:
@@ -140,7 +141,10 @@ def verify(
     predictions = simulate_runs(model, several)
     missing = missing_earlier_runs(model, several) if model.effects else []
     counted: list[RunVerification] = []
+    judged = [bool(run.settled) or bool(np.isfinite(p).any()) for run, p in zip(several, predictions)]
     for k, (run, p, c) in enumerate(zip(several, predictions, selected)):
+        if not judged[k] and any(judged):  # an initialisation: part of the history, without settled points
+            continue
         part = k > 0 and run.info.imported is not None and continues_run(several[k - 1], run)
         counted.append(
             _verified(

@@ -73,11 +73,15 @@ def earlier_runs(model: Model, runs: Sequence[Run]) -> list[Run]:
 
 
 def missing_earlier_runs(model: Model, runs: Sequence[Run]) -> list[str]:
-    """Earlier runs of the sessions of ``runs`` that are neither given nor found."""
+    """Earlier runs of the sessions of ``runs`` that are neither given nor found.
+
+    Nothing is missing where the history begins as it did when the model was fitted.
+    """
     known = [*runs, *earlier_runs(model, runs)]
     missing = [p.run for p in _same_session_provenance(model, known)]
     first = min(known, key=lambda run: float(run["t_s"][0]) if run.has("t_s") else 0.0)
-    if not missing and first.info.initial == CONTINUED:
+    fitted = {p.sha256 for p in model.provenance}
+    if not missing and first.info.initial == CONTINUED and file_hash(first) not in fitted:
         missing = [f"the run before {first.path.name}"]
     return missing
 

@@ -178,7 +178,8 @@ def _reversal_curves(operator: Operator, run: Run) -> Array:
 def _simulate_runs_with_effects(model: Model, runs: Sequence[Run]) -> list[Array]:
     """Outputs at the settled points of runs of one session, (k,) each, in the model's zero.
 
-    Earlier runs of that session that the model was made from are simulated first, if their files still exist.
+    Earlier runs of that session that the model was made from are simulated first, if their files still exist. NaN at
+    the readings of a run without settled points, such as an initialisation.
     """
     if driven_by_input(runs):
         return _simulate_measured_input(model, runs)
@@ -186,7 +187,7 @@ def _simulate_runs_with_effects(model: Model, runs: Sequence[Run]) -> list[Array
     plant_model = plant_model_of(model, timeline.runs[0])
     values = predict(timeline, plant_model).values["settled"]
     by_run = {id(run): values[timeline.run == k] for k, run in enumerate(timeline.runs)}
-    return [by_run[id(run)] for run in runs]
+    return [by_run[id(run)] if run.settled else np.full(run.points()[1].size, np.nan) for run in runs]
 
 
 def _simulate_measured_input(model: Model, runs: Sequence[Run]) -> list[Array]:

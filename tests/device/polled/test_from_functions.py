@@ -127,6 +127,42 @@ def test_an_output_that_is_not_off_cannot_be_armed():
         output(supply, switch_off=lambda: None, is_on=lambda: True).arm()
 
 
+@pytest.mark.parametrize("answer", [None, [], "", "OFF", 0.5, math.nan, 2])
+def test_a_state_that_is_neither_yes_nor_no_confirms_nothing(answer):
+    source = output(Library(), is_on=lambda: answer)
+    assert "did not confirm" in source.off()
+
+
+@pytest.mark.parametrize("measured", [0.5, math.nan, 1j, "0"])
+def test_a_current_that_still_flows_is_not_off(measured):
+    source = output(Library(), current_A=lambda: measured)
+    assert ("did not confirm" in source.off()) == (measured != "0")
+
+
+@pytest.mark.parametrize("raised", [KeyboardInterrupt, SystemExit(7), RecursionError, OSError("gone")])
+def test_off_and_close_never_raise(raised):
+    def fail():
+        raise raised
+
+    source = output(Library(), switch_off=fail, close_all=fail)
+    assert "did not confirm" in source.off()
+    source.close()
+
+
+@pytest.mark.parametrize("value", ["x", 1j, [1], {}])
+def test_a_reading_that_is_no_number_is_a_fault_of_the_instrument(value):
+    with pytest.raises(Silent, match=r"laser: reading failed \((ValueError|TypeError)"):
+        FunctionInput("laser", lambda: value, "mm").position()
+
+
+def test_a_library_that_ends_the_program_is_a_fault():
+    def leave():
+        raise SystemExit(7)
+
+    with pytest.raises(Silent, match="SystemExit: 7"):
+        FunctionInput("laser", leave, "mm").position()
+
+
 def test_a_setting_that_is_not_taken_switches_off():
     supply = Library()
     source = output(supply, setting_A=lambda: 0.7 * supply.level)

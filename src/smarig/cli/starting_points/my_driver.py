@@ -7,8 +7,9 @@ Name it in a rig file in the same folder:
     framing = "lines"                # this driver does not use it
     url = "/dev/serial/by-id/…"
 
-Then run: smarig check ./my_rig.toml. ``CurrentSource`` in smarig.device.drivers._roles lists the methods that a current
-source needs. A position sensor needs since(), tick(), zero(), identity and close() instead.
+Then run: smarig check --driver ./my_driver.py --url /dev/serial/by-id/… It checks each method on the instrument.
+smarig.device.roles.polled lists what each role needs: a position sensor has position() and unit in place of
+set_current(), measure(), arm() and off().
 
 An instrument without a lease keeps its current on when the host fails. Let it drive a wire only behind an independent
 cut-out and with somebody at the bench.
@@ -17,8 +18,8 @@ cut-out and with somebody at the bench.
 import contextlib
 
 from smarig.config import LinkFile, RigFile
-from smarig.core import NAN, ConfigError, Quality
-from smarig.device import CurrentReading, Garbled, Silent, TextLine, WrongDevice
+from smarig.core import ConfigError
+from smarig.device import Electrical, Garbled, Silent, TextLine, WrongDevice
 from smarig.plant import Actuator
 
 HEADROOM = 1.2  # times the voltage of the largest current through the largest resistance
@@ -34,7 +35,7 @@ def my_driver(where: LinkFile, rig: RigFile) -> "Source":
 
 
 class Source:
-    """A current source with the methods that a bench calls."""
+    """A current output with the methods that a bench calls, once in each tick."""
 
     has_lease = False  # whether it switches itself off when the host stops sending commands
     tripped = ""  # why it has switched itself off, as a sentence; "" if it has not
@@ -55,25 +56,18 @@ class Source:
             raise Silent(shutdown_unconfirmed)
         self._line.write(f"VOLT {self._voltage_V:.3f}")
 
-    def set(self, current_A: float) -> int | None:
-        """Set the current. Returns the last tick before the change, or None if the instrument counts no ticks."""
+    def set_current(self, current_A: float) -> None:
+        """Set the current and read the setting back. The bench refuses NaN before it comes here."""
         self._line.write(f"CURR {current_A:.6f}")
         self._line.write("OUTP ON")
         accepted_A = self._line.number("CURR?")
         if not abs(accepted_A - current_A) <= 2e-3:  # also true for nan
             self.off()
             raise Garbled(f"{self.where} set {accepted_A:g} A instead of {current_A:g} A. {Garbled.remedy}")
-        return None
 
-    def since(self, tick: int, at_most: int) -> list[CurrentReading]:
-        """Readings from a tick on. There is one measurement: all readings except the last are marked stale."""
-        current_A, voltage_V = self._line.number("MEAS:CURR?"), self._line.number("MEAS:VOLT?")
-        marks = [Quality.STALE] * (at_most - 1) + [Quality.GOOD]
-        return [CurrentReading(tick + k, current_A, voltage_V, NAN, mark) for k, mark in enumerate(marks)]
-
-    def tick(self) -> int:
-        """The last tick with a reading; 0 if the instrument counts no ticks."""
-        return 0
+    def measure(self) -> Electrical:
+        """The current and the voltage now, and the temperature of the wire if the instrument measures it."""
+        return Electrical(self._line.number("MEAS:CURR?"), self._line.number("MEAS:VOLT?"))
 
     def off(self) -> str:
         """Set the current to zero and verify it. Never raises; returns "", or a sentence if the reply is missing."""

@@ -85,7 +85,7 @@ def results(case: ContractCase, requirements: dict[str, Requirement]) -> Iterato
             yield ContractResult(name, False, str(broken))
         except SmarigError as error:
             yield ContractResult(name, False, f"it raised: {error}")
-        except Exception as error:
+        except (Exception, SystemExit) as error:
             yield ContractResult(name, False, f"it raised {type(error).__name__}: {error}")
 
 

@@ -23,6 +23,7 @@ class VisaLine:
         self._timeout_ms, self._baud = round(1000 * timeout_s), baud
         self._manager = _manager(backend)
         self._session: Any = None
+        self.reconnections = 0
         self._open()
 
     def identify(self) -> str:
@@ -81,6 +82,7 @@ class VisaLine:
             self._open()
             if self.identity:
                 self.identify()
+                self.reconnections += 1
         return self._session
 
     def _open(self) -> None:

@@ -4,10 +4,13 @@ A property of PyMeasure becomes ``lambda: supply.current``; a parameter of QCoDe
 adds what a rig needs besides: read-backs, a confirmed switch-off, one kind of error, and no NaN on its way to a wire.
 """
 
+import contextlib
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any, TypeVar
+
+import numpy as np
 
 from smarig.core import NAN, UsageError
 from smarig.device.encoding.link_faults import Garbled, LinkFault, Silent
@@ -15,6 +18,7 @@ from smarig.device.roles.polled import Electrical
 
 _T = TypeVar("_T")
 _TOLERANCE_A = 2e-3  # between a setting and its read-back
+_OFF_A = 0.02  # measured at most by an instrument whose output is off
 
 
 def _nothing() -> None:
@@ -26,9 +30,9 @@ class FunctionOutput:
     """A current output. ``switch_on`` and ``switch_off`` act on the output; without one, leave them out.
 
     ``prepare`` is called while the output is off, before the watchdog is armed: function, protections, voltage limit.
-    ``setting`` reads the set current back (A), ``is_on`` the state of the output. At least one of them, or the measured
-    current, confirms ``off``. ``arm_watchdog`` is given the lease in seconds, arms the watchdog, reads it back, and
-    returns whether it is armed; without it the output has no lease. Errors of the library become ``Silent``.
+    ``setting_A`` reads the set current back (A), ``is_on`` the state of the output (True or False). All of them, and the
+    measured current, must confirm ``off``. ``arm_watchdog`` is given the lease in seconds, arms the watchdog, reads it
+    back, and returns whether it is armed; without it the output has no lease. Errors of the library become ``Silent``.
     """
 
     identity: str
@@ -73,7 +77,7 @@ class FunctionOutput:
             self._call("switching on", self.switch_on)
             self._on = True
         if self.setting_A is not None:
-            taken_A = float(self._call("reading the setting", self.setting_A))
+            taken_A = self._number("reading the setting", self.setting_A)
             if not abs(taken_A - current_A) <= _TOLERANCE_A:
                 self.off()
                 raise Garbled(
@@ -83,9 +87,9 @@ class FunctionOutput:
     def measure(self) -> Electrical:
         """Current, voltage and, with ``wire_degC``, the temperature of the wire."""
         self._notice_trip()
-        current_A = float(self._call("measuring the current", self.current_A))
-        voltage_V = float(self._call("measuring the voltage", self.voltage_V))
-        wire_degC = NAN if self.wire_degC is None else float(self._call("measuring", self.wire_degC))
+        current_A = self._number("measuring the current", self.current_A)
+        voltage_V = self._number("measuring the voltage", self.voltage_V)
+        wire_degC = NAN if self.wire_degC is None else self._number("measuring", self.wire_degC)
         return Electrical(current_A, voltage_V, wire_degC)
 
     def off(self) -> str:
@@ -96,33 +100,37 @@ class FunctionOutput:
             self._call("switching off", self.switch_off)
             if self._confirmed_off():
                 return ""
-        except LinkFault:
+        except BaseException:  # whatever the library raises: nobody has confirmed anything
             pass
         return f"{self.identity} did not confirm that it is off. Switch it off by hand now."
 
     def close(self) -> None:
         """Close what the library has opened. Never raises."""
-        try:
-            self.close_all()
-        except Exception:
-            return
+        closed(self.close_all)
 
     def _confirmed_off(self) -> bool:
-        if self.is_on is not None and bool(self._call("reading its state", self.is_on)):
+        """Whether state, setting and measured current all say so, of those that there are."""
+        if self.is_on is not None and self._state() is not False:
             return False
         if self.setting_A is not None:
-            return abs(float(self._call("reading the setting", self.setting_A))) <= _TOLERANCE_A
-        if self.is_on is not None:
-            return True
-        return abs(float(self._call("measuring the current", self.current_A))) <= 10 * _TOLERANCE_A
+            setting_A = self._number("reading the setting", self.setting_A)
+            if not abs(setting_A) <= _TOLERANCE_A:
+                return False
+        return abs(self._number("measuring the current", self.current_A)) <= _OFF_A
+
+    def _state(self) -> bool | None:
+        """Whether the output is on; None for an answer that is neither yes nor no."""
+        assert self.is_on is not None  # noqa: S101 - its callers ask before
+        answer = self._call("reading its state", self.is_on)
+        return bool(answer) if isinstance(answer, bool | int | np.bool_) and answer in (0, 1) else None
 
     def _notice_trip(self) -> None:
         """An output that was switched on, and is off or at zero now, has switched itself off."""
         if not self._on or self.tripped:
             return
-        off = self.is_on is not None and not bool(self._call("reading its state", self.is_on))
+        off = self.is_on is not None and self._state() is False
         if self.setting_A is not None and self._ordered_A:
-            setting_A = float(self._call("reading the setting", self.setting_A))
+            setting_A = self._number("reading the setting", self.setting_A)
             off = off or abs(setting_A) <= _TOLERANCE_A < abs(self._ordered_A)
         if off:
             self._on = False
@@ -130,6 +138,9 @@ class FunctionOutput:
 
     def _call(self, what: str, function: Callable[..., _T], *values: float) -> _T:
         return called(self.identity, what, function, *values)
+
+    def _number(self, what: str, function: Callable[[], Any]) -> float:
+        return called(self.identity, what, lambda: float(function()))
 
 
 @dataclass
@@ -155,15 +166,22 @@ class FunctionInput:
 
     def close(self) -> None:
         """Close what the library has opened. Never raises."""
-        try:
-            self.close_all()
-        except Exception:
-            return
+        closed(self.close_all)
 
     def _number(self) -> float:
         """The reading; NaN if it is none."""
-        value = called(self.identity, "reading", self.read)
-        return NAN if value is None else float(value)
+
+        def number() -> float:
+            value = self.read()
+            return NAN if value is None else float(value)
+
+        return called(self.identity, "reading", number)
+
+
+def closed(close: Callable[[], Any]) -> None:
+    """Close, whatever the library raises: an error here must not hide the one before it."""
+    with contextlib.suppress(BaseException):
+        close()
 
 
 def called(identity: str, what: str, function: Callable[..., _T], *values: float) -> _T:
@@ -172,6 +190,6 @@ def called(identity: str, what: str, function: Callable[..., _T], *values: float
         return function(*values)
     except LinkFault:
         raise
-    except Exception as error:
+    except (Exception, SystemExit) as error:
         text = f"{type(error).__name__}: {error}".rstrip(".: ")
         raise Silent(f"{identity}: {what} failed ({text}). {Silent.remedy}") from error

@@ -47,6 +47,11 @@ class PolledPosition:
         """The sensor, and the clock that counts its ticks."""
         return f"{self.sensor.identity}, {self._clock.started}"
 
+    @property
+    def reconnections(self) -> int:
+        """How often its line was lost and opened again, if it counts that."""
+        return int(getattr(self.sensor, "reconnections", 0))
+
     def since(self, tick: int, at_most: int) -> list[PositionReading]:
         """The reading of the present tick if it is not earlier than ``tick``."""
         now = self._clock.tick()

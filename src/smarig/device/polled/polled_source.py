@@ -40,6 +40,11 @@ class PolledSource:
         if not self.tripped:
             self.output.set_current(current_A)
 
+    @property
+    def reconnections(self) -> int:
+        """How often its line was lost and opened again, if it counts that."""
+        return int(getattr(self.output, "reconnections", 0))
+
     def since(self, tick: int, at_most: int) -> list[CurrentReading]:
         """One measurement for all these ticks; all but the last are marked as stale."""
         now = self.output.measure()
