@@ -129,18 +129,17 @@ def test_the_driver_talks(made):
     where = rig.links.amplifier.model_copy(update={"url": supply.port, "timeout_s": 5.0})
     try:
         source = catalogue_entry(DRIVERS, resolve_name(DRIVERS, str(made["driver"])))(where, rig)
-        source.set(0.5)
-        assert supply.heard[:6] == ["OUTP OFF", "*IDN?", "CURR 0", "OUTP OFF", "OUTP?", "VOLT 6.000"]
+        source.arm()
+        supply.heard.clear()  # what arming has sent
+        source.set_current(0.5)
+        assert supply.heard[:3] == ["CURR 0.500000", "OUTP ON", "CURR?"]
         assert supply.on
-        assert [(r.tick, r.current_A, r.voltage_V) for r in source.since(7, 2)] == [
-            (7, 0.5, 2.0),
-            (8, 0.5, 2.0),
-        ]
+        assert source.measure()[:2] == (0.5, 2.0)
         assert source.off() == ""
         assert not supply.on
         supply.takes = 1.1
         with pytest.raises(Exception, match=r"set 0\.55 A instead of 0\.5 A"):
-            source.set(0.5)
+            source.set_current(0.5)
         source.close()
     finally:
         supply.close()

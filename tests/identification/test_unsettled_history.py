@@ -36,4 +36,6 @@ def test_an_initialisation_is_part_of_the_history(session, tmp_path):
     assert [run.run for run in found.runs] == [str(run.path) for run in session[1:]]
     assert np.isfinite([run.settled.rms for run in found.runs]).all()
     alone = verify(load_model(file), session[2])
-    assert not [w for w in alone.runs[0].warnings if "neither given nor found" in w], "the curves begin its history"
+    assert not [w for w in alone.runs[0].warnings if "neither given nor found" in w], (
+        "the curves begin its history"
+    )

@@ -128,7 +128,9 @@ def characterise(
     evidence = analyse(
         rig=rig,
         out=out,
-        options="".join(f" --effect {effect}" for effect in effects) + f" --seed {seed}",
+        options="".join(f" --effect {effect}" for effect in effects)
+        + (f" --wire {wire}" if wire else "")
+        + f" --seed {seed}",
         plan=plan,
         runs=runs,
         started=started,

@@ -77,7 +77,13 @@ def _look_first(done: "Sequence[FileOutcome]") -> list[Html]:
     for o in poor[:_MOST_NAMED]:
         links += [", " if links else "", _link(o)]
     more = f" and {len(poor) - _MOST_NAMED} more" if len(poor) > _MOST_NAMED else ""
-    return [paragraph("Look first at ", *links, f"{more}: their models are poor.")]
+    return [
+        paragraph(
+            "Look first at ",
+            *links,
+            f"{more}: {'their models are' if more or len(links) > 1 else 'its model is'} poor.",
+        )
+    ]
 
 
 def _link(outcome: "FileOutcome") -> Html:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from smarig.core import spaced
-from smarig.diagnosis import Diagnosis
+from smarig.diagnosis import DIAGNOSIS_MODEL, Diagnosis
 from smarig.identification import ErrorLevel, ErrorVerdict, error_verdict
 from smarig.record import Run
 from smarig.report.components.assessment_box import Assessment, box_level
@@ -137,7 +137,10 @@ def _named_advice(d: Diagnosis, rms: float | None) -> str:
     gain = d.gain
     if gain is not None and gain.extended < gain.base:
         error = f"{gain.extended:.2g}{spaced(d.timeline.unit)}"
-        return f"Use the extended model (held-out error {error}), or remove the cause and measure again."
+        return (
+            f"Use the extended model (diagnosis/{DIAGNOSIS_MODEL}, held-out error {error}), or remove the cause and "
+            "measure again."
+        )
     if gain is not None and rms is not None and gain.extended < _MUCH_LESS * rms:
         error = f"{gain.extended:.2g}{spaced(d.timeline.unit)}"
         return (
