@@ -60,9 +60,9 @@ def test_it_loads_nothing(page, text):
 
 def test_the_sections_come_in_the_promised_order(page):
     words = (
-        "theorems",
         "Findings",
         "Wiping-out",
+        "theorems",
         "First-order",
         "Weighting",
         "Validation",

@@ -143,7 +143,7 @@ class Bench:
                 Alarm(
                     "warning",
                     "lost",
-                    f"{lost} samples were lost because the encoder's ring buffer was not read in time.",
+                    f"{lost} samples were lost because the position was not read in time.",
                 )
             )
         return found

@@ -1,7 +1,7 @@
 """Laboratory supplies on a TCP port, each in the dialect of its manual, with a watchdog in real time.
 
-The dialects are written from the makes' programming manuals, independently of the table of the driver. A command that a
-dialect does not know is kept in ``unknown``.
+The dialects are written apart from the table of the driver: the watchdog and the protection bits of Keysight's from its
+manuals, the others from what is known of them. A command that a dialect does not know is kept in ``unknown``.
 """
 
 import re

@@ -30,7 +30,7 @@ class FunctionOutput:
     """A current output. ``switch_on`` and ``switch_off`` act on the output; without one, leave them out.
 
     ``prepare`` is called while the output is off, before the watchdog is armed: function, protections, voltage limit.
-    ``setting_A`` reads the set current back (A), ``is_on`` the state of the output (True or False). All of them, and the
+    ``setting_A`` reads the set current back, ``is_on`` the state of the output (True or False). All of them, and the
     measured current, must confirm ``off``. ``arm_watchdog`` is given the lease in seconds, arms the watchdog, reads it
     back, and returns whether it is armed; without it the output has no lease. Errors of the library become ``Silent``.
     """
