@@ -87,7 +87,9 @@ def _preisach_notice(e: Evidence) -> Html:
 
 
 def _rig(e: Evidence) -> Parts:
-    for run in list(e.runs.values())[:1]:
+    if e.runs:  # of the longest run: the first one only prepares the wire, and hardly heats it
+        run = max(e.runs.values(), key=lambda each: each.span_s)
+        yield paragraph(f"Values of the longest run, {run.name}.")
         yield conditions_table(run)
     if e.calibration is not None:
         yield calibration_table(e.calibration)

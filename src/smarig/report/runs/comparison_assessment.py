@@ -51,7 +51,8 @@ def _without_common_steps(first: Run, others: Sequence[Run]) -> Assessment:
         "warning" if moved else "good",
         _compared(first, others),
         f"The runs have no steps in common. {change_sentences(changes)}",
-        "Check ambient temperature, load and number of cycles, and diagnose the later run."
+        "Check ambient temperature, load and number of cycles; smarig diagnose on all runs of the later day tests "
+        "causes."
         if moved
         else "A model of one of these runs can be tried on the other (smarig verify).",
     )
@@ -125,4 +126,7 @@ def _advice(worst: AlignedRun, change: RunChange) -> str:
     if causes:
         share = f"{100 * change.explained:.0f} %"
         return f"The difference is that of {' and '.join(causes)}; this explains {share} of its square."
-    return "Neither a shift of the input nor a change of the output explains the difference: diagnose the later run."
+    return (
+        "Neither a shift of the input nor a change of the output explains the difference. To find a cause, "
+        "characterise the wire again, or diagnose all runs of the later day with the model of the earlier one."
+    )
