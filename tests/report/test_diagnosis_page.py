@@ -160,7 +160,7 @@ def test_rivals_stand_below_the_best_with_their_distance_and_probability(named):
     ("word", "sentence", "advice"),
     [
         ("ambiguous", "one of ambient_drift, slip", "What would decide between them"),
-        ("unknown", "Unknown: something is wrong and depends on time", "Change time alone"),
+        ("unknown", "Unknown: something is wrong and depends on the time", "Repeat the same run later"),
         ("not_identifiable", "These data cannot decide", "Make a run that can show an effect"),
     ],
 )

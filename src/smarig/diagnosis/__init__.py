@@ -60,5 +60,7 @@ if TYPE_CHECKING:
     from smarig.diagnosis.refit.memory_noise import memory_slopes as memory_slopes
     from smarig.diagnosis.refit.refit import Refit as Refit
     from smarig.diagnosis.thermal.thermal_diagnosis import diagnose_transient as diagnose_transient
+    from smarig.diagnosis.variable_words import variable_experiment as variable_experiment
+    from smarig.diagnosis.variable_words import variable_words as variable_words
 else:
     __getattr__, __dir__, __all__ = lazy_exports(__name__)

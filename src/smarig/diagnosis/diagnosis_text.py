@@ -8,6 +8,7 @@ import numpy as np
 from smarig.core import capitalised, spaced
 from smarig.diagnosis.critique.calibration import CALIBRATION_BOXES, p_text
 from smarig.diagnosis.held_out_gain import HeldOutGain
+from smarig.diagnosis.variable_words import variable_words
 
 if TYPE_CHECKING:
     from smarig.diagnosis.commanded_diagnosis import Diagnosis
@@ -161,7 +162,7 @@ def unknown_text(d: "Diagnosis") -> str:
     """The finding of the verdict "unknown", as a clause."""
     if d.verdict.depends_on is None:
         return "something is wrong, but no known effect and no single variable explains it"
-    return f"something is wrong and depends on {d.verdict.depends_on}, but no known effect explains it"
+    return f"something is wrong and depends on {variable_words(d.verdict.depends_on)}, but no known effect explains it"
 
 
 def share_text(share: float) -> str:

@@ -21,6 +21,7 @@ from smarig.diagnosis.explain.search import SearchLevel
 from smarig.diagnosis.explain.separate_evidence import SeparateEvidence
 from smarig.diagnosis.held_out_gain import HeldOutGain
 from smarig.diagnosis.own_evidence import own_evidence_failure
+from smarig.diagnosis.variable_words import variable_words
 from smarig.plant import Effect
 
 DISCREPANCY_NATS = 25.0  # gain of a discrepancy that noise alone does not reach
@@ -189,9 +190,9 @@ def _failures(names: str, evidence: NameEvidence) -> Iterator[str]:
     yield from _parameter_failures(evidence.levels[-1])
     before, after = evidence.before, evidence.after
     if before.gain > max(evidence.effect_nats - LEAD_NATS, DISCREPANCY_NATS - LEAD_NATS):
-        yield f"a dependence on {before.depends_on} explains more than {names}"
+        yield f"a dependence on {variable_words(before.depends_on)} explains more than {names}"
     if after is not None and after.gain > max(DISCREPANCY_NATS, REMAINING_SHARE * evidence.effect_nats):
-        yield f"with {names}, the errors still depend on {after.depends_on}"
+        yield f"with {names}, the errors still depend on {variable_words(after.depends_on)}"
     channel = evidence.decisive_channel
     if channel and channel.after > CHANNEL_MISFIT * channel.expected:
         yield f"with {names}, the {channel.channel} still misses by {channel.after:.1f} × its noise"

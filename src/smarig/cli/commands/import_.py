@@ -87,4 +87,5 @@ def command(
         "warnings": list(report.warnings),
         "repairs": {r.kind: r.to_json() for r in report.repairs},
     }
-    emit(found, f"{report.run}: {report.rows} rows, {report.steps} steps.")
+    steps = f", {report.steps} steps" if report.steps else ""
+    emit(found, f"{report.run}: {report.rows} rows{steps}.")

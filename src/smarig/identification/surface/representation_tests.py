@@ -79,7 +79,7 @@ class Representation:
         if self.holds:
             return (
                 "The test gives no evidence against a classical Preisach model. A difference of up to "
-                f"{self.hidden:.2g}{spaced(self.unit)} rms could have remained unnoticed (95 %)."
+                f"{self.hidden:.2g}{spaced(self.unit)} rms besides the noise could have remained unnoticed (95 %)."
             )
         return (
             f"A classical Preisach model cannot represent this difference. Expect errors of up to "

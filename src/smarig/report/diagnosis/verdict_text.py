@@ -12,6 +12,7 @@ from smarig.diagnosis import (
     parameter_interval,
     share_text,
     unknown_text,
+    variable_experiment,
 )
 from smarig.plant import Effect, EffectType, Parameter, effect_types
 from smarig.report.components.html import Html, bullets, joined, notice, paragraph, tag
@@ -131,10 +132,7 @@ def _advice(d: Diagnosis) -> Iterator[Html]:
     if word == "unknown" and d.verdict.depends_on is None:
         yield paragraph("Repeat the same run. A real effect appears again; noise does not.")
     elif word == "unknown":
-        yield paragraph(
-            f"Change {d.verdict.depends_on} alone and keep everything else constant. The change of the residuals "
-            "then shows the effect alone."
-        )
+        yield paragraph(variable_experiment(d.verdict.depends_on or ""))
     elif word == "silent" and d.first.alarm:
         yield paragraph("Repeat the same run. A real effect appears again; noise does not.")
     elif word == "silent":

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from smarig.core import spaced
-from smarig.diagnosis import DIAGNOSIS_MODEL, Diagnosis
+from smarig.diagnosis import DIAGNOSIS_MODEL, Diagnosis, variable_experiment, variable_words
 from smarig.identification import ErrorLevel, ErrorVerdict, error_verdict
 from smarig.record import Run
 from smarig.report.components.assessment_box import Assessment, box_level
@@ -118,7 +118,7 @@ def _cause(e: Evidence, rms: float | None) -> _Cause:
 
 
 def _unknown_text(d: Diagnosis) -> str:
-    depends = f" It depends on {d.verdict.depends_on}." if d.verdict.depends_on else ""
+    depends = f" It depends on {variable_words(d.verdict.depends_on)}." if d.verdict.depends_on else ""
     nearest = f" Candidates, not proved: {', '.join(d.verdict.names)}." if d.verdict.names else ""
     return f"Something acts on this wire that no effect of the catalogue explains.{depends}{nearest}"
 
@@ -128,9 +128,7 @@ def _unknown_advice(d: Diagnosis) -> str:
         return "No Preisach operator describes such a wire: use the model within this error only."
     if d.verdict.depends_on is None:
         return "Repeat the run: a real effect appears again."
-    return (
-        f"Change {d.verdict.depends_on} alone and keep everything else constant: the change shows the effect."
-    )
+    return variable_experiment(d.verdict.depends_on)
 
 
 def _named_advice(d: Diagnosis, rms: float | None) -> str:

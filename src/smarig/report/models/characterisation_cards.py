@@ -54,7 +54,7 @@ def _class_card(e: Evidence) -> _Card:
         return "Class of μ", "unknown", "no model"
     d = density_report_of(e.best)
     run = next(iter(e.runs.values()))
-    name = joined(["in ", M_P]) if d.M_P else joined(["not in ", M_P])
+    name = joined(["μ ≥ 0: in ", M_P]) if d.M_P else joined(["μ < 0 somewhere: not in ", M_P])
     wider = joined(["in ", M_PC, "; "]) if d.M_PC and not d.M_P else ""
     least = f"{e.chosen} surface, min μ = {number(d.mu_min)} {density_unit(run)}"
     return "Class of μ", name, joined([wider, least])

@@ -1,0 +1,41 @@
+"""The variables of a dependence in words, each with the experiment that shows it; JSON keeps their names."""
+
+_WORDS = {
+    "rate": ("the rate of the input", "Repeat the same run at half the rate."),
+    "time": ("the time", "Repeat the same run later, with the wire at rest in between."),
+    "cycle": ("the number of cycles", "Repeat the same run several times in a row."),
+    "history": (
+        "the way by which an input was reached",
+        "Reach the same inputs by other ways, by minor loops for example.",
+    ),
+    "level": (
+        "the output itself",
+        "Measure minor loops of equal amplitude at several outputs.",
+    ),
+    "run": ("the run", "Repeat the same run on another day."),
+    "input": ("the input", "Repeat the same run over another range of the input."),
+    "time_since_reversal": (
+        "the time since the last reversal",
+        "Hold for different times after a reversal.",
+    ),
+}
+
+
+def variable_words(variable: str) -> str:
+    """A variable in words; one without words as it is.
+
+    >>> variable_words("level"), variable_words("power")
+    ('the output itself', 'power')
+    """
+    return _WORDS[variable][0] if variable in _WORDS else variable
+
+
+def variable_experiment(variable: str) -> str:
+    """The experiment that shows a dependence on a variable, as a sentence.
+
+    >>> variable_experiment("rate")
+    'Repeat the same run at half the rate.'
+    """
+    if variable in _WORDS:
+        return _WORDS[variable][1]
+    return f"Change {variable} alone and keep everything else constant: the change shows the effect."
