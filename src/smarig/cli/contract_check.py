@@ -15,7 +15,7 @@ from smarig.runner import rig_locks
 _POWERED = "amplifier"  # the role in which current flows
 
 
-def check_one_driver(rig: str, driver: str, role: str, url: str, yes: bool) -> None:
+def check_one_driver(rig: str, driver: str, role: str, url: str, wire: str, yes: bool) -> None:
     """Report every requirement of the role; RigFault if one is not met."""
     file = load_rig(rig)
     if file.kind == "twin":
@@ -26,7 +26,7 @@ def check_one_driver(rig: str, driver: str, role: str, url: str, yes: bool) -> N
         if not click.confirm(words, default=False, err=True):
             raise UsageError("Nothing was done. Give --yes to skip the question.")
     found = []
-    with rig_locks(file, file.wire):
+    with rig_locks(file, wire or file.wire):
         for result in check_driver(rig, file, cast(Role, role), driver, url):
             show_message(f"{'ok ' if result.passed else 'NOT'} {result.name}: {result.observed}")
             found.append(result)

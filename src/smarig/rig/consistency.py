@@ -72,8 +72,13 @@ def _links(file: RigFile, links: LinksFile) -> Iterator[str]:
 
 
 def _shared_port(links: LinksFile) -> Iterator[str]:
-    """Two devices on one serial port differ by their addresses, and only Modbus RTU has addresses."""
+    """Two devices of the reference protocol on one serial port differ by their addresses, which only Modbus RTU has.
+
+    An instrument of another kind may serve both roles by itself.
+    """
     a, b = links.amplifier, links.encoder_daq
+    if not {a.driver, b.driver} & {"smarig_amplifier", "smarig_encoder_daq"}:
+        return
     if not a.url or a.url != b.url or "modbus_tcp" in (a.framing, b.framing):
         return
     if a.framing != "modbus_rtu" or b.framing != "modbus_rtu":

@@ -49,6 +49,9 @@ Examples:
     default="amplifier",
     help="With --driver: its link in the rig file (default: amplifier).",
 )
+@click.option(
+    "--wire", default="", help="With --driver: identity of the wire, if another program uses the rig file's."
+)
 @click.option("--url", default="", help="With --driver: port or address of the device.")
 @click.option("--yes", is_flag=True, help="Bench: heat the wire without confirmation.")
 @click.option(
@@ -63,6 +66,7 @@ def command(
     preview_only: bool,
     driver: str | None,
     role: str,
+    wire: str,
     url: str,
     yes: bool,
     out: Path | None,
@@ -79,13 +83,13 @@ def command(
     """
     if driver:
         if protocol or pairs or preview_only or out or force:
-            raise UsageError("With --driver, only RIG, --role, --url, --yes and --json apply.")
+            raise UsageError("With --driver, only RIG, --role, --url, --wire, --yes and --json apply.")
         from smarig.cli.contract_check import check_one_driver
 
-        check_one_driver(rig or DEFAULT_RIG, driver, role, url, yes)
+        check_one_driver(rig or DEFAULT_RIG, driver, role, url, wire, yes)
         return 0
-    if url:
-        raise UsageError("--url needs --driver.")
+    if url or wire:
+        raise UsageError(f"{'--url' if url else '--wire'} needs --driver.")
     if rig is None:
         raise UsageError("Give a rig, a run file, or --driver.")
     if is_run_file(rig):

@@ -4,7 +4,7 @@ import math
 from typing import Any
 
 from smarig.core import Quality, SmarigError
-from smarig.device.contract.contract_case import SETTLE_TICKS, Broken, ContractCase, require
+from smarig.device.contract.contract_case import GAIN_TOLERANCE, SETTLE_TICKS, Broken, ContractCase, require
 from smarig.device.roles.ticked import CurrentReading, CurrentSource
 
 LEASE_MARGIN_S = 1.5  # besides the lease, until the output must be off
@@ -32,8 +32,8 @@ def off_after_a_killed_host(case: ContractCase) -> str:
 
 
 def current_as_ordered(case: ContractCase) -> str:
-    """The measured current is the ordered one, with a voltage; and the next order replaces it."""
-    found = []
+    """The measured current is the ordered one, with a voltage; the next order replaces it; the gain is 1."""
+    found, measured_A = [], []
     with case.opened() as source:
         for ordered_A in (case.test_A, case.test_A / 2):
             source.set(ordered_A)
@@ -44,7 +44,11 @@ def current_as_ordered(case: ContractCase) -> str:
             )
             require(math.isfinite(now.voltage_V), "it measures no voltage, which the wire's resistance needs")
             found.append(f"{now.current_A:.4f} A at {ordered_A:.4g} A")
-    return ", ".join(found)
+            measured_A.append(now.current_A)
+    gain = (measured_A[0] - measured_A[1]) / (case.test_A / 2)
+    text = f"{', '.join(found)}: gain {gain:.2f}"
+    require(abs(gain - 1) <= GAIN_TOLERANCE, f"{text}, not 1")
+    return text
 
 
 def readings_in_order(case: ContractCase) -> str:

@@ -1,7 +1,7 @@
 """Interfaces of instruments that measure when they are queried and count no ticks: supplies, analogue inputs, meters.
 
-A driver returns such an instrument inside ``PolledSource`` or ``PolledPosition``, which samples it by the clock of the
-host. Quantities are in SI units with prefixes as the names say; a reading that does not exist is NaN.
+A driver returns such an instrument as it is: the bench samples it by the clock of the host. Quantities are in SI units
+with prefixes as the names say; a reading that does not exist is NaN.
 """
 
 from typing import NamedTuple, Protocol
