@@ -102,8 +102,11 @@ class SharedPort(SerialPort):
         self._by_path[self._path] = (self._port, self._users)
 
     def reopen(self) -> None:
-        """Close and open the port for all its devices."""
-        self._port.reopen()
+        """Close and open the port for all its devices; a device that has left joins it again."""
+        if self._joined:
+            self._port.reopen()
+        else:
+            self.open()
 
     def close(self) -> None:
         """Leave the port; the last device closes it."""

@@ -60,9 +60,9 @@ def source():
 
 def test_it_sets_reads_and_switches_off(source):
     assert not _Supply.on
-    source.set(0.5)
+    source.set_current(0.5)
     assert _Supply.on
-    reading = source.since(7, 1)[0]
-    assert (reading.tick, reading.current_A, reading.voltage_V) == (7, 0.5, 2.0)
+    reading = source.measure()
+    assert (reading.current_A, reading.voltage_V) == (0.5, 2.0)
     assert source.off() == ""
     assert not _Supply.on
