@@ -73,7 +73,10 @@ def test_a_name_that_passes_every_gate_stands():
         ({"gain": None, "fitted_ratio": 1.15}, "the training runs are missed by more than without"),
         ({"gain": None, "fitted_ratio": 1.15, "channels": (replace(CURRENT, after=1.2),)}, ""),
         ({"fitted_ratio": 1.15}, ""),  # another channel shows it, and the positions pay for it
-        ({"before": replace(QUIET, variable="cycle", gain=900.0)}, "dependence on the number of cycles explains more"),
+        (
+            {"before": replace(QUIET, variable="cycle", gain=900.0)},
+            "dependence on the number of cycles explains more",
+        ),
         ({"after": replace(QUIET, variable="level", gain=90.0)}, "still depend on the output itself"),
         ({"gain": gain(1.0, 1.2)}, "predicts the held-out runs worse"),
         ({"gain": gain(1.0, 0.95)}, "do not bear out settling (R = 0.10)"),
@@ -81,7 +84,10 @@ def test_a_name_that_passes_every_gate_stands():
         ({"gain": gain(1.0, 0.7)}, ""),
         ({"gain": gain(1.0, 0.95), "fitted_ratio": 0.98}, ""),  # another channel shows it
         ({"gain": gain(1.0, 1.01), "fitted_ratio": 0.98}, "do not bear out settling (R = -0.02)"),
-        ({"before": replace(QUIET, variable="cycle", gain=395.0)}, "dependence on the number of cycles explains more"),
+        (
+            {"before": replace(QUIET, variable="cycle", gain=395.0)},
+            "dependence on the number of cycles explains more",
+        ),
         ({"levels": (level(-3.0, name="walking"),)}, "bound of its search"),
         # Less than noise alone reaches, though more than the effect less its lead:
         ({"effect_nats": 20.0, "before": replace(QUIET, variable="cycle", gain=12.0)}, ""),
