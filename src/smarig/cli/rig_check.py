@@ -9,9 +9,10 @@ from smarig.cli.output import emit, show_message
 from smarig.cli.progress import preview_progress
 from smarig.config import RigFile, load_rig
 from smarig.core import ConfigError, LeaseExpired, RigFault, UsageError
+from smarig.device import Check
 from smarig.plant import Actuator
 from smarig.protocols import Setup, parse_pairs
-from smarig.rig import Bench, Check, Twin, TwinSettings, bring_up, inconsistencies, open_rig
+from smarig.rig import Bench, Twin, TwinSettings, bring_up, inconsistencies, open_rig
 from smarig.runner import preview, rig_locks
 
 _LABELS = {"lease_trips": "Lease test passed"}  # of the values that are no quantities

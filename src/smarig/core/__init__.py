@@ -86,6 +86,7 @@ if TYPE_CHECKING:
     from smarig.core.severity import Severity as Severity
     from smarig.core.severity import highest_severity as highest_severity
     from smarig.core.severity import severity_of as severity_of
+    from smarig.core.shown_text import error_text as error_text
     from smarig.core.shown_text import printable as printable
     from smarig.core.shown_text import shown as shown
     from smarig.core.stored_number import stored_number as stored_number

@@ -17,6 +17,7 @@ from typing import Any
 
 from smarig.core.errors import UsageError
 from smarig.core.former_names import answer_former_names
+from smarig.core.shown_text import error_text
 
 PREFIX = "smarig."
 PLUGIN_GROUPS: Mapping[str, str] = {  # group of entry points: catalogue
@@ -90,7 +91,7 @@ def plugin_offers() -> tuple[list[PluginOffer], list[str]]:
                 seen.add(key)
                 offers += _offers_of(distribution, name)
         except Exception as error:  # whatever is wrong with it, other plug-ins must remain usable
-            faults.append(f"The entry points of the distribution {name} cannot be read: {_text(error)}.")
+            faults.append(f"The entry points of the distribution {name} cannot be read: {error_text(error)}.")
     return sorted(offers, key=lambda o: (o.group, o.name, o.distribution)), faults
 
 
@@ -100,7 +101,7 @@ def _distributions(faults: list[str]) -> Iterator[Any]:
     try:
         yield from distributions()
     except Exception as error:
-        faults.append(f"The installed distributions cannot be read: {_text(error)}.")
+        faults.append(f"The installed distributions cannot be read: {error_text(error)}.")
 
 
 def _offers_of(distribution: Any, name: str) -> Iterator[PluginOffer]:
@@ -149,7 +150,7 @@ def import_plugin(offer: PluginOffer) -> tuple[Any, Path]:
         for part in filter(None, attribute.partition("[")[0].strip().split(".")):
             found = getattr(found, part)
     except (Exception, SystemExit) as error:
-        raise UsageError(f"{_named(offer)} cannot be imported: {_text(error)}.") from None
+        raise UsageError(f"{_named(offer)} cannot be imported: {error_text(error)}.") from None
     reason = _misfit_reason(offer, found)
     if reason:
         raise UsageError(f"{_named(offer)} cannot be used: {reason}.")
@@ -161,7 +162,7 @@ def _misfit_reason(offer: PluginOffer, found: Any) -> str:
     try:
         return misfit(offer.name, found) if misfit else ""
     except Exception as error:  # an object whose attributes raise errors
-        return _text(error)
+        return error_text(error)
 
 
 def plugin_folder(module: Path) -> Path:
@@ -174,8 +175,3 @@ def plugin_folder(module: Path) -> Path:
 
 def _named(offer: PluginOffer) -> str:
     return f"The {offer.kind} '{offer.name}' of {offer.origin}"
-
-
-def _text(error: BaseException) -> str:
-    """Type and message of an error in one line."""
-    return " ".join(f"{type(error).__name__}: {error}".split()).rstrip(".: ")

@@ -37,5 +37,14 @@ def shown(value: Any, longest: int = 80) -> str:
     return printable(text, longest)
 
 
+def error_text(error: BaseException) -> str:
+    """Type and message of an error of another library, in one line without a full stop.
+
+    >>> error_text(OSError("no such\\n device."))
+    'OSError: no such device'
+    """
+    return " ".join(f"{type(error).__name__}: {error}".split()).rstrip(".: ")
+
+
 def _escaped(character: str) -> str:
     return character.encode("unicode_escape").decode("ascii")

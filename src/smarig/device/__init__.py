@@ -5,8 +5,8 @@ from typing import TYPE_CHECKING
 from smarig.core.lazy_exports import lazy_exports
 
 if TYPE_CHECKING:
+    from smarig.device.contract.contract_case import Check as Check
     from smarig.device.contract.contract_case import ContractCase as ContractCase
-    from smarig.device.contract.contract_case import ContractResult as ContractResult
     from smarig.device.contract.driver_contract import ROLES as ROLES
     from smarig.device.contract.driver_contract import Role as Role
     from smarig.device.contract.driver_contract import check_contract as check_contract

@@ -5,7 +5,7 @@ _WORDS = {
     "time": ("the time", "Repeat the same run later, with the wire at rest in between."),
     "cycle": ("the number of cycles", "Repeat the same run several times in a row."),
     "history": (
-        "the way by which an input was reached",
+        "the earlier history",
         "Reach the same inputs by other ways, by minor loops for example.",
     ),
     "level": (
@@ -14,6 +14,7 @@ _WORDS = {
     ),
     "run": ("the run", "Repeat the same run on another day."),
     "input": ("the input", "Repeat the same run over another range of the input."),
+    "stress": ("the stress", "Repeat the same run under another load."),
     "time_since_reversal": (
         "the time since the last reversal",
         "Hold for different times after a reversal.",

@@ -6,11 +6,9 @@ from smarig.core.lazy_exports import lazy_exports
 
 if TYPE_CHECKING:
     from smarig.rig.bench import Bench as Bench
-    from smarig.rig.bring_up import Check as Check
     from smarig.rig.bring_up import bring_up as bring_up
     from smarig.rig.consistency import DRIVERS as DRIVERS
     from smarig.rig.consistency import inconsistencies as inconsistencies
-    from smarig.rig.driver_check import ROLES as ROLES
     from smarig.rig.driver_check import check_driver as check_driver
     from smarig.rig.force_statistics import ForceStatistics as ForceStatistics
     from smarig.rig.guard import Guard as Guard

@@ -7,12 +7,13 @@ import contextlib
 import math
 from collections.abc import Callable, Iterator
 from itertools import chain, takewhile
-from typing import Any, NamedTuple, Protocol
+from typing import Protocol
 
 import numpy as np
 
 from smarig.config import RigFile
 from smarig.core import Quality, RigFault, Sample
+from smarig.device import Check
 from smarig.plant import Actuator
 from smarig.preisach import Preisach, thesis_surface
 from smarig.rig.electrical_plausibility import MIN_CURRENT_A, READ_BACK_TOLERANCE
@@ -31,18 +32,6 @@ LEASE_MARGIN_S = 1.5
 MOTION_MARGIN = 10  # times the detected motion: no wire deviates that far from its model
 ProgressCallback = Callable[[str], None]
 BACKLOG_S = 10.0  # of samples after re-arming that may still show the trip
-
-
-class Check(NamedTuple):
-    """The result of one check."""
-
-    name: str
-    passed: bool
-    observed: str
-
-    def to_json(self) -> dict[str, Any]:
-        """The check as ``smarig check --json`` reports it."""
-        return {"name": self.name, "passed": self.passed, "seen": self.observed}
 
 
 class SupportsIdle(Rig, Protocol):

@@ -3,14 +3,14 @@
 import contextlib
 import time
 from collections.abc import Iterator
-from typing import Any, get_args
+from typing import Any
 from urllib.parse import urlsplit
 
 from smarig.config import LinkFile, RigFile
 from smarig.core import UsageError
 from smarig.device import (
+    Check,
     ContractCase,
-    ContractResult,
     Role,
     as_current_source,
     as_force_input,
@@ -22,12 +22,9 @@ from smarig.rig.open_rig import instrument_of, required_links, started_simulator
 from smarig.rig.specimen import TwinSettings
 
 SIMULATED_SPEED = 10.0  # of simulated devices, in device seconds per second
-ROLES: tuple[Role, ...] = get_args(Role)
 
 
-def check_driver(
-    rig: str, file: RigFile, role: Role, driver: str = "", url: str = ""
-) -> Iterator[ContractResult]:
+def check_driver(rig: str, file: RigFile, role: Role, driver: str = "", url: str = "") -> Iterator[Check]:
     """Check the device of a role of a rig. ``driver`` and ``url`` replace those of the rig file.
 
     Raises UsageError if the rig has no such device, and what the driver raises if it cannot open it. The output is at

@@ -4,7 +4,7 @@ import re
 from collections.abc import Sequence
 
 from smarig.core import spaced
-from smarig.diagnosis import Diagnosis, MeasuredDiagnosis
+from smarig.diagnosis import Diagnosis, MeasuredDiagnosis, variable_words
 from smarig.identification import BETTER, LITTLE_UNPREDICTED, ErrorLevel, ratio_text
 from smarig.report import display_unit, number
 from smarig.study.held_out_parts import BranchError
@@ -13,14 +13,6 @@ LEVEL_WORDS = {
     ErrorLevel.GOOD: "good",
     ErrorLevel.FAIR: "usable, with errors to explain",
     ErrorLevel.POOR: "poor",
-}
-_VARIABLES = {  # what the errors go with, in the words of the lab
-    "level": "the output itself",
-    "run": "the run",
-    "rate": "the rate of the input",
-    "cycle": "the number of cycles",
-    "history": "the earlier history",
-    "stress": "the stress",
 }
 
 
@@ -107,7 +99,7 @@ def _finding(d: Diagnosis | MeasuredDiagnosis, first_line: str, *, at_noise: boo
         left = "look like noise" if at_noise else "have no cause that it knows"
         return f"The diagnosis finds nothing: the errors {left}."
     if word == "unknown" and variable:
-        named = " and ".join(_VARIABLES.get(v, v) for v in variable.split(" and "))
+        named = " and ".join(map(variable_words, variable.split(" and ")))
         return f"The errors that are left go with {named}; no known effect explains them."
     if word == "unknown":
         return "The errors that are left are more than noise, but no known effect explains them."

@@ -21,15 +21,15 @@ class Broken(Exception):
     """A requirement is not met; the text says what was observed."""
 
 
-class ContractResult(NamedTuple):
-    """One requirement: its name, whether it is met, what was observed."""
+class Check(NamedTuple):
+    """The result of one check: its name, whether it is passed, what was observed."""
 
     name: str
     passed: bool
     observed: str
 
     def to_json(self) -> dict[str, Any]:
-        """As ``smarig check --json`` reports it."""
+        """The check as ``smarig check --json`` reports it."""
         return {"name": self.name, "passed": self.passed, "seen": self.observed}
 
 
@@ -79,17 +79,17 @@ class ContractCase:
 Requirement = Callable[[ContractCase], str]  # returns what was observed; raises Broken
 
 
-def results(case: ContractCase, requirements: dict[str, Requirement]) -> Iterator[ContractResult]:
+def results(case: ContractCase, requirements: dict[str, Requirement]) -> Iterator[Check]:
     """Every requirement in order; an error of the driver is a broken requirement, not the end."""
     for name, requirement in requirements.items():
         try:
-            yield ContractResult(name, True, requirement(case))
+            yield Check(name, True, requirement(case))
         except Broken as broken:
-            yield ContractResult(name, False, str(broken))
+            yield Check(name, False, str(broken))
         except SmarigError as error:
-            yield ContractResult(name, False, f"it raised: {error}")
+            yield Check(name, False, f"it raised: {error}")
         except (Exception, SystemExit) as error:
-            yield ContractResult(name, False, f"it raised {type(error).__name__}: {error}")
+            yield Check(name, False, f"it raised {type(error).__name__}: {error}")
 
 
 def require(met: bool, text: str) -> None:

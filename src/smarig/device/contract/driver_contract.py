@@ -12,7 +12,7 @@ from typing import Literal, get_args
 from smarig.core import UsageError
 from smarig.device.contract import common_requirements as common
 from smarig.device.contract import sensor_requirements, source_requirements
-from smarig.device.contract.contract_case import ContractCase, ContractResult, Requirement, results
+from smarig.device.contract.contract_case import Check, ContractCase, Requirement, results
 
 Role = Literal["amplifier", "encoder_daq", "thermometer", "room_thermometer", "load_cell"]
 ROLES: tuple[Role, ...] = get_args(Role)
@@ -38,6 +38,6 @@ def contract(role: Role) -> dict[str, Requirement]:
     }
 
 
-def check_contract(role: Role, case: ContractCase) -> Iterator[ContractResult]:
+def check_contract(role: Role, case: ContractCase) -> Iterator[Check]:
     """Check an instrument against every requirement of a role, in order. Its output is at zero afterwards."""
     return results(case, contract(role))

@@ -2,42 +2,28 @@
 
 import math
 
-from pydantic import Field, model_validator
+from pydantic import Field
 
 from smarig.config import LinkFile, RigFile
-from smarig.core import NAN, ConfigError, Number, SmarigError, TomlTable, UsageError
+from smarig.core import NAN, ConfigError, SmarigError, UsageError
 from smarig.device.drivers import _labjack_registers as reg
+from smarig.device.drivers._analogue_stage import StageSettings
 from smarig.device.drivers._driver_settings import settings_of
 from smarig.device.drivers._labjack import AnalogueChannel, LabJack
 from smarig.device.drivers._labjack_watchdog import arm_watchdog, whole_seconds
 from smarig.device.encoding.link_faults import Garbled, Silent
 from smarig.device.roles.polled import Electrical
-from smarig.plant import Actuator, largest_voltage_V
 
 TOLERANCE_V = 0.012  # two steps of the T4's DAC of 10 bits, and what is left at 0 V
 
 
-class LabJackOutputSettings(TomlTable):
+class LabJackOutputSettings(StageSettings):
     """[links.amplifier.settings] of labjack_output. Either ``amperes_per_volt`` or ``volts_per_volt``."""
 
     dac: int = Field(ge=0, le=1)  # output: 0 for DAC0
-    amperes_per_volt: Number | None = Field(default=None, gt=0, le=1e3)  # of an external current amplifier
-    volts_per_volt: Number | None = Field(default=None, gt=0, le=1e3)  # of an external voltage stage
     current_input: AnalogueChannel  # measures the current, in A: shunt or monitor output
     voltage_input: AnalogueChannel | None = None  # measures the voltage across the wire, in V
     watchdog: bool = True  # whether the box sets the DAC to 0 V when the host is silent
-
-    @model_validator(mode="after")
-    def _one_kind(self) -> "LabJackOutputSettings":
-        if (self.amperes_per_volt is None) == (self.volts_per_volt is None):
-            raise ValueError(
-                "give either amperes_per_volt (current amplifier) or volts_per_volt (voltage stage)"
-            )
-        if self.volts_per_volt is not None and self.voltage_input is None:
-            raise ValueError(
-                "a voltage stage needs voltage_input: its current loop works with the measured resistance"
-            )
-        return self
 
 
 def labjack_output(where: LinkFile, rig: RigFile) -> "LabJackOutput":
@@ -49,12 +35,8 @@ def labjack_output(where: LinkFile, rig: RigFile) -> "LabJackOutput":
             "of one sign only."
         )
     timeout_s = whole_seconds(rig.lease_s) if settings.watchdog else None
-    if settings.amperes_per_volt is not None:
-        largest_V = rig.limits.current_max_A / settings.amperes_per_volt
-        return LabJackCurrent(where, settings, timeout_s, largest_V)
-    assert settings.volts_per_volt is not None  # noqa: S101 - the model requires one of them
-    largest_V = largest_voltage_V(rig.limits, Actuator.named(rig.actuator)) / settings.volts_per_volt
-    return LabJackVoltage(where, settings, timeout_s, largest_V)
+    kind = LabJackCurrent if settings.drives_current else LabJackVoltage
+    return kind(where, settings, timeout_s, settings.largest_V_of(rig))
 
 
 class LabJackOutput:
@@ -166,8 +148,7 @@ class LabJackCurrent(LabJackOutput):
 
     def set_current(self, current_A: float) -> None:
         """Drive a current. Raises LinkFault if the DAC does not take it, UsageError for NaN."""
-        assert self._settings.amperes_per_volt is not None  # noqa: S101 - see labjack_output
-        self._drive(current_A / self._settings.amperes_per_volt)
+        self._drive(current_A / self._settings.scale)
 
 
 class LabJackVoltage(LabJackOutput):
@@ -175,5 +156,4 @@ class LabJackVoltage(LabJackOutput):
 
     def set_voltage(self, voltage_V: float) -> None:
         """Apply a voltage. Raises LinkFault if the DAC does not take it, UsageError for NaN."""
-        assert self._settings.volts_per_volt is not None  # noqa: S101 - see labjack_output
-        self._drive(voltage_V / self._settings.volts_per_volt)
+        self._drive(voltage_V / self._settings.scale)

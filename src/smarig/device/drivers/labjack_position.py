@@ -1,35 +1,27 @@
 """A position on a LabJack: a laser, LVDT or potentiometer on an analogue input, or an encoder on a counter."""
 
-from typing import Literal
-
 from pydantic import Field, model_validator
 
 from smarig.config import LinkFile, RigFile
-from smarig.core import NAN, ConfigError, Number, TomlTable
+from smarig.core import NAN, ConfigError
 from smarig.device.drivers import _labjack_registers as reg
+from smarig.device.drivers._analogue_stage import RangeSettings
 from smarig.device.drivers._driver_settings import settings_of
 from smarig.device.drivers._labjack import AnalogueChannel, LabJack
 
 WRAP = 1 << 32  # of the counter
 
 
-class LabJackPositionSettings(TomlTable):
+class LabJackPositionSettings(RangeSettings):
     """[links.encoder_daq.settings] of labjack_position. Either ``input`` with ``unit``, or ``counter_line``."""
 
     input: AnalogueChannel | None = None  # laser, LVDT or potentiometer, in ``unit``
-    unit: Literal["mm", "deg"] | None = None  # unit of the analogue position
-    minimum: Number = Field(default=-1e9, ge=-1e9, le=1e9)  # end of the sensor's range: no position below
-    maximum: Number = Field(default=1e9, ge=-1e9, le=1e9)  # end of the sensor's range: no position above
     counter_line: int | None = Field(default=None, ge=0, le=20)  # first DIO line of an encoder
 
     @model_validator(mode="after")
     def _one_kind(self) -> "LabJackPositionSettings":
         if (self.input is None) == (self.counter_line is None):
             raise ValueError("give either input (analogue sensor) or counter_line (encoder)")
-        if self.input is not None and self.unit is None:
-            raise ValueError("input needs unit, mm or deg")
-        if not self.minimum < self.maximum:
-            raise ValueError("minimum must be less than maximum")
         return self
 
 
@@ -55,7 +47,7 @@ class AnaloguePosition:
     def position(self) -> float:
         """The position now."""
         (found,) = self._box.values(self._input)
-        return found if self._settings.minimum <= found <= self._settings.maximum else NAN
+        return self._settings.within(found)
 
     def close(self) -> None:
         """Leave the connection."""

@@ -3,10 +3,11 @@
 import math
 import time
 
-from pydantic import Field, model_validator
+from pydantic import Field
 
 from smarig.config import LinkFile, RigFile
-from smarig.core import NAN, ConfigError, Number, SmarigError, TomlTable, UsageError
+from smarig.core import NAN, ConfigError, Number, SmarigError, UsageError
+from smarig.device.drivers._analogue_stage import StageSettings
 from smarig.device.drivers._driver_settings import settings_of
 from smarig.device.drivers._ni import (
     NiInput,
@@ -21,53 +22,32 @@ from smarig.device.drivers._ni import (
 from smarig.device.drivers._ni_watchdog import NiWatchdog
 from smarig.device.encoding.link_faults import Silent
 from smarig.device.roles.polled import Electrical
-from smarig.plant import Actuator, largest_voltage_V
 
 OFF_SHARE = 0.02  # of the largest current: what is measured at 0 V
 OFF_READINGS = 20  # until the current must have fallen
 OFF_WAIT_S = 0.01  # between two of them
 
 
-class NiOutputSettings(TomlTable):
+class NiOutputSettings(StageSettings):
     """[links.amplifier.settings] of ni_output. Either ``amperes_per_volt`` or ``volts_per_volt``."""
 
     channel: str = Field(min_length=1, max_length=40)  # output: "ao0"
     largest_V: Number = Field(default=10.0, gt=0, le=60)  # what the output can give
-    amperes_per_volt: Number | None = Field(default=None, gt=0, le=1e3)  # of an external current amplifier
-    volts_per_volt: Number | None = Field(default=None, gt=0, le=1e3)  # of an external voltage stage
     current_input: NiInput  # measures the current, in A: shunt or monitor output
     voltage_input: NiInput | None = None  # measures the voltage across the wire, in V
     watchdog: bool = False  # whether the device has a watchdog that sets its output to 0 V
-
-    @model_validator(mode="after")
-    def _one_kind(self) -> "NiOutputSettings":
-        if (self.amperes_per_volt is None) == (self.volts_per_volt is None):
-            raise ValueError(
-                "give either amperes_per_volt (current amplifier) or volts_per_volt (voltage stage)"
-            )
-        if self.volts_per_volt is not None and self.voltage_input is None:
-            raise ValueError(
-                "a voltage stage needs voltage_input: its current loop works with the measured resistance"
-            )
-        return self
 
 
 def ni_output(where: LinkFile, rig: RigFile) -> "NiOutput":
     """The analogue output of a rig file, at 0 V: a current output, or a voltage output if its stage is one."""
     settings = settings_of(where, NiOutputSettings)
-    limits = rig.limits
-    if settings.amperes_per_volt is not None:
-        largest_V = max(limits.current_max_A, -limits.current_min_A) / settings.amperes_per_volt
-        kind: type[NiOutput] = NiCurrent
-    else:
-        assert settings.volts_per_volt is not None  # noqa: S101 - the model requires one of them
-        largest_V = largest_voltage_V(limits, Actuator.named(rig.actuator)) / settings.volts_per_volt
-        kind = NiVoltage
+    largest_V = settings.largest_V_of(rig)
     if largest_V > settings.largest_V:
         raise ConfigError(
             f"The largest output of the rig needs {largest_V:.3g} V at {settings.channel}, which gives at most "
             f"{settings.largest_V:g} V. Lower limits.current_max_A, or change the scale of the amplifier."
         )
+    kind = NiCurrent if settings.drives_current else NiVoltage
     return kind(where, settings, rig)
 
 
@@ -169,8 +149,7 @@ class NiCurrent(NiOutput):
 
     def set_current(self, current_A: float) -> None:
         """Drive a current. Raises LinkFault if the device does not take it, UsageError for NaN."""
-        assert self._settings.amperes_per_volt is not None  # noqa: S101 - see ni_output
-        self._drive(current_A / self._settings.amperes_per_volt)
+        self._drive(current_A / self._settings.scale)
 
 
 class NiVoltage(NiOutput):
@@ -178,5 +157,4 @@ class NiVoltage(NiOutput):
 
     def set_voltage(self, voltage_V: float) -> None:
         """Apply a voltage. Raises LinkFault if the device does not take it, UsageError for NaN."""
-        assert self._settings.volts_per_volt is not None  # noqa: S101 - see ni_output
-        self._drive(voltage_V / self._settings.volts_per_volt)
+        self._drive(voltage_V / self._settings.scale)

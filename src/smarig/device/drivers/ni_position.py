@@ -1,11 +1,9 @@
 """A position on an NI device: a sensor on an analogue input, or an encoder on a counter. Untested on hardware."""
 
-from typing import Literal
-
 from pydantic import Field, model_validator
 
 from smarig.config import LinkFile, RigFile
-from smarig.core import NAN, Number, TomlTable
+from smarig.device.drivers._analogue_stage import RangeSettings
 from smarig.device.drivers._driver_settings import settings_of
 from smarig.device.drivers._ni import (
     NiInput,
@@ -19,13 +17,10 @@ from smarig.device.drivers._ni import (
 )
 
 
-class NiPositionSettings(TomlTable):
+class NiPositionSettings(RangeSettings):
     """[links.encoder_daq.settings] of ni_position. Either ``input`` with ``unit``, or ``counter``."""
 
     input: NiInput | None = None  # laser, LVDT or potentiometer, in ``unit``
-    unit: Literal["mm", "deg"] | None = None  # unit of the analogue position
-    minimum: Number = Field(default=-1e9, ge=-1e9, le=1e9)  # end of the sensor's range: no position below
-    maximum: Number = Field(default=1e9, ge=-1e9, le=1e9)  # end of the sensor's range: no position above
     counter: str = Field(
         default="", max_length=40
     )  # counter of an encoder: "ctr0"; A and B at its default terminals
@@ -34,10 +29,6 @@ class NiPositionSettings(TomlTable):
     def _one_kind(self) -> "NiPositionSettings":
         if (self.input is None) == (not self.counter):
             raise ValueError("give either input (analogue sensor) or counter (encoder)")
-        if self.input is not None and self.unit is None:
-            raise ValueError("input needs unit, mm or deg")
-        if not self.minimum < self.maximum:
-            raise ValueError("minimum must be less than maximum")
         return self
 
 
@@ -62,7 +53,7 @@ class NiAnaloguePosition:
     def position(self) -> float:
         """The position now."""
         (found,) = self._inputs.values()
-        return found if self._settings.minimum <= found <= self._settings.maximum else NAN
+        return self._settings.within(found)
 
     def close(self) -> None:
         """Give the input back."""

@@ -8,7 +8,7 @@ import contextlib
 import re
 from typing import Any
 
-from smarig.core import UsageError
+from smarig.core import UsageError, error_text
 from smarig.device.encoding.link_faults import Garbled, Silent, WrongDevice
 
 _NUMBER = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)")
@@ -95,11 +95,11 @@ class VisaLine:
                 self._session.baud_rate = self._baud
         except Exception as error:
             self._drop()
-            raise Silent(f"{self.where} cannot be opened: {_text(error)}. {Silent.remedy}") from None
+            raise Silent(f"{self.where} cannot be opened: {error_text(error)}. {Silent.remedy}") from None
 
     def _fail(self, error: Exception, what: str) -> None:
         self._drop()
-        raise Silent(f"{self.where} does not answer {what}: {_text(error)}. {Silent.remedy}") from None
+        raise Silent(f"{self.where} does not answer {what}: {error_text(error)}. {Silent.remedy}") from None
 
     def _drop(self) -> None:
         session, self._session = self._session, None
@@ -117,9 +117,4 @@ def _manager(backend: str) -> Any:
     try:
         return pyvisa.ResourceManager(backend)
     except Exception as error:
-        raise UsageError(f"PyVISA cannot use the backend '{backend}': {_text(error)}.") from None
-
-
-def _text(error: Exception) -> str:
-    """The error in one line."""
-    return " ".join(str(error).split()).rstrip(".") or type(error).__name__
+        raise UsageError(f"PyVISA cannot use the backend '{backend}': {error_text(error)}.") from None

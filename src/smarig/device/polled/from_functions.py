@@ -12,7 +12,7 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from smarig.core import NAN, UsageError
+from smarig.core import NAN, UsageError, error_text
 from smarig.device.encoding.link_faults import Garbled, LinkFault, Silent
 from smarig.device.roles.polled import Electrical
 
@@ -191,5 +191,4 @@ def called(identity: str, what: str, function: Callable[..., _T], *values: float
     except LinkFault:
         raise
     except (Exception, SystemExit) as error:
-        text = f"{type(error).__name__}: {error}".rstrip(".: ")
-        raise Silent(f"{identity}: {what} failed ({text}). {Silent.remedy}") from error
+        raise Silent(f"{identity}: {what} failed ({error_text(error)}). {Silent.remedy}") from error
