@@ -17,7 +17,10 @@ from smarig.plant import Actuator, load_of
 from smarig.rig.stress_limit import stress_limit
 
 DRIVERS = "smarig.device.drivers"
-SIMULATED = ("amplifier", "encoder_daq")  # devices that [simulator] starts
+SIMULATED = {  # links whose devices [simulator] starts
+    "reference": ("amplifier", "encoder_daq"),
+    "labjack": tuple(LinksFile.model_fields),  # one box serves all roles
+}
 OVER_CURRENT = 1.05  # of the largest current; above it the amplifier trips by itself
 
 
@@ -44,7 +47,7 @@ def _load(file: RigFile) -> Iterator[str]:
 
 
 def _links(file: RigFile, links: LinksFile) -> Iterator[str]:
-    simulated = file.simulator is not None and file.simulator.start
+    simulated = _simulated_devices(file)
     given = {name: getattr(links, name) for name in LinksFile.model_fields}
     for device, link in ((name, link) for name, link in given.items() if link is not None):
         try:
@@ -55,7 +58,7 @@ def _links(file: RigFile, links: LinksFile) -> Iterator[str]:
         if driver not in (known := catalogue_names(DRIVERS)):
             known = sorted({*known, *offered_names(DRIVERS)})
             yield f"links.{device}.driver: no driver '{driver}'{suggestion(driver, known)}."
-        if not link.url and not (simulated and (device in SIMULATED or driver.startswith("labjack_"))):
+        if not link.url and device not in simulated:
             yield f"links.{device}.url is missing. Give the port or address of the device."
     yield from _shared_port(links)
     tries_s = ATTEMPTS * links.amplifier.timeout_s
@@ -69,6 +72,12 @@ def _links(file: RigFile, links: LinksFile) -> Iterator[str]:
         low, high = (lease.value.decode(raw) for raw in lease.limits)
         if not low <= file.lease_s <= high:
             yield f"lease_s = {file.lease_s:g} is outside {low:g}…{high:g} s, the range of the amplifier."
+
+
+def _simulated_devices(file: RigFile) -> tuple[str, ...]:
+    """The links that need no url, because the command starts their devices."""
+    simulator = file.simulator
+    return SIMULATED[simulator.devices] if simulator is not None and simulator.start else ()
 
 
 def _shared_port(links: LinksFile) -> Iterator[str]:

@@ -44,7 +44,6 @@ from smarig.rig.twin import Twin, TwinSettings
 AT_ZERO_TEXT = " The current is at zero."  # removed from an error if the shutdown is not confirmed
 START_TIMEOUT_S = 60.0  # for simulated devices to start
 STOP_TIMEOUT_S = 10.0  # for simulated devices to end
-LABJACK = "labjack_"  # begin of the names of its drivers
 LOCK_STEP_S = 5.0  # reply time of simulated devices that lose no reply: a busy machine delays them
 HOST_TIMEOUT_S = 60.0  # time that they wait for a delayed host; they detect its end at once
 
@@ -101,6 +100,7 @@ def _confirmed_shutdown(rig: Rig) -> Iterator[None]:
 
 
 def required_links(file: RigFile) -> LinksFile:
+    """The links of a bench. Raises UsageError for a rig without any."""
     if file.links is None:
         raise UsageError(f"Rig '{file.name}' has no table [links]. Its devices require it.")
     return file.links
@@ -162,10 +162,10 @@ def started_simulator(
         e.kind.name not in catalogue_names(EFFECTS) for e in with_type
     ):
         raise UsageError("Simulated devices accept only effects of the catalogue.")
-    is_labjack = links.amplifier.driver.startswith(LABJACK)
-    specific = _labjack_command(how, speed) if is_labjack else _devices_command(how, links, speed)
+    is_reference = how.devices == "reference"
+    specific = _reference_command(how, links, speed) if is_reference else _labjack_command(how, speed)
     folder = tempfile.TemporaryDirectory(prefix="smarig-", ignore_cleanup_errors=True)
-    specific += [] if is_labjack else ["--folder", folder.name]
+    specific += ["--folder", folder.name] if is_reference else []
     effects = [word for pair in effects_to_arguments(with_type) for word in ("--effect", pair)]
     wire = ["--rig", rig, "--seed", str(settings.seed), *effects, *([f"--load={load.text}"] if load else [])]
     min_timeout_s = LOCK_STEP_S if not (speed or how.faults) else 0.0
@@ -201,7 +201,7 @@ def _labjack_command(how: SimulatorFile, speed: float) -> list[str]:
     return ["simulators.labjack", "--speed", str(speed)]
 
 
-def _devices_command(how: SimulatorFile, links: LinksFile, speed: float) -> list[str]:
+def _reference_command(how: SimulatorFile, links: LinksFile, speed: float) -> list[str]:
     """The devices of firmware_protocol."""
     if links.amplifier.framing != links.encoder_daq.framing:
         raise UsageError("Simulated devices use one framing. Give both links the same framing.")
