@@ -1,5 +1,7 @@
 """A rig in plans of bluesky: the documents are valid, and the positions are those of the run file."""
 
+import time
+
 import pytest
 
 pytest.importorskip("ophyd_async", reason="the extra bluesky is not installed")
@@ -100,6 +102,32 @@ def test_what_the_limits_forbid_fails_the_move(engine, rig, tmp_path):
     with pytest.raises(FailedStatus, match="outside the rig's range"):
         engine(bp.scan([rig], rig.input, 20, 900, 2))
     assert load_run(tmp_path / "scan.run.sqlite").complete
+
+
+def test_a_plan_that_fails_ends_the_run_of_its_flyer(engine, tmp_path):
+    """The run would take minutes at this speed."""
+    rig = tmp_path / "slow.toml"
+    rig.write_text('name = "slow"\nbase = "one_wire_serial"\nsimulator.speed = 20.0\n')
+    flyer = RunFlyer("fly", "validation", str(rig), tmp_path / "fly.run.sqlite", points=40)
+
+    def failing():
+        yield from bps.open_run()
+        yield from bps.stage_all(flyer)
+        yield from bps.kickoff(flyer, wait=True)
+        while not (tmp_path / "fly.run.sqlite").exists():
+            yield from bps.sleep(0.05)
+        yield from bps.sleep(0.3)
+        raise ZeroDivisionError
+
+    with pytest.raises(ZeroDivisionError):
+        engine(failing())
+    for _ in range(200):
+        if (tmp_path / "fly.run.sqlite").exists() and load_run(tmp_path / "fly.run.sqlite").complete:
+            break
+        time.sleep(0.05)
+    run = load_run(tmp_path / "fly.run.sqlite")
+    assert run.cause == "the plan ended during the run"
+    assert len(run["t_s"]) < 2000
 
 
 def test_a_flyer_runs_a_protocol_and_brings_its_steps(engine, documents, tmp_path):

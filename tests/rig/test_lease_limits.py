@@ -2,8 +2,11 @@
 
 import math
 
+import numpy as np
 import pytest
 
+from control.model_files import model_of
+from smarig.cli import run as cli
 from smarig.config import load_rig
 from smarig.core import UsageError
 from smarig.plant import Actuator
@@ -75,6 +78,32 @@ def test_a_run_takes_the_lower_limits_and_says_so(rig, tmp_path):
     assert event.level == "warning"
     assert "only the cut-out stops the current" in event.text
     assert "limit 120 K" in event.text
+
+
+LIMIT_A = 0.7426  # (5.3): 96 K of 120 K
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        "run step_currents --set currents_A=0.9",
+        "run first_order_descending --set settle.timeout_s=60",
+        "regulate one_e.model.json --setpoint 11.5 --hold-s 20",
+        "track one_e.model.json --reference steps --controller pi --set seconds=20",
+    ],
+)
+def test_no_command_drives_more_than_the_lower_limit(rig, tmp_path, monkeypatch, words, capsys):
+    """Whatever is asked for: the command is refused, or stays below."""
+    monkeypatch.chdir(tmp_path)
+    model_of("one_e").save(tmp_path / "one_e.model.json")
+    out = tmp_path / "out.run.sqlite"
+    status = cli([*words.split(), "--rig", str(rig), "-o", str(out), "--quiet"])
+    if not out.exists():
+        assert status == 2
+        assert capsys.readouterr().err.count("\n") <= 2
+        return
+    flowed = np.nanmax(np.abs(load_run(out)["current_A"]))
+    assert 0.2 < flowed <= LIMIT_A + 0.002
 
 
 def test_a_source_with_a_lease_keeps_its_limits(tmp_path):

@@ -14,7 +14,7 @@ import pytest
 import smarig
 from record.runs import edited
 from runner.interrupted import cut
-from smarig.core.errors import DataError, Interrupted, LeaseExpired, UsageError
+from smarig.core.errors import DataError, Interrupted, LeaseExpired, LimitExceeded, UsageError
 from smarig.identification.calibration.holds import drive_holds
 from smarig.identification.fod_data import fod_data
 from smarig.record import CONTINUED, load_run
@@ -187,7 +187,7 @@ def test_a_limit_that_tripped_is_re_armed(tmp_path):
     out = tmp_path / "r.run.sqlite"
     with Session("one_wire_twin") as session:
         session.guard.tripped = "Something was too hot."
-        with pytest.raises(smarig.runner.session.LimitExceeded):
+        with pytest.raises(LimitExceeded):
             session.run("validation", {"points": "2"}, out)
         resume_in(session, load_run(out))
     assert load_run(out).cause == "done"

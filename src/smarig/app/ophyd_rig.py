@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from bluesky.protocols import Collectable, Flyable, Location, Movable, Stoppable
+from bluesky.protocols import Collectable, Flyable, Location, Movable, Stageable, Stoppable
 from event_model import DataKey, PartialEvent
 from ophyd_async.core import (
     AsyncStatus,
@@ -28,6 +28,7 @@ from ophyd_async.core import (
 from smarig.app.stepped_run import SteppedRun
 from smarig.core import StepResult, StepVerdict
 from smarig.record import Run, load_run
+from smarig.runner import RunControl
 from smarig.runner import run as run_protocol
 
 _NAN = float("nan")
@@ -132,9 +133,10 @@ class HeldQuantity(StandardReadable, Movable[float], Stoppable):
         return Location(setpoint=self._setpoint, readback=self._now())
 
 
-class RunFlyer(Flyable, Collectable):
+class RunFlyer(Flyable, Collectable, Stageable):
     """A protocol of smarig as one step of a plan: kicked off, completed, and collected as stream ``NAME_steps``.
 
+    Stage it in the plan: a plan that fails or is aborted unstages it, which ends the run at once, at zero current.
     ``settings``: those of the protocol. The run file ``out`` has every sample; ``documents`` of ``smarig export``
     brings them to the catalogue.
     """
@@ -143,7 +145,8 @@ class RunFlyer(Flyable, Collectable):
 
     def __init__(self, name: str, protocol: str, rig: str, out: str | Path, **settings: Any) -> None:
         self._name = name
-        self._start = lambda: run_protocol(protocol, rig=rig, out=out, **settings)
+        self._control = RunControl()
+        self._start = lambda: run_protocol(protocol, rig=rig, out=out, control=self._control, **settings)
         self.out = Path(out)
         self._running: asyncio.Task[Run] | None = None
 
@@ -153,8 +156,18 @@ class RunFlyer(Flyable, Collectable):
         return self._name
 
     @AsyncStatus.wrap
+    async def stage(self) -> None:
+        """Nothing has to be prepared."""
+
+    @AsyncStatus.wrap
+    async def unstage(self) -> None:
+        """End a run that is still going on."""
+        self._control.stop("the plan ended during the run")
+
+    @AsyncStatus.wrap
     async def kickoff(self) -> None:
         """Start the run in a thread of its own."""
+        self._control = RunControl()
         self._running = asyncio.create_task(asyncio.to_thread(self._start))
 
     @AsyncStatus.wrap

@@ -14,6 +14,7 @@ import queue
 import threading
 from collections.abc import Generator
 from concurrent.futures import Future
+from concurrent.futures import TimeoutError as FutureTimeoutError
 from numbers import Real
 from pathlib import Path
 from types import TracebackType
@@ -25,6 +26,7 @@ from smarig.core import (
     Hold,
     Interrupted,
     LimitExceeded,
+    RigFault,
     Sample,
     Settled,
     SmarigError,
@@ -80,7 +82,11 @@ class SteppedRun:
             raise UsageError("This run was started before. Make another SteppedRun.")
         atexit.register(self._end_at_exit)
         self._thread.start()
-        self._ready.result(START_TIMEOUT_S)
+        try:
+            self._ready.result(START_TIMEOUT_S)
+        except FutureTimeoutError:
+            self._control.stop("the rig was not opened in time")
+            raise RigFault(f"The rig did not open within {START_TIMEOUT_S:g} s.") from None
 
     def hold(self, current_A: float) -> "Future[StepResult]":
         """Hold a current until the position has settled; steps are executed in order.

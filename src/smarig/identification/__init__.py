@@ -89,9 +89,9 @@ if TYPE_CHECKING:
     from smarig.identification.surface.surface_kinds import POSITIVE_KIND as POSITIVE_KIND
     from smarig.identification.surface.surface_kinds import surface_choices as surface_choices
     from smarig.identification.surface.surface_kinds import surface_kinds as surface_kinds
-    from smarig.identification.verify import PredictionErrors as PredictionErrors
-    from smarig.identification.verify import RunVerification as RunVerification
-    from smarig.identification.verify import Verification as Verification
+    from smarig.identification.verification import PredictionErrors as PredictionErrors
+    from smarig.identification.verification import RunVerification as RunVerification
+    from smarig.identification.verification import Verification as Verification
     from smarig.identification.verify import selected_points as selected_points
     from smarig.identification.verify import verify as verify
 else:

@@ -6,23 +6,22 @@ reports it.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.core import DataError, NotebookDisplay, UsageError, spaced
+from smarig.core import DataError, UsageError
 from smarig.identification.assumed_starts import assumed_starts, assumed_starts_text
-from smarig.identification.error_verdict import ErrorVerdict, error_verdict
 from smarig.identification.fod_data import first_order_points
+from smarig.identification.known_offset import known_offset
 from smarig.identification.measured.load_dependence import expected_rms, is_far
-from smarig.identification.measured.zero_by_load import fitted_zero_slope, stress_at_start, zero_slope_of
+from smarig.identification.measured.zero_by_load import fitted_zero_slope, zero_slope_of
 from smarig.identification.noise_floor import noise_floor
 from smarig.identification.point_selection import matches
-from smarig.identification.repeatability import STEADY, Repeatability
 from smarig.identification.rows_used import without_dropouts
 from smarig.identification.run_zeros import has_own_zero
+from smarig.identification.verification import PredictionErrors, RunVerification, Verification
 from smarig.record import FORC_PROTOCOL, Run, continues_run
 from smarig.replay import (
     Model,
@@ -33,8 +32,6 @@ from smarig.replay import (
     foreign_conditions,
     missing_earlier_runs,
     out_of_range,
-    provenance,
-    recorded_start,
     simulate_runs,
     simulate_samples,
     stress_at_points,
@@ -44,84 +41,6 @@ from smarig.replay import (
 
 Array = NDArray[np.float64]
 Offset = Literal["auto", "known", "fitted"]
-
-
-@dataclass(frozen=True)
-class PredictionErrors:
-    """Errors (model minus data) of n points in the run's unit; nrmse = rms / (max − min) of the measured output."""
-
-    n: int
-    rms: float
-    nrmse: float
-    max_abs: float
-
-    def to_json(self) -> dict[str, float]:
-        """Plain values."""
-        return {"n": self.n, "rms": self.rms, "nrmse": self.nrmse, "max_abs": self.max_abs}
-
-
-@dataclass(frozen=True, eq=False)
-class RunVerification:
-    """The verification of one run: errors, the points behind them, and the treatment of the encoder's zero.
-
-    ``input``, ``measured``, ``predicted`` (k,) are all settled points (offset added, NaN if the memory is unknown).
-    ``counted`` (k,) marks the points that count. ``offset``, "known" or "fitted", was added to the model. ``expected``
-    is the rms error to be expected at a load that was not measured, None for other runs and models. ``repeatability``
-    is what repeats of the run show besides noise.
-    """
-
-    run: str
-    settled: PredictionErrors
-    transient: PredictionErrors | None
-    noise_floor: float | None
-    offset: float
-    offset_kind: str
-    input: Array
-    measured: Array
-    predicted: Array
-    counted: NDArray[np.bool_]
-    warnings: tuple[str, ...]
-    expected: float | None = None
-    repeatability: Repeatability = STEADY
-
-    @property
-    def verdict(self) -> ErrorVerdict:
-        """How the error compares with the noise of the readings."""
-        return error_verdict(self.settled.rms, self.noise_floor, self.settled.nrmse, self.repeatability)
-
-    def to_json(self) -> dict[str, Any]:
-        """Plain values, as the command line prints them."""
-        return {
-            "run": self.run,
-            **self.settled.to_json(),
-            "noise_floor": self.noise_floor,
-            "repeatability": self.repeatability.to_json(),
-            "verdict": self.verdict.level.value,
-            "offset": self.offset,
-            "offset_kind": self.offset_kind,
-            **({"expected_rms": self.expected} if self.expected is not None else {}),
-            **({"transient": self.transient.to_json()} if self.transient else {}),
-            "warnings": list(self.warnings),
-        }
-
-
-@dataclass(frozen=True, eq=False)
-class Verification(NotebookDisplay):
-    """The verification of a model on runs."""
-
-    model: str
-    unit: str
-    runs: tuple[RunVerification, ...]
-
-    def to_json(self) -> dict[str, Any]:
-        """{"unit", "runs": [{"run", "n", "rms", "nrmse", "max_abs", "noise_floor", …}]}."""
-        return {"unit": self.unit, "runs": [run.to_json() for run in self.runs]}
-
-    def __repr__(self) -> str:
-        lines = ", ".join(
-            f"{r.run}: rms {r.settled.rms:.3g}{spaced(self.unit)} (n = {r.settled.n})" for r in self.runs
-        )
-        return f"Verification({self.model}; {lines})"
 
 
 def verify(
@@ -307,55 +226,6 @@ def _offset(model: Model, run: Run, difference: Array, offset: Offset) -> tuple[
     if offset == "known":
         raise DataError(f"{run.path} does not state where its output is zero. Use a fitted offset.")
     return float(difference.mean()), "fitted"
-
-
-def known_offset(model: Model, run: Run) -> float | None:
-    """The offset from the model's output to the run's zero, or None if the record does not determine it.
-
-    It is 0 for the training runs, for runs of the same session with the same encoder zero, and for reversal curves
-    (absolute). It is −y(initial state) for a run zeroed at power-up in a named state.
-    """
-    if model.temperature is not None and not driven_by_input([run]):
-        return _offset_under_load(model, run)
-    mine = provenance(run)
-    for made_from in model.provenance:
-        same_file = mine.sha256 and mine.sha256 == made_from.sha256
-        if same_file and has_own_zero(run) and made_from is not model.provenance[0]:
-            return None
-        same_session = mine.start_epoch is not None and (mine.start_epoch, mine.encoder_zero) == (
-            made_from.start_epoch,
-            made_from.encoder_zero,
-        )
-        if same_file or same_session:
-            return 0.0
-    if mine.protocol == FORC_PROTOCOL:
-        return 0.0
-    start = recorded_start(run)
-    zeroed = "" if run.info.source == "import" else "power-up"  # others zero their sensors anywhere
-    if start is not None and run.info.text_of("encoder_zero", zeroed) == "power-up":
-        return -model.operator().reset(start)
-    return None
-
-
-def _offset_under_load(model: Model, run: Run) -> float | None:
-    """The offset of a model of loads of a rig: −c (σ − σ₀) of the load under which the run was zeroed, if it is known.
-
-    Without c, it is 0 for a constant load: its zero is then that of the runs that the model was made from.
-    """
-    known, start_MPa = zero_slope_of(model), stress_at_start(run)
-    if not _zeroed_at_power_up(model, run) or start_MPa is None:
-        return None
-    if known is None:
-        return None if stress_at_points(run) is not None else 0.0
-    slope, reference_MPa = known
-    return -slope * (start_MPa - reference_MPa)
-
-
-def _zeroed_at_power_up(model: Model, run: Run) -> bool:
-    """Whether a run and those of a model of loads were all zeroed at power-up: each under its load, in one state."""
-    mine = provenance(run)
-    zeros = {mine.encoder_zero, *(p.encoder_zero for p in model.provenance)}
-    return zeros == {"power-up"} and recorded_start(run) is not None and run.info.source != "import"
 
 
 def _validity_warnings(model: Model, run: Run) -> list[str]:

@@ -47,6 +47,7 @@ class Bench:
         self.file, self.actuator = rig, actuator
         self.source, self.sensor = source, sensor
         self.further = further or FurtherSensors()
+        self._has_further = self.further.present
         self.force = ForceStatistics()
         self.counts_ticks = True  # whether the source tells when it switched itself off
         self.position_per_count = actuator.resolution(rig.encoder)
@@ -89,8 +90,10 @@ class Bench:
         self.tick = positions[-1].tick
         if self._tick_s and self.tick >= self._next_clock_check:
             self._update_offset()
-        samples = self.further.added_to(tuple(self._join(p, c) for p, c in zip(positions, currents)))
-        self.force.add(self.further.force_N())
+        samples = tuple(self._join(p, c) for p, c in zip(positions, currents))
+        if self._has_further:
+            samples = self.further.added_to(samples)
+            self.force.add(self.further.force_N())
         self._note_fault(samples[-1].quality)  # after it, all samples before a trip are returned
         return samples
 

@@ -19,6 +19,11 @@ class FurtherSensors:
     room: TemperatureInput | None = None
     load_cell: ForceInput | None = None
 
+    @property
+    def present(self) -> bool:
+        """Whether there is any."""
+        return bool(self._all())
+
     def identities(self) -> list[str]:
         """One line for each."""
         return [sensor.identity for sensor in self._all()]

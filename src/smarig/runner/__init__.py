@@ -24,9 +24,9 @@ if TYPE_CHECKING:
     from smarig.runner.resume.run_or_resume import run_or_resume as run_or_resume
     from smarig.runner.run_control import RunControl as RunControl
     from smarig.runner.run_metadata import twin_source as twin_source
+    from smarig.runner.run_protocol import run as run
     from smarig.runner.runner import Runner as Runner
     from smarig.runner.session import Session as Session
-    from smarig.runner.session import run as run
     from smarig.runner.settling_detection import Approach as Approach
     from smarig.runner.settling_detection import SettleWindow as SettleWindow
 else:

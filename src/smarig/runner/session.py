@@ -4,8 +4,6 @@ The wire's memory, the device's ticks and the encoder's zero continue from run t
 its cause.
 """
 
-import os
-import shutil
 import time
 from collections.abc import Mapping, Sequence
 from contextlib import ExitStack, suppress
@@ -14,8 +12,8 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
 
-from smarig.config import LimitsFile, RigFile, actuator_text, load_rig, rig_text, with_load
-from smarig.core import LimitExceeded, Protocol, Sample, SmarigError, StorageError, resolve_name
+from smarig.config import RigFile, actuator_text, load_rig, rig_text, with_load
+from smarig.core import Protocol, Sample, SmarigError, resolve_name
 from smarig.plant import Actuator, load_of
 from smarig.protocols import PROTOCOLS, Chooser, Setup, build_protocol
 from smarig.record import (
@@ -26,7 +24,6 @@ from smarig.record import (
     Run,
     Wear,
     WireHistory,
-    load_run,
     load_wire_history,
     recording,
 )
@@ -61,6 +58,7 @@ from smarig.runner.run_metadata import (
 )
 from smarig.runner.runner import Runner
 from smarig.runner.signal_handling import stop_on_signals
+from smarig.runner.start_checks import check_cycle_limit, check_free_space
 from smarig.runner.wire_heat import elapsed_s, heat_at_the_end, heat_left
 
 
@@ -334,45 +332,3 @@ class Session:
                 self._name, self.file.wire, self._speed, self.settings, settings, self._given_load
             ),
         }
-
-
-def check_cycle_limit(history: WireHistory | None, limits: LimitsFile) -> None:
-    """Raise LimitExceeded if a wire has reached its number of cycles."""
-    most = limits.cycles_max
-    if history is not None and most is not None and history.cycles >= most:
-        raise LimitExceeded(
-            f"Wire '{history.wire}' has completed {history.cycles} cycles; its limit is cycles_max = {most}. Nothing "
-            "was started. Install and name a new wire, or raise the limit in the rig file."
-        )
-
-
-def check_free_space(out: Path, needed: int) -> None:
-    """Raise StorageError if a run would not fit on the disk."""
-    target = Path(os.path.realpath(out))
-    folder = next(p for p in target.parents if p.exists())
-    free = shutil.disk_usage(folder).free
-    # Twice the data, because the write-ahead log repeats them, and a margin to close the run.
-    if free < 2 * needed + 16_000_000:
-        raise StorageError(
-            f"{folder} has {free / 1e6:.0f} MB free; this run needs about {2 * needed / 1e6 + 16:.0f} MB."
-        )
-
-
-def run(
-    protocol: str,
-    *,
-    rig: str,
-    out: str | Path,
-    seed: int = 0,
-    force: bool = False,
-    wire: str = "",
-    chooser: Chooser | None = None,
-    **settings: Any,
-) -> Run:
-    """Run a protocol on a rig, record it, and return the run; the entry point for notebooks.
-
-    ``settings`` are the protocol's own (``smarig list protocols --settings``); ``chooser`` is for protocols
-    that take one (``smarig.identification.adaptive.informed``).
-    """
-    with Session(rig, seed=seed, wire=wire) as session:
-        return load_run(session.run(protocol, settings, out, force=force, chooser=chooser))

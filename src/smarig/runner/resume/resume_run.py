@@ -26,7 +26,8 @@ from smarig.runner.resume.resume_plan import COLD_TAUS, RE_ESTABLISH, ResumePlan
 from smarig.runner.resume.same_rig import Reach, RigChange, check_names, check_same_rig
 from smarig.runner.run_control import RunControl
 from smarig.runner.run_metadata import LOAD
-from smarig.runner.session import Session, check_free_space
+from smarig.runner.session import Session
+from smarig.runner.start_checks import check_free_space
 from smarig.runner.wire_heat import recorded_heat
 
 

@@ -1,0 +1,91 @@
+"""The result of a verification: errors of a model at the points of runs, with their noise, offsets and warnings."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from smarig.core import NotebookDisplay, spaced
+from smarig.identification.error_verdict import ErrorVerdict, error_verdict
+from smarig.identification.repeatability import STEADY, Repeatability
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class PredictionErrors:
+    """Errors (model minus data) of n points in the run's unit; nrmse = rms / (max − min) of the measured output."""
+
+    n: int
+    rms: float
+    nrmse: float
+    max_abs: float
+
+    def to_json(self) -> dict[str, float]:
+        """Plain values."""
+        return {"n": self.n, "rms": self.rms, "nrmse": self.nrmse, "max_abs": self.max_abs}
+
+
+@dataclass(frozen=True, eq=False)
+class RunVerification:
+    """The verification of one run: errors, the points behind them, and the treatment of the encoder's zero.
+
+    ``input``, ``measured``, ``predicted`` (k,) are all settled points (offset added, NaN if the memory is unknown).
+    ``counted`` (k,) marks the points that count. ``offset``, "known" or "fitted", was added to the model. ``expected``
+    is the rms error to be expected at a load that was not measured, None for other runs and models. ``repeatability``
+    is what repeats of the run show besides noise.
+    """
+
+    run: str
+    settled: PredictionErrors
+    transient: PredictionErrors | None
+    noise_floor: float | None
+    offset: float
+    offset_kind: str
+    input: Array
+    measured: Array
+    predicted: Array
+    counted: NDArray[np.bool_]
+    warnings: tuple[str, ...]
+    expected: float | None = None
+    repeatability: Repeatability = STEADY
+
+    @property
+    def verdict(self) -> ErrorVerdict:
+        """How the error compares with the noise of the readings."""
+        return error_verdict(self.settled.rms, self.noise_floor, self.settled.nrmse, self.repeatability)
+
+    def to_json(self) -> dict[str, Any]:
+        """Plain values, as the command line prints them."""
+        return {
+            "run": self.run,
+            **self.settled.to_json(),
+            "noise_floor": self.noise_floor,
+            "repeatability": self.repeatability.to_json(),
+            "verdict": self.verdict.level.value,
+            "offset": self.offset,
+            "offset_kind": self.offset_kind,
+            **({"expected_rms": self.expected} if self.expected is not None else {}),
+            **({"transient": self.transient.to_json()} if self.transient else {}),
+            "warnings": list(self.warnings),
+        }
+
+
+@dataclass(frozen=True, eq=False)
+class Verification(NotebookDisplay):
+    """The verification of a model on runs."""
+
+    model: str
+    unit: str
+    runs: tuple[RunVerification, ...]
+
+    def to_json(self) -> dict[str, Any]:
+        """{"unit", "runs": [{"run", "n", "rms", "nrmse", "max_abs", "noise_floor", …}]}."""
+        return {"unit": self.unit, "runs": [run.to_json() for run in self.runs]}
+
+    def __repr__(self) -> str:
+        lines = ", ".join(
+            f"{r.run}: rms {r.settled.rms:.3g}{spaced(self.unit)} (n = {r.settled.n})" for r in self.runs
+        )
+        return f"Verification({self.model}; {lines})"
