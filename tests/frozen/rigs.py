@@ -130,9 +130,8 @@ class Loops:
     @cached_property
     def _model(self) -> Path:
         curves, kept = self._folder / "curves.run.sqlite", self._folder / "wire.model.json"
-        with private(
-            self._folder / "before"
-        ):  # otherwise the wire's history would depend on the order of the questions
+        # Otherwise the wire's history would depend on the order of the questions.
+        with private(self._folder / "before"):
             must("run", "first_order_descending", "--rig", f"{self._twin}_twin", "-o", curves, "--force")
         must("identify", curves, "--surface", "exponential", "-o", kept, "--force")
         return kept

@@ -96,6 +96,13 @@ def test_a_named_effect_may_explain_a_violated_test(extended, effects):
     assert found.to_json()["with"] == list(effects)
 
 
+def test_what_a_named_effect_leaves_is_said_in_the_headline():
+    diagnosis = diagnosed("named", ("slip",), errors=(0.3, 0.019))
+    found = preisach_verdict(evidence((compared(p_value=1e-6),), diagnosis))
+    assert found.effects == ("slip",)
+    assert found.headline.endswith("with slip, 4 × the noise is left.")
+
+
 def test_the_errors_of_all_models_stand_beside_the_noise():
     choice = Some(chosen="moving")
     extension = Some(choice=choice, classical=verification(0.29), extended=verification(0.2))

@@ -69,6 +69,7 @@ def test_a_run_takes_the_lower_limits_and_says_so(rig, tmp_path):
     with Session(str(rig)) as session:
         session.run("step_currents", {"temperatures_K": (20.0,)}, out)
         assert session.guard.limits.current_max_A < 0.8
+        assert session.setup.upper_K == pytest.approx(96.0), "what a protocol may ask for"
         with pytest.raises(UsageError, match="110 K is outside the rig's range 0…96 K"):
             session.run("step_currents", {"temperatures_K": (110.0,)}, tmp_path / "high.run.sqlite")
     assert not (tmp_path / "high.run.sqlite").exists()

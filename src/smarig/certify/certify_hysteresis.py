@@ -100,7 +100,6 @@ def _counterexample(
 ) -> PassivityCounterexample | None:
     try:
         return counterexample(hysteresis_analysis, initial)
-    except (
-        UsageError
-    ):  # there is none, or its loop is too small to repay the approach within the cycles that are tried
+    except UsageError:
+        # There is none, or its loop is too small to repay the approach within the cycles that are tried.
         return None

@@ -62,9 +62,8 @@ def verify(
     counted: list[RunVerification] = []
     has_points = [bool(run.settled) or bool(np.isfinite(p).any()) for run, p in zip(several, predictions)]
     for k, (run, p, c) in enumerate(zip(several, predictions, selected)):
-        if not has_points[k] and any(
-            has_points
-        ):  # an initialisation: part of the history, without settled points
+        # An initialisation is part of the history, without settled points.
+        if not has_points[k] and any(has_points):
             continue
         part = k > 0 and run.info.imported is not None and continues_run(several[k - 1], run)
         counted.append(

@@ -15,9 +15,8 @@ NAN_INPUT = "The input of the Preisach operator is NaN."
 def input_array(u: Sequence[float] | ArrayLike) -> Array:
     """Inputs (n,) as floats. UsageError for another shape, DataError for NaN."""
     inputs = vector(u, "The Preisach operator", "input")
-    if inputs.size and np.isnan(
-        inputs.min()
-    ):  # the minimum is NaN if any input is; this needs no extra memory
+    # The minimum is NaN if any input is; this needs no extra memory.
+    if inputs.size and np.isnan(inputs.min()):
         where = int(np.argmax(np.isnan(inputs)))
         raise DataError(f"The input of the Preisach operator is NaN at sample {where}.")
     return inputs

@@ -167,9 +167,8 @@ class InverseSolver:
         h, diagonal = self.hysteresis, s.centre == s.centre
         end = h.upper if up else h.lower
         k = s.top
-        if (
-            u != s.U[k] and (u < s.U[k]) == up
-        ):  # the input reverses: the new branch starts at the present point
+        # The input reverses: the new branch starts at the present point.
+        if u != s.U[k] and (u < s.U[k]) == up:
             edge = min(max(s.U[k], h.lower), h.upper)
             yield self._branch(u, y, u, edge, s.Y[k] if k > 1 or not diagonal else None, up)
             u = edge

@@ -83,9 +83,8 @@ class Guard:
         answer = []
         for sample in self.rig.step(current_A, at_most):
             heating_A = self._heating_current_A(sample)
-            for _ in range(
-                self._last_tick + 1, sample.tick
-            ):  # lost samples: the wire was heated nevertheless
+            # Lost samples: the wire was heated nevertheless.
+            for _ in range(self._last_tick + 1, sample.tick):
                 heat.step(heating_A)
             self._last_tick = sample.tick
             input_K = heat.step(heating_A)

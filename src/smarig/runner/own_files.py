@@ -60,9 +60,8 @@ def check_own_files(run: Run) -> None:
     """Raise UsageError if an own protocol or effect of a run was not given again, or has changed."""
     for kind, name, path, sha256, origin in own_file_entries(run):
         package = {"protocol": PROTOCOLS, "effect": EFFECTS}.get(kind)
-        if (
-            package is None
-        ):  # drivers belong to the rig file; the controller of a closed loop is not needed, as it is not resumed
+        # Drivers belong to the rig file; the controller of a closed loop is not needed, as it is not resumed.
+        if package is None:
             continue
         loaded = own_entries(package).get(name)
         if loaded is None:

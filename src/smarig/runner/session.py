@@ -90,7 +90,6 @@ class Session:
         self.settings = twin or TwinSettings(seed=seed)
         self._speed = speed
         self.control = control or RunControl()
-        self.setup = Setup(self.actuator, self.file.limits, self.file.period_s)
         self._zero = "power-up"
         self._last: Sample | None = None
         self._epoch = time.time()
@@ -139,6 +138,11 @@ class Session:
         self.wear = self.new_wear(self.guard.input_K)
 
     @property
+    def setup(self) -> Setup:
+        """Actuator, limits in force and tick, for a protocol."""
+        return Setup(self.actuator, self.file.limits, self.file.period_s)
+
+    @property
     def has_lease(self) -> bool:
         """Whether the current source switches itself off when the host stops communicating; a twin does."""
         return bool(getattr(self.rig, "has_lease", True))
@@ -148,7 +152,6 @@ class Session:
         self.no_lease = without_lease_text(self.file, self.actuator)
         limits = limits_in_force(self.file.limits, self.actuator, has_lease=False)
         self.file = self.file.model_copy(update={"limits": limits})
-        self.setup = Setup(self.actuator, limits, self.file.period_s)
 
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None

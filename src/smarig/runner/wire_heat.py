@@ -121,9 +121,8 @@ def _wire_K_at_the_end(run: Run, actuator: Actuator) -> tuple[float, float]:
     before = int(run["tick"][rows[0]]) - 1 if rows.size else 0
     for k in rows.tolist():
         tick, current_A = int(run["tick"][k]), _heating_current_A(run, k)
-        for _ in range(
-            min(tick - before, round(_MEMORY_TAUS * actuator.tau_s / heating.dt_s))
-        ):  # also lost ticks
+        # Also lost ticks.
+        for _ in range(min(tick - before, round(_MEMORY_TAUS * actuator.tau_s / heating.dt_s))):
             heating.step(current_A)
         before = tick
     first, second = heating.wire_K

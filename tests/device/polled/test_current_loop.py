@@ -65,6 +65,15 @@ def test_a_short_circuit_or_an_open_wire_does_not_run_away():
     assert stage.voltage_V <= 1.1 * 5.0 + 1e-12
 
 
+def test_a_resistance_above_that_of_the_wire_does_not_raise_the_voltage_above_its_limit():
+    stage = Stage(6.2)  # within the leeway of 1.3 x 5 ohm
+    loop = CurrentLoop(stage, RIG)
+    loop.set_current(1.0)
+    for _ in range(3):
+        loop.measure()
+    assert stage.voltage_V == pytest.approx(1.1 * 5.0), "not 6.2 V"
+
+
 def test_zero_is_zero_and_off_stays_off():
     stage = Stage(5.0)
     loop = CurrentLoop(stage, RIG)

@@ -103,9 +103,8 @@ def test_two_sided_zero_state_counterexample_is_not_negative_saturation():
 def test_states_of_slopes_no_input_draws_are_refused():
     with pytest.raises(UsageError, match="no input generates"):
         state_of(Boundary(((-185, 185), (-150, 40), (10, 10)), 185.0), thesis_surface("two_c"))
-    with pytest.raises(
-        UsageError, match="no input generates"
-    ):  # slope −1, but not where a diagonal state begins
+    # Slope −1, but not where a diagonal state begins.
+    with pytest.raises(UsageError, match="no input generates"):
         state_of(
             Boundary(((-185, 185), (-185, 100), (-100, 100), (-50, 50), (50, 50)), 185.0),
             thesis_surface("two_c"),

@@ -25,11 +25,8 @@ class Terminal:
         self._stream = sys.stderr
         try:
             self._file: int | None = os.dup(sys.stderr.fileno())
-        except (
-            OSError,
-            ValueError,
-            AttributeError,
-        ):  # stderr is not a file of the system: a notebook or a test
+        except (OSError, ValueError, AttributeError):
+            # It is not a file of the system: a notebook or a test.
             self._file = None
 
     @property

@@ -133,7 +133,6 @@ class FunctionOutput:
             setting_A = self._number("reading the setting", self.setting_A)
             off = off or abs(setting_A) <= _TOLERANCE_A < abs(self._ordered_A)
         if off:
-            self._on = False
             self.tripped = f"{self.identity} has switched its output off: its watchdog or a protection."
 
     def _call(self, what: str, function: Callable[..., _T], *values: float) -> _T:

@@ -111,9 +111,8 @@ class _SurfaceProblem:
 
     def residuals(self, p: Array) -> Array:
         surface = self.surface(p)
-        if (
-            surface.shape(surface.upper, surface.upper) < FLATTEST
-        ):  # the step went too far: no height to scale
+        # The step went too far: no height to scale.
+        if surface.shape(surface.upper, surface.upper) < FLATTEST:
             size = self.root_weights.size + (0 if self.slopes is None else self.slopes.nnz // 2)
             return np.full(size, _DEGENERATE_RESIDUAL * float(np.ptp(self.data.y)))
         error = surface.y(self.data.alpha, self.data.beta) - self.data.y

@@ -69,9 +69,8 @@ def temperature_change(first: Run, other: Run) -> list[FigureChange]:
 def _change(name: str, before: RunFigures, after: RunFigures) -> FigureChange:
     difference = after.means[name].minus(before.means[name])
     error = float(np.std(difference.draws))
-    if (
-        name == "stroke"
-    ):  # its noise is small beside the common choice, and was found to be underestimated without it
+    # The noise of a stroke is small beside the common choice, and was found to be underestimated without it.
+    if name == "stroke":
         error = float(np.hypot(np.std(before.means[name].draws), np.std(after.means[name].draws)))
     half = _SIMULTANEOUS * error
     return FigureChange(
