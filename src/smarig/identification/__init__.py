@@ -89,6 +89,9 @@ if TYPE_CHECKING:
     from smarig.identification.surface.surface_kinds import POSITIVE_KIND as POSITIVE_KIND
     from smarig.identification.surface.surface_kinds import surface_choices as surface_choices
     from smarig.identification.surface.surface_kinds import surface_kinds as surface_kinds
+    from smarig.identification.surface.surface_through_states import (
+        surface_through_states as surface_through_states,
+    )
     from smarig.identification.verification import PredictionErrors as PredictionErrors
     from smarig.identification.verification import RunVerification as RunVerification
     from smarig.identification.verification import Verification as Verification

@@ -12,8 +12,8 @@ import numpy as np
 
 from smarig.diagnosis.explain.moved_density import with_moved_density
 from smarig.diagnosis.refit.refit import Refit, refit
-from smarig.identification import Observations, fit_table
-from smarig.preisach import Everett, FodTable
+from smarig.identification import Observations, fit_table, surface_through_states
+from smarig.preisach import Everett, FodSurface
 from smarig.replay import PlantModel, Prediction, Timeline, predict
 
 START_SMOOTHING = 1e-14  # λ of the initial measure
@@ -38,12 +38,19 @@ def joint_density_from_best_start(
 ) -> tuple[PlantModel, Refit]:
     """``joint_density``, started from the given model's density or from a positive measure of settled positions.
 
-    The likelier start is used. The given density is moved to where effects move the input. It may be negative
-    somewhere (Prop. 4.6); the measure is not affected by errors of the model.
+    The likelier start is used. A given surface is fitted again along the inputs with effects; another density is moved
+    to where effects move the input. It may be negative somewhere (Prop. 4.6); the measure is not affected by errors of
+    the model.
     """
-    fitted = _positive_fit(timeline, predict(timeline, plant_model), plant_model, START_SMOOTHING)
-    models = with_moved_density(timeline, plant_model, original), replace(plant_model, hysteresis=fitted)
-    starts = [_start(timeline, one, warm_start) for one in models]
+    rows = _settled_rows(timeline, predict(timeline, plant_model), plant_model)
+    measure = replace(plant_model, hysteresis=fit_table(rows, START_SMOOTHING))
+    surface = surface_through_states(rows, original) if isinstance(original, FodSurface) else None
+    given = (
+        replace(plant_model, hysteresis=surface)
+        if surface is not None
+        else with_moved_density(timeline, plant_model, original)
+    )
+    starts = [_start(timeline, one, warm_start) for one in (given, measure)]
     return _alternated(timeline, max(starts, key=lambda start: start[2].log_evidence))
 
 
@@ -116,13 +123,10 @@ def _refit_without_nuisances(
     return refit(timeline, prediction, plant_model, (), warm_start)
 
 
-def _positive_fit(
-    timeline: Timeline, prediction: Prediction, plant_model: PlantModel, smoothing: float | None
-) -> FodTable:
+def _settled_rows(timeline: Timeline, prediction: Prediction, plant_model: PlantModel) -> Observations:
+    """The settled positions without what effects add to them, along the inputs with effects."""
     n = len(timeline.settled)
     y = timeline.settled.value - (prediction.values["settled"] - prediction.output[:n])
     h = plant_model.hysteresis
     rows = Observations.of_states(prediction.states[:n], y, timeline.block, (h.lower, h.upper), timeline.unit)
-    if timeline.zero.size:
-        rows = replace(rows, zero=timeline.zero - 1)
-    return fit_table(rows, smoothing)
+    return replace(rows, zero=timeline.zero - 1) if timeline.zero.size else rows
