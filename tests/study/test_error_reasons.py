@@ -41,3 +41,37 @@ def test_an_output_that_goes_back_within_a_branch_is_said(tmp_path):
     (tmp_path / "b").mkdir()
     expanding = _studied(tmp_path / "b", u, displacements(u) + 1.5 * np.cos(0.3 * (u - u.min())))
     assert any("goes back by" in s for s in expanding.reasons)
+
+
+def test_a_branch_without_a_way_back_is_no_good_model(tmp_path):
+    u = np.linspace(120, 20, 60)
+    result = _studied(tmp_path, u, displacements(u, noise=0.002))
+    assert result.verdict == "fair"
+    assert "no loop to judge it by" in result.sentences()[0]
+    assert not any("simple curve" in s for s in result.sentences())
+    assert any("one way only" in s for s in result.reasons)
+
+
+def test_a_magnet_is_not_said_to_slip_in_its_grips(tmp_path):
+    h = 2000 * np.cos(np.linspace(0, 4 * np.pi, 800))
+    m = np.tanh((h - 300 * np.sign(np.gradient(h))) / 400) - 1.4e-3 * h
+    path = tmp_path / "loop.csv"
+    rows = "\n".join(f"{a:.1f},{b:.5f}" for a, b in zip(h, m))
+    path.write_text(f"H (Oe),M (emu)\n{rows}\n", encoding="utf-8")
+    reasons = study([path], tmp_path / "out", QUICK).reasons
+    assert any("diamagnetic" in s for s in reasons)
+    assert not any("grips" in s for s in reasons)
+
+
+def test_a_model_through_few_readings_does_not_blame_the_specimen(tmp_path):
+    steps = np.arange(10, -11, -1.0)
+    parts = {"a": np.arange(0, 11.0), "b": steps, "c": steps[::-1]}
+    files = []
+    for name, u in parts.items():
+        files.append(tmp_path / f"{name}.csv")
+        b = 700 * np.tanh((u - 1.5 * np.sign(u[-1] - u[0])) / 4)
+        rows = "\n".join(f"{x},{y:.2f}" for x, y in zip(u, b))
+        files[-1].write_text(f"I [A],B [mT]\n{rows}\n", encoding="utf-8")
+    reasons = study(files, tmp_path / "out", QUICK).reasons
+    assert any("passes through them" in s for s in reasons)
+    assert not any("set-up changed" in s for s in reasons)

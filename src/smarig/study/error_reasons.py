@@ -6,7 +6,7 @@ from itertools import pairwise
 import numpy as np
 
 from smarig.core import spaced
-from smarig.exchange import finding_kind
+from smarig.exchange import dimension, finding_kind
 from smarig.identification import RunVerification
 from smarig.measurement import reversals
 from smarig.record import Run
@@ -14,6 +14,7 @@ from smarig.replay import recorded_conditions
 from smarig.study.candidate_models import CandidateModel
 from smarig.study.data_split import LOAD, DataSplit
 from smarig.study.imported_runs import ImportedTable
+from smarig.study.input_turns import wide_turns
 
 _SAME_SHARE = 0.05  # conditions that differ less count as equal
 _BEYOND_SHARE = 0.05  # of the fitted range: inputs further outside are new to the model
@@ -23,6 +24,7 @@ _LOADS_NEEDED = 3
 _BACK_SHARE = 0.08  # of the output's range
 _WIDE_BRANCH = 0.5  # of the input's range
 _FEWEST_ROWS, _PARTS = 60, 20  # of a branch
+_FEW_READINGS = 100  # a model passes through so few, whatever the specimen does
 _LEADS = "output leads its input"
 
 
@@ -32,8 +34,22 @@ def error_reasons(split: DataSplit, best: CandidateModel) -> list[str]:
     They compare facts of the fitted and the held-out data (conditions, range of the input, errors) and name no effect:
     that is the diagnosis.
     """
+    if one_way(best):
+        return [
+            "The input goes one way only: the data hold no loop, and the model knows nothing of the way back. Record "
+            "both ways."
+        ]
     found = [*_conditions(split), *_range(best), *_turned_back(best), *_repeats(best)]
     return [*found, *_fit(split, best, explained=bool(found))]
+
+
+def one_way(best: CandidateModel) -> bool:
+    """Whether the input of all runs goes one way only, so that they hold no loop."""
+    ways = set()
+    for run in (*best.train, *best.held_out):
+        u = run.input[np.isfinite(run.input)]
+        ways |= set(np.sign(np.diff(u[wide_turns(u)]))) - {0.0} if u.size > 1 else set()
+    return len(ways) == 1
 
 
 def wrong_direction(tables: Sequence[ImportedTable]) -> Iterator[str]:
@@ -110,9 +126,18 @@ def _turned_back(best: CandidateModel) -> Iterator[str]:
     if most > _BACK_SHARE:
         yield (
             f"While the input goes one way, the output goes back by {100 * most:.2g} % of its range. No hysteresis "
-            "with a positive measure does this. Thermal expansion, an R-phase, slip in the grips, or a sensor that "
-            "lags would."
+            f"with a positive measure does this. {_would_go_back(best)} would."
         )
+
+
+def _would_go_back(best: CandidateModel) -> str:
+    """What makes an output go back, by what drives it."""
+    model = best.model
+    if model.input.quantity == "temperature":
+        return "Thermal expansion, an R-phase, slip in the grips, or a sensor that lags"
+    if dimension(model.output.unit) in ("magnetic moment", "specific moment", "magnetic field"):
+        return "A background that falls with the field, as of a diamagnetic holder, or a sensor that lags"
+    return "A part of the output that falls with the input, slip, or a sensor that lags"
 
 
 def _back(run: RunVerification, span: float) -> float:
@@ -150,6 +175,12 @@ def _fit(split: DataSplit, best: CandidateModel, *, explained: bool) -> Iterator
             "not used would do this."
         )
     elif split.kind in ("run", "time") and best.rms > _WORSE * best.train_rms and not explained:
+        if (n := sum(r.settled.n for r in best.train)) < _FEW_READINGS:
+            yield (
+                f"Only {n} readings could be fitted, and the model passes through them: this says nothing of branches "
+                "that they do not contain. Give a full loop in one file, or --split none for a model of all data."
+            )
+            return
         later = "later in the run" if split.kind == "time" else "in the other run"
         yield (
             f"The model fits its own data to {100 * share:.2g} % of their range and misses what came {later}: the "

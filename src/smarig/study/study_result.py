@@ -25,7 +25,7 @@ from smarig.identification import (
 from smarig.record import load_run
 from smarig.study.candidate_models import Evaluation
 from smarig.study.data_split import DataSplit
-from smarig.study.error_reasons import error_reasons, wrong_direction
+from smarig.study.error_reasons import error_reasons, one_way, wrong_direction
 from smarig.study.held_out_parts import BranchError, branch_errors, unpredicted_share, worst_place
 from smarig.study.imported_runs import ImportedTable
 from smarig.study.study_json import study_json
@@ -135,14 +135,20 @@ class StudyResult:
     def verdict(self) -> str:
         """ "good", "fair" or "poor"; "" without a model. The thresholds are those of ``verify``.
 
-        The level on average is lowered where a whole branch is wrong, and where the model has no prediction.
+        The level on average is lowered where a whole branch is wrong, where the model has no prediction, and for data
+        without a loop.
         """
         if self.evaluation is None:
             return ""
         place = worst_place(self.branches)
         branch_share = self._share(self.branches[0].rms) if self.branches else 0.0
         place_share = self._share(place.worst) if place else 0.0
-        return str(level_of_parts(self._level_on_average, branch_share, place_share, self.unpredicted))
+        level = level_of_parts(self._level_on_average, branch_share, place_share, self.unpredicted)
+        return str(ErrorLevel.FAIR if level is ErrorLevel.GOOD and self._one_way else level)
+
+    @cached_property
+    def _one_way(self) -> bool:
+        return self.evaluation is not None and one_way(self.evaluation.best)
 
     def _share(self, error: float) -> float:
         """An error over the range of the output; 0 if it is that of noise."""
@@ -196,6 +202,8 @@ class StudyResult:
         level, place = ErrorLevel(self.verdict), worst_place(self.branches)
         if place is None or not self.span:
             return LEVEL_WORDS[level]
+        if level is ErrorLevel.FAIR and self._one_way:
+            return "no loop to judge it by"
         if level is ErrorLevel.POOR and self._level_on_average is not level and not self.unpredicted > 0.5:
             return f"{LEVEL_WORDS[level]} on {branch_name(self.branches[0], temperature=self._hot)}"
         if level is ErrorLevel.FAIR and place.worst > LARGE_PLACE * self.span:
@@ -217,7 +225,7 @@ class StudyResult:
         return found
 
     def _simple_sentence(self) -> str:
-        if self.evaluation is None or not self.evaluation.simple:
+        if self.evaluation is None or not self.evaluation.simple or self._one_way:
             return ""
         name, error = min(self.evaluation.simple.items(), key=lambda item: item[1])
         return simple_curve_sentence(name, error, self.gain, self.unit)
