@@ -68,6 +68,25 @@ def test_columns_without_any_sense_are_doubts(tmp_path):
     assert not told.doubts
 
 
+def test_the_scatter_of_a_reading_is_no_output(tmp_path):
+    scatter = 1e-7 * (1 + np.sin(T))
+    columns = {
+        "Temperature (K)": U + 273,
+        "Long Scan Std Dev": scatter,
+        "Long Percent Error (%)": 1e6 * scatter,
+        "Long Moment (emu)": -1e-6 * X,
+        "M. Std. Err. (emu)": scatter,
+    }
+    guess = guess_table(table(tmp_path, **columns))
+    assert guess.first("output").name == "Long Moment (emu)"
+    assert "error of a reading" in guess.roles["M. Std. Err. (emu)"].reason
+
+
+def test_a_stated_output_counts_more_than_one_that_looks_like_a_strain(tmp_path):
+    guess = guess_table(table(tmp_path, Temperature=U, foo=1e-3 * np.sin(T), **{"stroke [mm]": X}))
+    assert guess.first("output").name == "stroke [mm]"
+
+
 def test_a_constant_stress_is_a_condition_and_a_noisy_one_too(tmp_path):
     stress = 150 + np.random.default_rng(1).normal(0, 8, U.size)
     guess = guess_table(table(tmp_path, Temperature=U, Strain=-0.01 * X, Stress=stress))

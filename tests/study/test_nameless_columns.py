@@ -48,6 +48,41 @@ def test_a_temperature_that_lags_is_taken_and_the_choice_is_said(tmp_path):
     assert any("name them with --input and --output" in hint for hint in result.hints())
 
 
+def test_force_and_travel_that_go_both_ways_are_no_temperatures(tmp_path):
+    phase = np.linspace(0, 8 * np.pi, 400)
+    force = (12 + phase / 2) * np.sin(phase) + 2
+    travel = 0.7 * np.roll(force, 12)
+    assert -0.9 < force.min() / force.max() < -0.6, "not so symmetric that the numbers alone say it"
+    _, guess = _guess(tmp_path, travel, force)
+    assert {c.quantity for c in guess.columns} == {""}
+    assert {"unit column 1", "unit column 2"} <= set(guess.doubts)
+
+
+STEPS = np.arange(10, -11, -1.0)
+READ = 700 * np.tanh((STEPS + 0.8) / 4) + np.random.default_rng(3).normal(0, 4, STEPS.size)
+
+
+@pytest.mark.parametrize("rising", [False, True])
+@pytest.mark.parametrize("exchanged", [False, True])
+def test_the_column_in_equal_steps_is_the_input_of_a_table_by_hand(tmp_path, rising, exchanged):
+    u, y = (STEPS[::-1], READ[::-1]) if rising else (STEPS, READ)
+    _, guess = _guess(tmp_path, *((y, u) if exchanged else (u, y)))
+    assert guess.first("input").name == ("column 2" if exchanged else "column 1")
+    assert guess.first("output") is not None
+    assert "equal steps" in guess.by_loop
+    assert "input" not in guess.doubts
+
+
+def test_units_as_an_answer_do_not_exchange_the_columns(tmp_path):
+    path = tmp_path / "coil.txt"
+    np.savetxt(path, np.column_stack([READ, STEPS, 701.8 * STEPS]), fmt="%.1f", delimiter="   ")
+    asked = guess_table(max(find_tables(path), key=len))
+    assert asked.doubts == ["unit column 2", "unit column 1"]
+    told = guess_table(asked.table, units={"column 2": "A", "column 1": "mT"})
+    assert (told.first("input").name, told.first("output").name) == ("column 2", "column 1")
+    assert not told.doubts
+
+
 def test_names_are_believed(tmp_path):
     path = tmp_path / "named.csv"
     rows = "\n".join(f"{a:.4f},{b:.4f}" for a, b in zip(X, U))

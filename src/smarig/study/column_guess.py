@@ -16,6 +16,7 @@ UNSURE = 0.5  # a role or unit that is less sure needs an answer
 _STRAIN_MM = 0.1  # larger strains are not in mm/mm
 _STRAIN_PERCENT = 15.0
 _SYMMETRIC = 0.05  # of the range: a middle closer to 0
+_BOTH_WAYS = 0.25  # of the range: the same for two columns that go about 0 together
 _KELVIN_ABOVE = 200.0  # a temperature that never falls below is in K
 _IN_NAME = re.compile(r"(?<![\d.])(-?\d+(?:[.,]\d+)?)\s*_?(MPa|N|degC|°C|C|Hz)(?![A-Za-z])")
 
@@ -97,7 +98,7 @@ def _by_name(facts: ColumnFacts) -> ColumnGuess:
     if (
         by_unit
         and dimension(unit) not in q.DIMENSIONS.get(quantity, ())
-        and quantity not in (q.RATE, q.INDEX)
+        and quantity not in (q.RATE, q.INDEX, q.SCATTER)
     ):
         quantity, reason, confidence = by_unit, f"its unit {unit}", LIKELY
     elif by_unit and quantity:
@@ -120,9 +121,14 @@ def _by_numbers(guesses: list[ColumnGuess], files: Sequence[str]) -> list[Column
         f = guess.facts
         if guess.quantity or not f.known.size:
             out.append(guess)
-        elif f.rising and f.whole and f.even:
+        elif f.rising and f.whole and f.even and f.low >= 0:
             out.append(_found(guess, q.INDEX, "whole numbers that rise evenly", LIKELY))
-        elif f.rising and k == 0 and f.levels > 0.5 * f.known.size:
+        elif (
+            f.rising
+            and k == 0
+            and f.levels > 0.5 * f.known.size
+            and (f.low >= 0 or len(guesses) > 2)  # two columns from below 0: a branch of a loop
+        ):
             out.append(_found(guess, q.TIME, "rises from row to row, in the first column", LIKELY))
         elif f.levels <= 3 and f.span < 1e-3 and not f.constant:
             out.append(
@@ -135,7 +141,8 @@ def _by_numbers(guesses: list[ColumnGuess], files: Sequence[str]) -> list[Column
         else:
             out.append(guess)
     unknown = [g for g in out if not g.quantity and g.facts.known.size and g.facts.span > 0]
-    warm = [g for g in unknown if _like_temperature(g.facts)]
+    both_ways = [g for g in unknown if _about_zero(g.facts, _BOTH_WAYS)]  # as force and travel of a damper
+    warm = [g for g in unknown if _like_temperature(g.facts) and not (g in both_ways and len(both_ways) > 1)]
     widest = max(warm, key=lambda g: g.facts.span, default=None)
     warm = [g for g in warm if widest is not None and _near(g.facts, widest.facts)]
     has_temperature = any(g.quantity == q.TEMPERATURE for g in out)
@@ -167,9 +174,14 @@ def _like_temperature(f: ColumnFacts) -> bool:
     """Whether numbers may be temperatures of a wire in °C: they pass 15, begin between −60 and 200, and are not
     symmetric about 0 as fields and voltages are.
     """
-    if abs(f.low + f.high) < _SYMMETRIC * f.span:
+    if _about_zero(f, _SYMMETRIC):
         return False
     return not f.constant and f.span > 15 and f.low > -200 and 15 < f.high < 800 and -60 < f.known[0] < 200
+
+
+def _about_zero(f: ColumnFacts, share: float) -> bool:
+    """Whether the middle of a range is close to 0: within a share of the range."""
+    return abs(f.low + f.high) < share * f.span
 
 
 def _value_in_name(f: ColumnFacts, files: Sequence[str]) -> str:

@@ -1,10 +1,12 @@
-"""Input and output of columns whose names say nothing: by their loop, and by numbers that look like temperatures."""
+"""Input and output of columns whose names say nothing: by their loop, by equal steps of one of them, and by numbers
+that look like temperatures.
+"""
 
 from dataclasses import dataclass, replace
 
 from smarig.study import quantity_words as q
 from smarig.study.column_guess import LIKELY, UNSURE, WEAK, ColumnGuess
-from smarig.study.physical_roles import role_vote
+from smarig.study.physical_roles import RoleVote, role_vote
 
 _LIKE_TEMPERATURE = 1.5  # votes: more than one fact of the loop, less than both
 _SURE = 1.0  # votes
@@ -26,7 +28,7 @@ def roles_by_loop(drive: ColumnGuess, out: ColumnGuess) -> LoopRoles | None:
     same_quantity = drive.quantity == out.quantity != ""  # two channels in V, for example
     if not (drive.by_numbers and out.by_numbers) and not same_quantity:
         return None
-    vote = role_vote(drive.facts.values, out.facts.values)
+    vote = _with_steps(role_vote(drive.facts.values, out.facts.values), drive, out)
     prior = _LIKE_TEMPERATURE * ((drive.quantity == q.TEMPERATURE) - (out.quantity == q.TEMPERATURE))
     score = vote.score + prior
     if score == 0:
@@ -41,6 +43,17 @@ def roles_by_loop(drive: ColumnGuess, out: ColumnGuess) -> LoopRoles | None:
     against = ", although its loop speaks against it" if vote.score * score < 0 else ""
     why = f"{_NO_NAMES}; '{drive.name}' is the input because {' and '.join(reasons)}{against}"
     return LoopRoles(drive, out, why, LIKELY if abs(score) >= _SURE else WEAK)
+
+
+def _with_steps(vote: RoleVote, drive: ColumnGuess, out: ColumnGuess) -> RoleVote:
+    """The vote with that of a column in equal steps: it was set, and the other was read. It counts as the loop does,
+    and it alone where there are too few rows for a loop.
+    """
+    found = int(drive.facts.even) - int(out.facts.even)
+    if not found:
+        return vote
+    reasons = vote.reasons if vote.score * found > 0 else ()
+    return RoleVote(vote.score + found, (*reasons, "it goes in equal steps, as a value that is set"))
 
 
 def _with_displacement(out: ColumnGuess, drive: ColumnGuess) -> ColumnGuess:

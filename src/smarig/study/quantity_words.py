@@ -6,6 +6,8 @@ import unicodedata
 from smarig.exchange import dimension, known_unit
 
 TIME, INDEX, CYCLE, RATE = "time", "row number", "cycle number", "rate"
+SCATTER = "error of a reading"
+NO_SIGNALS = (TIME, INDEX, CYCLE, RATE, SCATTER)  # whatever their units
 TEMPERATURE, AMBIENT = "temperature", "ambient temperature"
 STRAIN, DISPLACEMENT, ANGLE = "strain", "displacement", "angle"
 FORCE, STRESS = "force", "stress"
@@ -14,6 +16,7 @@ FIELD, FLUX, MOMENT, MAGNETISATION = "magnetic field", "flux density", "magnetic
 POLARISATION, ELECTRIC_FIELD = "polarisation", "electric field"
 
 _WORDS: tuple[tuple[str, str], ...] = (  # the first that matches counts
+    (SCATTER, r"std ?(dev|err)|standard (dev|err)|st dev|percent err|uncertain|unsicherheit|\breg fit"),
     (RATE, r"deriv|\brate|d\w*/dt|dtdt|gradient|velocity|speed|geschwindigkeit|\bslope"),
     (AMBIENT, r"ambien|room|umgebung|raumtemp|\bt ?amb|t ?room|air ?temp"),
     (CYCLE, r"cycle (no|num|count|index)|^cycle$|^zyklus|^loop$|segment"),

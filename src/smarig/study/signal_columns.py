@@ -49,6 +49,8 @@ def output_column(left: Sequence[ColumnGuess], named: str | None, not_this: str 
     if not able:
         return None
     hot = any(c.quantity == q.TEMPERATURE for c in able)
+    stated = [c for c in able if c.quantity in _OUTPUTS and not c.by_numbers]
+    able = stated or able  # what a name or a unit says counts more than what numbers look like
     for quantity in _OUTPUTS:
         found = [c for c in able if c.quantity == quantity]
         if quantity == q.STRESS and any(c.quantity == q.FORCE for c in able) and not hot:

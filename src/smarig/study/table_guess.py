@@ -99,9 +99,10 @@ def guess_table(
     time = _time([c for c in columns if c.name not in (input, output)])
     if time is not None:
         roles[time.name] = Role("time", time.quantity_reason, time.quantity_confidence)
-    no_signal = (q.TIME, q.INDEX, q.CYCLE, q.RATE)
     left = [
-        c for c in candidates if c is not time and (c.quantity not in no_signal or c.name in (input, output))
+        c
+        for c in candidates
+        if c is not time and (c.quantity not in q.NO_SIGNALS or c.name in (input, output))
     ]
     out = output_column(left, output, input)
     drive = input_column(left, out, input)
@@ -116,8 +117,7 @@ def guess_table(
         and drive is not None
         and "temperature" not in [r.role for r in roles.values()]
     ):
-        rest = [c for c in left if c is not drive and c.quantity in ("", drive.quantity)]
-        out = rest[0] if rest else None
+        out = _moved_by(drive, left)
     found = None
     if drive is not None and out is not None and input is None and output is None and not pairs:
         found = roles_by_loop(drive, out)
@@ -136,6 +136,15 @@ def guess_table(
         guess = replace(guess, branches=pairs)
     scale, sign = _sign(drive, out)
     return replace(guess, scale=scale, sign=sign, settled=_is_staircase(drive, guess))
+
+
+def _moved_by(drive: ColumnGuess, left: Sequence[ColumnGuess]) -> ColumnGuess | None:
+    """The output where no quantity says which it is: the field of a magnet that a current drives, or the first column
+    of the same or of no quantity.
+    """
+    field = q.FIELD if drive.quantity == q.CURRENT else ""
+    rest = [c for c in left if c is not drive and c.quantity in (field, "", drive.quantity)]
+    return min(rest, key=lambda c: c.quantity != field, default=None)
 
 
 def _time(columns: Sequence[ColumnGuess]) -> ColumnGuess | None:
@@ -213,7 +222,7 @@ def _agrees(c: ColumnGuess, drive: ColumnGuess) -> bool:
 
 
 def _unused(c: ColumnGuess, out: ColumnGuess | None) -> str:
-    if c.quantity in (q.INDEX, q.CYCLE, q.RATE):
+    if c.quantity in q.NO_SIGNALS[1:]:
         return f"{c.quantity}: {c.quantity_reason}"
     if out is not None and c.quantity == out.quantity:
         return f"another {c.quantity} than the output '{out.name}'"
