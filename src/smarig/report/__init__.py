@@ -60,6 +60,7 @@ if TYPE_CHECKING:
     from smarig.report.run_comparison_page import comparison_page as comparison_page
     from smarig.report.run_page import run_page as run_page
     from smarig.report.runs.derived_quantities import derived_quantities as derived_quantities
+    from smarig.report.runs.run_of_each_folder import runs_of_folders as runs_of_folders
     from smarig.report.runs.run_summary import summary_with_loop as summary_with_loop
     from smarig.report.summary_page import summary_page as summary_page
     from smarig.report.transformation.transformation_tables import figure_name as figure_name

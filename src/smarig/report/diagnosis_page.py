@@ -148,7 +148,7 @@ _SECTIONS = (
     ("Competing explanations", "Explanations", _explanations),
     ("What was learned in place of a cause", "Learned term", _learned),
     ("Do the residuals exceed the noise?", "Detection", _detection),
-    ("Noise floor and numerics", "Noise", _noise),
+    ("Noise and numerics", "Noise", _noise),
     ("What could not have been seen", "Visibility", _visibility),
     ("Gain on held-out blocks", "Gain", _held_out),
     ("The next experiment", "Next", _next),

@@ -6,6 +6,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from smarig.diagnosis import (
     AT_FLOOR,
     DOUBT,
+    PREDICTION_LIMIT,
     Diagnosis,
     HeldOutGain,
     ParameterFit,
@@ -111,7 +112,7 @@ def gain_text(gain: HeldOutGain, d: Diagnosis) -> str:
     between = f" (95 %, by resampling blocks: {share_text(ends[0])} to {share_text(ends[1])})" if ends else ""
     return (
         f"Rms error {gain.base:.3g} → {gain.extended:.3g} {unit}. R = {share_text(share)}{between}: the extension "
-        "removes this share of the squared error above the floor."
+        f"removes this share of the squared error above the {PREDICTION_LIMIT}."
     )
 
 

@@ -134,13 +134,13 @@ def _unknown_advice(d: Diagnosis) -> str:
 def _named_advice(d: Diagnosis, rms: float | None) -> str:
     gain = d.gain
     if gain is not None and gain.extended < gain.base:
-        error = f"{gain.extended:.2g}{spaced(d.timeline.unit)}"
+        error = f"{gain.settled_rms(gain.extended_error):.2g}{spaced(d.timeline.unit)}"
         return (
             f"Use the extended model (diagnosis/{DIAGNOSIS_MODEL}, held-out error {error}), or remove the cause and "
             "measure again."
         )
-    if gain is not None and rms is not None and gain.extended < _MUCH_LESS * rms:
-        error = f"{gain.extended:.2g}{spaced(d.timeline.unit)}"
+    if gain is not None and rms is not None and gain.settled_rms(gain.extended_error) < _MUCH_LESS * rms:
+        error = f"{gain.settled_rms(gain.extended_error):.2g}{spaced(d.timeline.unit)}"
         return (
             f"Use the model of the diagnosis (held-out error {error}), or remove the cause and measure again."
         )

@@ -39,7 +39,9 @@ def _error_card(e: Evidence) -> _Card:
     if verification is None or rms is None:
         return "Model error on held-out data, rms", "unknown", "no held-out run"
     floors = [r.noise_floor for r in verification.runs if r.noise_floor]
-    floor = f"noise floor {max(floors):.2g} {verification.unit}" if floors else "noise floor unknown"
+    floor = (
+        f"noise floor of the run {max(floors):.2g} {verification.unit}" if floors else "noise floor unknown"
+    )
     share = max(r.settled.nrmse for r in verification.runs)
     n = sum(r.settled.n for r in verification.runs)
     return (
