@@ -10,6 +10,7 @@ from smarig.diagnosis.critique.calibration import CALIBRATION_BOXES, p_text
 from smarig.diagnosis.held_out_gain import HeldOutGain
 from smarig.diagnosis.noise_terms import POINT_NOISE, PREDICTION_LIMIT, REMAINING_SCATTER
 from smarig.diagnosis.variable_words import variable_words
+from smarig.plant import parameter_words
 
 if TYPE_CHECKING:
     from smarig.diagnosis.commanded_diagnosis import Diagnosis
@@ -125,7 +126,7 @@ def learned_gain_text(gain_blocks: float, similar: Sequence[str]) -> str:
 
 def parameter_text(name: str, v: dict[str, Any]) -> str:
     """A parameter with its 95 % interval and unit."""
-    ends = v["ci95"]
+    ends, name = v["ci95"], parameter_words(name, v["unit"])
     if ends and ends[1] is None:  # the search is open above
         return f"{name} at least {ends[0]:.3g}{spaced(v['unit'])}"
     return (

@@ -42,6 +42,7 @@ if TYPE_CHECKING:
     from smarig.report.components.run_description import display_unit as display_unit
     from smarig.report.components.run_description import input_title as input_title
     from smarig.report.components.run_description import output_title as output_title
+    from smarig.report.components.run_title import titled as titled
     from smarig.report.components.thumbnail import thumbnail as thumbnail
     from smarig.report.diagnosis_page import diagnosis_page as diagnosis_page
     from smarig.report.drawing import figures_saved_in as figures_saved_in

@@ -31,7 +31,7 @@ def loop_figure(e: Evidence, training: Run) -> Figure | None:
         panels.append(_error_panel(verification, run))
         floor = verification.noise_floor
         band = f"; band: ± 2 σ, noise floor of that run {floor:.2g}{spaced(run.unit)}" if floor else ""
-        words += f" Second panel: model − measured on the held-out run, rms {verification.settled.rms:.2g}"
+        words += f" Second panel: model − measured on the held-out run, rms {verification.settled.rms:.3g}"
         words += f"{spaced(run.unit)}, n = {verification.settled.n}{band}."
     return Figure(panels, "Measured loops and the model.", [words], source_label(training), 460)
 
