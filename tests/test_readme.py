@@ -151,7 +151,7 @@ def test_what_is_wrong_with_the_model(monkeypatch, tmp_path, capsys):
     monkeypatch.chdir(tmp_path)
     code = next(body for kind, body in BLOCKS if kind == "python" and "smarig.diagnose" in body)
     exec(compile(code, "README.md", "exec"), {})
-    found = re.search(r"Found: walking \(percent_per_cycle (\S+) \[(\S+), (\S+)\]", capsys.readouterr().out)
+    found = re.search(r"Found: walking \(rate (\S+) \[(\S+), (\S+)\]", capsys.readouterr().out)
     assert found, "walking is found"
     size, low, high = map(float, found.groups())
     assert low <= 0.4 <= high

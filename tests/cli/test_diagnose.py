@@ -109,6 +109,17 @@ def test_verify_evaluates_the_extended_model(found, session_folder, capsys):
     assert rms(found["model"]) < 0.7 * rms(session_folder / "wire.model.json")
 
 
+def test_the_diagnosis_and_verify_count_one_error_of_the_extended_model(diagnosed, session_folder):
+    """Its file has the zero of the training runs, so verify finds what the diagnosis prints."""
+    gain = diagnosed[1].gain
+    runs = [smarig.load_run(session_folder / f"{name}.run.sqlite") for name in (*TRAIN, "validation")]
+    model = smarig.load_model(session_folder / "out" / "extended.model.json")
+    verified = smarig.verify(model, runs).runs[-1]
+    assert verified.offset_kind == "known"
+    assert gain.settled_rms(gain.extended_error) == pytest.approx(verified.settled.rms, rel=0.1)
+    assert f"{gain.settled_rms(gain.extended_error):.4g} mm. The figures before" in diagnosed[1].text()
+
+
 def test_the_extended_model_simulates(found, session_folder, tmp_path):
     along = session_folder / "validation.run.sqlite"
     out = tmp_path / "simulated.run.sqlite"

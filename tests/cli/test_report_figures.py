@@ -5,6 +5,8 @@ import json
 import pytest
 
 from smarig.cli import run as cli
+from smarig.report.components.figure import Figure, Panel
+from smarig.report.drawing.saved_figures import figures_saved_in
 from smarig.runner.session import Session
 
 
@@ -42,3 +44,21 @@ def test_a_folder_gives_the_figures_of_each_page(folder, tmp_path, capsys):
 def test_a_sheet_is_of_a_run_or_a_characterisation(folder, capsys):
     assert cli(["report", str(folder), "--summary"]) == 2
     assert "holds no characterisation" in capsys.readouterr().err
+
+
+def test_each_panel_is_named_after_what_it_shows(tmp_path):
+    panels = [
+        Panel([], {"xaxis": {"title": {"text": "Time (h)"}}, "yaxis": {"title": {"text": y}}})
+        for y in ("Displacement (mm)", "Model − measured (mm)")
+    ]
+    figure = Figure(
+        panels, "Measured loops and the model, which is a title of more than sixty letters.", [], ""
+    )
+    with figures_saved_in(tmp_path) as files:
+        figure.html()
+    stem = "01-measured-loops-and-the-model-which-is-a-title-of-more-than"
+    assert {f.stem for f in files} == {f"{stem}--displacement", f"{stem}--model-measured"}
+    same = Figure([panels[0], panels[0]], "Twice.", [], "")
+    with figures_saved_in(tmp_path) as files:
+        same.html()
+    assert {f.stem for f in files} == {"01-twice--panel-1", "01-twice--panel-2"}

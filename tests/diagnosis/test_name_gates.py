@@ -215,7 +215,7 @@ def test_nothing_is_silent_while_the_error_is_many_times_the_noise(times_noise, 
     found = gated(SILENT, replace(GOOD, levels=(), before=before, times_noise=times_noise, gain=at_floor))
     assert found.verdict.word == word
     assert found.verdict.depends_on == ("step" if word == "unknown" else None)
-    assert ("31 × their noise" in found.reason) == (word == "unknown")
+    assert ("31 × their remaining scatter" in found.reason) == (word == "unknown")
 
 
 def separate(name, nats=400.0, over_discrepancy=300.0, **by_kind):

@@ -47,7 +47,7 @@ def test_every_form_and_every_anchor_belongs_to_one_term():
 def test_a_page_holds_the_meanings_of_its_terms_and_no_others():
     html = page("Title", "Lead", [Section("One", "One", [paragraph("The noise floor of a relay.")])])
     assert re.findall(r'<dt id="([^"]+)"', html) == ["term-noise-floor", "term-relay"]
-    assert "The standard deviation of a settled output that was repeated." in html
+    assert "The standard deviation of a settled output that was repeated in one state" in html
     assert "γ<sub>αβ</sub>" in html
     assert 'href="#glossary"' in html
 

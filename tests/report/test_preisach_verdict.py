@@ -31,7 +31,13 @@ def diagnosed(word="silent", names=(), gain=0.0, walk=False, errors=(0.012, 0.01
         extended=word == "named",
         learned=None,
         discrepancy=Some(not_preisach=walk, gain=gain),
-        gain=Some(base=errors[0], extended=errors[1], floor=0.01),
+        gain=Some(
+            base=errors[0],
+            extended=errors[1],
+            floor=0.01,
+            extended_error=errors[1],
+            settled_rms=lambda error: error,
+        ),
         error=Some(unit=UNIT),
     )
 
@@ -61,11 +67,14 @@ def test_without_evidence_against_it_the_operator_holds():
     [
         (
             {"tests": (compared(p_value=3e-5),)},
-            "congruency is violated (0.004 mm rms for a noise of 0.003 mm",
+            "congruency is violated (0.004 mm rms; noise of a difference 0.003 mm",
         ),
         ({"tests": (compared("wiping_out", 1e-9),)}, "The test of wiping-out is violated"),
         ({"diagnosis": diagnosed("unknown", gain=60.0, walk=True)}, "minor loops do not return (60 nats)"),
-        ({"diagnosis": diagnosed("unknown", errors=(0.25, 0.25))}, "by 0.25 mm rms, 25 × what noise"),
+        (
+            {"diagnosis": diagnosed("unknown", errors=(0.25, 0.25))},
+            "by 0.25 mm rms, 25 × the prediction limit",
+        ),
     ],
 )
 def test_each_kind_of_evidence_speaks_against_it(change, words):
@@ -100,7 +109,7 @@ def test_what_a_named_effect_leaves_is_said_in_the_headline():
     diagnosis = diagnosed("named", ("slip",), errors=(0.3, 0.019))
     found = preisach_verdict(evidence((compared(p_value=1e-6),), diagnosis))
     assert found.effects == ("slip",)
-    assert found.headline.endswith("with slip, 4 × the noise is left.")
+    assert found.headline.endswith("with slip, 4 × the noise floor is left.")
 
 
 def test_the_errors_of_all_models_stand_beside_the_noise():
@@ -108,8 +117,8 @@ def test_the_errors_of_all_models_stand_beside_the_noise():
     extension = Some(choice=choice, classical=verification(0.29), extended=verification(0.2))
     found = preisach_verdict(evidence((compared(p_value=1e-6),), extension=extension))
     assert [rms for _, rms in found.errors] == [0.35, 0.3, 0.29, 0.2, 0.012]
-    assert "chosen classical model (exponential) 0.35 mm (70 × noise)" in found.errors_sentence
-    assert found.errors_sentence.endswith("noise 0.005 mm.")
+    assert "chosen classical model (exponential) 0.35 mm (70 × the noise floor)" in found.errors_sentence
+    assert found.errors_sentence.endswith("noise floor of the held-out run 0.005 mm.")
     assert found.why[-1] == "Of the extensions of the operator (§3.5), moving predicts runs left out best."
 
 

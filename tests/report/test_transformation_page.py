@@ -37,6 +37,21 @@ def test_the_temperatures_are_marked_where_the_tangents_meet():
     assert "TWIN" not in page.visible
 
 
+def test_the_page_opens_with_three_sentences_and_the_loop_before_any_table():
+    found = transformation_temperatures(
+        made(wire="W7", conditions={"stress": {"mean": 150.0, "unit": "MPa"}})
+    )
+    html = transformation_page(found)
+    page = Page(html)
+    assert "<h1>Transformation temperatures of W7, 150 MPa" in html
+    body = html[html.index("<main") :]
+    assert body.index("On heating") < body.index("<figure") < body.index("<table")
+    opening = page.visible[page.visible.index("On heating") :][:300]
+    for name in TEMPERATURES:
+        assert f"{int(found.runs[0].means[name].value)}." in opening
+    assert "the width of the hysteresis is" in opening
+
+
 def test_reasons_of_missing_figures_and_unused_branches_are_on_the_page():
     loop = known_loop(1, kind="ramp", noise=0.003, drift=0.0)
     half = loop.u.size // 2

@@ -37,6 +37,7 @@ from smarig.report import (
     diagnosis_page,
     preisach_verdict,
     tag,
+    titled,
     write_page,
 )
 from smarig.rig import TwinSettings
@@ -218,7 +219,7 @@ def analyse(
         progress("extensions of the operator")
         extension = _try_extensions([run for run in runs.values() if run not in held_out], held_out)
     return Evidence(
-        title=f"Characterisation of {runs[next(iter(runs))].info.wire}",
+        title=titled("Characterisation", list(runs.values())),
         runs=runs,
         representation=representation,
         identifications=results,

@@ -56,6 +56,9 @@ if TYPE_CHECKING:
     from smarig.diagnosis.name_gates import DISCREPANCY_NATS as DISCREPANCY_NATS
     from smarig.diagnosis.name_gates import NORMAL_95 as NORMAL_95
     from smarig.diagnosis.name_gates import SILENT_RATIO as SILENT_RATIO
+    from smarig.diagnosis.noise_terms import POINT_NOISE as POINT_NOISE
+    from smarig.diagnosis.noise_terms import PREDICTION_LIMIT as PREDICTION_LIMIT
+    from smarig.diagnosis.noise_terms import REMAINING_SCATTER as REMAINING_SCATTER
     from smarig.diagnosis.refit.memory_noise import memory_covariance as memory_covariance
     from smarig.diagnosis.refit.memory_noise import memory_slopes as memory_slopes
     from smarig.diagnosis.refit.refit import Refit as Refit

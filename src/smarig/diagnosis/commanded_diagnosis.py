@@ -29,6 +29,7 @@ from smarig.diagnosis.explain.parameter_fit import ParameterFit
 from smarig.diagnosis.explain.search import SearchLevel
 from smarig.diagnosis.explain.separate_evidence import SeparateEvidence, separate_evidence
 from smarig.diagnosis.explain.signed_density import find_explanations
+from smarig.diagnosis.explain.zero_of_output import with_zero_of_runs
 from smarig.diagnosis.held_out_gain import HeldOutGain, held_out_gain
 from smarig.diagnosis.name_gates import NameEvidence, gated
 from smarig.diagnosis.run_checks import check_comparable
@@ -51,7 +52,7 @@ from smarig.replay import (
 
 @dataclass(frozen=True, eq=False)
 class ErrorSummary:
-    """Rms errors of the training runs' settled points: given, base and extended model, and the noise floor."""
+    """Rms errors of the training runs' settled points: given, base and extended model, and the noise of one."""
 
     unit: str
     noise_floor: float
@@ -252,7 +253,9 @@ def diagnose_commanded(
             settled_rms(timeline, extended if offered else base),
         ),
         gain=gain if offered or gain is None else gain.without_extension(),
-        model=_extended(original, extended, train_runs, verdict) if offered else original,
+        model=_extended(original, with_zero_of_runs(timeline, extended), train_runs, verdict)
+        if offered
+        else original,
         numerics=numerics(timeline, base),
         separate=evidence.separate,
         learned=learned,

@@ -8,17 +8,19 @@ import numpy as np
 from smarig.core import capitalised, spaced
 from smarig.diagnosis.critique.calibration import CALIBRATION_BOXES, p_text
 from smarig.diagnosis.held_out_gain import HeldOutGain
+from smarig.diagnosis.noise_terms import POINT_NOISE, PREDICTION_LIMIT, REMAINING_SCATTER
 from smarig.diagnosis.variable_words import variable_words
+from smarig.plant import parameter_words
 
 if TYPE_CHECKING:
     from smarig.diagnosis.commanded_diagnosis import Diagnosis
 
 FAR_OFF_RATIO = 10.0  # times the rms error of a refitted density: the model is of another wire or state
 INADEQUATE_RATIO = 3.0  # times the noise: worth a sentence
-INADEQUATE_HELD_OUT = 5.0  # times the floor of held-out runs: the same
+INADEQUATE_HELD_OUT = 5.0  # times the prediction limit: the same
 MIN_UNRECORDED_S = 60.0  # shorter gaps: two commands typed one after the other
 DOUBT = "something stands out, but no effect and no variable explains enough of it"
-AT_FLOOR = "The base model already reaches the floor of what can be predicted."
+AT_FLOOR = f"The base model already reaches the {PREDICTION_LIMIT}."
 
 
 def text_lines(d: "Diagnosis") -> Iterator[str]:
@@ -60,11 +62,11 @@ def text_lines(d: "Diagnosis") -> Iterator[str]:
         f"Settled points, rms error: {e.original:.4g} {e.unit} (given model), {e.base:.4g} {e.unit} (base model, "
         "refitted without effects)"
         + (f", {e.extended:.4g} {e.unit} (extended model)" if d.extended else "")
-        + f"; noise floor {e.noise_floor:.2g} {e.unit}."
+        + f"; {POINT_NOISE} {e.noise_floor:.2g} {e.unit}."
     )
     if d.times_noise > INADEQUATE_RATIO:
-        noise = f" of {d.discrepancy.noise:.2g} {e.unit}"
-        yield f"Without effects, the model misses these runs by {d.times_noise:.0f} × their noise{noise}."
+        scatter = f"{REMAINING_SCATTER} of {d.discrepancy.noise:.2g} {e.unit}"
+        yield f"Without effects, the model misses these runs by {d.times_noise:.0f} × their {scatter}."
     unsettled = [step for run in d.timeline.runs for step in run.settled if step.verdict == "timed_out"]
     if unsettled:
         yield f"{len(unsettled)} of {len(d.timeline.settled)} settled points had not settled by their time limit."
@@ -85,6 +87,7 @@ def text_lines(d: "Diagnosis") -> Iterator[str]:
         )
     if gain is not None:
         yield gain_text(gain, e.unit) if d.extended else held_out_text(gain, e.unit)
+        yield from as_verified(gain, e.unit, extended=d.extended)
     if d.separating_run:
         yield d.separating_run["why"]
     if d.visibility.invisible:
@@ -123,7 +126,7 @@ def learned_gain_text(gain_blocks: float, similar: Sequence[str]) -> str:
 
 def parameter_text(name: str, v: dict[str, Any]) -> str:
     """A parameter with its 95 % interval and unit."""
-    ends = v["ci95"]
+    ends, name = v["ci95"], parameter_words(name, v["unit"])
     if ends and ends[1] is None:  # the search is open above
         return f"{name} at least {ends[0]:.3g}{spaced(v['unit'])}"
     return (
@@ -154,8 +157,23 @@ def held_out_text(gain: HeldOutGain, unit: str) -> str:
     """The errors on held-out runs where no extended model is offered."""
     given = f" (given model: {gain.original:.4g}{spaced(unit)})" if gain.original is not None else ""
     ratio = gain.base / gain.floor
-    many = f", {ratio:.0f} × what noise and an uncertain density leave" if ratio > INADEQUATE_HELD_OUT else ""
+    many = f", {ratio:.0f} × the {PREDICTION_LIMIT}" if ratio > INADEQUATE_HELD_OUT else ""
     return f"Held-out runs, {gain.blocks} blocks: rms error {gain.base:.4g}{spaced(unit)}{many}{given}."
+
+
+def as_verified(gain: HeldOutGain, unit: str, *, extended: bool) -> Iterator[str]:
+    """The same in the measure of ``smarig verify``, and what differs; nothing if the measures are the same."""
+    if gain.weight is None and (gain.settled is None or gain.settled.all()):
+        return
+    errors = [gain.settled_rms(gain.base_error)]
+    if extended:
+        errors.append(gain.settled_rms(gain.extended_error))
+    shown = " → ".join(f"{error:.4g}" for error in errors)
+    yield (
+        f"At the settled points only, all with one weight, as smarig verify counts: {shown}{spaced(unit)}. The "
+        "figures before also count positions during motion, and weight each by 1/σ² of its prediction. The zero of "
+        "the output is estimated from all training runs; smarig verify takes that of the model."
+    )
 
 
 def unknown_text(d: "Diagnosis") -> str:

@@ -4,7 +4,8 @@
 
 Both models have densities identified from the same training runs, so R is the share of the effects alone. The zero
 of the encoder is estimated on the training runs too. Each position has the weight 1/σ². σ² is its noise plus the
-variance of the density that the training runs leave; floor² is the mean of σ².
+variance of the density that the training runs leave; floor² is the mean of σ². ``settled_rms`` counts settled points
+only, all with one weight, as ``verify`` does: its figures can be compared with those of ``verify``.
 """
 
 from collections.abc import Sequence
@@ -31,7 +32,8 @@ class HeldOutGain:
     """Errors (k,) of both models at held-out positions, their blocks (k,), and the floor of any model's error.
 
     ``weight`` (k,), or None for equal weights, is 1/σ² of each reading. It keeps readings that the training runs
-    cannot predict from dominating the others. ``original_error`` (k,) is the error of the given model.
+    cannot predict from dominating the others. ``original_error`` (k,) is the error of the given model. ``settled`` (k,)
+    marks the settled points; None if all are.
     """
 
     base_error: Array
@@ -40,6 +42,7 @@ class HeldOutGain:
     floor: float
     weight: Array | None = None
     original_error: Array | None = None
+    settled: NDArray[np.bool_] | None = None
 
     def to_json(self) -> dict[str, Any]:
         """The object ``held_out`` of the command line."""
@@ -71,6 +74,10 @@ class HeldOutGain:
     def extended(self) -> float:
         """Rms error of the extended model."""
         return _rms(self.extended_error, self.weight)
+
+    def settled_rms(self, error: Array) -> float:
+        """Rms of errors (k,) of a model at the settled points, all with one weight: the measure of ``verify``."""
+        return _rms(error if self.settled is None else error[self.settled], None)
 
     @property
     def blocks(self) -> int:
@@ -147,7 +154,18 @@ def held_out_gain(
     square, weight = square[is_held_out], weight[is_held_out]
     floor = float(np.sqrt(np.average(square, weights=weight)))
     weight = weight if weighted else None
-    return HeldOutGain(errors[0], errors[1], timeline.block[step][is_held_out], floor, weight, *errors[2:])
+    kinds = np.repeat(
+        [r.kind == "settled" for r in timeline.all_readings], [len(r) for r in timeline.all_readings]
+    )
+    return HeldOutGain(
+        errors[0],
+        errors[1],
+        timeline.block[step][is_held_out],
+        floor,
+        weight,
+        errors[2] if original else None,
+        kinds[is_held_out],
+    )
 
 
 def _zeros(error: Array, weight: Array, is_held_out: NDArray[np.bool_], session: NDArray[np.int64]) -> Array:

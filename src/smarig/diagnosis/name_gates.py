@@ -20,6 +20,7 @@ from smarig.diagnosis.explain.explanation import SD_INFLATION
 from smarig.diagnosis.explain.search import SearchLevel
 from smarig.diagnosis.explain.separate_evidence import SeparateEvidence
 from smarig.diagnosis.held_out_gain import HeldOutGain
+from smarig.diagnosis.noise_terms import PREDICTION_LIMIT, REMAINING_SCATTER
 from smarig.diagnosis.own_evidence import own_evidence_failure
 from smarig.diagnosis.variable_words import variable_words
 from smarig.plant import Effect
@@ -132,8 +133,8 @@ def gated(verdict: DiagnosisVerdict, evidence: NameEvidence) -> GatedVerdict:
 def _still_wrong(verdict: DiagnosisVerdict, evidence: NameEvidence) -> str:
     names, times = " + ".join(verdict.explanations[0][0]), f"{evidence.misses_by:.0f} ×"
     if evidence.gain is None:
-        return f"with {names}, the model still misses the training runs by {times} their noise"
-    floor = "what noise and an uncertain density leave"
+        return f"with {names}, the model still misses the training runs by {times} their {REMAINING_SCATTER}"
+    floor = f"the {PREDICTION_LIMIT}"
     return f"with {names}, the model still misses the held-out runs by {times} {floor}"
 
 
@@ -180,7 +181,7 @@ def _if_adequate(verdict: DiagnosisVerdict, evidence: NameEvidence) -> GatedVerd
         )
         return GatedVerdict(_unknown(verdict, "time"), reason)
     if evidence.times_noise >= SILENT_RATIO:
-        reason = f"the model misses these runs by {evidence.times_noise:.0f} × their noise"
+        reason = f"the model misses these runs by {evidence.times_noise:.0f} × their {REMAINING_SCATTER}"
         return GatedVerdict(_unknown(verdict, before.depends_on or None), reason)
     return GatedVerdict(verdict)
 

@@ -13,11 +13,6 @@ if TYPE_CHECKING:
     from smarig.identification.calibration.holds import valid_rows as valid_rows
     from smarig.identification.density_report import DensityReport as DensityReport
     from smarig.identification.density_report import density_report as density_report
-    from smarig.identification.error_verdict import BETTER as BETTER
-    from smarig.identification.error_verdict import GOOD_RATIO as GOOD_RATIO
-    from smarig.identification.error_verdict import LARGE_PLACE as LARGE_PLACE
-    from smarig.identification.error_verdict import LITTLE_UNPREDICTED as LITTLE_UNPREDICTED
-    from smarig.identification.error_verdict import POOR_RATIO as POOR_RATIO
     from smarig.identification.error_verdict import ErrorLevel as ErrorLevel
     from smarig.identification.error_verdict import ErrorVerdict as ErrorVerdict
     from smarig.identification.error_verdict import error_verdict as error_verdict
@@ -92,6 +87,13 @@ if TYPE_CHECKING:
     from smarig.identification.surface.surface_through_states import (
         surface_through_states as surface_through_states,
     )
+    from smarig.identification.verdict_thresholds import BETTER as BETTER
+    from smarig.identification.verdict_thresholds import GOOD_RATIO as GOOD_RATIO
+    from smarig.identification.verdict_thresholds import LARGE_PLACE as LARGE_PLACE
+    from smarig.identification.verdict_thresholds import LITTLE_UNPREDICTED as LITTLE_UNPREDICTED
+    from smarig.identification.verdict_thresholds import POOR_RATIO as POOR_RATIO
+    from smarig.identification.verdict_thresholds import study_sentences as study_sentences
+    from smarig.identification.verdict_thresholds import verdict_sentences as verdict_sentences
     from smarig.identification.verification import PredictionErrors as PredictionErrors
     from smarig.identification.verification import RunVerification as RunVerification
     from smarig.identification.verification import Verification as Verification

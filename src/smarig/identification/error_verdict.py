@@ -4,16 +4,19 @@ from dataclasses import dataclass
 from enum import StrEnum
 
 from smarig.identification.repeatability import STEADY, Repeatability
-
-GOOD_RATIO, POOR_RATIO = 1.5, 3.0  # of the error to the noise floor
-POOR_SHARE = 0.05  # of the travel, where the noise is not known
-BETTER, HARDLY_BETTER = 1.5, 1.2  # error of the best simple curve over that of the model
-_SMALL_SHARE = 0.005  # of the travel: an error that does not matter, whatever the noise
-_SMALL_UNKNOWN = 0.03  # the same, where the noise is not known
-_LARGE_SHARE = 0.15  # of the travel: poor, even if every simple curve is worse
-
-LARGE_PLACE = 0.1  # of the travel: an error that a reader must see, wherever it is
-LITTLE_UNPREDICTED, _MOSTLY_UNPREDICTED = 0.05, 0.5  # of the data: where a model has no prediction
+from smarig.identification.verdict_thresholds import (
+    BETTER,
+    GOOD_RATIO,
+    HARDLY_BETTER,
+    LARGE_PLACE,
+    LARGE_SHARE,
+    LITTLE_UNPREDICTED,
+    MOSTLY_UNPREDICTED,
+    POOR_RATIO,
+    POOR_SHARE,
+    SMALL_SHARE,
+    SMALL_UNKNOWN,
+)
 
 
 class ErrorLevel(StrEnum):
@@ -84,10 +87,10 @@ def level_against_curves(
         return ErrorLevel.POOR
     if level is ErrorLevel.GOOD:
         return ErrorLevel.GOOD if better else ErrorLevel.FAIR
-    if share > _LARGE_SHARE:
+    if share > LARGE_SHARE:
         return ErrorLevel.POOR
     if better:
-        small = _SMALL_SHARE if floor else _SMALL_UNKNOWN
+        small = SMALL_SHARE if floor else SMALL_UNKNOWN
         return ErrorLevel.GOOD if share <= small else ErrorLevel.FAIR
     return ErrorLevel.FAIR if level is ErrorLevel.UNKNOWN else level
 
@@ -103,7 +106,7 @@ def level_of_parts(
     >>> str(level_of_parts(ErrorLevel.FAIR, 0.2, 0.2, 0.0)), str(level_of_parts(ErrorLevel.GOOD, 0.01, 0.02, 0.3))
     ('poor', 'fair')
     """
-    if worst_branch > _LARGE_SHARE or unpredicted > _MOSTLY_UNPREDICTED:
+    if worst_branch > LARGE_SHARE or unpredicted > MOSTLY_UNPREDICTED:
         return ErrorLevel.POOR
     hidden = worst_branch > POOR_SHARE or worst_place > LARGE_PLACE or unpredicted > LITTLE_UNPREDICTED
     if level is ErrorLevel.GOOD and hidden:

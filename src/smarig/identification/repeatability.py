@@ -12,12 +12,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from smarig.core import chi2_tail, f_tail
+from smarig.identification.verdict_thresholds import OVER_READINGS
 
 Array = NDArray[np.float64]
 FEWEST_CYCLES = 0.2  # between repeats of one state: a trend over less is not one over cycles
 P_TREND = 1e-3  # of a trend by chance
 MATTERS = 1.5  # standard deviation of the repeats over that without the trend: less does not change a verdict
-OVER_READINGS = 4.0  # scatter of repeats over the noise within readings: more than draughts leave
 P_EXCESS = 0.01  # of a scatter that is larger by chance
 
 

@@ -42,6 +42,8 @@ if TYPE_CHECKING:
     from smarig.plant.load import load_of as load_of
     from smarig.plant.measured_input import PassThroughActuator as PassThroughActuator
     from smarig.plant.measured_input import is_testable as is_testable
+    from smarig.plant.parameter_words import constant_words as constant_words
+    from smarig.plant.parameter_words import parameter_words as parameter_words
     from smarig.plant.plant import Plant as Plant
     from smarig.plant.plant import step_with_feedback as step_with_feedback
     from smarig.plant.power_temperature import PowerTemperature as PowerTemperature

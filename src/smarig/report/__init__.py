@@ -42,6 +42,7 @@ if TYPE_CHECKING:
     from smarig.report.components.run_description import display_unit as display_unit
     from smarig.report.components.run_description import input_title as input_title
     from smarig.report.components.run_description import output_title as output_title
+    from smarig.report.components.run_title import titled as titled
     from smarig.report.components.thumbnail import thumbnail as thumbnail
     from smarig.report.diagnosis_page import diagnosis_page as diagnosis_page
     from smarig.report.drawing import figures_saved_in as figures_saved_in
@@ -60,6 +61,7 @@ if TYPE_CHECKING:
     from smarig.report.run_comparison_page import comparison_page as comparison_page
     from smarig.report.run_page import run_page as run_page
     from smarig.report.runs.derived_quantities import derived_quantities as derived_quantities
+    from smarig.report.runs.run_of_each_folder import runs_of_folders as runs_of_folders
     from smarig.report.runs.run_summary import summary_with_loop as summary_with_loop
     from smarig.report.summary_page import summary_page as summary_page
     from smarig.report.transformation.transformation_tables import figure_name as figure_name

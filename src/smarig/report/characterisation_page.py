@@ -237,7 +237,7 @@ def _model_errors(e: Evidence) -> Parts:
     yield paragraph(
         tag(
             "a",
-            "Full diagnosis: residuals, competing explanations, noise floor, gain",
+            "Full diagnosis: residuals, competing explanations, noise, gain",
             href="diagnosis/report.html",
         )
     )

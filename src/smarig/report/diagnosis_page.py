@@ -9,6 +9,7 @@ from smarig.report.components.html import Html, bullets, notice, paragraph, tag
 from smarig.report.components.numbers import duration
 from smarig.report.components.page import Section, page
 from smarig.report.components.run_description import display_unit, protocol_name, source_label
+from smarig.report.components.run_title import titled
 from smarig.report.diagnosis.detection_figure import detection_figure, similar_effects_figure
 from smarig.report.diagnosis.diagnosis_predictions import DiagnosisPredictions
 from smarig.report.diagnosis.diagnosis_summary import SEVERITY_LEVELS, summary
@@ -38,7 +39,7 @@ def _commanded_page(d: Diagnosis) -> str:
     sections = [Section(title, short, list(parts(predictions))) for title, short, parts in _SECTIONS]
     runs = d.timeline.runs
     return page(
-        "Diagnosis of a model",
+        titled("Diagnosis", runs),
         f"{run_lead(*runs)}; model {d.model.name}",
         [section for section in sections if section.parts],
         label=source_label(*runs),
@@ -148,7 +149,7 @@ _SECTIONS = (
     ("Competing explanations", "Explanations", _explanations),
     ("What was learned in place of a cause", "Learned term", _learned),
     ("Do the residuals exceed the noise?", "Detection", _detection),
-    ("Noise floor and numerics", "Noise", _noise),
+    ("Noise and numerics", "Noise", _noise),
     ("What could not have been seen", "Visibility", _visibility),
     ("Gain on held-out blocks", "Gain", _held_out),
     ("The next experiment", "Next", _next),

@@ -19,7 +19,14 @@ from smarig.report.components.figure import Figure
 from smarig.report.components.html import Html, paragraph, table
 from smarig.report.components.numbers import duration, number
 from smarig.report.components.page import Section, page
-from smarig.report.components.run_description import display_unit, duration_s, quality_counts, source_label
+from smarig.report.components.run_description import (
+    display_unit,
+    duration_s,
+    protocol_name,
+    quality_counts,
+    source_label,
+)
+from smarig.report.components.run_title import titled
 from smarig.report.components.style import COMPARED
 from smarig.report.run_page import ending_notices
 from smarig.report.runs.comparison_assessment import comparison_assessment
@@ -78,11 +85,22 @@ def comparison_page(runs: Mapping[str, Run]) -> str:
     label, words = banner([source_label(run) for run in runs.values()])
     first, *rest = runs
     lead = f"{', '.join(rest)} compared with {first}"
-    title = f"Comparison of {len(runs)} runs"
+    title = _title(list(runs.values()))
     notices = ending_notices(list(runs.values()))
     sentence = f"{assessed.quality} {assessed.advice}" if assessed else lead
     about = summary_with_loop("comparison of runs", sentence, assessed.level if assessed else "", runs[first])
     return page(title, lead, sections, label=label, simulated=words, notices=notices, summary=about)
+
+
+def _title(runs: Sequence[Run]) -> str:
+    """The common protocol and wire with the dates, or the number of runs."""
+    names = {protocol_name(run) for run in runs}
+    what = f"{len(runs)} runs" if len(names) > 1 else f"{len(runs)} runs of {names.pop()}"
+    return (
+        titled(f"Comparison of {what}", runs)
+        if len({run.info.wire for run in runs}) == 1
+        else f"Comparison of {what}"
+    )
 
 
 def _first_screen(found: Sequence[AlignedRun]) -> tuple[Assessment | None, list[Section]]:

@@ -22,6 +22,7 @@ from smarig.report.components.run_description import (
     quality_counts,
     source_label,
 )
+from smarig.report.components.run_title import run_title
 from smarig.report.components.severity_mark import severity_mark
 from smarig.report.runs.derived_quantities import DerivedQuantities
 from smarig.report.runs.hysteresis_figure import hysteresis_figure
@@ -77,7 +78,7 @@ def run_page(
         ),
         Section("Provenance", "Provenance", [provenance_table({protocol_name(run): run})], folded=True),
     ]
-    title = f"{capitalised(protocol_name(run))} run"
+    title = run_title(run)
     notices = [*ending_notices([run]), *_warnings(run)]
     return page(title, _lead(run), sections, label=source_label(run), notices=notices, library=library)
 

@@ -12,9 +12,9 @@ from smarig.report.components.run_description import (
     display_unit,
     duration_s,
     extent,
-    protocol_name,
     source_label,
 )
+from smarig.report.components.run_title import run_title
 from smarig.report.model_comparison_page import residuals_figure
 from smarig.report.run_page import ending_notices, run_lead
 from smarig.report.runs.hysteresis_figure import hysteresis_figure
@@ -42,8 +42,7 @@ def summary_page(run: Run, model: Model | None = None, *, library: str = LIBRARY
         cards(_cards(run, verified)),
         paragraph(_origin(run, model)),
     ]
-    wire = f" of {run.info.wire}" if run.info.wire else ""
-    title = f"Summary: {protocol_name(run)}{wire}"
+    title = f"Summary: {run_title(run)}"
     sentence = f"{assessed.quality} {assessed.advice}"
     return page(
         title,

@@ -1,9 +1,13 @@
 """The page of transformation temperatures: figures, loops with their tangents, cycles, stress, branches, method."""
 
-from smarig.report.components.figure import Figure
-from smarig.report.components.html import Html, paragraph
+from collections.abc import Sequence
+
+from smarig.core import spaced
+from smarig.report.components.html import Html, paragraph, with_subscripts
+from smarig.report.components.numbers import to_uncertainty
 from smarig.report.components.page import Section, page
-from smarig.report.components.run_description import source_label
+from smarig.report.components.run_description import display_unit, source_label
+from smarig.report.components.run_title import titled
 from smarig.report.runs.run_summary import summary_with_loop
 from smarig.report.transformation.tangent_figure import tangent_figure
 from smarig.report.transformation.transformation_tables import (
@@ -13,31 +17,82 @@ from smarig.report.transformation.transformation_tables import (
     temperature_cards,
 )
 from smarig.report.transformation.trend_figures import cycles_figure, stress_figure
-from smarig.transformation import TransformationResult, stated_ranges
+from smarig.transformation import RunFigures, TransformationResult, stated_ranges, why_not
+
+_SIZES = (("stroke", "stroke"), ("width", "width of the hysteresis"))
 
 
 def transformation_page(found: TransformationResult) -> str:
     """The HTML page of the transformation temperatures of one run or several."""
     runs = found.runs
-    summary: list[Html | Figure] = [temperature_cards(runs[0])] if len(runs) == 1 else []
-    summary += [figures_table(run) for run in runs]
-    sections = [Section("Figures", "Figures", summary)]
+    first, *others = runs
+    sections = [
+        Section("", "Summary", [_opening(found), tangent_figure(first), *_cards(runs)]),
+        Section("Figures with intervals", "Figures", [figures_table(run) for run in runs]),
+    ]
     slopes = stress_figure(runs, found.stress)
     if slopes:
         sections.append(Section("Stress dependence", "Stress", [slopes, stress_table(found.stress)]))
-    sections.append(Section("Loops and tangents", "Loops", [tangent_figure(run) for run in runs]))
+    if others:
+        sections.append(
+            Section("Loops and tangents of the other runs", "Loops", [tangent_figure(run) for run in others])
+        )
     cycles = [figure for run in runs if (figure := cycles_figure(run))]
     if cycles:
         sections.append(Section("Cycles", "Cycles", cycles))
     sections.append(Section("Branches", "Branches", [branches_text(run) for run in runs]))
     sections.append(Section("Method", "Method", _method()))
-    title = "Transformation temperatures"
+    title = titled("Transformation temperatures", [run.run for run in runs])
     lead = ", ".join(run.name for run in runs)
     label = source_label(*(r.run for r in runs))
     about = summary_with_loop(
         "transformation temperatures", f"{lead}: loops with their tangents.", "", runs[0].run
     )
     return page(title, lead, sections, label=label, summary=about)
+
+
+def _cards(runs: Sequence[RunFigures]) -> list[Html]:
+    return [temperature_cards(runs[0])] if len(runs) == 1 else []
+
+
+def _opening(found: TransformationResult) -> Html:
+    """What the wire does on heating and cooling, how wide its hysteresis is, and what load changes."""
+    first = found.runs[0]
+    which = (
+        f" Values of {first.name}; the tables hold all {len(found.runs)} runs." if len(found.runs) > 1 else ""
+    )
+    return paragraph(
+        *map(
+            with_subscripts,
+            (
+                f"{_branch(first, 'heating', 'A', 'austenite')} ",
+                f"{_branch(first, 'cooling', 'M', 'martensite')} ",
+            ),
+        ),
+        f"{_width(first)}{which}",
+    )
+
+
+def _branch(run: RunFigures, direction: str, phase: str, name: str) -> str:
+    """From where to where a branch transforms."""
+    start, finish = f"{phase}_s", f"{phase}_f"
+    if start not in run.means or finish not in run.means:
+        missing = start if start not in run.means else finish
+        return f"On {direction}, {missing} is not given: {why_not(run, missing)}."
+    ends = f"{start} = {_value(run, start)} to {finish} = {_value(run, finish)}"
+    return f"On {direction}, the material transforms to {name} from {ends}."
+
+
+def _width(run: RunFigures) -> str:
+    parts = [f"{words} is {_value(run, name)}" for name, words in _SIZES if name in run.means]
+    return f"The {' and the '.join(parts)}." if parts else "Neither stroke nor width can be given."
+
+
+def _value(run: RunFigures, name: str) -> str:
+    low, high = run.means[name].ci95
+    return (
+        f"{to_uncertainty(run.means[name].value, (high - low) / 2)}{spaced(display_unit(run.unit_of(name)))}"
+    )
 
 
 def _method() -> list[Html]:

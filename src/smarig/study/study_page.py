@@ -25,6 +25,7 @@ from smarig.report import (
     stress_table,
     summary_with_loop,
     tag,
+    titled,
 )
 from smarig.report import table as html_table
 from smarig.study.column_guess import STATED
@@ -59,7 +60,17 @@ def study_page(result: StudyResult, *, library: str = "") -> str:
     run = shown_run(result)
     drawn = next((t.run for t in result.tables if run and str(t.run.path) == run.run), result.tables[0].run)
     about = summary_with_loop("study", next(iter(result.sentences())), _level(result), drawn)
-    return page(f"Study of {result.name}", _lead(result), sections, library=library, summary=about)
+    return page(_title(result), _lead(result), sections, library=library, summary=about)
+
+
+def _title(result: StudyResult) -> str:
+    """The wire and date where the files state them, else the name of the file or folder."""
+    runs = [table.run for table in result.tables]
+    return (
+        titled("Study", runs)
+        if any(run.info.wire for run in runs)
+        else titled(f"Study of {result.name}", runs)
+    )
 
 
 def _level(result: StudyResult) -> str:

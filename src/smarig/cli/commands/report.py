@@ -15,6 +15,7 @@ Examples:
   smarig report validation.run.sqlite -o validation.html
   smarig report out/one_wire/runs
   smarig report monday.run.sqlite tuesday.run.sqlite -o two_days.html
+  smarig report out/monday out/tuesday -o two_days.html
   smarig report --model exponential.model.json --model positive.model.json validation.run.sqlite
   smarig report --model wire.model.json held.run.sqlite
   smarig report validation.run.sqlite --figures figures
@@ -71,8 +72,9 @@ def command(
     force: bool,
 ) -> None:
     """Write offline HTML pages: of one run (finished, interrupted or imported), of every run in a folder
-    with a searchable index, of several runs compared, or of models compared on the same runs. With one model,
-    the page of a closed loop includes the certificate of that model."""
+    with a searchable index, of several runs compared (of several folders: their runs of one protocol), or of
+    models compared on the same runs. With one model, the page of a closed loop includes the certificate of
+    that model."""
     diagram = forc or smoothing is not None
     if diagram and (len(runs) != 1 or models or runs[0].is_dir()):
         raise UsageError("A FORC diagram is made of one run, without a model. Name one run file.")
@@ -139,7 +141,10 @@ def _pages(
         _folder(runs[0], place.out, place.force)
         return
     given, models = pattern_order(runs), tuple(pattern_order(models))
-    found = [file for path in given for file in (run_files(path) if path.is_dir() else [path])]
+    listed = [run_files(path) if path.is_dir() else [path] for path in given]
+    found = [file for files in listed for file in files]
+    if not models and len(given) > 1 and all(path.is_dir() for path in given) and all(listed):
+        found = _same_protocol(listed)
     if len(models) == len(found) == 1 and _is_loop(found[0]):
         _run(found[0], place, models[0])
     elif models:
@@ -148,6 +153,16 @@ def _pages(
         _run(found[0], place)
     else:
         _compared(found, place)
+
+
+def _same_protocol(listed: list[list[Path]]) -> list[Path]:
+    """Of each folder the run of one protocol, so that days are compared by the same inputs."""
+    from smarig.report import runs_of_folders
+
+    found, protocol = runs_of_folders(listed)
+    if protocol and len(found) < sum(map(len, listed)):
+        show_message(f"Compared: the runs of {protocol}. To compare others, name the run files.")
+    return found
 
 
 def _folder(folder: Path, out: Path | None, force: bool) -> None:

@@ -8,12 +8,23 @@ import click
 from smarig.cli.output import emit, json_option, show_message
 from smarig.cli.parameter_types import FILE, own_effects
 from smarig.core import spaced
+from smarig.identification import verdict_sentences
 
 if TYPE_CHECKING:
     from smarig.identification import RunVerification
 
 
-@click.command("verify", epilog="\b\nExample:\n  smarig verify wire.model.json validation.run.sqlite")
+EPILOG = "\n\n".join(
+    [
+        "\b\nExample:\n  smarig verify wire.model.json validation.run.sqlite",
+        "The verdict on the rms error:",
+        *verdict_sentences(),
+        "The noise floor is the scatter of settled points that were repeated in one run (docs/reference/verdicts.md).",
+    ]
+)
+
+
+@click.command("verify", epilog=EPILOG)
 @click.argument("model", type=FILE)
 @click.argument("runs", nargs=-1, required=True, type=FILE)
 @click.option(

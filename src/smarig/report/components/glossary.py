@@ -19,6 +19,9 @@ plausible drift limit input output rule plateau
 _PLAIN = frozenset(_EVERYDAY.split())
 _ALSO = {  # other written forms
     "confidence interval": ("95 % interval",),
+    "error verdict": tuple(
+        f"noise {kind}: {level}" for kind in ("floor", "of a reading") for level in ("good", "fair", "poor")
+    ),
     "FOD surface": ("fod",),
     "first-order curve": (
         "first-order descending curve",

@@ -102,3 +102,9 @@ def cards(items: Iterable[tuple[Any, Any, Any]]) -> Html:
 def notice(kind: str, *parts: Any) -> Html:
     """A highlighted box; kind is 'good', 'warning' or 'bad'."""
     return tag("div", *parts, class_=f"notice {kind}")
+
+
+def with_subscripts(text: str) -> Html:
+    """A text whose symbols have subscripts set as such: R_M, A_s."""
+    parts = re.split(r"(?<=\b[A-Za-z])(_[A-Za-z]{1,2})\b", text)
+    return joined(tag("sub", part[1:]) if part.startswith("_") else part for part in parts)

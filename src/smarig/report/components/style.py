@@ -198,7 +198,8 @@ footer p{color:var(--grey);font-size:13px;border-top:1px solid var(--line);margi
 @media print{@page{size:A4;margin:14mm 12mm}h2,h3{break-after:avoid}section.first:not(:last-of-type){break-after:page}
  section:has(>details:not([open])),#glossary:has(>details:not([open])){display:none}tr,.card,.notice{break-inside:avoid}
  .twinbar,.notice,.card,.twin,.severity{-webkit-print-color-adjust:exact;print-color-adjust:exact}
- body{font-size:10pt}.sticky{position:static}nav,.choices,.search,.tools{display:none}
+ body{font-size:10pt}.sticky{position:static}.twinbar{font-size:8.5pt}
+ a.term{border:0;text-decoration:none;color:inherit}nav,.choices,.search,.tools{display:none}
  main,header.top,footer{padding:0;max-width:none}section{margin:20px 0}
  .cards{grid-template-columns:repeat(5,1fr);gap:6px}.card{padding:6px 8px}.card strong{font-size:12pt}
  .card span,.card small{font-size:8pt}.plot{min-width:0!important}

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 
-from smarig.diagnosis import CALIBRATION_BOXES, Diagnosis, p_text, share_text
+from smarig.diagnosis import CALIBRATION_BOXES, POINT_NOISE, PREDICTION_LIMIT, Diagnosis, p_text, share_text
 from smarig.report.components.html import Html, bullets, cards, notice, paragraph, tag
 from smarig.report.components.run_description import display_unit
 from smarig.report.diagnosis.verdict_text import findings, verdict_sentence
@@ -58,7 +58,7 @@ def _detection_card(d: Diagnosis) -> _Card:
 def _error_card(d: Diagnosis) -> _Card:
     e, unit = d.error, display_unit(d.error.unit)
     after = f" → {e.extended:.3g}" if d.extended else ""
-    note = f"{'base → extended; ' if d.extended else ''}noise floor {e.noise_floor:.2g}; given model {e.original:.3g}"
+    note = f"{'base → extended; ' if d.extended else ''}{POINT_NOISE} {e.noise_floor:.2g}; given model {e.original:.3g}"
     return f"Settled points, rms ({unit})", f"{e.base:.3g}{after}", note
 
 
@@ -70,7 +70,7 @@ def _gain_cards(d: Diagnosis) -> Iterator[_Card]:
         yield (
             f"Held-out error, rms ({unit})",
             f"{g.base:.3g}",
-            f"{g.blocks} blocks; floor {g.floor:.2g}; no effect was added",
+            f"{g.blocks} blocks; {PREDICTION_LIMIT} {g.floor:.2g}; no effect was added",
         )
     else:
         yield _removed_error_card(d)
@@ -82,7 +82,7 @@ def _removed_error_card(d: Diagnosis) -> _Card:
     ends = g.interval()
     share = "at the floor" if g.removable_share is None else f"R = {share_text(g.removable_share)}"
     between = f"95 %: {share_text(ends[0])} to {share_text(ends[1])}; " if ends else ""
-    note = f"{between}{g.blocks} blocks; {g.base:.3g} → {g.extended:.3g} {unit} rms, floor {g.floor:.2g}"
+    note = f"{between}{g.blocks} blocks; {g.base:.3g} → {g.extended:.3g} {unit} rms, {PREDICTION_LIMIT} {g.floor:.2g}"
     return "Removable share, held-out runs", share, note
 
 

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.diagnosis import Diagnosis, HeldOutGain
+from smarig.diagnosis import PREDICTION_LIMIT, Diagnosis, HeldOutGain
 from smarig.report.components.figure import AXIS_MARGIN, Figure, Panel, Trace, axis, dots, line, log_axis
 from smarig.report.components.run_description import display_unit, source_label
 from smarig.report.components.style import FAINT, GREY, INK, MODEL
@@ -41,10 +41,10 @@ def _caption(gain: HeldOutGain, d: Diagnosis, unit: str) -> list[str]:
     return [
         f"n = {gain.block.size} points in {gain.blocks} blocks; a block is one excursion out and back. The zero and "
         "both densities come from the training runs. First panel: all errors. Second panel: rms of each block. "
-        f"Floor {gain.floor:.2g} {unit}: the noise and the uncertainty of the density after training.",
+        f"Dashed: the {PREDICTION_LIMIT}, {gain.floor:.2g} {unit}: noise and the uncertain density.",
         ""
         if gain.weight is None
-        else "In all rms values and in the floor, a reading has the weight 1/σ² of its prediction.",
+        else f"In all rms values and in the {PREDICTION_LIMIT}, a reading has the weight 1/σ² of its prediction.",
         "Pale: readings with more than twice the smallest σ, such as positions during motion."
         if _pale_readings(gain).any()
         else "",
@@ -59,7 +59,7 @@ def _blocks(gain: HeldOutGain) -> Array:
 
 def _error_panel(gain: HeldOutGain, models: _ModelErrors, x: dict[str, Any], unit: str) -> Panel:
     data: list[Trace] = [
-        noise_band(x["range"][0], x["range"][1], 2 * gain.floor, "± 2 × floor"),
+        noise_band(x["range"][0], x["range"][1], 2 * gain.floor, f"± 2 × {PREDICTION_LIMIT}"),
         line(x["range"], [0, 0], "zero", GREY, width=1, showlegend=False),
     ]
     for (name, colour, error), shift in zip(models, (-_MARKER_SHIFT, _MARKER_SHIFT)):
@@ -71,7 +71,7 @@ def _rms_panel(gain: HeldOutGain, models: _ModelErrors, x: dict[str, Any], unit:
     blocks = np.arange(1.0, gain.blocks + 1)
     sizes = [_block_rms(gain, error) for _, _, error in models]
     data: list[Trace] = [
-        line(x["range"], [gain.floor] * 2, "floor", GREY, dash="dash", width=1.4),
+        line(x["range"], [gain.floor] * 2, PREDICTION_LIMIT, GREY, dash="dash", width=1.4),
         *_block_links(blocks, sizes),
         *(dots(blocks, size, name, colour, size=8) for (name, colour, _), size in zip(models, sizes)),
     ]

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from smarig.diagnosis import MIN_COUNT_SD, Critique, Diagnosis
+from smarig.diagnosis import MIN_COUNT_SD, POINT_NOISE, Critique, Diagnosis
 from smarig.report.components.html import Html, paragraph, table
 from smarig.report.components.numbers import number
 from smarig.report.components.run_description import count_size, display_unit
@@ -43,7 +43,7 @@ def noise_budget(d: Diagnosis) -> Iterator[Html]:
         "Maximum-likelihood noise, jointly with a smooth density and the most likely effects.",
     )
     yield paragraph(
-        f"Total noise at a settled point: {number(whole, 2)} {unit} rms{_counts_text(whole, size, unit)}. It includes "
+        f"Together, the {POINT_NOISE}: {number(whole, 2)} {unit} rms{_counts_text(whole, size, unit)}. It includes "
         "past ambient fluctuations that remain in the state of the hysteresis until they are wiped out."
     )
     if size and critiques[-1].refitted.noise.settled <= 1.001 * MIN_COUNT_SD * size:
@@ -77,4 +77,4 @@ def _fluctuation_effect(d: Diagnosis, critiques: list[Critique]) -> list[float]:
 def _relative_to_noise(numerics: float, floor: float) -> str:
     if numerics < 1e-3 * floor:
         return "which is negligible compared with the noise"
-    return f"{numerics / floor:.2g} of the noise floor"
+    return f"{numerics / floor:.2g} of the {POINT_NOISE}"

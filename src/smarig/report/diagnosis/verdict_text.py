@@ -6,6 +6,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from smarig.diagnosis import (
     AT_FLOOR,
     DOUBT,
+    PREDICTION_LIMIT,
     Diagnosis,
     HeldOutGain,
     ParameterFit,
@@ -14,7 +15,7 @@ from smarig.diagnosis import (
     unknown_text,
     variable_experiment,
 )
-from smarig.plant import Effect, EffectType, Parameter, effect_types
+from smarig.plant import Effect, EffectType, Parameter, effect_types, parameter_words
 from smarig.report.components.html import Html, bullets, joined, notice, paragraph, tag
 from smarig.report.components.numbers import distinct_digits, duration, number
 from smarig.report.components.run_description import display_unit
@@ -75,17 +76,9 @@ def _value_text(effect: Effect, parameter: Parameter, spread: ParameterSigmas) -
     ends = parameter_interval(parameter, value, spread.get((effect.kind.name, parameter.name)))
     digits = distinct_digits(*ends) if ends else 3
     between = f" (95 %: {number(ends[0], digits)} to {number(ends[1], digits)})" if ends else ""
-    name = _plain_name(parameter)
+    name = parameter_words(parameter.name, parameter.unit)
     shown = "" if name == f"{parameter.unit}s" else unit  # cycles 24, no unit
     return f"{name} {number(value, digits)}{shown}{between}"
-
-
-def _plain_name(parameter: Parameter) -> str:
-    """``swing_K`` in K → "swing", ``latent_J_per_g`` → "latent": the unit follows the value."""
-    if parameter.name.startswith("percent_per_"):
-        return "rate"
-    name = parameter.name.removesuffix(f"_{parameter.unit.replace('/', '_per_')}")
-    return name.removesuffix("_percent").replace("_", " ")
 
 
 def unit_suffix(unit: str) -> str:
@@ -111,7 +104,7 @@ def gain_text(gain: HeldOutGain, d: Diagnosis) -> str:
     between = f" (95 %, by resampling blocks: {share_text(ends[0])} to {share_text(ends[1])})" if ends else ""
     return (
         f"Rms error {gain.base:.3g} → {gain.extended:.3g} {unit}. R = {share_text(share)}{between}: the extension "
-        "removes this share of the squared error above the floor."
+        f"removes this share of the squared error above the {PREDICTION_LIMIT}."
     )
 
 

@@ -13,6 +13,7 @@ from smarig.report.components.assessment_box import Assessment, box_level
 from smarig.report.components.numbers import duration, runs_text
 from smarig.report.components.run_description import display_unit, duration_s, extent
 from smarig.report.diagnosis.verdict_text import strengths_text
+from smarig.report.models.characterisation_cards import settled_travel
 from smarig.report.models.evidence import Evidence
 from smarig.report.models.model_tables import pooled_rms
 from smarig.report.models.preisach_verdict import preisach_verdict
@@ -47,7 +48,9 @@ def _measured(e: Evidence) -> str:
     run = max(runs, key=lambda each: np.nan_to_num(extent(each, "position")))
     hours = duration(sum(duration_s(each) for each in runs if duration_s(each) == duration_s(each)))
     settled = sum(len(each.settled) for each in runs)
-    stroke = f"{extent(run, 'position'):.3g}{spaced(display_unit(run.unit))}"
+    travel = settled_travel(runs)
+    wide = extent(run, "position") if travel is None else travel
+    stroke = f"{wide:.3g}{spaced(display_unit(run.unit))}"
     inputs = [extent(each, "input") for each in runs if each.has("input")]
     if inputs:
         stroke += f" over {max(inputs):.3g}{spaced(display_unit(run.input_unit))}"
@@ -63,7 +66,7 @@ def _held_out(e: Evidence) -> tuple[ErrorVerdict | None, str]:
         return None, ""
     floors = [run.noise_floor for run in found.runs if run.noise_floor]
     share = max(run.settled.nrmse for run in found.runs)
-    return error_verdict(rms, max(floors, default=None), share), f"{rms:.2g}{spaced(found.unit)} rms"
+    return error_verdict(rms, max(floors, default=None), share), f"{rms:.3g}{spaced(found.unit)} rms"
 
 
 def _quality_level(e: Evidence, verdict: ErrorVerdict | None) -> str:
@@ -134,13 +137,13 @@ def _unknown_advice(d: Diagnosis) -> str:
 def _named_advice(d: Diagnosis, rms: float | None) -> str:
     gain = d.gain
     if gain is not None and gain.extended < gain.base:
-        error = f"{gain.extended:.2g}{spaced(d.timeline.unit)}"
+        error = f"{gain.settled_rms(gain.extended_error):.3g}{spaced(d.timeline.unit)}"
         return (
             f"Use the extended model (diagnosis/{DIAGNOSIS_MODEL}, held-out error {error}), or remove the cause and "
             "measure again."
         )
-    if gain is not None and rms is not None and gain.extended < _MUCH_LESS * rms:
-        error = f"{gain.extended:.2g}{spaced(d.timeline.unit)}"
+    if gain is not None and rms is not None and gain.settled_rms(gain.extended_error) < _MUCH_LESS * rms:
+        error = f"{gain.settled_rms(gain.extended_error):.3g}{spaced(d.timeline.unit)}"
         return (
             f"Use the model of the diagnosis (held-out error {error}), or remove the cause and measure again."
         )

@@ -1,10 +1,12 @@
 """The key figures of a characterisation on cards, and the recommendation of a model."""
 
 import shlex
+from collections.abc import Iterable
 
 import numpy as np
 
 from smarig.identification import POSITIVE_KIND, SIMPLER_TOLERANCE
+from smarig.record import Run
 from smarig.report.components.html import Html, cards, joined, notice, paragraph, tag
 from smarig.report.components.numbers import duration, number, runs_text
 from smarig.report.components.run_description import count_size, duration_s, quality_counts
@@ -22,15 +24,21 @@ def characterisation_cards(e: Evidence) -> Html:
 
 
 def _travel_card(e: Evidence) -> _Card:
-    outputs = [run.points()[1] for run in e.runs.values() if len(run.settled) >= 2]
-    if not outputs:
+    travel = settled_travel(e.runs.values())
+    if travel is None:
         return "Travel", "unknown", "no settled points"
     run = next(r for r in e.runs.values() if len(r.settled) >= 2)
-    # Runs of one session may have different zeros, so travel is that of the widest single run.
-    travel = max(float(np.ptp(y)) for y in outputs)
     size = count_size(run)
     counts = f"{travel / size:.0f} counts, " if size else ""
-    return "Travel", f"{travel:.4g} {run.unit}", f"{counts}settled points of the widest run"
+    return "Travel", f"{travel:.3g} {run.unit}", f"{counts}settled points of the widest run"
+
+
+def settled_travel(runs: Iterable[Run]) -> float | None:
+    """The range of the settled outputs of the widest run; None without settled points.
+
+    Runs of one session may have different zeros, so no travel is that of several runs.
+    """
+    return max((float(np.ptp(run.points()[1])) for run in runs if len(run.settled) >= 2), default=None)
 
 
 def _error_card(e: Evidence) -> _Card:
@@ -39,7 +47,9 @@ def _error_card(e: Evidence) -> _Card:
     if verification is None or rms is None:
         return "Model error on held-out data, rms", "unknown", "no held-out run"
     floors = [r.noise_floor for r in verification.runs if r.noise_floor]
-    floor = f"noise floor {max(floors):.2g} {verification.unit}" if floors else "noise floor unknown"
+    floor = (
+        f"noise floor of the run {max(floors):.2g} {verification.unit}" if floors else "noise floor unknown"
+    )
     share = max(r.settled.nrmse for r in verification.runs)
     n = sum(r.settled.n for r in verification.runs)
     return (
@@ -54,10 +64,10 @@ def _class_card(e: Evidence) -> _Card:
         return "Class of μ", "unknown", "no model"
     d = density_report_of(e.best)
     run = next(iter(e.runs.values()))
-    name = joined(["μ ≥ 0: in ", M_P]) if d.M_P else joined(["μ < 0 somewhere: not in ", M_P])
-    wider = joined(["in ", M_PC, "; "]) if d.M_PC and not d.M_P else ""
-    least = f"{e.chosen} surface, min μ = {number(d.mu_min)} {density_unit(run)}"
-    return "Class of μ", name, joined([wider, least])
+    name = "μ ≥ 0" if d.M_P else "μ < 0 somewhere"
+    of_class = ["in ", M_P] if d.M_P else ["not in ", M_P, *([", in ", M_PC] if d.M_PC else [])]
+    least = f"; {e.chosen} model, min μ = {number(d.mu_min)} {density_unit(run)}"
+    return "Class of μ", name, joined([*of_class, least])
 
 
 def _duration_card(e: Evidence) -> _Card:

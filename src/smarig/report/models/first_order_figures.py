@@ -112,7 +112,11 @@ def _point_trace(curve: FirstOrderCurve, colour: str, run: Run) -> Trace:
 
 def _noise_text(found: Identification) -> str:
     floor = found.model.noise_floor.value
-    return f" (noise floor {floor:.2g}{spaced(found.model.unit)}, grey band ± 2 σ)" if floor else ""
+    return (
+        f" (noise floor of these runs {floor:.2g}{spaced(found.model.unit)}, grey band ± 2 σ)"
+        if floor
+        else ""
+    )
 
 
 def _residual_half_range(found: Identification) -> float:

@@ -30,8 +30,8 @@ def loop_figure(e: Evidence, training: Run) -> Figure | None:
         verification, run = held_out
         panels.append(_error_panel(verification, run))
         floor = verification.noise_floor
-        band = f"; band: ± 2 σ of the noise floor, {floor:.2g}{spaced(run.unit)}" if floor else ""
-        words += f" Second panel: model − measured on the held-out run, rms {verification.settled.rms:.2g}"
+        band = f"; band: ± 2 σ, noise floor of that run {floor:.2g}{spaced(run.unit)}" if floor else ""
+        words += f" Second panel: model − measured on the held-out run, rms {verification.settled.rms:.3g}"
         words += f"{spaced(run.unit)}, n = {verification.settled.n}{band}."
     return Figure(panels, "Measured loops and the model.", [words], source_label(training), 460)
 
@@ -68,7 +68,7 @@ def _error_panel(found: RunVerification, run: Run) -> Panel:
     low, high = float(np.min(found.input)), float(np.max(found.input))
     data: list[Trace] = []
     if found.noise_floor:
-        data.append(noise_band(low, high, 2 * found.noise_floor, "± 2 σ of the noise"))
+        data.append(noise_band(low, high, 2 * found.noise_floor, "± 2 σ of the noise floor"))
     data.append(line([low, high], [0, 0], "zero", GREY, width=1, showlegend=False))
     data.append(dots(found.input, error, "model − measured, held out", INK, size=6))
     layout = {"xaxis": axis(input_title(run)), "yaxis": axis(f"Model − measured ({run.unit})")}

@@ -6,9 +6,10 @@ import numpy as np
 
 from smarig.core import spaced
 from smarig.identification import Calibration, Identification, PositiveFit, SurfaceChoice, Verification
+from smarig.plant import constant_words
 from smarig.preisach import surface_forms
 from smarig.record import Run
-from smarig.report.components.html import Html, joined, paragraph, table, tag
+from smarig.report.components.html import Html, joined, paragraph, table, tag, with_subscripts
 from smarig.report.components.numbers import number, thousands, to_uncertainty
 from smarig.report.models.density_figures import density_unit
 from smarig.report.models.identification_plot_data import density_report_of
@@ -200,7 +201,7 @@ def calibration_table(found: Calibration) -> Html:
     """The calibrated constants of the wire with intervals, and the constants that the data do not determine."""
     rows = [
         (
-            name,
+            with_subscripts(constant_words(name)),
             to_uncertainty(e.value, half),
             f"{to_uncertainty(e.ci95[0], half)} to {to_uncertainty(e.ci95[1], half)}",
             e.unit,
@@ -210,7 +211,10 @@ def calibration_table(found: Calibration) -> Html:
         for name, e in found.parameters.items()
         for half in ((e.ci95[1] - e.ci95[0]) / 2,)
     ]
-    rows += [(name, "—", "—", "", why, "") for name, why in found.not_available.items()]
+    rows += [
+        (with_subscripts(constant_words(name)), "—", "—", "", why, "")
+        for name, why in found.not_available.items()
+    ]
     return table(
         ("Constant", "Value", "95 % interval", "Unit", "Source", "n"),
         rows,

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from smarig.core import spaced
-from smarig.diagnosis import DISCREPANCY_NATS, SILENT_RATIO, Diagnosis, HeldOutGain
-from smarig.identification import Representation, Verification
+from smarig.diagnosis import DISCREPANCY_NATS, PREDICTION_LIMIT, SILENT_RATIO, Diagnosis, HeldOutGain
+from smarig.identification import Representation, Verification, ratio_text
 from smarig.report.models.evidence import Evidence, ExtensionEvidence
 from smarig.report.models.model_tables import pooled_rms
 
@@ -47,7 +47,7 @@ class PreisachVerdict:
         if not self.errors or not self.noise:
             return f"{names} it does"
         times = self.errors[-1][1] / self.noise
-        return f"{names} it does" if times <= _AT_NOISE else f"{names}, {times:.0f} × the noise is left"
+        return f"{names} it does" if times <= _AT_NOISE else f"{names}, {times:.0f} × the noise floor is left"
 
     @property
     def errors_sentence(self) -> str:
@@ -56,11 +56,12 @@ class PreisachVerdict:
             return ""
         noise = self.noise
         parts = [
-            f"{name} {rms:.3g}{spaced(self.unit)}" + (f" ({rms / noise:.0f} × noise)" if noise else "")
+            f"{name} {rms:.3g}{spaced(self.unit)}"
+            + (f" ({ratio_text(rms / noise)} × the noise floor)" if noise else "")
             for name, rms in self.errors
         ]
-        level = f"; noise {noise:.2g}{spaced(self.unit)}" if noise else ""
-        return f"Rms error on held-out runs: {', '.join(parts)}{level}."
+        level = f"; noise floor of the held-out run {noise:.2g}{spaced(self.unit)}" if noise else ""
+        return f"Rms error at the settled points of held-out runs: {', '.join(parts)}{level}."
 
     def sentences(self) -> list[str]:
         """The headline, why, and the errors."""
@@ -86,7 +87,7 @@ def preisach_verdict(e: Evidence) -> PreisachVerdict:
     """The verdict on the evidence of a characterisation.
 
     No operator: a test of §5.3 is violated, the errors grow with the travel since the last saturation, or the model
-    of the diagnosis misses held-out runs by many times what noise and an uncertain density leave.
+    of the diagnosis misses held-out runs by many times the prediction limit.
     """
     against = against_preisach(e.representation, e.diagnosis)
     tested = e.representation or e.diagnosis
@@ -117,7 +118,7 @@ def _violated_tests(tests: tuple[Representation, ...]) -> Iterator[str]:
 
 
 def _test_text(test: Representation) -> str:
-    size = f"{test.rms:.2g}{spaced(test.unit)} rms for a noise of {test.noise:.2g}{spaced(test.unit)}"
+    size = f"{test.rms:.2g}{spaced(test.unit)} rms; noise of a difference {test.noise:.2g}{spaced(test.unit)}"
     if test.holds:
         return f"The test of {_TESTS[test.name]} finds nothing against it ({size}, {test.p_text})."
     return f"The test of {_TESTS[test.name]} is violated ({size}, {test.p_text})."
@@ -134,7 +135,7 @@ def _seen_by_diagnosis(d: Diagnosis | None) -> Iterator[str]:
     if d.gain is not None and _ratio(d.gain) >= SILENT_RATIO and d.verdict.word == "unknown":
         yield (
             f"With the likeliest density, the model misses the held-out runs by {d.gain.base:.3g}{spaced(d.error.unit)}"
-            f" rms, {_ratio(d.gain):.0f} × what noise and an uncertain density leave."
+            f" rms, {_ratio(d.gain):.0f} × the {PREDICTION_LIMIT}."
         )
 
 
@@ -160,7 +161,10 @@ def _errors(e: Evidence) -> Iterator[tuple[str, float]]:
     d = e.diagnosis
     if d is not None and d.gain is not None:
         causes = "a learned term" if d.learned else " + ".join(d.verdict.names)
-        yield f"model of the diagnosis{f' with {causes}' if d.extended else ''}", d.gain.extended
+        yield (
+            f"model of the diagnosis{f' with {causes}' if d.extended else ''}",
+            d.gain.settled_rms(d.gain.extended_error),
+        )
 
 
 def _extension_errors(found: ExtensionEvidence) -> Iterator[tuple[str, float]]:

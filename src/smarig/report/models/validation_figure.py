@@ -34,7 +34,7 @@ def validation_figure(verification: RunVerification, run: Run, surface: str) -> 
     by_input = _residual(verification.input, error, verification, run, input_title(run))
     e, unit = verification.settled, run.unit
     floor = (
-        f"; noise floor {verification.noise_floor:.2g}{spaced(unit)} (band: ± 2 σ)"
+        f"; noise floor of this run {verification.noise_floor:.2g}{spaced(unit)} (band: ± 2 σ)"
         if verification.noise_floor
         else "; noise floor unknown"
     )
