@@ -55,10 +55,14 @@ class Actuator:
 
     def resistance_at_ohm(self, austenite: float) -> float:
         """R(ξ) = R_M + ξ (R_A − R_M), ξ the austenite fraction in [0, 1]."""
+        martensite, change = self._phases_ohm
+        return martensite + austenite * change
+
+    @cached_property
+    def _phases_ohm(self) -> tuple[float, float]:
+        """R_M and R_A − R_M; kept, because every tick of a twin needs them."""
         h = self.file.heating
-        return h.resistance_martensite.value + austenite * (
-            h.resistance_austenite.value - h.resistance_martensite.value
-        )
+        return h.resistance_martensite.value, h.resistance_austenite.value - h.resistance_martensite.value
 
     @cached_property
     def gain_K_per_A2(self) -> float:

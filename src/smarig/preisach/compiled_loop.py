@@ -4,6 +4,9 @@ It differs from the plain loop in form only. A monotone part runs in a loop of i
 its key and its output are local numbers. An input has one key: as α where the input rises, as β where it falls. That is
 also its key if the input turns there. Arrays of both keys would cost more than the loop itself.
 
+Indices are unsigned, because numba checks signed ones for negative values, which takes a quarter of the time. A signed
+number in their arithmetic would make them floats.
+
 Levels are searched by buckets of equal width: a bucket gives the first rank, and halving gives the rest.
 """
 
@@ -15,6 +18,7 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 Levels = tuple[Array, NDArray[np.int32], float, float, float, int]
+_ONE, _TWO = np.uint64(1), np.uint64(2)
 
 
 def bucketed(levels: Array, side: str) -> Levels:
@@ -36,7 +40,7 @@ def bucketed(levels: Array, side: str) -> Levels:
 
 
 def rank(table: Levels, u: float) -> Any:
-    """The number of levels < u. Unsigned indices, because numba checks signed ones for negative values."""
+    """The number of levels < u."""
     levels, begins, low, scale, last, most = table
     found = np.int64(begins[np.uint64(min(max((u - low) * scale, 0.0), last))])
     size = most
@@ -61,64 +65,64 @@ def make_compiled_loop(
     """
 
     def run(params, u, released, lower, upper, centre, U, K, Y, top, now, out, y):
-        i, n = 0, u.size
+        i, n, top = np.uint64(0), np.uint64(u.size), np.uint64(top)
         # the key of the present point, as α if the input was rising, as β if it was falling
         here = above(params, now, rank) if now > U[top] else below(params, now, rank)
         while i < n:
             v = min(max(u[i], lower), upper)
             if v > now:
                 if now < U[top]:  # the input was falling: the present point is a minimum
-                    top += 1
+                    top += _ONE
                     U[top], K[top], Y[top] = now, here, out
-                end, key, base = U[top - 1], K[top], Y[top]
+                end, key, base = U[top - _ONE], K[top], Y[top]
                 while v > now:
                     here = above(params, v, rank)
                     if v < end:
                         out = base + between(params, here, key)
                     else:
-                        while v >= U[top - 1]:
+                        while v >= U[top - _ONE]:
                             if top < 3:
-                                top, U[0], U[1], out = 1, v, 2 * centre - v, released[i]
+                                top, U[0], U[1], out = _ONE, v, 2 * centre - v, released[i]
                                 break
-                            top -= 2
+                            top -= _TWO
                         else:
                             out = Y[top] + between(params, here, K[top])
-                        end, key, base = U[top - 1], K[top], Y[top]
+                        end, key, base = U[top - _ONE], K[top], Y[top]
                     y[i] = out
                     now = v
-                    i += 1
+                    i += _ONE
                     if i < n:
                         v = min(max(u[i], lower), upper)
             elif v < now:
                 if now > U[top]:  # the input was rising: the present point is a maximum
-                    top += 1
+                    top += _ONE
                     U[top], K[top], Y[top] = now, here, out
-                end, key, base = U[top - 1], K[top], Y[top]
+                end, key, base = U[top - _ONE], K[top], Y[top]
                 while v < now:
                     here = below(params, v, rank)
                     if v > end:
                         out = base - between(params, key, here)
                     else:
-                        while v <= U[top - 1]:
+                        while v <= U[top - _ONE]:
                             if top > 2:
-                                top -= 2
+                                top -= _TWO
                             elif centre == centre:
-                                top, U[0], U[1], out = 1, v, 2 * centre - v, released[i]
+                                top, U[0], U[1], out = _ONE, v, 2 * centre - v, released[i]
                                 break
                             else:  # negative saturation
-                                top, out = 1, Y[1]
+                                top, out = _ONE, Y[1]
                                 break
                         else:
                             out = Y[top] - between(params, K[top], here)
-                        end, key, base = U[top - 1], K[top], Y[top]
+                        end, key, base = U[top - _ONE], K[top], Y[top]
                     y[i] = out
                     now = v
-                    i += 1
+                    i += _ONE
                     if i < n:
                         v = min(max(u[i], lower), upper)
             else:
                 y[i] = out
-                i += 1
-        return top, now, out
+                i += _ONE
+        return int(top), now, out
 
     return run

@@ -63,7 +63,8 @@ class Preisach:
             )
         self.hysteresis = hysteresis
         self._keyed = keyed(hysteresis)
-        self._params, self._run = self._keyed.params, python_loop(self._keyed.between)
+        self._params, self._between = self._keyed.params, self._keyed.between
+        self._run = python_loop(self._between)
         self._compiled, self._samples = compiled, samples
         self._lower, self._upper = hysteresis.lower, hysteresis.upper
         self.reset(initial)
@@ -178,12 +179,19 @@ class Preisach:
 
     def _move_result(self, u: float, a: Any, b: Any) -> tuple[int, float]:
         """The stack's new top and the output after a move to u with keys a and b, inside the range."""
-        s, y, released = self._stack, [self.y, self.y], None
+        s, now = self._stack, self.u
+        U, top = s.U, s.top
+        # along the present branch, which most steps do not leave, as in the loop
+        if U[top] <= now < u < U[top - 1]:
+            return top, s.Y[top] + self._between(self._params, a, s.K[top])
+        if U[top] >= now > u > U[top - 1]:
+            return top, s.Y[top] - self._between(self._params, s.K[top], b)
+        y, released = [self.y, self.y], None
         if s.top + 2 > len(s.U):
             s.reserve(64)
         if s.centre == s.centre and not min(s.U[0], s.U[1]) < u < max(s.U[0], s.U[1]):
             released = (0.0, s.Y[0] + float(from_diagonal(self.hysteresis, s.centre, [u])[0]))
-        us, as_, bs = (self.u, u), (self._a, a), (self._b, b)
+        us, as_, bs = (now, u), (self._a, a), (self._b, b)
         top = self._run(self._params, us, as_, bs, y, released, s.centre, s.U, s.K, s.Y, s.top)
         return top, y[1]
 

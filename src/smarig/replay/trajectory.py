@@ -157,6 +157,13 @@ def _austenite(
 
 
 @lru_cache(maxsize=4)  # effects after the hysteresis share it
+def _outputs(hysteresis: Everett, initial: Initial, inputs: InputTrajectory) -> tuple[float, Array]:
+    """The initial output, and the outputs (m,) at the ends of all parts."""
+    operator = Preisach(hysteresis, initial)
+    return operator.y, operator.follow(inputs["hysteresis_input_K"])
+
+
+@lru_cache(maxsize=4)  # effects after the hysteresis share it
 def _outputs_and_states(
     timeline: Timeline, hysteresis: Everett, initial: Initial, inputs: InputTrajectory
 ) -> tuple[Array, tuple[State, ...]]:
@@ -240,8 +247,8 @@ def _plant_states(
 ) -> Iterator[tuple[PlantState, float]]:
     """(state at the end of each requested part, length of the tick that ends there or 0)."""
     h = plant_model.hysteresis
-    operator = Preisach(h, plant_model.initial)
-    span, began, y = h.everett(h.upper, h.lower), operator.y, operator.follow(inputs["hysteresis_input_K"])
+    began, y = _outputs(h, plant_model.initial, inputs)
+    span = h.everett(h.upper, h.lower)
     per_span = 1.0 / span if span else 0.0
     now = PlantState(output=began, share=(began - h.y_lower) * per_span)
     apply_hooks(maps, began, now)  # initial state

@@ -86,27 +86,25 @@ class Specimen:
         self._sd_A = scale * rig.amplifier.current_noise_A
         self._sd_V = scale * rig.amplifier.voltage_noise_V
         self._sd_K = scale * rig.temperature_noise_K
-        self._ambient_fluctuation_K, self._ambient_fluctuation_decay = (
-            0.0,
-            math.exp(-rig.period_s / rig.temperature_noise_time_s),
-        )
+        self._ambient_fluctuation_K = 0.0
+        self._ambient_fluctuation_decay = math.exp(-rig.period_s / rig.temperature_noise_time_s)
+        self._ambient_innovation = math.sqrt(1 - self._ambient_fluctuation_decay**2)
         self._power_up_counts = math.floor(
             self._encoder_counts() + 0.5
         )  # an incremental encoder starts at 0 at its present position
-        self._min_A = -rig.amplifier.saturation_A if actuator.two_wire else 0.0
+        self._max_A = rig.amplifier.saturation_A
+        self._min_A = -self._max_A if actuator.two_wire else 0.0
 
     def limited_A(self, output_A: float) -> float:
         """The commanded current, limited to the range of the amplifier."""
-        return min(max(output_A, self._min_A), self.file.amplifier.saturation_A)
+        return min(max(output_A, self._min_A), self._max_A)
 
     def advance(self, output_A: float) -> RawReading:
         """Let one tick pass at a commanded current and return its readings."""
         self.tick = tick = self.tick + 1
         limited_A = self.limited_A(output_A)
         if self._sd_K:
-            innovation = self._noise[_AMBIENT_FLUCTUATION].at(tick) * math.sqrt(
-                1 - self._ambient_fluctuation_decay**2
-            )
+            innovation = self._noise[_AMBIENT_FLUCTUATION].at(tick) * self._ambient_innovation
             self._ambient_fluctuation_K = (
                 self._ambient_fluctuation_K * self._ambient_fluctuation_decay + self._sd_K * innovation
             )

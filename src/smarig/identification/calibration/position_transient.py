@@ -24,14 +24,15 @@ from smarig.replay import recorded_start
 Array = NDArray[np.float64]
 _LONGEST = 40_000  # samples simulated: dozens of holds, a few seconds of computing
 _FACTOR = 30.0  # τ is searched within this factor of the actuator's value
+_LEAST_TRIALS = 13  # of τ: so often each session is simulated before the search is refined
 _STEP = 0.02  # of log τ, for the derivative
 
 
 @dataclass(frozen=True, eq=False)
 class _SessionSegment:
-    """One session: currents and times (n,) from a known state, positions, and the holds as slices."""
+    """One session: steady inputs of the currents and times (n,) from a known state, positions, and the holds."""
 
-    current_A: list[float]
+    source_K: list[float]
     dt_s: Array
     position: Array
     start: str
@@ -40,7 +41,7 @@ class _SessionSegment:
 
 def tau_from_position(runs: Sequence[Run], actuator: Actuator, hysteresis: Everett) -> Estimate | str:
     """τ as an Estimate, or the sentence why the runs do not determine it."""
-    segments = _session_segments(runs)
+    segments = _session_segments(runs, actuator)
     count = sum(len(s.windows) for s in segments)
     if not count:
         return (
@@ -68,7 +69,7 @@ def _best_log_tau(errors: Callable[[float], list[Array]], guess: float) -> float
     def square(log_tau: float) -> float:
         return sum(float(e @ e) for e in errors(log_tau))
 
-    coarse = guess + np.linspace(-1, 1, 13) * math.log(_FACTOR)
+    coarse = guess + np.linspace(-1, 1, _LEAST_TRIALS) * math.log(_FACTOR)
     k = int(np.argmin([square(x) for x in coarse]))
     if k in (0, coarse.size - 1):
         return None
@@ -93,7 +94,7 @@ def _estimate(log_tau: float, errors: list[Array], slope: list[Array], text: str
     return Estimate(tau, ends, "s", f"{text}, interval widened for correlated residuals", n)
 
 
-def _session_segments(runs: Sequence[Run]) -> list[_SessionSegment]:
+def _session_segments(runs: Sequence[Run], actuator: Actuator) -> list[_SessionSegment]:
     """Runs from a known state, each with the runs that continue it, up to the limit of samples."""
     sessions: list[list[Run]] = []
     for k, run in enumerate(runs):
@@ -106,15 +107,15 @@ def _session_segments(runs: Sequence[Run]) -> list[_SessionSegment]:
             sessions[-1].append(run)
     found, remaining = [], _LONGEST
     for session in sessions:
-        segment = _joined_segment(session, remaining)
-        remaining -= len(segment.current_A)
+        segment = _joined_segment(session, remaining, actuator)
+        remaining -= len(segment.source_K)
         found.append(segment)
         if remaining <= 0:
             break
     return found
 
 
-def _joined_segment(session: list[Run], limit: int) -> _SessionSegment:
+def _joined_segment(session: list[Run], limit: int, actuator: Actuator) -> _SessionSegment:
     t, i, y, keep = (
         np.concatenate(parts)[:limit]
         for parts in zip(
@@ -133,15 +134,17 @@ def _joined_segment(session: list[Run], limit: int) -> _SessionSegment:
         offset += len(run)
     filled_t = np.interp(np.arange(t.size), np.flatnonzero(known), t[known]) if known.any() else t
     first = float(np.median(np.diff(filled_t))) if t.size > 1 else 0.0
-    start = recorded_start(session[0]) or "negative"
+    start, heating = recorded_start(session[0]) or "negative", JouleHeating(actuator, 1.0)
+    source_K = [heating.source(current) for current in np.nan_to_num(i).tolist()]
     return _SessionSegment(
-        np.nan_to_num(i).tolist(), np.diff(filled_t, prepend=filled_t[:1] - first), y, start, tuple(windows)
+        source_K, np.diff(filled_t, prepend=filled_t[:1] - first), y, start, tuple(windows)
     )
 
 
 def _errors(s: _SessionSegment, tau_s: float, actuator: Actuator, hysteresis: Everett) -> list[Array]:
     """Model minus measurement in each hold, without its mean."""
-    operator = Preisach(hysteresis, s.start)  # pyright: ignore[reportArgumentType]
+    samples = _LEAST_TRIALS * len(s.source_K)
+    operator = Preisach(hysteresis, s.start, samples=samples)  # pyright: ignore[reportArgumentType]
     difference = operator.follow(_hysteresis_inputs_K(s, tau_s, actuator)) - s.position
     return [difference[w] - difference[w].mean() for w in s.windows]
 
@@ -149,7 +152,7 @@ def _errors(s: _SessionSegment, tau_s: float, actuator: Actuator, hysteresis: Ev
 def _hysteresis_inputs_K(s: _SessionSegment, tau_s: float, actuator: Actuator) -> list[float]:
     """The hysteresis input at each sample, kelvin."""
     heating, inputs_K = JouleHeating(actuator, 1.0), []
-    for current, decay in zip(s.current_A, np.exp(-np.maximum(s.dt_s, 0.0) / tau_s).tolist()):
+    for source_K, decay in zip(s.source_K, np.exp(-np.maximum(s.dt_s, 0.0) / tau_s).tolist()):
         heating.decay = decay
-        inputs_K.append(heating.step(current))
+        inputs_K.append(heating.relax(source_K))
     return inputs_K

@@ -61,11 +61,12 @@ def _relative_temperatures(run: Run, most_A: float, tau_s: float) -> Array:
     dt_s = np.diff(run["t_s"], prepend=run["t_s"][0])
     decay = np.exp(-np.clip(dt_s, 0.0, None) / tau_s)
     power = np.column_stack([np.where(i > 0, i, 0.0) ** 2, np.where(i < 0, i, 0.0) ** 2])
-    x, now = np.empty(power.shape), np.zeros(2)
-    for k, (p, d) in enumerate(zip(power, decay.tolist())):
-        now = p + (now - p) * d
-        x[k] = now
-    return x
+    first = second = 0.0
+    x = []
+    for (p, q), d in zip(power.tolist(), decay.tolist()):
+        first, second = p + (first - p) * d, q + (second - q) * d
+        x.append((first, second))
+    return np.array(x)
 
 
 def _heated_from_cold(x: Array) -> NDArray[np.bool_]:
