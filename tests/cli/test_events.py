@@ -10,7 +10,7 @@ import pytest
 
 from smarig.cli import run
 from smarig.cli.panel.log_lines import JsonLogLines, LogLines, SummaryLine, dropped_lines_json
-from smarig.cli.panel.run_status import PanelRunInfo, RunStatus
+from smarig.running import PanelRunInfo, RunStatus
 from smarig.cli.panel.terminal import LineWriter
 from smarig.core.command import StepResult, StepVerdict
 from smarig.core.errors import LimitExceeded

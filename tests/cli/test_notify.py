@@ -17,7 +17,7 @@ from smarig.cli import run as cli
 from smarig.cli.notifier import NotificationListener, Notifier, Subject, message_of
 from smarig.cli.notify import NotifyOptions, notified
 from smarig.cli.notify_command import NotifyCommand
-from smarig.cli.panel.run_status import PanelRunInfo
+from smarig.running import PanelRunInfo
 from smarig.core.command import StepResult, StepVerdict
 from smarig.core.errors import RigFault, UsageError
 from smarig.core.severity import Severity

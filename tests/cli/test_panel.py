@@ -7,7 +7,7 @@ import pytest
 from rich.console import Console
 
 from smarig.cli.panel.panel_layout import panel, summary
-from smarig.cli.panel.run_status import PanelRunInfo, RunStatus, run_info
+from smarig.running import PanelRunInfo, RunStatus, run_info
 from smarig.config import load_rig
 from smarig.core.command import Elapsed, Hold, Settled, StepResult, StepVerdict, Waveform
 from smarig.core.errors import Interrupted, LimitExceeded, StorageError

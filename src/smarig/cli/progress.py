@@ -8,23 +8,26 @@ from typing import TYPE_CHECKING
 from smarig.cli.output import json_requested, show_message
 
 if TYPE_CHECKING:
-    from smarig.cli.panel.run_status import PanelRunInfo, RunStatus
-    from smarig.cli.panel.terminal import Terminal
-    from smarig.runner import Listener, RunControl
+    from smarig.cli.live_options import with_watchers
+    from smarig.runner import RunControl
+    from smarig.running import PanelRunInfo, RunStatus, announced
 
-STREAMS = (
-    'With --json, stderr carries one JSON object per line during the run, {"event": …} or {"step": …}. Other lines '
-    "do not begin with a brace. One object is printed to stdout at the end."
-)
+    control = control or RunControl()
+    with (
+        announced(run_info, control) as announcement,
+        with_watchers(
+            _display(run_info, control, quiet=quiet, keys=keys), [announcement] if announcement else []
+        ) as listener,
+    ):
+        yield listener
 
 
 @contextmanager
-def progress(
-    run_info: "PanelRunInfo", control: "RunControl | None" = None, *, quiet: bool = False, keys: bool = False
+def _display(
+    run_info: "PanelRunInfo", control: "RunControl", *, quiet: bool, keys: bool
 ) -> "Iterator[Listener]":
-    """Yield the listener for the runner. ``keys``: whether the terminal accepts keys."""
-    from smarig.cli.panel.run_status import RunStatus
     from smarig.cli.panel.terminal import Terminal
+    from smarig.running import RunStatus
 
     status = RunStatus(run_info, control, keys=keys)
     if quiet:

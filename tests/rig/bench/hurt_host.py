@@ -12,7 +12,7 @@ import sys
 import time
 
 from smarig.cli import main
-from smarig.cli.panel.run_status import RunStatus
+from smarig.running import RunStatus
 from smarig.device.drivers._conversation import Conversation
 from smarig.record import recorder
 

@@ -63,7 +63,9 @@ class AccessGuard:
         elif self._is_token(_cookies(headers).get(self.cookie, "")):
             await self.app(scope, receive, _with_headers(send))
         else:
-            await _answer(send, 403, "The token is missing or wrong. Open the address that smarig console printed.")
+            await _answer(
+                send, 403, "The token is missing or wrong. Open the address that smarig console printed."
+            )
 
     @property
     def cookie(self) -> str:

@@ -10,8 +10,8 @@ from starlette.requests import Request
 from starlette.responses import HTMLResponse, RedirectResponse, Response
 from starlette.templating import Jinja2Templates
 
-from smarig.console.library import Library
-from smarig.console.queue import Queue
+from smarig.console.library.library import Library
+from smarig.console.queue.queue import Queue
 from smarig.console.web.library_scanner import LibraryScanner
 
 TEMPLATES = Jinja2Templates(Path(__file__).parent / "templates")

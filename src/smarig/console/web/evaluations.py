@@ -11,13 +11,15 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from smarig.console.library import Entry
+from smarig.console.library.entry import Entry
 from smarig.console.web.desk import Desk
 from smarig.core import UsageError, printable
 
 PAGES = "console_pages"
 LONGEST_S = 900.0
-_OWN_PAGES = frozenset({"run", "model"})  # whose pages are made on request; others are pages, or have one beside them
+_OWN_PAGES = frozenset(
+    {"run", "model"}
+)  # whose pages are made on request; others are pages, or have one beside them
 
 
 @dataclass(frozen=True)
@@ -88,7 +90,11 @@ def _commands(desk: Desk, entry: Entry) -> dict[str, list[str]]:
             "identify": ["identify", path, "--surface", "best", "-o", model],
             "transformation": ["transformation", path],
         }
-    return {"report": ["report", path, "-o", str(_page_of(desk, entry)), "--force"]} if entry.kind == "model" else {}
+    return (
+        {"report": ["report", path, "-o", str(_page_of(desk, entry)), "--force"]}
+        if entry.kind == "model"
+        else {}
+    )
 
 
 def _page_of(desk: Desk, entry: Entry) -> Path:

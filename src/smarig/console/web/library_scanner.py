@@ -2,7 +2,7 @@
 
 import threading
 
-from smarig.console.library import Library
+from smarig.console.library.library import Library
 from smarig.core import SmarigError
 
 EVERY_S = 10.0

@@ -16,5 +16,7 @@ def loop_path(u: Sequence[float], y: Sequence[float]) -> str:
     across = (WIDTH - 2 * MARGIN) / (max(u) - min(u))
     up = (HEIGHT - 2 * MARGIN) / (max(y) - min(y))
     left, bottom = min(u), min(y)
-    points = (f"{MARGIN + (a - left) * across:.1f} {HEIGHT - MARGIN - (b - bottom) * up:.1f}" for a, b in zip(u, y))
+    points = (
+        f"{MARGIN + (a - left) * across:.1f} {HEIGHT - MARGIN - (b - bottom) * up:.1f}" for a, b in zip(u, y)
+    )
     return "M" + "L".join(points)

@@ -10,7 +10,8 @@ from starlette.requests import Request
 from starlette.responses import FileResponse, HTMLResponse, Response
 from starlette.routing import Route
 
-from smarig.console.library import ORDERS, Entry
+from smarig.console.library.entry import Entry
+from smarig.console.library.search import ORDERS
 from smarig.console.web.access_guard import REPORT_POLICY
 from smarig.console.web.desk import Desk, back, desk_of, page
 from smarig.console.web.evaluations import (
@@ -24,14 +25,23 @@ from smarig.core import UsageError
 from smarig.report import duration
 
 _ROWS = 50
-_FILTERS = (("kind", "Kind"), ("wire", "Wire"), ("rig", "Rig"), ("protocol", "Protocol"), ("verdict", "Verdict"), ("tag", "Tag"))
+_FILTERS = (
+    ("kind", "Kind"),
+    ("wire", "Wire"),
+    ("rig", "Rig"),
+    ("protocol", "Protocol"),
+    ("verdict", "Verdict"),
+    ("tag", "Tag"),
+)
 _DAY_S = 86400.0
 
 
 def library(request: Request) -> HTMLResponse:
     """Search and list."""
     desk = desk_of(request)
-    asked = {name: request.query_params.get(name, "") for name in ("text", "since", "until", "order", "offset")}
+    asked = {
+        name: request.query_params.get(name, "") for name in ("text", "since", "until", "order", "offset")
+    }
     asked |= {name: request.query_params.get(name, "") for name, _ in _FILTERS}
     asked["order"] = asked["order"] if asked["order"] in ORDERS else next(iter(ORDERS))
     offset = int(asked["offset"]) if asked["offset"].isdecimal() else 0
@@ -75,7 +85,10 @@ def entry(request: Request) -> HTMLResponse:
         "facts": " · ".join(part for part in facts if part),
         "figures": [(name.replace("_", " "), _figure(figure)) for name, figure in found.figures.items()],
         "has_page": finished_page(desk, found) is not None,
-        "notes": [{"text": n.text, "when": " · ".join(p for p in (_moment(n.epoch), n.who) if p)} for n in found.notes],
+        "notes": [
+            {"text": n.text, "when": " · ".join(p for p in (_moment(n.epoch), n.who) if p)}
+            for n in found.notes
+        ],
         "jobs": evaluations_of(desk, found),
     }
     return page(request, "entry.html", shown, here="library")

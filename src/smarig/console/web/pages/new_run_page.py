@@ -11,7 +11,11 @@ from starlette.responses import HTMLResponse, Response
 from starlette.routing import Route
 
 from smarig.config import RigFile, load_campaign, load_rig, shipped_names
-from smarig.console.queue import EntryPreview, EntryRequest, EntryState, ensure_worker, preview_entry, shown_command
+from smarig.console.queue.ensure_worker import ensure_worker
+from smarig.console.queue.entry import EntryState
+from smarig.console.queue.entry_command import shown_command
+from smarig.console.queue.entry_preview import EntryPreview, preview_entry
+from smarig.console.queue.entry_request import EntryRequest
 from smarig.console.web.desk import Desk, back, desk_of, page
 from smarig.console.web.protocol_form import FormField, protocol_form
 from smarig.core import SmarigError, UsageError, catalogue_names, catalogue_summary
@@ -135,7 +139,9 @@ def _shown(
         "out": values.get("out") or _free_name(desk, experiment),
         "entry_id": number,
         "action": "/new" if number is None else f"/queue/{number}/edit",
-        "busy": any(e.state in (EntryState.WAITING, EntryState.RUNNING) for e in desk.queue.entries(newest=0)),
+        "busy": any(
+            e.state in (EntryState.WAITING, EntryState.RUNNING) for e in desk.queue.entries(newest=0)
+        ),
         "preview": _preview(preview, file) if preview else None,
         "error": error,
         "command": _command(desk, values, rig, experiment),
@@ -158,27 +164,43 @@ def _choices(rig: str) -> dict[str, list[tuple[str, str]]]:
 
 def _experiment(experiment: str) -> tuple[str, tuple[FormField, ...]]:
     """What an experiment does, and the fields of its settings."""
-    for start, after in ((CHARACTERISE, " Then a model is identified, verified and diagnosed."), (_CAMPAIGN, "")):
+    for start, after in (
+        (CHARACTERISE, " Then a model is identified, verified and diagnosed."),
+        (_CAMPAIGN, ""),
+    ):
         if experiment.startswith(start):
             return load_campaign(experiment.removeprefix(start)).summary + after, ()
     return catalogue_summary(PROTOCOLS, experiment), protocol_form(experiment)
 
 
 def _group(field: FormField) -> str:
-    return "Settings" if not field.group else {"settle": "When a step counts as settled"}.get(field.group, field.group)
+    return (
+        "Settings"
+        if not field.group
+        else {"settle": "When a step counts as settled"}.get(field.group, field.group)
+    )
 
 
 def _rig_text(file: RigFile | None) -> str:
     if file is None:
         return ""
-    source = "Twin" if file.kind == "twin" else "Bench with simulated devices" if file.simulator else "Bench: real current"
+    source = (
+        "Twin"
+        if file.kind == "twin"
+        else "Bench with simulated devices"
+        if file.simulator
+        else "Bench: real current"
+    )
     return f"{source}; {file.actuator}, tick {file.period_s:g} s"
 
 
 def _free_name(desk: Desk, experiment: str) -> str:
     """A name in the folder that neither a file nor an entry has."""
     folder = experiment.startswith((CHARACTERISE, _CAMPAIGN))
-    stem, end = experiment.rpartition(":")[2].rpartition("/")[2].removesuffix(".toml"), "" if folder else ".run.sqlite"
+    stem, end = (
+        experiment.rpartition(":")[2].rpartition("/")[2].removesuffix(".toml"),
+        "" if folder else ".run.sqlite",
+    )
     taken = {PurePath(e.request.out).name for e in desk.queue.entries()}
     k = 1
     while (name := f"{stem}_{k:03d}{end}") in taken or (desk.folder / name).exists():
@@ -189,7 +211,9 @@ def _free_name(desk: Desk, experiment: str) -> str:
 def _command(desk: Desk, values: Mapping[str, str], rig: str, experiment: str) -> str:
     try:
         start = {"rig": rig, "experiment": experiment, "out": _free_name(desk, experiment)}
-        return shown_command(entry_request_of({**start, **{k: v for k, v in values.items() if v}}), desk.folder)
+        return shown_command(
+            entry_request_of({**start, **{k: v for k, v in values.items() if v}}), desk.folder
+        )
     except SmarigError as error:
         return str(error)
 
@@ -209,7 +233,9 @@ def _preview(found: EntryPreview, file: RigFile | None) -> dict[str, Any]:
             for run in found.runs
         ],
         "total": duration(found.duration_s),
-        "limits": f"Limits of the rig: {limits.current_max_A:g} A, {limits.temperature_max_K:g} K." if limits else "",
+        "limits": f"Limits of the rig: {limits.current_max_A:g} A, {limits.temperature_max_K:g} K."
+        if limits
+        else "",
     }
 
 

@@ -8,7 +8,8 @@ from starlette.requests import Request
 from starlette.responses import HTMLResponse, JSONResponse, Response
 from starlette.routing import Route
 
-from smarig.console.queue import CONTINUABLE, EntryState, QueueEntry, ensure_worker
+from smarig.console.queue.ensure_worker import ensure_worker
+from smarig.console.queue.entry import CONTINUABLE, EntryState, QueueEntry
 from smarig.console.web.desk import TEMPLATES, Desk, back, desk_of, page
 from smarig.console.web.run_words import run_card
 from smarig.core import SmarigError
@@ -84,7 +85,11 @@ def stop_all(request: Request) -> Response:
         run.ask("stop", "the emergency stop of the console")
     for run in runs:
         run.terminate()
-    text = f"{_number_of(len(runs), "run")} asked to stop. The queue is paused." if runs else "No run is in progress."
+    text = (
+        f"{_number_of(len(runs), 'run')} asked to stop. The queue is paused."
+        if runs
+        else "No run is in progress."
+    )
     return back("/", " ".join([text, *problems]), "warning" if runs or problems else "good")
 
 
@@ -124,7 +129,9 @@ def _summary(waiting: list[QueueEntry], ends: float | None) -> str:
 
 def _row(entry: QueueEntry) -> dict[str, Any]:
     request = entry.request
-    words = request.experiment if request.kind != "characterise" else f"characterisation ({request.experiment})"
+    words = (
+        request.experiment if request.kind != "characterise" else f"characterisation ({request.experiment})"
+    )
     good = {EntryState.DONE: "good", EntryState.FAILED: "bad", EntryState.INTERRUPTED: "bad"}
     return {
         "id": entry.id,

@@ -38,7 +38,10 @@ async def upload(request: Request) -> Response:
     """Keep the file in the folder, and show its columns."""
     size = request.headers.get("content-length", "")
     if not size.isdecimal() or int(size) > LARGEST_BYTES:
-        return _refused(request, f"The file is larger than {LARGEST_BYTES // 1_000_000} MB. Use smarig study at a terminal.")
+        return _refused(
+            request,
+            f"The file is larger than {LARGEST_BYTES // 1_000_000} MB. Use smarig study at a terminal.",
+        )
     async with request.form(max_files=1) as form:
         file = form.get("file")
         if not isinstance(file, UploadFile) or not file.filename:
@@ -55,7 +58,11 @@ def draft(request: Request) -> HTMLResponse:
     """The columns of a file, with what they are taken for."""
     file = _file(desk_of(request), request.path_params["key"])
     try:
-        shown: dict[str, Any] = {"draft": _draft(file), "error": "", "result": _finished(desk_of(request), file)}
+        shown: dict[str, Any] = {
+            "draft": _draft(file),
+            "error": "",
+            "result": _finished(desk_of(request), file),
+        }
     except SmarigError as error:
         return _refused(request, str(error).replace(str(file), file.name))
     return page(request, "study.html", shown, here="study")
@@ -175,7 +182,9 @@ def _safe_name(name: str) -> str:
 
 
 def _refused(request: Request, sentence: str) -> HTMLResponse:
-    return page(request, "study.html", {"draft": None, "error": sentence, "result": None}, here="study", status=422)
+    return page(
+        request, "study.html", {"draft": None, "error": sentence, "result": None}, here="study", status=422
+    )
 
 
 ROUTES = [
