@@ -8,16 +8,33 @@ from typing import TYPE_CHECKING
 from smarig.cli.output import json_requested, show_message
 
 if TYPE_CHECKING:
+    from smarig.cli.panel.terminal import Terminal
+    from smarig.runner import Listener, RunControl
+    from smarig.running import PanelRunInfo, RunStatus
+
+STREAMS = (
+    'With --json, stderr carries one JSON object per line during the run, {"event": …} or {"step": …}. Other lines '
+    "do not begin with a brace. One object is printed to stdout at the end."
+)
+
+
+@contextmanager
+def progress(
+    run_info: "PanelRunInfo", control: "RunControl | None" = None, *, quiet: bool = False, keys: bool = False
+) -> "Iterator[Listener]":
+    """Yield the listener for the runner, which also announces the run to other processes.
+
+    ``keys``: whether the terminal accepts keys.
+    """
     from smarig.cli.live_options import with_watchers
     from smarig.runner import RunControl
-    from smarig.running import PanelRunInfo, RunStatus, announced
+    from smarig.running import announced
 
     control = control or RunControl()
+    display = _display(run_info, control, quiet=quiet, keys=keys)
     with (
         announced(run_info, control) as announcement,
-        with_watchers(
-            _display(run_info, control, quiet=quiet, keys=keys), [announcement] if announcement else []
-        ) as listener,
+        with_watchers(display, [announcement] if announcement else []) as listener,
     ):
         yield listener
 

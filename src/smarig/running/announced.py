@@ -1,7 +1,7 @@
 """The announcement of a run by its own process: other processes can find it, follow its samples, and ask it to stop.
 
-The tick only copies its sample into shared memory. A thread writes the status and looks for requests ten times a second.
-A run that cannot be announced runs all the same, and says so.
+The tick only copies its sample into shared memory. A thread writes the status and looks for requests ten times a
+second. A run that cannot be announced runs all the same, and says so.
 """
 
 import contextlib

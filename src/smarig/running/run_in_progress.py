@@ -36,9 +36,9 @@ _FACTS = {
 
 @dataclass(frozen=True)
 class RunInProgress:
-    """A run of another process. ``key`` names it; ``info`` is its description: pid, start_epoch, command, protocol, rig,
-    wire, source ("twin" or "bench"), two_wire, unit, period_s, steps, duration_s, out (the run file or folder), place,
-    done_steps, done_s.
+    """A run of another process. ``key`` names it; ``info`` is its description: pid, start_epoch, command, protocol,
+    rig, wire, source ("twin" or "bench"), two_wire, unit, period_s, steps, duration_s, out (the run file or folder),
+    place, done_steps, done_s.
 
     Its methods raise UsageError once the run has ended.
     """
@@ -55,14 +55,14 @@ class RunInProgress:
         return False
 
     def status(self) -> dict[str, Any]:
-        """Its status: step_number, branch, target_K, elapsed_s, left_s, share, speed_factor, paused, stopping, severity,
-        settling, last_event, error, ending. Empty in its first instant.
+        """Its status: step_number, branch, target_K, elapsed_s, left_s, share, speed_factor, paused, stopping,
+        severity, settling, last_event, error, ending. Empty in its first instant.
         """
         with self._memory() as memory:
             return memory.status()
 
     def samples(self, after: int = 0) -> tuple[NDArray[Any], int, int]:
-        """(samples (n,) after number ``after`` with the fields of ``SAMPLES``, number of the newest, how many are lost).
+        """(samples (n,) after a number, with the fields of ``SAMPLES``; number of the newest; how many are lost).
 
         The last 4095 samples are kept; earlier ones are in the run file after a second at the latest.
         """
@@ -108,15 +108,14 @@ def _found() -> Iterator[tuple[RunInProgress, bool]]:
     folder = running_folder()
     try:
         check_own(folder)
-        names = sorted(name for name in os.listdir(folder) if name.endswith(SUFFIX))[:_MOST]
+        paths = sorted(path for path in folder.iterdir() if path.suffix == SUFFIX)[:_MOST]
     except (OSError, SmarigError):
         return
-    for name in names:
-        path = folder / name
+    for path in paths:
         with contextlib.suppress(OSError, UsageError), _opened(path) as file, _mapped(file) as memory:
             info = memory.description()
             if all(isinstance(info.get(fact), kind) for fact, kind in _FACTS.items()):
-                yield RunInProgress(name.removesuffix(SUFFIX), info, path), _is_held(file)
+                yield RunInProgress(path.stem, info, path), _is_held(file)
 
 
 @contextlib.contextmanager

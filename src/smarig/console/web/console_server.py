@@ -1,11 +1,13 @@
 """Serves the console on loopback, until it is ended; runs and the queue go on without it."""
 
 import secrets
+import signal
 import socket
 import webbrowser
-from collections.abc import Callable
-from contextlib import closing
+from collections.abc import Callable, Iterator
+from contextlib import closing, contextmanager
 from pathlib import Path
+from types import FrameType
 
 import uvicorn
 
@@ -38,9 +40,8 @@ def serve_console(
         library, token = Library.open(folder), secrets.token_urlsafe(24)
         port = listening.getsockname()[1]
         with LibraryScanner(library) as scanner:
-            application = console_application(
-                Desk(folder.resolve(), rig, queue, library, scanner), token, port
-            )
+            desk = Desk(folder.resolve(), rig, queue, library, scanner)
+            application = console_application(desk, token, port)
             address = f"http://{HOST}:{port}/?{TOKEN}={token}"
             announce(address)
             _go_on(queue, folder, announce)
@@ -54,7 +55,30 @@ def serve_console(
                 timeout_graceful_shutdown=_SHUTDOWN_S,
                 server_header=False,
             )
-            uvicorn.Server(config).run(sockets=[listening])
+            _Server(config, desk).run(sockets=[listening])
+
+
+class _Server(uvicorn.Server):
+    """Ends open streams before it waits for them, and returns after a signal instead of raising it again."""
+
+    def __init__(self, config: uvicorn.Config, desk: Desk) -> None:
+        super().__init__(config)
+        self._desk = desk
+
+    @contextmanager
+    def capture_signals(self) -> Iterator[None]:
+        """Stop at SIGINT and SIGTERM."""
+        old = {number: signal.signal(number, self.handle_exit) for number in (signal.SIGINT, signal.SIGTERM)}
+        try:
+            yield
+        finally:
+            for number, handler in old.items():
+                signal.signal(number, handler)
+
+    def handle_exit(self, sig: int, frame: FrameType | None) -> None:
+        """End the streams, then the server."""
+        self._desk.closing.set()
+        super().handle_exit(sig, frame)
 
 
 def _go_on(queue: Queue, folder: Path, announce: Callable[[str], None]) -> None:

@@ -1,7 +1,8 @@
 """What the pages work on: one folder with its queue and its library, and the templates. Nothing else is shared."""
 
+import threading
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 from urllib.parse import urlencode
@@ -20,13 +21,14 @@ _LEVELS = ("good", "warning", "bad")
 
 @dataclass(frozen=True, eq=False)
 class Desk:
-    """The folder that a console serves. ``rig`` is the rig that forms begin with."""
+    """The folder that a console serves. ``rig`` is the rig that forms begin with; ``closing``: the console ends."""
 
     folder: Path
     rig: str
     queue: Queue
     library: Library
     scanner: LibraryScanner
+    closing: threading.Event = field(default_factory=threading.Event)
 
 
 def desk_of(request: Request) -> Desk:

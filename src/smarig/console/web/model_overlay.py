@@ -1,4 +1,4 @@
-"""The output of a model along the input of a run, continued as samples come: what the model says beside what is measured."""
+"""The output of a model along the input of a run, continued as samples come."""
 
 from collections.abc import Sequence
 from pathlib import Path

@@ -23,7 +23,12 @@ _UNITS = {
     "percent": "%",
 }
 _RATE = "_K_per_s"
-_KINDS: tuple[tuple[type, FieldKind], ...] = ((bool, "switch"), (int, "integer"), (float, "number"))
+_KINDS: tuple[tuple[type, FieldKind], ...] = (
+    (str, "text"),
+    (bool, "switch"),
+    (int, "integer"),
+    (float, "number"),
+)
 
 
 @dataclass(frozen=True)
@@ -81,7 +86,7 @@ def _field(key: str, name: str, hint: Any, default: Any, group: str = "") -> For
     elif any("tuple" in str(m) for m in members):
         kind = "list"
     else:
-        kind = next((k for t, k in _KINDS if t in members), "text")
+        kind = dict(_KINDS).get(next((m for m in members if m in dict(_KINDS)), str), "text")
     return FormField(key, words, unit, kind, _text(default), choices, group)
 
 

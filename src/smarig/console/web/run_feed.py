@@ -6,6 +6,7 @@ thinned: a page draws thousands of points, not millions.
 
 import asyncio
 import json
+import threading
 from collections.abc import AsyncIterator, Iterable
 from contextlib import suppress
 from pathlib import Path
@@ -28,10 +29,13 @@ Rows = list[list[float | None]]
 
 
 class RunFeed:
-    """The messages of one run to one browser. ``model``: the file of a model that is drawn over the loop, or None."""
+    """The messages of one run to one browser. ``model``: the file of a model that is drawn over the loop, or None.
 
-    def __init__(self, run: RunInProgress, model: Path | None) -> None:
-        self._run = run
+    ``closing``: the console ends, and the run goes on.
+    """
+
+    def __init__(self, run: RunInProgress, model: Path | None, closing: threading.Event) -> None:
+        self._run, self._closing = run, closing
         self._overlay = ModelOverlay(model) if model else None
         self._newest = 0
         self._last_s = float("-inf")
@@ -42,13 +46,15 @@ class RunFeed:
         """Server-sent events: history, samples, status, events, ended."""
         yield _message("history", await run_in_threadpool(self._history))
         count = 0
-        while self._run.alive:
+        while self._run.alive and not self._closing.is_set():
             for name, content in self._news():
                 yield _message(name, content)
             if count % _EVENTS_EVERY == 0 and (events := await run_in_threadpool(self._events)):
                 yield _message("events", events)
             count += 1
             await asyncio.sleep(INTERVAL_S)
+        if self._closing.is_set():
+            return
         if events := await run_in_threadpool(self._events):
             yield _message("events", events)
         yield _message("ended", {"state": self._end(), "facts": ""})
@@ -99,11 +105,8 @@ class RunFeed:
 
     def _end(self) -> str:
         with suppress(SmarigError, OSError), stored_run(self._file, verify=False) as run:
-            return (
-                f"Ended: {run.cause}."
-                if run.cause
-                else "The process of this run is gone. Resume it with smarig resume."
-            )
+            gone = "The process of this run is gone. Resume it with smarig resume."
+            return f"Ended: {run.cause}." if run.cause else gone
         return ENDED
 
     @property

@@ -11,7 +11,7 @@ from starlette.responses import FileResponse, HTMLResponse, Response
 from starlette.routing import Route
 
 from smarig.console.library.entry import Entry
-from smarig.console.library.search import ORDERS
+from smarig.console.library.search import FACETS, ORDERS
 from smarig.console.web.access_guard import REPORT_POLICY
 from smarig.console.web.desk import Desk, back, desk_of, page
 from smarig.console.web.evaluations import (
@@ -25,14 +25,7 @@ from smarig.core import UsageError
 from smarig.report import duration
 
 _ROWS = 50
-_FILTERS = (
-    ("kind", "Kind"),
-    ("wire", "Wire"),
-    ("rig", "Rig"),
-    ("protocol", "Protocol"),
-    ("verdict", "Verdict"),
-    ("tag", "Tag"),
-)
+_FILTERS = tuple((name, name.capitalize()) for name in FACETS)
 _DAY_S = 86400.0
 
 

@@ -1,4 +1,4 @@
-"""The form of a new run, or of an entry that waits: made from the settings of the protocol, previewed before it starts."""
+"""The form of a new run, or of an entry that waits: made from a protocol's settings, previewed before it starts."""
 
 from collections.abc import Mapping
 from itertools import groupby
@@ -15,7 +15,7 @@ from smarig.console.queue.ensure_worker import ensure_worker
 from smarig.console.queue.entry import EntryState
 from smarig.console.queue.entry_command import shown_command
 from smarig.console.queue.entry_preview import EntryPreview, preview_entry
-from smarig.console.queue.entry_request import EntryRequest
+from smarig.console.queue.entry_request import EntryRequest, Kind
 from smarig.console.web.desk import Desk, back, desk_of, page
 from smarig.console.web.protocol_form import FormField, protocol_form
 from smarig.core import SmarigError, UsageError, catalogue_names, catalogue_summary
@@ -67,7 +67,8 @@ def _requested(request: Request, desk: Desk, values: dict[str, str], number: int
 def entry_request_of(values: Mapping[str, str]) -> EntryRequest:
     """What a form asks for. Fields that are empty are left to the command. Raises UsageError."""
     experiment = values.get("experiment", "")
-    kind, name = "protocol", experiment
+    name = experiment
+    kind: Kind = "protocol"
     if experiment.startswith(CHARACTERISE):
         kind, name = "characterise", experiment.removeprefix(CHARACTERISE)
     elif experiment.startswith(_CAMPAIGN):
@@ -77,7 +78,7 @@ def entry_request_of(values: Mapping[str, str]) -> EntryRequest:
     defaults = {f.key: f.default for f in protocol_form(name)} if kind == "protocol" else {}
     only_of_run = kind != "characterise"
     return EntryRequest(
-        kind=kind,  # pyright: ignore[reportArgumentType]
+        kind=kind,
         experiment=name,
         rig=given.get("rig", ""),
         out=given.get("out", ""),
@@ -184,14 +185,8 @@ def _group(field: FormField) -> str:
 def _rig_text(file: RigFile | None) -> str:
     if file is None:
         return ""
-    source = (
-        "Twin"
-        if file.kind == "twin"
-        else "Bench with simulated devices"
-        if file.simulator
-        else "Bench: real current"
-    )
-    return f"{source}; {file.actuator}, tick {file.period_s:g} s"
+    bench = "Bench with simulated devices" if file.simulator else "Bench: real current"
+    return f"{'Twin' if file.kind == 'twin' else bench}; {file.actuator}, tick {file.period_s:g} s"
 
 
 def _free_name(desk: Desk, experiment: str) -> str:

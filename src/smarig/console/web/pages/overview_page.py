@@ -123,8 +123,9 @@ def _queue(desk: Desk) -> dict[str, Any]:
 def _summary(waiting: list[QueueEntry], ends: float | None) -> str:
     if ends is None:
         return "Nothing waits."
-    text = _number_of(sum(e.state is EntryState.WAITING for e in waiting), "entry", "entries")
-    return f"{text} waiting. Everything will have ended at about {_moment(ends)}."
+    n = sum(e.state is EntryState.WAITING for e in waiting)
+    text = f"{_number_of(n, 'entry', 'entries')} waiting" if n else "Nothing waits"
+    return f"{text}. Everything will have ended at about {_moment(ends)}."
 
 
 def _row(entry: QueueEntry) -> dict[str, Any]:

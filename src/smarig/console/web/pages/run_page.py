@@ -13,11 +13,7 @@ from smarig.console.web.run_words import run_card
 from smarig.core import UsageError
 from smarig.running import RunInProgress, runs_in_progress
 
-_DONE = {
-    "pause": "The run is asked to pause.",
-    "continue": "The run is asked to continue.",
-    "stop": "The run is asked to stop.",
-}
+_DONE = {wanted: f"The run is asked to {wanted}." for wanted in ("pause", "continue", "stop")}
 _MODELS_OFFERED = 50
 
 
@@ -47,7 +43,7 @@ def follow(request: Request) -> Response:
     run = _run(request)
     if run is None:
         return Response(status_code=204)  # a browser does not ask again
-    feed = RunFeed(run, _model(request))
+    feed = RunFeed(run, _model(request), desk_of(request).closing)
     return StreamingResponse(
         feed.messages(), media_type="text/event-stream", headers={"cache-control": "no-store"}
     )

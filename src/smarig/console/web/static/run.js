@@ -66,8 +66,8 @@ const loopElement = document.getElementById("loop");
 const loopPlot = new uPlot({
   ...size(loopElement), mode: 2, legend: { show: false }, cursor: { show: false },
   scales: {
-    x: { time: false, auto: false, range: () => range([loop.columns[0]]) },
-    y: { auto: false, range: () => range([loop.columns[1], loop.columns[2]]) },
+    x: { time: false, auto: false },
+    y: { auto: false },
   },
   axes: [axis("temperature above ambient, K"), axis(`position, ${unit}`)],
   series: [{}, { stroke: colour("--model"), width: 3, paths: path }, { stroke: colour("--cooling"), width: 1.2, paths: path }],
@@ -86,7 +86,13 @@ const timePlot = new uPlot({
 }, [[], [], []], timeElement);
 
 function draw() {
-  loopPlot.setData([null, [loop.columns[0], loop.columns[2]], [loop.columns[0], loop.columns[1]]]);
+  loopPlot.batch(() => {
+    loopPlot.setData([null, [loop.columns[0], loop.columns[2]], [loop.columns[0], loop.columns[1]]], false);
+    for (const [scale, columns] of [["x", [loop.columns[0]]], ["y", [loop.columns[1], loop.columns[2]]]]) {
+      const [min, max] = range(columns);
+      loopPlot.setScale(scale, { min, max });
+    }
+  });
   timePlot.setData(recent.columns);
 }
 
@@ -145,6 +151,14 @@ function follow() {
     status({ ...now, share: 1, settling: "", paused: false });
     document.getElementById("controls")?.remove();
   });
+  // A browser has six connections for one address: a page that nobody sees gives its own back.
+  const hide = () => {
+    if (document.visibilityState === "visible") return;
+    source.close();
+    document.removeEventListener("visibilitychange", hide);
+    document.addEventListener("visibilitychange", follow, { once: true });
+  };
+  document.addEventListener("visibilitychange", hide);
   source.onopen = () => offline(false);
   source.onerror = () => offline(true); // the browser tries again by itself
 }
