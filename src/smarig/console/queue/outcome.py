@@ -13,7 +13,7 @@ from smarig.core import Interrupted, UsageError, printable
 
 _LAST_BYTES = 20_000  # of the lines that are searched for the last sentence
 _LARGEST_RESULT = 100_000_000
-_GONE = "The process is gone without a result: it was killed, or the machine was restarted."
+_NO_RESULT = "The process is gone without a result: it was killed, or the machine was restarted."
 
 
 @dataclass(frozen=True)
@@ -49,7 +49,7 @@ def outcome_of(folder: Path, number: int, exit_status: int | None) -> Outcome:
 
 def _killed_text(exit_status: int | None) -> str:
     if exit_status is None:
-        return _GONE
+        return _NO_RESULT
     try:
         name = signal.Signals(-exit_status).name
     except ValueError:
