@@ -50,6 +50,17 @@ def test_damage_is_one_sentence_and_the_file_is_left(file, tmp_path, damage):
     assert file.read_bytes() == damaged
 
 
+def test_damage_of_a_page_that_opening_does_not_need_is_found(file, tmp_path):
+    with opened(tmp_path) as queue:
+        for k in range(50):
+            queue.add(request(f"r{k}", notes="n" * 500))
+    data = bytearray(file.read_bytes())
+    data[-3000:] = b"\xff" * 3000
+    file.write_bytes(data)
+    with pytest.raises(DataError, match="is damaged"):
+        opened(tmp_path)
+
+
 @pytest.mark.parametrize(
     "text", ["{", "[]", "{}", '{"kind": "protocol"}', '{"kind": "x", "effects": []}', "null"]
 )

@@ -135,6 +135,14 @@ def test_nothing_is_started_that_could_not_be_marked_as_running(tmp_path, monkey
         assert queue.entry(entry).state is EntryState.WAITING
 
 
+def test_a_pause_in_the_last_moment_is_obeyed(tmp_path, monkeypatch):
+    with opened(tmp_path) as queue, worker(tmp_path) as one:
+        queue.add(request())
+        monkeypatch.setattr(worker_module, "_has_work", lambda _file: queue.pause() or True)
+        monkeypatch.setattr(worker_module, "start_process", lambda *_: pytest.fail("it was started"))
+        assert not one.step()
+
+
 def test_what_cannot_be_started_fails_and_pauses(tmp_path, monkeypatch):
     def refuse(*_arguments):
         raise OSError(12, "Cannot allocate memory")
