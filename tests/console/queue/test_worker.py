@@ -12,8 +12,8 @@ from smarig.console.queue import ensure_worker as starting
 from smarig.console.queue import worker as worker_module
 from smarig.console.queue.ensure_worker import ensure_worker
 from smarig.console.queue.entry import EntryState
-from smarig.console.queue.entry_process import is_alive
-from smarig.console.queue.outcome import Outcome
+from smarig.console.queue.entry_process import EntryFiles, is_alive
+from smarig.console.queue.outcome import Outcome, outcome_of
 from smarig.console.queue.worker import lock_key, work
 from smarig.core import InUse, StorageError, check_free
 from smarig.record import load_run
@@ -73,6 +73,21 @@ def test_a_worker_that_is_killed_leaves_the_run_and_the_next_one_stores_its_outc
     log = (tmp_path / "queue.log").read_text()
     assert log.count(f"Entry {one} was started as process {pid}.") == 1
     assert log.count(f"Entry {one} is done.") == 1
+
+
+def test_the_sentence_of_an_entry_is_its_warning_or_its_error(tmp_path):
+    files = EntryFiles.of(tmp_path, 1)
+    files.lines.parent.mkdir()
+    files.lines.write_text(
+        '{"event": {}}\nWarning: 2 holds did not settle.\n8 settled points\n\nsmarig: No room.\n'
+    )
+    assert outcome_of(tmp_path, 1, 0).sentence == "Warning: 2 holds did not settle."
+    assert outcome_of(tmp_path, 1, 4) == Outcome(EntryState.FAILED, 4, "No room.")
+    assert outcome_of(tmp_path, 1, 4).pauses
+    assert outcome_of(tmp_path, 1, -9).state is EntryState.INTERRUPTED
+    assert outcome_of(tmp_path, 1, None).state is EntryState.INTERRUPTED
+    files.result.write_text("[1]")
+    assert outcome_of(tmp_path, 1, None).state is EntryState.INTERRUPTED
 
 
 def test_a_worker_without_work_ends_and_leaves_no_lock(tmp_path):
