@@ -13,7 +13,7 @@ from smarig.core import Interrupted, UsageError, printable
 
 _LAST_BYTES = 20_000  # of the lines that are searched for the last sentence
 _LARGEST_RESULT = 100_000_000
-_GONE = "The process is gone without a result: it was killed, or the machine was restarted."
+_NO_RESULT = "The process is gone without a result: it was killed, or the machine was restarted."
 
 
 @dataclass(frozen=True)
@@ -40,16 +40,16 @@ def outcome_of(folder: Path, number: int, exit_status: int | None) -> Outcome:
     if exit_status is None or exit_status < 0:
         return Outcome(EntryState.INTERRUPTED, exit_status, _killed_text(exit_status))
     error = str(result["error"]) if result and "error" in result else ""
-    sentence = printable(error or _last_sentence(files.lines), 1000)
     if exit_status == 0:
-        return Outcome(EntryState.DONE, 0, sentence)
+        return Outcome(EntryState.DONE, 0, printable(_last_sentence(files.lines, "Warning: "), 1000))
+    sentence = printable(error or _last_sentence(files.lines), 1000)
     state = EntryState.STOPPED if exit_status == Interrupted.exit_status else EntryState.FAILED
     return Outcome(state, exit_status, sentence or f"It ended with exit status {exit_status}.")
 
 
 def _killed_text(exit_status: int | None) -> str:
     if exit_status is None:
-        return _GONE
+        return _NO_RESULT
     try:
         name = signal.Signals(-exit_status).name
     except ValueError:
@@ -66,11 +66,13 @@ def _result(path: Path) -> dict[str, Any] | None:
     return None
 
 
-def _last_sentence(path: Path) -> str:
-    """The last line that is for people; lines for programs begin with a brace."""
+def _last_sentence(path: Path, start: str = "") -> str:
+    """The last line for people that starts so; lines for programs begin with a brace."""
     with suppress(OSError), path.open("rb") as file:
         file.seek(max(path.stat().st_size - _LAST_BYTES, 0))
         lines = file.read().decode("utf-8", "replace").splitlines()
-        plain = [line.strip() for line in lines if line.strip() and not line.startswith("{")]
+        plain = [
+            line for line in map(str.strip, lines) if line.startswith(start) and line[:1] not in ("", "{")
+        ]
         return plain[-1].removeprefix("smarig: ") if plain else ""
     return ""
