@@ -150,14 +150,12 @@ class Database:
 
     def _sentence(self, error: sqlite3.Error) -> Exception:
         code, text = _code(error), printable(str(error), 200)
-        if code in _DAMAGED:
-            return DamagedLibrary(f"{self.file} is damaged. Rebuild the library: no tags or notes are lost.")
         if code in _BUSY:
             return InUse(f"{self.file} is being written by another process. Try again.")
         if code in _FULL or code == sqlite3.SQLITE_READONLY or code == sqlite3.SQLITE_CANTOPEN:
             return StorageError(f"{self.file} cannot be written: {text}.")
-        return DataError(
-            f"{self.file} cannot be read: {text}. Rebuild the library: no tags or notes are lost."
+        return DamagedLibrary(
+            f"{self.file} is damaged: {text}. Rebuild the library: no tags or notes are lost."
         )
 
 

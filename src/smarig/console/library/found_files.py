@@ -23,12 +23,16 @@ _MODEL_NAME = "model.json"
 
 @dataclass(frozen=True)
 class FoundFile:
-    """A file: its place in the folder, what it is by its name, size, time, and ``state``, which a change changes."""
+    """A file: its place in the folder, what it is by its name, size, time, and ``state``, which a change changes.
+
+    ``newest_ns`` is the time of the last change of the file or of its write-ahead log.
+    """
 
     place: bytes
     kind: str
     size: int
     modified_ns: int
+    newest_ns: int
     state: str
 
 
@@ -113,15 +117,15 @@ def _file(folder: bytes, place: bytes, name: bytes, kind: str, beside: set[bytes
     newest = about.st_mtime_ns
     for suffix in SIDECARS if kind == RUN else ():
         sidecar = name + os.fsencode(suffix)
-        if suffix != "-shm" and sidecar in beside and (other := _status(folder, sidecar)) is not None:
+        if suffix != "-shm" and sidecar in beside and (other := _status(folder, sidecar, linked=False)):
             states.append(suffix + _state(other))
             newest = max(newest, other.st_mtime_ns)
-    return FoundFile(place, kind, about.st_size, newest, " ".join(states))
+    return FoundFile(place, kind, about.st_size, about.st_mtime_ns, newest, " ".join(states))
 
 
-def _status(folder: bytes, name: bytes) -> os.stat_result | None:
+def _status(folder: bytes, name: bytes, *, linked: bool = True) -> os.stat_result | None:
     try:
-        return os.stat(os.path.join(folder, name))  # noqa: PTH116, PTH118
+        return os.stat(os.path.join(folder, name), follow_symlinks=linked)  # noqa: PTH116, PTH118
     except (OSError, ValueError):
         return None
 

@@ -57,6 +57,7 @@ class Scan:
         gone = [place for place in known if place not in found.files]
         self._remove(gone)
         changed = [file for file in found.files.values() if not self._is_known(file, known)]
+        changed.sort(key=lambda file: -file.newest_ns)  # what a person looks for first
         read = 0
         for batch in self._batches(changed):
             self._store(batch)
@@ -106,7 +107,7 @@ class Scan:
         content = read_content(self.folder, file)
         now = file_now(self.folder, file.place, file.kind)
         same = now is not None and now.state == file.state
-        fresh = abs(began_ns - file.modified_ns) < _FRESH_NS
+        fresh = abs(began_ns - file.newest_ns) < _FRESH_NS
         return (file.state if same and not fresh else ""), content
 
     def _store(self, batch: list[tuple[FoundFile, str, Content | None]]) -> None:
