@@ -50,7 +50,7 @@ class Announcement:
         self._thread = threading.Thread(target=self._attend, name="announcement", daemon=True)
 
     def __enter__(self) -> "Announcement":
-        self._memory.tell(status_of(self._status))
+        self._memory.write_status(status_of(self._status))
         self._thread.start()
         return self
 
@@ -93,7 +93,7 @@ class Announcement:
             if number != self._obeyed:
                 self._obeyed = number
                 self._obey(request, who)
-            self._memory.tell(status_of(self._status))
+            self._memory.write_status(status_of(self._status))
 
     def _obey(self, request: str, who: str) -> None:
         if request == "stop":

@@ -43,14 +43,14 @@ _WHO = 200
 
 
 class SharedMemory:
-    """The mapped file, for its writer (``prepare``, ``describe``, ``add``, ``tell``, ``requests``) and its readers."""
+    """The mapped file, for its writer (``prepare``, ``describe``, ``add``, ``write_status``, ``requests``) and its readers."""
 
     def __init__(self, memory: mmap.mmap) -> None:
         self._memory = memory
         self._add = RECORD.pack_into
         self._count = _COUNT.pack_into
         self.written = 0
-        self._told = 0
+        self._statuses = 0
 
     def close(self) -> None:
         """Unmap the file."""
@@ -70,11 +70,11 @@ class SharedMemory:
         self._count(self._memory, _NEWEST, number)
         self.written = number
 
-    def tell(self, status: dict[str, Any]) -> None:
+    def write_status(self, status: dict[str, Any]) -> None:
         """Replace the status."""
-        self._told += 1
-        self._write_text(_STATUS + (self._told % 2) * _TEXT, status)
-        _COUNT.pack_into(self._memory, _STATUSES, self._told)
+        self._statuses += 1
+        self._write_text(_STATUS + (self._statuses % 2) * _TEXT, status)
+        _COUNT.pack_into(self._memory, _STATUSES, self._statuses)
 
     def request(self) -> tuple[int, str, str]:
         """(number of requests so far, the last request or "", who made it)."""
@@ -102,9 +102,9 @@ class SharedMemory:
     def status(self) -> dict[str, Any]:
         """The last status; empty before the first."""
         for _ in range(3):  # the writer may be at it
-            told = _COUNT.unpack_from(self._memory, _STATUSES)[0]
-            found = self._read_text(_STATUS + (told % 2) * _TEXT) if told else {}
-            if found or not told:
+            statuses = _COUNT.unpack_from(self._memory, _STATUSES)[0]
+            found = self._read_text(_STATUS + (statuses % 2) * _TEXT) if statuses else {}
+            if found or not statuses:
                 return found
         return {}
 

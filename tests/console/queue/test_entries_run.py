@@ -5,8 +5,8 @@ import os
 import signal
 
 from console.queue.entries import events, opened, request, wait_until, work_until_idle, worker
-from smarig.console.queue.entry import EntryState
 from smarig.console.queue.entry_process import EntryFiles, bound_log, is_alive
+from smarig.console.queue.queue_entry import EntryState
 from smarig.record import load_run
 
 DONE, WAITING = EntryState.DONE, EntryState.WAITING

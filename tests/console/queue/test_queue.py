@@ -5,9 +5,9 @@ import threading
 import pytest
 
 from console.queue.entries import opened, request, unpreviewed
-from smarig.console.queue.entry import EntryState
 from smarig.console.queue.entry_preview import EntryPreview
 from smarig.console.queue.queue import Queue
+from smarig.console.queue.queue_entry import EntryState
 from smarig.console.queue.queue_file import QueueFile
 from smarig.core import UsageError
 

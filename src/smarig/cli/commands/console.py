@@ -5,7 +5,7 @@ from pathlib import Path
 
 import click
 
-from smarig.cli.output import json_option, json_requested, show_message
+from smarig.cli.output import emit, json_option, json_requested, show_message
 from smarig.cli.parameter_types import RIG
 from smarig.core import UsageError
 
@@ -49,8 +49,12 @@ def command(folder: Path, rig: str, port: int, no_browser: bool) -> None:
     from smarig.console import serve_console
 
     at_terminal = sys.stdout.isatty() and not json_requested()
-    serve_console(folder, rig=rig, port=port, open_browser=at_terminal and not no_browser, announce=_shown)
+    serve_console(folder, rig=rig, port=port, open_browser=at_terminal and not no_browser, announce=_announce)
 
 
-def _shown(text: str) -> None:
-    show_message(f"Console: {text}" if text.startswith("http") else text)
+def _announce(text: str) -> None:
+    """Print the address, on stdout with --json; other texts are messages."""
+    if text.startswith("http") and json_requested():
+        emit({"address": text})
+    else:
+        show_message(f"Console: {text}" if text.startswith("http") else text)

@@ -4,7 +4,7 @@ import json
 import sqlite3
 from dataclasses import asdict
 
-from smarig.console.library.entry import Note
+from smarig.console.library.library_entry import Note
 from smarig.console.library.notes_file import Annotation, NotesFile, Reading, folded_tags
 
 _KEY = "notes"

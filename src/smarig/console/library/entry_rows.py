@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from smarig.console.library.annotations import notes_of, tags_of
-from smarig.console.library.entry import Content, Entry, Figure, path_of, shown_place
 from smarig.console.library.found_files import FoundFile
+from smarig.console.library.library_entry import Content, Entry, LibraryFigure, path_of, shown_place
 
 COLUMNS = (
     *("place", "id", "identity", "kind", "name", "began", "duration_s", "wire", "rig", "protocol", "label"),
@@ -88,8 +88,8 @@ def _entry(db: sqlite3.Connection, folder: Path, row: tuple) -> Entry:
     )
 
 
-def _figure(value: float, low: float | None, high: float | None, unit: str) -> Figure:
-    return Figure(value, None if low is None or high is None else (low, high), unit)
+def _figure(value: float, low: float | None, high: float | None, unit: str) -> LibraryFigure:
+    return LibraryFigure(value, None if low is None or high is None else (low, high), unit)
 
 
 def _words(found: FoundFile, content: Content) -> str:

@@ -10,7 +10,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from smarig.console.library.entry import DIAGNOSIS, MODEL, RUN, shown_place
+from smarig.console.library.library_entry import DIAGNOSIS, MODEL, RUN, shown_place
 from smarig.diagnosis import DIAGNOSIS_JSON, DIAGNOSIS_PAGE
 from smarig.record import SIDECARS
 
@@ -37,14 +37,14 @@ class FoundFile:
 
 
 @dataclass(frozen=True)
-class FoundFiles:
+class LibraryFiles:
     """The files by place, and a sentence for each folder that could not be read."""
 
     files: Mapping[bytes, FoundFile]
     problems: tuple[str, ...]
 
 
-def found_files(folder: Path) -> FoundFiles:
+def found_files(folder: Path) -> LibraryFiles:
     """The files in the folder that can be entries."""
     files: dict[bytes, FoundFile] = {}
     problems: list[str] = []
@@ -63,15 +63,15 @@ def found_files(folder: Path) -> FoundFiles:
         if names >= MOST_NAMES:
             _add(problems, f"The folder has more than {MOST_NAMES} files; the rest is left out.")
             break
-    return FoundFiles(files, tuple(problems))
+    return LibraryFiles(files, tuple(problems))
 
 
 def file_now(folder: Path, place: bytes, kind: str) -> FoundFile | None:
     """The file as it is now; None if it is gone or no regular file."""
     head, _, name = place.rpartition(b"/")
     where = os.path.join(os.fsencode(folder), head)  # noqa: PTH118 - Path takes no bytes
-    beside = {name + os.fsencode(suffix) for suffix in SIDECARS} if kind == RUN else set()
-    return _file(where, place, name, kind, beside)
+    neighbours = {name + os.fsencode(suffix) for suffix in SIDECARS} if kind == RUN else set()
+    return _file(where, place, name, kind, neighbours)
 
 
 def _names(folder: bytes, place: bytes, most: int) -> Iterator[tuple[bytes, bool]]:
@@ -96,7 +96,7 @@ def _candidates(folder: bytes, place: bytes, inside: list[tuple[bytes, bool]]) -
                 yield found
 
 
-def _kind(name: bytes, beside: set[bytes]) -> str:
+def _kind(name: bytes, neighbours: set[bytes]) -> str:
     """What a file is by its name; "" for any other. The page of a diagnosis stands for its numbers."""
     if name.endswith(b".run.sqlite"):
         return RUN
@@ -104,12 +104,12 @@ def _kind(name: bytes, beside: set[bytes]) -> str:
         return MODEL
     if name.endswith(b".html"):
         return PAGE
-    if name == DIAGNOSIS_JSON.encode() and DIAGNOSIS_PAGE.encode() not in beside:
+    if name == DIAGNOSIS_JSON.encode() and DIAGNOSIS_PAGE.encode() not in neighbours:
         return DIAGNOSIS
     return ""
 
 
-def _file(folder: bytes, place: bytes, name: bytes, kind: str, beside: set[bytes]) -> FoundFile | None:
+def _file(folder: bytes, place: bytes, name: bytes, kind: str, neighbours: set[bytes]) -> FoundFile | None:
     about = _status(folder, name)
     if about is None or not stat.S_ISREG(about.st_mode):
         return None
@@ -117,7 +117,7 @@ def _file(folder: bytes, place: bytes, name: bytes, kind: str, beside: set[bytes
     newest = about.st_mtime_ns
     for suffix in SIDECARS if kind == RUN else ():
         sidecar = name + os.fsencode(suffix)
-        if suffix != "-shm" and sidecar in beside and (other := _status(folder, sidecar, linked=False)):
+        if suffix != "-shm" and sidecar in neighbours and (other := _status(folder, sidecar, linked=False)):
             states.append(suffix + _state(other))
             newest = max(newest, other.st_mtime_ns)
     return FoundFile(place, kind, about.st_size, about.st_mtime_ns, newest, " ".join(states))

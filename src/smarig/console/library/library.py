@@ -15,8 +15,9 @@ from numpy.typing import NDArray
 
 from smarig.console.library.annotations import is_taken_over, take_over, wrong_notes
 from smarig.console.library.database import DamagedLibrary, Database
-from smarig.console.library.entry import Entry, one_line
 from smarig.console.library.entry_rows import entries, loop_of
+from smarig.console.library.library_entry import Entry, one_line
+from smarig.console.library.library_search import Question, SearchPage, facets, search
 from smarig.console.library.notes_file import (
     LONGEST_WHO,
     NOTES_FILE,
@@ -26,7 +27,6 @@ from smarig.console.library.notes_file import (
     checked_tags,
 )
 from smarig.console.library.scan import Progress, Scan, ScanResult
-from smarig.console.library.search import Question, SearchPage, facets, search
 from smarig.console.library.trends import Trend, trends
 from smarig.core import InUse, SmarigError, UsageError, process_lock
 

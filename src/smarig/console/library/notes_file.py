@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from smarig.console.library.entry import one_line
+from smarig.console.library.library_entry import one_line
 from smarig.core import StorageError, UsageError, printable
 
 NOTES_FILE = "library.notes.jsonl"

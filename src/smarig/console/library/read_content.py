@@ -9,7 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from smarig.console.library.entry import (
+from smarig.console.library.found_files import FoundFile
+from smarig.console.library.library_entry import (
     DIAGNOSIS,
     MODEL,
     RUN,
@@ -19,7 +20,6 @@ from smarig.console.library.entry import (
     path_of,
     shown_place,
 )
-from smarig.console.library.found_files import FoundFile
 from smarig.console.library.result_content import (
     diagnosis_content,
     model_content,

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from smarig.console.library.entry import DIAGNOSIS, MODEL, Content, FigureRow, shown_place
+from smarig.console.library.library_entry import DIAGNOSIS, MODEL, Content, FigureRow, shown_place
 from smarig.console.library.run_identity import content_identity
 from smarig.core import DataError
 from smarig.replay import Model, load_model

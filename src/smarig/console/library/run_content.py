@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from smarig.console.library.entry import RECORDING, RUN, Content, FigureRow
 from smarig.console.library.heating_cycles import heating_cycles, input_range_K
+from smarig.console.library.library_entry import RECORDING, RUN, Content, FigureRow
 from smarig.console.library.run_identity import run_identity
 from smarig.core import InUse
 from smarig.record import StoredRun, check_not_recording, load_run, stored_run

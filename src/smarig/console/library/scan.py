@@ -10,9 +10,9 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from smarig.console.library.database import Database
-from smarig.console.library.entry import RECORDING, Content, path_of
 from smarig.console.library.entry_rows import number_copies, remove, store
-from smarig.console.library.found_files import FoundFile, FoundFiles, file_now, found_files
+from smarig.console.library.found_files import FoundFile, LibraryFiles, file_now, found_files
+from smarig.console.library.library_entry import RECORDING, Content, path_of
 from smarig.console.library.read_content import read_content
 from smarig.console.library.run_content import is_recording
 
@@ -54,8 +54,8 @@ class Scan:
         """Read what is new or has changed, and remove what is gone."""
         found = found_files(self.folder)
         known = self._known()
-        gone = [place for place in known if place not in found.files]
-        self._remove(gone)
+        removed = [place for place in known if place not in found.files]
+        self._remove(removed)
         changed = [file for file in found.files.values() if not self._is_known(file, known)]
         changed.sort(key=lambda file: -file.newest_ns)  # what a person looks for first
         read = 0
@@ -63,12 +63,12 @@ class Scan:
             self._store(batch)
             read += len(batch)
             self.progress(read, len(changed))
-        return self._result(found, read, len(gone), len(changed))
+        return self._result(found, read, len(removed), len(changed))
 
-    def _result(self, found: FoundFiles, read: int, gone: int, changed: int) -> ScanResult:
+    def _result(self, found: LibraryFiles, read: int, removed: int, changed: int) -> ScanResult:
         return ScanResult(
             read=read,
-            removed=gone,
+            removed=removed,
             unchanged=len(found.files) - changed,
             problems=found.problems,
             stopped=read < changed,
@@ -90,14 +90,14 @@ class Scan:
     def _batches(self, files: list[FoundFile]) -> Iterator[list[tuple[FoundFile, str, Content | None]]]:
         """Files with their states and contents, read outside of any transaction."""
         batch: list[tuple[FoundFile, str, Content | None]] = []
-        begun = time.monotonic()
+        batch_start_s = time.monotonic()
         for file in files:
             if self.stop.is_set():
                 break
             batch.append((file, *self._read(file)))
-            if len(batch) >= _BATCH_FILES or time.monotonic() - begun > _BATCH_S:
+            if len(batch) >= _BATCH_FILES or time.monotonic() - batch_start_s > _BATCH_S:
                 yield batch
-                batch, begun = [], time.monotonic()
+                batch, batch_start_s = [], time.monotonic()
         if batch:
             yield batch
 

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.console.library.entry import MODEL, RUN
+from smarig.console.library.library_entry import MODEL, RUN
 from smarig.console.library.result_content import ERROR
 
 Array = NDArray[np.float64]

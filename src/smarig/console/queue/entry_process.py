@@ -12,8 +12,8 @@ from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 
-from smarig.console.queue.entry import QueueEntry
 from smarig.console.queue.entry_command import entry_command, process_command
+from smarig.console.queue.queue_entry import QueueEntry
 from smarig.core import InUse, UsageError
 
 LOGS = "queue.logs"

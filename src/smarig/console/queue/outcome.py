@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from smarig.console.queue.entry import EntryState
 from smarig.console.queue.entry_process import EntryFiles
+from smarig.console.queue.queue_entry import EntryState
 from smarig.core import Interrupted, UsageError, printable
 
 _LAST_BYTES = 20_000  # of the lines that are searched for the last sentence

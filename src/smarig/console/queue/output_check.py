@@ -4,8 +4,8 @@ from collections.abc import Iterable
 from dataclasses import replace
 from pathlib import Path
 
-from smarig.console.queue.entry import QueueEntry
 from smarig.console.queue.entry_request import EntryRequest
+from smarig.console.queue.queue_entry import QueueEntry
 from smarig.core import UsageError, shown
 from smarig.record import check_not_recording
 

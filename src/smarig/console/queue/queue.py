@@ -7,11 +7,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Self
 
-from smarig.console.queue.entry import CONTINUABLE, EntryState, QueueEntry
 from smarig.console.queue.entry_preview import EntryPreview, Previewer, preview_entry
 from smarig.console.queue.entry_process import check_system
 from smarig.console.queue.entry_request import EntryRequest, check_request
 from smarig.console.queue.output_check import check_no_other, with_checked_output
+from smarig.console.queue.queue_entry import CONTINUABLE, EntryState, QueueEntry
 from smarig.console.queue.queue_file import QueueFile
 from smarig.core import StorageError, UsageError
 

@@ -11,7 +11,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, Self
 
-from smarig.console.queue.entry import COLUMNS, EntryState, QueueEntry
+from smarig.console.queue.queue_entry import COLUMNS, EntryState, QueueEntry
 from smarig.core import DataError, InUse, StorageError, UsageError, check_regular
 
 NAME = "queue.sqlite"

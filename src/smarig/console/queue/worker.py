@@ -12,7 +12,6 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
-from smarig.console.queue.entry import EntryState, QueueEntry
 from smarig.console.queue.entry_process import (
     EntryFiles,
     bound_log,
@@ -22,6 +21,7 @@ from smarig.console.queue.entry_process import (
     start_process,
 )
 from smarig.console.queue.outcome import Outcome, outcome_of
+from smarig.console.queue.queue_entry import EntryState, QueueEntry
 from smarig.console.queue.queue_file import QueueFile
 from smarig.core import InUse, SmarigError, StorageError, process_lock
 

@@ -11,7 +11,7 @@ from starlette.staticfiles import StaticFiles
 
 from smarig.console.web.access_guard import AccessGuard
 from smarig.console.web.desk import Desk, page
-from smarig.console.web.pages import library_page, new_run_page, overview_page, run_page, study_page
+from smarig.console.web.pages import data_file_page, library_page, live_run_page, new_run_page, overview_page
 from smarig.core import DataError, SmarigError, UsageError
 
 _STATUS = ((UsageError, 422), (DataError, 422))
@@ -23,9 +23,9 @@ def console_application(desk: Desk, token: str, port: int) -> AccessGuard:
         routes=[
             *new_run_page.ROUTES,
             *overview_page.ROUTES,
-            *run_page.ROUTES,
+            *live_run_page.ROUTES,
             *library_page.ROUTES,
-            *study_page.ROUTES,
+            *data_file_page.ROUTES,
             Mount("/static", StaticFiles(directory=Path(__file__).parent / "static")),
         ],
         exception_handlers={SmarigError: _refused, HTTPException: _not_found},

@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from smarig.console.library.entry import Entry
+from smarig.console.library.library_entry import Entry
 from smarig.console.web.desk import Desk
 from smarig.core import UsageError, printable
 
@@ -23,7 +23,7 @@ _OWN_PAGES = frozenset(
 
 
 @dataclass(frozen=True)
-class Evaluation:
+class EntryEvaluation:
     """A button: its name, its words, and the command as a person would type it."""
 
     name: str
@@ -32,14 +32,14 @@ class Evaluation:
 
 
 @dataclass(frozen=True)
-class Outcome:
-    """What an evaluation said, and whether it is good news: "good", "warning" or "bad"."""
+class EvaluationResult:
+    """What an evaluation output_lines, and whether it is good news: "good", "warning" or "bad"."""
 
     text: str
     level: str
 
 
-def evaluations_of(desk: Desk, entry: Entry) -> list[Evaluation]:
+def evaluations_of(desk: Desk, entry: Entry) -> list[EntryEvaluation]:
     """What can be done with an entry."""
     words = {
         "report": "Make its page",
@@ -47,12 +47,12 @@ def evaluations_of(desk: Desk, entry: Entry) -> list[Evaluation]:
         "transformation": "Transformation temperatures",
     }
     return [
-        Evaluation(name, words[name], shlex.join(["smarig", *arguments]))
+        EntryEvaluation(name, words[name], shlex.join(["smarig", *arguments]))
         for name, arguments in _commands(desk, entry).items()
     ]
 
 
-def run_evaluation(desk: Desk, entry: Entry, name: str) -> Outcome:
+def run_evaluation(desk: Desk, entry: Entry, name: str) -> EvaluationResult:
     """Run an evaluation and wait for its end. Raises UsageError for one that this entry does not have."""
     commands = _commands(desk, entry)
     if name not in commands:
@@ -105,7 +105,7 @@ def _short(entry: Entry) -> str:
     return "".join(c for c in entry.identity if c.isalnum())[:40] or "entry"
 
 
-def _run(folder: Path, arguments: Sequence[str]) -> Outcome:
+def _run(folder: Path, arguments: Sequence[str]) -> EvaluationResult:
     command = [sys.executable, "-P", "-m", "smarig", *arguments]
     try:
         done = subprocess.run(
@@ -118,7 +118,9 @@ def _run(folder: Path, arguments: Sequence[str]) -> Outcome:
             timeout=LONGEST_S,
         )
     except subprocess.TimeoutExpired:
-        return Outcome(f"It took more than {LONGEST_S:g} s and was ended. Run it at a terminal.", "bad")
-    said = [line for line in (done.stdout + "\n" + done.stderr).splitlines() if line.strip()]
-    text = printable(" ".join(said[-6:])) or "Done."
-    return Outcome(text, "bad" if done.returncode else "warning" if "Warning" in text else "good")
+        return EvaluationResult(
+            f"It took more than {LONGEST_S:g} s and was ended. Run it at a terminal.", "bad"
+        )
+    output_lines = [line for line in (done.stdout + "\n" + done.stderr).splitlines() if line.strip()]
+    text = printable(" ".join(output_lines[-6:])) or "Done."
+    return EvaluationResult(text, "bad" if done.returncode else "warning" if "Warning" in text else "good")

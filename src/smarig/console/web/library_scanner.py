@@ -33,7 +33,7 @@ class LibraryScanner:
     def _scan(self) -> None:
         while not self._stop.is_set():
             try:
-                found = self._library.refresh(self._stop, self._told)
+                found = self._library.refresh(self._stop, self._show_progress)
                 self.text = " ".join(found.problems)
             except SmarigError as error:
                 self.text = str(error)
@@ -42,5 +42,5 @@ class LibraryScanner:
             self._wake.wait(EVERY_S)
             self._wake.clear()
 
-    def _told(self, done: int, total: int) -> None:
+    def _show_progress(self, done: int, total: int) -> None:
         self.text = f"Reading files: {done} of {total}."

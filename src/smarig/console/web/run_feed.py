@@ -39,7 +39,7 @@ class RunFeed:
         self._overlay = ModelOverlay(model) if model else None
         self._newest = 0
         self._last_s = float("-inf")
-        self._events_told = 0
+        self._events_sent = 0
         self._status: dict[str, Any] = {}
 
     async def messages(self) -> AsyncIterator[str]:
@@ -98,15 +98,15 @@ class RunFeed:
     def _events(self) -> list[dict[str, Any]]:
         with suppress(SmarigError, OSError), stored_run(self._file, verify=False) as run:
             events = run.events
-            first = self._events_told or max(len(events) - _EVENTS_AT_FIRST, 0)
-            self._events_told = len(events)
+            first = self._events_sent or max(len(events) - _EVENTS_AT_FIRST, 0)
+            self._events_sent = len(events)
             return [{"at": f"{e.t_s:.1f} s", "level": e.level, "text": e.text} for e in events[first:]]
         return []
 
     def _end(self) -> str:
         with suppress(SmarigError, OSError), stored_run(self._file, verify=False) as run:
-            gone = "The process of this run is gone. Resume it with smarig resume."
-            return f"Ended: {run.cause}." if run.cause else gone
+            ended = "The process of this run is gone. Resume it with smarig resume."
+            return f"Ended: {run.cause}." if run.cause else ended
         return ENDED
 
     @property

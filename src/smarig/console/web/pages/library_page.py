@@ -10,8 +10,8 @@ from starlette.requests import Request
 from starlette.responses import FileResponse, HTMLResponse, Response
 from starlette.routing import Route
 
-from smarig.console.library.entry import Entry
-from smarig.console.library.search import FACETS, ORDERS
+from smarig.console.library.library_entry import Entry
+from smarig.console.library.library_search import FACETS, ORDERS
 from smarig.console.web.access_guard import REPORT_POLICY
 from smarig.console.web.desk import Desk, back, desk_of, page
 from smarig.console.web.evaluations import (
@@ -32,36 +32,36 @@ _DAY_S = 86400.0
 def library(request: Request) -> HTMLResponse:
     """Search and list."""
     desk = desk_of(request)
-    asked = {
+    query = {
         name: request.query_params.get(name, "") for name in ("text", "since", "until", "order", "offset")
     }
-    asked |= {name: request.query_params.get(name, "") for name, _ in _FILTERS}
-    asked["order"] = asked["order"] if asked["order"] in ORDERS else next(iter(ORDERS))
-    offset = int(asked["offset"]) if asked["offset"].isdecimal() else 0
+    query |= {name: request.query_params.get(name, "") for name, _ in _FILTERS}
+    query["order"] = query["order"] if query["order"] in ORDERS else next(iter(ORDERS))
+    offset = int(query["offset"]) if query["offset"].isdecimal() else 0
     found = desk.library.search(
-        asked["text"],
-        tags=[asked["tag"]] if asked["tag"] else [],
-        wire=asked["wire"] or None,
-        rig=asked["rig"] or None,
-        protocol=asked["protocol"] or None,
-        kind=asked["kind"] or None,
-        verdict=asked["verdict"] or None,
-        since=_epoch(asked["since"]),
-        until=_epoch(asked["until"], _DAY_S),
-        order=asked["order"],
+        query["text"],
+        tags=[query["tag"]] if query["tag"] else [],
+        wire=query["wire"] or None,
+        rig=query["rig"] or None,
+        protocol=query["protocol"] or None,
+        kind=query["kind"] or None,
+        verdict=query["verdict"] or None,
+        since=_epoch(query["since"]),
+        until=_epoch(query["until"], _DAY_S),
+        order=query["order"],
         limit=_ROWS,
         offset=offset,
     )
     shown = {
-        "asked": asked,
+        "query": query,
         "filters": _FILTERS,
         "facets": desk.library.facets(),
         "orders": list(ORDERS),
         "rows": [_row(desk, entry) for entry in found.entries],
         "total": found.total,
         "scan": desk.scanner.text,
-        "before": _query(asked, max(offset - _ROWS, 0)) if offset else None,
-        "after": _query(asked, offset + _ROWS) if offset + _ROWS < found.total else None,
+        "before": _query(query, max(offset - _ROWS, 0)) if offset else None,
+        "after": _query(query, offset + _ROWS) if offset + _ROWS < found.total else None,
     }
     return page(request, "library.html", shown, here="library")
 
@@ -167,8 +167,8 @@ def _figure(figure: Any) -> str:
     return f"{figure.value:.4g} {figure.unit}{interval}"
 
 
-def _query(asked: Mapping[str, str], offset: int) -> str:
-    return urlencode({**{k: v for k, v in asked.items() if v and k != "offset"}, "offset": offset})
+def _query(query: Mapping[str, str], offset: int) -> str:
+    return urlencode({**{k: v for k, v in query.items() if v and k != "offset"}, "offset": offset})
 
 
 def _epoch(day: str, later_s: float = 0.0) -> float | None:

@@ -12,10 +12,10 @@ from starlette.routing import Route
 
 from smarig.config import RigFile, load_campaign, load_rig, shipped_names
 from smarig.console.queue.ensure_worker import ensure_worker
-from smarig.console.queue.entry import EntryState
 from smarig.console.queue.entry_command import shown_command
 from smarig.console.queue.entry_preview import EntryPreview, preview_entry
 from smarig.console.queue.entry_request import EntryRequest, Kind
+from smarig.console.queue.queue_entry import EntryState
 from smarig.console.web.desk import Desk, back, desk_of, page
 from smarig.console.web.protocol_form import FormField, protocol_form
 from smarig.core import SmarigError, UsageError, catalogue_names, catalogue_summary

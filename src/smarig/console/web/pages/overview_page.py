@@ -9,7 +9,7 @@ from starlette.responses import HTMLResponse, JSONResponse, Response
 from starlette.routing import Route
 
 from smarig.console.queue.ensure_worker import ensure_worker
-from smarig.console.queue.entry import CONTINUABLE, EntryState, QueueEntry
+from smarig.console.queue.queue_entry import CONTINUABLE, EntryState, QueueEntry
 from smarig.console.web.desk import TEMPLATES, Desk, back, desk_of, page
 from smarig.console.web.run_words import run_card
 from smarig.core import SmarigError

@@ -5,8 +5,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from smarig.console.library.entry import VERDICTS, Entry
 from smarig.console.library.entry_rows import entries
+from smarig.console.library.library_entry import VERDICTS, Entry
 from smarig.core import UsageError, suggestion
 
 _SERIOUS = " ".join(f"WHEN '{word}' THEN {rank}" for rank, word in enumerate(VERDICTS))

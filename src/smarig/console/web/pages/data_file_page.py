@@ -104,8 +104,10 @@ def _studied(request: Request, form: Mapping[str, str]) -> Response:
         )
     except subprocess.TimeoutExpired:
         return back(f"/study/{file.parent.name}", f"It took more than {LONGEST_S:g} s and was ended.", "bad")
-    said = [line for line in (done.stderr if done.returncode else done.stdout).splitlines() if line.strip()]
-    text = printable(" ".join(said[-8:])).replace(str(file), file.name)
+    output_lines = [
+        line for line in (done.stderr if done.returncode else done.stdout).splitlines() if line.strip()
+    ]
+    text = printable(" ".join(output_lines[-8:])).replace(str(file), file.name)
     return back(f"/study/{file.parent.name}", text or "Done.", "bad" if done.returncode else "good")
 
 

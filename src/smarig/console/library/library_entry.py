@@ -25,7 +25,7 @@ class Note:
 
 
 @dataclass(frozen=True)
-class Figure:
+class LibraryFigure:
     """A quantity with its unit, and its 95 % interval if it is known."""
 
     value: float
@@ -67,7 +67,7 @@ class Entry:
     size_bytes: int
     modified: float
     details: Mapping[str, Any]
-    figures: Mapping[str, Figure]
+    figures: Mapping[str, LibraryFigure]
     tags: tuple[str, ...]
     notes: tuple[Note, ...]
 
