@@ -108,11 +108,7 @@ def characterise(
     interrupted run is resumed. Raises what the runs raise; a finished run is kept.
     """
     started = time.monotonic()
-    plan = with_loaded_protocols(load_campaign(campaign))
-    if not any(step.purpose == "train" for step in plan.step):
-        raise UsageError(
-            f"Campaign '{plan.name}' has no step with purpose = \"train\". Add one to identify from."
-        )
+    plan = _plan(campaign)
     if force and go_on:
         raise UsageError("--force replaces runs and --continue continues them. Give only one of them.")
     _check_folder(out, plan, force, go_on)
@@ -143,6 +139,21 @@ def characterise(
         write_page(diagnosis_page(evidence.diagnosis), out / DIAGNOSIS / DIAGNOSIS_PAGE, force=force)
     write_page(characterisation_page(evidence), out / "report.html", force=force)
     return Characterisation(out, evidence)
+
+
+def campaign_previews(rig: str, campaign: str = "characterise") -> list[Preview]:
+    """The previews of the runs of a characterisation, in order. Raises UsageError if it could not be started."""
+    file = load_rig(rig)
+    return [preview(step.protocol, file, step.set) for step in _plan(campaign).step]
+
+
+def _plan(campaign: str) -> CampaignFile:
+    plan = with_loaded_protocols(load_campaign(campaign))
+    if not any(step.purpose == "train" for step in plan.step):
+        raise UsageError(
+            f"Campaign '{plan.name}' has no step with purpose = \"train\". Add one to identify from."
+        )
+    return plan
 
 
 def _check_folder(out: Path, plan: CampaignFile, force: bool, go_on: bool) -> None:

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING
 from smarig.cli.output import json_requested, show_message
 
 if TYPE_CHECKING:
-    from smarig.cli.panel.run_status import PanelRunInfo, RunStatus
     from smarig.cli.panel.terminal import Terminal
     from smarig.runner import Listener, RunControl
+    from smarig.running import PanelRunInfo, RunStatus
 
 STREAMS = (
     'With --json, stderr carries one JSON object per line during the run, {"event": …} or {"step": …}. Other lines '
@@ -22,9 +22,29 @@ STREAMS = (
 def progress(
     run_info: "PanelRunInfo", control: "RunControl | None" = None, *, quiet: bool = False, keys: bool = False
 ) -> "Iterator[Listener]":
-    """Yield the listener for the runner. ``keys``: whether the terminal accepts keys."""
-    from smarig.cli.panel.run_status import RunStatus
+    """Yield the listener for the runner, which also announces the run to other processes.
+
+    ``keys``: whether the terminal accepts keys.
+    """
+    from smarig.cli.live_options import with_watchers
+    from smarig.runner import RunControl
+    from smarig.running import announced
+
+    control = control or RunControl()
+    display = _display(run_info, control, quiet=quiet, keys=keys)
+    with (
+        announced(run_info, control) as announcement,
+        with_watchers(display, [announcement] if announcement else []) as listener,
+    ):
+        yield listener
+
+
+@contextmanager
+def _display(
+    run_info: "PanelRunInfo", control: "RunControl", *, quiet: bool, keys: bool
+) -> "Iterator[Listener]":
     from smarig.cli.panel.terminal import Terminal
+    from smarig.running import RunStatus
 
     status = RunStatus(run_info, control, keys=keys)
     if quiet:

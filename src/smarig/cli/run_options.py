@@ -1,6 +1,6 @@
 """Options and session of the commands that drive current through a wire, with their displays."""
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -10,7 +10,7 @@ import click
 from smarig.cli.live_options import LiveOptions, live_options, live_view, with_watchers
 from smarig.cli.notifier import Subject
 from smarig.cli.notify import NotifyOptions, notified, notify_option
-from smarig.cli.output import show_message
+from smarig.cli.output import emit, show_message
 from smarig.cli.panel.keyboard import keys
 from smarig.cli.parameter_types import RIG, SEED, FiniteNumber
 from smarig.cli.progress import progress
@@ -61,7 +61,7 @@ class RunOptions(NamedTuple):
         self, session: "Session", settings: Mapping[str, Any], what: str
     ) -> Iterator[DisplayFactory]:
         """Open the session, the keys and the live view. Yields a function that opens the display of one run."""
-        from smarig.cli.panel.run_status import run_info
+        from smarig.running import run_info
 
         title = f"{what} on {session.file.name}"
         subject = Subject(session.wire, session.file.name, "", "")
@@ -138,6 +138,13 @@ def check_target(target: Path, *, force: bool, remedy: str = "") -> None:
     if target.exists() and not force:
         raise UsageError(f"{target} exists. Give another name,{remedy} or --force to replace it.")
     check_replaceable(target, RUN)
+
+
+def emit_previews(previews: "Sequence[Preview]") -> None:
+    """Print the previews of one or more runs, as --dry-run does."""
+    total_h = sum(p.duration_s for p in previews) / 3600
+    lines = [*(p.sentence() for p in previews), f"total: {total_h:.2f} h"]
+    emit({"preview": [p.__dict__ for p in previews]}, "\n".join(lines))
 
 
 def run_warnings(run: "AnyRun") -> list[str]:

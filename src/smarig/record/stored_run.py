@@ -94,6 +94,12 @@ class StoredRun(AnyRun):
         ends = [self._rows(f"{query} {order} LIMIT 1") for order in ("", "DESC")]
         return float(ends[1][0][0] - ends[0][0][0]) if ends[0] else 0.0
 
+    @cached_property
+    def first_sample(self) -> tuple[int, float | None] | None:
+        """Tick and time of the first sample; None without samples."""
+        found = self._rows("SELECT tick, t_s FROM sample ORDER BY tick LIMIT 1")
+        return None if not found else (int(found[0][0]), None if found[0][1] is None else float(found[0][1]))
+
     def _rows(self, query: str) -> list[tuple]:
         with reading(self.path):
             return self._db.execute(query).fetchall()

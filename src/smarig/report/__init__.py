@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from smarig.report.components.html import paragraph as paragraph
     from smarig.report.components.html import table as table
     from smarig.report.components.html import tag as tag
+    from smarig.report.components.numbers import duration as duration
     from smarig.report.components.numbers import number as number
     from smarig.report.components.numbers import to_uncertainty as to_uncertainty
     from smarig.report.components.page import LIBRARY as LIBRARY
@@ -42,10 +43,14 @@ if TYPE_CHECKING:
     from smarig.report.components.run_description import display_unit as display_unit
     from smarig.report.components.run_description import input_title as input_title
     from smarig.report.components.run_description import output_title as output_title
+    from smarig.report.components.run_description import source_label as source_label
     from smarig.report.components.run_title import titled as titled
     from smarig.report.components.thumbnail import thumbnail as thumbnail
+    from smarig.report.diagnosis.diagnosis_summary import SEVERITY_LEVELS as SEVERITY_LEVELS
     from smarig.report.diagnosis_page import diagnosis_page as diagnosis_page
     from smarig.report.drawing import figures_saved_in as figures_saved_in
+    from smarig.report.folder_contents import model_name as model_name
+    from smarig.report.folder_contents import model_summary as model_summary
     from smarig.report.folder_report import INDEX_FILE as INDEX_FILE
     from smarig.report.folder_report import page_path as page_path
     from smarig.report.folder_report import report_folder as report_folder
@@ -61,7 +66,10 @@ if TYPE_CHECKING:
     from smarig.report.run_comparison_page import comparison_page as comparison_page
     from smarig.report.run_page import run_page as run_page
     from smarig.report.runs.derived_quantities import derived_quantities as derived_quantities
+    from smarig.report.runs.run_assessment import run_assessment as run_assessment
     from smarig.report.runs.run_of_each_folder import runs_of_folders as runs_of_folders
+    from smarig.report.runs.run_summary import RunSummary as RunSummary
+    from smarig.report.runs.run_summary import summary_of as summary_of
     from smarig.report.runs.run_summary import summary_with_loop as summary_with_loop
     from smarig.report.summary_page import summary_page as summary_page
     from smarig.report.transformation.transformation_tables import figure_name as figure_name

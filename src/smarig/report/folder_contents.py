@@ -42,7 +42,7 @@ def folder_contents(folder: Path, left_out: Collection[Path]) -> FolderContents:
         if not _is_text(file) or (file.name != MODEL_ENDING and not file.name.endswith(f".{MODEL_ENDING}")):
             continue
         try:
-            models.append(FoundPage(file, _model_name(file, folder), _model_summary(load_model(file))))
+            models.append(FoundPage(file, model_name(file, folder), model_summary(load_model(file))))
         except SmarigError as error:
             unreadable.append(str(error))
     return FolderContents(tuple(pages), tuple(models), tuple(unreadable))
@@ -57,7 +57,8 @@ def _is_text(file: Path) -> bool:
     return True
 
 
-def _model_summary(model: Model) -> PageSummary:
+def model_summary(model: Model) -> PageSummary:
+    """The summary of a model: its kind, the error on its own data, and its loops."""
     u, y = model_loops(model, _POINTS_PER_BRANCH)
     known = np.isfinite(u) & np.isfinite(y)
     units = display_unit(model.input.unit), display_unit(model.unit)
@@ -74,7 +75,7 @@ def _fit(model: Model) -> list[str]:
     return [f"Error on the data it was fitted to: {number(rms)}{spaced(display_unit(model.unit))} rms"]
 
 
-def _model_name(file: Path, folder: Path) -> str:
+def model_name(file: Path, folder: Path) -> str:
     """The name of a model: of its file, or of its folder where the file is called model.json."""
     name = file.name.removesuffix(".json").removesuffix(".model")
     return f"{file.parent.name}/{name}" if name in ("model", "extended") and file.parent != folder else name

@@ -55,7 +55,8 @@ def split_runs(tables: Sequence[ImportedTable], wanted: Split, folder: Path) -> 
         case "time":
             return _by_time(runs, folder, named)
     reason = "Nothing is held out" + (
-        named or ": one loop at most, and a part of it does not show what the rest does. Errors are those of the fit."
+        named
+        or ": one loop at most, and a part of it does not show what the rest does. Errors are those of the fit."
     )
     return DataSplit("none", reason, tuple(runs), ())
 

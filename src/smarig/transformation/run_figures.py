@@ -101,7 +101,7 @@ def run_figures(run: Run) -> RunFigures:
             found = branch_tangents(
                 *branch.rising(),
                 seed=k,
-                curve_seed=zlib.crc32(f"{run.name} {branch.direction}".encode()),
+                curve_seed=zlib.crc32(f"{run.name} {branch.direction}".encode(errors="surrogateescape")),
                 unit=_shown_unit(record.input_unit),
             )
             tangents[k] = with_lag(found, branch, record.lag_s)

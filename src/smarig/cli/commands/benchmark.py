@@ -31,7 +31,8 @@ def _run_of(name: str) -> Callable[..., dict[str, Any]] | None:
 @click.argument("name")
 @click.option("--quick", is_flag=True, help="Fewer samples: seconds instead of a minute.")
 @click.option("--boxes", type=int, help="diagnosis, mystery: number of boxes.")
-@click.option("--seed", type=int, help="diagnosis, mystery, critic: seed.")
+@click.option("--runs", type=click.IntRange(min=1), help="library: number of runs.")
+@click.option("--seed", type=int, help="diagnosis, mystery, critic, library: seed.")
 @click.option("--workers", type=int, help="diagnosis, mystery: number of processes.")
 @click.option(
     "--left-out",
@@ -51,8 +52,8 @@ def command(name: str, quick: bool, **settings: Any) -> None:
     """Measure speed, memory and accuracy as ratios to a reference program, or the success rate of the diagnosis on
     sealed boxes (synthetic data sets with hidden effects).
 
-    NAME: adaptive, critic, density, diagnosis, fast_curves, forward, identify, inverse, large, links, live, mystery,
-    one_input, real, regulation, self_sensing, soak, tracking, tracking_effects.
+    NAME: adaptive, critic, density, diagnosis, fast_curves, forward, identify, inverse, large, library, links, live,
+    mystery, one_input, real, regulation, self_sensing, soak, tracking, tracking_effects.
     """
     make_importable("benchmarks")
     modules = catalogue_names("benchmarks")

@@ -13,7 +13,7 @@ from smarig.cli.notify import NotifyOptions, notified, notify_option
 from smarig.cli.output import emit, json_option, show_message
 from smarig.cli.parameter_types import FOLDER, RIG, SEED, CatalogueName
 from smarig.cli.progress import STREAMS, progress
-from smarig.cli.run_options import effect_option
+from smarig.cli.run_options import effect_option, emit_previews
 
 if TYPE_CHECKING:
     from smarig.runner import Listener, Preview
@@ -36,6 +36,7 @@ if TYPE_CHECKING:
 @effect_option
 @click.option("--seed", type=SEED, default=0, show_default=True, help="Seed of the twin's noise.")
 @click.option("--wire", default="", help="Identity of the wire (default: that of the rig file).")
+@click.option("--dry-run", is_flag=True, help="Only print the preview: duration and range.")
 @click.option("--force", is_flag=True, help="Replace the files in the folder.")
 @click.option(
     "--continue",
@@ -54,6 +55,7 @@ def command(
     effects: tuple[str, ...],
     seed: int,
     wire: str,
+    dry_run: bool,
     force: bool,
     go_on: bool,
     quiet: bool,
@@ -61,22 +63,27 @@ def command(
     live: LiveOptions,
 ) -> None:
     """Initialise, test, identify, verify, diagnose and report: everything about one wire, in one folder."""
-    from smarig.app import characterise
-    from smarig.cli.panel.run_status import run_info
+    from smarig.app import campaign_previews, characterise
     from smarig.config import load_campaign, load_rig
     from smarig.plant import effects_from_arguments
     from smarig.rig import TwinSettings
     from smarig.runner import RunControl, twin_source
+    from smarig.running import run_info
 
     run_number, control = count(1), RunControl()
     file = load_rig(rig)
     twin = TwinSettings(seed, effects=effects_from_arguments(effects))
     source = twin_source(file, twin)
+    if dry_run:
+        emit_previews(campaign_previews(rig, campaign))
+        return
 
     def listener_factory(cost: "Preview") -> "AbstractContextManager[Listener]":
         place = f"run {next(run_number)} of {len(load_campaign(campaign).step)}"
         what_runs = run_info(file, cost, out, wire=wire or file.wire, source=source, place=place)
-        return with_watchers(progress(what_runs, quiet=quiet), [*watchers, *watch.listeners(what_runs)])
+        return with_watchers(
+            progress(what_runs, control, quiet=quiet), [*watchers, *watch.listeners(what_runs)]
+        )
 
     title, subject = f"{campaign} on {file.name}", Subject(wire or file.wire, file.name, campaign, str(out))
     with live_view(live, file, source, {}, title) as watchers, notified(notify, control, subject) as watch:

@@ -9,7 +9,14 @@ import click
 from smarig.cli.output import emit, json_option, show_message
 from smarig.cli.parameter_types import ANY_PATH, EXPERIMENT
 from smarig.cli.progress import STREAMS, preview_progress
-from smarig.cli.run_options import RunOptions, check_target, print_warnings, run_options, run_summary
+from smarig.cli.run_options import (
+    RunOptions,
+    check_target,
+    emit_previews,
+    print_warnings,
+    run_options,
+    run_summary,
+)
 from smarig.core import UsageError, catalogue_names, offered_names, suggestion, swapped_file
 
 if TYPE_CHECKING:
@@ -58,8 +65,7 @@ def command(
     report = preview_progress(quiet=options.quiet)
     costs = [preview(s.protocol, file, s.set, chooser=informed_choice, report=report) for s in steps]
     if options.dry_run:
-        lines = [c.sentence() for c in costs] + [f"total: {sum(c.duration_s for c in costs) / 3600:.2f} h"]
-        emit({"preview": [c.__dict__ for c in costs]}, "\n".join(lines))
+        emit_previews(costs)
         return
     if out is None:
         raise UsageError("Give a run file with -o (a folder for a campaign), or --dry-run.")

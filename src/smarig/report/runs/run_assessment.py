@@ -4,7 +4,7 @@ import numpy as np
 
 from smarig.core import Severity, spaced
 from smarig.identification import ErrorLevel, RunVerification
-from smarig.record import Run
+from smarig.record import AnyRun
 from smarig.report.components.assessment_box import Assessment, box_level
 from smarig.report.components.numbers import duration, number, thousands
 from smarig.report.components.run_description import (
@@ -19,7 +19,7 @@ _IDENTIFIED_FROM = ("first_order_descending", "first_order_ascending", "minor_lo
 _SEVERE = (Severity.MAJOR, Severity.INVALID)
 
 
-def run_assessment(run: Run, verified: RunVerification | None = None, model: str = "") -> Assessment:
+def run_assessment(run: AnyRun, verified: RunVerification | None = None, model: str = "") -> Assessment:
     """The assessment of a run, and of the prediction of a ``model`` that was ``verified`` on it, if one was."""
     level, quality = _record_quality(run)
     if verified is None or level == "bad":
@@ -35,7 +35,7 @@ def run_assessment(run: Run, verified: RunVerification | None = None, model: str
     return Assessment(box_level(found.level), _measured(run), text, advice)
 
 
-def _measured(run: Run) -> str:
+def _measured(run: AnyRun) -> str:
     travel = extent(run, "position")
     if not np.isfinite(travel):
         return f"Measured: {protocol_name(run)}, without readings of the output."
@@ -49,7 +49,7 @@ def _measured(run: Run) -> str:
     return f"{words}; {count}{took}."
 
 
-def _record_quality(run: Run) -> tuple[str, str]:
+def _record_quality(run: AnyRun) -> tuple[str, str]:
     """The level and the sentence on the record itself."""
     m = quality_counts(run)
     late = m.timed_out + m.interrupted
@@ -69,7 +69,7 @@ def _record_quality(run: Run) -> tuple[str, str]:
     return "good", f"The run ended as planned{steps}."
 
 
-def _advice(run: Run, level: str) -> str:
+def _advice(run: AnyRun, level: str) -> str:
     if level == "bad":
         return "Resume the run (smarig resume), or repeat it, before using it."
     if run.info.protocol in _IDENTIFIED_FROM:

@@ -1,0 +1,133 @@
+"""What the library keeps of a run file, finished, interrupted, or being recorded."""
+
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from smarig.console.library.heating_cycles import heating_cycles, input_range_K
+from smarig.console.library.library_entry import RECORDING, RUN, Content, FigureRow
+from smarig.console.library.run_identity import run_identity
+from smarig.core import InUse
+from smarig.record import StoredRun, check_not_recording, load_run, stored_run
+from smarig.report import RunSummary, run_assessment, source_label, summary_of
+from smarig.transformation import headline
+
+MOST_ANALYSED = 2_000_000  # samples that are read into memory for the figures: two days at 10 Hz
+_FIGURES = ("stroke", "A_s", "A_f", "M_s", "M_f", "width")
+
+
+def run_content(file: Path) -> Content:
+    """The content of a run. Raises DataError for any other file, and for one that was changed."""
+    recording = is_recording(file)
+    with stored_run(file, verify=False) as run:
+        if recording:
+            return _being_recorded(run)
+        few = len(run) <= MOST_ANALYSED
+        if not few:
+            run.verify()
+        summary, assessed = summary_of(run), run_assessment(run)
+        described = _described(run)
+        return replace(
+            described,
+            duration_s=_finite(summary.duration_s),
+            verdict=assessed.level,
+            sentence=assessed.quality,
+            details=described.details | _details(run, summary),
+            figures=_cycles(run) | (_figures(file) if few else {}),
+            u=tuple(summary.u.tolist()),
+            y=tuple(summary.y.tolist()),
+        )
+
+
+def is_recording(file: Path) -> bool:
+    """Whether a process of this computer records the run now."""
+    try:
+        check_not_recording(file)
+    except InUse:
+        return True
+    return False
+
+
+def _being_recorded(run: StoredRun) -> Content:
+    """Only what costs the recorder and the disk nothing: no column is read."""
+    described = _described(run)
+    size = {"samples": len(run), "steps": len(run.steps), "complete": False}
+    return replace(
+        described,
+        verdict=RECORDING,
+        sentence="The run is being recorded.",
+        details=described.details | size,
+    )
+
+
+def _described(run: StoredRun) -> Content:
+    """What the description says."""
+    info, first = run.info, run.first_sample
+    start_s = first[1] if first and first[1] is not None else 0.0
+    return Content(
+        identity=run_identity(run),
+        kind=RUN,
+        name=run.name,
+        began=None if info.start_epoch is None else float(info.start_epoch) + start_s,
+        wire=info.wire or "",
+        rig=info.rig or "",
+        protocol=info.protocol or "",
+        label=source_label(run),
+        details={
+            "settings": {key: str(value) for key, value in info.settings.items()},
+            "seed": info.seed,
+            "notes": info.notes or "",
+            "effects": [str(effect) for effect in info.effects],
+            "source": info.source or "",
+            "unit": run.unit,
+            "input_unit": run.input_unit,
+        },
+    )
+
+
+def _details(run: StoredRun, summary: RunSummary) -> dict[str, Any]:
+    end = run.info.end
+    return {
+        "cause": summary.cause,
+        "complete": summary.complete,
+        "samples": summary.samples,
+        "steps": summary.steps,
+        "settled": summary.settled,
+        "flagged": summary.flagged,
+        "travel": _finite(summary.travel),
+        "axes": list(summary.axes),
+        "severity": str(run.severity),
+        "ended": end.epoch if end else None,
+    }
+
+
+def _cycles(run: StoredRun) -> dict[str, FigureRow]:
+    range_K = input_range_K(run)
+    if range_K is None or not run.has("input"):
+        return {}
+    return {"cycles": (float(heating_cycles(run["input"], range_K)), None, None, "")}
+
+
+def _figures(file: Path) -> dict[str, FigureRow]:
+    """Transformation temperatures, stroke and width of a run with a full loop. Raises DataError for a damaged one."""
+    run = load_run(file)
+    try:
+        found = headline(run)
+    except Exception:  # measured data of any kind: without figures, the run is still an entry
+        return {}
+    return {
+        name: (each.value, *_ends(each.ci95), each.unit)
+        for name in _FIGURES
+        if (each := found.get(name)) is not None and np.isfinite(each.value)
+    }
+
+
+def _ends(interval: tuple[float, float]) -> tuple[float | None, float | None]:
+    low, high = map(_finite, interval)
+    return (low, high) if low is not None and high is not None else (None, None)
+
+
+def _finite(value: float) -> float | None:
+    return float(value) if np.isfinite(value) else None

@@ -1,0 +1,131 @@
+"""Brings the library to what the files of its folder hold. Only files that changed are read.
+
+Each batch is stored in one transaction, so a scan that is killed has lost at most a batch, which the next one reads.
+"""
+
+import threading
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from smarig.console.library.database import Database
+from smarig.console.library.entry_rows import number_copies, remove, store
+from smarig.console.library.found_files import FoundFile, LibraryFiles, file_now, found_files
+from smarig.console.library.library_entry import RECORDING, Content, path_of
+from smarig.console.library.read_content import read_content
+from smarig.console.library.run_content import is_recording
+
+Progress = Callable[[int, int], object]  # files read, files to read
+_BATCH_S = 0.5
+_BATCH_FILES = 200
+_FRESH_NS = 2_000_000_000  # a file that was written so recently may change again without another time
+
+
+@dataclass(frozen=True)
+class ScanResult:
+    """What a scan did: files read, entries removed, files unchanged, and sentences on folders it could not read.
+
+    ``stopped``: it was asked to end before its end. ``elsewhere``: another process scans; nothing was done.
+    """
+
+    read: int = 0
+    removed: int = 0
+    unchanged: int = 0
+    problems: tuple[str, ...] = ()
+    stopped: bool = False
+    elsewhere: bool = False
+
+    def with_problem(self, sentence: str) -> "ScanResult":
+        """The result with one more sentence."""
+        return replace(self, problems=(*self.problems, sentence))
+
+
+@dataclass(frozen=True)
+class Scan:
+    """One scan of a folder, until ``stop`` is set."""
+
+    folder: Path
+    database: Database
+    stop: threading.Event
+    progress: Progress
+
+    def run(self) -> ScanResult:
+        """Read what is new or has changed, and remove what is gone."""
+        found = found_files(self.folder)
+        known = self._known()
+        removed = [place for place in known if place not in found.files]
+        self._remove(removed)
+        changed = [file for file in found.files.values() if not self._is_known(file, known)]
+        changed.sort(key=lambda file: -file.newest_ns)  # what a person looks for first
+        read = 0
+        for batch in self._batches(changed):
+            self._store(batch)
+            read += len(batch)
+            self.progress(read, len(changed))
+        return self._result(found, read, len(removed), len(changed))
+
+    def _result(self, found: LibraryFiles, read: int, removed: int, changed: int) -> ScanResult:
+        return ScanResult(
+            read=read,
+            removed=removed,
+            unchanged=len(found.files) - changed,
+            problems=found.problems,
+            stopped=read < changed,
+        )
+
+    def _known(self) -> dict[bytes, tuple[str, bool]]:
+        """State of each file when it was read, and whether it was being recorded."""
+        with self.database.reading() as db:
+            rows = db.execute("SELECT place, state, recording FROM seen").fetchall()
+        return {place: (state, bool(recording)) for place, state, recording in rows}
+
+    def _is_known(self, file: FoundFile, known: dict[bytes, tuple[str, bool]]) -> bool:
+        """Whether a file is as it was. A recorder that was killed changes nothing in its file."""
+        state, recording = known.get(file.place, ("", False))
+        if state != file.state:
+            return False
+        return not recording or is_recording(path_of(self.folder, file.place))
+
+    def _batches(self, files: list[FoundFile]) -> Iterator[list[tuple[FoundFile, str, Content | None]]]:
+        """Files with their states and contents, read outside of any transaction."""
+        batch: list[tuple[FoundFile, str, Content | None]] = []
+        batch_start_s = time.monotonic()
+        for file in files:
+            if self.stop.is_set():
+                break
+            batch.append((file, *self._read(file)))
+            if len(batch) >= _BATCH_FILES or time.monotonic() - batch_start_s > _BATCH_S:
+                yield batch
+                batch, batch_start_s = [], time.monotonic()
+        if batch:
+            yield batch
+
+    def _read(self, file: FoundFile) -> tuple[str, Content | None]:
+        """The state that was read, "" if the file may change without being noticed, and its content."""
+        began_ns = time.time_ns()
+        content = read_content(self.folder, file)
+        now = file_now(self.folder, file.place, file.kind)
+        same = now is not None and now.state == file.state
+        fresh = abs(began_ns - file.newest_ns) < _FRESH_NS
+        return (file.state if same and not fresh else ""), content
+
+    def _store(self, batch: list[tuple[FoundFile, str, Content | None]]) -> None:
+        touched: set[str] = set()
+        with self.database.writing() as db:
+            for file, state, content in batch:
+                touched.add(remove(db, file.place))
+                recording = content is not None and content.verdict == RECORDING
+                db.execute("INSERT OR REPLACE INTO seen VALUES (?, ?, ?)", (file.place, state, recording))
+                if content is not None:
+                    store(db, file, content)
+                    touched.add(content.identity)
+            number_copies(db, touched)
+
+    def _remove(self, places: list[bytes]) -> None:
+        if not places:
+            return
+        with self.database.writing() as db:
+            touched = {remove(db, place) for place in places}
+            db.executemany("DELETE FROM seen WHERE place = ?", [(place,) for place in places])
+            number_copies(db, touched)

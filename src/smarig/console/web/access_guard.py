@@ -1,0 +1,130 @@
+"""Who may use the console: a browser of this computer that was given the token, and pages of the console itself.
+
+One middleware guards every route. A request must name this server as its host, so that another name that resolves to
+loopback (DNS rebinding) reaches nothing. It must carry the token, in the address once and in a cookie afterwards. What
+changes something must come from a page of the console (``Origin``, or ``Sec-Fetch-Site``), whatever cookies it has.
+"""
+
+import hmac
+from collections.abc import Awaitable, Callable, MutableMapping
+from dataclasses import dataclass
+from http.cookies import CookieError, SimpleCookie
+from typing import Any
+from urllib.parse import parse_qsl, urlencode
+
+Scope = MutableMapping[str, Any]
+Receive = Callable[[], Awaitable[MutableMapping[str, Any]]]
+Send = Callable[[MutableMapping[str, Any]], Awaitable[None]]
+Application = Callable[[Scope, Receive, Send], Awaitable[None]]
+
+TOKEN = "token"  # the parameter of the address
+_READING = frozenset({"GET", "HEAD"})
+POLICY = (
+    "default-src 'none'; script-src 'self'; style-src 'self' 'unsafe-inline'; img-src 'self' data:; "
+    "connect-src 'self'; form-action 'self'; frame-src 'self'; frame-ancestors 'self'; base-uri 'none'"
+)
+# A page of a report holds scripts of its own, and may come from somebody else: it runs without an origin, so that it
+# can neither read the console nor send it anything.
+REPORT_POLICY = (
+    "sandbox allow-scripts allow-downloads allow-popups; default-src 'none'; script-src 'unsafe-inline'; "
+    "style-src 'unsafe-inline'; img-src data: blob:; font-src data:; frame-ancestors 'self'"
+)
+_HEADERS = {
+    "x-content-type-options": "nosniff",
+    "referrer-policy": "no-referrer",
+    "cross-origin-resource-policy": "same-origin",
+    "cross-origin-opener-policy": "same-origin",
+    "cache-control": "no-store",
+}
+
+
+@dataclass(frozen=True)
+class AccessGuard:
+    """ASGI middleware before ``app``; ``port`` is that of the server."""
+
+    app: Application
+    token: str
+    port: int
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Pass a request on, or answer it."""
+        if scope["type"] != "http":  # the console has no websockets
+            if scope["type"] == "websocket":
+                await send({"type": "websocket.close", "code": 1008})
+            return
+        headers = {k.decode("latin-1"): v.decode("latin-1") for k, v in scope["headers"]}
+        reason = self._refusal(scope, headers)
+        if reason:
+            await _answer(send, 403, reason)
+            return
+        query = parse_qsl(scope["query_string"].decode("latin-1"), keep_blank_values=True)
+        if self._is_token(dict(query).get(TOKEN, "")):
+            await self._remember(scope, query, send)
+        elif self._is_token(_cookies(headers).get(self.cookie, "")):
+            await self.app(scope, receive, _with_headers(send))
+        else:
+            await _answer(
+                send, 403, "The token is missing or wrong. Open the address that smarig console printed."
+            )
+
+    @property
+    def cookie(self) -> str:
+        """The name of the cookie; cookies do not tell ports apart, so the name does."""
+        return f"smarig-console-{self.port}"
+
+    def _refusal(self, scope: Scope, headers: dict[str, str]) -> str:
+        hosts = {f"{name}:{self.port}" for name in ("127.0.0.1", "localhost")}
+        if headers.get("host", "") not in hosts:
+            return "This address is not that of the console."
+        origin, site = headers.get("origin"), headers.get("sec-fetch-site")
+        if origin is not None and origin not in {f"http://{host}" for host in hosts}:
+            return "Requests of other pages are refused."
+        if scope["method"] not in _READING and origin is None and site != "same-origin":
+            return "A request that changes something must come from a page of the console."
+        if scope["method"] not in _READING and site not in (None, "same-origin"):
+            return "Requests of other pages are refused."
+        return ""
+
+    def _is_token(self, text: str) -> bool:
+        return hmac.compare_digest(text.encode("utf-8", "replace"), self.token.encode())
+
+    async def _remember(self, scope: Scope, query: list[tuple[str, str]], send: Send) -> None:
+        """Keep the token in a cookie, and show the same page without it in its address."""
+        rest = urlencode([(k, v) for k, v in query if k != TOKEN])
+        place = "/" + scope["path"].lstrip("/") + (f"?{rest}" if rest else "")
+        cookie = f"{self.cookie}={self.token}; HttpOnly; SameSite=Strict; Path=/"
+        await _answer(send, 303, "", {"location": _ascii(place), "set-cookie": cookie})
+
+
+def _cookies(headers: dict[str, str]) -> dict[str, str]:
+    try:
+        return {name: morsel.value for name, morsel in SimpleCookie(headers.get("cookie", "")).items()}
+    except CookieError:
+        return {}
+
+
+def _ascii(place: str) -> str:
+    return "".join(c if " " < c < "\x7f" else "" for c in place)
+
+
+def _with_headers(send: Send) -> Send:
+    async def sending(message: MutableMapping[str, Any]) -> None:
+        if message["type"] == "http.response.start":
+            present = {name.lower() for name, _ in message["headers"]}
+            own = {"content-security-policy": POLICY, **_HEADERS}
+            extra = [(k.encode(), v.encode()) for k, v in own.items() if k.encode() not in present]
+            message = {**message, "headers": [*message["headers"], *extra]}
+        await send(message)
+
+    return sending
+
+
+async def _answer(send: Send, status: int, text: str, headers: dict[str, str] | None = None) -> None:
+    every = {"content-type": "text/plain; charset=utf-8", **_HEADERS, **(headers or {})}
+    start = {
+        "type": "http.response.start",
+        "status": status,
+        "headers": [(k.encode(), v.encode("latin-1")) for k, v in every.items()],
+    }
+    await send(start)
+    await send({"type": "http.response.body", "body": text.encode()})

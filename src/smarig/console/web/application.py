@@ -1,0 +1,45 @@
+"""The web application: all pages of the console behind its guard, with a sentence for whatever goes wrong."""
+
+from pathlib import Path
+
+from starlette.applications import Starlette
+from starlette.exceptions import HTTPException
+from starlette.requests import Request
+from starlette.responses import Response
+from starlette.routing import Mount
+from starlette.staticfiles import StaticFiles
+
+from smarig.console.web.access_guard import AccessGuard
+from smarig.console.web.desk import Desk, page
+from smarig.console.web.pages import data_file_page, library_page, live_run_page, new_run_page, overview_page
+from smarig.core import DataError, SmarigError, UsageError
+
+_STATUS = ((UsageError, 422), (DataError, 422))
+
+
+def console_application(desk: Desk, token: str, port: int) -> AccessGuard:
+    """The application for a desk, for browsers that have the token."""
+    application = Starlette(
+        routes=[
+            *new_run_page.ROUTES,
+            *overview_page.ROUTES,
+            *live_run_page.ROUTES,
+            *library_page.ROUTES,
+            *data_file_page.ROUTES,
+            Mount("/static", StaticFiles(directory=Path(__file__).parent / "static")),
+        ],
+        exception_handlers={SmarigError: _refused, HTTPException: _not_found},
+    )
+    application.state.desk = desk
+    return AccessGuard(application, token, port)
+
+
+def _refused(request: Request, error: Exception) -> Response:
+    status = next((number for kind, number in _STATUS if isinstance(error, kind)), 500)
+    return page(request, "problem.html", {"sentence": str(error)}, status=status)
+
+
+def _not_found(request: Request, error: Exception) -> Response:
+    status = error.status_code if isinstance(error, HTTPException) else 500
+    sentence = "There is no such page." if status == 404 else f"This request is not possible ({status})."
+    return page(request, "problem.html", {"sentence": sentence}, status=status)

@@ -1,0 +1,102 @@
+"""Serves the console on loopback, until it is ended; runs and the queue go on without it."""
+
+import secrets
+import signal
+import socket
+import webbrowser
+from collections.abc import Callable, Iterator
+from contextlib import closing, contextmanager
+from pathlib import Path
+from types import FrameType
+
+import uvicorn
+
+from smarig.console.library.library import Library
+from smarig.console.queue.ensure_worker import ensure_worker
+from smarig.console.queue.queue import Queue
+from smarig.console.web.access_guard import TOKEN
+from smarig.console.web.application import console_application
+from smarig.console.web.desk import Desk
+from smarig.console.web.library_scanner import LibraryScanner
+from smarig.core import SmarigError, UsageError
+
+HOST = "127.0.0.1"
+_SHUTDOWN_S = 1  # that open pages may take
+
+
+def serve_console(
+    folder: Path,
+    *,
+    rig: str = "one_wire_twin",
+    port: int = 0,
+    open_browser: bool = False,
+    announce: Callable[[str], None] = print,
+) -> None:
+    """Serve the console of a folder until Ctrl-C or SIGTERM; ``announce`` is told its address with the token.
+
+    ``port`` 0: any free one. Entries that wait in the queue go on. Raises UsageError if the port is taken.
+    """
+    with closing(_bound(port)) as listening, Queue.open(folder) as queue:
+        library, token = Library.open(folder), secrets.token_urlsafe(24)
+        port = listening.getsockname()[1]
+        with LibraryScanner(library) as scanner:
+            desk = Desk(folder.resolve(), rig, queue, library, scanner)
+            application = console_application(desk, token, port)
+            address = f"http://{HOST}:{port}/?{TOKEN}={token}"
+            announce(address)
+            _go_on(queue, folder, announce)
+            if open_browser:
+                webbrowser.open(address)
+            config = uvicorn.Config(
+                application,
+                log_level="warning",
+                access_log=False,
+                lifespan="off",
+                timeout_graceful_shutdown=_SHUTDOWN_S,
+                server_header=False,
+            )
+            _Server(config, desk).run(sockets=[listening])
+
+
+class _Server(uvicorn.Server):
+    """Ends open streams before it waits for them, and returns after a signal instead of raising it again."""
+
+    def __init__(self, config: uvicorn.Config, desk: Desk) -> None:
+        super().__init__(config)
+        self._desk = desk
+
+    @contextmanager
+    def capture_signals(self) -> Iterator[None]:
+        """Stop at SIGINT and SIGTERM."""
+        old = {number: signal.signal(number, self.handle_exit) for number in (signal.SIGINT, signal.SIGTERM)}
+        try:
+            yield
+        finally:
+            for number, handler in old.items():
+                signal.signal(number, handler)
+
+    def handle_exit(self, sig: int, frame: FrameType | None) -> None:
+        """End the streams, then the server."""
+        self._desk.closing.set()
+        super().handle_exit(sig, frame)
+
+
+def _go_on(queue: Queue, folder: Path, announce: Callable[[str], None]) -> None:
+    """Start the worker of a queue with entries; one that fails to start is told, and the console is shown."""
+    try:
+        if queue.entries(newest=0):
+            ensure_worker(folder)
+    except SmarigError as error:
+        announce(str(error))
+
+
+def _bound(port: int) -> socket.socket:
+    listening = socket.socket()
+    listening.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+    try:
+        listening.bind((HOST, port))
+    except (OSError, OverflowError) as error:
+        listening.close()
+        reason = getattr(error, "strerror", None) or error
+        raise UsageError(f"Port {port} cannot be used: {reason}. Give another one with --port.") from None
+    return listening

@@ -1,0 +1,53 @@
+"""What the pages work on: one folder with its queue and its library, and the templates. Nothing else is shared."""
+
+import threading
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+from urllib.parse import urlencode
+
+from starlette.requests import Request
+from starlette.responses import HTMLResponse, RedirectResponse, Response
+from starlette.templating import Jinja2Templates
+
+from smarig.console.library.library import Library
+from smarig.console.queue.queue import Queue
+from smarig.console.web.library_scanner import LibraryScanner
+
+TEMPLATES = Jinja2Templates(Path(__file__).parent / "templates")
+_LEVELS = ("good", "warning", "bad")
+
+
+@dataclass(frozen=True, eq=False)
+class Desk:
+    """The folder that a console serves. ``rig`` is the rig that forms begin with; ``closing``: the console ends."""
+
+    folder: Path
+    rig: str
+    queue: Queue
+    library: Library
+    scanner: LibraryScanner
+    closing: threading.Event = field(default_factory=threading.Event)
+
+
+def desk_of(request: Request) -> Desk:
+    """The desk of the application that answers a request."""
+    return request.app.state.desk
+
+
+def page(
+    request: Request, template: str, values: Mapping[str, Any], *, here: str = "", status: int = 200
+) -> HTMLResponse:
+    """A page of the console. A message that the address carries is shown above its content, as text."""
+    text = request.query_params.get("message", "")
+    level = request.query_params.get("level", "")
+    message = {"text": text[:1000], "level": level if level in _LEVELS else ""} if text else None
+    shared = {"here": here, "folder": str(desk_of(request).folder), "message": message, "reading": False}
+    return TEMPLATES.TemplateResponse(request, template, {**shared, **values}, status_code=status)
+
+
+def back(place: str, text: str = "", level: str = "good") -> Response:
+    """Show another page after a request that changed something, with a message."""
+    query = "?" + urlencode({"message": text, "level": level}) if text else ""
+    return RedirectResponse(place + query, status_code=303)

@@ -1,0 +1,193 @@
+"""The library: search, one entry with tags, notes and its page, and evaluations as the command line makes them."""
+
+import time
+from collections.abc import Mapping
+from typing import Any
+from urllib.parse import urlencode
+
+from starlette.concurrency import run_in_threadpool
+from starlette.requests import Request
+from starlette.responses import FileResponse, HTMLResponse, Response
+from starlette.routing import Route
+
+from smarig.console.library.library_entry import Entry
+from smarig.console.library.library_search import FACETS, ORDERS
+from smarig.console.web.access_guard import REPORT_POLICY
+from smarig.console.web.desk import Desk, back, desk_of, page
+from smarig.console.web.evaluations import (
+    compared_page,
+    evaluations_of,
+    finished_page,
+    run_evaluation,
+)
+from smarig.console.web.loop_path import loop_path
+from smarig.core import UsageError
+from smarig.report import duration
+
+_ROWS = 50
+_FILTERS = tuple((name, name.capitalize()) for name in FACETS)
+_DAY_S = 86400.0
+
+
+def library(request: Request) -> HTMLResponse:
+    """Search and list."""
+    desk = desk_of(request)
+    query = {
+        name: request.query_params.get(name, "") for name in ("text", "since", "until", "order", "offset")
+    }
+    query |= {name: request.query_params.get(name, "") for name, _ in _FILTERS}
+    query["order"] = query["order"] if query["order"] in ORDERS else next(iter(ORDERS))
+    offset = int(query["offset"]) if query["offset"].isdecimal() else 0
+    found = desk.library.search(
+        query["text"],
+        tags=[query["tag"]] if query["tag"] else [],
+        wire=query["wire"] or None,
+        rig=query["rig"] or None,
+        protocol=query["protocol"] or None,
+        kind=query["kind"] or None,
+        verdict=query["verdict"] or None,
+        since=_epoch(query["since"]),
+        until=_epoch(query["until"], _DAY_S),
+        order=query["order"],
+        limit=_ROWS,
+        offset=offset,
+    )
+    shown = {
+        "query": query,
+        "filters": _FILTERS,
+        "facets": desk.library.facets(),
+        "orders": list(ORDERS),
+        "rows": [_row(desk, entry) for entry in found.entries],
+        "total": found.total,
+        "scan": desk.scanner.text,
+        "before": _query(query, max(offset - _ROWS, 0)) if offset else None,
+        "after": _query(query, offset + _ROWS) if offset + _ROWS < found.total else None,
+    }
+    return page(request, "library.html", shown, here="library")
+
+
+def entry(request: Request) -> HTMLResponse:
+    """One entry."""
+    desk = desk_of(request)
+    found = desk.library.entry(request.path_params["id"])
+    facts = [found.kind, _moment(found.began), found.wire, found.rig, found.protocol]
+    facts += [duration(found.duration_s)] if found.duration_s else []
+    shown = {
+        "entry": found,
+        "level": {"good": "good", "warning": "warning", "bad": "bad"}.get(found.verdict, ""),
+        "facts": " · ".join(part for part in facts if part),
+        "figures": [(name.replace("_", " "), _figure(figure)) for name, figure in found.figures.items()],
+        "has_page": finished_page(desk, found) is not None,
+        "notes": [
+            {"text": n.text, "when": " · ".join(p for p in (_moment(n.epoch), n.who) if p)}
+            for n in found.notes
+        ],
+        "jobs": evaluations_of(desk, found),
+    }
+    return page(request, "entry.html", shown, here="library")
+
+
+def entry_page(request: Request) -> Response:
+    """The page of an entry as smarig wrote it, without access to the console."""
+    desk = desk_of(request)
+    path = finished_page(desk, desk.library.entry(request.path_params["id"]))
+    if path is None:
+        raise UsageError("This entry has no page yet.")
+    return FileResponse(path, media_type="text/html", headers={"content-security-policy": REPORT_POLICY})
+
+
+async def change(request: Request) -> Response:
+    """Tags, a note, or an evaluation."""
+    form = {key: value for key, value in (await request.form()).items() if isinstance(value, str)}
+    return await run_in_threadpool(_changed, request, form)
+
+
+def _changed(request: Request, form: Mapping[str, str]) -> Response:
+    desk, id, wanted = desk_of(request), request.path_params["id"], request.path_params["wanted"]
+    if wanted == "tags":
+        desk.library.tag(id, [t.strip() for t in form.get("tags", "").split(",") if t.strip()])
+        return back(f"/library/{id}", "The tags were saved.")
+    if wanted == "notes":
+        desk.library.note(id, form.get("note", ""))
+        return back(f"/library/{id}", "The note was added.")
+    done = run_evaluation(desk, desk.library.entry(id), form.get("job", ""))
+    return back(f"/library/{id}", done.text, done.level)
+
+
+async def compare(request: Request) -> Response:
+    """A page that compares the chosen runs."""
+    ids = [value for value in (await request.form()).getlist("id") if isinstance(value, str)]
+    return await run_in_threadpool(_compared, request, ids)
+
+
+def _compared(request: Request, ids: list[str]) -> Response:
+    desk = desk_of(request)
+    if len(ids) < 2:
+        return back("/library", "Choose two runs or more.", "warning")
+    path = compared_page(desk, [desk.library.entry(id) for id in ids])
+    return FileResponse(path, media_type="text/html", headers={"content-security-policy": REPORT_POLICY})
+
+
+def trends(request: Request) -> HTMLResponse:
+    """How the figures of a wire have changed over its runs."""
+    desk, wire = desk_of(request), request.query_params.get("wire", "")
+    found = desk.library.trends(wire)
+    rows = [
+        {
+            "name": name.replace("_", " "),
+            "unit": trend.unit,
+            "points": list(zip(map(_moment, trend.epochs), trend.values)),
+            "path": loop_path(trend.epochs.tolist(), trend.values.tolist()),
+        }
+        for name, trend in found.items()
+        if len(trend.values)
+    ]
+    return page(request, "trends.html", {"wire": wire, "rows": rows}, here="library")
+
+
+def _row(desk: Desk, entry: Entry) -> dict[str, Any]:
+    u, y = desk.library.loop(entry.id)
+    return {
+        "id": entry.id,
+        "name": entry.name,
+        "kind": entry.kind,
+        "began": _moment(entry.began),
+        "wire": entry.wire,
+        "protocol": entry.protocol,
+        "verdict": entry.verdict,
+        "level": entry.verdict if entry.verdict in ("good", "bad") else "",
+        "sentence": entry.sentence or entry.error,
+        "tags": entry.tags,
+        "loop": loop_path(u.tolist(), y.tolist()),
+    }
+
+
+def _figure(figure: Any) -> str:
+    interval = f" ({figure.ci95[0]:.4g} to {figure.ci95[1]:.4g})" if figure.ci95 else ""
+    return f"{figure.value:.4g} {figure.unit}{interval}"
+
+
+def _query(query: Mapping[str, str], offset: int) -> str:
+    return urlencode({**{k: v for k, v in query.items() if v and k != "offset"}, "offset": offset})
+
+
+def _epoch(day: str, later_s: float = 0.0) -> float | None:
+    """Seconds since 1970 of a day as a form gives it; None if it gives none."""
+    try:
+        return time.mktime(time.strptime(day, "%Y-%m-%d")) + later_s
+    except (ValueError, OverflowError):
+        return None
+
+
+def _moment(epoch: float | None) -> str:
+    return time.strftime("%Y-%m-%d %H:%M", time.localtime(epoch)) if epoch else ""
+
+
+ROUTES = [
+    Route("/library", library),
+    Route("/library/trends", trends),
+    Route("/library/compare", compare, methods=["POST"]),
+    Route("/library/{id:str}", entry),
+    Route("/library/{id:str}/page", entry_page),
+    Route("/library/{id:str}/{wanted:str}", change, methods=["POST"]),
+]

@@ -1,0 +1,88 @@
+"""One run in progress: followed live, paused, continued, stopped. A run that has ended is in the library."""
+
+from pathlib import Path
+from typing import Any
+
+from starlette.requests import Request
+from starlette.responses import HTMLResponse, Response, StreamingResponse
+from starlette.routing import Route
+
+from smarig.console.web.desk import back, desk_of, page
+from smarig.console.web.run_feed import RunFeed
+from smarig.console.web.run_words import run_card
+from smarig.core import UsageError
+from smarig.running import RunInProgress, runs_in_progress
+
+_DONE = {wanted: f"The run is asked to {wanted}." for wanted in ("pause", "continue", "stop")}
+_MODELS_OFFERED = 50
+
+
+def run_page(request: Request) -> HTMLResponse:
+    """The page of a run, with its buttons."""
+    return _page(request, reading=False)
+
+
+def phone_page(request: Request) -> HTMLResponse:
+    """The same to watch only."""
+    return _page(request, reading=True)
+
+
+def ask(request: Request) -> Response:
+    """A button: pause, continue, stop."""
+    wanted, run = request.path_params["wanted"], _run(request)
+    if run is None:
+        return back("/", "The run has ended already.", "warning")
+    if wanted not in _DONE:
+        raise UsageError("A run can be paused, continued and stopped.")
+    run.ask(wanted, "console")
+    return back(f"/runs/{run.key}", _DONE[wanted], "warning" if wanted == "stop" else "good")
+
+
+def follow(request: Request) -> Response:
+    """The messages of a run, as long as it lasts and the browser listens."""
+    run = _run(request)
+    if run is None:
+        return Response(status_code=204)  # a browser does not ask again
+    feed = RunFeed(run, _model(request), desk_of(request).closing)
+    return StreamingResponse(
+        feed.messages(), media_type="text/event-stream", headers={"cache-control": "no-store"}
+    )
+
+
+def _page(request: Request, *, reading: bool) -> HTMLResponse:
+    run = _run(request)
+    if run is None:
+        return page(request, "ended_run.html", {}, here="runs", status=404)
+    models = desk_of(request).library.search(kind="model", limit=_MODELS_OFFERED).entries
+    shown: dict[str, Any] = {
+        "run": run_card(run),
+        "models": [entry.place for entry in models],
+        "model": request.query_params.get("model", ""),
+        "reading": reading,
+    }
+    return page(request, "run.html", shown, here="runs")
+
+
+def _run(request: Request) -> RunInProgress | None:
+    key = request.path_params["key"]
+    return next((run for run in runs_in_progress() if run.key == key), None)
+
+
+def _model(request: Request) -> Path | None:
+    """The model file that the address names; only those of the library are read."""
+    place = request.query_params.get("model", "")
+    if not place:
+        return None
+    models = desk_of(request).library.search(kind="model", limit=_MODELS_OFFERED).entries
+    found = next((entry.path for entry in models if entry.place == place), None)
+    if found is None:
+        raise UsageError("This model is not in the library.")
+    return found
+
+
+ROUTES = [
+    Route("/runs/{key:str}", run_page),
+    Route("/runs/{key:str}/phone", phone_page),
+    Route("/runs/{key:str}/follow", follow),
+    Route("/runs/{key:str}/{wanted:str}", ask, methods=["POST"]),
+]

@@ -1,0 +1,240 @@
+"""The form of a new run, or of an entry that waits: made from a protocol's settings, previewed before it starts."""
+
+from collections.abc import Mapping
+from itertools import groupby
+from pathlib import PurePath
+from typing import Any
+
+from starlette.concurrency import run_in_threadpool
+from starlette.requests import Request
+from starlette.responses import HTMLResponse, Response
+from starlette.routing import Route
+
+from smarig.config import RigFile, load_campaign, load_rig, shipped_names
+from smarig.console.queue.ensure_worker import ensure_worker
+from smarig.console.queue.entry_command import shown_command
+from smarig.console.queue.entry_preview import EntryPreview, preview_entry
+from smarig.console.queue.entry_request import EntryRequest, Kind
+from smarig.console.queue.queue_entry import EntryState
+from smarig.console.web.desk import Desk, back, desk_of, page
+from smarig.console.web.protocol_form import FormField, protocol_form
+from smarig.core import SmarigError, UsageError, catalogue_names, catalogue_summary
+from smarig.protocols import PROTOCOLS
+from smarig.report import duration
+
+CHARACTERISE = "characterise:"  # before the name of the campaign that a characterisation runs
+_CAMPAIGN = "campaign:"
+_TEXTS = ("load", "wire", "notes", "out")
+
+
+async def new_run(request: Request) -> Response:
+    """The form, its preview, and the request that adds the run to the queue."""
+    return await _form(request, None)
+
+
+async def edit_entry(request: Request) -> Response:
+    """The form of an entry that waits."""
+    return await _form(request, request.path_params["number"])
+
+
+async def _form(request: Request, number: int | None) -> Response:
+    desk = desk_of(request)
+    if request.method == "GET":
+        values = dict(request.query_params)
+        if number is not None and "experiment" not in values:
+            values = _values_of(desk.queue.entry(number).request)
+        return await run_in_threadpool(_shown, request, desk, values, number)
+    form = await request.form()
+    values = {key: value for key, value in form.items() if isinstance(value, str)}
+    return await run_in_threadpool(_requested, request, desk, values, number)
+
+
+def _requested(request: Request, desk: Desk, values: dict[str, str], number: int | None) -> Response:
+    try:
+        wanted = entry_request_of(values)
+        if values.get("do") == "preview":
+            return _shown(request, desk, values, number, preview=preview_entry(wanted, desk.folder))
+        if number is None:
+            desk.queue.add(wanted)
+            ensure_worker(desk.folder)
+            return back("/", f"{wanted.experiment} was added to the queue.")
+        desk.queue.edit(number, wanted)
+        return back("/", "The entry was changed.")
+    except SmarigError as error:
+        return _shown(request, desk, values, number, error=str(error))
+
+
+def entry_request_of(values: Mapping[str, str]) -> EntryRequest:
+    """What a form asks for. Fields that are empty are left to the command. Raises UsageError."""
+    experiment = values.get("experiment", "")
+    name = experiment
+    kind: Kind = "protocol"
+    if experiment.startswith(CHARACTERISE):
+        kind, name = "characterise", experiment.removeprefix(CHARACTERISE)
+    elif experiment.startswith(_CAMPAIGN):
+        kind, name = "campaign", experiment.removeprefix(_CAMPAIGN)
+    given = {k: v.strip() for k, v in values.items() if v.strip()}
+    settings = {k.removeprefix("set."): v for k, v in given.items() if k.startswith("set.")}
+    defaults = {f.key: f.default for f in protocol_form(name)} if kind == "protocol" else {}
+    only_of_run = kind != "characterise"
+    return EntryRequest(
+        kind=kind,
+        experiment=name,
+        rig=given.get("rig", ""),
+        out=given.get("out", ""),
+        settings={k: v for k, v in settings.items() if v != defaults.get(k)},
+        effects=tuple(part.strip() for part in given.get("effects", "").split(",") if part.strip()),
+        seed=int(_number("Seed", given.get("seed", "0"))),
+        speed=_number("Speed", given["speed"]) if only_of_run and "speed" in given else None,
+        load=given.get("load", "") if only_of_run else "",
+        wire=given.get("wire", ""),
+        notes=given.get("notes", "") if only_of_run else "",
+    )
+
+
+def _number(name: str, text: str) -> float:
+    try:
+        return float(text)
+    except ValueError:
+        raise UsageError(f"{name}: '{text}' is not a number.") from None
+
+
+def _values_of(request: EntryRequest) -> dict[str, str]:
+    """The fields of a form for a request."""
+    start = {"characterise": CHARACTERISE, "campaign": _CAMPAIGN}.get(request.kind, "")
+    values = {name: getattr(request, name) for name in _TEXTS}
+    values |= {f"set.{key}": value for key, value in request.settings.items()}
+    values |= {"seed": str(request.seed), "speed": "" if request.speed is None else f"{request.speed:g}"}
+    values |= {"rig": request.rig, "experiment": start + request.experiment}
+    return values | {"effects": ", ".join(request.effects)}
+
+
+def _shown(
+    request: Request,
+    desk: Desk,
+    values: Mapping[str, str],
+    number: int | None,
+    *,
+    preview: EntryPreview | None = None,
+    error: str = "",
+) -> HTMLResponse:
+    rig = values.get("rig") or desk.rig
+    experiment = values.get("experiment") or CHARACTERISE + "quick_look"
+    try:
+        file = load_rig(rig)
+        text, fields = _experiment(experiment)
+    except SmarigError as problem:
+        error, file, text, fields = error or str(problem), None, "", ()
+    shown = {
+        **_choices(rig),
+        "rig": rig,
+        "rig_text": _rig_text(file),
+        "rig_wire": file.wire if file else "",
+        "is_twin": file is not None and (file.kind == "twin" or file.simulator is not None),
+        "experiment": experiment,
+        "experiment_text": text,
+        "is_characterisation": experiment.startswith(CHARACTERISE),
+        "is_folder": experiment.startswith((CHARACTERISE, _CAMPAIGN)),
+        "groups": [(name, list(group)) for name, group in groupby(fields, _group)],
+        "values": {k.removeprefix("set."): v for k, v in values.items()},
+        "out": values.get("out") or _free_name(desk, experiment),
+        "entry_id": number,
+        "action": "/new" if number is None else f"/queue/{number}/edit",
+        "busy": any(
+            e.state in (EntryState.WAITING, EntryState.RUNNING) for e in desk.queue.entries(newest=0)
+        ),
+        "preview": _preview(preview, file) if preview else None,
+        "error": error,
+        "command": _command(desk, values, rig, experiment),
+        **{name: values.get(name, "") for name in ("wire", "load", "notes", "effects", "speed")},
+        "seed": values.get("seed") or "0",
+    }
+    return page(request, "new_run.html", shown, here="new", status=422 if error else 200)
+
+
+def _choices(rig: str) -> dict[str, list[tuple[str, str]]]:
+    campaigns = [(name, name.replace("_", " ")) for name in shipped_names("campaigns")]
+    rigs = [(name, "") for name in shipped_names("rigs")]
+    return {
+        "rigs": rigs if rig in dict(rigs) else [(rig, ""), *rigs],
+        "protocols": [(name, "") for name in catalogue_names(PROTOCOLS)],
+        "campaigns": [(_CAMPAIGN + name, text) for name, text in campaigns],
+        "characterisations": [(CHARACTERISE + name, text) for name, text in campaigns],
+    }
+
+
+def _experiment(experiment: str) -> tuple[str, tuple[FormField, ...]]:
+    """What an experiment does, and the fields of its settings."""
+    for start, after in (
+        (CHARACTERISE, " Then a model is identified, verified and diagnosed."),
+        (_CAMPAIGN, ""),
+    ):
+        if experiment.startswith(start):
+            return load_campaign(experiment.removeprefix(start)).summary + after, ()
+    return catalogue_summary(PROTOCOLS, experiment), protocol_form(experiment)
+
+
+def _group(field: FormField) -> str:
+    return (
+        "Settings"
+        if not field.group
+        else {"settle": "When a step counts as settled"}.get(field.group, field.group)
+    )
+
+
+def _rig_text(file: RigFile | None) -> str:
+    if file is None:
+        return ""
+    bench = "Bench with simulated devices" if file.simulator else "Bench: real current"
+    return f"{'Twin' if file.kind == 'twin' else bench}; {file.actuator}, tick {file.period_s:g} s"
+
+
+def _free_name(desk: Desk, experiment: str) -> str:
+    """A name in the folder that neither a file nor an entry has."""
+    folder = experiment.startswith((CHARACTERISE, _CAMPAIGN))
+    stem, end = (
+        experiment.rpartition(":")[2].rpartition("/")[2].removesuffix(".toml"),
+        "" if folder else ".run.sqlite",
+    )
+    taken = {PurePath(e.request.out).name for e in desk.queue.entries()}
+    k = 1
+    while (name := f"{stem}_{k:03d}{end}") in taken or (desk.folder / name).exists():
+        k += 1
+    return name
+
+
+def _command(desk: Desk, values: Mapping[str, str], rig: str, experiment: str) -> str:
+    try:
+        start = {"rig": rig, "experiment": experiment, "out": _free_name(desk, experiment)}
+        return shown_command(
+            entry_request_of({**start, **{k: v for k, v in values.items() if v}}), desk.folder
+        )
+    except SmarigError as error:
+        return str(error)
+
+
+def _preview(found: EntryPreview, file: RigFile | None) -> dict[str, Any]:
+    limits = file.limits if file else None
+    return {
+        "rows": [
+            {
+                "protocol": run["protocol"].replace("_", " "),
+                "duration": duration(run["duration_s"]),
+                "steps": run["steps"],
+                "current": f"{run['peak_current_A']:.3g} A",
+                "temperature": f"{run['peak_temperature_K']:.0f} K above ambient",
+                "timed_out": run["timed_out"],
+            }
+            for run in found.runs
+        ],
+        "total": duration(found.duration_s),
+        "limits": f"Limits of the rig: {limits.current_max_A:g} A, {limits.temperature_max_K:g} K."
+        if limits
+        else "",
+    }
+
+
+ROUTES = [
+    Route("/new", new_run, methods=["GET", "POST"]),
+    Route("/queue/{number:int}/edit", edit_entry, methods=["GET", "POST"]),
+]

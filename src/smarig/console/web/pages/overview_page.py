@@ -1,0 +1,169 @@
+"""The overview: the runs in progress on this computer, the queue of the folder, and how its last entries ended."""
+
+import time
+import zlib
+from typing import Any
+
+from starlette.requests import Request
+from starlette.responses import HTMLResponse, JSONResponse, Response
+from starlette.routing import Route
+
+from smarig.console.queue.ensure_worker import ensure_worker
+from smarig.console.queue.queue_entry import CONTINUABLE, EntryState, QueueEntry
+from smarig.console.web.desk import TEMPLATES, Desk, back, desk_of, page
+from smarig.console.web.run_words import run_card
+from smarig.core import SmarigError
+from smarig.report import duration
+from smarig.running import runs_in_progress
+
+_ENDED_SHOWN = 20
+_ENDED = (EntryState.DONE, EntryState.STOPPED, EntryState.FAILED, EntryState.INTERRUPTED)
+
+
+def overview(request: Request) -> HTMLResponse:
+    """The page."""
+    return page(request, "overview.html", _parts(desk_of(request)), here="runs")
+
+
+def parts(request: Request) -> HTMLResponse:
+    """What changes on the page."""
+    return TEMPLATES.TemplateResponse(
+        request, "overview_parts.html", {**_parts(desk_of(request)), "reading": False}
+    )
+
+
+def version(request: Request) -> JSONResponse:
+    """A text that differs whenever the page would."""
+    return JSONResponse({"version": _parts(desk_of(request))["version"]})
+
+
+def queue_request(request: Request) -> Response:
+    """A button of the queue: pause or continue it."""
+    queue, wanted = desk_of(request).queue, request.path_params["wanted"]
+    if wanted == "continue":
+        queue.go_on()
+        ensure_worker(desk_of(request).folder)
+        return back("/", "The queue continues.")
+    if any(e.state is EntryState.RUNNING for e in queue.entries(newest=0)):
+        queue.stop_after_this()
+        return back("/", "The queue will pause when the present run has ended.", "warning")
+    queue.pause()
+    return back("/", "The queue is paused.", "warning")
+
+
+def entry_request(request: Request) -> Response:
+    """A button of one entry: up, down, remove, continue."""
+    desk = desk_of(request)
+    number, wanted = request.path_params["number"], request.path_params["wanted"]
+    if wanted == "remove":
+        desk.queue.remove(number)
+        return back("/", "The entry was removed.")
+    if wanted == "continue":
+        desk.queue.continue_interrupted(number)
+        ensure_worker(desk.folder)
+        return back("/", "The entry will be continued next.")
+    waiting = [e.id for e in desk.queue.entries(newest=0) if e.state is EntryState.WAITING]
+    if number not in waiting:
+        return back("/", "This entry does not wait any more.", "warning")
+    at = waiting.index(number)
+    if wanted == "up" and at:
+        desk.queue.move(number, before=waiting[at - 1])
+    if wanted == "down" and at + 1 < len(waiting):
+        desk.queue.move(number, before=waiting[at + 2] if at + 2 < len(waiting) else None)
+    return back("/")
+
+
+def stop_all(request: Request) -> Response:
+    """The emergency stop: every run on this computer, at once, and no further entry of the queue."""
+    problems = []
+    try:
+        desk_of(request).queue.pause()
+    except SmarigError as error:  # a damaged queue must not keep a current on
+        problems.append(str(error))
+    runs = runs_in_progress()
+    for run in runs:
+        run.ask("stop", "the emergency stop of the console")
+    for run in runs:
+        run.terminate()
+    text = (
+        f"{_number_of(len(runs), 'run')} asked to stop. The queue is paused."
+        if runs
+        else "No run is in progress."
+    )
+    return back("/", " ".join([text, *problems]), "warning" if runs or problems else "good")
+
+
+def _parts(desk: Desk) -> dict[str, Any]:
+    runs = [run_card(run) for run in runs_in_progress()]
+    queue = _queue(desk)
+    words = repr((runs, queue)).encode("utf-8", "replace")
+    return {"runs": runs, "queue": queue, "version": f"{zlib.crc32(words):08x}"}
+
+
+def _queue(desk: Desk) -> dict[str, Any]:
+    now = time.time()
+    try:
+        entries, state = desk.queue.entries(newest=_ENDED_SHOWN), desk.queue.state()
+        ends = desk.queue.ends_at(now)
+    except SmarigError as error:
+        return {"reason": str(error), "summary": "", "paused": True, "waiting": [], "ended": []}
+    waiting = [e for e in entries if e.state not in _ENDED]
+    reason = f"The queue is paused. {state.sentence}" if state.paused else ""
+    if state.stop_after_this:
+        reason = "The queue will pause when the present run has ended."
+    return {
+        "reason": reason,
+        "summary": _summary(waiting, ends),
+        "paused": state.paused or state.stop_after_this,
+        "waiting": [_row(e) for e in waiting],
+        "ended": [_row(e) for e in reversed(entries) if e.state in _ENDED],
+    }
+
+
+def _summary(waiting: list[QueueEntry], ends: float | None) -> str:
+    if ends is None:
+        return "Nothing waits."
+    n = sum(e.state is EntryState.WAITING for e in waiting)
+    text = f"{_number_of(n, 'entry', 'entries')} waiting" if n else "Nothing waits"
+    return f"{text}. Everything will have ended at about {_moment(ends)}."
+
+
+def _row(entry: QueueEntry) -> dict[str, Any]:
+    request = entry.request
+    words = (
+        request.experiment if request.kind != "characterise" else f"characterisation ({request.experiment})"
+    )
+    good = {EntryState.DONE: "good", EntryState.FAILED: "bad", EntryState.INTERRUPTED: "bad"}
+    return {
+        "id": entry.id,
+        "experiment": words,
+        "rig": request.rig,
+        "out": request.out,
+        "takes": duration(entry.expected_s),
+        "state": str(entry.state),
+        "sentence": entry.sentence,
+        "level": good.get(entry.state, ""),
+        "movable": entry.state is EntryState.WAITING,
+        "continuable": entry.state in CONTINUABLE,
+        "when": _moment(entry.ended) if entry.ended else "",
+    }
+
+
+def _number_of(n: int, one: str, several: str = "") -> str:
+    return f"{n} {one if n == 1 else several or one + 's'}"
+
+
+def _moment(epoch: float) -> str:
+    """A time of day, with the date if it is not of today."""
+    then, today = time.localtime(epoch), time.localtime()
+    return time.strftime("%H:%M" if then[:3] == today[:3] else "%Y-%m-%d %H:%M", then)
+
+
+ROUTES = [
+    Route("/", overview),
+    Route("/overview/parts", parts),
+    Route("/overview/version", version),
+    Route("/queue/{wanted:str}", queue_request, methods=["POST"]),
+    Route("/queue/{number:int}/{wanted:str}", entry_request, methods=["POST"]),
+    Route("/stop-all", stop_all, methods=["POST"]),
+]

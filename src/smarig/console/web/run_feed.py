@@ -1,0 +1,122 @@
+"""What a browser receives of a run in progress: its history once, then samples, status and events as they come.
+
+The history comes from the run file, which is at most a second behind; later samples come from shared memory. Both are
+thinned: a page draws thousands of points, not millions.
+"""
+
+import asyncio
+import json
+import threading
+from collections.abc import AsyncIterator, Iterable
+from contextlib import suppress
+from pathlib import Path
+from typing import Any
+
+from starlette.concurrency import run_in_threadpool
+
+from smarig.console.web.model_overlay import ModelOverlay
+from smarig.console.web.run_words import ENDED, run_state
+from smarig.core import SmarigError, UsageError
+from smarig.record import stored_run
+from smarig.running import RunInProgress
+
+INTERVAL_S = 0.1
+HISTORY_POINTS, POINTS_AT_ONCE = 3000, 200
+_EVENTS_EVERY = 10  # intervals between looks into the run file
+_EVENTS_AT_FIRST = 100
+_COLUMNS = ("t_s", "input", "position", "current_A")
+Rows = list[list[float | None]]
+
+
+class RunFeed:
+    """The messages of one run to one browser. ``model``: the file of a model that is drawn over the loop, or None.
+
+    ``closing``: the console ends, and the run goes on.
+    """
+
+    def __init__(self, run: RunInProgress, model: Path | None, closing: threading.Event) -> None:
+        self._run, self._closing = run, closing
+        self._overlay = ModelOverlay(model) if model else None
+        self._newest = 0
+        self._last_s = float("-inf")
+        self._events_sent = 0
+        self._status: dict[str, Any] = {}
+
+    async def messages(self) -> AsyncIterator[str]:
+        """Server-sent events: history, samples, status, events, ended."""
+        yield _message("history", await run_in_threadpool(self._history))
+        count = 0
+        while self._run.alive and not self._closing.is_set():
+            for name, content in self._news():
+                yield _message(name, content)
+            if count % _EVENTS_EVERY == 0 and (events := await run_in_threadpool(self._events)):
+                yield _message("events", events)
+            count += 1
+            await asyncio.sleep(INTERVAL_S)
+        if self._closing.is_set():
+            return
+        if events := await run_in_threadpool(self._events):
+            yield _message("events", events)
+        yield _message("ended", {"state": self._end(), "facts": ""})
+
+    def _history(self) -> Rows:
+        with suppress(SmarigError, OSError), stored_run(self._file, verify=False) as run:
+            step = max(1, len(run) // HISTORY_POINTS)
+            rows: Rows = []
+            for block in run.blocks(_COLUMNS):
+                own = self._with_model(zip(*(block[name].tolist() for name in _COLUMNS)))
+                rows += own[::step]
+            if rows:
+                self._last_s = float(rows[-1][0] or 0.0)
+            return rows
+        return []
+
+    def _news(self) -> Iterable[tuple[str, Any]]:
+        try:
+            found, self._newest, _ = self._run.samples(self._newest)
+        except UsageError:  # it has just ended
+            return
+        new = found[found["t_s"] > self._last_s]
+        if new.size:
+            self._last_s = float(new["t_s"][-1])
+            columns = (new[name].tolist() for name in ("t_s", "input_K", "position", "current_A"))
+            rows = self._with_model(zip(*columns))
+            yield "samples", rows[:: max(1, len(rows) // POINTS_AT_ONCE)]
+        state = run_state(self._run)
+        if state != self._status:
+            self._status = state
+            yield "status", state
+
+    def _with_model(self, rows: Iterable[tuple[float, ...]]) -> Rows:
+        """The rows with the output of the model behind."""
+        plain: Rows = [[_finite(value) for value in row] for row in rows]
+        if self._overlay is None:
+            return [[*row, None] for row in plain]
+        outputs = self._overlay.outputs([row[1] for row in plain])
+        return [[*row, output] for row, output in zip(plain, outputs)]
+
+    def _events(self) -> list[dict[str, Any]]:
+        with suppress(SmarigError, OSError), stored_run(self._file, verify=False) as run:
+            events = run.events
+            first = self._events_sent or max(len(events) - _EVENTS_AT_FIRST, 0)
+            self._events_sent = len(events)
+            return [{"at": f"{e.t_s:.1f} s", "level": e.level, "text": e.text} for e in events[first:]]
+        return []
+
+    def _end(self) -> str:
+        with suppress(SmarigError, OSError), stored_run(self._file, verify=False) as run:
+            ended = "The process of this run is gone. Resume it with smarig resume."
+            return f"Ended: {run.cause}." if run.cause else ended
+        return ENDED
+
+    @property
+    def _file(self) -> Path:
+        return Path(self._run.info["out"])
+
+
+def _finite(value: float) -> float | None:
+    return round(value, 6) if value == value and abs(value) != float("inf") else None
+
+
+def _message(name: str, content: Any) -> str:
+    return f"event: {name}\ndata: {json.dumps(content, allow_nan=False)}\n\n"

@@ -1,0 +1,87 @@
+"""The words for a run in progress: its title, conditions and state, for every page that shows it."""
+
+import time
+from pathlib import Path
+from typing import Any
+
+from smarig.core import UsageError
+from smarig.report import duration
+from smarig.running import RunInProgress
+
+ENDED = "The run has ended."
+
+
+def run_facts(run: RunInProgress) -> dict[str, Any]:
+    """What does not change: key, title, conditions, source, unit and the file that is written."""
+    info = run.info
+    protocol = str(info["protocol"]).replace("_", " ")
+    place = f", {info['place']}" if info.get("place") else ""
+    source = "twin" if info["source"] == "twin" else info["source"]
+    since = time.strftime("%Y-%m-%d %H:%M", time.localtime(info["start_epoch"]))
+    return {
+        "key": run.key,
+        "title": f"{protocol[:1].upper()}{protocol[1:]} on {info['rig']}{place}",
+        "conditions": f"Wire {info['wire']} · {source} · since {since} · process {info['pid']} · writes {info['out']}",
+        "source": info["source"],
+        "unit": str(info.get("unit") or ""),
+        "out": Path(info["out"]).name,
+    }
+
+
+def run_card(run: RunInProgress) -> dict[str, Any]:
+    """The run on the overview."""
+    return {**run_facts(run), **run_state(run)}
+
+
+def run_state(run: RunInProgress) -> dict[str, Any]:
+    """What changes: state, facts and settling in words, share, paused."""
+    try:
+        status = run.status()
+    except UsageError:
+        return {"state": ENDED, "facts": "", "settling": "", "share": None, "paused": False}
+    if not status:
+        return {"state": "The run is starting.", "facts": "", "settling": "", "share": None, "paused": False}
+    return {
+        "state": _state(status, run.info),
+        "facts": _facts(status),
+        "settling": _settling(status["settling"]),
+        "share": status["share"],
+        "paused": bool(status["paused"]),
+    }
+
+
+def _state(status: dict[str, Any], info: dict[str, Any]) -> str:
+    error = status["error"]
+    if status["ending"] and status["ending"]["text"]:
+        return f"{status['ending']['word']}: {status['ending']['text']}"
+    if error:
+        return f"Error: {error['text']}"
+    if status["stopping"]:
+        return "Stopping: the current goes to zero."
+    if status["paused"]:
+        return "Paused: the current stays and sampling continues."
+    target = f" at {status['target_K']:.1f} K" if status["target_K"] is not None else ""
+    branch = f": {status['branch']}{target}" if status["branch"] else target
+    return f"Step {status['step_number']} of {info.get('steps', '?')}{branch}"
+
+
+def _facts(status: dict[str, Any]) -> str:
+    factor = status["speed_factor"] or 1.0
+    left = f"{duration(status['left_s'])} of rig time left"
+    if abs(factor - 1) > 0.2:  # a twin that is faster than real time
+        left += f", {duration(status['left_s'] / factor)} on the clock"
+    return f"{duration(status['elapsed_s'])} elapsed, {left}"
+
+
+def _settling(progress: dict[str, Any] | None) -> str:
+    if progress is None:
+        return ""
+    share = f"{100 * progress['share']:.0f} % of the window"
+    if progress["band_counts"] is None:
+        return f"Fixed hold: {share}, {duration(progress['min_time_left_s'])} left."
+    spread = progress["spread_counts"]
+    moved = f"spread {spread:.2f} of {progress['band_counts']:g} counts, " if spread is not None else ""
+    return (
+        f"{share}, {moved}at least {duration(progress['min_time_left_s'])} left, "
+        f"time-out in {duration(progress['timeout_s'])}."
+    )
