@@ -4,15 +4,16 @@ import subprocess
 import sys
 
 import pytest
+
 from running.started_run import VALIDATION, found_run, started_run
-
 from smarig.record import stored_run
-from smarig.running import PanelRunInfo, announced, runs_in_progress
 from smarig.runner import RunControl
+from smarig.running import PanelRunInfo, announced, runs_in_progress
 
+MODEL = str(Path(__file__).parents[1] / "frozen" / "old_files" / "models" / "forc_table.model.json")
 COMMANDS = {
-    "regulate": ("regulate", "--setpoint", "3", "--rig", "one_wire_twin"),
-    "track": ("track", "--reference", "2 + sin(0.1*t)", "--rig", "one_wire_twin"),
+    "regulate": ("regulate", MODEL, "--setpoint", "3", "--rig", "one_wire_twin"),
+    "track": ("track", MODEL, "--reference", "ramps", "--rig", "one_wire_twin"),
     "characterise": ("characterise", "--rig", "one_wire_twin"),
 }
 

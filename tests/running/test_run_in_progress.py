@@ -6,8 +6,8 @@ import time
 
 import numpy as np
 import pytest
-from running.started_run import VALIDATION, found_run, started_run, waited
 
+from running.started_run import VALIDATION, found_run, started_run, waited
 from smarig.core import UsageError
 from smarig.record import stored_run
 from smarig.running import collect_ended, runs_in_progress

@@ -4,6 +4,7 @@ import socket
 import urllib.parse
 
 import pytest
+
 from console.web.started_console import Console, started_console
 
 
