@@ -56,7 +56,8 @@ def started_console(folder: Path, *more: str) -> Iterator[Console]:
         while not (found := re.search(rb"http://127\.0\.0\.1:(\d+)/\?token=(\S+)\s", text)):
             assert time.monotonic() < end, text
             if select.select([process.stderr], [], [], 1)[0]:
-                assert (part := os.read(process.stderr.fileno(), 4096)), text
+                part = os.read(process.stderr.fileno(), 4096)
+                assert part, text
                 text += part
         yield Console(process, int(found[1]), found[2].decode())
     finally:

@@ -1,4 +1,4 @@
-"""Only a browser of this computer with the token, and only pages of the console, reach it: everybody else is refused."""
+"""Only a browser of this computer with the token, and pages of the console, reach it; all else is refused."""
 
 import socket
 import urllib.parse
