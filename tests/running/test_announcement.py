@@ -2,7 +2,6 @@
 
 import subprocess
 import sys
-from pathlib import Path
 
 import pytest
 
@@ -11,10 +10,7 @@ from smarig.record import stored_run
 from smarig.runner import RunControl
 from smarig.running import PanelRunInfo, announced, runs_in_progress
 
-MODEL = str(Path(__file__).parents[1] / "frozen" / "old_files" / "models" / "forc_table.model.json")
 COMMANDS = {
-    "regulate": ("regulate", MODEL, "--setpoint", "3", "--rig", "one_wire_twin"),
-    "track": ("track", MODEL, "--reference", "ramps", "--rig", "one_wire_twin"),
     "characterise": ("characterise", "--rig", "one_wire_twin"),
 }
 
