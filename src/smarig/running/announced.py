@@ -15,7 +15,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import IO, Any
 
-from smarig.core import Hold, Sample, SmarigError, StepResult, Waveform, error_text, try_lock
+from smarig.core import Hold, Sample, SmarigError, StepResult, Waveform, error_text, printable, try_lock
 from smarig.runner import RunControl, SettleWindow
 from smarig.running.run_in_progress import collect_ended
 from smarig.running.run_status import PanelRunInfo, RunStatus
@@ -33,7 +33,7 @@ def announced(run_info: PanelRunInfo, control: RunControl) -> Iterator["Announce
         try:
             collect_ended()
             announcement = stack.enter_context(_announcement(run_info, control))
-        except (OSError, SmarigError) as error:
+        except (OSError, ValueError, TypeError, SmarigError) as error:
             text = f"Other processes cannot see this run: {error_text(error)}"
             control.report("not_announced", text, level="warning")
             announcement = None
@@ -45,7 +45,7 @@ class Announcement:
 
     def __init__(self, memory: SharedMemory, status: RunStatus, control: RunControl) -> None:
         self._memory, self._status, self._control = memory, status, control
-        self._obeyed = memory.request()[0]
+        self._seen = memory.requests()
         self._finished = threading.Event()
         self._thread = threading.Thread(target=self._attend, name="announcement", daemon=True)
 
@@ -89,16 +89,19 @@ class Announcement:
 
     def _attend(self) -> None:
         while not self._finished.wait(INTERVAL_S):
-            number, request, who = self._memory.request()
-            if number != self._obeyed:
-                self._obeyed = number
-                self._obey(request, who)
-            self._memory.write_status(status_of(self._status))
+            requests = self._memory.requests()
+            for (number, request, who), (seen, _, _) in zip(requests, self._seen):
+                if number != seen:
+                    self._obey(request, printable(who))
+            self._seen = requests
+            with contextlib.suppress(Exception):  # a figure that cannot be told now must not end obedience
+                self._memory.write_status(status_of(self._status))
 
     def _obey(self, request: str, who: str) -> None:
         if request == "stop":
             self._control.stop(f"stopped by the operator ({who})")
         elif request in ("pause", "continue"):
+            self._control.report("request", f"Asked to {request} by {who}.", level="info")
             self._control.paused = request == "pause"
 
 

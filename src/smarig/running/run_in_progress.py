@@ -7,6 +7,7 @@ ends. Readers only test that lock, and write nothing but requests.
 import contextlib
 import mmap
 import os
+import re
 import signal
 import stat
 from collections.abc import Iterator
@@ -14,15 +15,15 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import IO, Any
 
-import numpy as np
 from numpy.typing import NDArray
 
 from smarig.core import SmarigError, UsageError, shared_lock
 from smarig.running.running_folder import SUFFIX, check_own, running_folder
-from smarig.running.shared_memory import REQUESTS, SAMPLE_FIELDS, SIZE, SharedMemory
+from smarig.running.shared_memory import REQUESTS, SIZE, SharedMemory
 
-SAMPLES = np.dtype([(name, np.float64) for name in SAMPLE_FIELDS])
+_NAME = re.compile(r"\d+-\w+" + re.escape(SUFFIX), re.ASCII)
 _MOST = 1000  # files that are looked at
+_LATEST_EPOCH = 4e9  # in the year 2096
 _FACTS = {
     "pid": int,
     "start_epoch": float,
@@ -62,13 +63,12 @@ class RunInProgress:
             return memory.status()
 
     def samples(self, after: int = 0) -> tuple[NDArray[Any], int, int]:
-        """(samples (n,) after a number, with the fields of ``SAMPLES``; number of the newest; how many are lost).
+        """(samples (n,) after a number, with the fields ``SAMPLE_FIELDS``; number of the newest; how many are lost).
 
         The last 4095 samples are kept; earlier ones are in the run file after a second at the latest.
         """
         with self._memory() as memory:
-            found, newest, lost = memory.samples(after)
-        return np.array(found, dtype=SAMPLES), newest, lost
+            return memory.samples(after)
 
     def ask(self, request: str, who: str) -> None:
         """Ask the run to "pause", "continue" or "stop"; ``who`` stands in its record. It obeys within 0.1 s."""
@@ -97,25 +97,36 @@ def runs_in_progress() -> tuple[RunInProgress, ...]:
 
 def collect_ended() -> tuple[RunInProgress, ...]:
     """The runs whose processes ended without an end of the run (kill -9): each is told once, and its file removed."""
-    ended = [run for run, alive in _found() if not alive]
-    for run in ended:
-        with contextlib.suppress(OSError):
-            run.path.unlink()
-    return tuple(ended)
+    return tuple(run for run, alive in _found() if not alive and _removed(run.path))
+
+
+def _removed(path: Path) -> bool:
+    """Whether this process removed it: of several that look at once, one tells."""
+    try:
+        path.unlink()
+    except OSError:
+        return False
+    return True
 
 
 def _found() -> Iterator[tuple[RunInProgress, bool]]:
     folder = running_folder()
     try:
         check_own(folder)
-        paths = sorted(path for path in folder.iterdir() if path.suffix == SUFFIX)[:_MOST]
+        paths = sorted(path for path in folder.iterdir() if _NAME.fullmatch(path.name))[:_MOST]
     except (OSError, SmarigError):
         return
     for path in paths:
         with contextlib.suppress(OSError, UsageError), _opened(path) as file, _mapped(file) as memory:
             info = memory.description()
-            if all(isinstance(info.get(fact), kind) for fact, kind in _FACTS.items()):
+            if _is_description(info):
                 yield RunInProgress(path.stem, info, path), _is_held(file)
+
+
+def _is_description(info: dict[str, Any]) -> bool:
+    """Whether it has every fact, with a process that may be sent a signal and a time that can be shown."""
+    plain = all(type(info.get(fact)) is kind for fact, kind in _FACTS.items())
+    return plain and info["pid"] > 1 and 0 <= info["start_epoch"] < _LATEST_EPOCH
 
 
 @contextlib.contextmanager
@@ -125,6 +136,8 @@ def _opened(path: Path) -> Iterator[IO[bytes]]:
         handle = os.open(path, os.O_RDWR | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_NONBLOCK", 0))
     except FileNotFoundError:
         raise UsageError("This run has ended.") from None
+    except OSError as error:
+        raise UsageError(f"{path} cannot be opened: {error.strerror or error}.") from None
     with os.fdopen(handle, "r+b") as file:
         about = os.fstat(file.fileno())
         own = not hasattr(os, "getuid") or about.st_uid == os.getuid()
@@ -135,7 +148,10 @@ def _opened(path: Path) -> Iterator[IO[bytes]]:
 
 @contextlib.contextmanager
 def _mapped(file: IO[bytes]) -> Iterator[SharedMemory]:
-    memory = SharedMemory(mmap.mmap(file.fileno(), SIZE))
+    try:
+        memory = SharedMemory(mmap.mmap(file.fileno(), SIZE))
+    except (OSError, ValueError) as error:  # no memory, or cut in this moment
+        raise UsageError(f"{file.name} cannot be read: {error}.") from None
     try:
         if not memory.valid:
             raise UsageError(f"{file.name} announces a run in another version of smarig.")

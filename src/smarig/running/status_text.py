@@ -8,7 +8,7 @@ from typing import Any
 from smarig.core import printable
 from smarig.running.run_status import LogEntry, PanelRunInfo, RunStatus
 
-_LONGEST = 500  # characters of a text
+_LONGEST, _LONGEST_NAME = 500, 100  # characters of a sentence, of a name
 
 
 def description_of(
@@ -16,10 +16,10 @@ def description_of(
 ) -> dict[str, Any]:
     """The facts about a run, with its process and the command up to its first option."""
     values = asdict(run_info)
-    values["out"] = str(run_info.out.absolute())
-    words = [printable(word)[:_LONGEST] for word in command[:3] if not word.startswith("-")]
-    facts = {name: _plain(value) for name, value in values.items()}
-    return facts | {"pid": pid, "start_epoch": start_epoch, "command": words}
+    words = [printable(word, _LONGEST_NAME) for word in command[:3] if not word.startswith("-")]
+    facts = {name: _plain(value, _LONGEST_NAME) for name, value in values.items()}
+    out = str(run_info.out.absolute())  # never cut: others open it
+    return facts | {"out": out, "pid": pid, "start_epoch": start_epoch, "command": words}
 
 
 def status_of(status: RunStatus) -> dict[str, Any]:
@@ -50,8 +50,8 @@ def _entry(entry: LogEntry | None) -> dict[str, Any] | None:
     return {"t_s": _plain(entry.t_s), "level": entry.level, "kind": entry.kind, "text": _plain(entry.text)}
 
 
-def _plain(value: Any) -> Any:
+def _plain(value: Any, longest: int = _LONGEST) -> Any:
     """A value that JSON has: no infinities, no endless texts."""
     if isinstance(value, float):
         return value if math.isfinite(value) else None
-    return value[:_LONGEST] if isinstance(value, str) else value
+    return printable(value, longest) if isinstance(value, str) else value

@@ -8,9 +8,8 @@ changes something must come from a page of the console (``Origin``, or ``Sec-Fet
 import hmac
 from collections.abc import Awaitable, Callable, MutableMapping
 from dataclasses import dataclass
-from http.cookies import CookieError, SimpleCookie
 from typing import Any
-from urllib.parse import parse_qsl, urlencode
+from urllib.parse import parse_qsl, quote, urlencode
 
 Scope = MutableMapping[str, Any]
 Receive = Callable[[], Awaitable[MutableMapping[str, Any]]]
@@ -91,20 +90,15 @@ class AccessGuard:
     async def _remember(self, scope: Scope, query: list[tuple[str, str]], send: Send) -> None:
         """Keep the token in a cookie, and show the same page without it in its address."""
         rest = urlencode([(k, v) for k, v in query if k != TOKEN])
-        place = "/" + scope["path"].lstrip("/") + (f"?{rest}" if rest else "")
+        place = "/" + quote(scope["path"].lstrip("/")) + (f"?{rest}" if rest else "")
         cookie = f"{self.cookie}={self.token}; HttpOnly; SameSite=Strict; Path=/"
-        await _answer(send, 303, "", {"location": _ascii(place), "set-cookie": cookie})
+        await _answer(send, 303, "", {"location": place, "set-cookie": cookie})
 
 
 def _cookies(headers: dict[str, str]) -> dict[str, str]:
-    try:
-        return {name: morsel.value for name, morsel in SimpleCookie(headers.get("cookie", "")).items()}
-    except CookieError:
-        return {}
-
-
-def _ascii(place: str) -> str:
-    return "".join(c if " " < c < "\x7f" else "" for c in place)
+    """Cookies of all ports of this computer arrive together: one that is badly formed must not hide the console's."""
+    pairs = (part.partition("=") for part in headers.get("cookie", "").split(";"))
+    return {name.strip(): value.strip() for name, _, value in pairs}
 
 
 def _with_headers(send: Send) -> Send:

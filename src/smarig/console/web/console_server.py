@@ -52,6 +52,8 @@ def serve_console(
                 log_level="warning",
                 access_log=False,
                 lifespan="off",
+                http="h11",  # refuses two Host headers; others pass them on
+                ws="none",
                 timeout_graceful_shutdown=_SHUTDOWN_S,
                 server_header=False,
             )
@@ -95,6 +97,7 @@ def _bound(port: int) -> socket.socket:
     listening.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
     try:
         listening.bind((HOST, port))
+        listening.listen(100)  # before the address is told: a browser that is faster than the server waits
     except (OSError, OverflowError) as error:
         listening.close()
         reason = getattr(error, "strerror", None) or error

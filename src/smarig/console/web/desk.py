@@ -15,7 +15,16 @@ from smarig.console.library.library import Library
 from smarig.console.queue.queue import Queue
 from smarig.console.web.library_scanner import LibraryScanner
 
+
+def _encodable(value: Any) -> Any:
+    """A name of a file that is no UTF-8 is shown with marks; it must not end the page."""
+    if type(value) is str and not value.isascii():
+        return value.encode("utf-8", "replace").decode()
+    return value
+
+
 TEMPLATES = Jinja2Templates(Path(__file__).parent / "templates")
+TEMPLATES.env.finalize = _encodable
 _LEVELS = ("good", "warning", "bad")
 
 

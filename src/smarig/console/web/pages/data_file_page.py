@@ -26,6 +26,7 @@ UPLOADS, STUDIES = "console_uploads", "studies"
 LARGEST_BYTES = 500_000_000
 LONGEST_S = 1800.0
 _KEY = re.compile(r"[0-9a-f]{12}")
+_LONGEST_NAME = 100  # bytes
 _ROWS, _COLUMNS, _POINTS = 5, 40, 1500
 
 
@@ -71,6 +72,8 @@ def draft(request: Request) -> HTMLResponse:
 async def start(request: Request) -> Response:
     """Study the file with the answers, and show its page."""
     form = {key: value for key, value in (await request.form()).items() if isinstance(value, str)}
+    if any("\0" in value for value in form.values()):
+        raise UsageError("A column and a unit have no NUL character.")
     return await run_in_threadpool(_studied, request, form)
 
 
@@ -180,7 +183,7 @@ def _safe_name(name: str) -> str:
     """The last part of a name, with letters that every file system has; its ending tells the format."""
     last = re.split(r"[/\\]", name)[-1]
     plain = re.sub(r"[^\w .+()\-]", "_", last).strip(" .")
-    return plain[-100:] or "data"
+    return plain.encode()[-_LONGEST_NAME:].decode("utf-8", "ignore").strip(" .") or "data"
 
 
 def _refused(request: Request, sentence: str) -> HTMLResponse:

@@ -2,6 +2,7 @@
 
 import time
 import zlib
+from contextlib import suppress
 from typing import Any
 
 from starlette.requests import Request
@@ -12,7 +13,7 @@ from smarig.console.queue.ensure_worker import ensure_worker
 from smarig.console.queue.queue_entry import CONTINUABLE, EntryState, QueueEntry
 from smarig.console.web.desk import TEMPLATES, Desk, back, desk_of, page
 from smarig.console.web.run_words import run_card
-from smarig.core import SmarigError
+from smarig.core import SmarigError, UsageError
 from smarig.report import duration
 from smarig.running import runs_in_progress
 
@@ -82,7 +83,8 @@ def stop_all(request: Request) -> Response:
         problems.append(str(error))
     runs = runs_in_progress()
     for run in runs:
-        run.ask("stop", "the emergency stop of the console")
+        with suppress(UsageError):  # it has just ended; the others must be stopped all the same
+            run.ask("stop", "the emergency stop of the console")
     for run in runs:
         run.terminate()
     text = (

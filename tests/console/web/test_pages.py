@@ -1,0 +1,190 @@
+"""Pages of the console: hostile names are shown as text, hostile paths reach nothing, and runs do without it."""
+
+import os
+import signal
+import socket
+import subprocess
+import sys
+
+import pytest
+
+from console.web.started_console import Console, started_console
+from running.started_run import VALIDATION, found_run, started_run, waited
+from smarig.record import stored_run
+from smarig.runner import RunControl
+from smarig.running import PanelRunInfo, announced, runs_in_progress
+
+HOSTILE = "<script>alert(1)</script>\"'javascript:\n&"
+
+
+@pytest.fixture(scope="module")
+def console(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("console")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("SMARIG_RUNNING_DIR", str(folder / "running"))
+        with started_console(folder / "runs") as found:
+            yield found
+
+
+@pytest.fixture
+def own_running_dir(tmp_path, monkeypatch):
+    monkeypatch.setenv("SMARIG_RUNNING_DIR", str(tmp_path / "running"))
+
+
+def test_hostile_names_of_a_run_are_shown_as_text(console: Console, tmp_path):
+    out = tmp_path / '<img src=x>\udcff".run.sqlite'
+    info = PanelRunInfo(
+        HOSTILE, HOSTILE, HOSTILE + "\udc80", "twin", False, HOSTILE, 0.1, 5, 300.0, out, HOSTILE
+    )
+    with announced(info, RunControl()):
+        (run,) = runs_in_progress()
+        for path in ("/", "/overview/parts", f"/runs/{run.key}", f"/runs/{run.key}/phone"):
+            reply = console.ask(path)
+            assert reply.status == 200, path
+            assert "<script>alert" not in reply.body
+            assert "<img" not in reply.body
+            assert "alert(1)" in reply.body.lower()
+
+
+@pytest.mark.parametrize("text", [HOSTILE, "%F0%28", "x" * 20000])
+def test_a_message_of_the_address_is_text(console: Console, text):
+    from urllib.parse import quote
+
+    reply = console.ask(f"/?message={quote(text)}&level={quote(HOSTILE)}")
+    assert reply.status == 200
+    assert "<script>alert" not in reply.body
+
+
+@pytest.mark.parametrize(
+    "path",
+    [
+        "/static/../desk.py",
+        "/static/%2e%2e/desk.py",
+        "/static/..%2fdesk.py",
+        "/static/%2fetc/passwd",
+        "/static/run.js%00",
+        "/library/..%2f..%2fetc%2fpasswd/page",
+        "/library/x%00/page",
+        "/study/..",
+        "/study/%2e%2e",
+        "/study/000000000000",
+        "/study/00000000000%0a",
+        "/study/..%2f..%2fetc/alone",
+        "/runs/..%2fx",
+        "/runs/x%00/follow",
+        "/library?offset=9999999999999999999999&since=99999-01-01&text=%22%00*",
+        "/new?rig=%00&experiment=%00",
+        "/new?experiment=/etc/passwd.py&rig=/etc/passwd",
+    ],
+)
+def test_hostile_paths_reach_nothing_and_are_a_sentence(console: Console, path):
+    reply = console.ask(path)
+    assert reply.status < 500
+    assert "root:" not in reply.body
+    assert "import " not in reply.body
+    assert "Traceback" not in reply.body
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        "../../x.csv",
+        "a\x00b.csv",
+        "\u4e00" * 300 + ".csv",
+        "x" * 300 + ".csv",
+        "C:\\x\\y.csv",
+        "..",
+        "<b>.csv",
+    ],
+)
+def test_names_of_uploads_stay_in_the_folder(console: Console, name):
+    body = (
+        f'--b\r\nContent-Disposition: form-data; name="file"; filename="{name}"\r\n\r\n'
+        "u,y\r\n1,2\r\n\r\n--b--\r\n"
+    ).encode()
+    reply = console.ask(
+        "/study", "POST", {**console.own, "Content-Type": "multipart/form-data; boundary=b"}, body
+    )
+    assert reply.status in (303, 400, 422)
+    if reply.status == 303:
+        assert reply.headers["location"].startswith("/study/")
+        assert "<b>" not in console.ask(reply.headers["location"]).body.replace("<br>", "")
+
+
+def test_an_upload_that_is_too_large_or_has_no_length_is_refused(console: Console):
+    more = {"Content-Type": "multipart/form-data; boundary=b"}
+    sent = {**console.own, **more, "Content-Length": "500000001"}
+    assert console.ask("/study", "POST", sent).status == 422
+    assert console.ask("/study", "POST", {**console.own, **more}, iter([b"--b--"])).status == 422
+
+
+@pytest.mark.parametrize(
+    ("path", "method"), [("/", "POST"), ("/stop-all", "GET"), ("/", "PUT"), ("/new", "DELETE")]
+)
+def test_other_methods_are_refused(console: Console, path, method):
+    assert console.ask(path, method).status in (404, 405)
+
+
+def test_a_huge_query_is_answered(console: Console):
+    assert console.ask("/library?" + "a=1&" * 10000).status < 500
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_a_signal_ends_it_with_status_0_while_a_stream_is_open(tmp_path, own_running_dir, number):
+    with announced(
+        PanelRunInfo("p", "r", "w", "twin", False, "mm", 0.1, 5, 3.0, tmp_path / "a"), RunControl()
+    ):
+        key = runs_in_progress()[0].key
+        with (
+            started_console(tmp_path / "runs") as console,
+            socket.create_connection(("127.0.0.1", console.port), 30) as stream,
+        ):
+            lines = [f"GET /runs/{key}/follow HTTP/1.1", f"Host: 127.0.0.1:{console.port}"]
+            lines += [f"Cookie: {console.own['Cookie']}", "", ""]
+            stream.sendall("\r\n".join(lines).encode())
+            assert b"200 OK" in stream.recv(4096)
+            console.process.send_signal(number)
+            assert console.process.wait(60) == 0
+
+
+def test_a_run_outlives_a_killed_console_and_the_next_one_shows_it(tmp_path, own_running_dir):
+    with started_run(tmp_path, *VALIDATION, "-o", "a.run.sqlite") as process:
+        run = found_run(process)
+        with started_console(tmp_path / "runs") as first, started_console(tmp_path / "runs") as second:
+            assert run.key in first.ask("/").body
+            assert run.key in second.ask("/").body
+            os.kill(first.process.pid, signal.SIGKILL)
+            newest = run.samples()[1]
+            waited(
+                lambda: not run.alive or run.samples(newest)[1] > newest, "samples after the console's end"
+            )
+            assert second.ask(f"/runs/{run.key}").status in (200, 404)
+        assert process.wait(90) == 0
+    with stored_run(tmp_path / "a.run.sqlite") as stored:
+        assert stored.cause == "done"
+
+
+def _refusal(tmp_path, *arguments, script=""):
+    command = [sys.executable, *(["-c", script] if script else ["-m", "smarig"]), "console", "--no-browser"]
+    return subprocess.run([*command, *arguments], cwd=tmp_path, capture_output=True, text=True, timeout=90)
+
+
+def test_what_it_cannot_start_with_is_one_sentence(tmp_path):
+    (tmp_path / "file").touch()
+    with socket.socket() as taken:
+        taken.bind(("127.0.0.1", 0))
+        taken.listen()
+        port = str(taken.getsockname()[1])
+        done = [
+            _refusal(tmp_path, "--folder", "runs", "--port", port),
+            _refusal(tmp_path, "--folder", "/proc/runs"),
+            _refusal(tmp_path, "--folder", "file"),
+        ]
+    missing = "import sys; sys.modules['uvicorn'] = None; from smarig.cli import main; main(sys.argv[1:])"
+    done.append(_refusal(tmp_path, "--folder", "runs", script=missing))
+    for one in done:
+        assert one.returncode == 2, one.stderr
+        assert len(one.stderr.strip().splitlines()) == 1, one.stderr
+        assert "Traceback" not in one.stderr
+    assert f"Port {port} cannot be used" in done[0].stderr
+    assert "extra 'console'" in done[-1].stderr
