@@ -92,8 +92,10 @@ class DiagonalIntegrals:
         """Signed output change to each input (n,), each independent of the others."""
         change = np.empty(u.shape)
         up = u >= centre
-        change[up] = _cumulative(_rising(self, centre), u[up])
-        change[~up] = -_cumulative(_falling(self, centre), -u[~up])
+        if up.any():
+            change[up] = _cumulative(_rising(self, centre), u[up])
+        if not up.all():
+            change[~up] = -_cumulative(_falling(self, centre), -u[~up])
         return change
 
     def rise_from_diagonal(self: Differentiable, centre: float, u: float) -> float:
@@ -158,7 +160,7 @@ def _cumulative(strip_integral: _StripIntegral, u: NDArray[np.float64]) -> NDArr
     """
     strip, edges, up_to_edge = strip_integral
     panel = np.clip(np.searchsorted(edges, u, side="left") - 1, 0, max(edges.size - 2, 0))
-    blocks = np.array_split(np.arange(u.size), u.size // _BLOCK + 1)
+    blocks = [slice(begin, begin + _BLOCK) for begin in range(0, u.size, _BLOCK)]
     return np.concatenate([up_to_edge[panel[k]] + _gauss(strip, edges[panel[k]], u[k]) for k in blocks])
 
 
