@@ -72,6 +72,10 @@ def _shared_by_workers(tmp_path_factory):
     own = tmp_path_factory.getbasetemp()
     shared = own.parent if "PYTEST_XDIST_WORKER" in os.environ else own  # a worker's own folder lies in it
     os.environ["SMARIG_CACHE_DIR"] = str(shared / "compiled")
+    if os.environ.pop(
+        "PYTHONDONTWRITEBYTECODE", ""
+    ):  # else every process that tests start compiles all it imports
+        os.environ["PYTHONPYCACHEPREFIX"] = str(shared / "bytecode")
     with pytest.MonkeyPatch.context() as patch:
         module = import_module("smarig.runner.preview")
         patch.setattr(
