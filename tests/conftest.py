@@ -64,10 +64,24 @@ def _private_locks(tmp_path_factory):
     """Test processes run side by side: each has its own idea of which wires are in use. Nothing is left at home."""
     os.environ["SMARIG_LOCK_DIR"] = str(tmp_path_factory.mktemp("locks"))
     os.environ["SMARIG_HISTORY_DIR"] = str(tmp_path_factory.mktemp("wires"))
-    # All workers and their processes share compiled loops: a worker's own folder lies in that of the session.
+
+
+@pytest.fixture(scope="session", autouse=True)
+def _shared_by_workers(tmp_path_factory):
+    """All workers share compiled loops, also with the processes they start, and previews."""
     own = tmp_path_factory.getbasetemp()
-    shared = own.parent if "PYTEST_XDIST_WORKER" in os.environ else own
+    shared = own.parent if "PYTEST_XDIST_WORKER" in os.environ else own  # a worker's own folder lies in it
     os.environ["SMARIG_CACHE_DIR"] = str(shared / "compiled")
+    if os.environ.pop(
+        "PYTHONDONTWRITEBYTECODE", ""
+    ):  # else every process that tests start compiles all it imports
+        os.environ["PYTHONPYCACHEPREFIX"] = str(shared / "bytecode")
+    with pytest.MonkeyPatch.context() as patch:
+        module = import_module("smarig.runner.preview")
+        patch.setattr(
+            module, "_computed", import_module("shared_previews").SharedPreviews(shared / "previews")
+        )
+        yield
 
 
 @pytest.fixture(scope="session")

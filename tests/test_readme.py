@@ -56,9 +56,9 @@ def run_line(tmp_path, monkeypatch):
     return do
 
 
-def test_a_lab_day(tmp_path):
-    for command in lines_of("sh", "smarig list "):
-        in_shell(command, tmp_path)
+def test_a_lab_day(tmp_path, run_line):
+    for line in lines_of("sh", "smarig list "):
+        run_line(line)
     made = {p.name for p in tmp_path.iterdir()}
     assert {"wire.model.json", "validation.html", "validation.csv"} <= made
 

@@ -2,6 +2,7 @@
 
 import html
 import json
+import os
 import re
 
 import numpy as np
@@ -26,6 +27,8 @@ from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface
 from smarig.preisach.hysteresis.mirrored import Mirrored
 from smarig.preisach.hysteresis.relay_measure import RelayMeasure
 from smarig.report.certificate.certificate_page import certificate_page, certificate_units, certified_model
+
+long = pytest.mark.skipif(not os.environ.get("SMARIG_LONG"), reason="takes five seconds: SMARIG_LONG=1")
 
 PROMISES = ("bounds the energy", "does not increase", "stays passive", "covers it")
 ONE = {"constant_gain": {"gain": 4.0}}
@@ -53,7 +56,7 @@ def all_texts(hysteresis, controllers=None) -> tuple[str, str, str]:
     return found.text, html.unescape(page), json.dumps(found.to_json(), ensure_ascii=False)
 
 
-@pytest.mark.parametrize("kind", ["one_p", "two_p", "table"])
+@pytest.mark.parametrize("kind", ["one_p", pytest.param("two_p", marks=long), "table"])
 def test_what_is_not_dissipative_gets_no_bound(kind):
     hysteresis = sampled("two_p", "deg") if kind == "table" else thesis_surface(kind)
     found = certificate(hysteresis)

@@ -16,16 +16,35 @@ from smarig.runner.listener import CallbackListener
 from smarig.runner.preview import preview
 from smarig.runner.runner import Runner
 
+LONG = bool(os.environ.get("SMARIG_LONG"))
 RIGS = ("one_wire_twin", "two_wire_twin")
-if os.environ.get("SMARIG_LONG"):  # another plant behind the same commands
+if LONG:  # another plant behind the same commands
     RIGS += ("one_wire_thermomechanical", "two_wire_thermomechanical")
 ALL = catalogue_names("smarig.protocols")
+# On two wires, short runs of every protocol; whole ones where there is time (SMARIG_LONG, as in .ci/long).
+SHORT = {
+    "adaptive_fod": {"longest_h": "0.5"},
+    "congruency": {"points_per_branch": "2"},
+    "constant_force_cycles": {"cycles": "1", "points": "10"},
+    "first_order_ascending": {"partition_K": "20,60,120"},
+    "first_order_descending": {"partition_K": "20,60,120"},
+    "isothermal_loading": {"lead_s": "30", "duration_s": "200", "points": "20"},
+    "second_order_transition": {"partition_K": "20,60,120"},
+    "step_currents": {"profile": "sine", "points": "6"},
+    "validation": {"points": "6"},
+    "wiping_out": {"points_per_branch": "2"},
+}
+
+
+def settings_of(name, rig):
+    """Those of a short run on two wires, else the default ones."""
+    return {} if LONG or rig == "one_wire_twin" else SHORT.get(name, {})
 
 
 @pytest.mark.parametrize("rig", RIGS)
 @pytest.mark.parametrize("name", ALL)
 def test_it_can_be_costed_and_stays_within_the_limits(rig, name):
-    cost = preview(name, load_rig(rig))
+    cost = preview(name, load_rig(rig), settings_of(name, rig))
     assert 0 < cost.duration_s < 6 * 3600
     assert cost.steps > 0
     assert 0 < cost.peak_current_A <= 1.001 or (name, rig) == ("initialise", "one_wire_twin")
@@ -41,7 +60,7 @@ def test_it_runs_on_the_noisy_twin_settles_and_ends_at_zero(rig, name):
     runner = Runner(
         Guard(twin, twin.file.limits, twin.actuator), 1.0, [CallbackListener(on_step=results.append)]
     )
-    runner.run(build_protocol(name, Setup.of(rig)))
+    runner.run(build_protocol(name, Setup.of(rig), settings_of(name, rig)))
     assert twin.output_A == 0.0
     assert not [r for r in results if r.verdict == "timed_out"]
 

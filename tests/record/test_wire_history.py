@@ -19,6 +19,11 @@ from smarig.runner.run_control import RunControl
 from smarig.runner.session import Session
 
 WIRE = "lasting"
+LOOPS = {
+    "points_per_branch": 2,
+    "high": 0.45,
+}  # a short congruency: one cycle, by its peak; no hold at half the range
+HOT_TICK = 4700  # of its 10,000: in the first hold above half of the range
 
 
 @pytest.fixture(autouse=True)
@@ -53,9 +58,9 @@ def test_what_is_counted():
 
 
 def test_it_adds_up_over_runs_and_stands_in_their_records(tmp_path, rig):
-    first = smarig.run("congruency", rig=rig, out=tmp_path / "a.run.sqlite")
+    first = smarig.run("congruency", rig=rig, out=tmp_path / "a.run.sqlite", **LOOPS)
     one = of()
-    smarig.run("congruency", rig=rig, out=tmp_path / "b.run.sqlite")
+    smarig.run("congruency", rig=rig, out=tmp_path / "b.run.sqlite", **LOOPS)
     two = of()
     assert (one.runs, one.cycles, two.runs, two.cycles) == (1, 1, 2, 2)
     assert two.hours_hot == pytest.approx(2 * one.hours_hot, rel=0.02)
@@ -66,20 +71,20 @@ def test_it_adds_up_over_runs_and_stands_in_their_records(tmp_path, rig):
 
 
 def test_an_interrupted_run_counts_once_however_it_ended(tmp_path, rig):
-    whole = smarig.run("congruency", rig=rig, out=tmp_path / "a.run.sqlite")
+    whole = smarig.run("congruency", rig=rig, out=tmp_path / "a.run.sqlite", **LOOPS)
     undisturbed = of()
-    path = cut(whole.path, tmp_path / "killed.run.sqlite", int(whole["tick"][0]) + 12_000)
+    path = cut(whole.path, tmp_path / "killed.run.sqlite", int(whole["tick"][0]) + HOT_TICK)
     resume(path)
     after = of()
     assert after.runs == 2
     assert after.cycles == 2 + 1, "the peak was reached before death, and once more on the way back or later"
-    assert after.hours_hot > 2.07 * undisturbed.hours_hot, "hot before death: 14 % of the whole run"
+    assert after.hours_hot > 2.07 * undisturbed.hours_hot, "hot before death: a fifth of the whole run"
     control = RunControl()
     with Session(rig, control=control) as session:
-        last = session.rig.tick + 12_000
+        last = session.rig.tick + HOT_TICK
         stop = CallbackListener(on_sample=lambda s, *_: control.stop("enough") if s.tick == last else None)
         with pytest.raises(Interrupted):
-            session.run("congruency", {}, tmp_path / "stopped.run.sqlite", listeners=[stop])
+            session.run("congruency", LOOPS, tmp_path / "stopped.run.sqlite", listeners=[stop])
     stopped = of()
     assert (stopped.runs, stopped.cycles) == (3, after.cycles + 1)
     resume(tmp_path / "stopped.run.sqlite")
@@ -110,9 +115,9 @@ def test_a_simulation_wears_nothing(tmp_path, rig):
 
 def test_a_worn_wire_is_refused_before_anything_moves(tmp_path, urls):
     worn = str(rig_file(tmp_path / "worn.toml", urls, limits="[limits]\ncycles_max = 1\n"))
-    smarig.run("congruency", rig=worn, out=tmp_path / "a.run.sqlite")
+    smarig.run("congruency", rig=worn, out=tmp_path / "a.run.sqlite", **LOOPS)
     with pytest.raises(LimitExceeded, match="has completed 1 cycles; its limit is cycles_max = 1"):
-        smarig.run("congruency", rig=worn, out=tmp_path / "b.run.sqlite")
+        smarig.run("congruency", rig=worn, out=tmp_path / "b.run.sqlite", **LOOPS)
     assert not (tmp_path / "b.run.sqlite").exists()
 
 
@@ -121,7 +126,7 @@ def test_a_twin_is_never_worn(tmp_path):
     worn.write_text('name = "worn"\nbase = "one_wire_twin"\n[limits]\ncycles_max = 1\n', encoding="utf-8")
     with Session(str(worn)) as session:
         for name in ("a", "b"):
-            session.run("congruency", {}, tmp_path / f"{name}.run.sqlite")
+            session.run("congruency", LOOPS, tmp_path / f"{name}.run.sqlite")
 
 
 @pytest.mark.parametrize("text", ["", "{}", "[]", '{"wire": 3}', "\x00"])
@@ -185,7 +190,7 @@ def test_a_twin_in_process_leaves_no_heat_because_its_wire_ends_with_it(tmp_path
     control = RunControl()
     stop = CallbackListener(on_sample=lambda s, step, u: control.stop("enough") if u > 100.0 else None)
     with Session("one_wire_twin", control=control) as session, pytest.raises(Interrupted):
-        session.run("congruency", {}, tmp_path / "stopped.run.sqlite", listeners=[stop])
+        session.run("congruency", LOOPS, tmp_path / "stopped.run.sqlite", listeners=[stop])
     assert of().heat is None
     with Session("one_wire_twin") as session:
         assert session.guard.input_K == 0.0

@@ -1,37 +1,27 @@
 """The characterisation page holds the computed numbers in the documented order in one small file."""
 
 from dataclasses import replace
-from functools import partial
 from importlib import import_module
 
 import numpy as np
 import plotly.graph_objects as go
 import pytest
 
+from report.few_effects import few_effects
 from report.pages import LOADING, Page, unpacked
 from smarig.app.characterise import characterise
 from smarig.app.characterised_folder import characterised_folder
 from smarig.cli import run as cli
 from smarig.core.errors import UsageError
-from smarig.diagnosis.commanded_diagnosis import diagnose_commanded
 from smarig.identification.density_report import density_report
-from smarig.plant.effect_catalogue import effect_types
 from smarig.report.characterisation_page import characterisation_page
 from smarig.report.models.assessment import assessment
-
-COMPETE = ("ambient_drift", "creep", "slip", "walking")
 
 
 @pytest.fixture(scope="module")
 def evidence(tmp_path_factory):
     """What characterising the one-wire twin finds; few effects compete: the diagnosis has a page of its own."""
-    without = [k.name for k in effect_types() if k.name not in COMPETE]
-    with pytest.MonkeyPatch.context() as patched:
-        patched.setattr(
-            import_module("smarig.app.characterise"),
-            "diagnose_commanded",
-            partial(diagnose_commanded, nulls=40, without=without),
-        )
+    with few_effects():
         return characterise("one_wire_twin", tmp_path_factory.mktemp("one"), seed=2).evidence
 
 

@@ -6,6 +6,7 @@ pytest.importorskip("websocket", reason="websocket-client is not installed (pip 
 
 import smarig
 from report.browser import Browser, axe, chromium
+from report.few_effects import few_effects
 from smarig.app.characterise import characterise
 from smarig.cli import run as cli
 from smarig.plant.effect_catalogue import effects_from_pairs
@@ -43,7 +44,8 @@ def pages(tmp_path_factory, drawings):
         ) as session:
             session.run("validation", {"points": 6}, runs / f"{name}.run.sqlite")
     (folder / "short.toml").write_text(CAMPAIGN, encoding="utf-8")
-    characterise("one_wire_twin", folder / "out", campaign=str(folder / "short.toml"), seed=2)
+    with few_effects():
+        characterise("one_wire_twin", folder / "out", campaign=str(folder / "short.toml"), seed=2)
     curves = folder / "out" / "runs" / "01_first_order_descending.run.sqlite"
     models = [folder / f"{surface}.model.json" for surface in ("exponential", "table")]
     for surface, model in zip(("exponential", "table"), models):

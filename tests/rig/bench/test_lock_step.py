@@ -1,5 +1,10 @@
-"""The bench over real bytes equals the twin in process, sample by sample: one clock, one wire, one noise."""
+"""The bench over real bytes equals the twin in process, sample by sample: one clock, one wire, one noise.
 
+Two wires on each link, and two thermomechanical ones, only with ``SMARIG_LONG=1``.
+"""
+
+import os
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -14,7 +19,15 @@ COLUMNS = (
     *("tick", "step", "current_command_A", "current_A", "voltage_V", "counts", "position"),
     *("ambient_degC", "quality", "input"),
 )
-RIGS = ("serial", "modbus_tcp", "modbus_rtu")
+where_there_is_time = pytest.mark.skipif(
+    not os.environ.get("SMARIG_LONG"), reason="takes five seconds: SMARIG_LONG=1"
+)
+LINKS = ("serial", "modbus_tcp", "modbus_rtu")
+RIGS = [
+    *(("one", link) for link in LINKS),
+    ("two", LINKS[0]),
+    *(pytest.param("two", link, marks=where_there_is_time) for link in LINKS[1:]),
+]
 
 
 def record(rig, folder):
@@ -27,17 +40,17 @@ def record(rig, folder):
 
 
 @pytest.fixture(scope="module")
-def twins(tmp_path_factory):
-    return {arr: record(f"{arr}_wire_twin", tmp_path_factory.mktemp(arr)) for arr in ("one", "two")}
+def twin(tmp_path_factory):
+    """Both runs of a twin; they are made when they are asked for."""
+    return cache(lambda arrangement: record(f"{arrangement}_wire_twin", tmp_path_factory.mktemp(arrangement)))
 
 
-@pytest.mark.parametrize("link", RIGS)
-@pytest.mark.parametrize("arrangement", ["one", "two"])
-def test_bytes_make_no_difference(twins, arrangement, link, tmp_path):
-    same(twins[arrangement], record(f"{arrangement}_wire_{link}", tmp_path))
+@pytest.mark.parametrize(("arrangement", "link"), RIGS)
+def test_bytes_make_no_difference(twin, arrangement, link, tmp_path):
+    same(twin(arrangement), record(f"{arrangement}_wire_{link}", tmp_path))
 
 
-@pytest.mark.parametrize("arrangement", ["one", "two"])
+@pytest.mark.parametrize("arrangement", ["one", pytest.param("two", marks=where_there_is_time)])
 def test_bytes_make_no_difference_to_a_thermomechanical_wire(arrangement, tmp_path):
     rig, limits = (
         f"{arrangement}_wire_thermomechanical",
@@ -67,12 +80,12 @@ def same(twins, benches):
 
 
 @pytest.mark.parametrize("framing", ["lines", "modbus_rtu"])
-def test_the_firmware_built_for_this_machine_makes_no_difference(twins, framing, tmp_path, tmp_path_factory):
+def test_the_firmware_built_for_this_machine_makes_no_difference(twin, framing, tmp_path, tmp_path_factory):
     library = make(tmp_path_factory.mktemp("firmware"), "libsmarig_firmware.so", ("gcc",))
     base = "one_wire_serial" if framing == "lines" else "one_wire_modbus_rtu"
     rig = tmp_path / "firmware.toml"
     rig.write_text(f'name = "firmware"\nbase = "{base}"\n[simulator]\nlibrary = "{library}"\n')
-    same(twins["one"], record(str(rig), tmp_path))
+    same(twin("one"), record(str(rig), tmp_path))
 
 
 def test_a_rig_that_extends_another_holds_only_its_own_keys():
