@@ -87,15 +87,15 @@ class Browser:
                 return answer["result"]
             self.events.append(answer)
 
-    def open(self, page: Path, width: int = 1280, height: int = 900) -> "Tab":
-        """A loaded page in a new tab of this size."""
+    def open(self, page: Path | str, width: int = 1280, height: int = 900) -> "Tab":
+        """A loaded page, a file or an address, in a new tab of this size."""
         target = self.call("Target.createTarget", url="about:blank")["targetId"]
         session = self.call("Target.attachToTarget", targetId=target, flatten=True)["sessionId"]
         for domain in ("Page", "Runtime", "Network", "Log"):
             self.call(f"{domain}.enable", session)
-        tab = Tab(self, session, target, page)
+        tab = Tab(self, session, target)
         tab.resize(width, height)
-        self.call("Page.navigate", session, url=page.resolve().as_uri())
+        self.call("Page.navigate", session, url=page if isinstance(page, str) else page.resolve().as_uri())
         while not tab.run("location.href !== 'about:blank' && document.readyState === 'complete'"):
             pass
         return tab
@@ -114,7 +114,6 @@ class Tab:
     browser: Browser
     session: str
     target: str
-    page: Path
 
     def run(self, expression: str) -> Any:
         """The value of a JavaScript expression; promises are awaited."""
@@ -133,6 +132,11 @@ class Tab:
         """Show the page as it is printed on A4, or on the screen again."""
         self.browser.call("Emulation.setEmulatedMedia", self.session, media="print" if is_on else "")
         self.resize(703 if is_on else 1280)  # 186 mm
+
+    def dark(self, is_on: bool = True) -> None:
+        """Show the page as to people who prefer dark pages, or light ones."""
+        scheme = {"name": "prefers-color-scheme", "value": "dark" if is_on else "light"}
+        self.browser.call("Emulation.setEmulatedMedia", self.session, features=[scheme])
 
     def complaints(self) -> list[str]:
         """Every error on the console and every uncaught exception (the browser's own remarks on speed are none)."""

@@ -6,6 +6,7 @@ from dataclasses import MISSING, dataclass, fields, is_dataclass
 from types import UnionType
 from typing import Any, Literal, Union, get_args, get_origin, get_type_hints
 
+from smarig.console.web.setting_help import SETTING_HELP
 from smarig.core import catalogue_entry
 from smarig.protocols import PROTOCOLS
 
@@ -36,7 +37,7 @@ class FormField:
     """One setting: ``key`` as on the command line, words and unit for people, the text of its default.
 
     ``group``: the words of the settings that belong together; "" for those of the protocol itself. An empty default
-    means that the protocol chooses the value.
+    means that the protocol chooses the value. ``help``: a sentence for people.
     """
 
     key: str
@@ -46,6 +47,7 @@ class FormField:
     default: str
     choices: tuple[str, ...] = ()
     group: str = ""
+    help: str = ""
 
 
 def protocol_form(name: str) -> tuple[FormField, ...]:
@@ -87,7 +89,7 @@ def _field(key: str, name: str, hint: Any, default: Any, group: str = "") -> For
         kind = "list"
     else:
         kind = dict(_KINDS).get(next((m for m in members if m in dict(_KINDS)), str), "text")
-    return FormField(key, words, unit, kind, _text(default), choices, group)
+    return FormField(key, words, unit, kind, _text(default), choices, group, SETTING_HELP.get(key, ""))
 
 
 def _members(hint: Any) -> tuple[Any, ...]:

@@ -25,6 +25,7 @@ def run_facts(run: RunInProgress) -> dict[str, Any]:
         "source": info["source"],
         "unit": str(info.get("unit") or ""),
         "out": Path(info["out"]).name,
+        "file": str(info["out"]),
     }
 
 

@@ -2,12 +2,13 @@
 
 import time
 from collections.abc import Mapping
+from pathlib import Path
 from typing import Any
 from urllib.parse import urlencode
 
 from starlette.concurrency import run_in_threadpool
 from starlette.requests import Request
-from starlette.responses import FileResponse, HTMLResponse, Response
+from starlette.responses import FileResponse, HTMLResponse, RedirectResponse, Response
 from starlette.routing import Route
 
 from smarig.console.library.library_entry import Entry
@@ -27,6 +28,7 @@ from smarig.report import duration
 _ROWS = 50
 _FILTERS = tuple((name, name.capitalize()) for name in FACETS)
 _DAY_S = 86400.0
+_PATIENCE_S, _LOOK_S = 5.0, 0.2
 
 
 def library(request: Request) -> HTMLResponse:
@@ -59,6 +61,7 @@ def library(request: Request) -> HTMLResponse:
         "orders": list(ORDERS),
         "rows": [_row(desk, entry) for entry in found.entries],
         "total": found.total,
+        "is_filtered": any(query[name] for name in query if name not in ("order", "offset")),
         "scan": desk.scanner.text,
         "before": _query(query, max(offset - _ROWS, 0)) if offset else None,
         "after": _query(query, offset + _ROWS) if offset + _ROWS < found.total else None,
@@ -85,6 +88,23 @@ def entry(request: Request) -> HTMLResponse:
         "jobs": evaluations_of(desk, found),
     }
     return page(request, "entry.html", shown, here="library")
+
+
+def run_entry(request: Request) -> Response:
+    """The entry of a run that has just ended; its file is read first if the library does not have it yet."""
+    desk, file = desk_of(request), Path(request.query_params.get("file", "")).resolve()
+    if not file.is_relative_to(desk.folder):
+        return back("/library", f"This run is not in the folder of this console. It is {file}.", "warning")
+    until_s = time.monotonic() + _PATIENCE_S
+    while True:
+        found = desk.library.search(file.name.removesuffix(".run.sqlite"), kind="run", limit=_ROWS).entries
+        own = next((e for e in found if e.path == file and e.verdict != "recording"), None)
+        if own is not None:
+            return RedirectResponse(f"/library/{own.id}", status_code=303)
+        if time.monotonic() > until_s:
+            return back("/library", f"{file.name} is not in the library yet.", "warning")
+        desk.scanner.soon()
+        time.sleep(_LOOK_S)
 
 
 def entry_page(request: Request) -> Response:
@@ -187,6 +207,7 @@ ROUTES = [
     Route("/library", library),
     Route("/library/trends", trends),
     Route("/library/compare", compare, methods=["POST"]),
+    Route("/library/run", run_entry),
     Route("/library/{id:str}", entry),
     Route("/library/{id:str}/page", entry_page),
     Route("/library/{id:str}/{wanted:str}", change, methods=["POST"]),

@@ -24,6 +24,7 @@ from smarig.report import duration
 
 CHARACTERISE = "characterise:"  # before the name of the campaign that a characterisation runs
 _CAMPAIGN = "campaign:"
+_FIRST = _CAMPAIGN + "quick_look"  # what the form of a newcomer begins with
 _TEXTS = ("load", "wire", "notes", "out")
 
 
@@ -119,7 +120,7 @@ def _shown(
     error: str = "",
 ) -> HTMLResponse:
     rig = values.get("rig") or desk.rig
-    experiment = values.get("experiment") or CHARACTERISE + "quick_look"
+    experiment = values.get("experiment") or _FIRST
     try:
         file = load_rig(rig)
         text, fields = _experiment(experiment)
@@ -157,10 +158,15 @@ def _choices(rig: str) -> dict[str, list[tuple[str, str]]]:
     rigs = [(name, "") for name in shipped_names("rigs")]
     return {
         "rigs": rigs if rig in dict(rigs) else [(rig, ""), *rigs],
-        "protocols": [(name, "") for name in catalogue_names(PROTOCOLS)],
+        "protocols": [(name, name.replace("_", " ")) for name in catalogue_names(PROTOCOLS)],
         "campaigns": [(_CAMPAIGN + name, text) for name, text in campaigns],
-        "characterisations": [(CHARACTERISE + name, text) for name, text in campaigns],
+        "characterisations": [(CHARACTERISE + name, text) for name, text in campaigns if _trains(name)],
     }
+
+
+def _trains(campaign: str) -> bool:
+    """Whether a campaign has runs to identify a model from; a characterisation needs one."""
+    return any(step.purpose == "train" for step in load_campaign(campaign).step)
 
 
 def _experiment(experiment: str) -> tuple[str, tuple[FormField, ...]]:

@@ -150,6 +150,7 @@ function follow() {
     source.close();
     status({ ...now, share: 1, settling: "", paused: false });
     document.getElementById("controls")?.remove();
+    document.getElementById("ended").hidden = false;
   });
   // A browser has six connections for one address: a page that nobody sees gives its own back.
   const hide = () => {

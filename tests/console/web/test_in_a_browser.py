@@ -1,0 +1,243 @@
+"""The console in a real browser: a newcomer's way through it by mouse and by keys, and every page for everyone."""
+
+import math
+
+import pytest
+
+pytest.importorskip("websocket", reason="websocket-client is not installed (pip install smarig[test])")
+pytest.importorskip("uvicorn", reason="the extra 'console' is not installed")
+
+from console.web.console_process import ConsoleProcess
+from console.web.visitor import Visitor
+from report.browser import Browser, axe, chromium
+from smarig.record import load_run
+
+LONG = "/new?experiment=validation&set.points=60&speed=20&out={}.run.sqlite"
+SHORT = "/new?experiment=validation&set.points=2&out={}.run.sqlite"
+HOT = """base = "one_wire_twin"
+name = "hot"
+temperature_noise_K = 40.0  # its preview has no noise
+temperature_noise_time_s = 1.0
+"""
+OUTPUTS = "[...document.querySelectorAll('.scroll tbody tr')].map(x => x.children[3].innerText)"
+
+
+@pytest.fixture(scope="module")
+def console(tmp_path_factory):
+    chromium()
+    folder = tmp_path_factory.mktemp("console")
+    (folder / "runs").mkdir()
+    (folder / "runs" / "hot.toml").write_text(HOT)
+    with ConsoleProcess(folder) as running:
+        yield running
+
+
+@pytest.fixture(scope="module")
+def visitor(console, tmp_path_factory):
+    browser = Browser(tmp_path_factory.mktemp("profile"))
+    yield Visitor(browser, console.address)
+    browser.close()
+
+
+def start(visitor, form, name):
+    """Start a run by its form, and open its page."""
+    visitor.go(form.format(name))
+    visitor.click("Start")
+    visitor.click("Validation on one_wire_twin")
+    visitor.shows("elapsed")
+
+
+def stop(visitor):
+    """Stop the run of the page that is open, and let the queue go on later."""
+    visitor.click("Stop this run")
+    visitor.shows("Ended: stopped by the operator (console).")
+
+
+def let_the_queue_continue(visitor):
+    visitor.go("/")
+    visitor.click("Continue the queue")
+    visitor.shows("The queue continues.")
+
+
+def test_a_newcomer_starts_a_first_look_by_clicks_and_finds_its_runs(visitor, console):
+    visitor.shows("No run is in progress")
+    visitor.click("Start one")
+    visitor.shows("a first look at a new wire")
+    visitor.click("Preview")
+    assert "initialise" in visitor.shows("Peak current")
+    visitor.click("Start")
+    visitor.shows("Ended")
+    visitor.until("document.querySelector('td.good')?.innerText.startsWith('done')", "the campaign ends")
+    visitor.click("Library")
+    visitor.until("location.reload() || document.querySelectorAll('tbody tr').length >= 3", "three runs")
+    visitor.click("03_validation")
+    visitor.shows("stroke")
+    runs = sorted((console.folder / "quick_look_001").rglob("*.run.sqlite"))
+    assert [load_run(run).cause for run in runs] == ["done"] * 3
+
+
+def test_a_run_is_paused_continued_and_stopped_by_clicks(visitor, console):
+    start(visitor, LONG, "held")
+    visitor.click("Pause")
+    visitor.shows("Paused: the current stays and sampling continues.")
+    visitor.click("Continue")
+    visitor.until("document.getElementById('state').innerText.startsWith('Step ')", "it goes on")
+    first = visitor.until("Number(document.getElementById('live').dataset.drawn)")
+    visitor.until(f"document.getElementById('live').dataset.drawn > {first}", "the plots go on")
+    stop(visitor)
+    visitor.click("See it in the library")
+    assert "held" in visitor.shows("Tags and notes")
+    run = load_run(console.folder / "held.run.sqlite")
+    assert run.cause == "stopped by the operator (console)"
+    assert [e.text for e in run.events if "paused" in e.text.lower() or "continued" in e.text.lower()]
+    let_the_queue_continue(visitor)
+
+
+def test_the_queue_is_put_in_another_order_while_a_run_is_in_progress(visitor, console):
+    start(visitor, LONG, "present")
+    for name in ("first", "second"):
+        visitor.go(SHORT.format(name))
+        visitor.click("Add to the queue")
+        visitor.shows(f"{name}.run.sqlite")
+    visitor.click("Move second.run.sqlite up")
+    visitor.until(
+        f"{OUTPUTS}.filter(x => /first|second/.test(x)).join() === 'second.run.sqlite,first.run.sqlite'"
+    )
+    visitor.click("Validation on one_wire_twin")
+    stop(visitor)
+    let_the_queue_continue(visitor)
+    visitor.until("document.querySelectorAll('td.good').length >= 3", "both end")
+    began = {
+        name: load_run(console.folder / f"{name}.run.sqlite").info.start_epoch for name in ("first", "second")
+    }
+    assert began["second"] < began["first"]
+
+
+def test_a_fault_of_the_rig_is_seen_and_the_queue_pauses(visitor):
+    visitor.go("/new?experiment=validation&rig=hot.toml&set.points=3&out=hot.run.sqlite")
+    visitor.click("Start")
+    visitor.until("document.querySelector('td.bad')?.innerText.includes('encoder jumped')", "the fault")
+    assert "The queue is paused." in visitor.shows("failed")
+    let_the_queue_continue(visitor)
+
+
+def test_a_run_is_searched_tagged_and_described(visitor):
+    visitor.go("/library")
+    visitor.fill("Words", "HELD")
+    visitor.click("Search")
+    visitor.shows("1 entry")
+    visitor.click("held")
+    visitor.fill("Tags", "wire A, to repeat")
+    visitor.click("Save the tags")
+    visitor.shows("The tags were saved.")
+    visitor.fill("New note", "The load <b>slipped</b>.")
+    visitor.click("Add the note")
+    visitor.shows("The load <b>slipped</b>.")
+    visitor.go("/library?tag=to+repeat")
+    assert "held" in visitor.shows("1 entry")
+    visitor.go("/library?text=nothing-of-the-kind")
+    visitor.shows("Nothing in this folder matches.")
+
+
+def european(folder):
+    """A loop as a German instrument writes it: semicolons between the columns, commas in the numbers."""
+    rows = ["Zeit (s);Temperatur (°C);Weg (mm)"]
+    for k in range(900):
+        warm = 60 - 40 * math.cos(k / 40)
+        y = 1.5 * math.tanh((warm - (65 if math.sin(k / 40) > 0 else 50)) / 10)
+        rows.append(f"{k / 2:.1f};{warm:.3f};{y:.4f}".replace(".", ","))
+    file = folder / "Messung 1.csv"
+    file.write_text("\n".join(rows), encoding="utf-8")
+    return file
+
+
+def test_a_file_with_decimal_commas_is_studied_by_clicks(visitor, tmp_path):
+    visitor.go("/study")
+    visitor.give("Data file", european(tmp_path))
+    visitor.click("Read the columns")
+    text = visitor.shows("First rows as read")
+    assert "-1.4" in text
+    guessed = [visitor.tab.run(f"document.getElementById('{name}').value") for name in ("input", "output")]
+    assert guessed == ["Temperatur (°C)", "Weg (mm)"]
+    visitor.click("Study it")
+    visitor.shows("Result")
+    assert visitor.tab.run("document.querySelector('iframe').clientHeight") > 300
+
+
+def test_a_run_is_started_with_keys_alone(visitor, console):
+    visitor.go(SHORT.format("keys"))
+    for _ in range(60):
+        visitor.tab.key("Tab", 9)
+        if visitor.tab.run("document.activeElement.innerText") == "Start":
+            break
+    visitor.tab.key("Enter", 13)
+    visitor.shows("was added to the queue")
+    visitor.until(
+        "[...document.querySelectorAll('tr')].some(x => /keys.run.sqlite.*done/s.test(x.innerText))",
+        "it ends",
+    )
+    assert load_run(console.folder / "keys.run.sqlite").cause == "done"
+
+
+@pytest.fixture(scope="module")
+def pages(visitor):
+    """Where each page is; those of a run need one in progress."""
+    start(visitor, LONG, "a_long_name_that_somebody_has_given_to_a_run_on_purpose")
+    run = visitor.tab.run("location.pathname")
+    visitor.go("/library?text=held")
+    entry = visitor.tab.run("document.querySelector('tbody a').pathname")
+    wire = visitor.tab.run("document.querySelector('#wire option:last-child').value")
+    yield {
+        "overview": "/",
+        "new campaign": "/new",
+        "new run": SHORT.format("x"),
+        "run": run,
+        "phone": run + "/phone",
+        "library": "/library",
+        "entry": entry,
+        "trends": f"/library/trends?wire={wire}",
+        "study": "/study",
+        "problem": "/nothing",
+        "run that has ended": "/runs/nothing",
+    }
+    visitor.go(run)
+    stop(visitor)
+
+
+PAGES = (
+    "overview",
+    "new campaign",
+    "new run",
+    "run",
+    "phone",
+    "library",
+    "entry",
+    "trends",
+    "study",
+    "problem",
+)
+
+
+@pytest.mark.parametrize("name", [*PAGES, "run that has ended"])
+def test_everyone_can_read_it_on_a_desk_and_on_a_phone_by_day_and_by_night(visitor, pages, name):
+    axe()
+    tab = visitor.tab
+    visitor.go(pages[name])
+    try:
+        for width, dark in ((1280, False), (400, True), (400, False), (1280, True)):
+            tab.resize(width)
+            tab.dark(dark)
+            assert tab.run("document.documentElement.scrollWidth") == width, "it scrolls sideways"
+            assert tab.violations() == [], (width, dark)
+    finally:
+        tab.resize(1280)
+        tab.dark(False)
+
+
+def test_nothing_complained_and_nothing_left_the_machine(visitor, console):
+    complaints = [
+        text for text in visitor.tab.complaints() if "404" not in text
+    ]  # of pages that a test asked for
+    assert complaints == []
+    root = console.address.partition("?")[0]
+    assert [url for url in visitor.tab.requests() if not url.startswith(root)] == []
