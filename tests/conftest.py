@@ -61,9 +61,13 @@ def pytest_collection_modifyitems(items):
 
 @pytest.fixture(scope="session", autouse=True)
 def _private_locks(tmp_path_factory):
-    """Test processes run side by side: each has its own idea of which wires are in use. Nothing is left at home."""
+    """Test processes run side by side: each has its own idea of which wires are in use and which runs in progress.
+
+    Nothing is left at home.
+    """
     os.environ["SMARIG_LOCK_DIR"] = str(tmp_path_factory.mktemp("locks"))
     os.environ["SMARIG_HISTORY_DIR"] = str(tmp_path_factory.mktemp("wires"))
+    os.environ["SMARIG_RUNNING_DIR"] = str(tmp_path_factory.mktemp("running"))
     # All workers and their processes share compiled loops: a worker's own folder lies in that of the session.
     own = tmp_path_factory.getbasetemp()
     shared = own.parent if "PYTEST_XDIST_WORKER" in os.environ else own

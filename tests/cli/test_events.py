@@ -10,11 +10,11 @@ import pytest
 
 from smarig.cli import run
 from smarig.cli.panel.log_lines import JsonLogLines, LogLines, SummaryLine, dropped_lines_json
-from smarig.cli.panel.run_status import PanelRunInfo, RunStatus
 from smarig.cli.panel.terminal import LineWriter
 from smarig.core.command import StepResult, StepVerdict
 from smarig.core.errors import LimitExceeded
 from smarig.record import load_run
+from smarig.running import PanelRunInfo, RunStatus
 
 RUN_INFO = PanelRunInfo(
     "validation", "one_wire_twin", "w", "twin", False, "mm", 0.1, 2, 60.0, Path("v.run.sqlite")

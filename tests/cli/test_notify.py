@@ -17,7 +17,6 @@ from smarig.cli import run as cli
 from smarig.cli.notifier import NotificationListener, Notifier, Subject, message_of
 from smarig.cli.notify import NotifyOptions, notified
 from smarig.cli.notify_command import NotifyCommand
-from smarig.cli.panel.run_status import PanelRunInfo
 from smarig.core.command import StepResult, StepVerdict
 from smarig.core.errors import RigFault, UsageError
 from smarig.core.severity import Severity
@@ -26,6 +25,7 @@ from smarig.record import load_run
 from smarig.runner.listener import CallbackListener
 from smarig.runner.run_control import RunControl
 from smarig.runner.session import Session
+from smarig.running import PanelRunInfo
 
 pytestmark = pytest.mark.skipif(os.name == "nt", reason="POSIX commands")
 

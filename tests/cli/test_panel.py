@@ -7,7 +7,6 @@ import pytest
 from rich.console import Console
 
 from smarig.cli.panel.panel_layout import panel, summary
-from smarig.cli.panel.run_status import PanelRunInfo, RunStatus, run_info
 from smarig.config import load_rig
 from smarig.core.command import Elapsed, Hold, Settled, StepResult, StepVerdict, Waveform
 from smarig.core.errors import Interrupted, LimitExceeded, StorageError
@@ -18,6 +17,7 @@ from smarig.runner.preview import Preview
 from smarig.runner.run_control import RunControl
 from smarig.runner.session import Session
 from smarig.runner.settling_detection import SettleWindow
+from smarig.running import PanelRunInfo, RunStatus, run_info
 
 RUN_INFO = PanelRunInfo(
     "validation", "one_wire_serial", "A7", "bench", False, "mm", 0.1, 21, 600.0, Path("v.run.sqlite")

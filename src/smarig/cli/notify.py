@@ -12,8 +12,8 @@ from smarig.cli.output import show_message
 from smarig.core import Interrupted, Severity, SmarigError, highest_severity
 
 if TYPE_CHECKING:
-    from smarig.cli.panel.run_status import PanelRunInfo
     from smarig.runner import Listener, RunControl
+    from smarig.running import PanelRunInfo
 
 
 class NotifyOptions(NamedTuple):

@@ -2,15 +2,15 @@
 nothing."""
 
 from collections.abc import Callable, Iterator
-from contextlib import AbstractContextManager, contextmanager
+from contextlib import AbstractContextManager, contextmanager, nullcontext
 from typing import TYPE_CHECKING
 
 from smarig.cli.output import json_requested, show_message
 
 if TYPE_CHECKING:
-    from smarig.cli.panel.run_status import PanelRunInfo, RunStatus
     from smarig.cli.panel.terminal import Terminal
     from smarig.runner import Listener, RunControl
+    from smarig.running import PanelRunInfo, RunStatus
 
 STREAMS = (
     'With --json, stderr carries one JSON object per line during the run, {"event": …} or {"step": …}. Other lines '
@@ -20,19 +20,30 @@ STREAMS = (
 
 @contextmanager
 def progress(
-    run_info: "PanelRunInfo", control: "RunControl | None" = None, *, quiet: bool = False, keys: bool = False
+    run_info: "PanelRunInfo", control: "RunControl", *, quiet: bool = False, keys: bool = False
 ) -> "Iterator[Listener]":
-    """Yield the listener for the runner. ``keys``: whether the terminal accepts keys."""
-    from smarig.cli.panel.run_status import RunStatus
-    from smarig.cli.panel.terminal import Terminal
+    """Yield the listener for the runner: the display, and the announcement of the run to other processes.
+
+    ``keys``: whether the terminal accepts keys.
+    """
+    from smarig.cli.live_options import with_watchers
+    from smarig.running import RunStatus, announced
 
     status = RunStatus(run_info, control, keys=keys)
-    if quiet:
-        yield status
-        return
-    terminal = Terminal()
-    with _display_type(terminal)(status, terminal) as listener:
+    with (
+        announced(run_info, control, status) as announcement,
+        with_watchers(_display(status, quiet=quiet), [announcement]) as listener,
+    ):
         yield listener
+
+
+def _display(status: "RunStatus", *, quiet: bool) -> "AbstractContextManager[Listener]":
+    from smarig.cli.panel.terminal import Terminal
+
+    if quiet:
+        return nullcontext(status)
+    terminal = Terminal()
+    return _display_type(terminal)(status, terminal)
 
 
 def _display_type(

@@ -61,7 +61,7 @@ class RunOptions(NamedTuple):
         self, session: "Session", settings: Mapping[str, Any], what: str
     ) -> Iterator[DisplayFactory]:
         """Open the session, the keys and the live view. Yields a function that opens the display of one run."""
-        from smarig.cli.panel.run_status import run_info
+        from smarig.running import run_info
 
         title = f"{what} on {session.file.name}"
         subject = Subject(session.wire, session.file.name, "", "")

@@ -59,18 +59,18 @@ def check_free(key: str, what: str, remedy: str) -> None:
     if key in _held or not path.exists():
         return
     with contextlib.suppress(OSError), _opened(path, 0) as file:
-        if not _try_lock(file):
+        if not try_lock(file):
             raise InUse(_refusal(file, what, remedy))
 
 
 def holder_text() -> str:
     """This process as others see it: number, start of the use, command without its options."""
     since = time.strftime("%Y-%m-%d %H:%M:%S UTC", time.gmtime())
-    return f"process {os.getpid()} since {since} ({_command()})"
+    return f"process {os.getpid()} since {since} ({own_command()})"
 
 
-def _command() -> str:
-    """The command up to its first option: options may hold what nobody else should read."""
+def own_command() -> str:
+    """The command of this process up to its first option: options may hold what nobody else should read."""
     program, *words = sys.argv or ["python"]
     file = Path(program)
     name = file.parent.name if file.stem == "__main__" else file.name
@@ -83,7 +83,7 @@ def _locked(path: Path, what: str, remedy: str) -> Iterator[IO]:
     """The file, locked; opened again if its last holder removed it meanwhile."""
     while True:
         with _created(path) as file:
-            if not _try_lock(file):
+            if not try_lock(file):
                 raise InUse(_refusal(file, what, remedy))
             if _is_at(file, path):
                 yield file
@@ -156,7 +156,20 @@ def _opened(path: Path, create: int) -> IO:
         return os.fdopen(os.open(path, os.O_RDONLY | no_link), "r", encoding="utf-8", errors="replace")
 
 
-def _try_lock(file: IO) -> bool:
+def try_lock(file: IO) -> bool:
+    """Lock an open file for this process alone, until it is closed. Whether that succeeded."""
+    return _lock(file, shared=False)
+
+
+def shared_lock(file: IO) -> bool:
+    """The same, beside others that share it. It fails while a process has locked the file for itself.
+
+    Windows has no such lock: there it is that of one process.
+    """
+    return _lock(file, shared=True)
+
+
+def _lock(file: IO, *, shared: bool) -> bool:
     try:
         if os.name == "nt":
             import msvcrt
@@ -166,7 +179,7 @@ def _try_lock(file: IO) -> bool:
         else:
             import fcntl
 
-            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            fcntl.flock(file, (fcntl.LOCK_SH if shared else fcntl.LOCK_EX) | fcntl.LOCK_NB)
     except OSError:
         return False
     return True

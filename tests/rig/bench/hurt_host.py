@@ -12,9 +12,9 @@ import sys
 import time
 
 from smarig.cli import main
-from smarig.cli.panel.run_status import RunStatus
 from smarig.device.drivers._conversation import Conversation
 from smarig.record import recorder
+from smarig.running import RunStatus
 
 
 def _stall(wall_s: str) -> None:

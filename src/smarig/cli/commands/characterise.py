@@ -62,11 +62,11 @@ def command(
 ) -> None:
     """Initialise, test, identify, verify, diagnose and report: everything about one wire, in one folder."""
     from smarig.app import characterise
-    from smarig.cli.panel.run_status import run_info
     from smarig.config import load_campaign, load_rig
     from smarig.plant import effects_from_arguments
     from smarig.rig import TwinSettings
     from smarig.runner import RunControl, twin_source
+    from smarig.running import run_info
 
     run_number, control = count(1), RunControl()
     file = load_rig(rig)
@@ -76,7 +76,8 @@ def command(
     def listener_factory(cost: "Preview") -> "AbstractContextManager[Listener]":
         place = f"run {next(run_number)} of {len(load_campaign(campaign).step)}"
         what_runs = run_info(file, cost, out, wire=wire or file.wire, source=source, place=place)
-        return with_watchers(progress(what_runs, quiet=quiet), [*watchers, *watch.listeners(what_runs)])
+        display = progress(what_runs, control, quiet=quiet)
+        return with_watchers(display, [*watchers, *watch.listeners(what_runs)])
 
     title, subject = f"{campaign} on {file.name}", Subject(wire or file.wire, file.name, campaign, str(out))
     with live_view(live, file, source, {}, title) as watchers, notified(notify, control, subject) as watch:

@@ -64,11 +64,11 @@ def command(
     Then the interrupted step is repeated. If this is not possible, the protocol starts again. Steps that no
     longer count stay in the record, marked void.
     """
-    from smarig.cli.panel.run_status import run_info
     from smarig.identification import informed_choice
     from smarig.protocols import parse_pairs
     from smarig.record import check_not_recording, load_run, stored_run
     from smarig.runner import preview, read_launch_args, resume_in, session_for
+    from smarig.running import run_info
 
     check_not_recording(run)
     before = load_run(run)

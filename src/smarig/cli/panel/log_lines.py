@@ -13,10 +13,10 @@ from typing import Any, Self
 from smarig.cli.output import as_json
 from smarig.cli.panel.keyboard import KEYS_HELP
 from smarig.cli.panel.panel_layout import clock_text, summary
-from smarig.cli.panel.run_status import RunStatus
 from smarig.cli.panel.terminal import LineWriter, Terminal
 from smarig.core import Hold, Sample, Severity, StepResult, Waveform, severity_of
 from smarig.runner import SettleWindow, end_severity
+from smarig.running import RunStatus
 
 _PROGRESS_S = 600.0
 

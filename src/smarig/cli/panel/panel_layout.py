@@ -9,8 +9,8 @@ from rich.panel import Panel
 from rich.table import Table
 from rich.text import Text
 
-from smarig.cli.panel.run_status import RunStatus, SettlingProgress
 from smarig.core import Severity
+from smarig.running import RunStatus, SettlingProgress
 
 NARROW = 96  # columns; below it the rows are shortened
 _LABEL = 13  # columns of the labels

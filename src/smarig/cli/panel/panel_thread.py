@@ -12,8 +12,8 @@ from rich.console import Console, ConsoleDimensions, RenderableType
 from rich.live import Live
 
 from smarig.cli.panel.panel_layout import panel, summary
-from smarig.cli.panel.run_status import RunStatus
 from smarig.cli.panel.terminal import CLOSE_TIMEOUT_S, Terminal
+from smarig.running import RunStatus
 
 REDRAW_S = 0.25
 
