@@ -7,6 +7,7 @@ import subprocess
 import sys
 import time
 from contextlib import closing, nullcontext
+from pathlib import Path
 
 import pytest
 
@@ -134,6 +135,21 @@ def test_a_young_leftover_is_kept_for_whoever_asks(leftover):
 def test_an_ended_run_whose_file_remained_is_removed_and_not_told_of(leftover):
     path = leftover(announcement(state=memory_layout.ENDED))
     assert runs_in_progress() == ()
+    assert collect_ended() == ()
+    assert not path.exists()
+
+
+def test_a_leftover_that_cannot_be_removed_is_told_of_once(leftover, monkeypatch):
+    """Windows removes no file that somebody has open."""
+    path = leftover(announcement())
+
+    def refused(*_args, **_options):
+        raise PermissionError
+
+    with monkeypatch.context() as patch:
+        patch.setattr(Path, "unlink", refused)
+        assert len(collect_ended()) == 1
+        assert collect_ended() == ()
     assert collect_ended() == ()
     assert not path.exists()
 

@@ -168,13 +168,31 @@ def test_a_twin_as_fast_as_possible_overruns_slow_readers_but_tears_nothing(tmp_
         np.testing.assert_array_equal(seen[name], true[name][seen["number"].astype(int) - 1])
 
 
+CAMPAIGN = """
+name = "two"
+summary = "Two short runs."
+
+[[step]]
+protocol = "validation"
+purpose = "test"
+name = "first"
+set = { points = 2 }
+
+[[step]]
+protocol = "validation"
+purpose = "test"
+set = { points = 3 }
+"""
+
+
 @pytest.mark.usefixtures("folder")
 def test_each_run_of_a_campaign_is_announced_in_its_turn(tmp_path):
-    with started(tmp_path / "runs", "--quiet", "--speed", "3000", protocol="quick_look") as process:
-        places: list[str] = []
+    (tmp_path / "two.toml").write_text(CAMPAIGN)
+    campaign = str(tmp_path / "two.toml")
+    with started(tmp_path / "runs", "--quiet", "--speed", "200", protocol=campaign) as process:
+        seen = []
         while process.poll() is None:
-            found = [r.info["place"] for r in runs_in_progress() if r.info["place"] not in places]
-            places += found
+            seen += [r for r in runs_in_progress() if r.key not in {s.key for s in seen}]
     assert process.returncode == 0
-    assert len(places) > 1
-    assert places == [f"run {k + 1} of {len(places)}" for k in range(len(places))]
+    assert [(run.info["place"], run.info["steps"]) for run in seen] == [("run 1 of 2", 4), ("run 2 of 2", 5)]
+    assert {run.info["pid"] for run in seen} == {process.pid}

@@ -181,14 +181,14 @@ def _reserve(file: IO[bytes]) -> None:
     """Give the file its size and its space: a write to mapped memory for which there is no space ends the process."""
     if hasattr(os, "posix_fallocate"):
         os.posix_fallocate(file.fileno(), 0, layout.SIZE)
-    elif file.write(bytes(layout.SIZE)) != layout.SIZE:
+        return
+    file.seek(0)
+    if file.write(bytes(layout.SIZE)) != layout.SIZE:
         raise OSError("no space left")
 
 
 def _remove(path: Path) -> None:
-    with contextlib.suppress(
-        OSError
-    ):  # Windows keeps a file that a reader has open; a finder removes it later
+    with contextlib.suppress(OSError):  # Windows keeps a file that somebody has open; a finder removes it
         path.unlink()
 
 

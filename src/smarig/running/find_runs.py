@@ -54,8 +54,8 @@ def collect_ended(*, older_than_s: float = 0.0) -> tuple[EndedRun, ...]:
             with opened(path) as file:
                 ended = _take(file, older_than_s)
             if ended is not None:
-                path.unlink(missing_ok=True)
                 collected += [ended] if ended.info else []
+                path.unlink(missing_ok=True)
     return tuple(collected)
 
 

@@ -87,8 +87,12 @@ class RunInProgress:
     def terminate(self) -> None:
         """Send SIGTERM to its process, which then ends the run safely even while a protocol computes.
 
-        Nothing is sent when the run has ended.
+        Nothing is sent when the run has ended. On Windows, where this would end the process at once, it is asked to stop.
         """
+        if os.name == "nt":
+            with contextlib.suppress(UsageError):
+                self.ask("stop", "another process")
+            return
         with contextlib.suppress(OSError, UsageError), opened(self.path) as file:
             if file.state == layout.RUNNING and file.is_held():
                 os.kill(self.info["pid"], signal.SIGTERM)
