@@ -25,7 +25,7 @@ def test_every_field_arrives_in_its_place():
         (run,) = runs_in_progress()
         found, newest, lost = run.samples()
     assert (newest, lost, found.dtype) == (3, 0, SAMPLES)
-    row = dict(zip(SAMPLES.names, found[1].tolist(), strict=True))
+    row = dict(zip(SAMPLES.names or (), found[1].tolist(), strict=True))
     assert np.isnan(row.pop("temperature_degC"))
     assert row == {
         "number": 2,
@@ -95,7 +95,7 @@ def test_half_a_record_is_lost(field, folder):
     with made() as listener:
         feed(listener, 1, 10)
         (run,) = runs_in_progress()
-        at = memory_layout.record_at(5) + memory_layout.STORED.fields[field][1]
+        at = memory_layout.record_at(5) + (0 if field == "number" else memory_layout.RECORD.size - 8)
         with next(folder.iterdir()).open("r+b") as file:
             file.seek(at)
             file.write(memory_layout.WORD.pack(5 + RECORDS))

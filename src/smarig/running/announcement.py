@@ -115,24 +115,24 @@ class Announcement:
 
     def _attend(self, memory: mmap.mmap) -> None:
         while not self._finished.wait(INTERVAL_S):
-            for request in self._obeyed:
-                self._look_for(request, memory)
+            for name in self._obeyed:
+                self._look_for(name, memory)
             self._write_status(memory)
         self._write_status(memory)
 
-    def _look_for(self, request: str, memory: mmap.mmap) -> None:
-        at = layout.request_at(request)
-        mark, asked, who = layout.unpacked_request(memory[at : at + layout.REQUEST_SIZE])
-        if asked and mark != self._obeyed[request]:
-            self._obeyed[request] = mark
-            self._obey(asked, printable(who))
+    def _look_for(self, name: str, memory: mmap.mmap) -> None:
+        at = layout.request_at(name)
+        mark, request, who = layout.unpacked_request(memory[at : at + layout.REQUEST_SIZE])
+        if request and mark != self._obeyed[name]:
+            self._obeyed[name] = mark
+            self._obey(request, printable(who))
 
-    def _obey(self, asked: str, who: str) -> None:
-        if asked == "stop":
+    def _obey(self, request: str, who: str) -> None:
+        if request == "stop":
             self._control.stop(f"stopped by the operator ({who})")
             return
-        self._control.paused = asked == "pause"
-        self._control.report("request", f"{who} asked this run to {asked}.", level="info")
+        self._control.paused = request == "pause"
+        self._control.report("request", f"{who} asked this run to {request}.", level="info")
 
     def _write_status(self, memory: mmap.mmap) -> None:
         try:

@@ -87,7 +87,8 @@ class RunInProgress:
     def terminate(self) -> None:
         """Send SIGTERM to its process, which then ends the run safely even while a protocol computes.
 
-        Nothing is sent when the run has ended. On Windows, where this would end the process at once, it is asked to stop.
+        Nothing is sent when the run has ended. On Windows, where this would end the process at once, the run is asked
+        to stop.
         """
         if os.name == "nt":
             with contextlib.suppress(UsageError):
