@@ -29,8 +29,9 @@ everything else to stderr ([JSON](json_objects.md)).
 
 `SMARIG_LOCK_DIR` names the folder of the locks of wires, lines and run files in use (else each user has one; users who
 share a rig give the same folder), `SMARIG_HISTORY_DIR` the folder of the wires' histories, `SMARIG_CACHE_DIR` that of
-compiled loops (else `smarig/compiled` in the user's cache folder; it may be deleted). A twin locks no wire and has no
-history.
+compiled loops (else `smarig/compiled` in the user's cache folder; it may be deleted), `SMARIG_RUNNING_DIR` the folder
+in which runs announce themselves to the user's other processes (else one in main memory). A twin locks no wire and has
+no history.
 """
 
 

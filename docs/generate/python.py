@@ -127,6 +127,8 @@ PAGES: dict[str, tuple[str, str, tuple[str, ...]]] = {
             "smarig.runner.session",
             "smarig.runner.run_protocol",
             "smarig.runner.listener",
+            "smarig.running.find_runs",
+            "smarig.running.run_in_progress",
             "smarig.core.errors",
         ),
     ),

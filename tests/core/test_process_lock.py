@@ -73,7 +73,7 @@ def test_a_key_that_does_not_come_back_leaves_no_file(folder):
 def test_a_lock_whose_file_was_removed_meanwhile_is_taken_on_the_new_file(folder, monkeypatch):
     """Between opening and locking, the last holder ended and removed the file that this process opened."""
     module, file = sys.modules["smarig.core.process_lock"], only_file(folder)
-    original = module._try_lock
+    original = module.try_lock
 
     def after_the_holder_has_gone(opened):
         monkeypatch.undo()
@@ -81,7 +81,7 @@ def test_a_lock_whose_file_was_removed_meanwhile_is_taken_on_the_new_file(folder
         file.unlink()
         return original(opened)
 
-    monkeypatch.setattr(module, "_try_lock", after_the_holder_has_gone)
+    monkeypatch.setattr(module, "try_lock", after_the_holder_has_gone)
     with lock(), pytest.raises(InUse), lock():
         pytest.fail("one of them locked a file that nobody else finds")
 

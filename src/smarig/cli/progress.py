@@ -2,7 +2,7 @@
 nothing."""
 
 from collections.abc import Callable, Iterator
-from contextlib import AbstractContextManager, contextmanager
+from contextlib import AbstractContextManager, contextmanager, nullcontext
 from typing import TYPE_CHECKING
 
 from smarig.cli.output import json_requested, show_message
@@ -20,39 +20,30 @@ STREAMS = (
 
 @contextmanager
 def progress(
-    run_info: "PanelRunInfo", control: "RunControl | None" = None, *, quiet: bool = False, keys: bool = False
+    run_info: "PanelRunInfo", control: "RunControl", *, quiet: bool = False, keys: bool = False
 ) -> "Iterator[Listener]":
-    """Yield the listener for the runner, which also announces the run to other processes.
+    """Yield the listener for the runner: the display, and the announcement of the run to other processes.
 
     ``keys``: whether the terminal accepts keys.
     """
     from smarig.cli.live_options import with_watchers
-    from smarig.runner import RunControl
-    from smarig.running import announced
+    from smarig.running import RunStatus, announced
 
-    control = control or RunControl()
-    display = _display(run_info, control, quiet=quiet, keys=keys)
+    status = RunStatus(run_info, control, keys=keys)
     with (
-        announced(run_info, control) as announcement,
-        with_watchers(display, [announcement] if announcement else []) as listener,
+        announced(run_info, control, status) as announcement,
+        with_watchers(_display(status, quiet=quiet), [announcement]) as listener,
     ):
         yield listener
 
 
-@contextmanager
-def _display(
-    run_info: "PanelRunInfo", control: "RunControl", *, quiet: bool, keys: bool
-) -> "Iterator[Listener]":
+def _display(status: "RunStatus", *, quiet: bool) -> "AbstractContextManager[Listener]":
     from smarig.cli.panel.terminal import Terminal
-    from smarig.running import RunStatus
 
-    status = RunStatus(run_info, control, keys=keys)
     if quiet:
-        yield status
-        return
+        return nullcontext(status)
     terminal = Terminal()
-    with _display_type(terminal)(status, terminal) as listener:
-        yield listener
+    return _display_type(terminal)(status, terminal)
 
 
 def _display_type(

@@ -74,6 +74,7 @@ if TYPE_CHECKING:
     from smarig.core.probability import t_tail as t_tail
     from smarig.core.process_lock import check_free as check_free
     from smarig.core.process_lock import lock_folder as lock_folder
+    from smarig.core.process_lock import own_command as own_command
     from smarig.core.process_lock import process_lock as process_lock
     from smarig.core.process_lock import shared_lock as shared_lock
     from smarig.core.process_lock import try_lock as try_lock

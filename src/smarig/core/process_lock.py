@@ -66,11 +66,11 @@ def check_free(key: str, what: str, remedy: str) -> None:
 def holder_text() -> str:
     """This process as others see it: number, start of the use, command without its options."""
     since = time.strftime("%Y-%m-%d %H:%M:%S UTC", time.gmtime())
-    return f"process {os.getpid()} since {since} ({_command()})"
+    return f"process {os.getpid()} since {since} ({own_command()})"
 
 
-def _command() -> str:
-    """The command up to its first option: options may hold what nobody else should read."""
+def own_command() -> str:
+    """The command of this process up to its first option: options may hold what nobody else should read."""
     program, *words = sys.argv or ["python"]
     file = Path(program)
     name = file.parent.name if file.stem == "__main__" else file.name
@@ -157,12 +157,15 @@ def _opened(path: Path, create: int) -> IO:
 
 
 def try_lock(file: IO) -> bool:
-    """Lock an open file for this process alone; whether that succeeded. It ends when the file is closed."""
+    """Lock an open file for this process alone, until it is closed. Whether that succeeded."""
     return _lock(file, shared=False)
 
 
 def shared_lock(file: IO) -> bool:
-    """The same, beside others that share it too; it fails while a process has the file for itself."""
+    """The same, beside others that share it. It fails while a process has locked the file for itself.
+
+    Windows has no such lock: there it is that of one process.
+    """
     return _lock(file, shared=True)
 
 

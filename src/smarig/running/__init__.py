@@ -1,14 +1,17 @@
-"""Runs in progress on this computer: announced by their process, watched and controlled from others."""
+"""Runs in progress on this computer: announced by their process, watched and controlled from other processes."""
 
 from typing import TYPE_CHECKING
 
 from smarig.core.lazy_exports import lazy_exports
 
 if TYPE_CHECKING:
-    from smarig.running.announced import announced as announced
+    from smarig.running.announcement import announced as announced
+    from smarig.running.find_runs import EndedRun as EndedRun
+    from smarig.running.find_runs import collect_ended as collect_ended
+    from smarig.running.find_runs import runs_in_progress as runs_in_progress
+    from smarig.running.memory_layout import SAMPLES as SAMPLES
+    from smarig.running.run_in_progress import NewSamples as NewSamples
     from smarig.running.run_in_progress import RunInProgress as RunInProgress
-    from smarig.running.run_in_progress import collect_ended as collect_ended
-    from smarig.running.run_in_progress import runs_in_progress as runs_in_progress
     from smarig.running.run_status import LogEntry as LogEntry
     from smarig.running.run_status import PanelRunInfo as PanelRunInfo
     from smarig.running.run_status import RunEnding as RunEnding

@@ -4,8 +4,8 @@ During a tick only values are stored. Figures are computed when they are read.
 """
 
 import time
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -32,7 +32,10 @@ _MIN_OBSERVED_S = 2.0  # of observation, before the speed factor is computed
 
 @dataclass(frozen=True)
 class PanelRunInfo:
-    """Facts about a run that are known at its start. ``done_…``: what a resumed run had finished before."""
+    """Facts about a run that are known at its start. ``done_…``: what a resumed run had finished before.
+
+    ``limits``: those in force that are set, by the names of the rig file.
+    """
 
     protocol: str
     rig: str
@@ -47,6 +50,7 @@ class PanelRunInfo:
     place: str = ""
     done_steps: int = 0
     done_s: float = 0.0
+    limits: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def label(self) -> str:
@@ -98,7 +102,8 @@ def run_info(
     actuator = Actuator.named(file.actuator)
     rig = (file.name, wire, source, actuator.two_wire, actuator.unit, file.period_s)
     cost = (expected.steps, expected.duration_s)
-    return PanelRunInfo(expected.protocol, *rig, *cost, out, place, done_steps, done_s)
+    limits = file.limits.model_dump(exclude_none=True)
+    return PanelRunInfo(expected.protocol, *rig, *cost, out, place, done_steps, done_s, limits)
 
 
 class RunStatus:

@@ -1,4 +1,4 @@
-"""Where running runs share their memory: a folder of this user, in main memory where the system has such a place.
+"""The folder in which runs announce themselves: one per user, in main memory where the system has such a place.
 
 On a disk, a write to mapped memory may wait for that disk, and the run with it; so a file system in memory comes first.
 """
@@ -14,7 +14,7 @@ _MEMORY = Path("/dev/shm")
 
 
 def running_folder() -> Path:
-    """The folder: $SMARIG_RUNNING_DIR, or one of this user in memory, or one beside the locks."""
+    """The folder: $SMARIG_RUNNING_DIR, or the user's own in main memory, or one beside the locks."""
     if given := os.environ.get("SMARIG_RUNNING_DIR"):
         return Path(given)
     if hasattr(os, "getuid") and _MEMORY.is_dir() and os.access(_MEMORY, os.W_OK):
@@ -23,7 +23,7 @@ def running_folder() -> Path:
 
 
 def made_running_folder() -> Path:
-    """The folder, made if it is missing. Raises OSError or UsageError."""
+    """The folder, made if it is missing. Raises OSError, or UsageError if it is not the user's own."""
     folder = running_folder()
     folder.mkdir(mode=0o700, parents=True, exist_ok=True)
     check_own(folder)
@@ -31,11 +31,11 @@ def made_running_folder() -> Path:
 
 
 def check_own(folder: Path) -> None:
-    """Raise UsageError if the folder is another user's, or if others may write into it."""
+    """Raise UsageError if the folder is another user's or a link, or if others may write into it."""
     found = folder.lstat()
     if not stat.S_ISDIR(found.st_mode):
         raise UsageError(f"{folder} is not a folder. Remove it, or set SMARIG_RUNNING_DIR to a folder.")
     if hasattr(os, "getuid") and (found.st_uid != os.getuid() or found.st_mode & 0o022):
         raise UsageError(
-            f"Folder {folder} is open to other users. Set SMARIG_RUNNING_DIR to a folder of your own."
+            f"Other users can write into {folder}. Set SMARIG_RUNNING_DIR to a folder that only you can write to."
         )
