@@ -69,7 +69,7 @@ def test_a_newcomer_starts_a_first_look_by_clicks_and_finds_its_runs(visitor, co
     visitor.shows("Ended")
     visitor.until("document.querySelector('td.good')?.innerText.startsWith('done')", "the campaign ends")
     visitor.click("Library")
-    visitor.until("location.reload() || document.querySelectorAll('tbody tr').length >= 3", "three runs")
+    visitor.reload_until("document.querySelectorAll('tbody tr').length >= 3")
     visitor.click("03_validation")
     visitor.shows("stroke")
     runs = sorted((console.folder / "quick_look_001").rglob("*.run.sqlite"))
@@ -111,6 +111,17 @@ def test_the_queue_is_put_in_another_order_while_a_run_is_in_progress(visitor, c
         name: load_run(console.folder / f"{name}.run.sqlite").info.start_epoch for name in ("first", "second")
     }
     assert began["second"] < began["first"]
+
+
+def test_a_preview_changes_no_setting(visitor):
+    visitor.go(SHORT.format("previewed"))
+    seed = "document.getElementById('set.seed')"
+    before = visitor.tab.run(f"[{seed}.value, {seed}.placeholder]")
+    visitor.fill("Seed of the noise", "7")
+    visitor.click("Preview")
+    visitor.shows("Peak current")
+    assert visitor.tab.run(f"[{seed}.value, {seed}.placeholder]") == before == ["", "1"]
+    assert visitor.tab.run("document.getElementById('seed').value") == "7"
 
 
 def test_a_fault_of_the_rig_is_seen_and_the_queue_pauses(visitor):

@@ -7,7 +7,7 @@ from typing import Any
 
 from report.browser import Browser
 
-PATIENCE_S = 240.0  # ends a test that has failed
+PATIENCE_S = 30.0  # ends a test that has failed
 _BY_WORDS = """(words => [...document.querySelectorAll("a, button, summary")].find(x =>
     x.checkVisibility() && [x.ariaLabel, x.innerText.trim()].includes(words)))"""
 _BY_LABEL = """(words => { const label = [...document.querySelectorAll("label")].find(x =>
@@ -68,6 +68,14 @@ class Visitor:
     def shows(self, words: str) -> str:
         """Wait until the page shows these words; all its text."""
         return self.until(f"(t => t.includes({json.dumps(words)}) && t)(document.body.innerText)", words)
+
+    def reload_until(self, expression: str) -> None:
+        """Load the page again and again until an expression is true."""
+        end_s = time.monotonic() + PATIENCE_S
+        while not self.tab.run(expression):
+            assert time.monotonic() < end_s, expression
+            time.sleep(0.5)
+            self.go(self.tab.run("location.pathname + location.search"))
 
     def until(self, expression: str, why: str = "") -> Any:
         """The value of an expression as soon as it is true. A page may be replaced meanwhile."""

@@ -137,7 +137,7 @@ def _shown(
         "is_characterisation": experiment.startswith(CHARACTERISE),
         "is_folder": experiment.startswith((CHARACTERISE, _CAMPAIGN)),
         "groups": [(name, list(group)) for name, group in groupby(fields, _group)],
-        "values": {k.removeprefix("set."): v for k, v in values.items()},
+        "values": {k.removeprefix("set."): v for k, v in values.items() if k.startswith("set.")},
         "out": values.get("out") or _free_name(desk, experiment),
         "entry_id": number,
         "action": "/new" if number is None else f"/queue/{number}/edit",
