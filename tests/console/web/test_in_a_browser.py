@@ -50,7 +50,7 @@ def start(visitor, form, name):
 def stop(visitor):
     """Stop the run of the page that is open, and let the queue go on later."""
     visitor.click("Stop this run")
-    visitor.shows("Ended: stopped by the operator (console).")
+    visitor.shows("See it in the library")
 
 
 def let_the_queue_continue(visitor):
@@ -70,7 +70,7 @@ def test_a_newcomer_starts_a_first_look_by_clicks_and_finds_its_runs(visitor, co
     visitor.until("document.querySelector('td.good')?.innerText.startsWith('done')", "the campaign ends")
     visitor.click("Library")
     visitor.reload_until("document.querySelectorAll('tbody tr').length >= 3")
-    visitor.click("03_validation")
+    visitor.click("02_step_currents")
     visitor.shows("stroke")
     runs = sorted((console.folder / "quick_look_001").rglob("*.run.sqlite"))
     assert [load_run(run).cause for run in runs] == ["done"] * 3

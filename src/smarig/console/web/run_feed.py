@@ -120,3 +120,6 @@ def _finite(value: float) -> float | None:
 
 def _message(name: str, content: Any) -> str:
     return f"event: {name}\ndata: {json.dumps(content, allow_nan=False)}\n\n"
+
+
+ENDED_MESSAGE = _message("ended", {"state": ENDED, "facts": ""})

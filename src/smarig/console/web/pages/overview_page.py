@@ -106,7 +106,14 @@ def _queue(desk: Desk) -> dict[str, Any]:
         entries, state = desk.queue.entries(newest=_ENDED_SHOWN), desk.queue.state()
         ends = desk.queue.ends_at(now)
     except SmarigError as error:
-        return {"reason": str(error), "summary": "", "paused": True, "runs": False, "waiting": [], "ended": []}
+        return {
+            "reason": str(error),
+            "summary": "",
+            "paused": True,
+            "runs": False,
+            "waiting": [],
+            "ended": [],
+        }
     waiting = [e for e in entries if e.state not in _ENDED]
     reason = f"The queue is paused. {state.sentence}" if state.paused else ""
     if state.stop_after_this:
