@@ -20,9 +20,9 @@ from smarig.core import SmarigError, UsageError
 from smarig.record import stored_run
 from smarig.running import RunInProgress
 
-INTERVAL_S = 0.1
+INTERVAL_S = 0.05  # twice as often as samples come: a sample is drawn well within the next one
 HISTORY_POINTS, POINTS_AT_ONCE = 3000, 200
-_EVENTS_EVERY = 10  # intervals between looks into the run file
+_EVENTS_EVERY = 20  # intervals between looks into the run file
 _EVENTS_AT_FIRST = 100
 _COLUMNS = ("t_s", "input", "position", "current_A")
 Rows = list[list[float | None]]
