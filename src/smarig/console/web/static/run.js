@@ -154,7 +154,8 @@ function follow() {
   on("ended", (now) => {
     source.close();
     status({ ...now, share: 1, settling: "", paused: false });
-    document.getElementById("controls")?.remove();
+    for (const id of ["controls", "controls-help"]) document.getElementById(id)?.remove();
+    document.getElementById("plots").hidden = !recent.columns[0].length;
     document.getElementById("ended").hidden = false;
   });
   // A browser has six connections for one address: a page that nobody sees gives its own back.
