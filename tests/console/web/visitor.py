@@ -7,7 +7,7 @@ from typing import Any
 
 from report.browser import Browser
 
-PATIENCE_S = 30.0  # ends a test that has failed
+PATIENCE_S = 120.0  # ends a test that has failed
 _BY_WORDS = """(words => [...document.querySelectorAll("a, button, summary")].find(x =>
     x.checkVisibility() && [x.ariaLabel, x.innerText.trim()].includes(words)))"""
 _BY_LABEL = """(words => { const label = [...document.querySelectorAll("label")].find(x =>
