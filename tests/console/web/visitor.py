@@ -47,7 +47,10 @@ class Visitor:
 
     def fill(self, label: str, text: str) -> None:
         """Type into the field with this label, in place of what is there."""
-        self.tab.run(f"(x => {{ x.focus(); x.select(); }})({_BY_LABEL}({json.dumps(label)}))")
+        field = f"{_BY_LABEL}({json.dumps(label)})"
+        self.until(
+            f"(x => {{ x.focus(); x.select(); return x === document.activeElement; }})({field})", label
+        )
         self.tab.type(text)
 
     def choose(self, label: str, value: str) -> None:

@@ -122,7 +122,7 @@ def _shown(
     rig = values.get("rig") or desk.rig
     experiment = values.get("experiment") or _FIRST
     try:
-        file = load_rig(rig)
+        file = load_rig(str(desk.folder / rig) if rig.endswith(".toml") else rig)  # as the queue does
         text, fields = _experiment(experiment)
     except SmarigError as problem:
         error, file, text, fields = error or str(problem), None, "", ()
