@@ -19,7 +19,7 @@ name = "hot"
 temperature_noise_K = 40.0  # its preview has no noise
 temperature_noise_time_s = 1.0
 """
-OUTPUTS = "[...document.querySelectorAll('.scroll tbody tr')].map(x => x.children[3].innerText)"
+OUTPUTS = "[...document.querySelectorAll('.scroll tbody tr')].map(x => x.querySelector('td.name').innerText)"
 
 
 @pytest.fixture(scope="module")
@@ -50,7 +50,7 @@ def start(visitor, form, name):
 def stop(visitor):
     """Stop the run of the page that is open, and let the queue go on later."""
     visitor.click("Stop this run")
-    visitor.shows("Ended: stopped by the operator (console).")
+    visitor.shows("See it in the library")
 
 
 def let_the_queue_continue(visitor):
@@ -69,15 +69,15 @@ def test_a_newcomer_starts_a_first_look_by_clicks_and_finds_its_runs(visitor, co
     visitor.shows("Ended")
     visitor.until("document.querySelector('td.good')?.innerText.startsWith('done')", "the campaign ends")
     visitor.click("Library")
-    visitor.until("location.reload() || document.querySelectorAll('tbody tr').length >= 3", "three runs")
-    visitor.click("03_validation")
+    visitor.reload_until("document.querySelectorAll('tbody tr').length >= 3")
+    visitor.click("02_step_currents")
     visitor.shows("stroke")
     runs = sorted((console.folder / "quick_look_001").rglob("*.run.sqlite"))
     assert [load_run(run).cause for run in runs] == ["done"] * 3
 
 
 def test_a_run_is_paused_continued_and_stopped_by_clicks(visitor, console):
-    start(visitor, LONG, "held")
+    start(visitor, LONG, "interrupted_once")
     visitor.click("Pause")
     visitor.shows("Paused: the current stays and sampling continues.")
     visitor.click("Continue")
@@ -86,8 +86,8 @@ def test_a_run_is_paused_continued_and_stopped_by_clicks(visitor, console):
     visitor.until(f"document.getElementById('live').dataset.drawn > {first}", "the plots go on")
     stop(visitor)
     visitor.click("See it in the library")
-    assert "held" in visitor.shows("Tags and notes")
-    run = load_run(console.folder / "held.run.sqlite")
+    assert "interrupted_once" in visitor.shows("Tags and notes")
+    run = load_run(console.folder / "interrupted_once.run.sqlite")
     assert run.cause == "stopped by the operator (console)"
     assert [e.text for e in run.events if "paused" in e.text.lower() or "continued" in e.text.lower()]
     let_the_queue_continue(visitor)
@@ -113,6 +113,17 @@ def test_the_queue_is_put_in_another_order_while_a_run_is_in_progress(visitor, c
     assert began["second"] < began["first"]
 
 
+def test_a_preview_changes_no_setting(visitor):
+    visitor.go(SHORT.format("previewed"))
+    seed = "document.getElementById('set.seed')"
+    before = visitor.tab.run(f"[{seed}.value, {seed}.placeholder]")
+    visitor.fill("Seed of the noise", "7")
+    visitor.click("Preview")
+    visitor.shows("Peak current")
+    assert visitor.tab.run(f"[{seed}.value, {seed}.placeholder]") == before == ["", "1"]
+    assert visitor.tab.run("document.getElementById('seed').value") == "7"
+
+
 def test_a_fault_of_the_rig_is_seen_and_the_queue_pauses(visitor):
     visitor.go("/new?experiment=validation&rig=hot.toml&set.points=3&out=hot.run.sqlite")
     visitor.click("Start")
@@ -123,10 +134,10 @@ def test_a_fault_of_the_rig_is_seen_and_the_queue_pauses(visitor):
 
 def test_a_run_is_searched_tagged_and_described(visitor):
     visitor.go("/library")
-    visitor.fill("Words", "HELD")
+    visitor.fill("Words", "INTERRUPTED_ONCE")
     visitor.click("Search")
     visitor.shows("1 entry")
-    visitor.click("held")
+    visitor.click("interrupted_once")
     visitor.fill("Tags", "wire A, to repeat")
     visitor.click("Save the tags")
     visitor.shows("The tags were saved.")
@@ -134,7 +145,7 @@ def test_a_run_is_searched_tagged_and_described(visitor):
     visitor.click("Add the note")
     visitor.shows("The load <b>slipped</b>.")
     visitor.go("/library?tag=to+repeat")
-    assert "held" in visitor.shows("1 entry")
+    assert "interrupted_once" in visitor.shows("1 entry")
     visitor.go("/library?text=nothing-of-the-kind")
     visitor.shows("Nothing in this folder matches.")
 
@@ -184,7 +195,7 @@ def pages(visitor):
     """Where each page is; those of a run need one in progress."""
     start(visitor, LONG, "a_long_name_that_somebody_has_given_to_a_run_on_purpose")
     run = visitor.tab.run("location.pathname")
-    visitor.go("/library?text=held")
+    visitor.go("/library?text=interrupted_once")
     entry = visitor.tab.run("document.querySelector('tbody a').pathname")
     wire = visitor.tab.run("document.querySelector('#wire option:last-child').value")
     yield {

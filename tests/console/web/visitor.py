@@ -7,7 +7,7 @@ from typing import Any
 
 from report.browser import Browser
 
-PATIENCE_S = 240.0  # ends a test that has failed
+PATIENCE_S = 120.0  # ends a test that has failed
 _BY_WORDS = """(words => [...document.querySelectorAll("a, button, summary")].find(x =>
     x.checkVisibility() && [x.ariaLabel, x.innerText.trim()].includes(words)))"""
 _BY_LABEL = """(words => { const label = [...document.querySelectorAll("label")].find(x =>
@@ -47,7 +47,10 @@ class Visitor:
 
     def fill(self, label: str, text: str) -> None:
         """Type into the field with this label, in place of what is there."""
-        self.tab.run(f"(x => {{ x.focus(); x.select(); }})({_BY_LABEL}({json.dumps(label)}))")
+        field = f"{_BY_LABEL}({json.dumps(label)})"
+        self.until(
+            f"(x => {{ x.focus(); x.select(); return x === document.activeElement; }})({field})", label
+        )
         self.tab.type(text)
 
     def choose(self, label: str, value: str) -> None:
@@ -68,6 +71,14 @@ class Visitor:
     def shows(self, words: str) -> str:
         """Wait until the page shows these words; all its text."""
         return self.until(f"(t => t.includes({json.dumps(words)}) && t)(document.body.innerText)", words)
+
+    def reload_until(self, expression: str) -> None:
+        """Load the page again and again until an expression is true."""
+        end_s = time.monotonic() + PATIENCE_S
+        while not self.tab.run(expression):
+            assert time.monotonic() < end_s, expression
+            time.sleep(0.5)
+            self.go(self.tab.run("location.pathname + location.search"))
 
     def until(self, expression: str, why: str = "") -> Any:
         """The value of an expression as soon as it is true. A page may be replaced meanwhile."""

@@ -58,5 +58,6 @@ def page(
 
 def back(place: str, text: str = "", level: str = "good") -> Response:
     """Show another page after a request that changed something, with a message."""
-    query = "?" + urlencode({"message": text, "level": level}) if text else ""
+    joint = "&" if "?" in place else "?"
+    query = joint + urlencode({"message": text, "level": level}) if text else ""
     return RedirectResponse(place + query, status_code=303)

@@ -20,9 +20,9 @@ from smarig.core import SmarigError, UsageError
 from smarig.record import stored_run
 from smarig.running import RunInProgress
 
-INTERVAL_S = 0.1
+INTERVAL_S = 0.05  # twice as often as samples come: a sample is drawn well within the next one
 HISTORY_POINTS, POINTS_AT_ONCE = 3000, 200
-_EVENTS_EVERY = 10  # intervals between looks into the run file
+_EVENTS_EVERY = 20  # intervals between looks into the run file
 _EVENTS_AT_FIRST = 100
 _COLUMNS = ("t_s", "input", "position", "current_A")
 Rows = list[list[float | None]]
@@ -120,3 +120,6 @@ def _finite(value: float) -> float | None:
 
 def _message(name: str, content: Any) -> str:
     return f"event: {name}\ndata: {json.dumps(content, allow_nan=False)}\n\n"
+
+
+ENDED_MESSAGE = _message("ended", {"state": ENDED, "facts": ""})

@@ -2,13 +2,14 @@
 
 from pathlib import Path
 from typing import Any
+from urllib.parse import urlencode
 
 from starlette.requests import Request
 from starlette.responses import HTMLResponse, Response, StreamingResponse
 from starlette.routing import Route
 
 from smarig.console.web.desk import back, desk_of, page
-from smarig.console.web.run_feed import RunFeed
+from smarig.console.web.run_feed import ENDED_MESSAGE, RunFeed
 from smarig.console.web.run_words import run_card
 from smarig.core import UsageError
 from smarig.running import RunInProgress, runs_in_progress
@@ -35,14 +36,16 @@ def ask(request: Request) -> Response:
     if wanted not in _DONE:
         raise UsageError("A run can be paused, continued and stopped.")
     run.ask(wanted, "console")
-    return back(f"/runs/{run.key}", _DONE[wanted], "warning" if wanted == "stop" else "good")
+    file = urlencode({"file": str(run.info["out"])})  # by which a run that ends at once is found
+    return back(f"/runs/{run.key}?{file}", _DONE[wanted], "warning" if wanted == "stop" else "good")
 
 
 def follow(request: Request) -> Response:
     """The messages of a run, as long as it lasts and the browser listens."""
     run = _run(request)
     if run is None:
-        return Response(status_code=204)  # a browser does not ask again
+        # It ended before the page asked. Without a last message, the page would wait for a console that is silent.
+        return StreamingResponse(iter([ENDED_MESSAGE]), media_type="text/event-stream")
     feed = RunFeed(run, _model(request), desk_of(request).closing)
     return StreamingResponse(
         feed.messages(), media_type="text/event-stream", headers={"cache-control": "no-store"}
@@ -52,7 +55,9 @@ def follow(request: Request) -> Response:
 def _page(request: Request, *, reading: bool) -> HTMLResponse:
     run = _run(request)
     if run is None:
-        return page(request, "ended_run.html", {}, here="runs", status=404)
+        return page(
+            request, "ended_run.html", {"file": request.query_params.get("file", "")}, here="runs", status=404
+        )
     models = desk_of(request).library.search(kind="model", limit=_MODELS_OFFERED).entries
     shown: dict[str, Any] = {
         "run": run_card(run),

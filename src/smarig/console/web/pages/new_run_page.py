@@ -122,7 +122,7 @@ def _shown(
     rig = values.get("rig") or desk.rig
     experiment = values.get("experiment") or _FIRST
     try:
-        file = load_rig(rig)
+        file = load_rig(str(desk.folder / rig) if rig.endswith(".toml") else rig)  # as the queue does
         text, fields = _experiment(experiment)
     except SmarigError as problem:
         error, file, text, fields = error or str(problem), None, "", ()
@@ -137,7 +137,7 @@ def _shown(
         "is_characterisation": experiment.startswith(CHARACTERISE),
         "is_folder": experiment.startswith((CHARACTERISE, _CAMPAIGN)),
         "groups": [(name, list(group)) for name, group in groupby(fields, _group)],
-        "values": {k.removeprefix("set."): v for k, v in values.items()},
+        "values": {k.removeprefix("set."): v for k, v in values.items() if k.startswith("set.")},
         "out": values.get("out") or _free_name(desk, experiment),
         "entry_id": number,
         "action": "/new" if number is None else f"/queue/{number}/edit",

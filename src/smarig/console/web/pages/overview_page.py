@@ -108,7 +108,14 @@ def _queue(desk: Desk) -> dict[str, Any]:
         entries, state = desk.queue.entries(newest=_ENDED_SHOWN), desk.queue.state()
         ends = desk.queue.ends_at(now)
     except SmarigError as error:
-        return {"reason": str(error), "summary": "", "paused": True, "waiting": [], "ended": []}
+        return {
+            "reason": str(error),
+            "summary": "",
+            "paused": True,
+            "runs": False,
+            "waiting": [],
+            "ended": [],
+        }
     waiting = [e for e in entries if e.state not in _ENDED]
     reason = f"The queue is paused. {state.sentence}" if state.paused else ""
     if state.stop_after_this:
@@ -117,6 +124,7 @@ def _queue(desk: Desk) -> dict[str, Any]:
         "reason": reason,
         "summary": _summary(waiting, ends),
         "paused": state.paused or state.stop_after_this,
+        "runs": any(e.state is EntryState.RUNNING for e in waiting),
         "waiting": [_row(e) for e in waiting],
         "ended": [_row(e) for e in reversed(entries) if e.state in _ENDED],
     }

@@ -29,7 +29,8 @@ const loop = new Store(3); // input, position, model
 const recent = new Store(3); // time, position, current
 
 function axis(label, extra = {}) {
-  return { label, stroke: colour("--ink"), grid: { stroke: colour("--line"), width: 1 }, ticks: { stroke: colour("--line") }, ...extra };
+  const line = () => colour("--line"); // asked at each drawing: a page may change between light and dark
+  return { label, stroke: () => colour("--ink"), grid: { stroke: line, width: 1 }, ticks: { stroke: line }, ...extra };
 }
 
 function size(element) {
@@ -70,18 +71,18 @@ const loopPlot = new uPlot({
     y: { auto: false },
   },
   axes: [axis("temperature above ambient, K"), axis(`position, ${unit}`)],
-  series: [{}, { stroke: colour("--model"), width: 3, paths: path }, { stroke: colour("--cooling"), width: 1.2, paths: path }],
+  series: [{}, { stroke: () => colour("--model"), width: 3, paths: path }, { stroke: () => colour("--cooling"), width: 1.2, paths: path }],
 }, [null, [[], []], [[], []]], loopElement);
 
 const timeElement = document.getElementById("time");
 const timePlot = new uPlot({
-  ...size(timeElement), cursor: { show: false },
+  ...size(timeElement), cursor: { show: false }, legend: { live: false },
   scales: { x: { time: false }, A: {} },
   axes: [axis("time, s"), axis(`position, ${unit}`), axis("current, A", { scale: "A", side: 1, grid: { show: false } })],
   series: [
     { label: "time" },
-    { label: `position, ${unit}`, stroke: colour("--cooling"), width: 1.2, points: { show: false } },
-    { label: "current, A", scale: "A", stroke: colour("--heating"), width: 1, points: { show: false } },
+    { label: `position, ${unit}`, stroke: () => colour("--cooling"), width: 1.2, points: { show: false } },
+    { label: "current, A", scale: "A", stroke: () => colour("--heating"), width: 1, points: { show: false } },
   ],
 }, [[], [], []], timeElement);
 
@@ -95,6 +96,10 @@ function draw() {
   });
   timePlot.setData(recent.columns);
 }
+
+matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => {
+  for (const plot of [loopPlot, timePlot]) plot.redraw(false);
+});
 
 new ResizeObserver(() => {
   loopPlot.setSize(size(loopElement));
@@ -149,7 +154,8 @@ function follow() {
   on("ended", (now) => {
     source.close();
     status({ ...now, share: 1, settling: "", paused: false });
-    document.getElementById("controls")?.remove();
+    for (const id of ["controls", "controls-help"]) document.getElementById(id)?.remove();
+    document.getElementById("plots").hidden = !recent.columns[0].length;
     document.getElementById("ended").hidden = false;
   });
   // A browser has six connections for one address: a page that nobody sees gives its own back.

@@ -1,0 +1,12 @@
+"""Every setting of every protocol is explained to the person who fills in the form, and nothing else is."""
+
+from smarig.console.web.protocol_form import protocol_form
+from smarig.console.web.setting_help import SETTING_HELP
+from smarig.core import catalogue_names
+from smarig.protocols import PROTOCOLS
+
+
+def test_every_setting_has_a_sentence_and_every_sentence_a_setting():
+    fields = [field for name in catalogue_names(PROTOCOLS) for field in protocol_form(name)]
+    assert {field.key for field in fields} == set(SETTING_HELP)
+    assert [field.key for field in fields if not field.help.endswith(".")] == []
