@@ -4,7 +4,7 @@ import time
 from pathlib import Path
 from typing import Any
 
-from smarig.core import UsageError
+from smarig.core import UsageError, printable
 from smarig.report import duration
 from smarig.running import RunInProgress
 
@@ -13,7 +13,7 @@ ENDED = "The run has ended."
 
 def run_facts(run: RunInProgress) -> dict[str, Any]:
     """What does not change: key, title, conditions, source, unit and the file that is written."""
-    info = run.info
+    info = {name: _shown(value) for name, value in run.info.items()}
     protocol = str(info["protocol"]).replace("_", " ")
     place = f", {info['place']}" if info.get("place") else ""
     source = "twin" if info["source"] == "twin" else info["source"]
@@ -86,3 +86,8 @@ def _settling(progress: dict[str, Any] | None) -> str:
         f"{share}, {moved}at least {duration(progress['min_time_left_s'])} left, "
         f"time-out in {duration(progress['timeout_s'])}."
     )
+
+
+def _shown(value: Any) -> Any:
+    """A value as a page can hold it: names of files and rigs may hold anything."""
+    return printable(value) if isinstance(value, str) else value
