@@ -28,7 +28,7 @@ from smarig.report import duration
 _ROWS = 50
 _FILTERS = tuple((name, name.capitalize()) for name in FACETS)
 _DAY_S = 86400.0
-_PATIENCE_S, _LOOK_S = 5.0, 0.2
+_WAIT_S, _LOOK_S = 5.0, 0.2
 
 
 def library(request: Request) -> HTMLResponse:
@@ -95,7 +95,7 @@ def run_entry(request: Request) -> Response:
     desk, file = desk_of(request), Path(request.query_params.get("file", "")).resolve()
     if not file.is_relative_to(desk.folder):
         return back("/library", f"This run is not in the folder of this console. It is {file}.", "warning")
-    until_s = time.monotonic() + _PATIENCE_S
+    until_s = time.monotonic() + _WAIT_S
     while True:
         found = desk.library.search(file.name.removesuffix(".run.sqlite"), kind="run", limit=_ROWS).entries
         own = next((e for e in found if e.path == file and e.verdict != "recording"), None)
