@@ -4,6 +4,8 @@ import math
 
 import pytest
 
+import smarig
+
 pytest.importorskip("websocket", reason="websocket-client is not installed (pip install smarig[test])")
 pytest.importorskip("uvicorn", reason="the extra 'console' is not installed")
 
@@ -28,6 +30,7 @@ def console(tmp_path_factory):
     folder = tmp_path_factory.mktemp("console")
     (folder / "runs").mkdir()
     (folder / "runs" / "hot.toml").write_text(HOT)
+    smarig.run("validation", rig="one_wire_twin", out=folder / "runs" / "recorded_once.run.sqlite", points=2)
     with ConsoleProcess(folder) as running:
         yield running
 
@@ -134,10 +137,10 @@ def test_a_fault_of_the_rig_is_seen_and_the_queue_pauses(visitor):
 
 def test_a_run_is_searched_tagged_and_described(visitor):
     visitor.go("/library")
-    visitor.fill("Words", "INTERRUPTED_ONCE")
+    visitor.fill("Words", "RECORDED_ONCE")
     visitor.click("Search")
     visitor.shows("1 entry")
-    visitor.click("interrupted_once")
+    visitor.click("recorded_once")
     visitor.fill("Tags", "wire A, to repeat")
     visitor.click("Save the tags")
     visitor.shows("The tags were saved.")
@@ -145,7 +148,7 @@ def test_a_run_is_searched_tagged_and_described(visitor):
     visitor.click("Add the note")
     visitor.shows("The load <b>slipped</b>.")
     visitor.go("/library?tag=to+repeat")
-    assert "interrupted_once" in visitor.shows("1 entry")
+    assert "recorded_once" in visitor.shows("1 entry")
     visitor.go("/library?text=nothing-of-the-kind")
     visitor.shows("Nothing in this folder matches.")
 
@@ -195,7 +198,7 @@ def pages(visitor):
     """Where each page is; those of a run need one in progress."""
     start(visitor, LONG, "a_long_name_that_somebody_has_given_to_a_run_on_purpose")
     run = visitor.tab.run("location.pathname")
-    visitor.go("/library?text=interrupted_once")
+    visitor.go("/library?text=recorded_once")
     entry = visitor.tab.run("document.querySelector('tbody a').pathname")
     wire = visitor.tab.run("document.querySelector('#wire option:last-child').value")
     yield {
