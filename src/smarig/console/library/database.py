@@ -93,9 +93,8 @@ class Database:
         uri = f"{self.file.resolve().as_uri()}?mode={mode}"
         db = sqlite3.connect(uri, uri=True, timeout=_BUSY_S, isolation_level=None)
         db.execute("PRAGMA trusted_schema = OFF")
-        db.execute(
-            "PRAGMA synchronous = NORMAL"
-        )  # after a power cut the last batch is read again from the files
+        # after a power cut, the last batch is read again from the files
+        db.execute("PRAGMA synchronous = NORMAL")
         return db
 
     def _usable(self, replace: bool) -> bool:
