@@ -44,17 +44,27 @@ def test_p_values_are_uniform_on_noise_alone():
     sd = rng.uniform(0.5, 2.0, K)
     for free in (False, True):
         p = [
-            difference_test(sd * rng.standard_normal(K) + 3.0 * free, sd, free_offset=free)[0]
+            difference_test(sd * rng.standard_normal(K) + 3.0 * free, sd, free_offset=free).p_value
             for _ in range(800)
         ]
         assert np.quantile(p, [0.05, 0.5, 0.95]) == pytest.approx([0.05, 0.5, 0.95], abs=0.05)
+
+
+def test_a_violation_at_precise_points_is_seen_although_imprecise_ones_dominate_the_rms():
+    sd = np.array([0.1, 0.1, 0.1, 5.0, 5.0, 5.0])
+    difference = np.array([0.5, -0.5, 0.5, 0.1, -0.1, 0.1])
+    found = difference_test(difference, sd, free_offset=False)
+    assert np.sqrt(np.mean(difference**2)) < np.sqrt(np.mean(sd**2))
+    assert found.times_noise == pytest.approx(np.sqrt(np.mean((difference / sd) ** 2)))
+    assert found.times_noise > 3
+    assert found.p_value < 1e-6
 
 
 def test_a_difference_of_the_stated_size_would_rarely_have_looked_so_small():
     rng = np.random.default_rng(RNG_SEED)
     sd = np.full(K, 0.7)
     seen = sd * rng.standard_normal(K) * 1.1
-    _, hidden = difference_test(seen, sd, free_offset=False)
+    hidden = difference_test(seen, sd, free_offset=False).hidden
     shape = np.sin(np.arange(K))
     shape *= hidden / np.sqrt(np.mean(shape**2))
     drawn = shape + sd * rng.standard_normal((4000, K))

@@ -20,6 +20,7 @@ def compared(name="congruency", p_value=0.4, rms=0.004):
         p_text=f"p = {p_value:.2g}",
         rms=rms,
         noise=0.003,
+        times_noise=1.7,
         unit=UNIT,
         holds=p_value >= 0.01,
     )
@@ -67,7 +68,7 @@ def test_without_evidence_against_it_the_operator_holds():
     [
         (
             {"tests": (compared(p_value=3e-5),)},
-            "congruency is violated (0.004 mm rms; noise of a difference 0.003 mm",
+            "congruency is violated (0.004 mm rms, 1.7 × its noise",
         ),
         ({"tests": (compared("wiping_out", 1e-9),)}, "The test of wiping-out is violated"),
         ({"diagnosis": diagnosed("unknown", gain=60.0, walk=True)}, "minor loops do not return (60 nats)"),

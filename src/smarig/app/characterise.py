@@ -52,7 +52,7 @@ from smarig.runner import (
 )
 
 DIAGNOSIS = "diagnosis"  # name of its folder
-ListenerFactory = Callable[[Preview], AbstractContextManager[Listener | None]]
+ListenerFactory = Callable[[Preview, Path], AbstractContextManager[Listener | None]]  # of a run file
 
 
 @dataclass(frozen=True)
@@ -120,7 +120,7 @@ def characterise(
         wire=wire,
         force=force,
         control=control,
-        listener_factory=listener_factory or (lambda _: nullcontext()),
+        listener_factory=listener_factory or (lambda *_: nullcontext()),
     )
     evidence = analyse(
         rig=rig,
@@ -194,7 +194,7 @@ def _run_all(
     runs = {}
     with Session(rig, twin=twin, wire=wire, control=control) as session:
         for step, cost, target in zip(plan.step, costs, plan.run_files(out / "runs"), strict=True):
-            with listener_factory(cost) as listener:
+            with listener_factory(cost, target) as listener:
                 run_or_resume(
                     session,
                     step.protocol,

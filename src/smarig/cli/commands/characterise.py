@@ -78,9 +78,9 @@ def command(
         emit_previews(campaign_previews(rig, campaign))
         return
 
-    def listener_factory(cost: "Preview") -> "AbstractContextManager[Listener]":
+    def listener_factory(cost: "Preview", run: Path) -> "AbstractContextManager[Listener]":
         place = f"run {next(run_number)} of {len(load_campaign(campaign).step)}"
-        what_runs = run_info(file, cost, out, wire=wire or file.wire, source=source, place=place)
+        what_runs = run_info(file, cost, run, wire=wire or file.wire, source=source, place=place)
         return with_watchers(
             progress(what_runs, control, quiet=quiet), [*watchers, *watch.listeners(what_runs)]
         )

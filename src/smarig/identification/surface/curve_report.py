@@ -85,8 +85,9 @@ def curve_report(data: FodData) -> CurveReport:
         )
     if not merge:
         warnings.append(
-            "The range was not fully exercised: the curves do not merge at their lower end (they spread "
-            f"over {spread:.3g}{spaced(unit)}). Identify again with lower inputs."
+            f"The curves do not merge at their lower end (they spread over {spread:.3g}{spaced(unit)}): the wire "
+            "changes from curve to curve, or the range was not fully exercised. If repeats of one state agree, "
+            "identify again with lower inputs."
         )
     if angled:
         warnings.append(

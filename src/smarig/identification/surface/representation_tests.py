@@ -10,6 +10,7 @@ still leave unnoticed in one of 20 cases is stated (noncentral χ²), so that "h
 """
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,8 +33,10 @@ class Representation:
 
     ``first``/``second`` (k,) are in ``unit``. For congruency both are relative to their lower corner, and
     ``offset`` is the distance of the corners. ``rms``, ``max_abs`` are of the difference. ``noise`` is the rms
-    difference expected from the uncertainties of the settled points. ``p_value`` is the probability of a χ² at least as
-    large by noise alone. ``hidden`` is the rms difference that could be there all the same (95 %).
+    difference expected from the uncertainties of the settled points. ``times_noise`` = √(χ²/ν) weighs each point by its
+    own uncertainty, so a violation at precise points may hide in an rms that imprecise ones dominate. ``p_value`` is
+    the probability of a χ² at least as large by noise alone. ``hidden`` is the rms difference that could be there all
+    the same (95 %).
     """
 
     name: str
@@ -49,6 +52,7 @@ class Representation:
     p_value: float
     hidden: float
     span: float
+    times_noise: float
 
     @property
     def holds(self) -> bool:
@@ -65,12 +69,14 @@ class Representation:
         """The result of the test in one sentence."""
         counts = f" ({self.max_abs / self.per_count:.2f} counts)" if self.per_count else ""
         size = f"{self.rms:.3g}{spaced(self.unit)} rms, {self.max_abs:.3g}{spaced(self.unit)}{counts} at most"
-        against = f"noise alone gives differences of {self.noise:.2g}{spaced(self.unit)} rms"
+        # Congruency asks for the shape only: the corner's noise is common to all points, and in the rms.
+        compared = {"wiping_out": "Point by point", "congruency": "In shape"}[self.name]
+        against = f"{compared}, that is {self.times_noise:.2g} × what noise alone gives"
         what = {
             "wiping_out": ("Segment B retraces segment A", "Segment B does not retrace segment A"),
             "congruency": ("Both minor loops have the same shape", "The two minor loops differ in shape"),
         }[self.name][0 if self.holds else 1]
-        return f"{what}: they differ by {size}; {against} (χ² test, {self.p_text})."
+        return f"{what}: they differ by {size}. {against} (χ² test, {self.p_text})."
 
     @property
     def meaning(self) -> str:
@@ -88,7 +94,18 @@ class Representation:
 
     def to_json(self) -> dict:
         """The test as JSON for model files, reports and --json."""
-        keys = ("name", "rms", "max_abs", "noise", "unit", "offset", "p_value", "hidden", "holds")
+        keys = (
+            "name",
+            "rms",
+            "max_abs",
+            "noise",
+            "unit",
+            "offset",
+            "p_value",
+            "hidden",
+            "times_noise",
+            "holds",
+        )
         return {k: getattr(self, k) for k in keys} | {"verdict": self.verdict, "meaning": self.meaning}
 
 
@@ -147,7 +164,7 @@ def _compare(name: str, a: SettledPoints, b: SettledPoints, offset: float, run: 
     difference = b.output - a.output
     noise = float(np.hypot(a.noise, b.noise))
     rms = float(np.sqrt(np.mean(difference**2)))
-    p_value, hidden = difference_test(
+    test = difference_test(
         difference, np.hypot(a.uncertainty, b.uncertainty), free_offset=name == "congruency"
     )
     everything = run.points()[1]
@@ -162,14 +179,23 @@ def _compare(name: str, a: SettledPoints, b: SettledPoints, offset: float, run: 
         per_count=run.info.output.resolution,
         unit=run.unit,
         offset=offset,
-        p_value=p_value,
-        hidden=hidden,
+        p_value=test.p_value,
+        hidden=test.hidden,
         span=float(np.ptp(everything)),
+        times_noise=test.times_noise,
     )
 
 
-def difference_test(difference: Array, sd: Array, *, free_offset: bool) -> tuple[float, float]:
-    """(p-value, rms difference that could be hidden) of differences (k,) with standard deviations (k,).
+class DifferenceTest(NamedTuple):
+    """p-value of differences, the rms difference that could be hidden, and √(χ²/ν)."""
+
+    p_value: float
+    hidden: float
+    times_noise: float
+
+
+def difference_test(difference: Array, sd: Array, *, free_offset: bool) -> DifferenceTest:
+    """The χ² test of differences (k,) with standard deviations (k,).
 
     ``free_offset``: only the shape is compared, because the noise of the corner is common to all points.
     """
@@ -184,4 +210,4 @@ def difference_test(difference: Array, sd: Array, *, free_offset: bool) -> tuple
     hidden = (
         by_noise * float(np.sqrt(max(noncentrality, 0.0) / freedom)) if np.isfinite(noncentrality) else np.nan
     )
-    return float(chdtrc(freedom, chi_square)), hidden
+    return DifferenceTest(float(chdtrc(freedom, chi_square)), hidden, float(np.sqrt(chi_square / freedom)))

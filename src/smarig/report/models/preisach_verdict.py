@@ -118,7 +118,7 @@ def _violated_tests(tests: tuple[Representation, ...]) -> Iterator[str]:
 
 
 def _test_text(test: Representation) -> str:
-    size = f"{test.rms:.2g}{spaced(test.unit)} rms; noise of a difference {test.noise:.2g}{spaced(test.unit)}"
+    size = f"{test.rms:.2g}{spaced(test.unit)} rms, {test.times_noise:.2g} × its noise"
     if test.holds:
         return f"The test of {_TESTS[test.name]} finds nothing against it ({size}, {test.p_text})."
     return f"The test of {_TESTS[test.name]} is violated ({size}, {test.p_text})."
