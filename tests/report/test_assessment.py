@@ -63,7 +63,9 @@ def evidence(word, error, *, model=True, holds=True, gains=True):
     one = rms_floor and SimpleNamespace(
         noise_floor=rms_floor[1], settled=SimpleNamespace(n=5, rms=rms_floor[0], nrmse=rms_floor[0] / 10)
     )
-    test = SimpleNamespace(name="congruency", holds=holds, rms=0.3, noise=0.1, unit="mm", p_text="p = 0.5")
+    test = SimpleNamespace(
+        name="congruency", holds=holds, rms=0.3, times_noise=3, unit="mm", p_text="p = 0.5"
+    )
     return SimpleNamespace(
         runs={"made": run()},
         representation=(test,),
@@ -90,7 +92,7 @@ def test_no_sentence_contradicts_the_figures(word, error, model, holds, gains):
     assert ("can be used as it is" in text) == usable
     assert (found.level == "good") == usable
     assert (found.level == "bad") == (not model or error == "poor" or loud)
-    assert ("the noise floor: good" in text) == (model and error == "good")
+    assert ("the noise floor: good" in found.quality) == (model and error == "good")
     rejected = model and error != "none" and not holds
     assert ("Preisach operator" in text) == rejected
     assert ("no Preisach operator" in text) == (rejected and word != "named")
@@ -121,10 +123,19 @@ def test_the_verdict_follows_the_noise_and_without_it_the_travel(rms, floor, sha
     assert error_verdict(rms, floor, share).level == level
 
 
+@pytest.mark.parametrize(("error", "words"), [(0.02, "good"), (0.05, "fair"), (0.18, "poor")])
+def test_the_recommended_model_is_judged_too(error, words):
+    found = evidence("named", "poor")
+    found.diagnosis.gain.base, found.diagnosis.gain.extended = 2.0, error
+    assert f"held-out error {error:.3g} mm" in assessment(found).advice
+    assert f"the noise floor: {words})" in assessment(found).advice
+
+
 def test_a_named_cause_without_a_gain_still_offers_a_much_better_model():
     """The base of the diagnosis may already be good, if the refitted density absorbs the effect."""
     found = evidence("named", "poor", gains=False)
     found.diagnosis.gain.base, found.diagnosis.gain.extended = 0.0098, 0.0099
-    assert "Use the model of the diagnosis (held-out error 0.0099 mm)" in assessment(found).advice
+    judged = f"held-out error 0.0099 mm, {error_verdict(0.0099, ERRORS['poor'][1], 0.0).text})"
+    assert f"Use the model of the diagnosis ({judged}" in assessment(found).advice
     found.diagnosis.gain.extended = 0.8 * ERRORS["poor"][0]
     assert "does not predict better" in assessment(found).advice

@@ -60,8 +60,8 @@ def test_a_message_of_the_address_is_text(console: Console, text):
 @pytest.mark.parametrize(
     "path",
     [
-        "/static/../desk.py",
-        "/static/%2e%2e/desk.py",
+        "/static/../context.py",
+        "/static/%2e%2e/context.py",
         "/static/..%2fdesk.py",
         "/static/%2fetc/passwd",
         "/static/run.js%00",

@@ -4,7 +4,7 @@ import os
 import subprocess
 from pathlib import Path
 
-from smarig.console.queue.entry_command import process_command
+from smarig.console.command_process import process_command
 from smarig.console.queue.worker import LOG, lock_key
 from smarig.core import InUse, StorageError, check_free
 

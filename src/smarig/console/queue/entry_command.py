@@ -1,7 +1,6 @@
 """The command line of an entry: what the worker starts, and what people can copy."""
 
 import shlex
-import sys
 from pathlib import Path
 
 from smarig.console.queue.entry_request import EntryRequest
@@ -30,11 +29,6 @@ def shown_command(request: EntryRequest, folder: Path, *, continued: bool = Fals
     """The command as a line of a shell that can be copied into a terminal anywhere."""
     command = shlex.join(entry_command(request, continued=continued))
     return f"cd {shlex.quote(str(folder.resolve()))} && {command}"
-
-
-def process_command(command: list[str]) -> list[str]:
-    """The same with this interpreter. ``-P``: a file of the folder, such as click.py, is never imported as a module."""
-    return [sys.executable, "-P", "-m", *command]
 
 
 def _option(name: str, value: str) -> list[str]:

@@ -2,7 +2,6 @@
 
 import contextlib
 import json
-import subprocess
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -10,7 +9,8 @@ from pathlib import Path
 from typing import Any
 
 from smarig.config import load_rig
-from smarig.console.queue.entry_command import entry_command, process_command
+from smarig.console.command_process import run_command
+from smarig.console.queue.entry_command import entry_command
 from smarig.console.queue.entry_request import EntryRequest
 from smarig.core import UsageError
 
@@ -34,22 +34,8 @@ Previewer = Callable[[EntryRequest, Path], EntryPreview]
 
 def preview_entry(request: EntryRequest, folder: Path) -> EntryPreview:
     """The preview of an entry. Raises UsageError with the sentence of the command line."""
-    command = process_command([*entry_command(request), "--dry-run", "--json"])
     started = time.monotonic()
-    try:
-        done = subprocess.run(
-            command,
-            cwd=folder,
-            stdin=subprocess.DEVNULL,
-            capture_output=True,
-            encoding="utf-8",
-            errors="replace",
-            timeout=_LONGEST_S,
-        )
-    except subprocess.TimeoutExpired:
-        raise UsageError(f"The preview took more than {_LONGEST_S:g} s. Split the experiment.") from None
-    except OSError as error:
-        raise UsageError(f"The preview could not be started: {error.strerror or error}.") from None
+    done = run_command([*entry_command(request), "--dry-run", "--json"], folder, _LONGEST_S)
     took_s = time.monotonic() - started
     found = _object(done.stdout)
     if done.returncode or "preview" not in found:

@@ -12,7 +12,8 @@ from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 
-from smarig.console.queue.entry_command import entry_command, process_command
+from smarig.console.command_process import process_command
+from smarig.console.queue.entry_command import entry_command
 from smarig.console.queue.queue_entry import QueueEntry
 from smarig.core import InUse, UsageError
 

@@ -11,12 +11,11 @@ from smarig.console.queue.entry_preview import EntryPreview, Previewer, preview_
 from smarig.console.queue.entry_process import check_system
 from smarig.console.queue.entry_request import EntryRequest, check_request
 from smarig.console.queue.output_check import check_no_other, with_checked_output
-from smarig.console.queue.queue_entry import CONTINUABLE, EntryState, QueueEntry
+from smarig.console.queue.queue_entry import CONTINUABLE, ENDED, EntryState, QueueEntry
 from smarig.console.queue.queue_file import QueueFile
 from smarig.core import StorageError, UsageError
 
 WAITING, RUNNING = EntryState.WAITING, EntryState.RUNNING
-_ENDED = (EntryState.DONE, EntryState.STOPPED, EntryState.FAILED, EntryState.INTERRUPTED)
 
 
 @dataclass(frozen=True)
@@ -105,7 +104,7 @@ class Queue:
     def entries(self, newest: int | None = None) -> list[QueueEntry]:
         """Those that have ended, the one that runs, and those that wait, in order; of the ended only the ``newest``."""
         with self._file.transaction(reading=True):
-            ended = self._file.entries(*_ENDED, newest=newest)
+            ended = self._file.entries(*ENDED, newest=newest)
             return [*ended, *self._file.entries(RUNNING), *self._file.entries(WAITING)]
 
     def state(self) -> QueueState:

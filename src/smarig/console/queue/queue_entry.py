@@ -20,6 +20,7 @@ class EntryState(StrEnum):
 
 
 CONTINUABLE = (EntryState.INTERRUPTED, EntryState.STOPPED, EntryState.FAILED)
+ENDED = (EntryState.DONE, *CONTINUABLE)
 COLUMNS = (
     "id",
     "request",

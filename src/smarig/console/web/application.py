@@ -10,15 +10,15 @@ from starlette.routing import Mount
 from starlette.staticfiles import StaticFiles
 
 from smarig.console.web.access_guard import AccessGuard
-from smarig.console.web.desk import Desk, page
+from smarig.console.web.console_context import ConsoleContext, page
 from smarig.console.web.pages import data_file_page, library_page, live_run_page, new_run_page, overview_page
 from smarig.core import DataError, SmarigError, UsageError
 
 _STATUS = ((UsageError, 422), (DataError, 422))
 
 
-def console_application(desk: Desk, token: str, port: int) -> AccessGuard:
-    """The application for a desk, for browsers that have the token."""
+def console_application(context: ConsoleContext, token: str, port: int) -> AccessGuard:
+    """The application for a context, for browsers that have the token."""
     application = Starlette(
         routes=[
             *new_run_page.ROUTES,
@@ -30,7 +30,7 @@ def console_application(desk: Desk, token: str, port: int) -> AccessGuard:
         ],
         exception_handlers={SmarigError: _refused, HTTPException: _not_found},
     )
-    application.state.desk = desk
+    application.state.context = context
     return AccessGuard(application, token, port)
 
 

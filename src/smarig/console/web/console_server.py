@@ -16,7 +16,7 @@ from smarig.console.queue.ensure_worker import ensure_worker
 from smarig.console.queue.queue import Queue
 from smarig.console.web.access_guard import TOKEN
 from smarig.console.web.application import console_application
-from smarig.console.web.desk import Desk
+from smarig.console.web.console_context import ConsoleContext
 from smarig.console.web.library_scanner import LibraryScanner
 from smarig.core import SmarigError, UsageError
 
@@ -40,8 +40,8 @@ def serve_console(
         library, token = Library.open(folder), secrets.token_urlsafe(24)
         port = listening.getsockname()[1]
         with LibraryScanner(library) as scanner:
-            desk = Desk(folder.resolve(), rig, queue, library, scanner)
-            application = console_application(desk, token, port)
+            context = ConsoleContext(folder.resolve(), rig, queue, library, scanner)
+            application = console_application(context, token, port)
             address = f"http://{HOST}:{port}/?{TOKEN}={token}"
             announce(address)
             _go_on(queue, folder, announce)
@@ -57,15 +57,15 @@ def serve_console(
                 timeout_graceful_shutdown=_SHUTDOWN_S,
                 server_header=False,
             )
-            _Server(config, desk).run(sockets=[listening])
+            _Server(config, context).run(sockets=[listening])
 
 
 class _Server(uvicorn.Server):
     """Ends open streams before it waits for them, and returns after a signal instead of raising it again."""
 
-    def __init__(self, config: uvicorn.Config, desk: Desk) -> None:
+    def __init__(self, config: uvicorn.Config, context: ConsoleContext) -> None:
         super().__init__(config)
-        self._desk = desk
+        self._context = context
 
     @contextmanager
     def capture_signals(self) -> Iterator[None]:
@@ -79,7 +79,7 @@ class _Server(uvicorn.Server):
 
     def handle_exit(self, sig: int, frame: FrameType | None) -> None:
         """End the streams, then the server."""
-        self._desk.closing.set()
+        self._context.closing.set()
         super().handle_exit(sig, frame)
 
 

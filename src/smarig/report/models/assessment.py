@@ -7,7 +7,7 @@ import numpy as np
 
 from smarig.core import spaced
 from smarig.diagnosis import DIAGNOSIS_MODEL, Diagnosis, variable_experiment, variable_words
-from smarig.identification import ErrorLevel, ErrorVerdict, error_verdict
+from smarig.identification import ErrorLevel, ErrorVerdict, Verification, error_verdict
 from smarig.record import Run
 from smarig.report.components.assessment_box import Assessment, box_level
 from smarig.report.components.numbers import duration, runs_text
@@ -28,6 +28,7 @@ def assessment(e: Evidence) -> Assessment:
     return Assessment(level, _measured(e), _quality(e, verdict, error), _advice(e, verdict, cause))
 
 
+_REMOVE = "Remove the cause and measure again; the extended model does not predict better."
 _MUCH_LESS = 0.5  # of the chosen model's error
 _ROOM_CHANGED_K = 0.3  # a smaller change of the room is noise of its thermometer
 
@@ -64,9 +65,14 @@ def _held_out(e: Evidence) -> tuple[ErrorVerdict | None, str]:
     rms = pooled_rms(found)
     if found is None or rms is None:
         return None, ""
+    return _verdict_on(rms, found), f"{rms:.3g}{spaced(found.unit)} rms"
+
+
+def _verdict_on(rms: float, found: Verification) -> ErrorVerdict:
+    """The verdict on an error at the settled points of verified runs."""
     floors = [run.noise_floor for run in found.runs if run.noise_floor]
-    share = max(run.settled.nrmse for run in found.runs)
-    return error_verdict(rms, max(floors, default=None), share), f"{rms:.3g}{spaced(found.unit)} rms"
+    travel = min(run.settled.rms / run.settled.nrmse for run in found.runs if run.settled.nrmse)
+    return error_verdict(rms, max(floors, default=None), rms / travel)
 
 
 def _quality_level(e: Evidence, verdict: ErrorVerdict | None) -> str:
@@ -102,7 +108,7 @@ def _cause(e: Evidence, rms: float | None) -> _Cause:
     word, best = d.verdict.word, d.best
     if word == "named" and best is not None:
         room = _room_text(e.runs.values()) if "ambient_drift" in d.verdict.names else ""
-        return _Cause("bad", f"Cause: {strengths_text(best)}{room}.", _named_advice(d, rms))
+        return _Cause("bad", f"Cause: {strengths_text(best)}{room}.", _named_advice(e, d, rms))
     if word == "ambiguous":
         return _Cause(
             "bad",
@@ -134,20 +140,24 @@ def _unknown_advice(d: Diagnosis) -> str:
     return variable_experiment(d.verdict.depends_on)
 
 
-def _named_advice(d: Diagnosis, rms: float | None) -> str:
+def _named_advice(e: Evidence, d: Diagnosis, rms: float | None) -> str:
     gain = d.gain
-    if gain is not None and gain.extended < gain.base:
-        error = f"{gain.settled_rms(gain.extended_error):.3g}{spaced(d.timeline.unit)}"
-        return (
-            f"Use the extended model (diagnosis/{DIAGNOSIS_MODEL}, held-out error {error}), or remove the cause and "
-            "measure again."
-        )
-    if gain is not None and rms is not None and gain.settled_rms(gain.extended_error) < _MUCH_LESS * rms:
-        error = f"{gain.settled_rms(gain.extended_error):.3g}{spaced(d.timeline.unit)}"
-        return (
-            f"Use the model of the diagnosis (held-out error {error}), or remove the cause and measure again."
-        )
-    return "Remove the cause and measure again; the extended model does not predict better."
+    if gain is None:
+        return _REMOVE
+    error = gain.settled_rms(gain.extended_error)
+    if gain.extended < gain.base:
+        model = f"the extended model (diagnosis/{DIAGNOSIS_MODEL}, held-out error {_judged(e, d, error)})"
+    elif rms is not None and error < _MUCH_LESS * rms:
+        model = f"the model of the diagnosis (held-out error {_judged(e, d, error)})"
+    else:
+        return _REMOVE
+    return f"Use {model}, or remove the cause and measure again."
+
+
+def _judged(e: Evidence, d: Diagnosis, error: float) -> str:
+    """An error on held-out runs with its verdict, as ``verify`` would give it."""
+    found, text = e.verifications.get(e.chosen), f"{error:.3g}{spaced(d.timeline.unit)}"
+    return f"{text}, {_verdict_on(error, found).text}" if found is not None else text
 
 
 def _advice(e: Evidence, verdict: ErrorVerdict | None, cause: _Cause) -> str:

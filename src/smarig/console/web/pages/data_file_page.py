@@ -2,8 +2,6 @@
 
 import re
 import secrets
-import subprocess
-import sys
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -15,8 +13,9 @@ from starlette.requests import Request
 from starlette.responses import FileResponse, HTMLResponse, Response
 from starlette.routing import Route
 
+from smarig.console.command_process import run_command
 from smarig.console.web.access_guard import REPORT_POLICY
-from smarig.console.web.desk import Desk, back, desk_of, page
+from smarig.console.web.console_context import ConsoleContext, back, context_of, page
 from smarig.console.web.loop_path import loop_path
 from smarig.core import SmarigError, UsageError, printable
 from smarig.exchange import find_tables
@@ -47,7 +46,7 @@ async def upload(request: Request) -> Response:
         file = form.get("file")
         if not isinstance(file, UploadFile) or not file.filename:
             return _refused(request, "Choose a file.")
-        place = desk_of(request).folder / UPLOADS / secrets.token_hex(6) / _safe_name(file.filename)
+        place = context_of(request).folder / UPLOADS / secrets.token_hex(6) / _safe_name(file.filename)
         try:
             await run_in_threadpool(_kept, file, place)
         except OSError as error:
@@ -57,12 +56,12 @@ async def upload(request: Request) -> Response:
 
 def draft(request: Request) -> HTMLResponse:
     """The columns of a file, with what they are taken for."""
-    file = _file(desk_of(request), request.path_params["key"])
+    file = _file(context_of(request), request.path_params["key"])
     try:
         shown: dict[str, Any] = {
             "draft": _draft(file),
             "error": "",
-            "result": _finished(desk_of(request), file),
+            "result": _finished(context_of(request), file),
         }
     except SmarigError as error:
         return _refused(request, str(error).replace(str(file), file.name))
@@ -79,34 +78,26 @@ async def start(request: Request) -> Response:
 
 def alone(request: Request) -> Response:
     """The page of a study, without access to the console."""
-    desk = desk_of(request)
-    path = _out(desk, _file(desk, request.path_params["key"])) / "index.html"
+    context = context_of(request)
+    path = _out(context, _file(context, request.path_params["key"])) / "index.html"
     if not path.is_file():
         raise UsageError("This file has not been studied yet.")
     return FileResponse(path, media_type="text/html", headers={"content-security-policy": REPORT_POLICY})
 
 
 def _studied(request: Request, form: Mapping[str, str]) -> Response:
-    desk = desk_of(request)
-    file = _file(desk, request.path_params["key"])
+    context = context_of(request)
+    file = _file(context, request.path_params["key"])
     names = [form.get(name, "") for name in ("input", "output")]
     command = ["study", str(file), f"--input={names[0]}", f"--output={names[1]}", "--yes"]
     for column, unit in zip(names, (form.get("input_unit", ""), form.get("output_unit", ""))):
         command += [f"--unit={column}={unit.strip()}"] if unit.strip() else []
     split = form.get("split", "auto")
-    command += [f"--split={split if split in SPLITS else 'auto'}", "-o", str(_out(desk, file))]
+    command += [f"--split={split if split in SPLITS else 'auto'}", "-o", str(_out(context, file))]
     try:
-        done = subprocess.run(
-            [sys.executable, "-P", "-m", "smarig", *command],
-            cwd=desk.folder,
-            stdin=subprocess.DEVNULL,
-            capture_output=True,
-            encoding="utf-8",
-            errors="replace",
-            timeout=LONGEST_S,
-        )
-    except subprocess.TimeoutExpired:
-        return back(f"/study/{file.parent.name}", f"It took more than {LONGEST_S:g} s and was ended.", "bad")
+        done = run_command(["smarig", *command], context.folder, LONGEST_S)
+    except UsageError as error:
+        return back(f"/study/{file.parent.name}", str(error), "bad")
     output_lines = [
         line for line in (done.stderr if done.returncode else done.stdout).splitlines() if line.strip()
     ]
@@ -154,18 +145,18 @@ def _loop(guess: TableGuess) -> str:
     return loop_path(u[known].tolist(), y[known].tolist())
 
 
-def _finished(desk: Desk, file: Path) -> dict[str, str] | None:
-    if not (_out(desk, file) / "index.html").is_file():
+def _finished(context: ConsoleContext, file: Path) -> dict[str, str] | None:
+    if not (_out(context, file) / "index.html").is_file():
         return None
     return {"level": "good", "text": "The page of this file:", "page": f"/study/{file.parent.name}"}
 
 
-def _out(desk: Desk, file: Path) -> Path:
-    return desk.folder / STUDIES / f"{file.stem}_{file.parent.name}"
+def _out(context: ConsoleContext, file: Path) -> Path:
+    return context.folder / STUDIES / f"{file.stem}_{file.parent.name}"
 
 
-def _file(desk: Desk, key: str) -> Path:
-    folder = desk.folder / UPLOADS / key
+def _file(context: ConsoleContext, key: str) -> Path:
+    folder = context.folder / UPLOADS / key
     files = [p for p in folder.iterdir() if p.is_file()] if _KEY.fullmatch(key) and folder.is_dir() else []
     if len(files) != 1:
         raise UsageError("This file is not in the folder any more. Choose it again.")

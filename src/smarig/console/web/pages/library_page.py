@@ -14,7 +14,7 @@ from starlette.routing import Route
 from smarig.console.library.library_entry import Entry
 from smarig.console.library.library_search import FACETS, ORDERS
 from smarig.console.web.access_guard import REPORT_POLICY
-from smarig.console.web.desk import Desk, back, desk_of, page
+from smarig.console.web.console_context import ConsoleContext, back, context_of, page
 from smarig.console.web.evaluations import (
     compared_page,
     evaluations_of,
@@ -33,14 +33,14 @@ _WAIT_S, _LOOK_S = 5.0, 0.2
 
 def library(request: Request) -> HTMLResponse:
     """Search and list."""
-    desk = desk_of(request)
+    context = context_of(request)
     query = {
         name: request.query_params.get(name, "") for name in ("text", "since", "until", "order", "offset")
     }
     query |= {name: request.query_params.get(name, "") for name, _ in _FILTERS}
     query["order"] = query["order"] if query["order"] in ORDERS else next(iter(ORDERS))
     offset = int(query["offset"]) if query["offset"].isdecimal() else 0
-    found = desk.library.search(
+    found = context.library.search(
         query["text"],
         tags=[query["tag"]] if query["tag"] else [],
         wire=query["wire"] or None,
@@ -57,12 +57,12 @@ def library(request: Request) -> HTMLResponse:
     shown = {
         "query": query,
         "filters": _FILTERS,
-        "facets": desk.library.facets(),
+        "facets": context.library.facets(),
         "orders": list(ORDERS),
-        "rows": [_row(desk, entry) for entry in found.entries],
+        "rows": [_row(context, entry) for entry in found.entries],
         "total": found.total,
         "is_filtered": any(query[name] for name in query if name not in ("order", "offset")),
-        "scan": desk.scanner.text,
+        "scan": context.scanner.text,
         "before": _query(query, max(offset - _ROWS, 0)) if offset else None,
         "after": _query(query, offset + _ROWS) if offset + _ROWS < found.total else None,
     }
@@ -71,8 +71,8 @@ def library(request: Request) -> HTMLResponse:
 
 def entry(request: Request) -> HTMLResponse:
     """One entry."""
-    desk = desk_of(request)
-    found = desk.library.entry(request.path_params["id"])
+    context = context_of(request)
+    found = context.library.entry(request.path_params["id"])
     facts = [found.kind, _moment(found.began), found.wire, found.rig, found.protocol]
     facts += [duration(found.duration_s)] if found.duration_s else []
     shown = {
@@ -80,37 +80,37 @@ def entry(request: Request) -> HTMLResponse:
         "level": {"good": "good", "warning": "warning", "bad": "bad"}.get(found.verdict, ""),
         "facts": " · ".join(part for part in facts if part),
         "figures": [(name.replace("_", " "), _figure(figure)) for name, figure in found.figures.items()],
-        "has_page": finished_page(desk, found) is not None,
+        "has_page": finished_page(context, found) is not None,
         "notes": [
             {"text": n.text, "when": " · ".join(p for p in (_moment(n.epoch), n.who) if p)}
             for n in found.notes
         ],
-        "jobs": evaluations_of(desk, found),
+        "jobs": evaluations_of(context, found),
     }
     return page(request, "entry.html", shown, here="library")
 
 
 def run_entry(request: Request) -> Response:
     """The entry of a run that has just ended; its file is read first if the library does not have it yet."""
-    desk, file = desk_of(request), Path(request.query_params.get("file", "")).resolve()
-    if not file.is_relative_to(desk.folder):
+    context, file = context_of(request), Path(request.query_params.get("file", "")).resolve()
+    if not file.is_relative_to(context.folder):
         return back("/library", f"This run is not in the folder of this console. It is {file}.", "warning")
     until_s = time.monotonic() + _WAIT_S
     while True:
-        found = desk.library.search(file.name.removesuffix(".run.sqlite"), kind="run", limit=_ROWS).entries
+        found = context.library.search(file.name.removesuffix(".run.sqlite"), kind="run", limit=_ROWS).entries
         own = next((e for e in found if e.path == file and e.verdict != "recording"), None)
         if own is not None:
             return RedirectResponse(f"/library/{own.id}", status_code=303)
         if time.monotonic() > until_s:
             return back("/library", f"{file.name} is not in the library yet.", "warning")
-        desk.scanner.soon()
+        context.scanner.soon()
         time.sleep(_LOOK_S)
 
 
 def entry_page(request: Request) -> Response:
     """The page of an entry as smarig wrote it, without access to the console."""
-    desk = desk_of(request)
-    path = finished_page(desk, desk.library.entry(request.path_params["id"]))
+    context = context_of(request)
+    path = finished_page(context, context.library.entry(request.path_params["id"]))
     if path is None:
         raise UsageError("This entry has no page yet.")
     return FileResponse(path, media_type="text/html", headers={"content-security-policy": REPORT_POLICY})
@@ -123,14 +123,14 @@ async def change(request: Request) -> Response:
 
 
 def _changed(request: Request, form: Mapping[str, str]) -> Response:
-    desk, id, wanted = desk_of(request), request.path_params["id"], request.path_params["wanted"]
+    context, id, wanted = context_of(request), request.path_params["id"], request.path_params["wanted"]
     if wanted == "tags":
-        desk.library.tag(id, [t.strip() for t in form.get("tags", "").split(",") if t.strip()])
+        context.library.tag(id, [t.strip() for t in form.get("tags", "").split(",") if t.strip()])
         return back(f"/library/{id}", "The tags were saved.")
     if wanted == "notes":
-        desk.library.note(id, form.get("note", ""))
+        context.library.note(id, form.get("note", ""))
         return back(f"/library/{id}", "The note was added.")
-    done = run_evaluation(desk, desk.library.entry(id), form.get("job", ""))
+    done = run_evaluation(context, context.library.entry(id), form.get("job", ""))
     return back(f"/library/{id}", done.text, done.level)
 
 
@@ -141,17 +141,17 @@ async def compare(request: Request) -> Response:
 
 
 def _compared(request: Request, ids: list[str]) -> Response:
-    desk = desk_of(request)
+    context = context_of(request)
     if len(ids) < 2:
         return back("/library", "Choose two runs or more.", "warning")
-    path = compared_page(desk, [desk.library.entry(id) for id in ids])
+    path = compared_page(context, [context.library.entry(id) for id in ids])
     return FileResponse(path, media_type="text/html", headers={"content-security-policy": REPORT_POLICY})
 
 
 def trends(request: Request) -> HTMLResponse:
     """How the figures of a wire have changed over its runs."""
-    desk, wire = desk_of(request), request.query_params.get("wire", "")
-    found = desk.library.trends(wire)
+    context, wire = context_of(request), request.query_params.get("wire", "")
+    found = context.library.trends(wire)
     rows = [
         {
             "name": name.replace("_", " "),
@@ -165,8 +165,8 @@ def trends(request: Request) -> HTMLResponse:
     return page(request, "trends.html", {"wire": wire, "rows": rows}, here="library")
 
 
-def _row(desk: Desk, entry: Entry) -> dict[str, Any]:
-    u, y = desk.library.loop(entry.id)
+def _row(context: ConsoleContext, entry: Entry) -> dict[str, Any]:
+    u, y = context.library.loop(entry.id)
     return {
         "id": entry.id,
         "name": entry.name,

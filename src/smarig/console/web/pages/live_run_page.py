@@ -8,7 +8,7 @@ from starlette.requests import Request
 from starlette.responses import HTMLResponse, Response, StreamingResponse
 from starlette.routing import Route
 
-from smarig.console.web.desk import back, desk_of, page
+from smarig.console.web.console_context import back, context_of, page
 from smarig.console.web.run_feed import ENDED_MESSAGE, RunFeed
 from smarig.console.web.run_words import run_card
 from smarig.core import UsageError
@@ -48,7 +48,7 @@ def follow(request: Request) -> Response:
     if run is None:
         # It ended before the page asked. Without a last message, the page would wait for a console that is silent.
         return StreamingResponse(iter([ENDED_MESSAGE]), media_type="text/event-stream")
-    feed = RunFeed(run, _model(request), desk_of(request).closing)
+    feed = RunFeed(run, _model(request), context_of(request).closing)
     return StreamingResponse(
         feed.messages(), media_type="text/event-stream", headers={"cache-control": "no-store"}
     )
@@ -60,7 +60,7 @@ def _page(request: Request, *, reading: bool) -> HTMLResponse:
         return page(
             request, "ended_run.html", {"file": request.query_params.get("file", "")}, here="runs", status=404
         )
-    models = desk_of(request).library.search(kind="model", limit=_MODELS_OFFERED).entries
+    models = context_of(request).library.search(kind="model", limit=_MODELS_OFFERED).entries
     shown: dict[str, Any] = {
         "run": run_card(run),
         "models": [entry.place for entry in models],
@@ -80,7 +80,7 @@ def _model(request: Request) -> Path | None:
     place = request.query_params.get("model", "")
     if not place:
         return None
-    models = desk_of(request).library.search(kind="model", limit=_MODELS_OFFERED).entries
+    models = context_of(request).library.search(kind="model", limit=_MODELS_OFFERED).entries
     found = next((entry.path for entry in models if entry.place == place), None)
     if found is None:
         raise UsageError("This model is not in the library.")

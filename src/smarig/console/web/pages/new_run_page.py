@@ -16,7 +16,7 @@ from smarig.console.queue.entry_command import shown_command
 from smarig.console.queue.entry_preview import EntryPreview, preview_entry
 from smarig.console.queue.entry_request import EntryRequest, Kind
 from smarig.console.queue.queue_entry import EntryState
-from smarig.console.web.desk import Desk, back, desk_of, page
+from smarig.console.web.console_context import ConsoleContext, back, context_of, page
 from smarig.console.web.protocol_form import FormField, protocol_form
 from smarig.core import SmarigError, UsageError, catalogue_names, catalogue_summary
 from smarig.protocols import PROTOCOLS
@@ -39,30 +39,32 @@ async def edit_entry(request: Request) -> Response:
 
 
 async def _form(request: Request, number: int | None) -> Response:
-    desk = desk_of(request)
+    context = context_of(request)
     if request.method == "GET":
         values = dict(request.query_params)
         if number is not None and "experiment" not in values:
-            values = _values_of(desk.queue.entry(number).request)
-        return await run_in_threadpool(_shown, request, desk, values, number)
+            values = _values_of(context.queue.entry(number).request)
+        return await run_in_threadpool(_shown, request, context, values, number)
     form = await request.form()
     values = {key: value for key, value in form.items() if isinstance(value, str)}
-    return await run_in_threadpool(_requested, request, desk, values, number)
+    return await run_in_threadpool(_requested, request, context, values, number)
 
 
-def _requested(request: Request, desk: Desk, values: dict[str, str], number: int | None) -> Response:
+def _requested(
+    request: Request, context: ConsoleContext, values: dict[str, str], number: int | None
+) -> Response:
     try:
         wanted = entry_request_of(values)
         if values.get("do") == "preview":
-            return _shown(request, desk, values, number, preview=preview_entry(wanted, desk.folder))
+            return _shown(request, context, values, number, preview=preview_entry(wanted, context.folder))
         if number is None:
-            desk.queue.add(wanted)
-            ensure_worker(desk.folder)
+            context.queue.add(wanted)
+            ensure_worker(context.folder)
             return back("/", f"{wanted.experiment} was added to the queue.")
-        desk.queue.edit(number, wanted)
+        context.queue.edit(number, wanted)
         return back("/", "The entry was changed.")
     except SmarigError as error:
-        return _shown(request, desk, values, number, error=str(error))
+        return _shown(request, context, values, number, error=str(error))
 
 
 def entry_request_of(values: Mapping[str, str]) -> EntryRequest:
@@ -112,17 +114,17 @@ def _values_of(request: EntryRequest) -> dict[str, str]:
 
 def _shown(
     request: Request,
-    desk: Desk,
+    context: ConsoleContext,
     values: Mapping[str, str],
     number: int | None,
     *,
     preview: EntryPreview | None = None,
     error: str = "",
 ) -> HTMLResponse:
-    rig = values.get("rig") or desk.rig
+    rig = values.get("rig") or context.rig
     experiment = values.get("experiment") or _FIRST
     try:
-        file = load_rig(str(desk.folder / rig) if rig.endswith(".toml") else rig)  # as the queue does
+        file = load_rig(str(context.folder / rig) if rig.endswith(".toml") else rig)  # as the queue does
         text, fields = _experiment(experiment)
     except SmarigError as problem:
         error, file, text, fields = error or str(problem), None, "", ()
@@ -138,15 +140,15 @@ def _shown(
         "is_folder": experiment.startswith((CHARACTERISE, _CAMPAIGN)),
         "groups": [(name, list(group)) for name, group in groupby(fields, _group)],
         "values": {k.removeprefix("set."): v for k, v in values.items() if k.startswith("set.")},
-        "out": values.get("out") or _free_name(desk, experiment),
+        "out": values.get("out") or _free_name(context, experiment),
         "entry_id": number,
         "action": "/new" if number is None else f"/queue/{number}/edit",
         "busy": any(
-            e.state in (EntryState.WAITING, EntryState.RUNNING) for e in desk.queue.entries(newest=0)
+            e.state in (EntryState.WAITING, EntryState.RUNNING) for e in context.queue.entries(newest=0)
         ),
         "preview": _preview(preview, file) if preview else None,
         "error": error,
-        "command": _command(desk, values, rig, experiment),
+        "command": _command(context, values, rig, experiment),
         **{name: values.get(name, "") for name in ("wire", "load", "notes", "effects", "speed")},
         "seed": values.get("seed") or "0",
     }
@@ -195,25 +197,25 @@ def _rig_text(file: RigFile | None) -> str:
     return f"{'Twin' if file.kind == 'twin' else bench}; {file.actuator}, tick {file.period_s:g} s"
 
 
-def _free_name(desk: Desk, experiment: str) -> str:
+def _free_name(context: ConsoleContext, experiment: str) -> str:
     """A name in the folder that neither a file nor an entry has."""
     folder = experiment.startswith((CHARACTERISE, _CAMPAIGN))
     stem, end = (
         experiment.rpartition(":")[2].rpartition("/")[2].removesuffix(".toml"),
         "" if folder else ".run.sqlite",
     )
-    taken = {PurePath(e.request.out).name for e in desk.queue.entries()}
+    taken = {PurePath(e.request.out).name for e in context.queue.entries()}
     k = 1
-    while (name := f"{stem}_{k:03d}{end}") in taken or (desk.folder / name).exists():
+    while (name := f"{stem}_{k:03d}{end}") in taken or (context.folder / name).exists():
         k += 1
     return name
 
 
-def _command(desk: Desk, values: Mapping[str, str], rig: str, experiment: str) -> str:
+def _command(context: ConsoleContext, values: Mapping[str, str], rig: str, experiment: str) -> str:
     try:
-        start = {"rig": rig, "experiment": experiment, "out": _free_name(desk, experiment)}
+        start = {"rig": rig, "experiment": experiment, "out": _free_name(context, experiment)}
         return shown_command(
-            entry_request_of({**start, **{k: v for k, v in values.items() if v}}), desk.folder
+            entry_request_of({**start, **{k: v for k, v in values.items() if v}}), context.folder
         )
     except SmarigError as error:
         return str(error)

@@ -10,40 +10,39 @@ from starlette.responses import HTMLResponse, JSONResponse, Response
 from starlette.routing import Route
 
 from smarig.console.queue.ensure_worker import ensure_worker
-from smarig.console.queue.queue_entry import CONTINUABLE, EntryState, QueueEntry
-from smarig.console.web.desk import TEMPLATES, Desk, back, desk_of, page
+from smarig.console.queue.queue_entry import CONTINUABLE, ENDED, EntryState, QueueEntry
+from smarig.console.web.console_context import TEMPLATES, ConsoleContext, back, context_of, page
 from smarig.console.web.run_words import run_card
 from smarig.core import SmarigError, UsageError
 from smarig.report import duration
 from smarig.running import runs_in_progress
 
 _ENDED_SHOWN = 20
-_ENDED = (EntryState.DONE, EntryState.STOPPED, EntryState.FAILED, EntryState.INTERRUPTED)
 
 
 def overview(request: Request) -> HTMLResponse:
     """The page."""
-    return page(request, "overview.html", _parts(desk_of(request)), here="runs")
+    return page(request, "overview.html", _parts(context_of(request)), here="runs")
 
 
 def parts(request: Request) -> HTMLResponse:
     """What changes on the page."""
     return TEMPLATES.TemplateResponse(
-        request, "overview_parts.html", {**_parts(desk_of(request)), "reading": False}
+        request, "overview_parts.html", {**_parts(context_of(request)), "reading": False}
     )
 
 
 def version(request: Request) -> JSONResponse:
     """A text that differs whenever the page would."""
-    return JSONResponse({"version": _parts(desk_of(request))["version"]})
+    return JSONResponse({"version": _parts(context_of(request))["version"]})
 
 
 def queue_request(request: Request) -> Response:
     """A button of the queue: pause or continue it."""
-    queue, wanted = desk_of(request).queue, request.path_params["wanted"]
+    queue, wanted = context_of(request).queue, request.path_params["wanted"]
     if wanted == "continue":
         queue.go_on()
-        ensure_worker(desk_of(request).folder)
+        ensure_worker(context_of(request).folder)
         return back("/", "The queue continues.")
     if any(e.state is EntryState.RUNNING for e in queue.entries(newest=0)):
         queue.stop_after_this()
@@ -54,23 +53,23 @@ def queue_request(request: Request) -> Response:
 
 def entry_request(request: Request) -> Response:
     """A button of one entry: up, down, remove, continue."""
-    desk = desk_of(request)
+    context = context_of(request)
     number, wanted = request.path_params["number"], request.path_params["wanted"]
     if wanted == "remove":
-        desk.queue.remove(number)
+        context.queue.remove(number)
         return back("/", "The entry was removed.")
     if wanted == "continue":
-        desk.queue.continue_interrupted(number)
-        ensure_worker(desk.folder)
+        context.queue.continue_interrupted(number)
+        ensure_worker(context.folder)
         return back("/", "The entry will be continued next.")
-    waiting = [e.id for e in desk.queue.entries(newest=0) if e.state is EntryState.WAITING]
+    waiting = [e.id for e in context.queue.entries(newest=0) if e.state is EntryState.WAITING]
     if number not in waiting:
         return back("/", "This entry does not wait any more.", "warning")
     at = waiting.index(number)
     if wanted == "up" and at:
-        desk.queue.move(number, before=waiting[at - 1])
+        context.queue.move(number, before=waiting[at - 1])
     if wanted == "down" and at + 1 < len(waiting):
-        desk.queue.move(number, before=waiting[at + 2] if at + 2 < len(waiting) else None)
+        context.queue.move(number, before=waiting[at + 2] if at + 2 < len(waiting) else None)
     return back("/")
 
 
@@ -78,7 +77,7 @@ def stop_all(request: Request) -> Response:
     """The emergency stop: every run on this computer, at once, and no further entry of the queue."""
     problems = []
     try:
-        desk_of(request).queue.pause()
+        context_of(request).queue.pause()
     except SmarigError as error:  # a damaged queue must not keep a current on
         problems.append(str(error))
     runs = runs_in_progress()
@@ -95,18 +94,18 @@ def stop_all(request: Request) -> Response:
     return back("/", " ".join([text, *problems]), "warning" if runs or problems else "good")
 
 
-def _parts(desk: Desk) -> dict[str, Any]:
+def _parts(context: ConsoleContext) -> dict[str, Any]:
     runs = [run_card(run) for run in runs_in_progress()]
-    queue = _queue(desk)
+    queue = _queue(context)
     words = repr((runs, queue)).encode("utf-8", "replace")
     return {"runs": runs, "queue": queue, "version": f"{zlib.crc32(words):08x}"}
 
 
-def _queue(desk: Desk) -> dict[str, Any]:
+def _queue(context: ConsoleContext) -> dict[str, Any]:
     now = time.time()
     try:
-        entries, state = desk.queue.entries(newest=_ENDED_SHOWN), desk.queue.state()
-        ends = desk.queue.ends_at(now)
+        entries, state = context.queue.entries(newest=_ENDED_SHOWN), context.queue.state()
+        ends = context.queue.ends_at(now)
     except SmarigError as error:
         return {
             "reason": str(error),
@@ -116,7 +115,7 @@ def _queue(desk: Desk) -> dict[str, Any]:
             "waiting": [],
             "ended": [],
         }
-    waiting = [e for e in entries if e.state not in _ENDED]
+    waiting = [e for e in entries if e.state not in ENDED]
     reason = f"The queue is paused. {state.sentence}" if state.paused else ""
     if state.stop_after_this:
         reason = "The queue will pause when the present run has ended."
@@ -126,7 +125,7 @@ def _queue(desk: Desk) -> dict[str, Any]:
         "paused": state.paused or state.stop_after_this,
         "runs": any(e.state is EntryState.RUNNING for e in waiting),
         "waiting": [_row(e) for e in waiting],
-        "ended": [_row(e) for e in reversed(entries) if e.state in _ENDED],
+        "ended": [_row(e) for e in reversed(entries) if e.state in ENDED],
     }
 
 

@@ -29,7 +29,7 @@ _LEVELS = ("good", "warning", "bad")
 
 
 @dataclass(frozen=True, eq=False)
-class Desk:
+class ConsoleContext:
     """The folder that a console serves. ``rig`` is the rig that forms begin with; ``closing``: the console ends."""
 
     folder: Path
@@ -40,9 +40,9 @@ class Desk:
     closing: threading.Event = field(default_factory=threading.Event)
 
 
-def desk_of(request: Request) -> Desk:
-    """The desk of the application that answers a request."""
-    return request.app.state.desk
+def context_of(request: Request) -> ConsoleContext:
+    """The context of the application that answers a request."""
+    return request.app.state.context
 
 
 def page(
@@ -52,7 +52,7 @@ def page(
     text = request.query_params.get("message", "")
     level = request.query_params.get("level", "")
     message = {"text": text[:1000], "level": level if level in _LEVELS else ""} if text else None
-    shared = {"here": here, "folder": str(desk_of(request).folder), "message": message, "reading": False}
+    shared = {"here": here, "folder": str(context_of(request).folder), "message": message, "reading": False}
     return TEMPLATES.TemplateResponse(request, template, {**shared, **values}, status_code=status)
 
 
