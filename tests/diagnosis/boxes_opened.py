@@ -6,7 +6,8 @@ from tempfile import TemporaryDirectory
 
 from benchmarks.boxes import draw_box, write_box
 from benchmarks.boxes.box_effects import EFFECTS
-from smarig.diagnosis.commanded_diagnosis import Diagnosis, diagnose_commanded
+from smarig.diagnosis.commanded_diagnosis import diagnose_commanded
+from smarig.diagnosis.diagnosis_result import Diagnosis
 from smarig.identification.identify import identify
 from smarig.record import load_run
 

@@ -14,10 +14,10 @@ import pytest
 
 import smarig
 from report.pages import LOADING, Page, unpacked
-from smarig.diagnosis.commanded_diagnosis import Diagnosis, ErrorSummary
 from smarig.diagnosis.critique.calibration import CALIBRATION_BOXES
 from smarig.diagnosis.critique.critique import critique
 from smarig.diagnosis.critique.visibility import visibility
+from smarig.diagnosis.diagnosis_result import Diagnosis, ErrorSummary
 from smarig.diagnosis.diagnosis_verdict import DiagnosisVerdict
 from smarig.diagnosis.explain.discrepancy import Discrepancy
 from smarig.diagnosis.explain.parameter_fit import ParameterFit

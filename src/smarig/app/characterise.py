@@ -3,15 +3,21 @@ thesis."""
 
 import time
 from collections.abc import Callable, Mapping, Sequence
-from contextlib import AbstractContextManager, nullcontext
+from contextlib import nullcontext
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from smarig.config import CampaignFile, load_actuator, load_campaign, load_rig
-from smarig.core import DataError, StorageError, UsageError
-from smarig.diagnosis import DIAGNOSIS_JSON, DIAGNOSIS_PAGE, Diagnosis, diagnose_commanded, write_diagnosis
-from smarig.diagnosis import DIAGNOSIS_MODEL as EXTENDED
+from smarig.app.characterisation_runs import (
+    DIAGNOSIS,
+    ListenerFactory,
+    campaign_plan,
+    check_folder,
+    run_campaign,
+)
+from smarig.config import CampaignFile, load_actuator, load_rig
+from smarig.core import DataError, UsageError
+from smarig.diagnosis import DIAGNOSIS_PAGE, Diagnosis, diagnose_commanded, write_diagnosis
 from smarig.identification import (
     POSITIVE_KIND,
     Identification,
@@ -25,8 +31,7 @@ from smarig.identification import (
     wiping_out,
 )
 from smarig.plant import Actuator, effects_from_arguments
-from smarig.protocols import with_loaded_protocols
-from smarig.record import Run, check_not_recording, load_run
+from smarig.record import Run
 from smarig.replay import Model
 from smarig.report import (
     Evidence,
@@ -42,17 +47,9 @@ from smarig.report import (
 )
 from smarig.rig import TwinSettings
 from smarig.runner import (
-    Listener,
-    Preview,
     RunControl,
-    Session,
     initialisation_spread,
-    preview,
-    run_or_resume,
 )
-
-DIAGNOSIS = "diagnosis"  # name of its folder
-ListenerFactory = Callable[[Preview, Path], AbstractContextManager[Listener | None]]  # of a run file
 
 
 @dataclass(frozen=True)
@@ -108,11 +105,11 @@ def characterise(
     interrupted run is resumed. Raises what the runs raise; a finished run is kept.
     """
     started = time.monotonic()
-    plan = _plan(campaign)
+    plan = campaign_plan(campaign)
     if force and go_on:
         raise UsageError("--force replaces runs and --continue continues them. Give only one of them.")
-    _check_folder(out, plan, force, go_on)
-    runs = _run_all(
+    check_folder(out, plan, force, go_on)
+    runs = run_campaign(
         rig=rig,
         plan=plan,
         out=out,
@@ -139,73 +136,6 @@ def characterise(
         write_page(diagnosis_page(evidence.diagnosis), out / DIAGNOSIS / DIAGNOSIS_PAGE, force=force)
     write_page(characterisation_page(evidence), out / "report.html", force=force)
     return Characterisation(out, evidence)
-
-
-def campaign_previews(rig: str, campaign: str = "characterise") -> list[Preview]:
-    """The previews of the runs of a characterisation, in order. Raises UsageError if it could not be started."""
-    file = load_rig(rig)
-    return [preview(step.protocol, file, step.set) for step in _plan(campaign).step]
-
-
-def _plan(campaign: str) -> CampaignFile:
-    plan = with_loaded_protocols(load_campaign(campaign))
-    if not any(step.purpose == "train" for step in plan.step):
-        raise UsageError(
-            f"Campaign '{plan.name}' has no step with purpose = \"train\". Add one to identify from."
-        )
-    return plan
-
-
-def _check_folder(out: Path, plan: CampaignFile, force: bool, go_on: bool) -> None:
-    try:
-        (out / "runs").mkdir(parents=True, exist_ok=True)
-        probe = out / ".writable"
-        probe.touch()
-        probe.unlink()
-    except OSError as error:
-        raise StorageError(f"Folder {out} cannot be written: {error.strerror or error}.") from None
-    targets = [
-        *([] if go_on else plan.run_files(out / "runs")),
-        out / "model.json",
-        out / "report.html",
-        *(out / DIAGNOSIS / name for name in (DIAGNOSIS_JSON, DIAGNOSIS_PAGE, EXTENDED)),
-    ]
-    for run_file in plan.run_files(out / "runs"):
-        check_not_recording(run_file)
-    existing = [t for t in targets if t.exists()]
-    if existing and not force:
-        raise UsageError(
-            f"{existing[0]} exists. Give another folder, --continue to continue its runs, or --force to replace it."
-        )
-
-
-def _run_all(
-    rig: str,
-    plan: CampaignFile,
-    out: Path,
-    twin: TwinSettings,
-    wire: str,
-    force: bool,
-    control: RunControl | None,
-    listener_factory: ListenerFactory,
-) -> dict[str, Run]:
-    file = load_rig(rig)
-    costs = [preview(step.protocol, file, step.set) for step in plan.step]  # before any current flows
-    runs = {}
-    with Session(rig, twin=twin, wire=wire, control=control) as session:
-        for step, cost, target in zip(plan.step, costs, plan.run_files(out / "runs"), strict=True):
-            with listener_factory(cost, target) as listener:
-                run_or_resume(
-                    session,
-                    step.protocol,
-                    step.set,
-                    target,
-                    listeners=[listener] if listener else [],
-                    force=force,
-                    expected=cost,
-                )
-            runs[step.label] = load_run(target)
-    return runs
 
 
 def analyse(

@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING
 from smarig.core.lazy_exports import lazy_exports
 
 if TYPE_CHECKING:
-    from smarig.diagnosis.commanded_diagnosis import Diagnosis as Diagnosis
     from smarig.diagnosis.commanded_diagnosis import diagnose_commanded as diagnose_commanded
     from smarig.diagnosis.critique.calibration import CALIBRATION_BOXES as CALIBRATION_BOXES
     from smarig.diagnosis.critique.calibration import p_text as p_text
@@ -33,6 +32,7 @@ if TYPE_CHECKING:
     from smarig.diagnosis.diagnosis_files import write_diagnosis as write_diagnosis
     from smarig.diagnosis.diagnosis_files import write_transient as write_transient
     from smarig.diagnosis.diagnosis_json import parameter_interval as parameter_interval
+    from smarig.diagnosis.diagnosis_result import Diagnosis as Diagnosis
     from smarig.diagnosis.diagnosis_text import AT_FLOOR as AT_FLOOR
     from smarig.diagnosis.diagnosis_text import DOUBT as DOUBT
     from smarig.diagnosis.diagnosis_text import share_text as share_text

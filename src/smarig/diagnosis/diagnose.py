@@ -8,8 +8,9 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from smarig.core import UsageError
-from smarig.diagnosis.commanded_diagnosis import Diagnosis, diagnose_commanded
+from smarig.diagnosis.commanded_diagnosis import diagnose_commanded
 from smarig.diagnosis.critique.critique import ALPHA, NULL_DATA_SETS
+from smarig.diagnosis.diagnosis_result import Diagnosis
 from smarig.diagnosis.measured.measured_diagnosis import MeasuredDiagnosis, diagnose_measured
 from smarig.diagnosis.run_checks import check_comparable
 from smarig.measurement import has_measured_input, measurement_effect_types

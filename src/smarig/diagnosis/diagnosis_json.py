@@ -11,7 +11,7 @@ from smarig.plant import EffectType, Parameter
 from smarig.replay import predict
 
 if TYPE_CHECKING:
-    from smarig.diagnosis.commanded_diagnosis import Diagnosis
+    from smarig.diagnosis.diagnosis_result import Diagnosis
 
 NO_FINDING = ("silent", "not_identifiable")
 

@@ -13,7 +13,7 @@ from smarig.diagnosis.variable_words import variable_words
 from smarig.plant import parameter_words
 
 if TYPE_CHECKING:
-    from smarig.diagnosis.commanded_diagnosis import Diagnosis
+    from smarig.diagnosis.diagnosis_result import Diagnosis
 
 FAR_OFF_RATIO = 10.0  # times the rms error of a refitted density: the model is of another wire or state
 INADEQUATE_RATIO = 3.0  # times the noise: worth a sentence
