@@ -1,6 +1,7 @@
 """From files to a page: what it writes can be read again, and says what the data say."""
 
 import json
+import re
 
 import numpy as np
 import pytest
@@ -61,6 +62,18 @@ def test_one_loop_is_not_compared_with_its_own_branches(tmp_path):
     assert result.split.kind == "none"
     assert set(result.evaluation.simple) == {"straight line", "mean curve, no hysteresis"}
     assert result.verdict == "good"
+
+
+def test_where_nothing_is_held_out_the_error_on_blocks_left_out_is_said_too(tmp_path):
+    u = temperatures(1, 120)
+    noise = np.random.default_rng(4).normal(0.0, 0.02, u.size)
+    path = tmp_path / "loop.csv"
+    path.write_text(csv_text(np.arange(u.size) * 0.5, u, displacements(u) + noise), encoding="utf-8")
+    result = study([path], tmp_path / "out", StudyOptions())
+    found = result.diagnosis.best or result.diagnosis.base
+    stated = re.search(r"On blocks left out of the fit, the error is ([\d.]+) mm rms", result.sentences()[0])
+    assert stated is not None
+    assert float(stated[1]) == pytest.approx(found.rms, rel=0.01)
 
 
 def test_a_given_mapping_counts_without_a_question(files, tmp_path):

@@ -34,6 +34,7 @@ from smarig.study.study_sentences import (
     branch_name,
     error_sentence,
     finding_sentence,
+    left_out_sentence,
     place_text,
     simple_curve_sentence,
     unpredicted_sentence,
@@ -174,8 +175,10 @@ class StudyResult:
             noise=self.noise,
             verdict=self._verdict_words(),
             unpredicted=self.unpredicted,
-            fitted=self.split is not None and self.split.kind == "none",
+            fitted=self._is_fitted,
         )
+        if self._is_fitted and isinstance(self.diagnosis, MeasuredDiagnosis):
+            first += f" {left_out_sentence(self.diagnosis)}"
         return [first, self._simple_sentence(), self._next_sentence()]
 
     def hints(self) -> list[str]:
@@ -188,6 +191,11 @@ class StudyResult:
                 "their period: period_s under [time] in mapping.toml, with --map."
             )
         return found
+
+    @property
+    def _is_fitted(self) -> bool:
+        """Whether nothing is held out, so that the model is judged on the data that it was fitted to."""
+        return self.split is not None and self.split.kind == "none"
 
     @property
     def _hot(self) -> bool:
@@ -208,7 +216,7 @@ class StudyResult:
             return f"{LEVEL_WORDS[level]} on {branch_name(self.branches[0], temperature=self._hot)}"
         if level is ErrorLevel.FAIR and place.worst > LARGE_PLACE * self.span:
             return (
-                f"usable, except on {place_text(place, self.tables[0].run.input_unit, temperature=self._hot)}"
+                f"fair, except on {place_text(place, self.tables[0].run.input_unit, temperature=self._hot)}"
             )
         return LEVEL_WORDS[level]
 
@@ -216,8 +224,7 @@ class StudyResult:
         """Where the error is largest, and what is not predicted."""
         found = []
         if self._mostly_silent:
-            whole = self.split is not None and self.split.kind == "none"
-            found.append(unpredicted_sentence(self.unpredicted, whole_record=whole))
+            found.append(unpredicted_sentence(self.unpredicted, whole_record=self._is_fitted))
         place = worst_place(self.branches)
         if place is not None:
             units = self.tables[0].run.input_unit, self.unit

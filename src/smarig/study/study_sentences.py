@@ -11,7 +11,7 @@ from smarig.study.held_out_parts import BranchError
 
 LEVEL_WORDS = {
     ErrorLevel.GOOD: "good",
-    ErrorLevel.FAIR: "usable, with errors to explain",
+    ErrorLevel.FAIR: "fair, with errors to explain",
     ErrorLevel.POOR: "poor",
 }
 
@@ -41,6 +41,13 @@ def error_sentence(
         f"The model ({model}) {what} with {measure(rms, unit)} rms, {number(100 * share, 2)} % of the output's range"
         f"{ratio}{rest}: {verdict}."
     )
+
+
+def left_out_sentence(d: MeasuredDiagnosis) -> str:
+    """How large the error is on blocks left out of the fit: where nothing is held out, the honest figure."""
+    rms = (d.best or d.base).rms
+    ratio = f", {ratio_text(rms / d.noise)} × the noise of a reading" if d.noise else ""
+    return f"On blocks left out of the fit, the error is {measure(rms, d.unit)} rms{ratio}."
 
 
 def simple_curve_sentence(name: str, error: float, gain: float, unit: str) -> str:
