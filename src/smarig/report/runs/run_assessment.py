@@ -64,7 +64,11 @@ def _record_quality(run: AnyRun) -> tuple[str, str]:
     if not m.clean:
         return "warning", "Some samples are marked; see Data quality."
     if run.info.warnings:
-        return "warning", f"The import has {len(run.info.warnings)} remarks on this file; see Warnings."
+        count = len(run.info.warnings)
+        return (
+            "warning",
+            f"The import has {count} remark{'s' if count > 1 else ''} on this file; see Warnings.",
+        )
     steps = f" and all {m.steps} holds settled" if m.steps else ""
     return "good", f"The run ended as planned{steps}."
 

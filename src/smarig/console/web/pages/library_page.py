@@ -28,6 +28,7 @@ from smarig.report import duration
 _ROWS = 50
 _FILTERS = tuple((name, name.capitalize()) for name in FACETS)
 _DAY_S = 86400.0
+_FIGURES = {"cycles": "heating cycles", "error_times_noise": "error, in units of the noise floor"}
 _WAIT_S, _LOOK_S = 5.0, 0.2
 
 
@@ -79,7 +80,7 @@ def entry(request: Request) -> HTMLResponse:
         "entry": found,
         "level": {"good": "good", "warning": "warning", "bad": "bad"}.get(found.verdict, ""),
         "facts": " · ".join(part for part in facts if part),
-        "figures": [(name.replace("_", " "), _figure(figure)) for name, figure in found.figures.items()],
+        "figures": [(_words(name), _figure(figure)) for name, figure in found.figures.items()],
         "has_page": finished_page(context, found) is not None,
         "notes": [
             {"text": n.text, "when": " · ".join(p for p in (_moment(n.epoch), n.who) if p)}
@@ -154,8 +155,10 @@ def trends(request: Request) -> HTMLResponse:
     found = context.library.trends(wire)
     rows = [
         {
-            "name": name.replace("_", " "),
+            "name": _words(name),
             "unit": trend.unit,
+            "low": f"{min(trend.values):.4g}",
+            "high": f"{max(trend.values):.4g}",
             "points": list(zip(map(_moment, trend.epochs), trend.values)),
             "path": loop_path(trend.epochs.tolist(), trend.values.tolist()),
         }
@@ -180,6 +183,11 @@ def _row(context: ConsoleContext, entry: Entry) -> dict[str, Any]:
         "tags": entry.tags,
         "loop": loop_path(u.tolist(), y.tolist()),
     }
+
+
+def _words(name: str) -> str:
+    """A figure in words; "A_s (degC)" and the like are the field's own."""
+    return _FIGURES.get(name, name)
 
 
 def _figure(figure: Any) -> str:
