@@ -36,6 +36,8 @@ if TYPE_CHECKING:
     from smarig.record.schema import SAMPLE_COLUMNS as SAMPLE_COLUMNS
     from smarig.record.stored_run import StoredRun as StoredRun
     from smarig.record.stored_run import stored_run as stored_run
+    from smarig.record.wire_history import COLD as COLD
+    from smarig.record.wire_history import HOT as HOT
     from smarig.record.wire_history import Wear as Wear
     from smarig.record.wire_history import WireHistory as WireHistory
     from smarig.record.wire_history import load_wire_history as load_wire_history

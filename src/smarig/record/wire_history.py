@@ -24,7 +24,7 @@ from pathlib import Path
 from smarig.core import DataError, atomic_file
 from smarig.record.last_heat import LastHeat
 
-_HOT, _COLD = 0.5, 0.25  # shares of the range
+HOT, COLD = 0.5, 0.25  # shares of the range
 
 
 def history_folder() -> Path:
@@ -38,7 +38,7 @@ class Wear:
     """A listener that adds up the wear of a run. ``input_K`` is the input at its start: a hot wire begins no cycle."""
 
     def __init__(self, range_K: float, period_s: float, input_K: float = 0.0) -> None:
-        self._hot_K, self._cold_K, self._tick_h = _HOT * range_K, _COLD * range_K, period_s / 3600
+        self._hot_K, self._cold_K, self._tick_h = HOT * range_K, COLD * range_K, period_s / 3600
         self._cooled = math.fabs(input_K) < self._cold_K
         self.cycles, self.hours_hot, self.dose_K_h, self.largest_input_K = 0, 0.0, 0.0, 0.0
         self.last_tick = 0

@@ -6,9 +6,7 @@ from numpy.typing import NDArray
 from smarig.config import ActuatorFile, LimitsFile
 from smarig.plant import Actuator
 from smarig.protocols import Setup
-from smarig.record import AnyRun
-
-HOT, COLD = 0.5, 0.25  # shares of the range: hot after cold is a cycle
+from smarig.record import COLD, HOT, AnyRun
 
 
 def input_range_K(run: AnyRun) -> float | None:

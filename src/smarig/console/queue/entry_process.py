@@ -11,11 +11,12 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
+from typing import IO
 
 from smarig.console.command_process import process_command
 from smarig.console.queue.entry_command import entry_command
 from smarig.console.queue.queue_entry import QueueEntry
-from smarig.core import InUse, UsageError
+from smarig.core import InUse, UsageError, try_lock
 
 LOGS = "queue.logs"
 LARGEST_LOG_BYTES = (
@@ -50,7 +51,7 @@ def start_process(entry: QueueEntry, folder: Path) -> subprocess.Popen[bytes]:
     files.lock.parent.mkdir(exist_ok=True)
     command = process_command([*entry_command(entry.request, continued=entry.continued), "--json"])
     with _opened(files.lock, os.O_RDWR) as lock:
-        if not _try_lock(lock):
+        if not try_lock(lock):
             raise InUse(f"Entry {entry.id} is running already.")
         with _opened(files.lines, os.O_APPEND) as lines, _opened(files.result, os.O_TRUNC) as result:
             return subprocess.Popen(
@@ -60,7 +61,7 @@ def start_process(entry: QueueEntry, folder: Path) -> subprocess.Popen[bytes]:
                 stdout=result,
                 stderr=lines,
                 start_new_session=True,  # signals to the worker and the console do not reach it
-                pass_fds=(lock,),
+                pass_fds=(lock.fileno(),),
             )
 
 
@@ -70,7 +71,7 @@ def is_alive(folder: Path, number: int) -> bool:
     if not path.exists():
         return False
     with _opened(path, os.O_RDWR) as lock:
-        return not _try_lock(lock)
+        return not try_lock(lock)
 
 
 def forget_result(folder: Path, number: int) -> None:
@@ -95,21 +96,9 @@ def bound_log(path: Path, largest: int = LARGEST_LOG_BYTES) -> None:
 
 
 @contextmanager
-def _opened(path: Path, flags: int) -> Iterator[int]:
-    """A descriptor, closed afterwards: what the process has inherited stays open there. No link is followed."""
+def _opened(path: Path, flags: int) -> Iterator[IO[bytes]]:
+    """The file, closed afterwards: what the process has inherited stays open there. No link is followed."""
     writable = flags if flags & os.O_RDWR else flags | os.O_WRONLY
     descriptor = os.open(path, writable | os.O_CREAT | getattr(os, "O_NOFOLLOW", 0), 0o644)
-    try:
-        yield descriptor
-    finally:
-        os.close(descriptor)
-
-
-def _try_lock(descriptor: int) -> bool:
-    import fcntl  # absent on Windows
-
-    try:
-        fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except OSError:
-        return False
-    return True
+    with os.fdopen(descriptor, "r+b" if flags & os.O_RDWR else "wb", buffering=0) as file:
+        yield file
