@@ -13,6 +13,7 @@ _OF_THE_WIRE = {
 }
 _OTHERS = {
     "at": "position in the range",
+    "latent": "latent heat",
     "h": "heat transfer coefficient",
     "tau": "time constant",
     "cooler": "temperature of the ends over that of the middle",
@@ -32,7 +33,7 @@ def parameter_words(name: str, unit: str) -> str:
     """A parameter of an effect in words, without its unit.
 
     >>> parameter_words("swing_K", "K"), parameter_words("latent_J_per_g", "J/g"), parameter_words("gain_percent", "%")
-    ('swing', 'latent', 'gain')
+    ('swing', 'latent heat', 'gain')
     >>> parameter_words("percent_per_cycle", "%/cycle"), parameter_words("at", "range")
     ('rate', 'position in the range')
     """
