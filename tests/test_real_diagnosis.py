@@ -49,7 +49,7 @@ def test_a_thermometer_in_a_glued_tube_lags_and_undoing_it_predicts_other_days(s
             "sma_water_steps",
             tmp_path / f"w{k}.run.sqlite",
         )
-        for k in ((1, 2, 3) if os.environ.get("SMARIG_LONG") else (1, 2))
+        for k in (1, 2, 3)
     ]
     found = diagnose_measured(given(runs[0]), runs[:1], runs[1:])
     assert found.verdict.names == ("input_lag",)
@@ -96,7 +96,6 @@ def test_the_thermometer_of_another_day_is_off(shared_data, tmp_path):
     assert 1.0 < offset.interval[0] < 3.0 < offset.interval[1]
 
 
-@long
 def test_cycles_leave_a_strain_behind(shared_data, tmp_path):
     run = imported(
         shared_data / "sma_cycles" / "cycles.txt", "sma_cycles_contraction", tmp_path / "c.run.sqlite"
@@ -105,7 +104,6 @@ def test_cycles_leave_a_strain_behind(shared_data, tmp_path):
     assert found.verdict.names == ("ratcheting",)
 
 
-@long
 def test_a_chamber_whose_thermometer_failed_for_some_rows(shared_data, tmp_path):
     run = imported(
         shared_data / "sma_chamber" / "chamber_100MPa.csv", "sma_chamber", tmp_path / "ch.run.sqlite"
@@ -116,9 +114,7 @@ def test_a_chamber_whose_thermometer_failed_for_some_rows(shared_data, tmp_path)
     assert not found.effects()
 
 
-@pytest.mark.parametrize(
-    "name", ["MSM33-55-1_d330.forc", *(pytest.param(n, marks=long) for n in ("UB199BF", "hchb_forc"))]
-)
+@pytest.mark.parametrize("name", ["MSM33-55-1_d330.forc", "UB199BF", "hchb_forc"])
 def test_magnetic_reversal_curves_are_silent(shared_data, tmp_path, name):
     source, target = shared_data / "forc_magnetic" / name, tmp_path / "m.run.sqlite"
     if not source.is_file():
@@ -151,7 +147,6 @@ def test_a_loop_at_one_hertz_does_not_predict_slower_ones(loops):
     assert rms[1.0] < 2.0 < rms[0.1] < rms[0.01]
 
 
-@long
 def test_polarisation_depends_on_the_rate(loops):
     found = diagnose_measured(given(loops[1.0]), list(loops.values()), [])
     assert found.verdict.word == "unknown"

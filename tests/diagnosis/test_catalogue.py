@@ -49,7 +49,6 @@ INVISIBLE = {
 }
 LONG = {
     "accommodation",
-    "ambient_drift",
     "amplifier_gain",
     "backlash",
     "convection",
@@ -117,9 +116,7 @@ def test_an_effect_that_a_density_takes_up_gets_no_name_at_all(effect, request):
     assert answer(number, effect, channels, times=times).verdict.word in ("silent", "not_identifiable")
 
 
-@pytest.mark.parametrize(
-    "effect", ["ambient_drift", *(pytest.param(e, marks=where_there_is_time) for e in ("creep", "dead_zone"))]
-)
+@pytest.mark.parametrize("effect", selected(["creep", "ambient_drift", "dead_zone"]))
 def test_without_its_name_in_the_catalogue_the_variable_is_reported(effect):
     number, times, channels = VISIBLE[effect]
     found = answer(number, effect, channels, (effect,), times=times)

@@ -3,13 +3,8 @@
 The first test must name the effect, or one that the catalogue cannot separate from it, and the interval of its strength
 must contain the true one. ``test_catalogue`` makes whole diagnoses of full boxes instead. The unlisted mechanisms of
 the sealed half are left out, because development must not use them.
-
-By default, one of each kind is tested: through each channel, at the input, at the output and in the hysteresis, with
-memory, and on two wires. ``SMARIG_LONG=1`` tests all.
 """
 
-import os
-from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -84,16 +79,6 @@ MECHANISMS: dict[str, tuple[int, dict[str, float], tuple[str, ...]]] = {  # box,
     "warm_frame": (WIDE, {"share": 0.05, "tau_min": 5}, RUNS),
     "warming_amplifier": (ONE, {"share": 0.02, "tau_h": 0.3}, SAME_THREE_TIMES),
 }
-REPRESENTATIVE = {
-    *("ambient_drift", "amplifier_gain", "resistance_phase", "latent_heat"),  # channels
-    *("accommodation", "creep", "slip", "walking"),  # memory of states, of time, of a moment, of cycles
-    *("cross_talk", "convection"),  # two wires; the fit that is known to be biased
-    *("coulomb_friction", "end_conduction"),  # taken up at the output, and at the input
-    *("fan_turned_on", "lost_counts", "thermostat", "warm_frame"),  # mechanisms, by what they depend on
-}
-where_there_is_time = pytest.mark.skipif(
-    not os.environ.get("SMARIG_LONG"), reason="takes five seconds: SMARIG_LONG=1"
-)
 NOT_IN_SHORT_BOXES = {  # its holds are equally long, and play of constant width is part of a classical density
     "resting_friction"
 }
@@ -123,12 +108,7 @@ class HiddenEffect:
         return NORMAL_95 * SD_INFLATION * self.fit.spread[key]
 
 
-def selected(names: Iterable[str]) -> list:
-    """All of them; those that represent no kind where there is time."""
-    return [n if n in REPRESENTATIVE else pytest.param(n, marks=where_there_is_time) for n in names]
-
-
-@pytest.fixture(scope="module", params=selected(VISIBLE))
+@pytest.fixture(scope="module", params=list(VISIBLE))
 def tested(request):
     """The first test of a box with an effect."""
     name = request.param
@@ -178,7 +158,7 @@ def test_it_is_said_to_be_visible_at_its_strength(tested):
     assert table.least_strength[k] < abs(tested.strength)
 
 
-@pytest.mark.parametrize("name", selected(TAKEN_UP))
+@pytest.mark.parametrize("name", TAKEN_UP)
 def test_nothing_is_named_where_a_density_takes_the_effect_up(name):
     number, values, channels = TAKEN_UP[name]
     given = given_model(number)
@@ -187,7 +167,7 @@ def test_nothing_is_named_where_a_density_takes_the_effect_up(name):
     assert critique(timeline, refitted, catalogue(given), count=NULLS).silent
 
 
-@pytest.mark.parametrize("name", selected(MECHANISMS))
+@pytest.mark.parametrize("name", MECHANISMS)
 def test_an_unlisted_mechanism_stands_out_and_shows_its_variable(name):
     number, values, runs = MECHANISMS[name]
     given = given_model(number)

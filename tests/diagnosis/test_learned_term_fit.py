@@ -1,6 +1,5 @@
 """The missing term of commanded runs: laws that independent code hid are learned, and none where nothing is hidden."""
 
-import os
 from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
@@ -17,7 +16,6 @@ from smarig.replay import predict
 
 WIDE = 32
 TIMELINE: Any = None
-long = pytest.mark.skipif(not os.environ.get("SMARIG_LONG"), reason="takes ten seconds: SMARIG_LONG=1")
 
 
 def learned(number, hidden, **settings):
@@ -49,7 +47,6 @@ def test_an_amplifier_that_warms_up_is_learned_at_the_input_and_levels_off():
     assert found.gain_blocks > 0.4
 
 
-@long
 def test_a_frame_that_warms_up_is_learned_as_a_law_of_the_mean_power():
     found = learned(WIDE, {"warm_frame": {"share": 0.05, "tau_min": 8.0}})
     assert found is not None
@@ -58,7 +55,6 @@ def test_a_frame_that_warms_up_is_learned_as_a_law_of_the_mean_power():
     assert found.gain_blocks > 0.4
 
 
-@long
 def test_a_cord_that_recovers_is_learned_as_a_law_of_the_last_minutes():
     """It gives way by a tenth of the mean position of the last three minutes, computed here.
 

@@ -1,7 +1,6 @@
 """From a recorded run to a verified model, on the twin and on magnetic data of others."""
 
 import json
-import os
 
 import numpy as np
 import pytest
@@ -13,8 +12,6 @@ from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface
 from smarig.record import load_run
 from smarig.replay import load_model
 from smarig.runner.session import Session
-
-long = pytest.mark.skipif(not os.environ.get("SMARIG_LONG"), reason="takes six seconds: SMARIG_LONG=1")
 
 
 @pytest.fixture(scope="module")
@@ -59,9 +56,7 @@ def test_a_model_of_another_form_is_distinguished(session_folder):
     assert errors["constant"] > 10 * errors["exponential"]
 
 
-@pytest.mark.parametrize(
-    "name", ["MSM33-55-1_d330.forc", *(pytest.param(n, marks=long) for n in ("UB199BF", "hchb_forc"))]
-)
+@pytest.mark.parametrize("name", ["MSM33-55-1_d330.forc", "UB199BF", "hchb_forc"])
 def test_even_reversal_curves_predict_the_odd_ones(shared_data, tmp_path, name):
     path = tmp_path / "forc.run.sqlite"
     import_file(shared_data / "forc_magnetic" / name, format="forc", out=path)

@@ -190,7 +190,7 @@ def test_the_figures_of_a_page_are_saved_while_it_is_made(tmp_path):
     one, two = Figure(panels[:1], "Hysteresis: μ of the run.", [], ""), Figure(panels, "Errors", [], "")
     with figures_saved_in(tmp_path / "new") as files:
         page("t", "", [Section("s", "s", [one, two])])
-    names = ["01-hysteresis-mu-of-the-run", "02-errors-a", "02-errors-b"]
+    names = ["01-hysteresis-mu-of-the-run", "02-errors--panel-1", "02-errors--panel-2"]
     assert [file.name for file in files] == [f"{name}.{end}" for name in names for end in ("svg", "pdf")]
     assert all(file.stat().st_size > 500 for file in files)
     with figures_saved_in(tmp_path / "new"), pytest.raises(UsageError, match="exists"):

@@ -1,7 +1,6 @@
 """The page of reversal curves: sentences that follow the figures, what each figure holds, and hostile units."""
 
 import dataclasses
-import os
 
 import numpy as np
 import pytest
@@ -15,8 +14,6 @@ from smarig.record.schema import SAMPLE_COLUMNS
 from smarig.report import forc_page, run_page
 from smarig.report.forc.forc_assessment import forc_assessment
 from smarig.report.forc.forc_evidence import forc_evidence
-
-long = pytest.mark.skipif(not os.environ.get("SMARIG_LONG"), reason="takes ten seconds: SMARIG_LONG=1")
 
 STEP = 3.0
 
@@ -149,7 +146,7 @@ def test_a_run_without_curves_is_refused_by_the_diagram_and_kept_by_report(tmp_p
     ("name", "h_c", "h_u", "ridge"),
     [
         ("UB199BF", 0.058, -0.004, False),
-        pytest.param("hchb_forc", 942.0, 21.0, True, marks=long),
+        ("hchb_forc", 942.0, 21.0, True),
         ("MSM33-55-1_d330.forc", None, 0.0, True),
     ],
 )

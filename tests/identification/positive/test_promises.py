@@ -21,9 +21,7 @@ from smarig.runner.preview import Preview, preview
 from smarig.runner.session import Session
 
 PROTOCOL = "first_order_descending"
-LONG = bool(os.environ.get("SMARIG_LONG"))
-SEEDS = 10 if LONG else 2
-where_there_is_time = pytest.mark.skipif(not LONG, reason="takes ten seconds: SMARIG_LONG=1")
+SEEDS = 10 if os.environ.get("SMARIG_LONG") else 3
 SURFACES = ("constant", "parabolic", "exponential")
 
 
@@ -88,11 +86,7 @@ def test_better_than_every_surface_on_truths_outside_all_families(tmp_path):
     assert wins >= 0.9 * SEEDS
 
 
-REAL = [
-    pytest.param("hchb_forc", 0.009, marks=where_there_is_time),
-    ("MSM33-55-1_d330.forc", 0.0006),
-    ("UB199BF", 0.0018),
-]
+REAL = [("hchb_forc", 0.009), ("MSM33-55-1_d330.forc", 0.0006), ("UB199BF", 0.0018)]
 
 
 def every_third(data: FodData) -> tuple[Observations, np.ndarray]:
