@@ -11,11 +11,7 @@ from frozen.comparing import differences
 LONG = bool(os.environ.get("SMARIG_LONG"))
 SHORT = (
     *(f"box/00/{what}" for what in ("runs", "identify", "verify", "certify", "simulate", "diagnose")),
-    *(
-        f"box/{number}/{what}"
-        for number in ("02", "05")
-        for what in ("runs", "identify", "verify", "simulate")
-    ),
+    *(f"box/05/{what}" for what in ("runs", "identify", "verify", "simulate")),
     *("rig/one_wire_serial", "rig/two_wire_twin", "data/UB199BF", "effect/one_wire/creep"),
     *("effect/one_wire/accommodation", "protocol/one_wire/step_currents", "list"),
     *("python/measure", "python/table", "python/surface", "loop/one_wire/track/inverse/steps"),
