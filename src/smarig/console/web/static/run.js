@@ -38,7 +38,7 @@ function size(element) {
 }
 
 // uPlot draws rising abscissae; a loop goes back, so its path is drawn point by point.
-function path(u, series, from, to) {
+function path(u, series) {
   const p = new Path2D();
   const [x, y] = [u.data[series][0], u.data[series][1]];
   let pen = false;
