@@ -107,7 +107,7 @@ def test_what_the_limits_forbid_fails_the_move(engine, rig, tmp_path):
 def test_a_plan_that_fails_ends_the_run_of_its_flyer(engine, tmp_path):
     """The run would take minutes at this speed."""
     rig = tmp_path / "slow.toml"
-    rig.write_text('name = "slow"\nbase = "one_wire_serial"\nsimulator.speed = 20.0\n')
+    rig.write_text('name = "slow"\nbase = "one_wire_serial"\nsimulator.speed = 5.0\n')
     flyer = RunFlyer("fly", "validation", str(rig), tmp_path / "fly.run.sqlite", points=40)
 
     def failing():

@@ -241,7 +241,7 @@ def test_everyone_can_read_it_on_a_desk_and_on_a_phone_by_day_and_by_night(visit
         for width, dark in ((1280, False), (400, True), (400, False), (1280, True)):
             tab.resize(width)
             tab.dark(dark)
-            assert tab.run("document.documentElement.scrollWidth") == width, "it scrolls sideways"
+            visitor.until(f"document.documentElement.scrollWidth === {width}", "it scrolls sideways")
             assert tab.violations() == [], (width, dark)
     finally:
         tab.resize(1280)

@@ -32,11 +32,25 @@ class Visitor:
         self.until("!window.isOld && document.readyState === 'complete'", place)
 
     def click(self, words: str) -> None:
-        """Press the mouse on a link or a button that bears these words; it must be seen and not covered."""
-        at = self.until(
-            f"(x => x && !x.disabled && {_CENTRE}(x))({_BY_WORDS}({json.dumps(words)}))", f"'{words}'"
-        )
-        self.press(*at)
+        """Press the mouse on a link or a button that bears these words; it must be seen and not covered.
+
+        As a person would, press again if the page moved under the mouse.
+        """
+        target = f"(x => x && !x.disabled && {_CENTRE}(x))({_BY_WORDS}({json.dumps(words)}))"
+        end_s = time.monotonic() + PATIENCE_S
+        while True:
+            at = self.until(target, f"'{words}'")
+            self.tab.run(
+                "window.isHit = false; addEventListener('click', e =>"
+                f" {{ window.isHit ||= {_BY_WORDS}({json.dumps(words)})?.contains(e.target); }}, true)"
+            )
+            self.press(*at)
+            try:
+                if self.tab.run("window.isHit") is not False:  # undefined on the page to which it led
+                    return
+            except AssertionError:  # between two pages
+                return
+            assert time.monotonic() < end_s, f"'{words}' cannot be clicked"
 
     def press(self, x: float, y: float) -> None:
         """Press the mouse here."""

@@ -88,4 +88,4 @@ def test_an_open_search_has_an_interval_without_an_upper_end():
     from smarig.diagnosis.diagnosis_text import parameter_text
 
     value = {"value": 126.0, "ci95": [119.0, None], "unit": "h"}
-    assert parameter_text("time_constant_h", value) == "time_constant_h at least 119 h"
+    assert parameter_text("time_constant_h", value) == "time constant at least 119 h"

@@ -54,7 +54,7 @@ def protocol_form(name: str) -> tuple[FormField, ...]:
     """The fields of a protocol of the catalogue. Raises UsageError if there is none of this name.
 
     >>> [(f.key, f.words, f.unit, f.default) for f in protocol_form("validation")][:2]
-    [('points', 'points', '', '60'), ('seed', 'seed', '', '1')]
+    [('points', 'points', '', '40'), ('seed', 'seed', '', '1')]
     """
     function = catalogue_entry(PROTOCOLS, name)
     hints = get_type_hints(function)

@@ -146,15 +146,15 @@ def _named_advice(e: Evidence, d: Diagnosis, rms: float | None) -> str:
         return _REMOVE
     error = gain.settled_rms(gain.extended_error)
     if gain.extended < gain.base:
-        model = f"the extended model (diagnosis/{DIAGNOSIS_MODEL}, held-out error {_judged(e, d, error)})"
+        model = f"the extended model (diagnosis/{DIAGNOSIS_MODEL}, held-out error {_error_with_verdict(e, d, error)})"
     elif rms is not None and error < _MUCH_LESS * rms:
-        model = f"the model of the diagnosis (held-out error {_judged(e, d, error)})"
+        model = f"the model of the diagnosis (held-out error {_error_with_verdict(e, d, error)})"
     else:
         return _REMOVE
     return f"Use {model}, or remove the cause and measure again."
 
 
-def _judged(e: Evidence, d: Diagnosis, error: float) -> str:
+def _error_with_verdict(e: Evidence, d: Diagnosis, error: float) -> str:
     """An error on held-out runs with its verdict, as ``verify`` would give it."""
     found, text = e.verifications.get(e.chosen), f"{error:.3g}{spaced(d.timeline.unit)}"
     return f"{text}, {_verdict_on(error, found).text}" if found is not None else text
