@@ -98,7 +98,7 @@ def test_no_sentence_contradicts_the_figures(word, error, model, holds, gains):
     assert ("no Preisach operator" in text) == (rejected and word != "named")
     if model:
         assert ("Cause: walking" in text) == (word == "named")
-        assert ("Use the extended model" in text) == (word == "named" and gains)
+        assert ("se the extended model" in text) == (word == "named" and gains)
         assert ("Candidates, not proved: walking, creep" in text) == (word == "unknown")
         assert ("Measure minor loops of equal amplitude" in text) == (word == "unknown")
         assert ("No disturbance" in text) == (word == "silent" and error in ("good", "none"))
@@ -128,7 +128,18 @@ def test_the_recommended_model_is_judged_too(error, words):
     found = evidence("named", "poor")
     found.diagnosis.gain.base, found.diagnosis.gain.extended = 2.0, error
     assert f"held-out error {error:.3g} mm" in assessment(found).advice
+    assert ("until then" in assessment(found).advice) == (words == "poor")
     assert f"the noise floor: {words})" in assessment(found).advice
+
+
+@pytest.mark.parametrize(("other", "told"), [(0.15, True), (0.19, False), (0.3, False)])
+def test_a_surface_that_is_much_nearer_on_the_held_out_run_is_named(other, told):
+    found = evidence("silent", "poor")
+    found.choice = None
+    rms = SimpleNamespace(n=5, rms=other, nrmse=other / 10)
+    found.verifications["constant"] = SimpleNamespace(runs=(SimpleNamespace(settled=rms),), unit="mm")
+    words = f"on these data the constant model comes nearer, to {other:.3g} mm."
+    assert (words in assessment(found).quality) == told
 
 
 def test_a_named_cause_without_a_gain_still_offers_a_much_better_model():

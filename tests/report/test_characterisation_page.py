@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from importlib import import_module
+from types import SimpleNamespace
 
 import numpy as np
 import plotly.graph_objects as go
@@ -16,6 +17,7 @@ from smarig.core.errors import UsageError
 from smarig.identification.density_report import density_report
 from smarig.report.characterisation_page import characterisation_page
 from smarig.report.models.assessment import assessment
+from smarig.report.models.loop_figure import loop_figure, training_run
 
 
 @pytest.fixture(scope="module")
@@ -298,6 +300,7 @@ def test_the_folder_of_a_characterisation_gives_its_sheet(evidence, monkeypatch)
     module = import_module("smarig.app.characterised_folder")
     monkeypatch.setattr(module, "analyse", lambda **found: given.update(found) or evidence)
     folder = next(iter(evidence.runs.values())).path.parents[1]
+    (folder / "summary.html").unlink(missing_ok=True)
     assert cli(["report", str(folder), "--summary"]) == 0
     assert (given["rig"], given["options"], given["plan"].name) == (
         "one_wire_twin",
@@ -311,6 +314,23 @@ def test_the_folder_of_a_characterisation_gives_its_sheet(evidence, monkeypatch)
     assert assessment(evidence).quality in page.visible
     assert page.tables[0][0] == ["Wire", "Load", "Measured", "Rig"]
     assert page.tables[0][1][0] == "twin-one-wire"
+    given.clear()
+    assert cli(["report", str(folder), "--summary"]) == 0  # it is there: nothing is computed again
+    assert not given
+    assert cli(["report", str(folder), "--summary", "--force"]) == 0
+    assert given
+
+
+def test_the_first_figure_shows_what_the_extended_model_leaves(evidence):
+    verification = evidence.verifications[evidence.chosen].runs[0]
+    run = training_run(evidence)
+    points = np.count_nonzero(verification.counted)
+    settled = np.arange(2 * points) % 2 == 0
+    gain = SimpleNamespace(settled=settled, extended_error=np.where(settled, 0.5, 9.0))
+    for extended, told in ((True, True), (False, False)):
+        diagnosis = SimpleNamespace(extended=extended, gain=gain)
+        figure = loop_figure(replace(evidence, diagnosis=diagnosis), run)
+        assert ("extended model of the diagnosis, rms 0.5 mm" in " ".join(figure.caption)) == told
 
 
 def test_runs_of_another_campaign_are_named(evidence, tmp_path):

@@ -46,6 +46,7 @@ def check_folder(out: Path, plan: CampaignFile, force: bool, go_on: bool) -> Non
         *([] if go_on else plan.run_files(out / "runs")),
         out / "model.json",
         out / "report.html",
+        out / "summary.html",
         *(out / DIAGNOSIS / name for name in (DIAGNOSIS_JSON, DIAGNOSIS_PAGE, EXTENDED)),
     ]
     for run_file in plan.run_files(out / "runs"):

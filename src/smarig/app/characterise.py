@@ -39,6 +39,7 @@ from smarig.report import (
     against_preisach,
     assessment,
     characterisation_page,
+    characterisation_summary,
     diagnosis_page,
     preisach_verdict,
     tag,
@@ -98,7 +99,7 @@ def characterise(
     listener_factory: ListenerFactory | None = None,
     progress: Callable[[str], None] | None = None,
 ) -> Characterisation:
-    """Characterise the wire of a rig into a folder: runs, model.json, report.html.
+    """Characterise the wire of a rig into a folder: runs, model.json, report.html, summary.html.
 
     ``effects`` of a twin are written as on the command line, "walking=0.3".
     Nothing existing is overwritten without ``force``. With ``go_on``, finished runs are kept and an
@@ -135,6 +136,7 @@ def characterise(
         write_diagnosis(evidence.diagnosis, out / DIAGNOSIS, force=force)
         write_page(diagnosis_page(evidence.diagnosis), out / DIAGNOSIS / DIAGNOSIS_PAGE, force=force)
     write_page(characterisation_page(evidence), out / "report.html", force=force)
+    write_page(characterisation_summary(evidence), out / "summary.html", force=force)
     return Characterisation(out, evidence)
 
 

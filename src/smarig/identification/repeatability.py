@@ -54,7 +54,7 @@ class Repeatability:
         if not self.text:
             return ""
         floor = "The noise floor excludes this drift. " if self.drift is not None else ""
-        return f"The {self.text}. {floor}Something besides the input acts on the output: smarig diagnose tests causes."
+        return f"The {self.text}. {floor}Something besides the input acts on the output; a diagnosis tests causes."
 
     def to_json(self) -> dict[str, float | None]:
         """Plain values."""

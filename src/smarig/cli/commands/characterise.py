@@ -25,7 +25,13 @@ if TYPE_CHECKING:
     epilog=f"{STREAMS}\n\n\b\nExample:\n  smarig characterise --rig one_wire_twin --out out/one_wire",
 )
 @click.option("--rig", type=RIG, required=True, help="Rig by name or path.")
-@click.option("-o", "--out", type=FOLDER, required=True, help="Folder for runs, model.json and report.html.")
+@click.option(
+    "-o",
+    "--out",
+    type=FOLDER,
+    required=True,
+    help="Folder for runs, model and pages.",
+)
 @click.option(
     "--campaign",
     type=CatalogueName("campaigns"),

@@ -225,9 +225,13 @@ def _summary(file: Path, model: Path | None, place: _Target) -> None:
 
 def _characterisation_summary(folder: Path, place: _Target) -> None:
     from smarig.app import characterised_folder
-    from smarig.report import characterisation_summary
+    from smarig.report import characterisation_summary, is_smarig_page
 
     target = place.out or folder / "summary.html"
+    made = is_smarig_page(target)  # by 'smarig characterise'
+    if made and place.out is None and not (place.force or place.for_figures):
+        emit({"report": str(target)}, f"Report: {target}")
+        return
     place.write(characterisation_summary(characterised_folder(folder, show_message)), target)
     emit({"report": str(target)}, f"Report: {target}")
 

@@ -11,7 +11,7 @@ INK, GREY, FAINT = "#1b1f24", "#6b7280", "#d9dde3"
 HEATING, COOLING = "#D55E00", "#0072B2"  # vermilion: rising input, blue: falling input
 CURRENT, TEMPERATURE, POSITION = "#E69F00", "#D55E00", "#0072B2"
 FIRST, SECOND, GOOD, BAD = "#0072B2", "#D55E00", "#009E73", "#D55E00"
-MODEL, MEASURED = "#009E73", "#9aa3ad"  # measured paths lie below those of models
+MODEL, EXTENDED, MEASURED = "#009E73", "#CC79A7", "#9aa3ad"  # measured paths lie below those of models
 _OTHER_SURFACES = {"table": "#6b7280", "positive": "#009E73"}
 # Compared items, in the order of the command line.
 COMPARED = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#1b1f24", "#6b7280")
@@ -198,7 +198,8 @@ footer p{color:var(--grey);font-size:13px;border-top:1px solid var(--line);margi
 @media print{@page{size:A4;margin:14mm 12mm}h2,h3{break-after:avoid}section.first:not(:last-of-type){break-after:page}
  section:has(>details:not([open])),#glossary:has(>details:not([open])){display:none}tr,.card,.notice{break-inside:avoid}
  .twinbar,.notice,.card,.twin,.severity{-webkit-print-color-adjust:exact;print-color-adjust:exact}
- body{font-size:10pt}.sticky{position:static}.twinbar{font-size:8.5pt}
+ body{font-size:10pt}h1{font-size:16pt}.lead{font-size:10pt}footer p{font-size:8pt;padding:6px 0 0}
+ .sticky{position:static}.twinbar{font-size:8.5pt}
  a.term{border:0;text-decoration:none;color:inherit}nav,.choices,.search,.tools{display:none}
  main,header.top,footer{padding:0;max-width:none}section{margin:20px 0}
  .cards{grid-template-columns:repeat(5,1fr);gap:6px}.card{padding:6px 8px}.card strong{font-size:12pt}

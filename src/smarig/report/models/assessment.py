@@ -30,6 +30,7 @@ def assessment(e: Evidence) -> Assessment:
 
 _REMOVE = "Remove the cause and measure again; the extended model does not predict better."
 _MUCH_LESS = 0.5  # of the chosen model's error
+_NEARER = 0.8  # of the chosen model's error: less is told
 _ROOM_CHANGED_K = 0.3  # a smaller change of the room is noise of its thermometer
 
 
@@ -90,7 +91,18 @@ def _quality(e: Evidence, verdict: ErrorVerdict | None, error: str) -> str:
         return f"The {e.chosen} model was not tested: no run was held out."
     preisach = preisach_verdict(e)
     against = f" {preisach.headline}" if preisach.holds is False else ""
-    return f"The {e.chosen} model predicts held-out data to {error}, {verdict.text}.{against}"
+    return f"The {e.chosen} model predicts held-out data to {error}, {verdict.text}.{_nearer(e)}{against}"
+
+
+def _nearer(e: Evidence) -> str:
+    """Which surface comes much nearer to the held-out run, which has no part in the choice."""
+    errors = {name: rms for name, found in e.verifications.items() if (rms := pooled_rms(found)) is not None}
+    best = min(errors, key=errors.__getitem__)
+    if errors[best] > _NEARER * errors[e.chosen]:
+        return ""
+    basis = "held-out curves" if e.choice is not None else "the training runs"
+    value = f"{errors[best]:.3g}{spaced(e.verifications[best].unit)}"
+    return f" It was chosen on {basis}; on these data the {best} model comes nearer, to {value}."
 
 
 def _room_text(runs: Iterable[Run]) -> str:
@@ -145,19 +157,20 @@ def _named_advice(e: Evidence, d: Diagnosis, rms: float | None) -> str:
     if gain is None:
         return _REMOVE
     error = gain.settled_rms(gain.extended_error)
+    found = e.verifications.get(e.chosen)
+    verdict = _verdict_on(error, found) if found is not None else None
+    held_out = f"held-out error {error:.3g}{spaced(d.timeline.unit)}" + (
+        f", {verdict.text}" if verdict else ""
+    )
     if gain.extended < gain.base:
-        model = f"the extended model (diagnosis/{DIAGNOSIS_MODEL}, held-out error {_error_with_verdict(e, d, error)})"
+        model = f"the extended model (diagnosis/{DIAGNOSIS_MODEL}, {held_out})"
     elif rms is not None and error < _MUCH_LESS * rms:
-        model = f"the model of the diagnosis (held-out error {_error_with_verdict(e, d, error)})"
+        model = f"the model of the diagnosis ({held_out})"
     else:
         return _REMOVE
+    if verdict and verdict.level == ErrorLevel.POOR:
+        return f"Remove the cause and measure again; until then, use {model} within its error."
     return f"Use {model}, or remove the cause and measure again."
-
-
-def _error_with_verdict(e: Evidence, d: Diagnosis, error: float) -> str:
-    """An error on held-out runs with its verdict, as ``verify`` would give it."""
-    found, text = e.verifications.get(e.chosen), f"{error:.3g}{spaced(d.timeline.unit)}"
-    return f"{text}, {_verdict_on(error, found).text}" if found is not None else text
 
 
 def _advice(e: Evidence, verdict: ErrorVerdict | None, cause: _Cause) -> str:

@@ -1,6 +1,7 @@
 """The main figure of a characterisation: measured loops with the model, and its errors on held-out data."""
 
 import numpy as np
+from numpy.typing import NDArray
 
 from smarig.core import spaced
 from smarig.identification import RunVerification
@@ -9,7 +10,7 @@ from smarig.replay import recorded_start
 from smarig.report.components.decimate import simplified
 from smarig.report.components.figure import Figure, Panel, Trace, axis, dots, line
 from smarig.report.components.run_description import count_size, input_title, output_title, source_label
-from smarig.report.components.style import GREY, INK, MEASURED, MODEL
+from smarig.report.components.style import EXTENDED, GREY, INK, MEASURED, MODEL
 from smarig.report.models.evidence import Evidence
 from smarig.report.models.identification_plot_data import resimulated
 from smarig.report.runs.representation_figure import noise_band
@@ -28,11 +29,16 @@ def loop_figure(e: Evidence, training: Run) -> Figure | None:
     held_out = _held_out(e)
     if held_out is not None:
         verification, run = held_out
-        panels.append(_error_panel(verification, run))
+        extended = _extended_errors(e, verification)
+        panels.append(_error_panel(verification, run, e.chosen, extended))
         floor = verification.noise_floor
         band = f"; band: ± 2 σ, noise floor of that run {floor:.2g}{spaced(run.unit)}" if floor else ""
         words += f" Second panel: model − measured on the held-out run, rms {verification.settled.rms:.3g}"
         words += f"{spaced(run.unit)}, n = {verification.settled.n}{band}."
+        if extended is not None:
+            words += (
+                f" Purple: the extended model of the diagnosis, rms {_rms(extended):.3g}{spaced(run.unit)}."
+            )
     return Figure(panels, "Measured loops and the model.", [words], source_label(training), 460)
 
 
@@ -63,14 +69,32 @@ def _held_out(e: Evidence) -> tuple[RunVerification, Run] | None:
     return None
 
 
-def _error_panel(found: RunVerification, run: Run) -> Panel:
+def _extended_errors(e: Evidence, found: RunVerification) -> NDArray[np.float64] | None:
+    """Model − measured of the extended model at the same points; None without one, or if it counts other points."""
+    d, chosen = e.diagnosis, e.verifications[e.chosen]
+    if d is None or not d.extended or d.gain is None or d.gain.settled is None or len(chosen.runs) != 1:
+        return None
+    errors = -d.gain.extended_error[d.gain.settled]
+    return errors if errors.size == np.count_nonzero(found.counted) else None
+
+
+def _rms(errors: NDArray[np.float64]) -> float:
+    return float(np.sqrt(np.mean(errors**2)))
+
+
+def _error_panel(
+    found: RunVerification, run: Run, chosen: str, extended: NDArray[np.float64] | None
+) -> Panel:
     error = np.where(found.counted, found.predicted - found.measured, np.nan)
     low, high = float(np.min(found.input)), float(np.max(found.input))
     data: list[Trace] = []
     if found.noise_floor:
         data.append(noise_band(low, high, 2 * found.noise_floor, "± 2 σ of the noise floor"))
     data.append(line([low, high], [0, 0], "zero", GREY, width=1, showlegend=False))
-    data.append(dots(found.input, error, "model − measured, held out", INK, size=6))
+    name = "model − measured, held out" if extended is None else f"{chosen} model, held out"
+    data.append(dots(found.input, error, name, INK, size=6))
+    if extended is not None:
+        data.append(dots(found.input[found.counted], extended, "extended model", EXTENDED, size=6))
     layout = {"xaxis": axis(input_title(run)), "yaxis": axis(f"Model − measured ({run.unit})")}
     return Panel(data, layout, 400)
 

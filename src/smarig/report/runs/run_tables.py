@@ -173,16 +173,15 @@ def quality_table(runs: Mapping[str, Run]) -> Html:
         ended = run.cause.partition(":")[0]  # all of it stands at the top of the page
         state = ended if run.complete else tag("b", ended)
         marked = [str(getattr(c, key)) for key in seen]
-        rows.append(
-            (name, duration(duration_s(run)), thousands(c.samples), c.steps, c.settled, *marked, state)
-        )
+        settled = "–" if run.info.protocol == "initialise" else c.settled
+        rows.append((name, duration(duration_s(run)), thousands(c.samples), c.steps, settled, *marked, state))
     header = [key.replace("_", " ").capitalize() for key in seen]
     none = f" No step and no sample is marked {_any_of(unseen)}." if unseen else ""
     return table(
         ("Run", "Duration", "Samples", "Steps", "Settled", *header, "Ended"),
         rows,
-        "Data quality: steps by verdict, samples by quality mark. Initialisation holds for a fixed time, so its "
-        f"steps need not settle.{none}",
+        "Data quality: steps by verdict, samples by quality mark. Initialisation holds for a fixed time and "
+        f"gives no settled points.{none}",
     )
 
 
