@@ -151,7 +151,7 @@ def _comparison(result: StudyResult) -> Iterator[Html | Figure]:
             str(r.settled.n),
             number(r.settled.rms),
             number(100 * r.settled.rms / (np.ptp(r.measured[r.counted]) or np.nan), 2),
-            "fitted" if r.offset_kind == "fitted" else "known",
+            "fitted" if r.offset_kind == "fitted" else "of the model",
         )
         for r in evaluation.best.held_out
     ]
