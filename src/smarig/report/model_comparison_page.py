@@ -7,12 +7,13 @@ from pathlib import Path
 import numpy as np
 
 from smarig.core import spaced
-from smarig.identification import ErrorLevel, PredictionErrors, RunVerification, density_report, verify
+from smarig.identification import PredictionErrors, RunVerification, density_report, verify
 from smarig.record import Run
 from smarig.replay import Model, simulate_samples, with_heating_of
+from smarig.report.components.assessment_box import box_level
 from smarig.report.components.comparison_labels import banner, check_comparable_count
 from smarig.report.components.figure import Figure, Panel, Trace, axis, dots, line
-from smarig.report.components.html import Html, bullets, joined, notice, paragraph, table
+from smarig.report.components.html import Html, bullets, joined, notice, paragraph, table, tag
 from smarig.report.components.numbers import number, runs_text
 from smarig.report.components.page import Section, page
 from smarig.report.components.run_description import (
@@ -48,13 +49,14 @@ def models_page(models: Mapping[str, Model], runs: Mapping[str, Run]) -> str:
     found = {name: verify(model, list(runs.values())).runs for name, model in models.items()}
     verifications = {run: {name: found[name][k] for name in models} for k, run in enumerate(runs)}
     figures = [residuals_figure(name, run, models, verifications[name]) for name, run in runs.items()]
+    unit = display_unit(next(iter(models.values())).unit)
     sections = [
         Section(
             "Errors",
             "Errors",
             [
-                _errors(verifications, display_unit(next(iter(models.values())).unit)),
-                *_poor(verifications),
+                _verdicts(verifications, unit),
+                _errors(verifications, unit),
                 *_warnings(verifications),
             ],
         ),
@@ -64,7 +66,9 @@ def models_page(models: Mapping[str, Model], runs: Mapping[str, Run]) -> str:
         Section("The runs", "Runs", [quality_table(runs), provenance_table(runs)]),
     ]
     label, words = banner([source_label(run) for run in runs.values()])
-    title = f"Models on the same runs: {', '.join(models)}"
+    title = (
+        f"Models on the same runs: {', '.join(models)}" if len(models) > 1 else f"Model {next(iter(models))}"
+    )
     notices = ending_notices(list(runs.values()))
     return page(title, _lead(runs), sections, label=label, simulated=words, notices=notices)
 
@@ -124,15 +128,19 @@ def _warnings(verifications: _Verifications) -> list[Html]:
     return [notice("warning", paragraph("Limits of this comparison:"), bullets(warnings))] if warnings else []
 
 
-def _poor(verifications: _Verifications) -> list[Html]:
-    """A notice on runs that a model does not predict."""
-    found = [
-        f"{model} on {run}: {each.verdict.text}"
+def _verdicts(verifications: _Verifications, unit: str) -> Html:
+    """What each error is, in words; the colour is that of the best model."""
+    pairs = [
+        (f"{model} on {Path(run).name}", each)
         for run, by_model in verifications.items()
         for model, each in by_model.items()
-        if each.verdict.level == ErrorLevel.POOR
     ]
-    return [notice("warning", paragraph("Poor predictions:"), bullets(found))] if found else []
+    found = [
+        f"{name}: {number(each.settled.rms)}{spaced(unit)} rms, {each.verdict.text}." for name, each in pairs
+    ]
+    best = min(pairs, key=lambda pair: np.nan_to_num(pair[1].settled.rms, nan=np.inf))[1]
+    words = paragraph(tag("b", found[0])) if len(found) == 1 else bullets(found)
+    return notice(box_level(best.verdict.level), words)
 
 
 def _origins(models: Mapping[str, Model]) -> Html:

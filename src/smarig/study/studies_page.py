@@ -44,9 +44,9 @@ def studies_page(outcomes: "Sequence[FileOutcome]", name: str) -> str:
     failed = [o for o in outcomes if o.failed]
     left_out = [o for o in outcomes if o.left_out]
     verdicts = Counter(o.found["verdict"] for o in done if o.found)
-    items = [(word.capitalize(), str(verdicts[word]), "models") for word in ("good", "fair", "poor")]
-    items += [("Without an output", str(verdicts[None]), "files")] if verdicts[None] else []
-    items += [("Failed", str(len(failed)), "files")]
+    items = [(word.capitalize(), *_counted("model", verdicts[word])) for word in ("good", "fair", "poor")]
+    items += [("Without an output", *_counted("file", verdicts[None]))] if verdicts[None] else []
+    items += [("Failed", *_counted("file", len(failed)))]
     sections = [Section("", "Result", [cards(items), *_look_first(done)])]
     if done:
         words = "Output against input as recorded, vermilion rising and blue falling; each loop has axes of its own."
@@ -66,6 +66,10 @@ def studies_page(outcomes: "Sequence[FileOutcome]", name: str) -> str:
     return page(f"Studies of {name}", lead, sections)
 
 
+def _counted(noun: str, count: int) -> tuple[str, str]:
+    return str(count), noun if count == 1 else f"{noun}s"
+
+
 def _look_first(done: "Sequence[FileOutcome]") -> list[Html]:
     """Links to the poor models, the largest errors first."""
     poor = sorted(
@@ -81,7 +85,7 @@ def _look_first(done: "Sequence[FileOutcome]") -> list[Html]:
         paragraph(
             "Look first at ",
             *links,
-            f"{more}: {'their models are' if more or len(links) > 1 else 'its model is'} poor.",
+            f"{more}: {'their models are' if len(poor) > 1 else 'its model is'} poor.",
         )
     ]
 
