@@ -38,7 +38,7 @@ def test_a_page_each_and_one_that_compares_them(folder, tmp_path):
             assert f'href="{name}/index.html"' in page
             assert "smarig-figures.js" in (out / name / "index.html").read_text(encoding="utf-8")
     assert "broken.csv holds no table" in page
-    assert "1</strong><span>files" in page.split("Failed", 1)[1]
+    assert "1</strong><span>file<" in page.split("Failed", 1)[1]
     assert page.count("<svg") == 2, "a thumbnail of each loop"
     for name in ("notes.txt", "README.md"):
         assert f"{name}: not data, left out" in page
