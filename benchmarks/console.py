@@ -104,7 +104,7 @@ class _Scenario:
         self._address = ""
         self._streams: list[subprocess.Popen[bytes]] = []
         self._files: list[Path] = []
-        self._memory_MB: list[float] = []
+        self._memory_MB: dict[str, list[float]] = {}
         self._shares: dict[str, float] = {}
         self._over = threading.Event()
         self._thread = threading.Thread(target=self._run_phases, daemon=True)
@@ -144,7 +144,7 @@ class _Scenario:
         began, worked = monotonic(), self._worked_s()
         while monotonic() < until_s:
             if "stream" in self.phase or self.phase == "restarted":
-                self._memory_MB.append(_rss_MB(self._console))
+                self._memory_MB.setdefault(self.phase, []).append(_rss_MB(self._console))
             if self._over.wait(MEMORY_EVERY_S):
                 return True
         if "stream" in self.phase:
@@ -198,12 +198,12 @@ class _Scenario:
         lines = [line for file in self._files for line in file.read_text().splitlines()]
         return [tuple(json.loads(line)) for line in lines if line.endswith("]")]
 
-    def memory(self) -> dict[str, float] | None:
-        """Of the console, in the first and the last third of what was seen of each that answered."""
-        third = max(1, len(self._memory_MB) // 3)
-        if not self._memory_MB:
-            return None
-        return {"first_third": max(self._memory_MB[:third]), "last_third": max(self._memory_MB[-third:])}
+    def memory(self) -> dict[str, dict[str, float]]:
+        """Of the console, by phase: at its beginning and the largest in its last third."""
+        return {
+            phase: {"first": found[0], "last_third": max(found[-max(1, len(found) // 3) :])}
+            for phase, found in self._memory_MB.items()
+        }
 
     def share(self) -> dict[str, float]:
         """Processor time of the console over time, by phase."""
