@@ -1,6 +1,9 @@
 """The console in a real browser: a newcomer's way through it by mouse and by keys, and every page for everyone."""
 
 import math
+import re
+import shutil
+from pathlib import Path
 
 import pytest
 
@@ -21,6 +24,7 @@ name = "hot"
 temperature_noise_K = 40.0  # its preview has no noise
 temperature_noise_time_s = 1.0
 """
+MODEL = Path(__file__).parents[2] / "frozen" / "old_files" / "models" / "one_wire_exponential.model.json"
 OUTPUTS = "[...document.querySelectorAll('.scroll tbody tr')].map(x => x.querySelector('td.name').innerText)"
 
 
@@ -30,6 +34,7 @@ def console(tmp_path_factory):
     folder = tmp_path_factory.mktemp("console")
     (folder / "runs").mkdir()
     (folder / "runs" / "hot.toml").write_text(HOT)
+    shutil.copy(MODEL, folder / "runs" / "wire.model.json")
     smarig.run("validation", rig="one_wire_twin", out=folder / "runs" / "recorded_once.run.sqlite", points=2)
     with ConsoleProcess(folder) as running:
         yield running
@@ -93,6 +98,49 @@ def test_a_run_is_paused_continued_and_stopped_by_clicks(visitor, console):
     run = load_run(console.folder / "interrupted_once.run.sqlite")
     assert run.cause == "stopped by the operator (console)"
     assert [e.text for e in run.events if "paused" in e.text.lower() or "continued" in e.text.lower()]
+    let_the_queue_continue(visitor)
+
+
+def test_a_run_shows_the_boundary_its_events_and_the_residual_of_a_chosen_model(visitor):
+    start(visitor, LONG, "watched")
+    plane = "document.getElementById('plane')"
+    first = visitor.until(f"{plane}.querySelector('.boundary')?.getAttribute('d')", "the boundary")
+    visitor.until(f"{plane}.querySelector('.boundary').getAttribute('d') !== {first!r}", "it follows the run")
+    words = visitor.tab.run(f"{plane}.getAttribute('aria-label')")
+    assert re.fullmatch(r"Preisach plane: present input −?[\d.]+ K, boundary with \d+ corners?", words), words
+    labels = visitor.tab.run(f"[...{plane}.querySelectorAll('.label')].map(x => x.textContent)")
+    assert labels == ["β, K", "α, K"]
+    event = visitor.until(
+        "document.querySelector('#events li.none')?.innerText", "an event with its severity"
+    )
+    assert event.split("\n")[1] == "none"
+    assert visitor.tab.run("document.getElementById('residual')") is None
+    assert visitor.tab.run("document.querySelectorAll('.plots figure').length") == 3
+    visitor.choose("Model over the loop", "wire.model.json")
+    visitor.click("Show")
+    visitor.shows("Residual: measured position minus that of wire.model.json")
+    residual = "Number(document.getElementById('residual').dataset.largest)"
+    assert 0 < visitor.until(residual, "a residual") < 2.0  # mm; the travel is 12 mm
+    assert visitor.tab.run("document.querySelector('#residual canvas').width") > 300
+    stop(visitor)
+    let_the_queue_continue(visitor)
+
+
+def test_errors_in_the_list_of_events_are_marked_by_word_and_by_more_than_colour(visitor):
+    start(visitor, LONG, "marked")
+    visitor.until("!!document.querySelector('#events li')", "an event")
+    marks = visitor.tab.run(
+        """['none', 'minor', 'major', 'invalid'].map(severity => {
+            const item = document.querySelector('#events li').cloneNode(true);
+            item.className = severity;
+            document.getElementById('events').append(item);
+            const style = getComputedStyle(item);
+            return [style.fontWeight, style.borderLeftColor, getComputedStyle(item.children[1]).backgroundColor].join();
+        })"""
+    )
+    assert len(set(marks)) == 4, marks
+    assert [mark.split(",")[0] for mark in marks] == ["400", "400", "650", "650"]
+    stop(visitor)
     let_the_queue_continue(visitor)
 
 
@@ -206,6 +254,7 @@ def pages(visitor):
         "new campaign": "/new",
         "new run": SHORT.format("x"),
         "run": run,
+        "run with a model": run + "?model=wire.model.json",
         "phone": run + "/phone",
         "library": "/library",
         "entry": entry,
@@ -223,6 +272,7 @@ PAGES = (
     "new campaign",
     "new run",
     "run",
+    "run with a model",
     "phone",
     "library",
     "entry",
@@ -238,6 +288,9 @@ def test_everyone_can_read_it_on_a_desk_and_on_a_phone_by_day_and_by_night(visit
     tab = visitor.tab
     visitor.go(pages[name])
     try:
+        visitor.until(
+            "!document.getElementById('plane') || !!document.querySelector('#plane svg')", "the plane"
+        )
         for width, dark in ((1280, False), (400, True), (400, False), (1280, True)):
             tab.resize(width)
             tab.dark(dark)
