@@ -73,6 +73,12 @@ def entry_request(request: Request) -> Response:
     return back("/")
 
 
+def dismiss(request: Request) -> Response:
+    """Show a run that ended without finishing no more."""
+    context_of(request).ended_runs.dismiss(request.path_params["key"])
+    return back("/")
+
+
 def stop_all(request: Request) -> Response:
     """The emergency stop: every run on this computer, at once, and no further entry of the queue."""
     problems = []
@@ -96,9 +102,9 @@ def stop_all(request: Request) -> Response:
 
 def _parts(context: ConsoleContext) -> dict[str, Any]:
     runs = [run_card(run) for run in runs_in_progress()]
-    queue = _queue(context)
-    words = repr((runs, queue)).encode("utf-8", "replace")
-    return {"runs": runs, "queue": queue, "version": f"{zlib.crc32(words):08x}"}
+    queue, unfinished = _queue(context), context.ended_runs.found()
+    words = repr((runs, queue, unfinished)).encode("utf-8", "replace")
+    return {"runs": runs, "unfinished": unfinished, "queue": queue, "version": f"{zlib.crc32(words):08x}"}
 
 
 def _queue(context: ConsoleContext) -> dict[str, Any]:
@@ -174,5 +180,6 @@ ROUTES = [
     Route("/overview/version", version),
     Route("/queue/{wanted:str}", queue_request, methods=["POST"]),
     Route("/queue/{number:int}/{wanted:str}", entry_request, methods=["POST"]),
+    Route("/ended/{key:str}/dismiss", dismiss, methods=["POST"]),
     Route("/stop-all", stop_all, methods=["POST"]),
 ]
