@@ -52,7 +52,7 @@ def start(visitor, form, name):
     visitor.go(form.format(name))
     visitor.click("Start")
     visitor.click("Validation on one_wire_twin")
-    visitor.shows("elapsed")
+    visitor.until("!!document.getElementById('live')?.dataset.drawn", "its page")
 
 
 def stop(visitor):
@@ -144,6 +144,53 @@ def test_errors_in_the_list_of_events_are_marked_by_word_and_by_more_than_colour
     let_the_queue_continue(visitor)
 
 
+NOTIFICATIONS = """(() => {
+    const kept = (name) => JSON.parse(sessionStorage.getItem(name) ?? "[]");
+    const keep = (name, value) => sessionStorage.setItem(name, JSON.stringify([...kept(name), value]));
+    window.Notification = class {
+        constructor(title, { body }) { keep("notes", `${title}: ${body}`); }
+        static get permission() { return kept("requests").length ? "granted" : "default"; }
+        static async requestPermission() { keep("requests", 1); }
+    };
+})()"""
+
+
+@pytest.fixture
+def notes(visitor):
+    """Reads the notifications that the browser was given; it grants permission when it is asked for."""
+    call, session = visitor.tab.browser.call, visitor.tab.session
+    script = call("Page.addScriptToEvaluateOnNewDocument", session, source=NOTIFICATIONS)["identifier"]
+    visitor.go("/")
+    visitor.tab.run("sessionStorage.clear()")
+    yield lambda name="notes": visitor.tab.run(f"JSON.parse(sessionStorage.getItem('{name}') ?? '[]')")
+    call("Page.removeScriptToEvaluateOnNewDocument", session, identifier=script)
+    visitor.tab.run("sessionStorage.clear()")
+    visitor.go("/")
+
+
+HIDE = """Object.defineProperty(document, 'visibilityState', { value: 'hidden', configurable: true });
+document.dispatchEvent(new Event('visibilitychange'))"""
+
+
+@pytest.mark.parametrize("is_hidden", [False, True])
+def test_the_end_of_a_run_is_in_the_title_and_in_a_notification_that_was_wanted(visitor, notes, is_hidden):
+    start(visitor, LONG, f"notified_{is_hidden}")
+    assert notes("requests") == []
+    usual = visitor.tab.run("document.title")
+    assert usual.startswith("Validation on one_wire_twin")
+    if not is_hidden:
+        visitor.click("Notify me when it ends")
+        visitor.shows("This browser will notify you")
+        assert len(notes("requests")) == 1
+        assert visitor.tab.run("document.getElementById('notify').ariaPressed") == "true"
+    stop_request = "fetch(location.pathname + '/stop', { method: 'POST' }).then(() => 0)"
+    visitor.tab.run((HIDE + ";" if is_hidden else "") + stop_request)
+    visitor.until("document.title === 'Ended: Validation on one_wire_twin'", "the title")
+    words = "Ended: Validation on one_wire_twin: Ended: stopped by the operator (console)."
+    assert notes() == ([] if is_hidden else [words])
+    let_the_queue_continue(visitor)
+
+
 def test_the_queue_is_put_in_another_order_while_a_run_is_in_progress(visitor, console):
     start(visitor, LONG, "present")
     for name in ("first", "second"):
@@ -175,11 +222,17 @@ def test_a_preview_changes_no_setting(visitor):
     assert visitor.tab.run("document.getElementById('seed').value") == "7"
 
 
-def test_a_fault_of_the_rig_is_seen_and_the_queue_pauses(visitor):
+def test_a_fault_of_the_rig_is_seen_and_the_queue_pauses(visitor, notes):
+    visitor.click("Notify me when a run ends")
+    visitor.shows("This browser will notify you")
     visitor.go("/new?experiment=validation&rig=hot.toml&set.points=3&out=hot.run.sqlite")
     visitor.click("Start")
     visitor.until("document.querySelector('td.bad')?.innerText.includes('encoder jumped')", "the fault")
     assert "The queue is paused." in visitor.shows("failed")
+    visitor.until("document.title === 'Queue paused'", "the title")
+    assert "encoder jumped" in notes()[-1]
+    visitor.tab.key("Tab", 9)
+    assert visitor.tab.run("document.title").startswith("Runs")
     let_the_queue_continue(visitor)
 
 

@@ -41,7 +41,9 @@ def serve_console(
         library, token = Library.open(folder), secrets.token_urlsafe(24)
         port = listening.getsockname()[1]
         with LibraryScanner(library) as scanner:
-            context = ConsoleContext(folder.resolve(), rig, queue, library, scanner, EndedRuns(folder.resolve()))
+            context = ConsoleContext(
+                folder.resolve(), rig, queue, library, scanner, EndedRuns(folder.resolve())
+            )
             application = console_application(context, token, port)
             address = f"http://{HOST}:{port}/?{TOKEN}={token}"
             announce(address)

@@ -71,7 +71,9 @@ class EndedRuns:
 def _described(ended: EndedRun) -> UnfinishedRun:
     info = ended.info
     protocol, rig, file = (printable(str(info[name])) for name in ("protocol", "rig", "out"))
-    when = time.strftime("%Y-%m-%d %H:%M", time.localtime(_last_written(Path(info["out"]), info["start_epoch"])))
+    when = time.strftime(
+        "%Y-%m-%d %H:%M", time.localtime(_last_written(Path(info["out"]), info["start_epoch"]))
+    )
     what = f"{protocol[:1].upper()}{protocol[1:].replace('_', ' ')} on {rig}"
     sentence = f"{what} (process {info['pid']}) ended at about {when} without finishing. It wrote {file}."
     return UnfinishedRun(

@@ -16,6 +16,7 @@ from starlette.concurrency import run_in_threadpool
 
 from smarig.console.web.input_memory import InputMemory
 from smarig.console.web.model_overlay import ModelOverlay
+from smarig.console.web.run_end import run_end
 from smarig.console.web.run_words import ENDED, run_state
 from smarig.core import SmarigError, UsageError
 from smarig.record import stored_run
@@ -62,7 +63,7 @@ class RunFeed:
             return
         if events := await run_in_threadpool(self._recorded):
             yield _message("events", events)
-        yield _message("ended", {"state": self._end(), "facts": ""})
+        yield _message("ended", {**await run_in_threadpool(run_end, self._file), "facts": ""})
 
     def _history(self) -> Rows:
         with suppress(SmarigError, OSError), stored_run(self._file, verify=False) as run:
@@ -121,12 +122,6 @@ class RunFeed:
             ]
         return []
 
-    def _end(self) -> str:
-        with suppress(SmarigError, OSError), stored_run(self._file, verify=False) as run:
-            ended = "The process of this run is gone. Resume it with smarig resume."
-            return f"Ended: {run.cause}." if run.cause else ended
-        return ENDED
-
     @property
     def _file(self) -> Path:
         return Path(self._run.info["out"])
@@ -140,4 +135,4 @@ def _message(name: str, content: Any) -> str:
     return f"event: {name}\ndata: {json.dumps(content, allow_nan=False)}\n\n"
 
 
-ENDED_MESSAGE = _message("ended", {"state": ENDED, "facts": ""})
+ENDED_MESSAGE = _message("ended", {"state": ENDED, "facts": "", "level": ""})

@@ -33,8 +33,10 @@ def parts(request: Request) -> HTMLResponse:
 
 
 def version(request: Request) -> JSONResponse:
-    """A text that differs whenever the page would."""
-    return JSONResponse({"version": _parts(context_of(request))["version"]})
+    """A text that differs whenever the page would; the runs, and why the queue has paused by itself."""
+    shown = _parts(context_of(request))
+    runs = [{name: run[name] for name in ("key", "title", "file")} for run in shown["runs"]]
+    return JSONResponse({"version": shown["version"], "runs": runs, "fault": shown["queue"]["fault"]})
 
 
 def queue_request(request: Request) -> Response:
@@ -115,6 +117,7 @@ def _queue(context: ConsoleContext) -> dict[str, Any]:
     except SmarigError as error:
         return {
             "reason": str(error),
+            "fault": "",
             "summary": "",
             "paused": True,
             "runs": False,
@@ -127,6 +130,7 @@ def _queue(context: ConsoleContext) -> dict[str, Any]:
         reason = "The queue will pause when the present run has ended."
     return {
         "reason": reason,
+        "fault": state.sentence if state.paused_by is not None else "",
         "summary": _summary(waiting, ends),
         "paused": state.paused or state.stop_after_this,
         "runs": any(e.state is EntryState.RUNNING for e in waiting),

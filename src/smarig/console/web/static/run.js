@@ -1,6 +1,7 @@
 // A run as it grows: loop, boundary, last minutes, residual, settling, events. Memory stays bounded: full stores drop
 // every other point.
 import { offline } from "./connection.js";
+import { announce, heading, notifyButton } from "./notify.js";
 import { PreisachPlane } from "./preisach_plane.js";
 
 const MOST = 4000; // points of each curve
@@ -172,6 +173,34 @@ function events(list) {
   while (place.children.length > 200) place.lastChild.remove();
 }
 
+let isEnded = false;
+
+function ended(now) {
+  isEnded = true;
+  status({ ...now, share: 1, settling: "", paused: false });
+  for (const id of ["controls", "controls-help", "notify-me"]) document.getElementById(id)?.remove();
+  document.getElementById("plots").hidden = !recent.columns[0].length;
+  document.getElementById("ended").hidden = false;
+  announce(heading(now.level, live.dataset.title), now.state);
+}
+
+// While nobody sees the page: ask for the end of the run until it comes, or until the page is seen again.
+function lookForTheEnd() {
+  const look = setInterval(async () => {
+    try {
+      const now = await (await fetch(`/runs/${key}/state?file=${encodeURIComponent(live.dataset.file)}`)).json();
+      if (!now.in_progress && !isEnded) {
+        clearInterval(look);
+        ended({ ...now, facts: "" });
+      }
+    } catch { /* the console does not answer; asked again */ }
+  }, 2000);
+  document.addEventListener("visibilitychange", () => {
+    clearInterval(look);
+    if (!isEnded) follow();
+  }, { once: true });
+}
+
 function follow() {
   const source = new EventSource(`/runs/${key}/follow?model=${encodeURIComponent(model)}`);
   const on = (name, act) => source.addEventListener(name, (message) => act(JSON.parse(message.data)));
@@ -187,21 +216,19 @@ function follow() {
   on("events", events);
   on("ended", (now) => {
     source.close();
-    status({ ...now, share: 1, settling: "", paused: false });
-    for (const id of ["controls", "controls-help"]) document.getElementById(id)?.remove();
-    document.getElementById("plots").hidden = !recent.columns[0].length;
-    document.getElementById("ended").hidden = false;
+    ended(now);
   });
-  // A browser has six connections for one address: a page that nobody sees gives its own back.
+  // A browser has six connections for one address: a page that nobody sees gives its own back, and looks now and then.
   const hide = () => {
     if (document.visibilityState === "visible") return;
     source.close();
     document.removeEventListener("visibilitychange", hide);
-    document.addEventListener("visibilitychange", follow, { once: true });
+    lookForTheEnd();
   };
   document.addEventListener("visibilitychange", hide);
   source.onopen = () => offline(false);
   source.onerror = () => offline(true); // the browser tries again by itself
 }
 
+notifyButton();
 follow();
