@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from smarig.live.live_view import live_listener as live_listener
     from smarig.live.live_view import save_recording as save_recording
     from smarig.live.live_view import view_run as view_run
+    from smarig.live.preisach_plane import boundary as boundary
     from smarig.live.rerun_output import viewer_state as viewer_state
     from smarig.live.viewer_process import ViewerProcess as ViewerProcess
     from smarig.live.viewer_process import free_port as free_port

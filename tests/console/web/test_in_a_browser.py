@@ -1,6 +1,9 @@
 """The console in a real browser: a newcomer's way through it by mouse and by keys, and every page for everyone."""
 
 import math
+import re
+import shutil
+from pathlib import Path
 
 import pytest
 
@@ -21,6 +24,7 @@ name = "hot"
 temperature_noise_K = 40.0  # its preview has no noise
 temperature_noise_time_s = 1.0
 """
+MODEL = Path(__file__).parents[2] / "frozen" / "old_files" / "models" / "one_wire_exponential.model.json"
 OUTPUTS = "[...document.querySelectorAll('.scroll tbody tr')].map(x => x.querySelector('td.name').innerText)"
 
 
@@ -30,6 +34,7 @@ def console(tmp_path_factory):
     folder = tmp_path_factory.mktemp("console")
     (folder / "runs").mkdir()
     (folder / "runs" / "hot.toml").write_text(HOT)
+    shutil.copy(MODEL, folder / "runs" / "wire.model.json")
     smarig.run("validation", rig="one_wire_twin", out=folder / "runs" / "recorded_once.run.sqlite", points=2)
     with ConsoleProcess(folder) as running:
         yield running
@@ -47,7 +52,7 @@ def start(visitor, form, name):
     visitor.go(form.format(name))
     visitor.click("Start")
     visitor.click("Validation on one_wire_twin")
-    visitor.shows("elapsed")
+    visitor.until("!!document.getElementById('live')?.dataset.drawn", "its page")
 
 
 def stop(visitor):
@@ -96,6 +101,96 @@ def test_a_run_is_paused_continued_and_stopped_by_clicks(visitor, console):
     let_the_queue_continue(visitor)
 
 
+def test_a_run_shows_the_boundary_its_events_and_the_residual_of_a_chosen_model(visitor):
+    start(visitor, LONG, "watched")
+    plane = "document.getElementById('plane')"
+    first = visitor.until(f"{plane}.querySelector('.boundary')?.getAttribute('d')", "the boundary")
+    visitor.until(f"{plane}.querySelector('.boundary').getAttribute('d') !== {first!r}", "it follows the run")
+    words = visitor.tab.run(f"{plane}.getAttribute('aria-label')")
+    assert re.fullmatch(r"Preisach plane: present input −?[\d.]+ K, boundary with \d+ corners?", words), words
+    labels = visitor.tab.run(f"[...{plane}.querySelectorAll('.label')].map(x => x.textContent)")
+    assert labels == ["β, K", "α, K"]
+    event = visitor.until(
+        "document.querySelector('#events li.none')?.innerText", "an event with its severity"
+    )
+    assert event.split("\n")[1] == "none"
+    assert visitor.tab.run("document.getElementById('residual')") is None
+    assert visitor.tab.run("document.querySelectorAll('.plots figure').length") == 3
+    visitor.choose("Model over the loop", "wire.model.json")
+    visitor.click("Show")
+    visitor.shows("Residual: measured position minus that of wire.model.json")
+    residual = "Number(document.getElementById('residual').dataset.largest)"
+    assert 0 < visitor.until(residual, "a residual") < 2.0  # mm; the travel is 12 mm
+    assert visitor.tab.run("document.querySelector('#residual canvas').width") > 300
+    stop(visitor)
+    let_the_queue_continue(visitor)
+
+
+def test_errors_in_the_list_of_events_are_marked_by_word_and_by_more_than_colour(visitor):
+    start(visitor, LONG, "marked")
+    visitor.until("!!document.querySelector('#events li')", "an event")
+    marks = visitor.tab.run(
+        """['none', 'minor', 'major', 'invalid'].map(severity => {
+            const item = document.querySelector('#events li').cloneNode(true);
+            item.className = severity;
+            document.getElementById('events').append(item);
+            const style = getComputedStyle(item);
+            return [style.fontWeight, style.borderLeftColor, getComputedStyle(item.children[1]).backgroundColor].join();
+        })"""
+    )
+    assert len(set(marks)) == 4, marks
+    assert [mark.split(",")[0] for mark in marks] == ["400", "400", "650", "650"]
+    stop(visitor)
+    let_the_queue_continue(visitor)
+
+
+NOTIFICATIONS = """(() => {
+    const kept = (name) => JSON.parse(sessionStorage.getItem(name) ?? "[]");
+    const keep = (name, value) => sessionStorage.setItem(name, JSON.stringify([...kept(name), value]));
+    window.Notification = class {
+        constructor(title, { body }) { keep("notes", `${title}: ${body}`); }
+        static get permission() { return kept("requests").length ? "granted" : "default"; }
+        static async requestPermission() { keep("requests", 1); }
+    };
+})()"""
+
+
+@pytest.fixture
+def notes(visitor):
+    """Reads the notifications that the browser was given; it grants permission when it is asked for."""
+    call, session = visitor.tab.browser.call, visitor.tab.session
+    script = call("Page.addScriptToEvaluateOnNewDocument", session, source=NOTIFICATIONS)["identifier"]
+    visitor.go("/")
+    visitor.tab.run("sessionStorage.clear()")
+    yield lambda name="notes": visitor.tab.run(f"JSON.parse(sessionStorage.getItem('{name}') ?? '[]')")
+    call("Page.removeScriptToEvaluateOnNewDocument", session, identifier=script)
+    visitor.tab.run("sessionStorage.clear()")
+    visitor.go("/")
+
+
+HIDE = """Object.defineProperty(document, 'visibilityState', { value: 'hidden', configurable: true });
+document.dispatchEvent(new Event('visibilitychange'))"""
+
+
+@pytest.mark.parametrize("is_hidden", [False, True])
+def test_the_end_of_a_run_is_in_the_title_and_in_a_notification_that_was_wanted(visitor, notes, is_hidden):
+    start(visitor, LONG, f"notified_{is_hidden}")
+    assert notes("requests") == []
+    usual = visitor.tab.run("document.title")
+    assert usual.startswith("Validation on one_wire_twin")
+    if not is_hidden:
+        visitor.click("Notify me when it ends")
+        visitor.shows("This browser will notify you")
+        assert len(notes("requests")) == 1
+        assert visitor.tab.run("document.getElementById('notify').ariaPressed") == "true"
+    stop_request = "fetch(location.pathname + '/stop', { method: 'POST' }).then(() => 0)"
+    visitor.tab.run((HIDE + ";" if is_hidden else "") + stop_request)
+    visitor.until("document.title === 'Ended: Validation on one_wire_twin'", "the title")
+    words = "Ended: Validation on one_wire_twin: Ended: stopped by the operator (console)."
+    assert notes() == ([] if is_hidden else [words])
+    let_the_queue_continue(visitor)
+
+
 def test_the_queue_is_put_in_another_order_while_a_run_is_in_progress(visitor, console):
     start(visitor, LONG, "present")
     for name in ("first", "second"):
@@ -127,11 +222,17 @@ def test_a_preview_changes_no_setting(visitor):
     assert visitor.tab.run("document.getElementById('seed').value") == "7"
 
 
-def test_a_fault_of_the_rig_is_seen_and_the_queue_pauses(visitor):
+def test_a_fault_of_the_rig_is_seen_and_the_queue_pauses(visitor, notes):
+    visitor.click("Notify me when a run ends")
+    visitor.shows("This browser will notify you")
     visitor.go("/new?experiment=validation&rig=hot.toml&set.points=3&out=hot.run.sqlite")
     visitor.click("Start")
     visitor.until("document.querySelector('td.bad')?.innerText.includes('encoder jumped')", "the fault")
     assert "The queue is paused." in visitor.shows("failed")
+    visitor.until("document.title === 'Queue paused'", "the title")
+    assert "encoder jumped" in notes()[-1]
+    visitor.tab.key("Tab", 9)
+    assert visitor.tab.run("document.title").startswith("Runs")
     let_the_queue_continue(visitor)
 
 
@@ -206,6 +307,7 @@ def pages(visitor):
         "new campaign": "/new",
         "new run": SHORT.format("x"),
         "run": run,
+        "run with a model": run + "?model=wire.model.json",
         "phone": run + "/phone",
         "library": "/library",
         "entry": entry,
@@ -223,6 +325,7 @@ PAGES = (
     "new campaign",
     "new run",
     "run",
+    "run with a model",
     "phone",
     "library",
     "entry",
@@ -238,6 +341,9 @@ def test_everyone_can_read_it_on_a_desk_and_on_a_phone_by_day_and_by_night(visit
     tab = visitor.tab
     visitor.go(pages[name])
     try:
+        visitor.until(
+            "!document.getElementById('plane') || !!document.querySelector('#plane svg')", "the plane"
+        )
         for width, dark in ((1280, False), (400, True), (400, False), (1280, True)):
             tab.resize(width)
             tab.dark(dark)

@@ -1,6 +1,9 @@
 """Pages of the console: hostile names are shown as text, hostile paths reach nothing, and runs do without it."""
 
+import html
 import os
+import re
+import shlex
 import signal
 import socket
 import subprocess
@@ -10,6 +13,7 @@ import pytest
 
 from console.web.started_console import Console, started_console
 from running.started_run import found_run, started_run, waited
+from smarig.console.web.ended_runs import EndedRuns
 from smarig.record import stored_run
 from smarig.runner import RunControl
 from smarig.running import PanelRunInfo, RunStatus, announced, runs_in_progress
@@ -165,6 +169,45 @@ def test_a_run_outlives_a_killed_console_and_the_next_one_shows_it(tmp_path, own
         assert process.wait(90) == 130
     with stored_run(tmp_path / "a.run.sqlite") as stored:
         assert stored.cause == "stopped by the operator (test)"
+
+
+def test_a_killed_run_is_shown_until_it_is_dismissed_also_by_the_next_console(tmp_path, own_running_dir):
+    (tmp_path / "runs").mkdir()
+    out = tmp_path / "runs" / "a'<b>.run.sqlite"
+    with started_run(tmp_path, *SLOW, "-o", str(out)) as process:
+        found_run(process)
+        with started_console(tmp_path / "runs") as console:
+            assert "Ended without finishing" not in console.ask("/").body
+            process.kill()
+            process.wait()
+            text = html.unescape(console.ask("/").body)
+    sentence = rf"Validation on one_wire_twin \(process {process.pid}\) ended at about 20[\d: -]+ without finishing\."
+    assert re.search(rf"{sentence} It wrote {re.escape(str(out))}\.", text)
+    assert f"smarig resume {shlex.quote(str(out))}" in text
+    with started_console(tmp_path / "runs") as console:
+        body = console.ask("/overview/parts").body
+        assert "without finishing" in body
+        assert "<b>" not in body
+        place = re.search(r'href="(/library/run[^"]+)"', body)[1]
+        reply = console.ask(html.unescape(place))
+        assert re.fullmatch(r"/library/[^/?]+", reply.headers["location"])
+        assert "incomplete" in console.ask(reply.headers["location"]).body
+        before = console.ask("/overview/version").body
+        dismiss = re.search(r'action="(/ended/[^"]+/dismiss)"', body)[1]
+        assert console.ask(dismiss, "POST").status == 303
+        assert "without finishing" not in console.ask("/").body
+        assert console.ask("/overview/version").body != before
+    with started_console(tmp_path / "runs") as console:
+        assert "without finishing" not in console.ask("/").body
+
+
+@pytest.mark.parametrize("content", ["", "7", "[{}]", '[{"key": 1}]', "[" * 9000, "\udcff"])
+def test_a_strange_file_of_ended_runs_is_no_harm(tmp_path, own_running_dir, content):
+    (tmp_path / "runs").mkdir()
+    (tmp_path / "runs" / "console.ended_runs.json").write_text(content, errors="surrogateescape")
+    ended = EndedRuns(tmp_path / "runs")
+    assert ended.found() == []
+    ended.dismiss("nothing")
 
 
 def _refusal(tmp_path, *arguments, script=""):

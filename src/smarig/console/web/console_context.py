@@ -13,6 +13,7 @@ from starlette.templating import Jinja2Templates
 
 from smarig.console.library.library import Library
 from smarig.console.queue.queue import Queue
+from smarig.console.web.ended_runs import EndedRuns
 from smarig.console.web.library_scanner import LibraryScanner
 
 
@@ -37,6 +38,7 @@ class ConsoleContext:
     queue: Queue
     library: Library
     scanner: LibraryScanner
+    ended_runs: EndedRuns
     closing: threading.Event = field(default_factory=threading.Event)
 
 

@@ -17,6 +17,7 @@ from smarig.console.queue.queue import Queue
 from smarig.console.web.access_guard import TOKEN
 from smarig.console.web.application import console_application
 from smarig.console.web.console_context import ConsoleContext
+from smarig.console.web.ended_runs import EndedRuns
 from smarig.console.web.library_scanner import LibraryScanner
 from smarig.core import SmarigError, UsageError
 
@@ -40,7 +41,9 @@ def serve_console(
         library, token = Library.open(folder), secrets.token_urlsafe(24)
         port = listening.getsockname()[1]
         with LibraryScanner(library) as scanner:
-            context = ConsoleContext(folder.resolve(), rig, queue, library, scanner)
+            context = ConsoleContext(
+                folder.resolve(), rig, queue, library, scanner, EndedRuns(folder.resolve())
+            )
             application = console_application(context, token, port)
             address = f"http://{HOST}:{port}/?{TOKEN}={token}"
             announce(address)

@@ -14,7 +14,9 @@ from typing import Any
 
 from starlette.concurrency import run_in_threadpool
 
+from smarig.console.web.input_memory import InputMemory
 from smarig.console.web.model_overlay import ModelOverlay
+from smarig.console.web.run_end import run_end
 from smarig.console.web.run_words import ENDED, run_state
 from smarig.core import SmarigError, UsageError
 from smarig.record import stored_run
@@ -23,6 +25,7 @@ from smarig.running import RunInProgress
 INTERVAL_S = 0.05  # twice as often as samples come: a sample is drawn well within the next one
 HISTORY_POINTS, POINTS_AT_ONCE = 3000, 200
 _EVENTS_EVERY = 20  # intervals between looks into the run file
+_BOUNDARY_EVERY = 2  # intervals between looks at the memory of the input: at most ten messages per second
 _EVENTS_AT_FIRST = 100
 _COLUMNS = ("t_s", "input", "position", "current_A")
 Rows = list[list[float | None]]
@@ -37,37 +40,43 @@ class RunFeed:
     def __init__(self, run: RunInProgress, model: Path | None, closing: threading.Event) -> None:
         self._run, self._closing = run, closing
         self._overlay = ModelOverlay(model) if model else None
+        self._memory = InputMemory(run)
         self._newest = 0
         self._last_s = float("-inf")
         self._events_sent = 0
         self._status: dict[str, Any] = {}
 
     async def messages(self) -> AsyncIterator[str]:
-        """Server-sent events: history, samples, status, events, ended."""
+        """Server-sent events: history, samples, boundary, status, events, ended."""
         yield _message("history", await run_in_threadpool(self._history))
         count = 0
         while self._run.alive and not self._closing.is_set():
             for name, content in self._news():
                 yield _message(name, content)
-            if count % _EVENTS_EVERY == 0 and (events := await run_in_threadpool(self._events)):
+            if count % _EVENTS_EVERY == 0 and (events := await run_in_threadpool(self._recorded)):
                 yield _message("events", events)
+            if count % _BOUNDARY_EVERY == 0 and (found := self._boundary()):
+                yield _message("boundary", found)
             count += 1
             await asyncio.sleep(INTERVAL_S)
         if self._closing.is_set():
             return
-        if events := await run_in_threadpool(self._events):
+        if events := await run_in_threadpool(self._recorded):
             yield _message("events", events)
-        yield _message("ended", {"state": self._end(), "facts": ""})
+        yield _message("ended", {**await run_in_threadpool(run_end, self._file), "facts": ""})
 
     def _history(self) -> Rows:
         with suppress(SmarigError, OSError), stored_run(self._file, verify=False) as run:
             step = max(1, len(run) // HISTORY_POINTS)
             rows: Rows = []
+            self._memory.begin(run)
             for block in run.blocks(_COLUMNS):
+                self._memory.take(block["t_s"], block["input"])
                 own = self._with_model(zip(*(block[name].tolist() for name in _COLUMNS)))
                 rows += own[::step]
             if rows:
                 self._last_s = float(rows[-1][0] or 0.0)
+            self._memory.caught_up()
             return rows
         return []
 
@@ -95,19 +104,23 @@ class RunFeed:
         outputs = self._overlay.outputs([row[1] for row in plain])
         return [[*row, output] for row, output in zip(plain, outputs)]
 
-    def _events(self) -> list[dict[str, Any]]:
+    def _boundary(self) -> dict[str, Any] | None:
+        with suppress(UsageError):  # it has just ended
+            self._memory.follow()
+        return self._memory.news()
+
+    def _recorded(self) -> list[dict[str, Any]]:
+        """New events of the run file, which also has the samples that were missed."""
         with suppress(SmarigError, OSError), stored_run(self._file, verify=False) as run:
+            if self._memory.is_behind:
+                self._memory.catch_up(run)
             events = run.events
             first = self._events_sent or max(len(events) - _EVENTS_AT_FIRST, 0)
             self._events_sent = len(events)
-            return [{"at": f"{e.t_s:.1f} s", "level": e.level, "text": e.text} for e in events[first:]]
+            return [
+                {"at": f"{e.t_s:.1f} s", "severity": str(e.severity), "text": e.text} for e in events[first:]
+            ]
         return []
-
-    def _end(self) -> str:
-        with suppress(SmarigError, OSError), stored_run(self._file, verify=False) as run:
-            ended = "The process of this run is gone. Resume it with smarig resume."
-            return f"Ended: {run.cause}." if run.cause else ended
-        return ENDED
 
     @property
     def _file(self) -> Path:
@@ -122,4 +135,4 @@ def _message(name: str, content: Any) -> str:
     return f"event: {name}\ndata: {json.dumps(content, allow_nan=False)}\n\n"
 
 
-ENDED_MESSAGE = _message("ended", {"state": ENDED, "facts": ""})
+ENDED_MESSAGE = _message("ended", {"state": ENDED, "facts": "", "level": ""})

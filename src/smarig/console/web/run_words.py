@@ -24,6 +24,7 @@ def run_facts(run: RunInProgress) -> dict[str, Any]:
         "conditions": f"Wire {info['wire']} · {source} · since {since} · process {info['pid']} · writes {info['out']}",
         "source": info["source"],
         "unit": str(info.get("unit") or ""),
+        "input": "T₁ − T₂" if info.get("two_wire") else "temperature above ambient",
         "out": Path(info["out"]).name,
         "file": str(info["out"]),
     }

@@ -5,12 +5,13 @@ from typing import Any
 from urllib.parse import urlencode
 
 from starlette.requests import Request
-from starlette.responses import HTMLResponse, Response, StreamingResponse
+from starlette.responses import HTMLResponse, JSONResponse, Response, StreamingResponse
 from starlette.routing import Route
 
 from smarig.console.web.console_context import back, context_of, page
 from smarig.console.web.run_feed import ENDED_MESSAGE, RunFeed
-from smarig.console.web.run_words import run_card
+from smarig.console.web.run_end import run_end
+from smarig.console.web.run_words import ENDED, run_card
 from smarig.core import UsageError
 from smarig.running import RunInProgress, runs_in_progress
 
@@ -54,6 +55,18 @@ def follow(request: Request) -> Response:
     )
 
 
+def state(request: Request) -> JSONResponse:
+    """Whether the run goes on, and how it ended; for a page that does not follow it."""
+    run, context = _run(request), context_of(request)
+    if run is not None:
+        return JSONResponse({"in_progress": True})
+    file = Path(request.query_params.get("file", "")).resolve()
+    inside = file.is_relative_to(context.folder) and file.is_file()
+    return JSONResponse(
+        {"in_progress": False, **(run_end(file) if inside else {"state": ENDED, "level": ""})}
+    )
+
+
 def _page(request: Request, *, reading: bool) -> HTMLResponse:
     run = _run(request)
     if run is None:
@@ -91,5 +104,6 @@ ROUTES = [
     Route("/runs/{key:str}", run_page),
     Route("/runs/{key:str}/phone", phone_page),
     Route("/runs/{key:str}/follow", follow),
+    Route("/runs/{key:str}/state", state),
     Route("/runs/{key:str}/{wanted:str}", ask, methods=["POST"]),
 ]

@@ -33,8 +33,10 @@ def parts(request: Request) -> HTMLResponse:
 
 
 def version(request: Request) -> JSONResponse:
-    """A text that differs whenever the page would."""
-    return JSONResponse({"version": _parts(context_of(request))["version"]})
+    """A text that differs whenever the page would; the runs, and why the queue has paused by itself."""
+    shown = _parts(context_of(request))
+    runs = [{name: run[name] for name in ("key", "title", "file")} for run in shown["runs"]]
+    return JSONResponse({"version": shown["version"], "runs": runs, "fault": shown["queue"]["fault"]})
 
 
 def queue_request(request: Request) -> Response:
@@ -73,6 +75,12 @@ def entry_request(request: Request) -> Response:
     return back("/")
 
 
+def dismiss(request: Request) -> Response:
+    """Show a run that ended without finishing no more."""
+    context_of(request).ended_runs.dismiss(request.path_params["key"])
+    return back("/")
+
+
 def stop_all(request: Request) -> Response:
     """The emergency stop: every run on this computer, at once, and no further entry of the queue."""
     problems = []
@@ -96,9 +104,9 @@ def stop_all(request: Request) -> Response:
 
 def _parts(context: ConsoleContext) -> dict[str, Any]:
     runs = [run_card(run) for run in runs_in_progress()]
-    queue = _queue(context)
-    words = repr((runs, queue)).encode("utf-8", "replace")
-    return {"runs": runs, "queue": queue, "version": f"{zlib.crc32(words):08x}"}
+    queue, unfinished = _queue(context), context.ended_runs.found()
+    words = repr((runs, queue, unfinished)).encode("utf-8", "replace")
+    return {"runs": runs, "unfinished": unfinished, "queue": queue, "version": f"{zlib.crc32(words):08x}"}
 
 
 def _queue(context: ConsoleContext) -> dict[str, Any]:
@@ -109,6 +117,7 @@ def _queue(context: ConsoleContext) -> dict[str, Any]:
     except SmarigError as error:
         return {
             "reason": str(error),
+            "fault": "",
             "summary": "",
             "paused": True,
             "runs": False,
@@ -121,6 +130,7 @@ def _queue(context: ConsoleContext) -> dict[str, Any]:
         reason = "The queue will pause when the present run has ended."
     return {
         "reason": reason,
+        "fault": state.sentence if state.paused_by is not None else "",
         "summary": _summary(waiting, ends),
         "paused": state.paused or state.stop_after_this,
         "runs": any(e.state is EntryState.RUNNING for e in waiting),
@@ -174,5 +184,6 @@ ROUTES = [
     Route("/overview/version", version),
     Route("/queue/{wanted:str}", queue_request, methods=["POST"]),
     Route("/queue/{number:int}/{wanted:str}", entry_request, methods=["POST"]),
+    Route("/ended/{key:str}/dismiss", dismiss, methods=["POST"]),
     Route("/stop-all", stop_all, methods=["POST"]),
 ]

@@ -1,5 +1,8 @@
-// A run as it grows: loop, last minutes, settling, events. Memory stays bounded: full stores drop every other point.
+// A run as it grows: loop, boundary, last minutes, residual, settling, events. Memory stays bounded: full stores drop
+// every other point.
 import { offline } from "./connection.js";
+import { announce, heading, notifyButton } from "./notify.js";
+import { PreisachPlane } from "./preisach_plane.js";
 
 const MOST = 4000; // points of each curve
 const LAST_S = 600; // of the plot against time
@@ -26,7 +29,7 @@ class Store {
 }
 
 const loop = new Store(3); // input, position, model
-const recent = new Store(3); // time, position, current
+const recent = new Store(4); // time, position, current, residual
 
 function axis(label, extra = {}) {
   const line = () => colour("--line"); // asked at each drawing: a page may change between light and dark
@@ -70,7 +73,7 @@ const loopPlot = new uPlot({
     x: { time: false, auto: false },
     y: { auto: false },
   },
-  axes: [axis("temperature above ambient, K"), axis(`position, ${unit}`)],
+  axes: [axis(`${live.dataset.input}, K`), axis(`position, ${unit}`)],
   series: [{}, { stroke: () => colour("--model"), width: 3, paths: path }, { stroke: () => colour("--cooling"), width: 1.2, paths: path }],
 }, [null, [[], []], [[], []]], loopElement);
 
@@ -86,6 +89,30 @@ const timePlot = new uPlot({
   ],
 }, [[], [], []], timeElement);
 
+// Measured minus modelled position; only where a model was chosen.
+const residualElement = document.getElementById("residual");
+const residualPlot = residualElement && new uPlot({
+  ...size(residualElement), cursor: { show: false }, legend: { show: false },
+  scales: { x: { time: false }, y: { range: (u, low, high) => range([[low, high, 0]]) } },
+  axes: [axis("time, s"), axis(`residual, ${unit}`)],
+  series: [{}, { stroke: () => colour("--model"), width: 0.8, points: { show: false } }],
+  hooks: { drawAxes: [zeroLine] },
+}, [[], []], residualElement);
+
+function zeroLine(u) {
+  const y = u.valToPos(0, "y", true);
+  u.ctx.save();
+  u.ctx.strokeStyle = colour("--grey");
+  u.ctx.lineWidth = devicePixelRatio;
+  u.ctx.beginPath();
+  u.ctx.moveTo(u.bbox.left, y);
+  u.ctx.lineTo(u.bbox.left + u.bbox.width, y);
+  u.ctx.stroke();
+  u.ctx.restore();
+}
+
+const plane = new PreisachPlane(document.getElementById("plane-figure"));
+
 function draw() {
   loopPlot.batch(() => {
     loopPlot.setData([null, [loop.columns[0], loop.columns[2]], [loop.columns[0], loop.columns[1]]], false);
@@ -94,21 +121,24 @@ function draw() {
       loopPlot.setScale(scale, { min, max });
     }
   });
-  timePlot.setData(recent.columns);
+  timePlot.setData(recent.columns.slice(0, 3));
+  residualPlot?.setData([recent.columns[0], recent.columns[3]]);
+  if (residualPlot) residualElement.dataset.largest = Math.max(...recent.columns[3].map(Math.abs));
 }
 
 matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => {
-  for (const plot of [loopPlot, timePlot]) plot.redraw(false);
+  for (const plot of [loopPlot, timePlot, residualPlot]) plot?.redraw(false);
 });
 
 new ResizeObserver(() => {
   loopPlot.setSize(size(loopElement));
   timePlot.setSize(size(timeElement));
+  residualPlot?.setSize(size(residualElement));
 }).observe(loopElement);
 
 function samples(rows) {
   loop.add(rows.map(([, input, position, , modelled]) => [input, position, modelled]));
-  recent.add(rows.map(([t, , position, current]) => [t, position, current]));
+  recent.add(rows.map(([t, , y, current, modelled]) => [t, y, current, y == null || modelled == null ? null : y - modelled]));
   if (rows.length) recent.dropBefore(rows.at(-1)[0] - LAST_S);
   requestAnimationFrame(() => {
     draw();
@@ -132,11 +162,43 @@ function events(list) {
   const place = document.getElementById("events");
   for (const event of list) {
     const item = document.createElement("li");
-    item.className = event.level;
-    item.textContent = `${event.at}  ${event.text}`;
+    item.className = event.severity;
+    for (const [name, text] of [["at", event.at], ["severity", event.severity], ["text", event.text]]) {
+      const part = item.appendChild(document.createElement("span"));
+      part.className = name;
+      part.textContent = text;
+    }
     place.prepend(item);
   }
   while (place.children.length > 200) place.lastChild.remove();
+}
+
+let isEnded = false;
+
+function ended(now) {
+  isEnded = true;
+  status({ ...now, share: 1, settling: "", paused: false });
+  for (const id of ["controls", "controls-help", "notify-me"]) document.getElementById(id)?.remove();
+  document.getElementById("plots").hidden = !recent.columns[0].length;
+  document.getElementById("ended").hidden = false;
+  announce(heading(now.level, live.dataset.title), now.state);
+}
+
+// While nobody sees the page: ask for the end of the run until it comes, or until the page is seen again.
+function lookForTheEnd() {
+  const look = setInterval(async () => {
+    try {
+      const now = await (await fetch(`/runs/${key}/state?file=${encodeURIComponent(live.dataset.file)}`)).json();
+      if (!now.in_progress && !isEnded) {
+        clearInterval(look);
+        ended({ ...now, facts: "" });
+      }
+    } catch { /* the console does not answer; asked again */ }
+  }, 2000);
+  document.addEventListener("visibilitychange", () => {
+    clearInterval(look);
+    if (!isEnded) follow();
+  }, { once: true });
 }
 
 function follow() {
@@ -144,30 +206,29 @@ function follow() {
   const on = (name, act) => source.addEventListener(name, (message) => act(JSON.parse(message.data)));
   on("history", (rows) => {
     loop.columns = [[], [], []];
-    recent.columns = [[], [], []];
+    recent.columns = [[], [], [], []];
     document.getElementById("events").replaceChildren();
     samples(rows);
   });
   on("samples", samples);
+  on("boundary", (found) => plane.show(found));
   on("status", status);
   on("events", events);
   on("ended", (now) => {
     source.close();
-    status({ ...now, share: 1, settling: "", paused: false });
-    for (const id of ["controls", "controls-help"]) document.getElementById(id)?.remove();
-    document.getElementById("plots").hidden = !recent.columns[0].length;
-    document.getElementById("ended").hidden = false;
+    ended(now);
   });
-  // A browser has six connections for one address: a page that nobody sees gives its own back.
+  // A browser has six connections for one address: a page that nobody sees gives its own back, and looks now and then.
   const hide = () => {
     if (document.visibilityState === "visible") return;
     source.close();
     document.removeEventListener("visibilitychange", hide);
-    document.addEventListener("visibilitychange", follow, { once: true });
+    lookForTheEnd();
   };
   document.addEventListener("visibilitychange", hide);
   source.onopen = () => offline(false);
   source.onerror = () => offline(true); // the browser tries again by itself
 }
 
+notifyButton();
 follow();

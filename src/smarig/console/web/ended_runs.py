@@ -1,0 +1,99 @@
+"""Runs whose processes ended without finishing them: shown on the overview until somebody dismisses them.
+
+``smarig.running`` reports each of them once, so they are kept in a file of the folder, which a later console reads.
+"""
+
+import json
+import shlex
+import threading
+import time
+from contextlib import suppress
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+from smarig.core import SmarigError, atomic_file, printable
+from smarig.running import EndedRun, collect_ended
+
+FILE = "console.ended_runs.json"
+_MOST = 100  # the oldest are dropped first
+
+
+@dataclass(frozen=True)
+class UnfinishedRun:
+    """A run without an end: what happened in one sentence, its file, and the command that continues it."""
+
+    key: str
+    sentence: str
+    file: str
+    command: str
+
+
+class EndedRuns:
+    """``found()`` collects and returns those that were not dismissed, oldest first."""
+
+    def __init__(self, folder: Path) -> None:
+        self._path = folder / FILE
+        self._lock = threading.Lock()
+        self._not_stored: list[UnfinishedRun] = []  # because the disk is full
+
+    def found(self) -> list[UnfinishedRun]:
+        """All that are to be shown."""
+        with self._lock:
+            new = [_described(run) for run in collect_ended()]
+            if new or self._not_stored:
+                self._store([*self._stored(), *self._not_stored, *new])
+            return [*self._stored(), *self._not_stored]
+
+    def dismiss(self, key: str) -> None:
+        """Show a run no more."""
+        with self._lock:
+            self._store([run for run in [*self._stored(), *self._not_stored] if run.key != key])
+
+    def _stored(self) -> list[UnfinishedRun]:
+        try:
+            content = json.loads(self._path.read_text(encoding="utf-8"))
+            return [UnfinishedRun(**each) for each in content if _is_description(each)]
+        except (OSError, ValueError, TypeError, RecursionError):  # missing, or written by somebody else
+            return []
+
+    def _store(self, runs: list[UnfinishedRun]) -> None:
+        kept = runs[-_MOST:]
+        try:
+            with atomic_file(self._path, force=True) as part:
+                part.write_text(json.dumps([asdict(run) for run in kept], indent=1), encoding="utf-8")
+            self._not_stored = []
+        except (SmarigError, OSError):
+            stored = self._stored()
+            self._not_stored = [run for run in kept if run not in stored]
+
+
+def _described(ended: EndedRun) -> UnfinishedRun:
+    info = ended.info
+    protocol, rig, file = (printable(str(info[name])) for name in ("protocol", "rig", "out"))
+    when = time.strftime(
+        "%Y-%m-%d %H:%M", time.localtime(_last_written(Path(info["out"]), info["start_epoch"]))
+    )
+    what = f"{protocol[:1].upper()}{protocol[1:].replace('_', ' ')} on {rig}"
+    sentence = f"{what} (process {info['pid']}) ended at about {when} without finishing. It wrote {file}."
+    return UnfinishedRun(
+        f"{info['pid']}-{info['start_epoch']:.3f}", sentence, file, f"smarig resume {shlex.quote(file)}"
+    )
+
+
+def _last_written(file: Path, otherwise: float) -> float:
+    """When the run last wrote, which is at most a few seconds before its process ended."""
+    times = [otherwise]
+    for path in (file, Path(f"{file}-wal")):
+        with suppress(OSError, ValueError):
+            times.append(path.stat().st_mtime)
+    return max(times)
+
+
+def _is_description(content: Any) -> bool:
+    names = set(UnfinishedRun.__dataclass_fields__)
+    return (
+        isinstance(content, dict)
+        and set(content) == names
+        and all(isinstance(text, str) for text in content.values())
+    )
