@@ -1,8 +1,10 @@
 """The console in a real browser: a newcomer's way through it by mouse and by keys, and every page for everyone."""
 
 import math
+import os
 import re
 import shutil
+import signal
 from pathlib import Path
 
 import pytest
@@ -126,6 +128,24 @@ def test_a_run_shows_the_boundary_its_events_and_the_residual_of_a_chosen_model(
     let_the_queue_continue(visitor)
 
 
+def test_a_console_that_is_stopped_is_told_and_its_page_catches_up(visitor, console):
+    start(visitor, LONG, "stopped_console")
+    drawn = "Number(document.getElementById('live').dataset.drawn)"
+    before = visitor.until(drawn)
+    hidden = "document.getElementById('offline').hidden"
+    assert visitor.tab.run(hidden)
+    os.kill(console.pid, signal.SIGSTOP)
+    try:
+        visitor.until(f"!{hidden}", "the page says that the console does not answer")
+    finally:
+        os.kill(console.pid, signal.SIGCONT)
+    visitor.until(
+        f"{hidden} && {drawn} > {before} + 40", "it catches up"
+    )  # 5 s at 20 times real time are 100 s
+    stop(visitor)
+    let_the_queue_continue(visitor)
+
+
 def test_errors_in_the_list_of_events_are_marked_by_word_and_by_more_than_colour(visitor):
     start(visitor, LONG, "marked")
     visitor.until("!!document.querySelector('#events li')", "an event")
@@ -204,7 +224,8 @@ def test_the_queue_is_put_in_another_order_while_a_run_is_in_progress(visitor, c
     visitor.click("Validation on one_wire_twin")
     stop(visitor)
     let_the_queue_continue(visitor)
-    visitor.until("document.querySelectorAll('td.good').length >= 3", "both end")
+    done = "x => /(first|second).run.sqlite/.test(x.innerText) && x.querySelector('td.good')"
+    visitor.until(f"[...document.querySelectorAll('tr')].filter({done}).length === 2", "both end")
     began = {
         name: load_run(console.folder / f"{name}.run.sqlite").info.start_epoch for name in ("first", "second")
     }

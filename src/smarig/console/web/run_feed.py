@@ -47,14 +47,16 @@ class RunFeed:
         self._status: dict[str, Any] = {}
 
     async def messages(self) -> AsyncIterator[str]:
-        """Server-sent events: history, samples, boundary, status, events, ended."""
+        """Server-sent events: history, samples, boundary, status, events, alive (each second), ended."""
         yield _message("history", await run_in_threadpool(self._history))
         count = 0
         while self._run.alive and not self._closing.is_set():
             for name, content in self._news():
                 yield _message(name, content)
-            if count % _EVENTS_EVERY == 0 and (events := await run_in_threadpool(self._recorded)):
-                yield _message("events", events)
+            if count % _EVENTS_EVERY == 0:
+                yield _message("alive", None)  # without it, a silent run and a stopped console look the same
+                if events := await run_in_threadpool(self._recorded):
+                    yield _message("events", events)
             if count % _BOUNDARY_EVERY == 0 and (found := self._boundary()):
                 yield _message("boundary", found)
             count += 1

@@ -9,8 +9,8 @@ from starlette.responses import HTMLResponse, JSONResponse, Response, StreamingR
 from starlette.routing import Route
 
 from smarig.console.web.console_context import back, context_of, page
-from smarig.console.web.run_feed import ENDED_MESSAGE, RunFeed
 from smarig.console.web.run_end import run_end
+from smarig.console.web.run_feed import ENDED_MESSAGE, RunFeed
 from smarig.console.web.run_words import ENDED, run_card
 from smarig.core import UsageError
 from smarig.running import RunInProgress, runs_in_progress

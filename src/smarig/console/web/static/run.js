@@ -201,9 +201,22 @@ function lookForTheEnd() {
   }, { once: true });
 }
 
+const SILENT_MS = 5000;
+
 function follow() {
   const source = new EventSource(`/runs/${key}/follow?model=${encodeURIComponent(model)}`);
-  const on = (name, act) => source.addEventListener(name, (message) => act(JSON.parse(message.data)));
+  let heard = performance.now();
+  const on = (name, act) => source.addEventListener(name, (message) => {
+    heard = performance.now();
+    offline(false);
+    act(JSON.parse(message.data));
+  });
+  // A console that is stopped keeps its connection and says nothing.
+  const watch = setInterval(() => {
+    if (source.readyState === EventSource.CLOSED) clearInterval(watch);
+    else if (performance.now() - heard > SILENT_MS) offline(true);
+  }, 1000);
+  on("alive", () => {});
   on("history", (rows) => {
     loop.columns = [[], [], []];
     recent.columns = [[], [], [], []];
