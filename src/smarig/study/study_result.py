@@ -122,7 +122,17 @@ class StudyResult:
     def at_noise(self) -> bool:
         """Whether the noise is known and the error on held-out data is hardly larger."""
         found, noise = self.evaluation, self.noise
+        if self._left_out_is_worse:
+            return False
         return bool(found and noise is not None and found.best.rms <= GOOD_RATIO * noise)
+
+    @property
+    def _left_out_is_worse(self) -> bool:
+        """Whether nothing is held out, and blocks left out of the fit are predicted worse than noise would."""
+        d = self.diagnosis
+        if not self._is_fitted or not isinstance(d, MeasuredDiagnosis) or not d.noise:
+            return False
+        return (d.best or d.base).rms > GOOD_RATIO * d.noise
 
     @property
     def _level_on_average(self) -> ErrorLevel:
@@ -145,7 +155,8 @@ class StudyResult:
         branch_share = self._share(self.branches[0].rms) if self.branches else 0.0
         place_share = self._share(place.worst) if place else 0.0
         level = level_of_parts(self._level_on_average, branch_share, place_share, self.unpredicted)
-        return str(ErrorLevel.FAIR if level is ErrorLevel.GOOD and self._one_way else level)
+        doubtful = self._one_way or self._left_out_is_worse
+        return str(ErrorLevel.FAIR if level is ErrorLevel.GOOD and doubtful else level)
 
     @cached_property
     def _one_way(self) -> bool:
@@ -208,6 +219,8 @@ class StudyResult:
     def _verdict_words(self) -> str:
         """The verdict, with the branch that decides it, or with the place that it excepts."""
         level, place = ErrorLevel(self.verdict), worst_place(self.branches)
+        if level is ErrorLevel.FAIR and self._level_on_average is ErrorLevel.GOOD and self._left_out_is_worse:
+            return "fair: blocks left out of the fit are predicted less well"
         if place is None or not self.span:
             return LEVEL_WORDS[level]
         if level is ErrorLevel.FAIR and self._one_way:

@@ -37,10 +37,8 @@ def error_sentence(
     what = f"fits {part}the data" if fitted else f"predicts {part}the held-out data"
     ratio = f", {ratio_text(rms / noise)} × the noise of a reading" if noise else ""
     rest = ", and nothing of the rest" if part else ""
-    return (
-        f"The model ({model}) {what} with {measure(rms, unit)} rms, {number(100 * share, 2)} % of the output's range"
-        f"{ratio}{rest}: {verdict}."
-    )
+    size = f"{measure(rms, unit)} rms, {number(100 * share, 2)} % of the output's range"
+    return f"The model ({model}) {what} to within {size}{ratio}{rest}: {verdict}."
 
 
 def left_out_sentence(d: MeasuredDiagnosis) -> str:
@@ -53,7 +51,8 @@ def left_out_sentence(d: MeasuredDiagnosis) -> str:
 def simple_curve_sentence(name: str, error: float, gain: float, unit: str) -> str:
     """How large the error of the best simple curve is; ``gain`` times that of the model."""
     if gain >= BETTER:
-        return f"The best simple curve ({name}) leaves {ratio_text(gain)} × as much, {measure(error, unit)}."
+        larger = f"{ratio_text(gain)} times as large, {measure(error, unit)}"
+        return f"The error of the best simple curve ({name}) is {larger}."
     if gain >= 1:
         return f"A simple curve ({name}) does nearly as well: {measure(error, unit)}."
     return f"A simple curve ({name}) does better: {measure(error, unit)}. Do not use the model as it is."
@@ -107,7 +106,7 @@ def _finding(d: Diagnosis | MeasuredDiagnosis, first_line: str, *, at_noise: boo
         return f"The diagnosis finds nothing: the errors {left}."
     if word == "unknown" and variable:
         named = " and ".join(map(variable_words, variable.split(" and ")))
-        return f"The errors that are left go with {named}; no known effect explains them."
+        return f"The errors that are left vary with {named}; no known effect explains them."
     if word == "unknown":
         return "The errors that are left are more than noise, but no known effect explains them."
     if word == "named" and isinstance(d, MeasuredDiagnosis) and d.best is not None:

@@ -88,6 +88,7 @@ def command(
             "--summary is of one run, with at most one --model, or of the folder of a characterisation."
         )
     place = _Target(out, force, figures is not None)
+    place.check()
     if figures is None:
         _pages(runs, models, place, diagram, smoothing, summary)
         return
@@ -110,6 +111,11 @@ class _Target:
     out: Path | None
     force: bool
     for_figures: bool
+
+    def check(self) -> None:
+        """Raise UsageError for a named page that exists, before anything is computed."""
+        if self.out is not None and self.out.exists() and not self.force:
+            raise UsageError(f"{self.out} exists; give another name or --force to replace it.")
 
     def write(self, html: str, file: Path) -> None:
         """Write the page; one that is there already stays as it is if only its figures were asked for."""

@@ -47,8 +47,8 @@ def surface_colour(kind: str) -> str:
 
 
 def colours(n: int) -> list[str]:
-    """n colours along cividis, dark to bright (without the brightest tenth, which is unreadable on white)."""
-    stops = ((0, 34, 78), (60, 77, 110), (124, 123, 120), (187, 173, 108), (233, 205, 75))
+    """n colours along cividis, dark to bright (without the brightest quarter, which is unreadable on white)."""
+    stops = ((0, 34, 78), (60, 77, 110), (124, 123, 120), (187, 173, 108))
     picked = []
     for k in range(n):
         at = (len(stops) - 1) * k / max(n - 1, 1)

@@ -120,7 +120,8 @@ def _cause(e: Evidence, rms: float | None) -> _Cause:
     word, best = d.verdict.word, d.best
     if word == "named" and best is not None:
         room = _room_text(e.runs.values()) if "ambient_drift" in d.verdict.names else ""
-        return _Cause("bad", f"Cause: {strengths_text(best)}{room}.", _named_advice(e, d, rms))
+        meaning = " ".join(effect.kind.summary for effect in best.effects)
+        return _Cause("bad", f"Cause: {strengths_text(best)}{room}. {meaning}", _named_advice(e, d, rms))
     if word == "ambiguous":
         return _Cause(
             "bad",
@@ -159,17 +160,18 @@ def _named_advice(e: Evidence, d: Diagnosis, rms: float | None) -> str:
     error = gain.settled_rms(gain.extended_error)
     found = e.verifications.get(e.chosen)
     verdict = _verdict_on(error, found) if found is not None else None
-    held_out = f"held-out error {error:.3g}{spaced(d.timeline.unit)}" + (
-        f", {verdict.text}" if verdict else ""
-    )
+    is_poor = verdict is not None and verdict.level == ErrorLevel.POOR
+    unit = spaced(d.timeline.unit)
+    instead = f" instead of {rms:.3g}{unit}" if is_poor and rms is not None else ""
+    held_out = f"held-out error {error:.3g}{unit}{instead}" + (f", {verdict.text}" if verdict else "")
     if gain.extended < gain.base:
         model = f"the extended model (diagnosis/{DIAGNOSIS_MODEL}, {held_out})"
     elif rms is not None and error < _MUCH_LESS * rms:
         model = f"the model of the diagnosis ({held_out})"
     else:
         return _REMOVE
-    if verdict and verdict.level == ErrorLevel.POOR:
-        return f"Remove the cause and measure again; until then, use {model} within its error."
+    if is_poor:
+        return f"Remove the cause and measure again. Until then, {model} comes nearest."
     return f"Use {model}, or remove the cause and measure again."
 
 
