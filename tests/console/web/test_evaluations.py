@@ -86,7 +86,8 @@ def test_a_model_is_verified_on_a_run(console, place):
     text = result(console, place, "verify")
     assert "rms error" in text
     assert "Verdict: " in text
-    assert "the second.model.json" in re.search("<p><code>(.*?)</code>", text)[1]
+    assert "the second.model.json" in re.search("<pre><code>(.*?)</code>", text)[1]
+    assert re.search("<option ([^>]*)>the second.model.json", text)[1].endswith(" selected")
     assert html.unescape(shown(console, place, "verify")) == text  # also when it is loaded again
     assert "Being computed" not in shown(console, place, "diagnose")
 

@@ -65,6 +65,12 @@ class EntryEvaluation:
     page: str = ""
     awaits_page: bool = False
 
+    @property
+    def shown_command(self) -> str:
+        """The command with the model that was chosen last, or with the first one."""
+        commands = [model.command for model in self.models] or [self.command]
+        return self.given if self.given in commands else commands[0]
+
 
 def evaluations_of(context: ConsoleContext, entry: Entry) -> list[EntryEvaluation]:
     """What can be done with an entry, and what is being done."""
@@ -194,5 +200,5 @@ def _run(folder: Path, arguments: Sequence[str]) -> EvaluationResult:
     except UsageError as error:
         return EvaluationResult(str(error), "bad")
     output_lines = [line for line in (done.stdout + "\n" + done.stderr).splitlines() if line.strip()]
-    text = printable(" ".join(output_lines[-6:])) or "Done."
+    text = "\n".join(printable(line.removeprefix("smarig: ")) for line in output_lines[-6:]) or "Done."
     return EvaluationResult(text, "bad" if done.returncode else "warning" if "Warning" in text else "good")
