@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from smarig.live.rerun_output import viewer_state as viewer_state
     from smarig.live.viewer_process import ViewerProcess as ViewerProcess
     from smarig.live.viewer_process import free_port as free_port
+    from smarig.live.viewer_process import parent_death_signal as parent_death_signal
     from smarig.live.viewer_process import viewer_address as viewer_address
 else:
     __getattr__, __dir__, __all__ = lazy_exports(__name__)

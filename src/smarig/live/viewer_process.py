@@ -71,7 +71,7 @@ class ViewerProcess:
         self._log = Path(self._home) / "viewer.log"
         with self._log.open("wb") as log:
             self.process = subprocess.Popen(
-                [*_parent_death_signal(), str(program()), *arguments],
+                [*parent_death_signal(), str(program()), *arguments],
                 env=_environment(Path(self._home)),
                 stdin=subprocess.DEVNULL,
                 stdout=log,
@@ -188,11 +188,11 @@ def _continue_process(process: subprocess.Popen) -> None:
         process.send_signal(signal.SIGCONT)
 
 
-def _parent_death_signal() -> list[str]:
+def parent_death_signal() -> list[str]:
     """On Linux: a command that has the kernel end the viewer when this process ends, even by kill -9.
 
-    It also lowers the viewer's priority, so that the run comes first if the viewer draws without a graphics
-    card.
+    The kernel looks at the thread that starts the viewer: it must be one that lasts. It also
+    lowers the viewer's priority, so that the run comes first if the viewer draws without a graphics card.
     """
     if not sys.platform.startswith("linux"):
         return []

@@ -1,10 +1,12 @@
 """The console in a real browser: a newcomer's way through it by mouse and by keys, and every page for everyone."""
 
+import json
 import math
 import os
 import re
 import shutil
 import signal
+from dataclasses import asdict
 from pathlib import Path
 
 import pytest
@@ -17,6 +19,7 @@ pytest.importorskip("uvicorn", reason="the extra 'console' is not installed")
 from console.web.console_process import ConsoleProcess
 from console.web.visitor import Visitor
 from report.browser import Browser, axe, chromium
+from smarig.console.web.ended_runs import FILE, UnfinishedRun
 from smarig.record import load_run
 
 LONG = "/new?experiment=validation&set.points=60&speed=20&out={}.run.sqlite"
@@ -275,6 +278,21 @@ def test_a_run_is_searched_tagged_and_described(visitor):
     visitor.shows("Nothing in this folder matches.")
 
 
+def test_a_model_is_verified_by_clicks_and_the_command_follows_the_choice(visitor, console):
+    shutil.copy(MODEL, console.folder / "another.model.json")
+    visitor.go("/library?text=recorded_once")
+    visitor.click("recorded_once")
+    visitor.reload_until("document.querySelectorAll('#model-verify option').length === 2")
+    command = "document.querySelector('#verify pre').innerText"
+    for name in ("another", "wire"):
+        of_name = f"find(x => x.innerText === '{name}.model.json')"
+        found = visitor.tab.run(f"[...document.querySelectorAll('#model-verify option')].{of_name}.value")
+        visitor.choose("Model", found)
+        assert visitor.tab.run(command).startswith(f"smarig verify {console.folder}/{name}.model.json ")
+    visitor.click("Verify a model on it")
+    visitor.shows("Verdict: ")  # without a click
+
+
 def european(folder):
     """A loop as a German instrument writes it: semicolons between the columns, commas in the numbers."""
     rows = ["Zeit (s);Temperatur (°C);Weg (mm)"]
@@ -316,8 +334,10 @@ def test_a_run_is_started_with_keys_alone(visitor, console):
 
 
 @pytest.fixture(scope="module")
-def pages(visitor):
-    """Where each page is; those of a run need one in progress."""
+def pages(visitor, console):
+    """Where each page is; those of a run need one in progress. The overview also has a run that was killed."""
+    killed = UnfinishedRun("1-2", "It ended.", f"/{'long_' * 30}/a.run.sqlite", f"smarig resume {'x' * 99}")
+    (console.folder / FILE).write_text(json.dumps([asdict(killed)]))
     start(visitor, LONG, "a_long_name_that_somebody_has_given_to_a_run_on_purpose")
     run = visitor.tab.run("location.pathname")
     visitor.go("/library?text=recorded_once")

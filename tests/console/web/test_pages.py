@@ -181,8 +181,8 @@ def test_a_killed_run_is_shown_until_it_is_dismissed_also_by_the_next_console(tm
             process.kill()
             process.wait()
             text = html.unescape(console.ask("/").body)
-    sentence = rf"Validation on one_wire_twin \(process {process.pid}\) ended at about 20[\d: -]+ without finishing\."
-    assert re.search(rf"{sentence} It wrote {re.escape(str(out))}\.", text)
+    run = rf"Validation on one_wire_twin \(process {process.pid}\), which wrote {re.escape(str(out))},"
+    assert re.search(rf"{run} ended at about 20[\d: -]+ without finishing\.", text)
     assert f"smarig resume {shlex.quote(str(out))}" in text
     with started_console(tmp_path / "runs") as console:
         body = console.ask("/overview/parts").body

@@ -14,7 +14,9 @@ from starlette.templating import Jinja2Templates
 from smarig.console.library.library import Library
 from smarig.console.queue.queue import Queue
 from smarig.console.web.ended_runs import EndedRuns
+from smarig.console.web.evaluation_jobs import EvaluationJobs
 from smarig.console.web.library_scanner import LibraryScanner
+from smarig.console.web.viewers import Viewers
 
 
 def _encodable(value: Any) -> Any:
@@ -39,6 +41,8 @@ class ConsoleContext:
     library: Library
     scanner: LibraryScanner
     ended_runs: EndedRuns
+    viewers: Viewers
+    evaluations: EvaluationJobs = field(default_factory=EvaluationJobs)
     closing: threading.Event = field(default_factory=threading.Event)
 
 

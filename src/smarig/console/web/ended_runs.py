@@ -75,7 +75,7 @@ def _described(ended: EndedRun) -> UnfinishedRun:
         "%Y-%m-%d %H:%M", time.localtime(_last_written(Path(info["out"]), info["start_epoch"]))
     )
     what = f"{protocol[:1].upper()}{protocol[1:].replace('_', ' ')} on {rig}"
-    sentence = f"{what} (process {info['pid']}) ended at about {when} without finishing. It wrote {file}."
+    sentence = f"{what} (process {info['pid']}), which wrote {file}, ended at about {when} without finishing."
     return UnfinishedRun(
         f"{info['pid']}-{info['start_epoch']:.3f}", sentence, file, f"smarig resume {shlex.quote(file)}"
     )

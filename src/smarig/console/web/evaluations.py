@@ -1,62 +1,142 @@
 """Evaluations of library entries: the commands of the command line, in processes of their own, with the line to copy.
 
+An evaluation may take minutes, so nobody waits for it: its page shows that it is being computed, and then its result.
+
 Pages are written into ``console_pages`` of the folder under the identity of what they show, so that a run that changes
 gets another page.
 """
 
 import shlex
+import time
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from smarig.console.command_process import run_command
 from smarig.console.library.library_entry import Entry
 from smarig.console.web.console_context import ConsoleContext
+from smarig.console.web.evaluation_jobs import EvaluationJob, EvaluationResult
 from smarig.core import UsageError, printable
 from smarig.diagnosis import DIAGNOSIS_PAGE
 
 PAGES = "console_pages"
-LONGEST_S = 900.0
+LONGEST_S = 3600.0
+MODELS_OFFERED = 50
 _OWN_PAGES = frozenset({"run", "model"})  # made on request; other entries are pages, or have one beside them
 
 
-@dataclass(frozen=True)
-class EntryEvaluation:
-    """A button: its name, its words, and the command as a person would type it."""
+_WORDS = {
+    "report": "Make its page",
+    "identify": "Identify a model",
+    "transformation": "Transformation temperatures",
+    "verify": "Verify a model on it",
+    "diagnose": "Diagnose",
+}
+_WITH_MODEL = frozenset({"verify", "diagnose"})
 
-    name: str
-    words: str
+
+@dataclass(frozen=True)
+class ModelChoice:
+    """A model of the library, and the command of an evaluation with it."""
+
+    id: str
+    place: str
     command: str
 
 
 @dataclass(frozen=True)
-class EvaluationResult:
-    """What an evaluation printed, and whether it is good news: "good", "warning" or "bad"."""
+class EntryEvaluation:
+    """A button: its name, its words, and the command as a person would type it; with its state if it was pressed.
 
-    text: str
-    level: str
+    ``needs_model``: it works on one of ``models``. ``since`` is set while it is being computed, ``result`` when it has
+    ended; ``given`` is the command that was started. ``page`` is the entry that it wrote, and ``awaits_page`` is true
+    while the library has not read that.
+    """
+
+    name: str
+    words: str
+    command: str
+    needs_model: bool
+    models: tuple[ModelChoice, ...] = ()
+    since: str = ""
+    given: str = ""
+    result: EvaluationResult | None = None
+    page: str = ""
+    awaits_page: bool = False
+
+    @property
+    def shown_command(self) -> str:
+        """The command with the model that was chosen last, or with the first one."""
+        commands = [model.command for model in self.models] or [self.command]
+        return self.given if self.given in commands else commands[0]
 
 
 def evaluations_of(context: ConsoleContext, entry: Entry) -> list[EntryEvaluation]:
-    """What can be done with an entry."""
-    words = {
-        "report": "Make its page",
-        "identify": "Identify a model",
-        "transformation": "Transformation temperatures",
-    }
+    """What can be done with an entry, and what is being done."""
+    models, jobs = _models(context), context.evaluations.of(entry.identity)
     return [
-        EntryEvaluation(name, words[name], shlex.join(["smarig", *arguments]))
-        for name, arguments in _commands(context, entry).items()
+        EntryEvaluation(
+            name,
+            _WORDS[name],
+            _line(arguments),
+            name in _WITH_MODEL,
+            tuple(
+                ModelChoice(each.id, each.place, _line(_commands(context, entry, each)[name]))
+                for each in (models if name in _WITH_MODEL else ())
+            ),
+            **_state(context, jobs.get(name)),
+        )
+        for name, arguments in _commands(context, entry, None).items()
     ]
 
 
-def run_evaluation(context: ConsoleContext, entry: Entry, name: str) -> EvaluationResult:
-    """Run an evaluation and wait for its end. Raises UsageError for one that this entry does not have."""
-    commands = _commands(context, entry)
+def start_evaluation(context: ConsoleContext, entry: Entry, name: str, model: str = "") -> None:
+    """Start an evaluation; ``model`` is the identity of an entry. Raises UsageError for one that cannot be."""
+    chosen = next((each for each in _models(context) if each.id == model), None) if model else None
+    commands = _commands(context, entry, chosen)
     if name not in commands:
         raise UsageError("This entry has no such evaluation.")
+    if name in _WITH_MODEL and chosen is None:
+        raise UsageError("Choose a model of the library.")
     (context.folder / PAGES).mkdir(exist_ok=True)
-    return _run(context.folder, commands[name])
+    arguments = commands[name]
+    page = Path(arguments[arguments.index("-o") + 1]) / DIAGNOSIS_PAGE if name == "diagnose" else None
+
+    def compute() -> EvaluationResult:
+        result = _run(context.folder, arguments)
+        context.scanner.soon()
+        return result
+
+    job = EvaluationJob(_line(arguments), page)
+    context.evaluations.start(entry.identity, name, job, compute)
+
+
+def _models(context: ConsoleContext) -> list[Entry]:
+    """The models among which people choose, newest first."""
+    return list(context.library.search(kind="model", limit=MODELS_OFFERED).entries)
+
+
+def _line(arguments: Sequence[str]) -> str:
+    return shlex.join(["smarig", *arguments])
+
+
+def _state(context: ConsoleContext, job: EvaluationJob | None) -> dict[str, Any]:
+    if job is None:
+        return {}
+    if job.result is None:
+        return {"since": time.strftime("%H:%M:%S", time.localtime(job.began)), "given": job.command}
+    page = _entry_of(context, job.page)
+    awaits = not page and job.page is not None and job.page.is_file()
+    return {"given": job.command, "result": job.result, "page": page, "awaits_page": awaits}
+
+
+def _entry_of(context: ConsoleContext, page: Path | None) -> str:
+    """The entry of a page that was written; "" if the library has not read it yet."""
+    if page is None or not page.is_file():
+        return ""
+    found = context.library.search(page.parent.name, limit=MODELS_OFFERED).entries
+    return next((entry.id for entry in found if entry.path == page), "")
 
 
 def finished_page(context: ConsoleContext, entry: Entry) -> Path | None:
@@ -77,17 +157,29 @@ def compared_page(context: ConsoleContext, entries: Sequence[Entry]) -> Path:
     return out
 
 
-def _commands(context: ConsoleContext, entry: Entry) -> dict[str, list[str]]:
+def _commands(context: ConsoleContext, entry: Entry, model: Entry | None) -> dict[str, list[str]]:
     path = str(entry.path)
     report = ["report", path, "-o", str(_page_of(context, entry)), "--force"]
     if entry.verdict in ("unreadable", "recording"):
         return {}
     if entry.kind == "run":
-        model = str(entry.path.with_name(entry.path.name.removesuffix(".run.sqlite") + ".model.json"))
+        stem = entry.path.name.removesuffix(".run.sqlite")
+        chosen = str(model.path) if model else "MODEL"
+        by = model.path.name.removesuffix(".json").removesuffix(".model") if model else "MODEL"
+        folder = str(entry.path.with_name(f"{stem}.diagnosis_{by}"))
         return {
             "report": report,
-            "identify": ["identify", path, "--surface", "best", "-o", model],
+            "identify": [
+                "identify",
+                path,
+                "--surface",
+                "best",
+                "-o",
+                str(entry.path.with_name(f"{stem}.model.json")),
+            ],
             "transformation": ["transformation", path],
+            "verify": ["verify", chosen, path],
+            "diagnose": ["diagnose", chosen, "--train", path, "-o", folder, "--force"],
         }
     if entry.kind == "model":
         return {"report": report}
@@ -108,5 +200,5 @@ def _run(folder: Path, arguments: Sequence[str]) -> EvaluationResult:
     except UsageError as error:
         return EvaluationResult(str(error), "bad")
     output_lines = [line for line in (done.stdout + "\n" + done.stderr).splitlines() if line.strip()]
-    text = printable(" ".join(output_lines[-6:])) or "Done."
+    text = "\n".join(printable(line.removeprefix("smarig: ")) for line in output_lines[-6:]) or "Done."
     return EvaluationResult(text, "bad" if done.returncode else "warning" if "Warning" in text else "good")

@@ -16,7 +16,7 @@ from starlette.concurrency import run_in_threadpool
 
 from smarig.console.web.input_memory import InputMemory
 from smarig.console.web.model_overlay import ModelOverlay
-from smarig.console.web.run_end import run_end
+from smarig.console.web.run_outcome import run_outcome
 from smarig.console.web.run_words import ENDED, run_state
 from smarig.core import SmarigError, UsageError
 from smarig.record import stored_run
@@ -65,7 +65,7 @@ class RunFeed:
             return
         if events := await run_in_threadpool(self._recorded):
             yield _message("events", events)
-        yield _message("ended", {**await run_in_threadpool(run_end, self._file), "facts": ""})
+        yield _message("ended", {**await run_in_threadpool(run_outcome, self._file), "facts": ""})
 
     def _history(self) -> Rows:
         with suppress(SmarigError, OSError), stored_run(self._file, verify=False) as run:

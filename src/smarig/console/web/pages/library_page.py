@@ -1,6 +1,7 @@
 """The library: search, one entry with tags, notes and its page, and evaluations as the command line makes them."""
 
 import time
+import zlib
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -8,10 +9,10 @@ from urllib.parse import urlencode
 
 from starlette.concurrency import run_in_threadpool
 from starlette.requests import Request
-from starlette.responses import FileResponse, HTMLResponse, RedirectResponse, Response
+from starlette.responses import FileResponse, HTMLResponse, JSONResponse, RedirectResponse, Response
 from starlette.routing import Route
 
-from smarig.console.library.library_entry import Entry
+from smarig.console.library.library_entry import RUN, Entry
 from smarig.console.library.library_search import FACETS, ORDERS
 from smarig.console.web.access_guard import REPORT_POLICY
 from smarig.console.web.console_context import ConsoleContext, back, context_of, page
@@ -19,7 +20,7 @@ from smarig.console.web.evaluations import (
     compared_page,
     evaluations_of,
     finished_page,
-    run_evaluation,
+    start_evaluation,
 )
 from smarig.console.web.loop_path import loop_path
 from smarig.core import UsageError
@@ -86,7 +87,8 @@ def entry(request: Request) -> HTMLResponse:
             {"text": n.text, "when": " · ".join(p for p in (_moment(n.epoch), n.who) if p)}
             for n in found.notes
         ],
-        "jobs": evaluations_of(context, found),
+        "viewer": context.viewers.state(found.path),
+        **_evaluations(context, found),
     }
     return page(request, "entry.html", shown, here="library")
 
@@ -131,8 +133,27 @@ def _changed(request: Request, form: Mapping[str, str]) -> Response:
     if wanted == "notes":
         context.library.note(id, form.get("note", ""))
         return back(f"/library/{id}", "The note was added.")
-    done = run_evaluation(context, context.library.entry(id), form.get("job", ""))
-    return back(f"/library/{id}", done.text, done.level)
+    name = form.get("job", "")
+    start_evaluation(context, context.library.entry(id), name, form.get("model", ""))
+    return RedirectResponse(f"/library/{id}#{name}", status_code=303)
+
+
+def evaluations(request: Request) -> JSONResponse:
+    """A text that changes when an evaluation of the entry ends, and when its page is in the library."""
+    context = context_of(request)
+    shown = _evaluations(context, context.library.entry(request.path_params["id"]))
+    return JSONResponse({"version": shown["version"]})
+
+
+async def open_viewer(request: Request) -> Response:
+    """Start the viewer of a run. In the main thread, with which it ends."""
+    context, id = context_of(request), request.path_params["id"]
+    found = await run_in_threadpool(context.library.entry, id)
+    if found.kind != RUN:
+        raise UsageError("The viewer shows runs.")
+    context.viewers.start(found.path)
+    await run_in_threadpool(context.viewers.wait, found.path)
+    return RedirectResponse(f"/library/{id}#viewer", status_code=303)
 
 
 async def compare(request: Request) -> Response:
@@ -185,6 +206,16 @@ def _row(context: ConsoleContext, entry: Entry) -> dict[str, Any]:
     }
 
 
+def _evaluations(context: ConsoleContext, entry: Entry) -> dict[str, Any]:
+    """What the page shows of the evaluations of an entry."""
+    jobs = evaluations_of(context, entry)
+    return {
+        "jobs": jobs,
+        "version": f"{zlib.crc32(repr(jobs).encode('utf-8', 'replace')):08x}",
+        "computing": any(job.since or job.awaits_page for job in jobs),
+    }
+
+
 def _words(name: str) -> str:
     """A figure in words; "A_s (degC)" and the like are the field's own."""
     return _FIGURES.get(name, name)
@@ -218,5 +249,7 @@ ROUTES = [
     Route("/library/run", run_entry),
     Route("/library/{id:str}", entry),
     Route("/library/{id:str}/page", entry_page),
+    Route("/library/{id:str}/evaluations", evaluations),
+    Route("/library/{id:str}/viewer", open_viewer, methods=["POST"]),
     Route("/library/{id:str}/{wanted:str}", change, methods=["POST"]),
 ]

@@ -4,13 +4,14 @@ from pathlib import Path
 from typing import Any
 from urllib.parse import urlencode
 
+from starlette.concurrency import run_in_threadpool
 from starlette.requests import Request
-from starlette.responses import HTMLResponse, JSONResponse, Response, StreamingResponse
+from starlette.responses import HTMLResponse, JSONResponse, RedirectResponse, Response, StreamingResponse
 from starlette.routing import Route
 
 from smarig.console.web.console_context import back, context_of, page
-from smarig.console.web.run_end import run_end
 from smarig.console.web.run_feed import ENDED_MESSAGE, RunFeed
+from smarig.console.web.run_outcome import run_outcome
 from smarig.console.web.run_words import ENDED, run_card
 from smarig.core import UsageError
 from smarig.running import RunInProgress, runs_in_progress
@@ -43,6 +44,18 @@ def ask(request: Request) -> Response:
     return back(f"/runs/{run.key}?{file}", _DONE[wanted], "warning" if wanted == "stop" else "good")
 
 
+async def open_viewer(request: Request) -> Response:
+    """Start the viewer of the run. In the main thread, with which it ends."""
+    run, context = _run(request), context_of(request)
+    if run is None:
+        return back("/", "The run has ended already.", "warning")
+    file = Path(run.info["out"])
+    context.viewers.start(file)
+    await run_in_threadpool(context.viewers.wait, file)
+    place = urlencode({"file": str(file)}, errors="replace")
+    return RedirectResponse(f"/runs/{run.key}?{place}#viewer", status_code=303)
+
+
 def follow(request: Request) -> Response:
     """The messages of a run, as long as it lasts and the browser listens."""
     run = _run(request)
@@ -63,7 +76,7 @@ def state(request: Request) -> JSONResponse:
     file = Path(request.query_params.get("file", "")).resolve()
     inside = file.is_relative_to(context.folder) and file.is_file()
     return JSONResponse(
-        {"in_progress": False, **(run_end(file) if inside else {"state": ENDED, "level": ""})}
+        {"in_progress": False, **(run_outcome(file) if inside else {"state": ENDED, "level": ""})}
     )
 
 
@@ -78,6 +91,7 @@ def _page(request: Request, *, reading: bool) -> HTMLResponse:
         "run": run_card(run),
         "models": [entry.place for entry in models],
         "model": request.query_params.get("model", ""),
+        "viewer": context_of(request).viewers.state(Path(run.info["out"])),
         "reading": reading,
     }
     return page(request, "run.html", shown, here="runs")
@@ -105,5 +119,6 @@ ROUTES = [
     Route("/runs/{key:str}/phone", phone_page),
     Route("/runs/{key:str}/follow", follow),
     Route("/runs/{key:str}/state", state),
+    Route("/runs/{key:str}/viewer", open_viewer, methods=["POST"]),
     Route("/runs/{key:str}/{wanted:str}", ask, methods=["POST"]),
 ]

@@ -9,7 +9,7 @@ from smarig.core import Severity, SmarigError
 from smarig.record import stored_run
 
 
-def run_end(file: Path) -> dict[str, Any]:
+def run_outcome(file: Path) -> dict[str, Any]:
     """The sentence, and "good", "warning" (stopped) or "bad" (tripped, a fault, killed); "" if it is not known."""
     with suppress(SmarigError, OSError, ValueError), stored_run(file, verify=False) as run:
         if not run.complete:
