@@ -21,7 +21,10 @@ _WIDE_K = 1e6  # of an operator whose range is not known
 _STEPS = 2000  # of the drawn range; a smaller move is not seen
 _PERIODS = 1.5  # between neighbouring samples at most
 _SHARE = 0.1  # of the time that reading the file may take
-_INITIAL: dict[str | None, Initial] = {"positive": "positive", "anhysteretic": "anhysteretic"}  # else negative
+_INITIAL: dict[str | None, Initial] = {
+    "positive": "positive",
+    "anhysteretic": "anhysteretic",
+}  # else negative
 Array = NDArray[np.float64]
 
 
