@@ -124,6 +124,7 @@ def test_a_run_shows_the_boundary_its_events_and_the_residual_of_a_chosen_model(
     visitor.choose("Model over the loop", "wire.model.json")
     visitor.click("Show")
     visitor.shows("Residual: measured position minus that of wire.model.json")
+    visitor.until("document.getElementById('live').dataset.drawn > 150", "the wire is hot")
     residual = "Number(document.getElementById('residual').dataset.largest)"
     assert 0 < visitor.until(residual, "a residual") < 2.0  # mm; the travel is 12 mm
     assert visitor.tab.run("document.querySelector('#residual canvas').width") > 300

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from smarig.console.library.heating_cycles import input_range_K
 from smarig.live import boundary
-from smarig.preisach import Preisach, RelayMeasure
+from smarig.preisach import Initial, Preisach, RelayMeasure
 from smarig.record import StoredRun
 from smarig.running import RunInProgress
 
@@ -21,7 +21,10 @@ _WIDE_K = 1e6  # of an operator whose range is not known
 _STEPS = 2000  # of the drawn range; a smaller move is not seen
 _PERIODS = 1.5  # between neighbouring samples at most
 _SHARE = 0.1  # of the time that reading the file may take
-_INITIAL = ("negative", "positive", "anhysteretic")
+_INITIAL: dict[str | None, Initial] = {
+    "positive": "positive",
+    "anhysteretic": "anhysteretic",
+}  # else negative
 Array = NDArray[np.float64]
 
 
@@ -43,8 +46,7 @@ class InputMemory:
         if upper is not None:
             self._range = (-upper if self._run.info.get("two_wire") else 0.0, upper)
         hysteresis = RelayMeasure.zero(*(self._range or (-_WIDE_K, _WIDE_K)))
-        start = next((name for name in _INITIAL if name == initial), "negative")
-        self._operator = Preisach(hysteresis, start, compiled=False)
+        self._operator = Preisach(hysteresis, _INITIAL.get(initial, "negative"), compiled=False)
 
     def take(self, t_s: Array, inputs: Array) -> None:
         """Move along recorded samples; those that are known already are left out."""
