@@ -24,7 +24,7 @@ import numpy as np
 from benchmarks.soak import LEVELS_A, _fixed_length_holds
 from smarig.config import load_rig
 from smarig.core import Sample
-from smarig.runner import Session
+from smarig.runner import CallbackListener, Session
 from smarig.running import PanelRunInfo, RunStatus, announced, runs_in_progress
 
 RIG, SPEED = "one_wire_twin", 50.0
@@ -57,7 +57,7 @@ def run(quick: bool = False) -> dict[str, Any]:
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         scenario = _Scenario(folder, phase_s)
-        timed = _TimedListener(scenario)
+        timed = _Timer(scenario)
         total_s = SPEED * phase_s * len(PHASES)
         with Session(RIG, speed=SPEED, wire="console-benchmark") as session:
             status = RunStatus(_description(session, folder, total_s), session.control, keys=False)
@@ -66,7 +66,7 @@ def run(quick: bool = False) -> dict[str, Any]:
                     "step_currents",
                     {"currents_A": list(LEVELS_A), **_fixed_length_holds(total_s / len(LEVELS_A))},
                     folder / "console.run.sqlite",
-                    listeners=[status, announcement, timed],
+                    listeners=[status, announcement, CallbackListener(on_sample=timed.sample)],
                 )
         return {
             "rig": RIG,
@@ -188,8 +188,8 @@ class _Scenario:
 
     def _worked_s(self) -> float:
         """Processor time of the console so far, s."""
-        with contextlib.suppress(OSError, AttributeError):
-            fields = Path(f"/proc/{self._console.pid}/stat").read_text().rpartition(")")[2].split()
+        with contextlib.suppress(OSError):
+            fields = Path(f"/proc/{_pid(self._console)}/stat").read_text().rpartition(")")[2].split()
             return sum(map(int, fields[11:13])) / os.sysconf("SC_CLK_TCK")
         return 0.0
 
@@ -210,7 +210,7 @@ class _Scenario:
         return self._shares
 
 
-class _TimedListener:
+class _Timer:
     """Processor time of the run's thread from sample to sample by phase, and when each sample came."""
 
     def __init__(self, scenario: _Scenario) -> None:
@@ -226,12 +226,6 @@ class _TimedListener:
             self.ticks[phase].append(worked - self._worked)
         self.arrivals[round(s.t_s, 6)] = monotonic()
         self._worked = thread_time()
-
-    def step(self, *what: Any, **more: Any) -> None:
-        """Nothing."""
-
-    def event(self, *what: Any, **more: Any) -> None:
-        """Nothing."""
 
 
 def _figures(ticks: dict[str, list[float]]) -> dict[str, dict[str, float] | None]:
@@ -268,7 +262,12 @@ def _updates(
 
 
 def _rss_MB(process: subprocess.Popen[str] | None) -> float:
-    with contextlib.suppress(OSError, AttributeError):
-        pages = int(Path(f"/proc/{process.pid}/statm").read_text().split()[1])
+    with contextlib.suppress(OSError):
+        pages = int(Path(f"/proc/{_pid(process)}/statm").read_text().split()[1])
         return round(pages * os.sysconf("SC_PAGE_SIZE") / 1e6, 1)
     return 0.0
+
+
+def _pid(process: subprocess.Popen[str] | None) -> int:
+    """The number of a process; 0, which none has, without one."""
+    return process.pid if process is not None else 0
