@@ -316,7 +316,7 @@ def test_a_file_with_decimal_commas_is_studied_by_clicks(visitor, tmp_path):
     assert guessed == ["Temperatur (°C)", "Weg (mm)"]
     visitor.click("Study it")
     visitor.shows("Result")
-    assert visitor.tab.run("document.querySelector('iframe').clientHeight") > 300
+    visitor.until("document.querySelector('iframe').clientHeight > 300", "the style sheet is applied")
 
 
 def test_a_run_is_started_with_keys_alone(visitor, console):

@@ -94,7 +94,7 @@ const residualElement = document.getElementById("residual");
 const residualPlot = residualElement && new uPlot({
   ...size(residualElement), cursor: { show: false }, legend: { show: false },
   scales: { x: { time: false }, y: { range: (u, low, high) => range([[low, high, 0]]) } },
-  axes: [axis("time, s"), axis(`residual, ${unit}`)],
+  axes: [axis("time, s"), axis(`residual, ${unit}`, { size: 72 })],
   series: [{}, { stroke: () => colour("--model"), width: 0.8, points: { show: false } }],
   hooks: { drawAxes: [zeroLine] },
 }, [[], []], residualElement);
