@@ -21,7 +21,7 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks.soak import LEVELS_A, _fixed_length_holds
+from benchmarks.soak import LEVELS_A, _fixed_length_holds, _rss_MB
 from smarig.config import load_rig
 from smarig.core import Sample
 from smarig.runner import CallbackListener, Session
@@ -31,7 +31,8 @@ RIG, SPEED = "one_wire_twin", 50.0
 PHASE_S = {True: 8.0, False: 65.0}
 WITHOUT = "no console"
 PHASES = (WITHOUT, "1 stream", WITHOUT, "3 streams", WITHOUT, "stopped", "killed", "restarted", WITHOUT)
-START_S = 3.0  # the first seconds of a phase, in which processes start, count for nothing
+START_S = 3.0  # the first seconds of a phase, in which streams begin with the history, count for nothing
+LAUNCH_S = 20.0  # for the four consoles that are started; what is left is without a console
 MEMORY_EVERY_S = 0.5
 
 _STREAM = """
@@ -58,7 +59,7 @@ def run(quick: bool = False) -> dict[str, Any]:
         folder = Path(name)
         scenario = _Scenario(folder, phase_s)
         timed = _Timer(scenario)
-        total_s = SPEED * phase_s * len(PHASES)
+        total_s = SPEED * (phase_s * len(PHASES) + LAUNCH_S)
         with Session(RIG, speed=SPEED, wire="console-benchmark") as session:
             status = RunStatus(_description(session, folder, total_s), session.control, keys=False)
             with announced(status.run_info, session.control, status) as announcement, scenario:
@@ -75,23 +76,23 @@ def run(quick: bool = False) -> dict[str, Any]:
             "tick_us": _figures(timed.ticks),
             "update_ms": _updates(timed.arrivals, scenario.received(), load_rig(RIG).period_s / SPEED),
             "console_rss_MB": scenario.memory(),
-            "console_share_of_a_core": scenario.share(),
+            "console_share_of_a_core": scenario.shares,
         }
 
 
 def _description(session: Session, folder: Path, total_s: float) -> PanelRunInfo:
     actuator = session.actuator
     return PanelRunInfo(
-        "step_currents",
-        session.file.name,
-        session.wire,
-        "twin",
-        actuator.two_wire,
-        actuator.unit,
-        session.file.period_s,
-        len(LEVELS_A),
-        total_s,
-        folder / "console.run.sqlite",
+        protocol="step_currents",
+        rig=session.file.name,
+        wire=session.wire,
+        source="twin",
+        two_wire=actuator.two_wire,
+        unit=actuator.unit,
+        period_s=session.file.period_s,
+        steps=len(LEVELS_A),
+        duration_s=total_s,
+        out=folder / "console.run.sqlite",
     )
 
 
@@ -101,11 +102,10 @@ class _Scenario:
     def __init__(self, folder: Path, phase_s: float) -> None:
         self._folder, self._phase_s = folder, phase_s
         self._console: subprocess.Popen[str] | None = None
-        self._address = ""
         self._streams: list[subprocess.Popen[bytes]] = []
         self._files: list[Path] = []
         self._memory_MB: dict[str, list[float]] = {}
-        self._shares: dict[str, float] = {}
+        self.shares: dict[str, float] = {}  # processor time of the console over time
         self._over = threading.Event()
         self._thread = threading.Thread(target=self._run_phases, daemon=True)
         self.phase = WITHOUT
@@ -124,15 +124,15 @@ class _Scenario:
             WITHOUT: self._end,
             "1 stream": lambda: self._start(1),
             "3 streams": lambda: self._start(3),
-            "stopped": lambda: (self._start(1), self._signal(signal.SIGSTOP))[0],
+            "stopped": self._start_and_stop,
             "killed": lambda: self._signal(signal.SIGKILL),
             "restarted": lambda: self._start(1),
         }
         for phase in PHASES:
             self.phase = ""
-            began = monotonic()
             actions[phase]()
-            if self._over.wait(max(0.0, began + min(START_S, self._phase_s / 2) - monotonic())):
+            began = monotonic()
+            if self._over.wait(min(START_S, self._phase_s / 2)):
                 return
             self.phase = phase
             if self._watch(began + self._phase_s):
@@ -144,11 +144,11 @@ class _Scenario:
         began, worked = monotonic(), self._worked_s()
         while monotonic() < until_s:
             if "stream" in self.phase or self.phase == "restarted":
-                self._memory_MB.setdefault(self.phase, []).append(_rss_MB(self._console))
+                self._memory_MB.setdefault(self.phase, []).append(_rss_MB(_pid(self._console)))
             if self._over.wait(MEMORY_EVERY_S):
                 return True
         if "stream" in self.phase:
-            self._shares[self.phase] = round((self._worked_s() - worked) / (monotonic() - began), 4)
+            self.shares[self.phase] = round((self._worked_s() - worked) / (monotonic() - began), 4)
         return False
 
     def _start(self, streams: int) -> None:
@@ -173,6 +173,10 @@ class _Scenario:
                         arguments, stdin=subprocess.DEVNULL, stdout=out, stderr=subprocess.DEVNULL
                     )
                 )
+
+    def _start_and_stop(self) -> None:
+        self._start(1)
+        self._signal(signal.SIGSTOP)
 
     def _signal(self, number: int) -> None:
         if self._console is not None:
@@ -201,13 +205,12 @@ class _Scenario:
     def memory(self) -> dict[str, dict[str, float]]:
         """Of the console, by phase: at its beginning and the largest in its last third."""
         return {
-            phase: {"first": found[0], "last_third": max(found[-max(1, len(found) // 3) :])}
+            phase: {
+                "first": round(found[0], 1),
+                "last_third": round(max(found[-max(1, len(found) // 3) :]), 1),
+            }
             for phase, found in self._memory_MB.items()
         }
-
-    def share(self) -> dict[str, float]:
-        """Processor time of the console over time, by phase."""
-        return self._shares
 
 
 class _Timer:
@@ -259,13 +262,6 @@ def _updates(
         "n": len(late),
         "sample_ms": round(1e3 * period_s, 2),
     }
-
-
-def _rss_MB(process: subprocess.Popen[str] | None) -> float:
-    with contextlib.suppress(OSError):
-        pages = int(Path(f"/proc/{_pid(process)}/statm").read_text().split()[1])
-        return round(pages * os.sysconf("SC_PAGE_SIZE") / 1e6, 1)
-    return 0.0
 
 
 def _pid(process: subprocess.Popen[str] | None) -> int:

@@ -72,9 +72,9 @@ def _fixed_length_holds(hold_s: float) -> dict[str, float]:
     return {"settle.band_counts": 1e-9, "settle.window_s": min(25.0, hold_s), "settle.timeout_s": hold_s}
 
 
-def _rss_MB() -> float:
-    """The present memory of the process if the system reports it, otherwise its peak."""
-    status = Path("/proc/self/statm")
+def _rss_MB(pid: int | None = None) -> float:
+    """The present memory of a process, or of this one, if the system reports it; else the peak of this one."""
+    status = Path(f"/proc/{pid or 'self'}/statm")
     if status.is_file():
         return int(status.read_text().split()[1]) * resource.getpagesize() / 1e6
     most = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss

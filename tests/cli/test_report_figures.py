@@ -29,6 +29,7 @@ def test_a_page_that_is_there_does_not_hinder_its_figures(folder, tmp_path, caps
     assert {f.suffix for f in (tmp_path / "f").iterdir()} == {".svg", ".pdf"}
     named = ["report", str(folder / "a.run.sqlite"), "--figures", str(tmp_path / "g"), "-o", str(page)]
     assert cli(named) == 2  # a page that is named is wanted
+    assert not (tmp_path / "g").exists(), "refused before anything was drawn"
     page.write_text("somebody else's", encoding="utf-8")
     assert cli(["report", str(folder / "a.run.sqlite"), "--figures", str(tmp_path / "h")]) == 2
     page.unlink()

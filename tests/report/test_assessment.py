@@ -98,7 +98,8 @@ def test_no_sentence_contradicts_the_figures(word, error, model, holds, gains):
     assert ("no Preisach operator" in text) == (rejected and word != "named")
     if model:
         assert ("Cause: walking" in text) == (word == "named")
-        assert ("the extended model (" in text) == (word == "named" and gains)
+        smaller = error in ("good", "fair")  # than that of the extended model
+        assert ("the extended model (" in text) == (word == "named" and gains and not smaller)
         assert ("Candidates, not proved: walking, creep" in text) == (word == "unknown")
         assert ("Measure minor loops of equal amplitude" in text) == (word == "unknown")
         assert ("No disturbance" in text) == (word == "silent" and error in ("good", "none"))
@@ -130,6 +131,30 @@ def test_the_recommended_model_is_judged_too(error, words):
     assert f"held-out error {error:.3g} mm" in assessment(found).advice
     assert ("Until then" in assessment(found).advice) == (words == "poor")
     assert f"the noise floor: {words})" in assessment(found).advice
+
+
+def test_a_poor_extended_model_that_is_no_better_is_not_offered():
+    found = evidence("named", "poor")
+    found.diagnosis.gain.base, found.diagnosis.gain.extended = 2.0, ERRORS["poor"][0]
+    assert "does not predict better" in assessment(found).advice
+    assert "nearest" not in assessment(found).advice
+
+
+def test_a_named_cause_says_what_it_does():
+    assert (
+        "shortens slightly with every cycle (ratchet strain)." in assessment(evidence("named", "poor")).advice
+    )
+
+
+@pytest.mark.parametrize(
+    ("choice", "basis"), [(None, "the training runs"), (SimpleNamespace(), "held-out curves")]
+)
+def test_the_basis_of_the_choice_is_named(choice, basis):
+    found = evidence("silent", "poor")
+    found.choice = choice
+    nearer = SimpleNamespace(settled=SimpleNamespace(n=5, rms=0.01, nrmse=0.001))
+    found.verifications["constant"] = SimpleNamespace(runs=(nearer,), unit="mm")
+    assert f"It was chosen on {basis};" in assessment(found).quality
 
 
 @pytest.mark.parametrize(("other", "told"), [(0.15, True), (0.19, False), (0.3, False)])

@@ -10,6 +10,7 @@ from report.pages import Page, run_of, step, unpacked
 from smarig.core.errors import UsageError
 from smarig.plant.effect_catalogue import effects_from_pairs
 from smarig.record import load_run
+from smarig.report.components.numbers import number
 from smarig.report.model_comparison_page import models_page
 from smarig.report.run_comparison_page import comparison_page
 from smarig.report.runs.comparison_assessment import comparison_assessment
@@ -216,3 +217,16 @@ def test_models_are_compared_on_the_same_points_and_drawn_on_one_scale(wire):
     assert len(maps) == 2
     assert len(tops) == 1
     assert page.row("exponential on all runs")[1] == str(sum(len(wire[k].settled) for k in "vw"))
+
+
+def test_the_page_of_models_opens_with_the_verdict_on_each(wire):
+    models = {name: smarig.identify(wire["c"], name).model for name in ("constant", "exponential")}
+    both = Page(models_page(models, {"v": wire["v"]})).visible
+    for name in models:
+        (one,) = smarig.verify(models[name], [wire["v"]]).runs
+        sentence = f"{name} on v: {number(one.settled.rms)} mm rms, {one.verdict.text}."
+        assert sentence in both
+        assert both.index(sentence) < both.index("Errors (model")
+        alone = Page(models_page({name: models[name]}, {"v": wire["v"]})).visible
+        assert sentence in alone
+        assert f"Model {name}" in alone

@@ -2,6 +2,8 @@
 
 import json
 import re
+from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -74,6 +76,21 @@ def test_where_nothing_is_held_out_the_error_on_blocks_left_out_is_said_too(tmp_
     stated = re.search(r"On blocks left out of the fit, the error is ([\d.]+) mm rms", result.sentences()[0])
     assert stated is not None
     assert float(stated[1]) == pytest.approx(found.rms, rel=0.01)
+
+
+@pytest.mark.parametrize(("times_noise", "verdict"), [(1.2, "good"), (5.0, "fair")])
+def test_one_loop_is_good_only_if_blocks_left_out_are_predicted(tmp_path, times_noise, verdict):
+    u = temperatures(1, 120)
+    noise = np.random.default_rng(4).normal(0.0, 0.02, u.size)
+    path = tmp_path / "loop.csv"
+    path.write_text(csv_text(np.arange(u.size) * 0.5, u, displacements(u) + noise), encoding="utf-8")
+    studied = study([path], tmp_path / "out", StudyOptions())
+    left_out = SimpleNamespace(rms=times_noise * studied.diagnosis.noise)
+    result = replace(studied, diagnosis=replace(studied.diagnosis, best=left_out))
+    assert (result.verdict, result.at_noise) == (verdict, verdict == "good")
+    assert ("as blocks left out of the fit are predicted less well" in result._verdict_words()) == (
+        verdict == "fair"
+    )
 
 
 def test_a_given_mapping_counts_without_a_question(files, tmp_path):

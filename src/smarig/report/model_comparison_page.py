@@ -131,7 +131,7 @@ def _warnings(verifications: _Verifications) -> list[Html]:
 def _verdicts(verifications: _Verifications, unit: str) -> Html:
     """What each error is, in words; the colour is that of the best model."""
     pairs = [
-        (f"{model} on {Path(run).name}", each)
+        (f"{model} on {run}", each)
         for run, by_model in verifications.items()
         for model, each in by_model.items()
     ]

@@ -220,7 +220,7 @@ class StudyResult:
         """The verdict, with the branch that decides it, or with the place that it excepts."""
         level, place = ErrorLevel(self.verdict), worst_place(self.branches)
         if level is ErrorLevel.FAIR and self._level_on_average is ErrorLevel.GOOD and self._left_out_is_worse:
-            return "fair: blocks left out of the fit are predicted less well"
+            return "fair, as blocks left out of the fit are predicted less well"
         if place is None or not self.span:
             return LEVEL_WORDS[level]
         if level is ErrorLevel.FAIR and self._one_way:

@@ -51,3 +51,7 @@ def test_the_boundary_comes_at_most_ten_times_per_second(messages):
     assert (len(times) - 1) / (times[-1] - times[0]) < 10.5
     last = [content for _, name, content in messages if name == "boundary"][-1]
     assert last["corners"][-1] == pytest.approx([last["input"]] * 2, abs=0.1)
+
+
+def test_it_says_that_it_is_alive_whatever_the_run_does(messages):
+    assert "alive" in [name for _, name, _ in messages]

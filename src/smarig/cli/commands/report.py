@@ -8,7 +8,7 @@ import click
 
 from smarig.cli.output import check_distinct, emit, json_option, show_message
 from smarig.cli.parameter_types import ANY_PATH, FILE, FOLDER, own_effects
-from smarig.core import UsageError, pattern_order
+from smarig.core import UsageError, check_writable, pattern_order
 
 EPILOG = """\b
 Examples:
@@ -88,7 +88,8 @@ def command(
             "--summary is of one run, with at most one --model, or of the folder of a characterisation."
         )
     place = _Target(out, force, figures is not None)
-    place.check()
+    if out is not None:
+        check_writable(out, force=force)  # before anything is computed
     if figures is None:
         _pages(runs, models, place, diagram, smoothing, summary)
         return
@@ -111,11 +112,6 @@ class _Target:
     out: Path | None
     force: bool
     for_figures: bool
-
-    def check(self) -> None:
-        """Raise UsageError for a named page that exists, before anything is computed."""
-        if self.out is not None and self.out.exists() and not self.force:
-            raise UsageError(f"{self.out} exists; give another name or --force to replace it.")
 
     def write(self, html: str, file: Path) -> None:
         """Write the page; one that is there already stays as it is if only its figures were asked for."""

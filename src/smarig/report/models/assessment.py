@@ -161,6 +161,8 @@ def _named_advice(e: Evidence, d: Diagnosis, rms: float | None) -> str:
     found = e.verifications.get(e.chosen)
     verdict = _verdict_on(error, found) if found is not None else None
     is_poor = verdict is not None and verdict.level == ErrorLevel.POOR
+    if is_poor and rms is not None and error >= rms:
+        return _REMOVE
     unit = spaced(d.timeline.unit)
     instead = f" instead of {rms:.3g}{unit}" if is_poor and rms is not None else ""
     held_out = f"held-out error {error:.3g}{unit}{instead}" + (f", {verdict.text}" if verdict else "")

@@ -36,9 +36,8 @@ def loop_figure(e: Evidence, training: Run) -> Figure | None:
         words += f" Second panel: model − measured on the held-out run, rms {verification.settled.rms:.3g}"
         words += f"{spaced(run.unit)}, n = {verification.settled.n}{band}."
         if extended is not None:
-            words += (
-                f" Purple: the extended model of the diagnosis, rms {_rms(extended):.3g}{spaced(run.unit)}."
-            )
+            rms = float(np.sqrt(np.mean(extended**2)))
+            words += f" Purple: the extended model of the diagnosis, rms {rms:.3g}{spaced(run.unit)}."
     return Figure(panels, "Measured loops and the model.", [words], source_label(training), 460)
 
 
@@ -76,10 +75,6 @@ def _extended_errors(e: Evidence, found: RunVerification) -> NDArray[np.float64]
         return None
     errors = -d.gain.extended_error[d.gain.settled]
     return errors if errors.size == np.count_nonzero(found.counted) else None
-
-
-def _rms(errors: NDArray[np.float64]) -> float:
-    return float(np.sqrt(np.mean(errors**2)))
 
 
 def _error_panel(

@@ -233,7 +233,7 @@ function follow() {
   });
   // A browser has six connections for one address: a page that nobody sees gives its own back, and looks now and then.
   const hide = () => {
-    if (document.visibilityState === "visible") return;
+    if (isEnded || document.visibilityState === "visible") return;
     source.close();
     document.removeEventListener("visibilitychange", hide);
     lookForTheEnd();
