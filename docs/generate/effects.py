@@ -33,6 +33,7 @@ def _chapter(kind: EffectType) -> str:
         ("looks like", plain(kind.looks_like)),
         ("confused with", ", ".join(f"[{n}](#{n.replace('_', '-')})" for n in kind.confused_with)),
         ("distinguished by", plain(kind.separated_by)),
+        ("against it", plain(kind.remedy)),
     ]
     docstring_text = importlib.import_module(f"smarig.plant.effects.{kind.name}").__doc__ or ""
     return "\n".join(

@@ -26,7 +26,7 @@ def test_pooled_stresses_are_said_in_one_sentence_and_kept_with_the_model(tmp_pa
     runs = [under(str(s), stress=(s, "MPa")) for s in (100.0, 50.0, 150.0)]
     sentence = (
         "These runs were made under 50, 100 and 150 MPa; the model pools them as one wire. "
-        "Use --load-from stress to model the load."
+        "To model the load, use smarig identify with --load-from stress."
     )
     model = load_model(identify(runs, "positive").model.save(tmp_path / "m.model.json"))
     assert sentence in model.warnings

@@ -5,6 +5,8 @@ import os
 import numpy as np
 import pytest
 
+from report.pages import unpacked
+from smarig.report.transformation.tangent_figure import tangent_figure
 from smarig.transformation import TEMPERATURES, run_figures
 from transformation.known_loops import known_loop, run_of
 
@@ -68,3 +70,36 @@ def test_the_noise_of_several_cycles_averages_but_the_choice_does_not():
     loops = [known_loop(4, kind="ramp", noise=0.02, drift=0.0, cycles=n) for n in (1, 16)]
     one, many = (run_figures(run_of(loop.u, loop.y)).means["M_s"] for loop in loops)
     assert 0.1 < np.diff(many.ci95)[0] / np.diff(one.ci95)[0] < 0.75
+
+
+def with_a_hole(**options):
+    """A loop, the readings about A_s that are left out (begin, end), and the run of the others."""
+    loop = known_loop(5, **options)
+    begin, end = loop.truth["A_s"] - 0.6 * loop.span, loop.truth["A_s"] + 0.2 * loop.span
+    heating = np.arange(loop.u.size) < np.argmax(loop.u)
+    kept = ~(heating & (loop.u > begin) & (loop.u < end))
+    return loop, (begin, end), run_figures(run_of(loop.u[kept], loop.y[kept]))
+
+
+@pytest.mark.parametrize("kind", ["ramp", "logistic", "normal"])
+def test_a_start_between_readings_is_known_no_better_than_the_readings(kind):
+    loop, (begin, end), found = with_a_hole(kind=kind, noise=0.002)
+    low, high = found.means["A_s"].ci95
+    assert low <= begin + 0.1 * loop.span
+    assert high >= end - 0.1 * loop.span
+    assert set(found.gaps) == {"A_s"}
+    assert any("A_s lies between two readings" in note for note in found.notes)
+    whole = run_figures(run_of(loop.u, loop.y))
+    assert not whole.gaps
+    assert np.diff(whole.means["A_s"].ci95) < 0.5 * (high - low)
+
+
+def test_the_figure_draws_no_line_where_nothing_was_measured():
+    _, (begin, end), found = with_a_hole(kind="ramp", noise=0.0)
+    lines = {t["name"]: unpacked(t["x"]) for t in tangent_figure(found).panels[0].data}
+    for name in ("heating", "all readings"):
+        low, high = (
+            np.minimum(lines[name][:-1], lines[name][1:]),
+            np.maximum(lines[name][:-1], lines[name][1:]),
+        )
+        assert not ((low <= begin) & (high >= end)).any(), name

@@ -6,7 +6,7 @@ computed on demand and not stored.
 """
 
 from dataclasses import dataclass, replace
-from functools import singledispatch
+from functools import lru_cache, singledispatch
 from itertools import pairwise
 
 import numpy as np
@@ -47,13 +47,18 @@ class DensityReport:
         return f"DensityReport(μ from {self.mu_min:.3g} to {self.mu_max:.3g}, {classes})"
 
 
-@singledispatch
+@lru_cache(maxsize=32)  # a page names the extremes of a surface in several places
 def density_report(hysteresis: Everett) -> DensityReport:
     """Extremes and classes of a surface, a table, or the mirror image of one (whose μ(α, β) is μ̃(−β, −α))."""
+    return _report(hysteresis)
+
+
+@singledispatch
+def _report(hysteresis: Everett) -> DensityReport:
     return _of_cells(hysteresis)
 
 
-@density_report.register
+@_report.register
 def _of_mirrored(hysteresis: Mirrored) -> DensityReport:
     r = density_report(hysteresis.image)
     low, high = ((-b, -a) for a, b in (r.mu_min_at, r.mu_max_at))
@@ -71,7 +76,7 @@ def _of_mirrored(hysteresis: Mirrored) -> DensityReport:
     )
 
 
-@density_report.register
+@_report.register
 def _of_surface(hysteresis: FodSurface) -> DensityReport:
     c = classes(hysteresis)
     low, high = c.mu_min, c.mu_max
@@ -87,13 +92,13 @@ def _of_surface(hysteresis: FodSurface) -> DensityReport:
     )
 
 
-@density_report.register
+@_report.register
 def _of_curves(hysteresis: ForcTable) -> DensityReport:
     """Interpolated curves are piecewise smooth: their seams are kinks, not jumps."""
     return replace(_of_cells(hysteresis), M_PC=True)
 
 
-@density_report.register
+@_report.register
 def _of_table(hysteresis: FodTable) -> DensityReport:
     """A finite table is piecewise smooth; its diagonal cells are its reversible part."""
     report = _of_cells(hysteresis)

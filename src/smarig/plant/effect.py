@@ -149,13 +149,14 @@ class EffectType:
     """A mechanism of the catalogue. Called with values, it returns an ``Effect``.
 
     ``parameters``: the first is the strength; at 0 the plant is unchanged bit for bit. ``act`` returns the hooks. The
-    texts describe for the reader how the effect enters, what it looks like, what it is confused with, and what
-    distinguishes it. ``memoryless``: the effect on the position (for a feedback, on the input) follows from the present
-    state alone, so a replay needs it only at readings (a feedback also at turning points); an effect with memory is
-    computed at every step. ``output_independent``: changes before the hysteresis follow from the ``ThermalState`` and
-    the input range alone, so the hysteresis input of a record is computed once for all densities. Other effects are
-    simulated tick by tick, with the same numbers. ``shown_by``: the kinds of readings in which no density takes the
-    effect up (settled and moving positions, resistance, current); none if it is itself a part of a classical density.
+    texts describe for the reader how the effect enters, what it looks like, what it is confused with, what
+    distinguishes it, and what a lab can do against it (``remedy``). ``memoryless``: the effect on the position (for a
+    feedback, on the input) follows from the present state alone, so a replay needs it only at readings (a feedback also
+    at turning points); an effect with memory is computed at every step. ``output_independent``: changes before the
+    hysteresis follow from the ``ThermalState`` and the input range alone, so the hysteresis input of a record is
+    computed once for all densities. Other effects are simulated tick by tick, with the same numbers. ``shown_by``: the
+    kinds of readings in which no density takes the effect up (settled and moving positions, resistance, current); none
+    if it is itself a part of a classical density.
 
     >>> from smarig.plant.effects.walking import walking
     >>> walking(0.2)
@@ -175,6 +176,7 @@ class EffectType:
     memoryless: bool = False
     output_independent: bool = False
     shown_by: tuple[str, ...] = POSITIONS
+    remedy: str = ""
     shape: Any = None  # of a learned effect, which no catalogue lists
 
     @property

@@ -62,7 +62,11 @@ def pooled_conditions(runs: Sequence[Run], modelled: Collection[str] = ()) -> li
         values = _distinct([r[name] for r in records if name in r])
         if len(values) < 2 or name in modelled or SAME_CAUSE.get(name) in records[0]:
             continue
-        advice = f" Use --load-from {MODELLED[name]} to model the load." if name in MODELLED else ""
+        advice = (
+            f" To model the load, use smarig identify with --load-from {MODELLED[name]}."
+            if name in MODELLED
+            else ""
+        )
         found.append(
             f"These runs were made {_phrase(name, values)}; the model pools them as one wire.{advice}"
         )

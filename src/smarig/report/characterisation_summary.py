@@ -23,7 +23,7 @@ def characterisation_summary(e: Evidence, *, library: str = LIBRARY) -> str:
         assessed.html(),
         sheet_header(runs),
         *([figure] if figure else []),
-        characterisation_cards(e),
+        characterisation_cards(e, theory=False),
         paragraph(f"Runs {files}; {e.chosen} model."),
     ]
     return page(

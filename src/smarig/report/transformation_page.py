@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 from smarig.core import spaced
 from smarig.report.components.html import Html, paragraph, with_subscripts
-from smarig.report.components.numbers import to_uncertainty
+from smarig.report.components.numbers import number, to_uncertainty
 from smarig.report.components.page import Section, page
 from smarig.report.components.run_description import display_unit, source_label
 from smarig.report.components.run_title import titled
@@ -80,7 +80,14 @@ def _branch(run: RunFigures, direction: str, phase: str, name: str) -> str:
         missing = start if start not in run.means else finish
         return f"On {direction}, {missing} is not given: {why_not(run, missing)}."
     ends = f"{start} = {_value(run, start)} to {finish} = {_value(run, finish)}"
-    return f"On {direction}, the material transforms to {name} from {ends}."
+    unsure = "".join(f" {_not_measured(run, one)}" for one in (start, finish) if one in run.gaps)
+    return f"On {direction}, the material transforms to {name} from {ends}.{unsure}"
+
+
+def _not_measured(run: RunFigures, name: str) -> str:
+    low, high = (number(v) for v in run.gaps[name])
+    unit = spaced(display_unit(run.unit_of(name)))
+    return f"Nothing was measured between {low} and {high}{unit}, where {name} lies."
 
 
 def _width(run: RunFigures) -> str:

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
@@ -77,7 +77,7 @@ def evaluate(split: DataSplit, progress: Callable[[str], None]) -> Evaluation:
 def with_extended(evaluation: Evaluation, model: Model, split: DataSplit) -> Evaluation:
     """The evaluation with the extended model of a diagnosis; it comes first only if it is best on held-out data."""
     try:
-        extended = _evaluated(_EXTENDED, model, model.warnings, split)
+        extended = _evaluated(_EXTENDED, model, model.warnings, split, train_zero="fitted")
     except (DataError, UsageError) as error:
         return replace(evaluation, failed=evaluation.failed | {_EXTENDED: str(error)})
     first, *rest = evaluation.candidates
@@ -96,16 +96,27 @@ def _candidates(split: DataSplit) -> list[tuple[str, dict[str, Any]]]:
     return found
 
 
-def _evaluated(name: str, model: Model, warnings: Sequence[str], split: DataSplit) -> CandidateModel:
-    """The errors of a model on the training and held-out parts."""
+def _evaluated(
+    name: str,
+    model: Model,
+    warnings: Sequence[str],
+    split: DataSplit,
+    train_zero: Literal["auto", "fitted"] = "auto",
+) -> CandidateModel:
+    """The errors of a model on the training and held-out parts. A diagnosis fits a zero of its own to each training
+    run; ``train_zero`` "fitted" does so too.
+    """
     train, held_out = list(split.train), list(split.held_out)
     if split.select is not None:
-        fitted, other = (verify(model, train, select=select).runs for select in split.select)
+        fitted, other = (
+            verify(model, train, select=select, offset=zero).runs
+            for select, zero in zip(split.select, (train_zero, "auto"))
+        )
     elif split.continued:
         both = verify(model, [*train, *held_out]).runs
         fitted, other = both[: len(train)], both[len(train) :]
     else:
-        fitted = verify(model, train).runs
+        fitted = verify(model, train, offset=train_zero).runs
         other = verify(model, held_out).runs if held_out else fitted
     return CandidateModel(name, model, tuple(warnings), tuple(fitted), tuple(other))
 

@@ -47,8 +47,8 @@ def study_json(result: "StudyResult") -> dict[str, Any]:
 def _columns(guess: TableGuess) -> dict[str, Any]:
     found = {}
     for c in guess.columns:
-        role = guess.roles.get(c.name)
-        if role is not None:
+        if c.name in guess.roles:
+            role = guess.shown_role(c.name)
             found[c.name] = {
                 "role": role.role,
                 "quantity": c.quantity or None,

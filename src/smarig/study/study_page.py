@@ -190,7 +190,7 @@ def _columns(result: StudyResult) -> Iterator[Html]:
         return
     guess = result.understood.guesses[0]
     yield html_table(
-        ("Column", "Used as", "Quantity", "Unit", "Range", "Step", "Looks", "Why"),
+        ("Column", "Used as", "Quantity", "Unit", "Range", "Step", "Course", "Why"),
         list(_rows(guess)),
         "Columns of the file.",
         stacked=True,
@@ -205,7 +205,7 @@ def _columns(result: StudyResult) -> Iterator[Html]:
 
 def _rows(guess: TableGuess) -> Iterator[Sequence[str]]:
     for c in guess.columns:
-        role, f = guess.roles[c.name], c.facts
+        role, f = guess.shown_role(c.name), c.facts
         unit = f"{display_unit(c.unit)}" + (" (assumed)" if c.unit and c.unit_confidence <= 0.5 else "")
         why = role.reason + (
             f"; unit: {c.unit_reason}" if c.unit_reason and c.unit_confidence < STATED else ""

@@ -106,12 +106,18 @@ def _finding(d: Diagnosis | MeasuredDiagnosis, first_line: str, *, at_noise: boo
         return f"The diagnosis finds nothing: the errors {left}."
     if word == "unknown" and variable:
         named = " and ".join(map(variable_words, variable.split(" and ")))
-        return f"The errors that are left vary with {named}; no known effect explains them."
+        return (
+            f"The errors that are left vary with {named}; no known effect explains them{_learned_instead(d)}."
+        )
     if word == "unknown":
-        return "The errors that are left are more than noise, but no known effect explains them."
+        return f"The errors that are left are more than noise, but no known effect explains them{_learned_instead(d)}."
     if word == "named" and isinstance(d, MeasuredDiagnosis) and d.best is not None:
         return " ".join(_effects(d))
     return first_line if first_line.endswith(".") else f"{first_line}."
+
+
+def _learned_instead(d: Diagnosis | MeasuredDiagnosis) -> str:
+    return "; a term learned from them describes a part, without a cause" if d.learned is not None else ""
 
 
 def _effects(d: MeasuredDiagnosis) -> list[str]:

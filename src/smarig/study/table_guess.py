@@ -54,6 +54,14 @@ class TableGuess:
         """The first column in a role."""
         return next(iter(self.of_role(role)), None)
 
+    def shown_role(self, name: str) -> Role:
+        """The role of a column as shown: that of the second branch has that of the first."""
+        first = next((a for a, b in self.branches.items() if b == name), None)
+        role = self.roles[first].role if first else "ignored"
+        if role == "ignored":
+            return self.roles[name]
+        return Role(f"{role}, second branch", f"beside '{first}', whose name differs in one letter")
+
     @property
     def doubts(self) -> list[str]:
         """The roles that need an answer: "input", "output", or a column whose unit is not clear."""

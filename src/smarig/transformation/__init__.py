@@ -8,6 +8,7 @@ if TYPE_CHECKING:
     from smarig.transformation.branch_tangents import BranchTangents as BranchTangents
     from smarig.transformation.branch_tangents import branch_tangents as branch_tangents
     from smarig.transformation.chosen_cycles import cycles_text as cycles_text
+    from smarig.transformation.cycle_figures import CORNERS as CORNERS
     from smarig.transformation.cycle_figures import FIGURES as FIGURES
     from smarig.transformation.cycle_figures import TEMPERATURES as TEMPERATURES
     from smarig.transformation.cycle_figures import CycleFigures as CycleFigures

@@ -31,17 +31,22 @@ Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 FEWEST_READINGS = 10
 DRAWS = 400
+JUMP = 0.2  # of the output between two readings of a branch: more is stated
 _PICKS = 7  # seed
 _STEEP_PLATEAU = 0.25  # of the steep slope: a steeper plateau has not levelled off
 _SHORT_PLATEAU = 0.3  # of the span: a shorter one is a part of the knee
 _LEAST_RISE = 8.0  # times the noise of the plateaus
+_WIDE_GAP = (
+    0.4  # of the span from corner to corner: readings about a corner that are farther apart do not show it
+)
 
 
 @dataclass(frozen=True, eq=False)
 class Corner:
     """Where a plateau's tangent meets the steep one: value, draws (B,), the output there, and its plateau's tangent.
 
-    ``borrowed``: the plateau is that of the other branch of the cycle.
+    ``borrowed``: the plateau is that of the other branch of the cycle. ``gap``: the two readings between which the
+    branch has none, if the corner lies between them and the draws therefore span them.
     """
 
     value: float
@@ -51,6 +56,7 @@ class Corner:
     plateau: PlateauLine
     plateau_rows: Integers
     borrowed: bool = False
+    gap: tuple[float, float] | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,7 +64,8 @@ class BranchTangents:
     """A branch in order of rising input, u and y (n,), its tangents and corners.
 
     ``why_not`` gives the reason for a corner that is missing, by "low" and "high". ``noise_sd`` is that of the output.
-    ``jump`` is the largest share of the output between two readings of the transformation, and their inputs.
+    ``jump`` is the largest share of the output between two readings of the transformation, and their inputs. ``span``
+    is the rough distance of the corners.
     """
 
     u: Array
@@ -73,6 +80,15 @@ class BranchTangents:
     plateaus: dict[str, tuple[PlateauLine, ...]]
     picks: Array
     jump: tuple[float, float, float]
+    span: float
+
+    @property
+    def gaps(self) -> tuple[tuple[float, float], ...]:
+        """Inputs between which readings are missing: on the steep part, and about a corner."""
+        share, low, high = self.jump
+        own = [(low, high)] if share > JUMP else []
+        own += [corner.gap for corner in (self.low, self.high) if corner and corner.gap]
+        return tuple(dict.fromkeys(own))
 
 
 def branch_tangents(
@@ -116,6 +132,7 @@ def branch_tangents(
         plateaus=lines,
         picks=picks,
         jump=_largest_jump(u, shape.share),
+        span=shape.span,
     )
     for side, end, knee in shape.sides():
         reason = _not_level(found, rows[side], end, knee, shape, unit)
@@ -206,10 +223,29 @@ def _corner(
     ).astype(int)
     picked = np.minimum(steps, len(pairs) - 1)
     draws = _with_choice(values, drawn, picked)
+    gap = _gap_about(found.u, value, _WIDE_GAP * found.span)
+    if gap is not None:
+        draws = _over_gap(draws, value, gap, pick_plateau)
     line = lines[len(lines) // 2] if lines else pairs[0][1]
     rows = choices[len(lines) // 2] if choices else np.empty(0, dtype=np.int64)
     output_draws = _with_choice(outputs, drawn_outputs, picked)
-    return Corner(value, draws, float(outputs.mean()), output_draws, line, rows)
+    return Corner(value, draws, float(outputs.mean()), output_draws, line, rows, gap=gap)
+
+
+def _gap_about(u: Array, value: float, widest: float) -> tuple[float, float] | None:
+    """The readings next to a value, if they are farther apart than ``widest``."""
+    k = int(np.clip(np.searchsorted(u, value), 1, u.size - 1))
+    low, high = float(u[k - 1]), float(u[k])
+    return (low, high) if high - low > widest else None
+
+
+def _over_gap(draws: Array, value: float, gap: tuple[float, float], uniform: Array) -> Array:
+    """The noise of the draws (B,) about any place of a gap: a curve without readings may bend anywhere in it.
+
+    95 % of the places (``uniform``, B) are the gap.
+    """
+    low, high = gap
+    return (low + high) / 2 + (high - low) / 0.95 * (uniform - 0.5) + (draws - value)
 
 
 def _with_choice(values: Array, drawn: Array, picked: Integers) -> Array:

@@ -19,7 +19,13 @@ from smarig.transformation.branch_tangents import DRAWS, BranchTangents, Corner
 from smarig.transformation.full_branches import HEATING, FullBranch
 
 Array = NDArray[np.float64]
-TEMPERATURES = ("A_s", "A_f", "M_s", "M_f")
+CORNERS = {  # the branch and the side of its corner
+    "A_s": ("heating", "low"),
+    "A_f": ("heating", "high"),
+    "M_s": ("cooling", "high"),
+    "M_f": ("cooling", "low"),
+}
+TEMPERATURES = tuple(CORNERS)
 DIFFERENCES = ("span", "width")
 OUTPUTS = ("stroke", "heating_transformation", "cooling_transformation", "residual")
 FIGURES = (*TEMPERATURES, *DIFFERENCES, *OUTPUTS)
@@ -82,16 +88,11 @@ def cycle_figures(
 ) -> CycleFigures:
     """The figures of a cycle whose usable branches have tangents, by direction."""
     heating, cooling = tangents.get("heating"), tangents.get("cooling")
-    corners: dict[str, tuple[BranchTangents | None, str]] = {
-        "A_s": (heating, "low"),
-        "A_f": (heating, "high"),
-        "M_s": (cooling, "high"),
-        "M_f": (cooling, "low"),
-    }
     figures: dict[str, Drawn] = {}
     why_not: dict[str, str] = {}
     borrowed: list[str] = []
-    for name, (branch, side) in corners.items():
+    for name, (direction, side) in CORNERS.items():
+        branch = tangents.get(direction)
         corner: Corner | None = getattr(branch, side) if branch else None
         if corner is not None:
             figures[name] = Drawn(corner.value, corner.draws)

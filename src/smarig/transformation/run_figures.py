@@ -9,10 +9,11 @@ import numpy as np
 from smarig.core import UsageError
 from smarig.identification import Estimate
 from smarig.record import Run
-from smarig.transformation.branch_tangents import BranchTangents, branch_tangents, with_borrowed_plateau
+from smarig.transformation.branch_tangents import JUMP, BranchTangents, branch_tangents, with_borrowed_plateau
 from smarig.transformation.chosen_cycles import comparable_cycles, complete_cycles, left_out_note
 from smarig.transformation.cycle_drift import cycle_drift
 from smarig.transformation.cycle_figures import (
+    CORNERS,
     DIFFERENCES,
     FIGURES,
     TEMPERATURES,
@@ -27,7 +28,6 @@ from smarig.transformation.temperature_record import TemperatureRecord, temperat
 _SMALL_STROKE = 0.5  # of the median of its direction: a branch with less is not that of a transforming wire
 _CLOSED = 0.1  # of the stroke: a loop that closes within it has one plateau at an end
 _STILL_STEEP = 0.5  # of the steep slope: a branch that ends with more is not through
-_JUMP = 0.2  # of the output between two readings of a branch: more is stated
 _MOST_REASONS = 2  # branches that cover only a part of the range: so many are described
 _SOURCE = "tangents"
 
@@ -37,6 +37,7 @@ class RunFigures:
     """One run. ``means`` over the cycles ``averaged``, by figure; ``drift`` per cycle, or the reason against it.
 
     The interval of a mean contains the common choice of the tangents' readings in full, and the noise averaged.
+    ``gaps``: the two inputs between which nothing was measured, for temperatures that lie between them.
     """
 
     run: Run
@@ -48,6 +49,7 @@ class RunFigures:
     averaged: tuple[int, ...]
     drift: dict[str, Estimate]
     no_drift: str
+    gaps: dict[str, tuple[float, float]]
     notes: tuple[str, ...]
 
     @property
@@ -111,7 +113,7 @@ def run_figures(run: Run) -> RunFigures:
     cycles = _cycles(branches, tangents)
     if not any(c.whole for c in cycles):
         raise UsageError(_no_loop(run.name, record, cycles, unused))
-    averaged = complete_cycles(cycles)
+    averaged, gaps = complete_cycles(cycles), _gaps(cycles)
     means, counts = _means(averaged)
     comparable, reason = comparable_cycles(averaged)
     drift, scattered = cycle_drift(
@@ -127,12 +129,14 @@ def run_figures(run: Run) -> RunFigures:
         averaged=tuple(c.number for c in averaged),
         drift=drift,
         no_drift=reason or scattered,
+        gaps={name: (low, high) for name, (low, high, _) in gaps.items()},
         notes=(
             *record.notes,
             *([note] if (note := lag_note(branches, record.lag_s, "K")) else []),
             *left_out_note(cycles, averaged),
             *_notes(averaged),
             *_jumps(cycles, record),
+            *_gap_notes(gaps, _shown_unit(record.input_unit)),
         ),
     )
 
@@ -239,13 +243,32 @@ def _jumps(cycles: Sequence[CycleFigures], record: TemperatureRecord) -> Iterato
     for direction in (HEATING, COOLING):
         own = [(t.jump, c.number) for c in cycles if (t := getattr(c, direction)) is not None]
         (share, low, high), number = max(own, default=((0.0, 0.0, 0.0), 0))
-        if share > _JUMP:
+        if share > JUMP:
             names = "A_s and A_f" if direction == HEATING else "M_s and M_f"
             yield (
                 f"Cycle {number}, {direction}: {100 * share:.0f} % of the output lies between two readings at "
                 f"{low:.4g} and {high:.4g} {_shown_unit(record.input_unit)}; {names} would differ if the "
                 "readings between them were known."
             )
+
+
+def _gaps(cycles: Sequence[CycleFigures]) -> dict[str, tuple[float, float, int]]:
+    """The widest gap (low, high, cycle) of each temperature that lies where its branch has no readings."""
+    found: dict[str, tuple[float, float, int]] = {}
+    for name, (direction, side) in CORNERS.items():
+        corners = [(getattr(t, side), c.number) for c in cycles if (t := getattr(c, direction))]
+        own = [(*corner.gap, number) for corner, number in corners if corner and corner.gap]
+        if own:
+            found[name] = max(own, key=lambda gap: gap[1] - gap[0])
+    return found
+
+
+def _gap_notes(gaps: dict[str, tuple[float, float, int]], unit: str) -> Iterator[str]:
+    for name, (low, high, number) in gaps.items():
+        yield (
+            f"Cycle {number}, {CORNERS[name][0]}: {name} lies between two readings at {low:.4g} and {high:.4g} {unit}. "
+            "Nothing is measured between them, so its interval is at least as wide."
+        )
 
 
 def _no_loop(

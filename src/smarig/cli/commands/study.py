@@ -128,7 +128,7 @@ def _columns_text(result: "StudyResult") -> str:
     lines = ["Columns:"]
     guess = result.understood.guesses[0]
     for c in guess.columns:
-        role = guess.roles[c.name]
+        role = guess.shown_role(c.name)
         unit = f" in {c.unit}" if c.unit else ""
         lines.append(
             f"  {c.name}: {role.role}{unit}; {c.facts.low:.4g} … {c.facts.high:.4g}, {c.facts.looks()}; {role.reason}"

@@ -41,6 +41,7 @@ my_effect = EffectType(  # variable and ``name`` must equal the file's name
     looks_like="positions lag behind, more after large moves",
     confused_with=("creep", "settling"),
     separated_by="longer holds",
+    remedy="stiffen the mount",
     parameters=(  # name, unit, lower, upper, typical, source; the first is the strength, with 0 within its bounds
         Parameter("share_percent", "%", 0.0, 50.0, 5.0, "placeholder, replace it"),
         Parameter(

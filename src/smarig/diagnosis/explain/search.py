@@ -31,6 +31,9 @@ SINGLE_TRIED = 6  # single effects refined
 SINGLE_TRIED_IF_SILENT = 3  # the same if nothing stands out when all effects are allowed as noise
 FURTHER_TRIED = 3  # further effects tried with an accepted one, of those that stand out now and at first
 MIN_FURTHER_FIT_NATS = 6.0  # nats of a fit with the present density: less does not become a gain of 25
+MIN_FIT_SHARE = (
+    0.2  # of the least gain: a fit with the present density that gains less does not become that gain
+)
 RIVALS_KEPT = 3  # explanations kept from size to size
 DOUBLING_TRIED = 2  # of the evaluated, likeliest first: those tried at double strength
 EVALUATED_MAX = 4  # explanations whose likelihood is computed
@@ -97,13 +100,14 @@ def search_explanations(
     current = first
     while starts and len(levels) < most:
         fewer = levels[-1].best.effects if levels else ()
-        linear_gain, found = _evaluated(first, original, current, starts, fewer, evidence)
+        required = _required_gain_nats(levels) if levels else gate
+        linear_gain, found = _evaluated(first, original, current, starts, fewer, evidence, required)
         if not found:
             break
         best, reduced_evidence = found[0], evidence
         if best.evidence > evidence:
             reduced_evidence = max(evidence, evidence_without_one(first.timeline, best, current.refitted))
-        if best.evidence - reduced_evidence < (_required_gain_nats(levels) if levels else gate):
+        if best.evidence - reduced_evidence < required:
             break
         if best.evidence < rival - MIN_GAIN_NATS:
             raise BelowRivalEvidence
@@ -197,12 +201,13 @@ def _evaluated(
     starts: Sequence[EffectSet],
     fewer: EffectSet,
     evidence: float,
+    required: float,
 ) -> tuple[float, tuple[Explanation, ...]]:
     """Refine all explanations with the present covariance, evaluate the best by likelihood; also the best linear
     gain.
 
     ``fewer`` are the best effects so far, and ``evidence`` is their log likelihood. There are no explanations if
-    none fits better than these.
+    none fits better than these, or so little that it cannot become the ``required`` gain (nats).
     """
     timeline, centre = first.timeline, first.plant_model.hysteresis
     linear_gain = [fit_parameters(p, timeline, current.plant_model, current.refitted, centre) for p in starts]
@@ -213,6 +218,10 @@ def _evaluated(
         if not linear_gain:
             return 0.0, ()
     whole = float(current.refitted.data @ current.refitted.data)
+    gain_before = (whole - linear_gain[0].misfit) / 2
+    fits_to_channels = _fits_to_channels(current, starts, centre)
+    if gain_before < MIN_FIT_SHARE * required and not fits_to_channels:
+        return gain_before, ()
     retained = [
         r
         for r in linear_gain
@@ -222,7 +231,7 @@ def _evaluated(
     retained = (retained if len(retained) > 1 else linear_gain)[:EVALUATED_MAX]
     start_fits = _best_of_each_set(
         joint_density_from_best_start(timeline, r.extended, original, current.refitted)
-        for r in (*retained, *_fits_to_channels(current, starts, centre))
+        for r in (*retained, *fits_to_channels)
     )
     start_fits[:DOUBLING_TRIED] = [
         doubled_strength_start(timeline, *start_fit, original, current.refitted)
@@ -237,5 +246,4 @@ def _evaluated(
             fit_explanation(timeline, plant_model, original, refitted, 0 if hopeless else MAX_ROUNDS)
         )
         evaluated.sort(key=lambda e: -e.evidence)
-    gain_before = (whole - linear_gain[0].misfit) / 2
     return gain_before, tuple(evaluated)

@@ -40,6 +40,7 @@ accommodation = EffectType(
     looks_like="repeated minor loops approach their limit geometrically; wiping-out fails",
     confused_with=("settling", "walking", "temperature_memory"),
     separated_by="a pause between repetitions: settling decays with time, accommodation does not",
+    remedy="cycle the wire between the same levels until its loop repeats, then measure",
     parameters=(
         Parameter(
             "shift_K", "K", -8.0, 8.0, 3.0, "0.3–5 K, engineering estimate; mixing models after Della Torre"

@@ -27,6 +27,7 @@ amplifier_gain = EffectType(
     looks_like="no change in steady states as a function of the command; visible in the measured current",
     confused_with=("convection", "dead_zone"),
     separated_by="the measured current, checked with a shunt",
+    remedy="calibrate the current source against a shunt",
     parameters=(
         Parameter("gain_percent", "%", -15.0, 15.0, 3.0, "0.1–2 %, engineering estimate"),
         Parameter("offset_A", "A", -0.05, 0.05, 0.0, "0–10 mA, engineering estimate"),

@@ -43,6 +43,7 @@ convection = EffectType(
     looks_like="nothing in steady states; faster approaches at high temperature",
     confused_with=("resistance_phase", "wire_lag", "amplifier_gain"),
     separated_by="transients at several levels; the wire's own temperature; a second ambient temperature",
+    remedy="calibrate the heating at several levels, or measure the temperature of the wire",
     parameters=(
         Parameter(
             "exponent",

@@ -30,6 +30,7 @@ coulomb_friction = EffectType(
     looks_like="nothing that a refitted density cannot represent",
     confused_with=("backlash",),
     separated_by="a manual push in the middle of a branch; another pulley",
+    remedy="clean or replace the bearing of the pulley",
     parameters=(Parameter("half_width_K", "K", 0.0, 8.0, 2.0, "1 N on a 0.2 mm wire is 4.5 K"),),
     act=_act,
     shown_by=(),

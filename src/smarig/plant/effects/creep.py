@@ -40,6 +40,7 @@ creep = EffectType(
     looks_like="after each movement, in its direction, growing with the logarithm of the hold time",
     confused_with=("settling", "backlash"),
     separated_by="holds ten times as long, inside and outside the transformation (settling follows the power)",
+    remedy="hold every level for the same time, or much longer",
     parameters=(
         Parameter(
             "percent_per_decade",

@@ -31,6 +31,7 @@ cross_talk = EffectType(
     looks_like="after a change of current, an approach that is slower than the wire's own",
     confused_with=("settling", "amplifier_gain"),
     separated_by="heating one wire with the other disconnected",
+    remedy="move the wires apart, or put a shield between them",
     parameters=(
         Parameter("share_percent", "%", 0.0, 15.0, 5.0, "1–10 %, engineering estimate"),
         Parameter(

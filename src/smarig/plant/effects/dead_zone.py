@@ -28,6 +28,7 @@ dead_zone = EffectType(
     looks_like="no response at small currents; visible in the measured current",
     confused_with=("slack", "amplifier_gain"),
     separated_by="the measured current",
+    remedy="use a current source without a dead zone, or command only currents above it",
     parameters=(
         Parameter(
             "below_A",

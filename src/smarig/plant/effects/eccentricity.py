@@ -28,6 +28,7 @@ eccentricity = EffectType(
     looks_like="a wave along the position, the same on the way up and down",
     confused_with=("noncongruency",),
     separated_by="turning the pulley by half a turn: the wave turns with it",
+    remedy="centre the pulley, or calibrate the encoder over a full turn",
     parameters=(
         Parameter("share_percent", "%", -10.0, 10.0, 2.0, "0.1–2 % of the radius"),
         Parameter("phase", "turn", 0.0, 1.0, 0.25, "angle of the pulley at y = 0", tries=(0.0, 0.25)),

@@ -27,6 +27,7 @@ end_conduction = EffectType(
     looks_like="a wider tail towards high currents; nothing that steady states can distinguish",
     confused_with=("r_phase", "convection"),
     separated_by="two lengths of wire; an infrared image",
+    remedy="use a longer wire, or clamps that conduct less heat",
     parameters=(
         Parameter(
             "share_percent", "%", 0.0, 20.0, 6.0, "1–2 conduction lengths of 2–7 mm at each end: 2–7 %"

@@ -26,6 +26,7 @@ fatigue = EffectType(
     looks_like="local slope × a saturating function of the number of cycles",
     confused_with=("ambient_drift", "walking"),
     separated_by="a pause: cycles stop, ambient drift continues",
+    remedy="lower the load or the highest temperature; replace the wire if the loss goes on",
     parameters=(
         Parameter(
             "shift_K", "K", -8.0, 8.0, 3.0, "untrained wire: several kelvin in the first tens of cycles"

@@ -71,6 +71,7 @@ latent_heat = EffectType(
     looks_like="approaches two to four times slower inside the transformation, different in heating and cooling",
     confused_with=("wire_lag", "settling"),
     separated_by="pairs of small steps inside and outside the transformation",
+    remedy="change the current more slowly within the transformation, or hold each level longer",
     parameters=(
         Parameter(
             "latent_J_per_g",

@@ -28,6 +28,7 @@ noncongruency = EffectType(
     looks_like="loops between the same inputs are higher at one level than at another",
     confused_with=("resistance_phase", "stress_coupling", "eccentricity"),
     separated_by="turning the pulley (eccentricity turns with it); the voltage; a second load",
+    remedy="identify with minor loops at the outputs at which the wire will work",
     parameters=(Parameter("bend_percent", "%", -40.0, 40.0, 10.0, "1–20 %, engineering estimate"),),
     act=_act,
     memoryless=True,

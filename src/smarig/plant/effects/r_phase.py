@@ -35,6 +35,7 @@ r_phase = EffectType(
     looks_like="a second step; nothing that steady states at one load can distinguish",
     confused_with=("end_conduction", "convection"),
     separated_by="the hump of the voltage on cooling; two loads",
+    remedy="raise the load, or do not cool below the R-phase transformation",
     parameters=(
         Parameter("share_percent", "%", 0.0, 30.0, 12.0, "strain 0.3–1 % of 4 %"),
         Parameter("at", "range", 0.0, 1.0, 0.3, "position in the input range", tries=(0.15, 0.3, 0.5)),

@@ -31,6 +31,7 @@ resistance_phase = EffectType(
     looks_like="a shift in temperature in proportion to power and ξ: the loop leans",
     confused_with=("stress_coupling", "noncongruency", "backlash"),
     separated_by="the voltage; or a second load, which changes the stress effect and not the resistance",
+    remedy="command power instead of current, or correct the current by the measured voltage",
     parameters=(
         Parameter(
             "change_percent",

@@ -25,6 +25,7 @@ saturation = EffectType(
     looks_like="different large commands give the same position; the measured current stops growing",
     confused_with=("dead_zone", "resistance_phase"),
     separated_by="the measured current",
+    remedy="use a source with more current or voltage, or command only what it delivers",
     parameters=(
         Parameter(
             "clip_percent",

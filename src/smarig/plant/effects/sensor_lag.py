@@ -41,6 +41,7 @@ sensor_lag = EffectType(
     looks_like="every approach is delayed by the same time, also outside the transformation",
     confused_with=("wire_lag",),
     separated_by="a step of the measurand itself (a tap on the pulley, hot water on the thermocouple)",
+    remedy="use a faster sensor, or wait until it has settled",
     parameters=(
         Parameter("lag_s", "s", 0.0, 30.0, 3.0, "glued thermocouples 0.5–10 s; filtered encoders less"),
         Parameter("dead_time_s", "s", 0.0, 30.0, 0.0, "logging and filters"),

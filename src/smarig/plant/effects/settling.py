@@ -31,6 +31,7 @@ settling = EffectType(
     looks_like="opposite to the power change of the last τ_s, times the local slope; drift at the end of holds",
     confused_with=("ambient_drift", "creep", "accommodation"),
     separated_by="the same curve with holds ten times as long; power steps outside the transformation",
+    remedy="hold each level longer",
     parameters=(
         Parameter("share_percent", "%", 0.0, 10.0, 2.0, "0.3–6 % of the heating, engineering estimate"),
         Parameter(

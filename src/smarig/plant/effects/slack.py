@@ -27,6 +27,7 @@ slack = EffectType(
     looks_like="a flat floor at the cold end, always at the same position",
     confused_with=("dead_zone", "backlash"),
     separated_by="more pre-load; the voltage, which changes while y is constant",
+    remedy="raise the pre-load until the wire is never slack",
     parameters=(
         Parameter(
             "floor_percent", "%", 0.0, 30.0, 4.0, "0–1 mm of a stroke of 12 mm", tries=(1.0, 4.0, 10.0)

@@ -27,6 +27,7 @@ slip = EffectType(
     looks_like="a simultaneous step in all later residuals, including the saturated ends",
     confused_with=("walking", "ambient_drift"),
     separated_by="the index pulse, or a reading in saturation before and after",
+    remedy="tighten the clamps and the coupling of the encoder, and zero it again",
     parameters=(
         Parameter("jump_percent", "%", -30.0, 30.0, 2.0, "1–50 counts of a stroke of 255"),
         Parameter(

@@ -27,6 +27,7 @@ stress_coupling = EffectType(
     looks_like="the loop leans and the family of curves shears",
     confused_with=("resistance_phase", "noncongruency", "thermal_expansion"),
     separated_by="a second load or spring: the curves shift by Δσ/C",
+    remedy="keep the load constant, or identify at the load at which the wire will work",
     parameters=(
         Parameter("shift_K", "K", -25.0, 25.0, 8.0, "1 N on a 0.2 mm wire is 32 MPa, 4.5 K at C = 7 MPa/K"),
     ),

@@ -46,6 +46,7 @@ temperature_memory = EffectType(
     looks_like="a dent in a heating branch at an earlier arrest, although saturation lay between",
     confused_with=("accommodation", "noncongruency"),
     separated_by="a full loop, several arrests at one temperature, a full loop",
+    remedy="begin each run with a full heating and cooling cycle",
     parameters=(
         Parameter(
             "retard_K",

@@ -25,6 +25,7 @@ thermal_expansion = EffectType(
     looks_like="nothing that reversible relays cannot represent",
     confused_with=("noncongruency", "stress_coupling"),
     separated_by="steps in saturation, where only expansion remains",
+    remedy="none is needed: it belongs to the wire, and the extended model contains it",
     parameters=(
         Parameter(
             "percent_per_100K",

@@ -26,6 +26,7 @@ training = EffectType(
     looks_like="the same at all positions, saturated ends included; grows with the logarithm of the number of cycles",
     confused_with=("walking", "fatigue"),
     separated_by="ten times as many cycles: walking continues, training nearly stops",
+    remedy="cycle the wire at its working load until its loop repeats",
     parameters=(
         Parameter(
             "percent_per_e_fold",

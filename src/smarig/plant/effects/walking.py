@@ -25,6 +25,7 @@ walking = EffectType(
     looks_like="the same at all positions, saturated ends included; depends on cycles, not on hours",
     confused_with=("slip", "ambient_drift", "fatigue"),
     separated_by="a pause; readings in saturation, where temperature does not matter",
+    remedy="lower the load or the highest temperature, cycle the wire until it stops, and zero it in saturation",
     parameters=(
         Parameter(
             "percent_per_cycle", "%/cycle", -3.0, 3.0, 0.3, "1e-4 strain per cycle is 0.2 % of a 4 % stroke"

@@ -25,6 +25,7 @@ wire_lag = EffectType(
     looks_like="all approaches are stretched by the same factor",
     confused_with=("latent_heat", "convection", "sensor_lag"),
     separated_by="positions logged at 5 Hz or more; steps up and down from the same state",
+    remedy="hold each level longer, or use a thinner wire",
     parameters=(
         Parameter(
             "change_percent",

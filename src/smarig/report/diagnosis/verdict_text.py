@@ -89,8 +89,11 @@ def unit_suffix(unit: str) -> str:
 
 
 def distinguishing_text(kind: EffectType) -> Html:
-    """An effect: its name, its summary and what distinguishes it from all others."""
-    return joined([tag("b", kind.name), f". {kind.summary} What shows it: {kind.separated_by.rstrip('.')}."])
+    """An effect: its name, its summary, what distinguishes it from all others, and what can be done against it."""
+    remedy = f" Against it: {kind.remedy}." if kind.remedy else ""
+    return joined(
+        [tag("b", kind.name), f". {kind.summary} What shows it: {kind.separated_by.rstrip('.')}.{remedy}"]
+    )
 
 
 def gain_text(gain: HeldOutGain, d: Diagnosis) -> str:

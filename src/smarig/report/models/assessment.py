@@ -8,6 +8,7 @@ import numpy as np
 from smarig.core import spaced
 from smarig.diagnosis import DIAGNOSIS_MODEL, Diagnosis, variable_experiment, variable_words
 from smarig.identification import ErrorLevel, ErrorVerdict, Verification, error_verdict
+from smarig.plant import Effect
 from smarig.record import Run
 from smarig.report.components.assessment_box import Assessment, box_level
 from smarig.report.components.numbers import duration, runs_text
@@ -121,7 +122,8 @@ def _cause(e: Evidence, rms: float | None) -> _Cause:
     if word == "named" and best is not None:
         room = _room_text(e.runs.values()) if "ambient_drift" in d.verdict.names else ""
         meaning = " ".join(effect.kind.summary for effect in best.effects)
-        return _Cause("bad", f"Cause: {strengths_text(best)}{room}. {meaning}", _named_advice(e, d, rms))
+        advice = _named_advice(e, d, rms) + _remedies(best.effects)
+        return _Cause("bad", f"Cause: {strengths_text(best)}{room}. {meaning}", advice)
     if word == "ambiguous":
         return _Cause(
             "bad",
@@ -175,6 +177,12 @@ def _named_advice(e: Evidence, d: Diagnosis, rms: float | None) -> str:
     if is_poor:
         return f"Remove the cause and measure again. Until then, {model} comes nearest."
     return f"Use {model}, or remove the cause and measure again."
+
+
+def _remedies(effects: Iterable[Effect]) -> str:
+    """What can be done against each effect: a sentence for each that has a remedy."""
+    known = [effect.kind for effect in effects if effect.kind.remedy]
+    return "".join(f" Against {kind.name}: {kind.remedy}." for kind in known)
 
 
 def _advice(e: Evidence, verdict: ErrorVerdict | None, cause: _Cause) -> str:

@@ -18,9 +18,10 @@ from smarig.report.models.model_tables import M_P, M_PC, pooled_rms
 _Card = tuple[str, str | Html, str | Html]
 
 
-def characterisation_cards(e: Evidence) -> Html:
-    """Cards of travel, held-out error with noise floor, class of μ, duration and points."""
-    return cards([_travel_card(e), _error_card(e), _class_card(e), _duration_card(e), _points_card(e)])
+def characterisation_cards(e: Evidence, *, theory: bool = True) -> Html:
+    """Cards of travel, held-out error with noise floor, class of μ (``theory``), duration and points."""
+    of_theory = [_class_card(e)] if theory else []
+    return cards([_travel_card(e), _error_card(e), *of_theory, _duration_card(e), _points_card(e)])
 
 
 def _travel_card(e: Evidence) -> _Card:

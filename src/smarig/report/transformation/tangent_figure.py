@@ -1,8 +1,9 @@
 """The figure of a full loop with its tangents and the temperatures where they meet."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
 from smarig.core import spaced
 from smarig.report.components.decimate import path
@@ -15,23 +16,20 @@ from smarig.report.components.run_description import (
     source_label,
 )
 from smarig.report.components.style import COOLING, FAINT, GREY, HEATING, INK
-from smarig.transformation import TEMPERATURES, BranchTangents, CycleFigures, RunFigures
+from smarig.transformation import CORNERS, TEMPERATURES, BranchTangents, CycleFigures, RunFigures
 
+Array = NDArray[np.float64]
+Gap = tuple[float, float]
 _BEYOND = 0.12  # of its length: how far a tangent is drawn beyond its corners
 _MOST_BEHIND = 4000  # readings of the other cycles, thinned
 _LABELS = {"A_s": "A<sub>s</sub>", "A_f": "A<sub>f</sub>", "M_s": "M<sub>s</sub>", "M_f": "M<sub>f</sub>"}
-_CORNERS = {
-    "A_s": ("heating", "low"),
-    "A_f": ("heating", "high"),
-    "M_s": ("cooling", "high"),
-    "M_f": ("cooling", "low"),
-}
 
 
 def tangent_figure(run: RunFigures) -> Figure:
     """The last whole cycle of a run with its tangents, before the other readings of the run."""
     cycle = [c for c in run.cycles if c.whole][-1]
-    data = [_behind(run), *_branch_traces(cycle), *_corner_traces(cycle, run)]
+    gaps = [gap for branch in (cycle.heating, cycle.cooling) if branch for gap in branch.gaps]
+    data = [_behind(run, gaps), *_branch_traces(cycle), *_corner_traces(cycle, run)]
     layout = {"xaxis": axis(input_title(run.run)), "yaxis": axis(output_title(run.run))}
     others = len(run.cycles) - 1
     behind = f"Grey: all readings, {others + 1} cycles." if others else "Grey: all readings."
@@ -42,6 +40,7 @@ def tangent_figure(run: RunFigures) -> Figure:
             "Dashed: the tangents to both plateaus and to the steepest part of each branch, of one choice of their "
             "readings. Crosses: where they meet, as the mean over all choices; bars: 95 % intervals of this cycle, "
             "which contain the choice.",
+            "A line is interrupted where readings are missing." if gaps else "",
             behind,
             run_caption(run.run),
         ],
@@ -49,16 +48,27 @@ def tangent_figure(run: RunFigures) -> Figure:
     )
 
 
-def _behind(run: RunFigures) -> Trace:
+def _behind(run: RunFigures, gaps: Sequence[Gap]) -> Trace:
     kept = path(run.record.u, run.record.y, _MOST_BEHIND)
-    return line(run.record.u[kept], run.record.y[kept], "all readings", FAINT, width=1, hoverinfo="skip")
+    u, y = _interrupted(run.record.u[kept], run.record.y[kept], gaps)
+    return line(u, y, "all readings", FAINT, width=1, hoverinfo="skip")
+
+
+def _interrupted(u: Array, y: Array, gaps: Sequence[Gap]) -> tuple[Array, Array]:
+    """The path (n,) with NaN between two points that have a gap between them."""
+    low, high = np.minimum(u[:-1], u[1:]), np.maximum(u[:-1], u[1:])
+    across = np.zeros(low.size, dtype=bool)
+    for begin, end in gaps:
+        across |= (low <= begin) & (high >= end)
+    at = np.flatnonzero(across) + 1
+    return np.insert(u, at, np.nan), np.insert(y, at, np.nan)
 
 
 def _branch_traces(cycle: CycleFigures) -> Iterator[Trace]:
     for direction, colour in (("heating", HEATING), ("cooling", COOLING)):
         branch: BranchTangents = getattr(cycle, direction)
         kept = path(branch.u, branch.y)
-        yield line(branch.u[kept], branch.y[kept], direction, colour, width=1.8)
+        yield line(*_interrupted(branch.u[kept], branch.y[kept], branch.gaps), direction, colour, width=1.8)
         lines = list(_tangents(branch))
         u = np.concatenate([[*ends, np.nan] for ends, _ in lines])
         y = np.concatenate([[*levels, np.nan] for _, levels in lines])
@@ -86,7 +96,7 @@ def _corner_traces(cycle: CycleFigures, run: RunFigures) -> Iterator[Trace]:
     for name in TEMPERATURES:
         if name not in cycle.figures:
             continue
-        direction, side = _CORNERS[name]
+        direction, side = CORNERS[name]
         corner = getattr(getattr(cycle, direction), side)
         low, high = cycle.figures[name].ci95
         bars = {
@@ -95,7 +105,8 @@ def _corner_traces(cycle: CycleFigures, run: RunFigures) -> Iterator[Trace]:
             "array": [high - corner.value],
             "arrayminus": [corner.value - low],
         }
-        words = f"{corner.value:.1f}{spaced(display_unit(run.record.input_unit))}"
+        value = f"{round(corner.value, 1) + 0.0:.1f}".replace("-", "−")  # zero has no sign
+        words = f"{value}{spaced(display_unit(run.record.input_unit))}"
         yield dots(
             [corner.value],
             [corner.output],

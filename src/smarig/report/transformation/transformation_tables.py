@@ -36,6 +36,7 @@ def _card(run: RunFigures, name: str) -> tuple[Html, str, str]:
     interval = f"95 %: {to_uncertainty(low, half)} to {to_uncertainty(high, half)}{unit}"
     degC = run.degC(drawn.value) if name in TEMPERATURES and run.record.input_unit != "degC" else None
     also = f"; {degC:.1f} °C" if degC is not None else ""
+    also += "; no readings between" if name in run.gaps else ""
     return label, f"{to_uncertainty(drawn.value, half)}{unit}", f"{interval}{also}"
 
 

@@ -128,9 +128,9 @@ def _draft(file: Path) -> dict[str, Any]:
 
 def _reasons(guess: TableGuess) -> list[str]:
     return [
-        f"{column.name}: {guess.roles[column.name].role}; {guess.roles[column.name].reason}"
+        f"{column.name}: {guess.shown_role(column.name).role}; {guess.shown_role(column.name).reason}"
         for column in guess.columns[:_COLUMNS]
-        if guess.roles[column.name].role != "ignored"
+        if guess.shown_role(column.name).role != "ignored"
     ]
 
 
