@@ -63,7 +63,8 @@ class World:
         extended = PlantModel(WIRE, ORIGINAL, "negative", tuple(start))
         data = DATA[refitted.coupled :] if independent else DATA
         names = " ".join(sorted(e.kind.name for e in start))
-        misfit = float(data @ data) - 2 * self.fits.get(names, self.nats(start))
+        gained = self.nats(start) if independent else self.fits.get(names, self.nats(start))
+        misfit = float(data @ data) - 2 * gained
         return SimpleNamespace(effects=extended.catalogue_effects, extended=extended, misfit=misfit)
 
     def joint_density_from_best_start(self, timeline, plant_model, original, warm_start):
@@ -124,6 +125,20 @@ def test_a_further_effect_must_be_worth_more_than_the_first_and_more_the_larger_
     """25 nats at least, a twentieth of the first one's where that is more, never more than 60."""
     world = World(monkeypatch, {"walking": first, "settling walking": first + more})
     assert world.search_explanations() == [("walking", first), ("settling walking", more)][:levels]
+
+
+@pytest.mark.parametrize(
+    ("fit", "gate", "levels"), [(3.4, 18.0, 0), (3.8, 18.0, 1), (4.8, 25.0, 0), (5.2, 25.0, 1)]
+)
+def test_a_fit_that_gains_less_than_a_fifth_of_the_gate_ends_the_search(monkeypatch, fit, gate, levels):
+    world = World(monkeypatch, {"walking": 40.0}, fits={"walking": fit})
+    assert world.search_explanations(gate=gate) == [("walking", 40.0)][:levels]
+
+
+def test_a_channel_that_shows_an_effect_keeps_the_search_going(monkeypatch):
+    world = World(monkeypatch, {"walking": 40.0}, fits={"walking": 3.4}, of_channel={"walking": 0.2})
+    found = world.search_explanations()
+    assert [names for names, _ in found] == ["walking"]
 
 
 def test_an_effect_that_is_a_part_of_a_density_is_not_tried(monkeypatch):

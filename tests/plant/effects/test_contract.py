@@ -173,7 +173,7 @@ def test_its_words_are_there_and_name_effects_that_exist(name):
     module = __import__(f"smarig.plant.effects.{name}", fromlist=["_"])
     assert module.__doc__.startswith(k.summary)
     assert "    " in module.__doc__, "no equation"
-    assert min(map(len, (k.summary, k.enters, k.looks_like, k.separated_by))) > 5
+    assert min(map(len, (k.summary, k.enters, k.looks_like, k.separated_by, k.remedy))) > 5
     assert set(k.confused_with) <= set(CATALOGUE) - {name}
     assert repr(k()).startswith(f"{name}({k.primary.name}=")
     assert k().to_json() == {"name": name, "parameters": k().values}
