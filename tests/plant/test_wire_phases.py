@@ -98,3 +98,18 @@ def test_along_a_path_they_are_those_of_its_steps_bit_for_bit(name):
     assert np.ptp(steps[:, 0]) > 0.5
     for at in (np.arange(1000), np.array([0, 7, 7, 350, 351, 999]), np.array([500])):
         np.testing.assert_array_equal(austenite_along(hysteresis, list(wires_K), at), steps[at].T)
+
+
+@pytest.mark.parametrize("surface", ["two_c", "two_e"])
+def test_a_phase_that_is_asked_for_rarely_is_that_of_one_asked_for_always(surface):
+    dice = np.random.default_rng(3)
+    rarely, always = WirePhases(thesis_surface(surface)), WirePhases(thesis_surface(surface))
+    path = np.cumsum(dice.normal(0, 20, (400, 2)), axis=0) % 190
+    path[dice.random(400) < 0.3] = path[0]  # pauses and returns
+    for k, wire_K in enumerate(path.tolist()):
+        rarely.step(wire_K)
+        always.step(wire_K)
+        expected = always.austenite
+        if k % 17 == 0:
+            assert rarely.fraction(k % 2) == expected[k % 2]
+    assert rarely.austenite == always.austenite

@@ -49,8 +49,7 @@ class Plant:
         self._no_effects = not any(self._chains.values())
         self._phases = WirePhases(hysteresis) if actuator.two_wire else None
         self.now = PlantState(dt_s=dt_s, output=self.operator.y, share=self.share)
-        phases = self._phases.austenite if self._phases else None
-        self._thermal_stages = ThermalStages(actuator, self._chains, self.now, phases)
+        self._thermal_stages = ThermalStages(actuator, self._chains, self.now, self._phases)
         self.heating = self._thermal_stages.heating
         self.position = apply_hooks(self._chains[Stage.OUTPUT], self.operator.y, self.now)  # position at rest
 
@@ -135,14 +134,15 @@ class Plant:
     @property
     def austenite(self) -> tuple[float, ...]:
         """Austenite fraction ξ of each wire. That of a single wire is the output's share."""
-        return (self.share,) if self._phases is None else tuple(self._phases.austenite)
+        return (self.share,) if self._phases is None else self._phases.austenite
 
     def resistance_ohm(self, current_A: float) -> float:
         """The present resistance of the wire that carries a current. With ``phase_heating``, that which heated it."""
         if self._phase_heating:
             return self.now.resistance * self.actuator.resistance_ohm
-        wires = self.austenite
-        return self.now.resistance * self.actuator.resistance_at_ohm(wires[-1 if current_A < 0 else 0])
+        phases = self._phases
+        austenite = self.share if phases is None else phases.fraction(1 if current_A < 0 else 0)
+        return self.now.resistance * self.actuator.resistance_at_ohm(austenite)
 
     def _with_phase(self, factor: float, now: PlantState) -> float:
         return factor * self.actuator.resistance_at_ohm(now.austenite) / self.actuator.resistance_ohm

@@ -4,11 +4,12 @@ The output of the hysteresis matters only to effects that use it. With a ``Therm
 hysteresis input is the same for every hysteresis.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 
 from smarig.plant.actuator import Actuator
 from smarig.plant.effect import Hook, PlantState, Stage
 from smarig.plant.measured_input import heating_for
+from smarig.plant.wire_phases import WirePhases
 
 MAX_PART_K, MAX_PARTS = 1.0, 50  # limits for the subdivision of a tick if heating depends on the output
 MAX_GROWTH = 1.5  # of ticks: limit of extrapolation
@@ -18,7 +19,7 @@ EARLY_STAGES = (Stage.AMBIENT, Stage.CURRENT, Stage.RESISTANCE, Stage.SOURCE, St
 class ThermalStages:
     """Temperatures of the wires, with the effects of the early stages.
 
-    ``phases`` are the present austenite fractions of two wires. That of a single wire is the share of the stroke.
+    ``phases`` has the present austenite fractions of two wires. That of a single wire is the share of the stroke.
     """
 
     def __init__(
@@ -26,7 +27,7 @@ class ThermalStages:
         actuator: Actuator,
         chains: Mapping[Stage, tuple[Hook, ...]],
         now: PlantState,
-        phases: Sequence[float] | None = None,
+        phases: WirePhases | None = None,
     ) -> None:
         self.heating = heating_for(actuator, now.dt_s)
         self.now = now
@@ -103,7 +104,7 @@ class ThermalStages:
     def _austenite(self, wire: int) -> float:
         """The present austenite fraction of a wire, 0 without a hysteresis."""
         if self._phases is not None:
-            return self._phases[wire]
+            return self._phases.fraction(wire)
         return self.now.share if isinstance(self.now, PlantState) else 0.0
 
     def _lags(self) -> tuple[float, ...]:

@@ -19,7 +19,10 @@ Array = NDArray[np.float64]
 
 
 class WirePhases:
-    """Austenite fractions of two wires. ``step(wire_K)`` advances to their temperatures.
+    """Phases of two wires. ``step(wire_K)`` advances to their temperatures; ``fraction(k)`` is the austenite of wire k.
+
+    An operator depends on the turning points of its input alone. So a temperature that goes on in its direction is only
+    remembered, and the phase is computed when it is asked for, with the same numbers.
 
     >>> from smarig.preisach import thesis_surface
     >>> wires = WirePhases(thesis_surface("two_e"))
@@ -30,16 +33,21 @@ class WirePhases:
 
     def __init__(self, hysteresis: Everett) -> None:
         self._wires = _OwnPhase(hysteresis, 1.0), _OwnPhase(hysteresis, -1.0)
-        self._last_K = [0.0, 0.0]
-        self.austenite = [0.0, 0.0]
 
     def step(self, wire_K: Sequence[float], ambient_K: float = 0.0) -> None:
         """Advance both wires to their temperatures above an ambient temperature that has changed by so much."""
-        for k in (0, 1):
-            own_K = wire_K[k] + ambient_K
-            if own_K != self._last_K[k]:
-                self._last_K[k] = own_K
-                self.austenite[k] = self._wires[k].step(own_K)
+        first, second = self._wires
+        first.move(wire_K[0] + ambient_K)
+        second.move(wire_K[1] + ambient_K)
+
+    def fraction(self, wire: int) -> float:
+        """The austenite fraction of a wire, 0 or 1."""
+        return self._wires[wire].fraction()
+
+    @property
+    def austenite(self) -> tuple[float, float]:
+        """The austenite fractions of both wires."""
+        return self.fraction(0), self.fraction(1)
 
 
 def austenite_along(hysteresis: Everett, wires_K: Sequence[Array], at: NDArray[np.int64]) -> Array:
@@ -73,6 +81,20 @@ class _OwnPhase:
         self._cold = self._operator.step(0.0)
         self._per_output = 1.0 / (hot - self._cold) if sign * (hot - self._cold) > 0 else 0.0
         self._per_K = 1.0 / abs(end) if end else 0.0
+        self._at_K = self._now_K = self._fraction = 0.0  # where the operator is, and where the wire is
+
+    def move(self, wire_K: float) -> None:
+        """Go to a temperature; where the way turns, the operator goes along."""
+        now_K = self._now_K
+        if (wire_K - now_K) * (now_K - self._at_K) < 0:
+            self._fraction, self._at_K = self.step(now_K), now_K
+        self._now_K = wire_K
+
+    def fraction(self) -> float:
+        """The austenite fraction at the present temperature."""
+        if self._now_K != self._at_K:
+            self._fraction, self._at_K = self.step(self._now_K), self._now_K
+        return self._fraction
 
     def step(self, wire_K: float) -> float:
         """The austenite fraction. A wire that gives nothing back is taken to transform as its temperature rises."""
