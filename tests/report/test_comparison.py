@@ -1,6 +1,7 @@
 """Comparison of runs, and of models on the same runs: offsets, errors and texts."""
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -148,6 +149,20 @@ def test_the_advice_follows_the_change(other, words, level):
     assessed = comparison_assessment([reference, found], family)
     assert words in assessed.advice
     assert assessed.level == level
+
+
+def test_effects_that_the_records_of_twins_state_are_told_if_they_differ():
+    plain, walked = (
+        day(),
+        replace(day(shift=5.0, effects=["walking(percent_per_cycle=0.3)"]), path=Path("later")),
+    )
+
+    def advice(*runs):
+        found = aligned({str(k): run for k, run in enumerate(runs)})
+        return comparison_assessment(found, family_figures([each.run for each in found])).advice
+
+    assert "later: walking(percent_per_cycle=0.3)" in advice(plain, walked)
+    assert "walking" not in advice(walked, walked)
 
 
 def test_the_page_opens_with_the_sentences():

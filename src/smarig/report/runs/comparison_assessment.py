@@ -31,7 +31,7 @@ def comparison_assessment(found: Sequence[AlignedRun], family: FamilyFigures) ->
         box_level(change.level),
         _compared(first.run, [each.run for each in others]),
         f"{_change_text(worst, change, len(others))} {_strokes(found, family)}",
-        _advice(worst, change),
+        f"{_advice(worst, change)}{_stated_effects(first.run, [each.run for each in others])}",
     )
 
 
@@ -51,11 +51,22 @@ def _without_common_steps(first: Run, others: Sequence[Run]) -> Assessment:
         "warning" if moved else "good",
         _compared(first, others),
         f"The runs have no steps in common. {change_sentences(changes)}",
-        "Check ambient temperature, load and number of cycles; smarig diagnose on all runs of the later day tests "
-        "causes."
-        if moved
-        else "A model of one of these runs can be tried on the other (smarig verify).",
+        (
+            "Check ambient temperature, load and number of cycles; smarig diagnose on all runs of the later day tests "
+            "causes."
+            if moved
+            else "A model of one of these runs can be tried on the other (smarig verify)."
+        )
+        + _stated_effects(first, others),
     )
+
+
+def _stated_effects(first: Run, others: Sequence[Run]) -> str:
+    """The effects that the records of twins state, if they are not the same in all runs."""
+    stated = {run.name: ", ".join(run.info.effects) or "none" for run in (first, *others)}
+    if len(set(stated.values())) == 1:
+        return ""
+    return f" The twins were given these effects: {'; '.join(f'{name}: {text}' for name, text in stated.items())}."
 
 
 def _compared(first: Run, others: Sequence[Run]) -> str:
