@@ -1,5 +1,7 @@
 """The page of a run of any kind, with any ending and with missing data."""
 
+from dataclasses import replace
+
 import numpy as np
 import plotly.graph_objects as go
 import pytest
@@ -217,3 +219,13 @@ def test_nothing_is_ever_loaded(twin):
         for key in LOADING:
             assert attributes.get(key, "#").startswith("#"), f"<{name} {key}={attributes[key]}>"
         assert "url(" not in attributes.get("style", "")
+
+
+def test_many_warnings_of_one_kind_are_counted(twin):
+    lost = tuple(Event(k, "warning", "lost", f"{k + 2} samples were lost.", {}) for k in range(500))
+    clock = Event(1.0, "warning", "clock", "The clocks differ.", {})
+    page = Page(run_page(replace(twin[1], events=(*lost, clock))))
+    box = page.visible[page.visible.index("Warnings") :]
+    box = box[: box.index("The clocks differ.")]
+    assert box.count("samples were lost") == 3
+    assert "497 more of this kind (lost)." in box

@@ -37,6 +37,8 @@ from smarig.report.runs.run_tables import (
 )
 from smarig.report.runs.time_figures import initialisation_figure, time_series_figure
 
+_MOST_OF_A_KIND = 3  # warnings of one kind that are written out
+
 if TYPE_CHECKING:  # of these packages, most runs need nothing: they take a second and fifty megabytes
     from smarig.identification import Representation
     from smarig.replay import Model
@@ -208,6 +210,14 @@ def ending_notices(runs: list[Run]) -> list[Html]:
 
 
 def _warnings(run: Run) -> list[Html]:
-    logged_warnings = [e.text for e in run.events if e.level in ("warning", "error") and e.kind != "end"]
-    items = [*run.info.warnings, *logged_warnings]
+    """The warnings of a run; many of one kind are counted."""
+    by_kind: dict[str, list[str]] = {}
+    for e in run.events:
+        if e.level in ("warning", "error") and e.kind != "end":
+            by_kind.setdefault(e.kind, []).append(e.text)
+    items = list(run.info.warnings)
+    for kind, texts in by_kind.items():
+        items += texts[:_MOST_OF_A_KIND]
+        if (more := len(texts) - _MOST_OF_A_KIND) > 0:
+            items.append(f"{more} more of this kind ({kind}).")
     return [notice("warning", paragraph(tag("b", "Warnings")), bullets(items))] if items else [joined([])]

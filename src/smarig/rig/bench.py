@@ -67,6 +67,7 @@ class Bench:
         self._reconnections = {"amplifier": 0, "encoder": 0}  # reported so far
         self._pending_readings: list[PositionReading] = []  # read before a zero and not yet returned
         self._fault: RigFault | None = None  # after a trip
+        self._sampled = False
         self.shutdown_unconfirmed = ""  # why the source may still be on
 
     @property
@@ -141,14 +142,11 @@ class Bench:
             raise Garbled(
                 f"The encoder's tick jumped by {lost}. Its ticks are not reliable. {Garbled.remedy}"
             )
-        if lost:
-            self._alarms.append(
-                Alarm(
-                    "warning",
-                    "lost",
-                    f"{lost} samples were lost because the position was not read in time.",
-                )
-            )
+        if lost and self._sampled:  # before the first sample nothing was recorded that could be lost
+            count = "1 sample was" if lost == 1 else f"{lost} samples were"
+            text = f"{count} lost because the position was not read in time."
+            self._alarms.append(Alarm("warning", "lost", text))
+        self._sampled = True
         return found
 
     def _read_currents(self, positions: list[PositionReading]) -> list[CurrentReading]:

@@ -78,6 +78,18 @@ def test_samples_lost_from_the_ring_are_reported_once():
     assert bench.alarms() == []
 
 
+def test_what_passed_before_the_first_sample_is_not_lost():
+    bench, _, sensor, clock = made()
+    clock.sleep(5.0)
+    sensor.oldest = 31
+    assert bench.step(0.2)[0].tick == 31
+    assert bench.alarms() == []
+    clock.sleep(5.0)
+    sensor.oldest = 90
+    bench.step(0.2)
+    assert [alarm.kind for alarm in bench.alarms()] == ["lost"]
+
+
 @pytest.mark.parametrize("name", ["amplifier", "encoder"])
 def test_a_line_that_was_lost_and_came_back_is_reported_once(name):
     bench, source, sensor, _ = made()
