@@ -76,9 +76,10 @@ class ElectricalPlausibility:
         low, high = expected.band_ohm(input_K, s.current_A) if self._phase_known else expected.any_phase_ohm
         if low <= ohm <= high or math.isnan(ohm):
             return None
+        where = f", its limits at a predicted input of {input_K:.0f} K" if self._phase_known else ""
         text = (
-            f"The wire's resistance {ohm:.4g} ohm is outside {low:.4g}…{high:.4g}. Check clamps, wire and shunt (an "
-            "ohmmeter on the cold wire tells which). If they are in order, calibrate the wire, or widen "
+            f"The wire's resistance {ohm:.4g} ohm is outside {low:.4g}…{high:.4g}{where}. Check clamps, wire and "
+            "shunt (an ohmmeter on the cold wire tells which). If they are in order, calibrate the wire, or widen "
             "limits.resistance_tolerance and [protection]."
         )
         return _Fault("resistance", text, _weight(ohm / high))
