@@ -84,7 +84,7 @@ def test_a_newcomer_starts_a_first_look_by_clicks_and_finds_its_runs(visitor, co
     visitor.click("Library")
     visitor.reload_until("document.querySelectorAll('tbody tr').length >= 3")
     visitor.click("02_step_currents")
-    visitor.shows("stroke")
+    visitor.reload_until("document.body.innerText.includes('stroke')")
     runs = sorted((console.folder / "quick_look_001").rglob("*.run.sqlite"))
     assert [load_run(run).cause for run in runs] == ["done"] * 3
 

@@ -234,3 +234,20 @@ def test_what_it_cannot_start_with_is_one_sentence(tmp_path):
         assert "Traceback" not in one.stderr
     assert f"Port {port} cannot be used" in done[0].stderr
     assert "extra 'console'" in done[-1].stderr
+
+
+def test_the_entry_of_a_run_that_has_ended_is_read_again_when_it_is_opened(tmp_path):
+    """Long before the library looks at the folder again."""
+    being_recorded = "The run is being recorded."
+    with started_run(tmp_path, *SLOW, "-o", "a.run.sqlite") as process:
+        found_run(process)
+        with started_console(tmp_path) as console:
+
+            def entry():
+                return re.search(r'href="(/library/[^"/?]+)"[^>]*>a<', console.ask("/library").body)
+
+            place = html.unescape(waited(entry, "the run in the library")[1])
+            assert being_recorded in console.ask(place).body
+            process.send_signal(signal.SIGINT)
+            process.communicate(timeout=60)
+            assert being_recorded not in console.ask(place).body

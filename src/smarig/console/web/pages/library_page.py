@@ -12,8 +12,9 @@ from starlette.requests import Request
 from starlette.responses import FileResponse, HTMLResponse, JSONResponse, RedirectResponse, Response
 from starlette.routing import Route
 
-from smarig.console.library.library_entry import RUN, Entry
+from smarig.console.library.library_entry import RECORDING, RUN, Entry
 from smarig.console.library.library_search import FACETS, ORDERS
+from smarig.console.library.run_content import is_recording
 from smarig.console.web.access_guard import REPORT_POLICY
 from smarig.console.web.console_context import ConsoleContext, back, context_of, page
 from smarig.console.web.evaluations import (
@@ -74,7 +75,7 @@ def library(request: Request) -> HTMLResponse:
 def entry(request: Request) -> HTMLResponse:
     """One entry."""
     context = context_of(request)
-    found = context.library.entry(request.path_params["id"])
+    found = _entry_now(context, request.path_params["id"])
     facts = [found.kind, _moment(found.began), found.wire, found.rig, found.protocol]
     facts += [duration(found.duration_s)] if found.duration_s else []
     shown = {
@@ -93,6 +94,16 @@ def entry(request: Request) -> HTMLResponse:
     return page(request, "entry.html", shown, here="library")
 
 
+def _entry_now(context: ConsoleContext, id: str) -> Entry:
+    """The entry. If its run was being recorded when it was read, and has ended, its file is read again first."""
+    found, until_s = context.library.entry(id), time.monotonic() + _WAIT_S
+    while found.verdict == RECORDING and not is_recording(found.path) and time.monotonic() < until_s:
+        context.scanner.soon()
+        time.sleep(_LOOK_S)
+        found = context.library.entry(id)
+    return found
+
+
 def run_entry(request: Request) -> Response:
     """The entry of a run that has just ended; its file is read first if the library does not have it yet."""
     context, file = context_of(request), Path(request.query_params.get("file", "")).resolve()
@@ -101,7 +112,7 @@ def run_entry(request: Request) -> Response:
     until_s = time.monotonic() + _WAIT_S
     while True:
         found = context.library.search(file.name.removesuffix(".run.sqlite"), kind="run", limit=_ROWS).entries
-        own = next((e for e in found if e.path == file and e.verdict != "recording"), None)
+        own = next((e for e in found if e.path == file and e.verdict != RECORDING), None)
         if own is not None:
             return RedirectResponse(f"/library/{own.id}", status_code=303)
         if time.monotonic() > until_s:
