@@ -146,6 +146,12 @@ def test_a_named_cause_says_what_it_does():
     )
 
 
+def test_a_named_cause_says_what_helps_against_it():
+    advice = assessment(evidence("named", "poor")).advice
+    assert advice.endswith(f" Against walking: {walking.remedy}.")
+    assert "Against" not in assessment(evidence("silent", "good")).advice
+
+
 @pytest.mark.parametrize(
     ("choice", "basis"), [(None, "the training runs"), (SimpleNamespace(), "held-out curves")]
 )

@@ -313,6 +313,7 @@ def test_the_folder_of_a_characterisation_gives_its_sheet(evidence, monkeypatch)
     page = Page((folder / "summary.html").read_text(encoding="utf-8"))
     assert assessment(evidence).quality in page.visible
     assert page.tables[0][0] == ["Wire", "Load", "Measured", "Rig"]
+    assert "Class of μ" not in page.visible
     assert page.tables[0][1][0] == "twin-one-wire"
     given.clear()
     assert cli(["report", str(folder), "--summary"]) == 0  # it is there: nothing is computed again

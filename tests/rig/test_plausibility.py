@@ -39,7 +39,11 @@ def from_tick(tick, **changes):
 LIES = [
     ("read_back", from_tick(50, current_A=lambda x: x * 0.8), "is set. Check amplifier and shunt"),
     ("voltage", from_tick(50, voltage_V=lambda x: 5 * x), "which no allowed current needs"),
-    ("resistance", from_tick(50, voltage_V=lambda x: 1.2 * x), "ohm is outside"),
+    (
+        "resistance",
+        from_tick(50, voltage_V=lambda x: 1.2 * x),
+        "ohm is outside .*, its limits at a predicted input of ",
+    ),
     ("resistance", from_tick(50, voltage_V=lambda x: 0.1 * x), "ohm is outside"),
     ("jump", lambda s: s._replace(counts=s.counts + 120) if s.tick == 60 else s, "jumped by 1"),
     ("still", from_tick(0, counts=lambda _: 3), "fully heated and did not move"),

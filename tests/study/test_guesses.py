@@ -1,10 +1,13 @@
 """The meaning of columns is guessed as their owners state it, in several languages, and doubts are questions."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
 from smarig.exchange import FoundColumn, FoundTable, find_tables, load_mapping
-from smarig.study import guess_table, mapping_draft
+from smarig.study import candidate_models, guess_table, mapping_draft
+from smarig.study.study_sentences import finding_sentence
 from study.known_data import displacements, temperatures
 
 U = temperatures()
@@ -159,3 +162,47 @@ def test_real_files_are_understood_as_their_mapping_files_state(shared_data, fil
     if "time" not in differs:
         named = stated.time.column if stated.time else ""
         assert [c.name for c in guess.of_role("time")] == ([named] if named else [])
+
+
+def test_columns_of_a_second_branch_are_shown_with_the_role_of_the_first(tmp_path):
+    up = np.linspace(0, 1, 30)
+    columns = {"current1 [A]": up, "current2 [A]": up[::-1], "stroke1 [mm]": up**2, "stroke2 [mm]": up[::-1]}
+    guess = guess_table(table(tmp_path, **columns, other=up**3))
+    assert [guess.shown_role(name).role for name in columns] == [
+        "input",
+        "input, second branch",
+        "output",
+        "output, second branch",
+    ]
+    assert "'stroke1 [mm]'" in guess.shown_role("stroke2 [mm]").reason
+    assert guess.shown_role("other") == guess.roles["other"]
+
+
+@pytest.mark.parametrize("variable", ["time", None])
+def test_a_learned_term_is_told_beside_what_no_effect_explains(variable):
+    def sentence(learned):
+        d = SimpleNamespace(
+            verdict=SimpleNamespace(word="unknown", depends_on=variable), learned=learned, text=lambda: "-"
+        )
+        return finding_sentence(d, at_noise=False)  # pyright: ignore[reportArgumentType]
+
+    assert sentence(None).endswith("no known effect explains them.")
+    assert sentence(object()).endswith(
+        "explains them; a term learned from them describes a part, without a cause."
+    )
+
+
+def test_the_extended_model_has_a_zero_of_its_own_for_each_fitted_run(monkeypatch):
+    """As the diagnosis has; the runs that are held out are judged as for any other model."""
+    asked = {}
+
+    def verify(model, runs, offset="auto"):
+        asked[tuple(runs)] = offset
+        return SimpleNamespace(runs=[SimpleNamespace(settled=SimpleNamespace(n=1, rms=1.0))])
+
+    monkeypatch.setattr(candidate_models, "verify", verify)
+    split = SimpleNamespace(train=("a",), held_out=("b",), select=None, continued=False, kind="run")
+    model = SimpleNamespace(warnings=())
+    first = candidate_models.CandidateModel("plain", model, (), (), verify(model, ("c",)).runs)  # pyright: ignore
+    candidate_models.with_extended(candidate_models.Evaluation((first,), {}, {}), model, split)  # pyright: ignore
+    assert (asked["a",], asked["b",]) == ("fitted", "auto")

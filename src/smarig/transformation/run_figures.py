@@ -113,7 +113,8 @@ def run_figures(run: Run) -> RunFigures:
     cycles = _cycles(branches, tangents)
     if not any(c.whole for c in cycles):
         raise UsageError(_no_loop(run.name, record, cycles, unused))
-    averaged, gaps = complete_cycles(cycles), _gaps(cycles)
+    averaged = complete_cycles(cycles)
+    gaps = _gaps(averaged)
     means, counts = _means(averaged)
     comparable, reason = comparable_cycles(averaged)
     drift, scattered = cycle_drift(
@@ -253,12 +254,12 @@ def _jumps(cycles: Sequence[CycleFigures], record: TemperatureRecord) -> Iterato
 
 
 def _gaps(cycles: Sequence[CycleFigures]) -> dict[str, tuple[float, float, int]]:
-    """The widest gap (low, high, cycle) of each temperature that lies where its branch has no readings."""
+    """The widest gap (low, high, cycle) of each temperature that lies in one in most of its cycles."""
     found: dict[str, tuple[float, float, int]] = {}
     for name, (direction, side) in CORNERS.items():
         corners = [(getattr(t, side), c.number) for c in cycles if (t := getattr(c, direction))]
         own = [(*corner.gap, number) for corner, number in corners if corner and corner.gap]
-        if own:
+        if 2 * len(own) > len(corners):
             found[name] = max(own, key=lambda gap: gap[1] - gap[0])
     return found
 
