@@ -198,10 +198,10 @@ footer p{color:var(--grey);font-size:13px;border-top:1px solid var(--line);margi
 @media print{@page{size:A4;margin:14mm 12mm}h2,h3{break-after:avoid}section.first:not(:last-of-type){break-after:page}
  section:has(>details:not([open])),#glossary:has(>details:not([open])){display:none}tr,.card,.notice{break-inside:avoid}
  .twinbar,.notice,.card,.twin,.severity{-webkit-print-color-adjust:exact;print-color-adjust:exact}
- body{font-size:10pt}h1{font-size:16pt}.lead{font-size:10pt}footer p{font-size:8pt;padding:6px 0 0}
+ body{font-size:10pt}h1{font-size:16pt}.lead{font-size:10pt}
  .sticky{position:static}.twinbar{font-size:8.5pt}
- a.term{border:0;text-decoration:none;color:inherit}nav,.choices,.search,.tools{display:none}
- main,header.top,footer{padding:0;max-width:none}section{margin:20px 0}
+ a.term{border:0;text-decoration:none;color:inherit}nav,.choices,.search,.tools,footer{display:none}
+ main,header.top{padding:0;max-width:none}section{margin:20px 0}
  .cards{grid-template-columns:repeat(5,1fr);gap:6px}.card{padding:6px 8px}.card strong{font-size:12pt}
  .card span,.card small{font-size:8pt}.plot{min-width:0!important}
  .pairs,.columns,.panels{grid-template-columns:minmax(0,1fr) minmax(0,1fr)!important;gap:6px}
