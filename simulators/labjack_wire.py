@@ -4,11 +4,10 @@ import random
 from typing import Any
 
 from simulators.labjack_box import CHANNELS, LabJackBox
+from simulators.wire_quantities import WireQuantities
 from smarig.config import LinkFile, RigFile
 from smarig.core import UsageError
-from smarig.device import load_register_map
-from smarig.plant import Actuator, load_of
-from smarig.rig import RawReading, Specimen, TwinSettings
+from smarig.rig import TwinSettings
 
 NOISE_V = 0.0002  # standard deviation of one analogue reading
 PER_TICK_S = 4  # steps of the watchdog per tick of the rig
@@ -21,23 +20,12 @@ class LabJackWire:
         if file.links is None:
             raise UsageError(f"Rig '{file.name}' has no table [links].")
         self.file = file
-        actuator = Actuator.named(file.actuator)
-        self.specimen = Specimen(file, actuator, settings)
-        self._load = load_of(file, actuator)
-        self._per_A, self._per_V = (
-            next(f for f in load_register_map("amplifier")["ring"].field if f.name == name).per_unit
-            for name in ("current", "voltage")
-        )
-        self._per_degC = next(
-            f for f in load_register_map("encoder_daq")["ring"].field if f.name == "ambient"
-        ).per_unit
+        self._wire = WireQuantities(file, settings)
         self._output = file.links.amplifier.settings
         self._inputs = _inputs(file)
         self._noise = random.Random(settings.seed)
         self._noise_V = NOISE_V if settings.noise else 0.0
-        self._counts = self.specimen.counts_now()
-        self.reading = RawReading(0, 0, self._counts, round(file.ambient_degC * self._per_degC), 0, False)
-        self.box = LabJackBox(self._volts, self._degC, lambda: self._counts, product)
+        self.box = LabJackBox(self._volts, self._degC, lambda: self._wire.counts, product)
         self.current_A = 0.0
         self._steps = 0
 
@@ -49,41 +37,27 @@ class LabJackWire:
             self.box.pass_time(self._steps * step_s)
             if self._steps % PER_TICK_S == 0:
                 self.current_A = self._driven_A()
-                self.reading = self.specimen.advance(self.current_A)
-                self._counts = self.reading.counts
+                self._wire.advance(self.current_A)
 
     def _driven_A(self) -> float:
         """The current of the external amplifier or voltage stage."""
         dac_V = self.box.dac_V[self._output["dac"]]
         if "amperes_per_volt" in self._output:
             return dac_V * self._output["amperes_per_volt"]
-        return dac_V * self._output["volts_per_volt"] / self.specimen.plant.resistance_ohm(self.current_A)
+        return dac_V * self._output["volts_per_volt"] / self._wire.specimen.plant.resistance_ohm(self.current_A)
 
     def _volts(self, channel: int) -> float:
         """The voltage at an input: its quantity through the inverse of scale and offset, with noise."""
         noise_V = self._noise.gauss(0.0, self._noise_V) if self._noise_V else 0.0
         for name, one in self._inputs:
             if one["channel"] == channel:
-                return (self._quantity(name) - one.get("offset", 0.0)) / one["scale"] + noise_V
+                return (self._wire.quantity(name) - one.get("offset", 0.0)) / one["scale"] + noise_V
         return noise_V
-
-    def _quantity(self, name: str) -> float:
-        match name:
-            case "current":
-                return self.reading.current / self._per_A
-            case "voltage":
-                return self.reading.voltage / self._per_V
-            case "position":
-                return self._counts * self.specimen.position_per_count
-            case "force":
-                force = self._load.force() if self._load else None
-                return force(self.specimen.tick * self.file.period_s) if force else 0.0
-        return self.reading.ambient / self._per_degC
 
     def _degC(self, channel: int) -> float:
         """Any extended feature: the temperature of the room."""
         del channel
-        return self._quantity("temperature")
+        return self._wire.quantity("temperature")
 
 
 def _inputs(file: RigFile) -> list[tuple[str, dict[str, Any]]]:

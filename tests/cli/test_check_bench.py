@@ -49,6 +49,10 @@ def test_hardware_is_not_heated_without_confirmation(tmp_path, capsys, monkeypat
     monkeypatch.setattr("smarig.cli.rig_check.open_rig", None)
     path = tmp_path / "hard.toml"
     path.write_text('name = "hard"\nbase = "bench_one_wire"\n')
+    assert cli(["check", str(path), "--no-current"]) == 2
+    assert "links.amplifier.url is the placeholder of the template" in capsys.readouterr().err
+    with path.open("a") as file:
+        file.writelines(f'links.{name}.url = "/dev/absent-{name}"\n' for name in ("amplifier", "encoder_daq"))
     for answer in ("n\n", ""):
         monkeypatch.setattr("sys.stdin", io.StringIO(answer))
         assert cli(["check", str(path)]) in (2, 130)

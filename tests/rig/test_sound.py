@@ -9,7 +9,16 @@ from smarig.rig.consistency import inconsistencies
 
 @pytest.mark.parametrize("name", shipped_names("rigs"))
 def test_shipped_rigs_are_sound(name):
-    assert inconsistencies(load_rig(name)) == []
+    found = inconsistencies(load_rig(name))
+    assert [problem for problem in found if "is the placeholder of the template" not in problem] == []
+
+
+def test_an_address_of_a_template_is_reported(tmp_path):
+    path = tmp_path / "mine.toml"
+    path.write_text('name = "mine"\nbase = "bench_one_wire"\nlinks.amplifier.url = "/dev/ttyACM0"\n')
+    assert inconsistencies(load_rig(str(path))) == [
+        "links.encoder_daq.url is the placeholder of the template. Give the port or address of the device."
+    ]
 
 
 @pytest.mark.parametrize(
@@ -27,7 +36,8 @@ def test_shipped_rigs_are_sound(name):
 )
 def test_inconsistencies_are_reported(tmp_path, capsys, line, says):
     path = tmp_path / "mine.toml"
-    path.write_text(f'name = "mine"\nbase = "bench_one_wire"\n{line}\n', encoding="utf-8")
+    urls = 'links.amplifier.url = "/dev/a"\n' + 'links.encoder_daq.url = "/dev/b"\n' * ("daq.url" not in line)
+    path.write_text(f'name = "mine"\nbase = "bench_one_wire"\n{urls}{line}\n', encoding="utf-8")
     assert [says in problem for problem in inconsistencies(load_rig(str(path)))] == [True]
     assert cli(["check", str(path), "--no-current"]) == 2
     assert says in capsys.readouterr().err
@@ -43,5 +53,6 @@ def test_inconsistencies_are_reported(tmp_path, capsys, line, says):
 )
 def test_links_that_cannot_share_a_port_are_reported(tmp_path, lines, says):
     path = tmp_path / "mine.toml"
-    path.write_text(f'name = "mine"\nbase = "uno_one_wire"\n{lines}\n', encoding="utf-8")
+    urls = "".join(f'links.{name}.url = "/dev/ttyACM0"\n' for name in ("amplifier", "encoder_daq"))
+    path.write_text(f'name = "mine"\nbase = "uno_one_wire"\n{urls}{lines}\n', encoding="utf-8")
     assert [says in problem for problem in inconsistencies(load_rig(str(path)))] == [True]

@@ -28,11 +28,11 @@ def check_one_driver(rig: str, driver: str, role: str, url: str, wire: str, yes:
     found = []
     with rig_locks(file, wire or file.wire):
         for result in check_driver(rig, file, cast(Role, role), driver, url):
-            show_message(f"{'ok ' if result.passed else 'NOT'} {result.name}: {result.observed}")
+            show_message(result.line)
             found.append(result)
     met = sum(result.passed for result in found)
     lines = [f"{driver} as {role}: {met} of {len(found)} requirements are met."]
-    if role == _POWERED and any(result.name == "lease" and "no lease" in result.observed for result in found):
+    if role == _POWERED and any(result.limitation for result in found):
         lines.append(without_lease_text(file, Actuator.named(file.actuator)))
     emit(
         {

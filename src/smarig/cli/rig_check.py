@@ -74,7 +74,8 @@ def _bring_up_checks(rig: str, file: RigFile, actuator: Actuator) -> list[Check]
 def _checklist(file: RigFile, checks: list[Check]) -> list[str]:
     """The lines of the checklist, to be printed and signed."""
     now = time.strftime("%Y-%m-%d %H:%M")
-    rows = [f"[{'x' if c.passed else ' '}] {c.name}: {c.observed}" for c in checks]
+    marks = {True: "!", False: "x"}
+    rows = [f"[{marks[c.limitation] if c.passed else ' '}] {c.name}: {c.observed}" for c in checks]
     manual_checks = [
         "[ ] cut-out: pressed while current flowed, and the current stopped",
         "[ ] guard and load: in place",

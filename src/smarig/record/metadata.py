@@ -135,7 +135,7 @@ KEY_TYPES = {
     ),
     **dict.fromkeys(("begun_with", "shift", "hashes", "salvaged", "load"), is_table),
     **dict.fromkeys(("rig_values", "actuator_values", "rig_sha256"), is_table),
-    **dict.fromkeys(("effects", "warnings", "own_files"), _list),
+    **dict.fromkeys(("effects", "warnings", "own_files", "instruments"), _list),
     **dict.fromkeys(("seed", "history_until_tick"), is_integer),
     "actuator": _name,
     "period_s": _duration,

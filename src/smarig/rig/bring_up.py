@@ -61,7 +61,7 @@ def bring_up(rig: SupportsIdle, file: RigFile, on_progress: ProgressCallback = l
     found: list[Check] = []
     try:
         for check in _checks(rig, file, on_progress):
-            on_progress(f"{'ok ' if check.passed else 'NOT'} {check.name}: {check.observed}")
+            on_progress(check.line)
             found.append(check)
     except RigFault as fault:
         found.append(Check("rig", False, str(fault)))
@@ -87,7 +87,7 @@ def _checks(rig: SupportsIdle, file: RigFile, on_progress: ProgressCallback) -> 
     if rig.has_lease:
         yield from _check_lease(rig, file)
     else:
-        yield Check("lease", True, no_lease)
+        yield Check("lease", True, no_lease, limitation=True)
 
 
 def _at_rest(guard: Guard, file: RigFile) -> Check:

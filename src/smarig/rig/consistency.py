@@ -20,7 +20,9 @@ DRIVERS = "smarig.device.drivers"
 SIMULATED = {  # links whose devices [simulator] starts
     "reference": ("amplifier", "encoder_daq"),
     "labjack": tuple(LinksFile.model_fields),  # one box serves all roles
+    "supply": tuple(LinksFile.model_fields),  # and a meter for each other role
 }
+PLACEHOLDER = "REPLACE"  # in the addresses of the templates
 OVER_CURRENT = 1.05  # of the largest current; above it the amplifier trips by itself
 
 
@@ -60,6 +62,8 @@ def _links(file: RigFile, links: LinksFile) -> Iterator[str]:
             yield f"links.{device}.driver: no driver '{driver}'{suggestion(driver, known)}."
         if not link.url and device not in simulated:
             yield f"links.{device}.url is missing. Give the port or address of the device."
+        if PLACEHOLDER in link.url:
+            yield f"links.{device}.url is the placeholder of the template. Give the port or address of the device."
     yield from _shared_port(links)
     tries_s = ATTEMPTS * links.amplifier.timeout_s
     if file.simulator is None and tries_s > file.lease_s:

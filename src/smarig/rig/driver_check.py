@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from typing import Any
 from urllib.parse import urlsplit
 
-from smarig.config import LinkFile, RigFile
+from smarig.config import LinkFile, RigFile, SimulatorFile
 from smarig.core import UsageError
 from smarig.device import (
     Check,
@@ -36,6 +36,7 @@ def check_driver(rig: str, file: RigFile, role: Role, driver: str = "", url: str
         if simulator is not None:
             speed = simulator.speed or SIMULATED_SPEED
             if simulator.start and not url:
+                _refuse_other_devices(file, simulator, driver)
                 links = open_.enter_context(
                     started_simulator(rig, simulator, links, TwinSettings(), speed, file.load)
                 )
@@ -53,6 +54,18 @@ def check_driver(rig: str, file: RigFile, role: Role, driver: str = "", url: str
         with case.opened():
             pass  # a device that is not there is one error, not a list of broken requirements
         yield from check_contract(role, case)
+
+
+def _refuse_other_devices(file: RigFile, simulator: SimulatorFile, driver: str) -> None:
+    """Raise UsageError for a shipped driver whose device the rig does not simulate."""
+    families = {"smarig_": "one_wire_serial", "labjack_": "labjack_one_wire", "visa_": "laboratory_supply"}
+    simulated = dict(zip(("reference", "labjack", "supply"), families, strict=True))[simulator.devices]
+    family = next((prefix for prefix in families if driver.startswith(prefix)), simulated)
+    if family != simulated:
+        raise UsageError(
+            f"Rig '{file.name}' simulates no device for the driver '{driver}'. Name a rig that does, such as "
+            f"{families[family]}, or a rig file of yours; or give --url."
+        )
 
 
 def in_role(role: Role, link: LinkFile, file: RigFile) -> Any:

@@ -163,7 +163,7 @@ def started_simulator(
     ):
         raise UsageError("Simulated devices accept only effects of the catalogue.")
     is_reference = how.devices == "reference"
-    specific = _reference_command(how, links, speed) if is_reference else _labjack_command(how, speed)
+    specific = _reference_command(how, links, speed) if is_reference else _timed_command(how, speed)
     folder = tempfile.TemporaryDirectory(prefix="smarig-", ignore_cleanup_errors=True)
     specific += ["--folder", folder.name] if is_reference else []
     effects = [word for pair in effects_to_arguments(with_type) for word in ("--effect", pair)]
@@ -192,13 +192,18 @@ def started_simulator(
         folder.cleanup()
 
 
-def _labjack_command(how: SimulatorFile, speed: float) -> list[str]:
-    """A LabJack counts no ticks that could wait for the host: it follows the clock. Raises UsageError for options."""
+def _timed_command(how: SimulatorFile, speed: float) -> list[str]:
+    """Devices without ticks that could wait for the host follow the clock. Raises UsageError for options."""
+    name, module = {
+        "labjack": ("LabJack", "simulators.labjack"),
+        "supply": ("supply", "simulators.supply_bench"),
+    }[how.devices]
     unknown = [key for key in ("faults", "library", "trace") if getattr(how, key)]
     if unknown or not speed:
         wrong = f"no simulator.{unknown[0]}" if unknown else "no lock-step; give simulator.speed above 0"
-        raise UsageError(f"The simulated LabJack has {wrong}.")
-    return ["simulators.labjack", "--speed", str(speed)]
+        raise UsageError(f"The simulated {name} has {wrong}.")
+    make = ["--make", how.make] if how.devices == "supply" and how.make else []
+    return [module, "--speed", str(speed), *make]
 
 
 def _reference_command(how: SimulatorFile, links: LinksFile, speed: float) -> list[str]:

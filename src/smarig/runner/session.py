@@ -28,6 +28,7 @@ from smarig.record import (
     recording,
 )
 from smarig.rig import (
+    Bench,
     Guard,
     Plausibility,
     Rig,
@@ -327,6 +328,7 @@ class Session:
             **self.description,
             "notes": notes,
             "device": self.device,
+            **({"instruments": self.rig.identity()} if isinstance(self.rig, Bench) else {}),
             "has_lease": self.has_lease,
             OWN_FILES: used_own_files(
                 protocol, self.settings.effects, self.file, str(settings.get("controller", ""))

@@ -89,7 +89,7 @@ def test_a_source_without_a_lease_says_so_and_passes():
     results = {
         r.name: r.observed for r in check_contract("amplifier", case(faulty.TickedOutput, "amplifier"))
     }
-    assert results["lease"].startswith("it claims no lease")
+    assert results["lease"].startswith("it has none")
 
 
 def test_an_unknown_role_is_one_sentence():

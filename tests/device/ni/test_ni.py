@@ -77,7 +77,7 @@ def test_the_contract(name):
     assert "untested on hardware" in results[0].observed
     if role == "amplifier":
         lease = next(r.observed for r in results if r.name == "lease")
-        assert ("claims no lease" in lease) != ("watchdog" in settings)
+        assert ("it has none" in lease) != ("watchdog" in settings)
 
 
 def test_without_the_package(monkeypatch):

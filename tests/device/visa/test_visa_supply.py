@@ -1,14 +1,17 @@
 """Supplies by VISA: the contract in every make's own dialect, watchdogs in real time, dead lines, wrong settings."""
 
+import math
 import time
 
 import pytest
 
 pytest.importorskip("pyvisa_py", reason="the extra visa is not installed")
 
-from device.visa.scpi_server import DIALECTS, ScpiServer
+from simulators.meter import SimulatedMeter
+from simulators.supply import SimulatedSupply
+from simulators.supply_dialects import DIALECTS
 from smarig.config import LinkFile, load_rig
-from smarig.core import ConfigError, RigFault
+from smarig.core import ConfigError, RigFault, UsageError
 from smarig.device import ContractCase, Garbled, PolledSource, Silent, WrongDevice, check_contract
 from smarig.device.drivers._makes import makes
 from smarig.device.drivers.visa_meter import visa_meter
@@ -32,7 +35,7 @@ def serve():
     servers = []
 
     def made(make, **options):
-        servers.append(ScpiServer(make, **options))
+        servers.append(SimulatedSupply(make, **options))
         return servers[-1]
 
     yield made
@@ -53,7 +56,7 @@ def test_each_make_meets_the_contract_in_its_own_dialect(make, serve):
     )
     found = {r.name: r for r in check_contract("amplifier", case)}
     assert [(r.name, r.observed) for r in found.values() if not r.passed] == []
-    assert found["lease"].observed.startswith("it claims no lease") == (make not in WATCHED)
+    assert found["lease"].observed.startswith("it has none") == (make not in WATCHED)
     assert server.unknown == [], "commands that the make does not know"
     assert server.limit_V == pytest.approx(5.5, abs=0.6), "of the largest current through the wire"
     assert server.flows_A == 0.0
@@ -167,16 +170,17 @@ def test_a_late_answer_is_never_taken_for_the_next(serve):
     supply.close()
 
 
-def test_a_meter_scales_and_knows_its_range(serve):
-    server = serve("rigol_dp800", position=lambda: 2.0)
+def test_a_meter_scales_and_knows_its_range():
+    server = SimulatedMeter("MEAS:POS?", lambda: 2.0)
     settings = {"query": "MEAS:POS?", "unit": "mm", "scale": 2.5, "offset": 1.0, "low": 0.0, "high": 10.0}
     meter = visa_meter(link(server, **settings), RIG)
     assert (meter.position(), meter.unit) == (6.0, "mm")
-    server.position = lambda: 9.9e37
-    assert meter.position() != meter.position(), "an overload is no reading"
-    server.position = lambda: 4.0
-    assert meter.position() != meter.position(), "out of range is no reading"
+    server.value = lambda: 1e30
+    assert math.isnan(meter.position()), "an overload is no reading"
+    server.value = lambda: 4.0
+    assert math.isnan(meter.position()), "out of range is no reading"
     meter.close()
+    server.close()
 
 
 def test_an_answer_that_is_no_number_is_garbled(serve):
@@ -192,3 +196,18 @@ def test_no_device_and_no_backend_are_one_sentence(serve):
         visa_supply(link(server).model_copy(update={"url": "TCPIP0::127.0.0.1::9::SOCKET"}), RIG)
     with pytest.raises(Exception, match="cannot use the backend '@absent'"):
         visa_supply(link(server, backend="@absent"), RIG)
+
+
+def test_an_address_that_is_none_is_one_sentence():
+    absent = LinkFile(driver="visa_supply", framing="lines", url="/dev/ttyUSB0", settings={"backend": "@py"})
+    with pytest.raises(UsageError, match="'/dev/ttyUSB0' is no VISA address, such as TCPIP0::"):
+        visa_supply(absent, RIG)
+
+
+def test_a_voltage_limit_holds_the_current_back(serve):
+    server = serve("rigol_dp800", ohm=lambda: 20.0)
+    supply = visa_supply(link(server), RIG)
+    supply.arm()
+    supply.set_current(0.4)
+    assert supply.measure().current_A == pytest.approx(server.limit_V / 20.0, abs=1e-5)
+    supply.close()

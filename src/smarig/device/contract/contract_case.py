@@ -22,15 +22,34 @@ class Broken(Exception):
 
 
 class Check(NamedTuple):
-    """The result of one check: its name, whether it is passed, what was observed."""
+    """The result of one check: its name, whether it is passed, what was observed.
+
+    ``limitation``: passed, but the device lacks something that the user must make up for.
+    """
 
     name: str
     passed: bool
     observed: str
+    limitation: bool = False
+
+    @property
+    def line(self) -> str:
+        """The check as a line of progress."""
+        mark = "NOT" if not self.passed else "!! " if self.limitation else "ok "
+        return f"{mark} {self.name}: {self.observed}"
 
     def to_json(self) -> dict[str, Any]:
         """The check as ``smarig check --json`` reports it."""
-        return {"name": self.name, "passed": self.passed, "seen": self.observed}
+        return {
+            "name": self.name,
+            "passed": self.passed,
+            "seen": self.observed,
+            "limitation": self.limitation,
+        }
+
+
+class Limitation(str):
+    """What was observed where a requirement is met, but the device lacks something."""
 
 
 @dataclass(frozen=True)
@@ -83,7 +102,8 @@ def results(case: ContractCase, requirements: dict[str, Requirement]) -> Iterato
     """Every requirement in order; an error of the driver is a broken requirement, not the end."""
     for name, requirement in requirements.items():
         try:
-            yield Check(name, True, requirement(case))
+            observed = requirement(case)
+            yield Check(name, True, observed, isinstance(observed, Limitation))
         except Broken as broken:
             yield Check(name, False, str(broken))
         except SmarigError as error:

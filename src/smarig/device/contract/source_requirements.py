@@ -4,7 +4,14 @@ import math
 from typing import Any
 
 from smarig.core import Quality, SmarigError
-from smarig.device.contract.contract_case import GAIN_TOLERANCE, SETTLE_TICKS, Broken, ContractCase, require
+from smarig.device.contract.contract_case import (
+    GAIN_TOLERANCE,
+    SETTLE_TICKS,
+    Broken,
+    ContractCase,
+    Limitation,
+    require,
+)
 from smarig.device.roles.ticked import CurrentReading, CurrentSource
 
 LEASE_MARGIN_S = 1.5  # besides the lease, until the output must be off
@@ -28,6 +35,8 @@ def off_after_a_killed_host(case: ContractCase) -> str:
     with case.opened() as again:
         current_A = _settled(case, again).current_A
         require(abs(current_A) <= case.tolerance_A, f"{current_A:.4g} A flow after it was opened again")
+        if not again.has_lease:
+            return Limitation(f"the current flows until it is opened again; then {current_A:.4f} A")
         return f"{current_A:.4f} A after it was opened again"
 
 
@@ -112,7 +121,7 @@ def lease(case: ContractCase) -> str:
     """A source that claims a lease switches itself off when the host is silent, says so, and can be armed again."""
     with case.opened() as source:
         if not source.has_lease:
-            return "it claims no lease: its rig takes lower limits, and only a cut-out stops the current"
+            return Limitation("it has none: its rig takes lower limits, and only a cut-out stops the current")
         source.set(case.test_A)
         before_A = _settled(case, source).current_A
         case.wait(case.rig.lease_s + LEASE_MARGIN_S)

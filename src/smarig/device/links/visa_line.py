@@ -95,6 +95,11 @@ class VisaLine:
                 self._session.baud_rate = self._baud
         except Exception as error:
             self._drop()
+            if not _is_visa_address(self.where):
+                raise UsageError(
+                    f"'{self.where}' is no VISA address, such as TCPIP0::192.168.1.20::INSTR or "
+                    "USB0::0x2A8D::0x0101::MY57501234::INSTR."
+                ) from None
             raise Silent(f"{self.where} cannot be opened: {error_text(error)}. {Silent.remedy}") from None
 
     def _fail(self, error: Exception, what: str) -> None:
@@ -106,6 +111,17 @@ class VisaLine:
         if session is not None:
             with contextlib.suppress(Exception):
                 session.close()
+
+
+def _is_visa_address(where: str) -> bool:
+    """Whether it has the form of one; a vendor's library also opens names of its own, which have not."""
+    from pyvisa.rname import InvalidResourceName, ResourceName
+
+    try:
+        ResourceName.from_string(where)
+    except InvalidResourceName:
+        return False
+    return True
 
 
 def _manager(backend: str) -> Any:

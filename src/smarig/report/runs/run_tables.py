@@ -42,6 +42,8 @@ def _run_rows(run: Run) -> Iterable[Row]:
     info = run.info
     yield "Rig", info.rig or "not named", "", "run file"
     yield "Wire", info.wire or "not named", "", "run file"
+    if info.instruments:
+        yield "Instruments", "; ".join(map(str, info.instruments)), "", "run file"
     if info.period_s:
         yield "Tick", f"{info.period_s:g}", "s", "run file"
     for signal, name in ((info.input, "Hysteresis input"), (info.output, "Output")):
