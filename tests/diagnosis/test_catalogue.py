@@ -48,6 +48,7 @@ INVISIBLE = {
     "r_phase": (16, 2, ("voltage",)),
 }
 LONG = {
+    "ambient_drift",
     "accommodation",
     "amplifier_gain",
     "backlash",

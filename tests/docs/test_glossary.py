@@ -59,9 +59,21 @@ def modules() -> dict[Path, ast.Module]:
     return {f: ast.parse(f.read_text(encoding="utf-8")) for f in files}
 
 
+@cache
+def words_of(identifier: str) -> frozenset[str]:
+    """The words of an identifier; most occur often."""
+    return frozenset(words(identifier))
+
+
+@cache
+def nodes(tree: ast.AST) -> tuple[ast.AST, ...]:
+    """All nodes of a module; several tests look at them."""
+    return tuple(ast.walk(tree))
+
+
 def identifiers(tree: ast.AST) -> Iterator[str]:
     """Names of classes, functions, arguments, keywords, attributes, variables and imports."""
-    for node in ast.walk(tree):
+    for node in nodes(tree):
         if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef | ast.ClassDef):
             yield node.name
         elif isinstance(node, ast.arg | ast.keyword):
@@ -77,19 +89,19 @@ def identifiers(tree: ast.AST) -> Iterator[str]:
 
 
 def private_identifiers(tree: ast.AST) -> set[str]:
-    return {name for name in identifiers(tree) if PRIVATE & set(words(name))} - IDENTIFIERS_THAT_STAY.keys()
+    return {name for name in set(identifiers(tree)) if PRIVATE & words_of(name)} - IDENTIFIERS_THAT_STAY.keys()
 
 
 def classes() -> Counter[str]:
     """How often each class name is defined."""
     return Counter(
-        node.name for tree in modules().values() for node in ast.walk(tree) if isinstance(node, ast.ClassDef)
+        node.name for tree in modules().values() for node in nodes(tree) if isinstance(node, ast.ClassDef)
     )
 
 
 def message_words(tree: ast.AST) -> Iterator[tuple[int, str]]:
     """(line, word) of the literals of all that is raised."""
-    for node in ast.walk(tree):
+    for node in nodes(tree):
         if isinstance(node, ast.Raise) and node.exc is not None:
             for inner in ast.walk(node.exc):
                 if isinstance(inner, ast.Constant) and isinstance(inner.value, str):
