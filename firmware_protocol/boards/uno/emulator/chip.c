@@ -5,9 +5,10 @@
 #include <string.h>
 
 #include <simavr/avr_ioport.h>
+#include <simavr/avr_timer.h>
 
 /* Addresses of registers in data space, from the data sheet of the ATmega328P. */
-enum { DDRB = 0x24, PORTB = 0x25, TCCR1A = 0x80, TCCR1B = 0x81, ICR1 = 0x86, OCR1A = 0x88 };
+enum { DDRB = 0x24, PORTB = 0x25, TCCR1A = 0x80, TCCR1B = 0x81, ICR1 = 0x86 };
 enum { UNUSED = 0xA5 }; /* fills the RAM that no variable has */
 enum { COM1A1 = 1 << 7, CLOCKED = 7, GATE = 1 << 1, LED = 1 << 5, STOP_BIT = 2 };
 
@@ -36,6 +37,13 @@ static void on_reset(avr_t *avr)
         only->after_reset();
 }
 
+/* The low byte, written last, makes a compare value take effect: between its two bytes there is none. */
+static void on_compare(struct avr_irq_t *irq, uint32_t value, void *c)
+{
+    (void)irq;
+    ((struct chip *)c)->compare = (uint16_t)value;
+}
+
 bool chip_load(struct chip *c, const char *elf)
 {
     memset(c, 0, sizeof *c);
@@ -49,6 +57,7 @@ bool chip_load(struct chip *c, const char *elf)
     avr_load_firmware(c->avr, &c->firmware);
     c->avr->sleep = no_sleep;
     c->avr->vcc = c->avr->avcc = c->avr->aref = 5000;
+    avr_irq_register_notify(avr_io_getirq(c->avr, AVR_IOCTL_TIMER_GETIRQ('1'), TIMER_IRQ_OUT_PWM0), on_compare, c);
     reset_core = c->avr->reset;
     c->avr->reset = on_reset;
     for (uint32_t at = chip_symbol(c, "__bss_end"); at <= c->avr->ramend; at++)
@@ -85,7 +94,7 @@ double chip_gate(const struct chip *c)
         return 0; /* the resistor at the gate keeps it low */
     if (!(data[TCCR1A] & COM1A1) || !(data[TCCR1B] & CLOCKED))
         return data[PORTB] & GATE ? 1 : 0;
-    return (word_at(c, OCR1A) + 1.0) / (word_at(c, ICR1) + 1.0);
+    return (c->compare + 1.0) / (word_at(c, ICR1) + 1.0);
 }
 
 unsigned chip_free_ram(const struct chip *c)

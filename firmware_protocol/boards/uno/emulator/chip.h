@@ -13,6 +13,7 @@ struct chip {
     elf_firmware_t firmware;
     avr_flashaddr_t hung_at; /* 0: not hung */
     uint8_t replaced[2];
+    uint16_t compare; /* of timer 1, once both of its bytes are written */
     void (*after_reset)(void); /* a reset forgets all timers */
 };
 
