@@ -44,7 +44,9 @@ class LabJackWire:
         dac_V = self.box.dac_V[self._output["dac"]]
         if "amperes_per_volt" in self._output:
             return dac_V * self._output["amperes_per_volt"]
-        return dac_V * self._output["volts_per_volt"] / self._wire.specimen.plant.resistance_ohm(self.current_A)
+        return (
+            dac_V * self._output["volts_per_volt"] / self._wire.specimen.plant.resistance_ohm(self.current_A)
+        )
 
     def _volts(self, channel: int) -> float:
         """The voltage at an input: its quantity through the inverse of scale and offset, with noise."""

@@ -1,4 +1,4 @@
-"""A laboratory supply on a TCP port: the dialect of its make, a voltage limit, and the watchdog of those that have one."""
+"""A laboratory supply on a TCP port: the dialect of its make, its voltage limit, and a watchdog where it has one."""
 
 import threading
 import time
@@ -26,7 +26,7 @@ class SimulatedSupply(TextServer):
         make: str,
         speed: float = 1.0,
         honest: bool = True,
-        drive: Callable[[float], None] = lambda current_A: None,
+        drive: Callable[[float], None] = lambda _: None,
         ohm: Callable[[], float] = lambda: OHM,
     ) -> None:
         if make not in DIALECTS:

@@ -1,4 +1,4 @@
-"""``python -m simulators.supply_bench --rig RIG``: a laboratory supply and the meters of a rig file, on the twin's wire.
+"""``python -m simulators.supply_bench --rig RIG``: a laboratory supply and the meters of a rig file on the twin's wire.
 
 Prints their VISA addresses as one line of JSON, for each role of the rig file. Runs until standard input ends; its time
 is the clock's, times ``--speed``.

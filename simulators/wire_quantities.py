@@ -30,7 +30,7 @@ class WireQuantities:
         self.counts = self.reading.counts
 
     def quantity(self, name: str) -> float:
-        """``current`` (A), ``voltage`` (V), ``position`` (mm or deg), ``force`` (N), ``temperature`` of the room (°C)."""
+        """``current`` (A), ``voltage`` (V), ``position`` (mm, deg), ``force`` (N), ``temperature`` of the room (°C)."""
         match name:
             case "current":
                 return self.reading.current / self._per_A

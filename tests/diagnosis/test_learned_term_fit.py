@@ -1,7 +1,7 @@
 """The missing term of commanded runs: laws that independent code hid are learned, and none where nothing is hidden."""
 
-from dataclasses import replace
 import os
+from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
 

@@ -89,7 +89,9 @@ def identifiers(tree: ast.AST) -> Iterator[str]:
 
 
 def private_identifiers(tree: ast.AST) -> set[str]:
-    return {name for name in set(identifiers(tree)) if PRIVATE & words_of(name)} - IDENTIFIERS_THAT_STAY.keys()
+    return {
+        name for name in set(identifiers(tree)) if PRIVATE & words_of(name)
+    } - IDENTIFIERS_THAT_STAY.keys()
 
 
 def classes() -> Counter[str]:

@@ -73,7 +73,9 @@ def test_a_command_starts_the_supply_of_its_rig_file(tmp_path):
         'name = "mine"\nbase = "laboratory_supply"\nwire = "twin-of-a-test"\nlease_s = 10.0\n'
         'simulator = { speed = 10.0, make = "keithley_2400" }\n'
     )
-    done = smarig_on(rig, "run", "step_currents", "--rig", rig, "-o", "a.run.sqlite", "--set", "currents_A=0.5")
+    done = smarig_on(
+        rig, "run", "step_currents", "--rig", rig, "-o", "a.run.sqlite", "--set", "currents_A=0.5"
+    )
     assert done.returncode == 0, done.stderr
     run = load_run(tmp_path / "a.run.sqlite")
     assert "MODEL 2400" in run.info.instruments[0]
