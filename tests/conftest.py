@@ -28,7 +28,8 @@ with contextlib.suppress(ValueError, AttributeError):
     signal.signal(signal.SIGINT, signal.default_int_handler)
     signal.signal(signal.SIGHUP, signal.SIG_DFL)
 
-settings.register_profile("ci", derandomize=True, deadline=None, max_examples=60)
+LONG = bool(os.environ.get("SMARIG_LONG"))
+settings.register_profile("ci", derandomize=True, deadline=None, max_examples=60 if LONG else 30)
 settings.load_profile("ci")
 
 collect_ignore = [
@@ -55,7 +56,13 @@ LONGEST = (
 
 
 def pytest_collection_modifyitems(items):
-    """The longest first: else one worker is still at them when the others have nothing left to do."""
+    """The longest first: else one worker is still at them when the others have nothing left to do.
+
+    What is marked ``long`` runs with ``SMARIG_LONG=1``, as in ``.ci/long``.
+    """
+    for item in items if not LONG else ():
+        if item.get_closest_marker("long"):
+            item.add_marker(pytest.mark.skip(reason="long: SMARIG_LONG=1"))
     items.sort(key=lambda item: item.path.stem not in LONGEST)
 
 

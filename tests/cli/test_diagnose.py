@@ -168,6 +168,7 @@ def test_a_run_cannot_be_training_and_held_out(session_folder, capsys):
     assert "is given to both --train and --held-out" in capsys.readouterr().err
 
 
+@pytest.mark.long
 def test_runs_of_two_sessions_are_one_timeline_with_two_zeros(session_folder, tmp_path, capsys):
     other = tmp_path / "other.run.sqlite"
     assert cli(["run", "validation", "--rig", "one_wire_twin", "--set", "points=3", "-o", str(other)]) == 0

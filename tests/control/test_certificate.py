@@ -56,7 +56,9 @@ def all_texts(hysteresis, controllers=None) -> tuple[str, str, str]:
     return found.text, html.unescape(page), json.dumps(found.to_json(), ensure_ascii=False)
 
 
-@pytest.mark.parametrize("kind", ["one_p", pytest.param("two_p", marks=long), "table"])
+@pytest.mark.parametrize(
+    "kind", [pytest.param("one_p", marks=long), pytest.param("two_p", marks=long), "table"]
+)
 def test_what_is_not_dissipative_gets_no_bound(kind):
     hysteresis = sampled("two_p", "deg") if kind == "table" else thesis_surface(kind)
     found = certificate(hysteresis)

@@ -22,6 +22,7 @@ def rows_under(head: str) -> list[str]:
     return following[: following.index("")]
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("head", TABLES)
 def test_the_page_shows_what_is_computed(head: str):
     assert rows_under(head) == TABLES[head]()

@@ -134,7 +134,13 @@ def twin(tmp_path_factory):
 
 
 @pytest.mark.parametrize(
-    "link", ["one_wire_serial", "one_wire_modbus_tcp", "one_wire_modbus_rtu", "two_wire_serial"]
+    "link",
+    [
+        "one_wire_serial",
+        "one_wire_modbus_tcp",
+        pytest.param("one_wire_modbus_rtu", marks=pytest.mark.long),
+        "two_wire_serial",
+    ],
 )
 def test_bytes_make_no_difference_to_any_controller(twin, link, tmp_path):
     runs = recorded(link, tmp_path, link)
@@ -148,7 +154,7 @@ def test_bytes_make_no_difference_to_any_controller(twin, link, tmp_path):
 
 
 LOSSES = [
-    ("serial", "gain_scheduled", "amplifier", "dead_line"),
+    pytest.param("serial", "gain_scheduled", "amplifier", "dead_line", marks=pytest.mark.long),
     ("modbus_tcp", "inverse", "amplifier", "unplugged"),
     ("modbus_rtu", "pi", "encoder_daq", "dead_line"),
     ("modbus_rtu", "regulate", "amplifier", "dead_line"),

@@ -61,6 +61,7 @@ def test_a_twin_keeps_the_bound_and_its_model_within_noise(run):
     assert f"at sample {one.worst}" in found.text
 
 
+@pytest.mark.long
 def test_a_loop_that_gives_energy_back_goes_below_whatever_the_noise(run):
     """A two_p wire around its loop with negative area, evaluated with a model that is passive, and with its
     own."""

@@ -21,6 +21,7 @@ def test_it_finds_nothing_in_an_unusual_but_classical_density_or_noise():
     assert answer(6, "hard_null").verdict.word == "silent"
 
 
+@pytest.mark.long
 def test_walking_is_named_with_its_strength_and_the_extended_model_predicts_better():
     found = answer(1, "walking")
     assert found.verdict.word == "named"

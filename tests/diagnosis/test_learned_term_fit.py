@@ -38,6 +38,7 @@ def test_a_strain_that_each_cycle_leaves_is_learned_as_a_straight_law_of_the_cyc
     assert found.gain_blocks > 0.8
 
 
+@pytest.mark.long
 def test_an_amplifier_that_warms_up_is_learned_at_the_input_and_levels_off():
     hidden = {"warming_amplifier": {"share": 0.02, "tau_h": 0.3}}
     found = learned(1, hidden, runs=("wiping_out",) * 3)

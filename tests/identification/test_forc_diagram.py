@@ -71,6 +71,7 @@ def test_the_peak_lies_where_most_relays_are(broad):
     assert 2.355 * 8 * 0.9 < peak.fwhm_centre < 2.355 * 8 * 1.25
 
 
+@pytest.mark.long
 def test_standard_errors_are_those_of_repeated_noise():
     relays = gaussian_relays()
     diagrams = [forc_diagram(reversal_curves(*relays, noise=2e-3, seed=s), factor=4.0) for s in range(8)]

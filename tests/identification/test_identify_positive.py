@@ -129,6 +129,7 @@ def test_runs_without_any_curve_are_reported_and_leave_no_number_undefined():
 LOOPS = swept(0.0, 130.0, 20.0, 95.0, 35.0, 75.0, 10.0, 50.0)
 
 
+@pytest.mark.long
 def test_other_runs_of_the_wire_make_it_better():
     """By a fifth and more, typically, where a positive measure can be true."""
     ratios = []

@@ -145,7 +145,7 @@ def test_a_run_without_curves_is_refused_by_the_diagram_and_kept_by_report(tmp_p
 @pytest.mark.parametrize(
     ("name", "h_c", "h_u", "ridge"),
     [
-        ("UB199BF", 0.058, -0.004, False),
+        pytest.param("UB199BF", 0.058, -0.004, False, marks=pytest.mark.long),
         ("hchb_forc", 942.0, 21.0, True),
         ("MSM33-55-1_d330.forc", None, 0.0, True),
     ],

@@ -23,6 +23,7 @@ def both(tmp_path_factory):
     return found
 
 
+@pytest.mark.long
 def test_measured_curves_are_the_measured_points(both):
     for run, found in both:
         points = {(round(u, 6), round(y, 9)) for u, y in zip(*run.points())}

@@ -88,7 +88,7 @@ LIMIT_A = 0.7426  # (5.3): 96 K of 120 K
     "words",
     [
         "run step_currents --set currents_A=0.9",
-        "run first_order_descending --set settle.timeout_s=60",
+        pytest.param("run first_order_descending --set settle.timeout_s=60", marks=pytest.mark.long),
         "regulate one_e.model.json --setpoint 11.5 --hold-s 20",
         "track one_e.model.json --reference steps --controller pi --set seconds=20",
     ],

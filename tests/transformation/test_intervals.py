@@ -45,6 +45,7 @@ def test_without_noise_the_temperatures_are_those_of_the_tangents(kind):
     assert np.abs(errors).max() < 0.03
 
 
+@pytest.mark.long
 def test_a_noisy_temperature_does_not_flatten_the_steep_tangent():
     """A regression of the output on a temperature with a noise of a third of the span would."""
     errors = []

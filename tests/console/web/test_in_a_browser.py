@@ -196,7 +196,7 @@ HIDE = """Object.defineProperty(document, 'visibilityState', { value: 'hidden', 
 document.dispatchEvent(new Event('visibilitychange'))"""
 
 
-@pytest.mark.parametrize("is_hidden", [False, True])
+@pytest.mark.parametrize("is_hidden", [pytest.param(False, marks=pytest.mark.long), True])
 def test_the_end_of_a_run_is_in_the_title_and_in_a_notification_that_was_wanted(visitor, notes, is_hidden):
     start(visitor, LONG, f"notified_{is_hidden}")
     assert notes("requests") == []

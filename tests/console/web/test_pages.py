@@ -135,7 +135,7 @@ def test_a_huge_query_is_answered(console: Console):
     assert console.ask("/library?" + "a=1&" * 10000).status < 500
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize("number", [pytest.param(signal.SIGINT, marks=pytest.mark.long), signal.SIGTERM])
 def test_a_signal_ends_it_with_status_0_while_a_stream_is_open(tmp_path, own_running_dir, number):
     info, control = (
         PanelRunInfo("p", "r", "w", "twin", False, "mm", 0.1, 5, 3.0, tmp_path / "a"),

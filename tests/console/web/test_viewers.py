@@ -42,7 +42,7 @@ def answers(address: str) -> bool:
         return False
 
 
-@pytest.mark.parametrize("end", [signal.SIGTERM, signal.SIGKILL])
+@pytest.mark.parametrize("end", [pytest.param(signal.SIGTERM, marks=pytest.mark.long), signal.SIGKILL])
 def test_it_opens_in_the_browser_and_ends_with_the_console(folder, end):
     pytest.importorskip("rerun", reason="the extra 'live' is not installed")
     with started_console(folder) as console:

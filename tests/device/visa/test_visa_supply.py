@@ -43,7 +43,12 @@ def serve():
         server.close()
 
 
-@pytest.mark.parametrize("make", DIALECTS)
+ALWAYS = ("keysight_n6700", "keithley_2400", "rigol_dp800", "rohde_schwarz_hmp")  # unlike each other
+
+
+@pytest.mark.parametrize(
+    "make", [m if m in ALWAYS else pytest.param(m, marks=pytest.mark.long) for m in DIALECTS]
+)
 def test_each_make_meets_the_contract_in_its_own_dialect(make, serve):
     speed = 4.0 if make in WATCHED else SPEED  # a busy machine must not be later than its margin
     server = serve(make, speed=speed)

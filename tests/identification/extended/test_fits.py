@@ -76,6 +76,7 @@ def fitted_moving(k):
     return [identify_moving([record(FIRST, y[0], s), record(LOOPS, y[1], 99 + s)]) for s in SEEDS]
 
 
+@pytest.mark.long
 def test_the_feedback_of_a_moving_wire_comes_back():
     fits = fitted_moving(2.0)
     low, high = np.transpose([f.feedback.ci95 for f in fits])

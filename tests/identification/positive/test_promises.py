@@ -65,7 +65,8 @@ def fit_errors(folder, rig, truth, seed, kinds) -> PredictionErrors:
 
 
 @pytest.mark.parametrize(
-    ("rig", "name", "most"), [("one_wire_twin", "one_e", 0.055), ("two_wire_twin", "two_e", 0.09)]
+    ("rig", "name", "most"),
+    [("one_wire_twin", "one_e", 0.055), pytest.param("two_wire_twin", "two_e", 0.09, marks=pytest.mark.long)],
 )
 def test_positive_and_good_on_truths_that_are_not_positive(tmp_path, rig, name, most):
     truth = thesis_surface(name)
@@ -86,7 +87,11 @@ def test_better_than_every_surface_on_truths_outside_all_families(tmp_path):
     assert wins >= 0.9 * SEEDS
 
 
-REAL = [("hchb_forc", 0.009), ("MSM33-55-1_d330.forc", 0.0006), ("UB199BF", 0.0018)]
+REAL = [
+    ("hchb_forc", 0.009),
+    pytest.param("MSM33-55-1_d330.forc", 0.0006, marks=pytest.mark.long),
+    ("UB199BF", 0.0018),
+]
 
 
 def every_third(data: FodData) -> tuple[Observations, np.ndarray]:

@@ -318,6 +318,7 @@ def test_the_mirror_turns_places_and_keeps_sizes():
         assert b.modulus.bound == pytest.approx(a.modulus.bound)
 
 
+@pytest.mark.long
 def test_sampled_hystereses_have_no_bounds():
     """A hysteresis known only by its values is evaluated on a grid and has no bounds."""
     down = np.linspace(1.0, 0.0, 9)

@@ -98,7 +98,7 @@ class VisaLine:
             if not _is_visa_address(self.where):
                 raise UsageError(
                     f"'{self.where}' is no VISA address, such as TCPIP0::192.168.1.20::INSTR or "
-                    "USB0::0x2A8D::0x0101::MY57501234::INSTR."
+                    "USB0::0x2A8D::0x1301::MY57501234::INSTR."
                 ) from None
             raise Silent(f"{self.where} cannot be opened: {error_text(error)}. {Silent.remedy}") from None
 

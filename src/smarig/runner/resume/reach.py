@@ -70,6 +70,7 @@ REACH: dict[str, dict[str, Reach]] = {
         "protection.heat_max_A2s": Reach.SAFETY,
         "protection.heat_settle_s": Reach.SAFETY,
         "simulator.devices": Reach.NUMBERS,
+        "simulator.make": Reach.NUMBERS,
         "simulator.start": Reach.NUMBERS,  # other devices, with a wire of their own
         "simulator.speed": Reach.NOTHING,
         "simulator.faults": Reach.NUMBERS,

@@ -22,7 +22,8 @@ _ENDED_SHOWN = 20
 
 def overview(request: Request) -> HTMLResponse:
     """The page."""
-    return page(request, "overview.html", _parts(context_of(request)), here="runs")
+    shown = _parts(context_of(request))
+    return page(request, "overview.html", {**shown, "state": _state(shown)}, here="runs")
 
 
 def parts(request: Request) -> HTMLResponse:
@@ -34,9 +35,12 @@ def parts(request: Request) -> HTMLResponse:
 
 def version(request: Request) -> JSONResponse:
     """A text that differs whenever the page would; the runs, and why the queue has paused by itself."""
-    shown = _parts(context_of(request))
+    return JSONResponse(_state(_parts(context_of(request))))
+
+
+def _state(shown: dict[str, Any]) -> dict[str, Any]:
     runs = [{name: run[name] for name in ("key", "title", "file")} for run in shown["runs"]]
-    return JSONResponse({"version": shown["version"], "runs": runs, "fault": shown["queue"]["fault"]})
+    return {"version": shown["version"], "runs": runs, "fault": shown["queue"]["fault"]}
 
 
 def queue_request(request: Request) -> Response:

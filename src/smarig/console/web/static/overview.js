@@ -3,7 +3,7 @@ import { offline } from "./connection.js";
 import { announce, heading, notifyButton, restoreTitleWhenSeen } from "./notify.js";
 
 const parts = document.getElementById("overview");
-let known = null; // the runs in progress and the fault of the queue at the last look
+let known = JSON.parse(parts.dataset.state); // the runs in progress and the fault of the queue at the last look
 
 async function look() {
   try {
@@ -23,11 +23,11 @@ async function look() {
 async function compare(now) {
   const [before, keys] = [known, now.runs.map((run) => run.key)];
   known = now;
-  for (const run of before?.runs.filter((each) => !keys.includes(each.key)) ?? []) {
+  for (const run of before.runs.filter((each) => !keys.includes(each.key))) {
     const end = await (await fetch(`/runs/${run.key}/state?file=${encodeURIComponent(run.file)}`)).json();
     announce(heading(end.level, run.title), end.state);
   }
-  if (before && now.fault && now.fault !== before.fault) announce("Queue paused", now.fault);
+  if (now.fault && now.fault !== before.fault) announce("Queue paused", now.fault);
 }
 
 // A person who is about to press a button of the queue must not lose it.
