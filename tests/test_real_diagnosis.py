@@ -104,6 +104,7 @@ def test_cycles_leave_a_strain_behind(shared_data, tmp_path):
     assert found.verdict.names == ("ratcheting",)
 
 
+@pytest.mark.long
 def test_a_chamber_whose_thermometer_failed_for_some_rows(shared_data, tmp_path):
     run = imported(
         shared_data / "sma_chamber" / "chamber_100MPa.csv", "sma_chamber", tmp_path / "ch.run.sqlite"

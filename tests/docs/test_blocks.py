@@ -98,7 +98,14 @@ def _in_shell(line: str, folder: Path) -> tuple[int, str]:
     return done.returncode, done.stdout
 
 
-@pytest.mark.parametrize("page", WITH_BLOCKS, ids=lambda p: p.relative_to(DOCS).as_posix())
+LONG = ("self_sensing", "several_loads")  # pages whose commands take long
+
+
+@pytest.mark.parametrize(
+    "page",
+    [pytest.param(p, marks=pytest.mark.long) if p.stem in LONG else p for p in WITH_BLOCKS],
+    ids=lambda p: p.relative_to(DOCS).as_posix(),
+)
 def test_the_blocks_of_a_page(page, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     monkeypatch.syspath_prepend(str(tmp_path))  # as `python` in a notebook of that folder

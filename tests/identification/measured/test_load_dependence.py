@@ -33,6 +33,7 @@ def modelled():
     return identify([loaded(s) for s in LOADS], load_from="stress")
 
 
+@pytest.mark.long
 def test_the_slope_is_found_with_an_interval_that_contains_it():
     load = modelled().to_json()["load"]
     low, high = load["MPa_per_K"]["ci95"]

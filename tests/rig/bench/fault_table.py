@@ -90,18 +90,19 @@ def cells(faults: Sequence[Fault]) -> Iterator[Cell]:
 
 
 def everyday(faults: Sequence[Fault], representative: Sequence[str]) -> Iterator[Cell]:
-    """Every fault once, on each other link the representative ones, over a socket the first of them.
+    """Every fault once, the representative ones on another link each, the last of them on all.
 
     Those of real time are for a machine that keeps it: ``whole``.
     """
+    others = dict(zip(representative, LINKS[1:]))
     for fault in faults:
         if fault.real_time:
             continue
         yield Cell(fault, fault.usual, LINKS[0])
-        if fault.name in representative:
+        if fault.name in others:
+            yield Cell(fault, fault.usual, others[fault.name])
+        elif fault.name in representative:
             yield from (Cell(fault, fault.usual, link) for link in LINKS[1:])
-        if fault.name == representative[0]:
-            yield Cell(fault, fault.usual, RELAYED[0])
 
 
 def relayed(faults: Sequence[Fault], representative: Sequence[str]) -> Iterator[Cell]:

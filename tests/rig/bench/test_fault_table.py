@@ -1,7 +1,7 @@
 """Every fault in every phase on every link is safe and clear: 0 A in time, the run closed, one message, no
 hang.
 
-By default, each fault runs once in lock-step, and three run on each link. ``SMARIG_FAULTS=all`` runs the
+By default, each fault runs once in lock-step, and three run on other links as well. ``SMARIG_FAULTS=all`` runs the
 whole product, and faults that need real time.
 """
 

@@ -60,7 +60,7 @@ def rig(folder, link):
     return str(path)
 
 
-@pytest.mark.parametrize("link", ["serial", "modbus_tcp", "modbus_rtu"])
+@pytest.mark.parametrize("link", ["serial", "modbus_tcp", pytest.param("modbus_rtu", marks=pytest.mark.long)])
 def test_a_bad_line_costs_time_and_nothing_else(link, tmp_path):
     name = rig(tmp_path, link)
     file = load_rig(name)
