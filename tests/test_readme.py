@@ -151,8 +151,10 @@ def test_what_is_wrong_with_the_model(monkeypatch, tmp_path, capsys):
     monkeypatch.chdir(tmp_path)
     code = next(body for kind, body in BLOCKS if kind == "python" and "smarig.diagnose" in body)
     exec(compile(code, "README.md", "exec"), {})
-    found = re.search(r"Found: walking \(rate (\S+) \[(\S+), (\S+)\]", capsys.readouterr().out)
+    said = capsys.readouterr().out
+    found = re.search(r"Found: walking \(rate (\S+) \[(\S+), (\S+)\]", said)
     assert found, "walking is found"
+    assert "\nAgainst walking: lower the load" in said
     size, low, high = map(float, found.groups())
     assert low <= 0.4 <= high
     assert abs(size - 0.4) < 0.02

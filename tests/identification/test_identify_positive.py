@@ -327,3 +327,12 @@ def test_a_single_valued_output_is_followed_by_a_measure_without_hysteresis():
     inputs = swept(0.0, 100.0, 0.0, 60.0, 0.0, points=20)
     found = identify(made_run(inputs, 0.01 * inputs**1.5), "positive")
     assert found.positive.reversible_share > 0.99
+
+
+def test_a_few_points_that_any_measure_follows_are_not_called_good():
+    few = identify(driven_run("one_e", [0.0, 60.0, 100.0, 140.0, 60.0, 100.0, 140.0], seed=1), "positive")
+    assert few.model.noise_floor.value
+    assert (few.fit_verdict.level, few.to_json()["verdict"]) == ("unknown", "unknown")
+    assert "too few curves to hold one out" in few.fit_verdict.text
+    many = identify(fod_run("one_e", seed=1), "positive")
+    assert "too few curves" not in many.fit_verdict.text

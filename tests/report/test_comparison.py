@@ -54,6 +54,17 @@ def test_runs_of_one_session_keep_their_zero():
     np.testing.assert_allclose(each.difference, 1.0)
 
 
+def test_two_days_that_began_in_one_state_keep_the_zero_of_their_power_up():
+    days = [{"start_epoch": 1e9 * k, "encoder_zero": "power-up", "initial": "negative"} for k in (1, 2)]
+    positions = ((0, 5, 2, 4), (0, 6, 3, 5))
+    each = aligned({n: made(y, **day) for n, y, day in zip("ab", positions, days)})[1]
+    assert (each.offset, each.offset_kind) == (0.0, "power-up")
+    np.testing.assert_allclose(each.difference, [0, 1, 1, 1])
+    for changed in ({"initial": "continued"}, {"source": "import"}, {"encoder_zero": "zeroed at 5 s"}):
+        other = made((0, 6, 3, 5), **(days[1] | changed))
+        assert aligned({"a": made((0, 5, 2, 4), **days[0]), "b": other})[1].offset_kind == "fitted"
+
+
 def test_runs_with_nothing_in_common_are_drawn_but_not_subtracted():
     page = Page(comparison_page({"a": made((0, 5, 2, 4)), "b": made((1, 6, 3, 5), (9.0, 8.0, 7.0, 6.0))}))
     assert "not subtracted" in page.visible

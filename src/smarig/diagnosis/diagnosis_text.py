@@ -51,6 +51,8 @@ def text_lines(d: "Diagnosis") -> Iterator[str]:
         for effect in d.effects():
             values = ", ".join(parameter_text(n, v) for n, v in effect["parameters"].items())
             yield f"{opening}: {effect['name']} ({values}), score {effect['probability']:.2f}."
+        if d.verdict.word == "named":
+            yield from (f"Against {e.kind.name}: {e.kind.remedy}." for e in best.effects)
     if d.refused:
         yield (
             f"No candidates: {', '.join(d.refused)}. They follow a part of the error, but nothing speaks for them that "

@@ -7,7 +7,7 @@ import numpy as np
 
 from smarig.core import NotebookDisplay, spaced
 from smarig.identification.density_report import DensityReport
-from smarig.identification.error_verdict import ErrorVerdict, error_verdict
+from smarig.identification.error_verdict import ErrorLevel, ErrorVerdict, error_verdict
 from smarig.identification.extended.choose_extension import ExtensionChoice
 from smarig.identification.fod_data import FodData
 from smarig.identification.measured.load_dependence import LoadDependence
@@ -20,6 +20,8 @@ from smarig.identification.surface.fit_figures import plain
 from smarig.identification.surface.surface_fit import SurfaceFit
 from smarig.identification.sweeps.heating_of_sweeps import HeatingOfSweeps
 from smarig.replay import Model
+
+NOT_TESTED = "at the noise floor, but not tested: too few curves to hold one out"
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,12 +58,18 @@ class Identification(NotebookDisplay):
 
     @property
     def fit_verdict(self) -> ErrorVerdict:
-        """How the error of the fit compares with the noise of the readings."""
+        """How the error of the fit compares with the noise of the readings.
+
+        A positive measure can follow any few points, so it is not judged by them if no curve could be held out.
+        """
         hysteresis, rms = self.model.hysteresis, float(self.model.fit["rms"])
         travel = float(np.ptp(self.model.predict([hysteresis.lower, hysteresis.upper])))
         noise = self.model.noise_floor
         repeatability = Repeatability(noise.drift_per_cycle, noise.over_readings)
-        return error_verdict(rms, noise.value, rms / travel if travel else 0.0, repeatability)
+        found = error_verdict(rms, noise.value, rms / travel if travel else 0.0, repeatability)
+        if found.level is ErrorLevel.GOOD and self.positive and not self.positive.held_out.curves:
+            return ErrorVerdict(ErrorLevel.UNKNOWN, NOT_TESTED)
+        return found
 
     def to_json(self) -> dict[str, Any]:
         """The JSON object of the command line; errors in ``unit``, μ in unit per squared input unit."""

@@ -174,7 +174,12 @@ def _difference_cells(each: AlignedRun, *, first: bool) -> tuple[str, ...]:
     n = str(each.difference.size)
     if first:
         return n, "reference", "–", "–", "–"
-    kinds = {"known": "0, one zero", "fitted": f"{number(each.offset)}, fitted", "unknown": "none"}
+    kinds = {
+        "known": "0, one zero",
+        "power-up": "0, zeroed in one state",
+        "fitted": f"{number(each.offset)}, fitted",
+        "unknown": "none",
+    }
     return n, kinds[each.offset_kind], number(each.rms), number(each.max_abs), number(each.noise)
 
 

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from smarig.core import UsageError
 from smarig.identification import noise_floor
 from smarig.record import Run
-from smarig.replay import provenance
+from smarig.replay import provenance, recorded_start
 
 Array = NDArray[np.float64]
 _SAME = 1e-6  # of the input's range: tolerance of equal targets
@@ -23,7 +23,8 @@ _SAME = 1e-6  # of the input's range: tolerance of equal targets
 class AlignedRun:
     """A run aligned with the first one: ``offset`` is added to its outputs to match the zero of the first run.
 
-    ``offset_kind`` is "reference", "known" (same session, same zero), "fitted", or "unknown" (no common step).
+    ``offset_kind`` is "reference", "known" (same session, same zero), "power-up" (both were zeroed in the same
+    state of the wire), "fitted", or "unknown" (no common step).
     ``input`` and ``difference`` (k,) are the inputs of the common points and this run − first run at these points.
     ``noise`` is the standard deviation of one such difference, None if no state was repeated. ``colour`` is that of
     the run on the page.
@@ -108,7 +109,15 @@ def _offset(run: Run, first: Run, difference: Array) -> tuple[float, str]:
     sessions = [(p.start_epoch, p.encoder_zero) for p in map(provenance, (first, run))]
     if sessions[0][0] is not None and sessions[0] == sessions[1]:
         return 0.0, "known"
+    if (start := _state_at_power_up(first)) is not None and start == _state_at_power_up(run):
+        return 0.0, "power-up"
     return (-float(difference.mean()), "fitted") if difference.size else (0.0, "unknown")
+
+
+def _state_at_power_up(run: Run) -> str | None:
+    """The recorded state of a wire in which its encoder started at zero; None if the zero is another."""
+    zeroed = run.info.encoder_zero == "power-up" and run.info.source != "import"
+    return recorded_start(run) if zeroed else None
 
 
 def _noise(run: Run, first: Run) -> float | None:

@@ -195,6 +195,11 @@ def offsets_text(runs: Sequence[AlignedRun]) -> str:
     fitted = [f"{e.name} {number(e.offset)}{spaced(unit)}" for e in runs if e.offset_kind == "fitted"]
     unknown = [e.name for e in runs if e.offset_kind == "unknown"]
     sentences = []
+    if cold := [e.name for e in runs if e.offset_kind == "power-up"]:
+        sentences.append(
+            f"Zeroed at power-up with the wire in the same state as that of {runs[0].name}, so not shifted: "
+            f"{', '.join(cold)}."
+        )
     if fitted:
         sentences.append(
             f"Each session has its own zero, so one additive offset per run was fitted to the common steps: "
