@@ -13,6 +13,7 @@ from smarig.identification.verify import verify
 from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface
 from smarig.preisach.operator import Preisach
 from smarig.replay import simulate, simulate_samples
+from smarig.runner import Session
 
 WALK = [0.0, *np.random.default_rng(5).uniform(0, 174.1, 40)]
 TWO_WALK = [*np.random.default_rng(6).uniform(-185, 185, 40)]
@@ -164,3 +165,14 @@ def test_units_must_agree_and_the_range_is_watched(one, two):
     celsius = made_run([0, 100, 50], [0, 1, 2], input={"quantity": "temperature", "unit": "degC"})
     with pytest.raises(UsageError, match="'degC'"):
         verify(one, celsius)
+
+
+def test_a_model_and_runs_may_be_paths_and_anything_else_is_one_sentence(one, tmp_path):
+    with Session("one_wire_twin", seed=1) as session:
+        run = session.run("step_currents", {"currents_A": "0.4,0.6"}, tmp_path / "a.run.sqlite")
+    one.save(tmp_path / "m.model.json")
+    by_path = verify(tmp_path / "m.model.json", tmp_path / "a.run.sqlite").to_json()["runs"]
+    assert by_path[0]["rms"] == verify(one, [run]).to_json()["runs"][0]["rms"]
+    for wrong in (5, None, [one]):
+        with pytest.raises(UsageError, match="Give runs, as load_run returns them, or the paths"):
+            verify(one, wrong)

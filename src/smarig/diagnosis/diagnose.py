@@ -15,10 +15,8 @@ from smarig.diagnosis.measured.measured_diagnosis import MeasuredDiagnosis, diag
 from smarig.diagnosis.run_checks import check_comparable
 from smarig.measurement import has_measured_input, measurement_effect_types
 from smarig.plant import effect_types
-from smarig.record import Run, load_run
+from smarig.record import Run, Runs, loaded_runs
 from smarig.replay import Model, driven_by_input, file_hash, load_model
-
-Runs = Sequence[Run | str | Path] | Run | str | Path
 
 
 @threadpool_limits.wrap(limits=1, user_api="blas")
@@ -43,7 +41,7 @@ def diagnose(
     invalid settings.
     """
     original = model if isinstance(model, Model) else load_model(model)
-    train_runs, held_out_runs = _loaded(train), _loaded(held_out)
+    train_runs, held_out_runs = loaded_runs(train), loaded_runs(held_out)
     if train_runs and not original.actuator.parameters:
         train_runs, held_out_runs = _by_input(train_runs), _by_input(held_out_runs)
     if not train_runs or not driven_by_input(train_runs):
@@ -58,11 +56,6 @@ def diagnose(
     return diagnose_measured(
         original, train_runs, held_out_runs, without, progress or (lambda _: None), select
     )
-
-
-def _loaded(runs: Runs) -> list[Run]:
-    several = [runs] if isinstance(runs, Run | str | Path) else list(runs)
-    return [run if isinstance(run, Run) else load_run(run) for run in several]
 
 
 def _check(train: Sequence[Run], held_out: Sequence[Run], without: Sequence[str]) -> None:

@@ -46,7 +46,7 @@ from smarig.identification.sweeps.heating_of_sweeps import (
 )
 from smarig.identification.twin_crossing import twin_crossing_note
 from smarig.preisach import Everett, Mirrored, surface_forms
-from smarig.record import OWN_ZERO, Run, load_run
+from smarig.record import OWN_ZERO, Run, Runs, loaded_runs
 from smarig.replay import (
     Model,
     file_hash,
@@ -61,7 +61,7 @@ LARGEST_SLOPE_WEIGHT = 1000.0
 
 @threadpool_limits.wrap(limits=1, user_api="blas")  # narrow bands: threads would wait for each other
 def identify(
-    runs: Run | str | Path | Sequence[Run | str | Path],
+    runs: Runs,
     surface: str = BEST_KIND,
     *,
     select: str | None = None,
@@ -211,9 +211,8 @@ def _check_words(surface: str, weights: str, symmetric: bool, slopes: float) -> 
         )
 
 
-def _loaded(runs: Run | str | Path | Sequence[Run | str | Path]) -> list[Run]:
-    several = [runs] if isinstance(runs, Run | str | Path) else list(runs)
-    loaded = [run if isinstance(run, Run) else load_run(run) for run in several]
+def _loaded(runs: Runs) -> list[Run]:
+    loaded = loaded_runs(runs)
     if len({file_hash(run) or id(run) for run in loaded}) < len(loaded):
         raise UsageError("The same run was given twice, so its points would count twice. Name each run once.")
     return loaded

@@ -6,6 +6,7 @@ reports it.
 """
 
 from collections.abc import Sequence
+from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
@@ -22,7 +23,7 @@ from smarig.identification.point_selection import matches
 from smarig.identification.rows_used import without_dropouts
 from smarig.identification.run_zeros import has_own_zero
 from smarig.identification.verification import PredictionErrors, RunVerification, Verification
-from smarig.record import FORC_PROTOCOL, Run, continues_run
+from smarig.record import FORC_PROTOCOL, Run, Runs, continues_run, loaded_runs
 from smarig.replay import (
     Model,
     applied_inputs,
@@ -30,6 +31,7 @@ from smarig.replay import (
     driven_by_input,
     file_hash,
     foreign_conditions,
+    load_model,
     missing_earlier_runs,
     out_of_range,
     simulate_runs,
@@ -44,16 +46,18 @@ Offset = Literal["auto", "known", "fitted"]
 
 
 def verify(
-    model: Model, runs: Run | Sequence[Run], select: str | None = None, *, offset: Offset = "auto"
+    model: Model | str | Path, runs: Runs, select: str | None = None, *, offset: Offset = "auto"
 ) -> Verification:
-    """Compute the errors of a model at the settled points of runs, each simulated along its whole history.
+    """Compute the errors of a model at the settled points of runs (or paths), each simulated along its whole history.
 
     ``select`` counts only FOD points for which an expression on curve, alpha, beta holds; the whole history is
     still simulated. A run without settled points is part of the history only, if the model has effects. With ``offset``
     "known", a run with an unknown encoder zero is an error; "fitted" always fits an offset. Raises DataError if units
     differ or the memory of a run is never known.
     """
-    several = [_with_inputs(model, run) for run in ([runs] if isinstance(runs, Run) else runs)]
+    if not isinstance(model, Model):
+        model = load_model(model)
+    several = [_with_inputs(model, run) for run in loaded_runs(runs)]
     for run in several:
         check_output(model, run)
     selected = selected_points(several, select)

@@ -22,8 +22,10 @@ if TYPE_CHECKING:
     from smarig.record.run import OWN_ZERO as OWN_ZERO
     from smarig.record.run import Event as Event
     from smarig.record.run import Run as Run
+    from smarig.record.run import Runs as Runs
     from smarig.record.run import Step as Step
     from smarig.record.run import load_run as load_run
+    from smarig.record.run import loaded_runs as loaded_runs
     from smarig.record.run_check import RunCheck as RunCheck
     from smarig.record.run_check import check_run as check_run
     from smarig.record.run_info import EndInfo as EndInfo

@@ -2,7 +2,7 @@
 
 import contextlib
 import sqlite3
-from collections.abc import Container, Iterator, Sequence
+from collections.abc import Container, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
@@ -307,3 +307,14 @@ def _check_version(file: Path, meta: dict[str, Any]) -> None:
         raise DataError(
             f"{file} has run schema version {str(version)[:20]}; this smarig reads version {VERSION}."
         )
+
+
+Runs = Run | str | Path | Sequence[Run | str | Path]
+
+
+def loaded_runs(runs: Runs) -> list[Run]:
+    """Runs or their paths, one or several, as runs. Raises UsageError for others, and what ``load_run`` raises."""
+    several = [runs] if isinstance(runs, Run | str | Path) or not isinstance(runs, Iterable) else list(runs)
+    if not all(isinstance(run, Run | str | Path) for run in several):
+        raise UsageError("Give runs, as load_run returns them, or the paths of their files.")
+    return [run if isinstance(run, Run) else load_run(run) for run in several]
