@@ -38,3 +38,8 @@ def test_another_largest_current_is_another_program(tmp_path):
     before = build(tmp_path, "uno.elf").read_bytes()
     assert build(tmp_path, "uno.elf", "BOARD_MAX_uA=500000").read_bytes() != before
     assert NEEDS
+
+
+def test_the_largest_current_of_a_board_is_kept_by_later_builds(tmp_path):
+    small = build(tmp_path, "uno.elf", "BOARD_MAX_uA=500000").read_bytes()
+    assert build(tmp_path, "uno.elf").read_bytes() == small
