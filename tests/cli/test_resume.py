@@ -369,3 +369,25 @@ def test_a_campaign_is_not_continued_on_another_scale(capsys, tmp_path, killed_o
     assert (status, "transmission.radius was 15 mm, is now 18 mm" in err) == (2, True)
     assert f"{first.name} was made with other values" in err
     assert {path: path.read_bytes() for path in out.iterdir()} == before
+
+
+def test_a_run_that_a_fault_ended_says_how_to_continue_it(capsys, tmp_path):
+    faults, rig, out = tmp_path / "faults.toml", tmp_path / "rig.toml", tmp_path / "a.run.sqlite"
+    jump = '[[fault]]\nkind = "jumping_encoder"\ndevice = "encoder_daq"\ncounts = 500\nfrom_s = {}\n'
+    faults.write_text(jump.format(30))
+    rig.write_text(f'name = "rig"\nbase = "one_wire_serial"\nsimulator.faults = "{faults}"\n')
+    options = ("run", "step_currents", "--rig", rig, "-o", out, "--set", "currents_A=0.4", "--quiet")
+    status, _, err = call(capsys, *options)
+    assert status == 3
+    assert f"When the cause is removed, smarig resume {out} continues this run.\nsmarig: The encoder" in err
+    faults.write_text(jump.format(9000))
+    assert call(capsys, "resume", out, "--quiet")[0] == 0
+    assert load_run(out).cause == "done"
+    missing = tmp_path / "missing.toml"
+    missing.write_text(
+        'name = "missing"\nbase = "bench_one_wire"\nlinks.amplifier.url = "/dev/absent"\n'
+        'links.encoder_daq.url = "/dev/absent2"\n'
+    )
+    status, _, err = call(capsys, *options[:3], missing, "-o", tmp_path / "b.run.sqlite", *options[6:])
+    assert status != 0
+    assert "resume" not in err, "nothing was recorded"

@@ -17,7 +17,7 @@ from smarig.cli.run_options import (
     run_options,
     run_summary,
 )
-from smarig.core import UsageError, catalogue_names, offered_names, suggestion, swapped_file
+from smarig.core import RigFault, UsageError, catalogue_names, offered_names, suggestion, swapped_file
 
 if TYPE_CHECKING:
     from smarig.config import CampaignFile, CampaignStep
@@ -103,17 +103,22 @@ def _run_one(
     from smarig.runner import run_or_resume
 
     with display as listener:
-        message = run_or_resume(
-            session,
-            step.protocol,
-            step.set,
-            out,
-            listeners=[listener],
-            force=force,
-            notes=notes,
-            expected=cost,
-            chooser=informed_choice,
-        )
+        try:
+            message = run_or_resume(
+                session,
+                step.protocol,
+                step.set,
+                out,
+                listeners=[listener],
+                force=force,
+                notes=notes,
+                expected=cost,
+                chooser=informed_choice,
+            )
+        except RigFault:
+            if out.exists():
+                show_message(f"When the cause is removed, smarig resume {out} continues this run.")
+            raise
     if message:
         show_message(message)
 
