@@ -14,10 +14,11 @@ from smarig.cli.output import emit, show_message
 from smarig.cli.panel.keyboard import keys
 from smarig.cli.parameter_types import RIG, SEED, FiniteNumber
 from smarig.cli.progress import progress
-from smarig.core import RUN, Quality, UsageError, check_replaceable
+from smarig.core import RUN, Quality, UsageError, check_replaceable, spaced
 
 if TYPE_CHECKING:
     from smarig.config import RigFile
+    from smarig.plant import Effect
     from smarig.record import AnyRun
     from smarig.runner import Listener, Preview, Session
 
@@ -42,11 +43,10 @@ class RunOptions(NamedTuple):
 
     def session(self) -> "Session":
         """A session with these options, not opened yet."""
-        from smarig.plant import effects_from_arguments
         from smarig.rig import TwinSettings
         from smarig.runner import Session
 
-        twin = TwinSettings(seed=self.seed, effects=effects_from_arguments(self.effects))
+        twin = TwinSettings(seed=self.seed, effects=injected_effects(self.effects, quiet=self.quiet))
         return Session(self.rig, twin=twin, speed=self.speed, wire=self.wire, load=self.load)
 
     def rig_file(self) -> "RigFile":
@@ -82,6 +82,20 @@ class RunOptions(NamedTuple):
             yield display
 
 
+def injected_effects(arguments: Sequence[str], *, quiet: bool) -> "tuple[Effect, ...]":
+    """The effects of ``--effect``; their strengths are shown with their units."""
+    from smarig.plant import effects_from_arguments, parameter_words
+
+    effects = effects_from_arguments(arguments)
+    for effect in effects if not quiet else ():
+        values = (
+            f"{parameter_words(p.name, p.unit)} {effect.values[p.name]:g}{spaced(p.unit)}"
+            for p in effect.kind.parameters
+        )
+        show_message(f"Injected into the twin: {effect.kind.name} ({', '.join(values)})")
+    return effects
+
+
 def run_options(command: Callable) -> Callable:
     """Add ``--rig``, ``--seed`` and the other options to a command and pass them as one argument
     ``options``."""
@@ -103,7 +117,8 @@ effect_option = click.option(
     "effects",
     multiple=True,
     metavar="NAME[.PARAMETER]=VALUE",
-    help="Twin: inject an effect (see 'smarig list effects'), or one of your own: ./FILE.py=3; repeatable.",
+    help="Twin: inject an effect, or one of your own: ./FILE.py=3; repeatable. VALUE is in the unit of its parameter, "
+    "often percent: 'smarig list effects --settings'.",
 )
 
 _OPTIONS = (

@@ -13,7 +13,7 @@ from smarig.cli.notify import NotifyOptions, notified, notify_option
 from smarig.cli.output import emit, json_option, show_message
 from smarig.cli.parameter_types import FOLDER, RIG, SEED, CatalogueName
 from smarig.cli.progress import STREAMS, progress
-from smarig.cli.run_options import effect_option, emit_previews
+from smarig.cli.run_options import effect_option, emit_previews, injected_effects
 
 if TYPE_CHECKING:
     from smarig.runner import Listener, Preview
@@ -71,14 +71,13 @@ def command(
     """Initialise, test, identify, verify, diagnose and report: everything about one wire, in one folder."""
     from smarig.app import campaign_previews, characterise
     from smarig.config import load_campaign, load_rig
-    from smarig.plant import effects_from_arguments
     from smarig.rig import TwinSettings
     from smarig.runner import RunControl, twin_source
     from smarig.running import run_info
 
     run_number, control = count(1), RunControl()
     file = load_rig(rig)
-    twin = TwinSettings(seed, effects=effects_from_arguments(effects))
+    twin = TwinSettings(seed, effects=injected_effects(effects, quiet=quiet or dry_run))
     source = twin_source(file, twin)
     if dry_run:
         emit_previews(campaign_previews(rig, campaign))
