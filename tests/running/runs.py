@@ -3,7 +3,7 @@
 import subprocess
 import sys
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -25,9 +25,15 @@ def wait_for(found: Callable[[], Any], process: subprocess.Popen | None = None) 
 
 
 @contextmanager
-def started(out: Path, *options: str, protocol: str = "validation") -> Iterator[subprocess.Popen]:
-    """A run on the twin, started as a user starts it; its messages are in ``out`` with the suffix .err."""
-    command = [sys.executable, "-m", "smarig", "run", protocol, "--rig", "one_wire_twin", "-o", str(out)]
+def started(
+    out: Path, *options: str, protocol: str = "validation", words: Sequence[str] = ()
+) -> Iterator[subprocess.Popen]:
+    """A run on the twin, started as a user starts it; its messages are in ``out`` with the suffix .err.
+
+    ``words``: another command than that of the protocol.
+    """
+    what = words or ("run", protocol)
+    command = [sys.executable, "-m", "smarig", *what, "--rig", "one_wire_twin", "-o", str(out)]
     with (
         out.with_suffix(".err").open("w") as messages,
         subprocess.Popen([*command, *options], stdout=subprocess.DEVNULL, stderr=messages) as process,

@@ -8,6 +8,7 @@ import sys
 import numpy as np
 import pytest
 
+from control.model_files import model_of
 from smarig.core import UsageError
 from smarig.record import load_run
 from smarig.running import collect_ended, runs_in_progress
@@ -78,6 +79,31 @@ def test_a_run_is_found_followed_paused_continued_and_stopped(folder, tmp_path):
     block = {name: np.concatenate([b[name] for b in recorded.blocks([name])]) for name in ("t_s", "position")}
     np.testing.assert_array_equal(followed["t_s"], block["t_s"][: len(followed)])
     np.testing.assert_array_equal(followed["position"], block["position"][: len(followed)])
+
+
+@pytest.mark.parametrize(
+    ("name", "words"),
+    [
+        ("regulate", ["--setpoint", "6", "--hold-s", "600"]),
+        ("track", ["--reference", "steps", "--set", "seconds=600"]),
+    ],
+)
+def test_a_closed_loop_is_found_and_stopped_too(name, words, folder, tmp_path):
+    model = tmp_path / "one_e.model.json"
+    model_of("one_e").save(model)
+    out = tmp_path / "loop.run.sqlite"
+    with started(out, "--speed", "20", "--quiet", words=[name, str(model), *words]) as process:
+        run = announced_run(process)
+        assert {k: run.info[k] for k in ("rig", "source", "out", "command")} == {
+            "rig": "one_wire_twin",
+            "source": "twin",
+            "out": str(out),
+            "command": f"smarig {name} {model}",
+        }
+        run.ask("stop", "test bench")
+        assert process.wait(60) == 130
+    assert load_run(out).cause == "stopped by the operator (test bench)"
+    assert files(folder) == []
 
 
 @POSIX
