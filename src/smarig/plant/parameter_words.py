@@ -34,12 +34,12 @@ def parameter_words(name: str, unit: str) -> str:
 
     >>> parameter_words("swing_K", "K"), parameter_words("latent_J_per_g", "J/g"), parameter_words("gain_percent", "%")
     ('swing', 'latent heat', 'gain')
-    >>> parameter_words("percent_per_cycle", "%/cycle"), parameter_words("at", "range")
-    ('rate', 'position in the range')
+    >>> parameter_words("percent_per_cycle", "%/cycle"), parameter_words("at", "range"), parameter_words("at_h", "h")
+    ('rate', 'position in the range', 'at')
     """
     if name.startswith("percent_per_"):
         return "rate"
-    if name == "at" and unit != "range":
-        return "at"
     plain = name.removesuffix(f"_{unit.replace('/', '_per_')}").removesuffix("_percent")
+    if plain == "at" and unit != "range":
+        return "at"  # a moment
     return _OTHERS.get(plain, plain.replace("_", " "))
