@@ -190,6 +190,27 @@ def test_the_sample_of_a_jump_is_marked():
     assert marks_of(LIES[4][1], 100) == [60]
 
 
+@pytest.mark.parametrize("gap", [5, 11, 40])
+@pytest.mark.parametrize("first", range(10, 60, 5))
+def test_motion_during_lost_samples_is_no_jump(first, gap):
+    """A host that pauses while the wire heats at its fastest; the samples of that time are lost."""
+    guard, twin = guarded(lambda s: s)
+    heated(guard, first, 1.0)
+    for _ in range(gap):
+        twin.step(1.0)
+    heated(guard, 60, 1.0)
+    assert [a for a in guard.alarms() if a.kind == "jump"] == []
+
+
+def test_a_jump_during_lost_samples_is_one():
+    guard, twin = guarded(lambda s: s._replace(counts=s.counts + 200 * (s.tick > 60)))
+    heated(guard, 60, 0.9)
+    for _ in range(4):
+        twin.step(0.9)
+    with pytest.raises(LimitExceeded, match=r"jumped by 2\d\d counts in 5 ticks"):
+        heated(guard, 2, 0.9)
+
+
 @pytest.mark.parametrize("rig", TWINS)
 def test_good_samples_are_not_marked(rig):
     limits = load_rig(rig).limits

@@ -14,7 +14,7 @@ from smarig.rig.rig import Alarm
 
 REST_TAUS = 12.0  # until the wire is at rest, from any state and including sensor lags
 MAX_JUMP = 0.25  # of the travel within one tick: no wire is faster,
-MAX_JUMP_TAUS = 3.0  # unless the tick is long: factor on the relative change of temperature in one tick
+MAX_JUMP_TAUS = 3.0  # unless the time is long: factor on the relative change of temperature in it
 MIN_TRAVEL = 0.03  # of the travel: less is no motion
 SLIP_LIMIT = 0.25  # of the travel, at constant input
 STEADY_INPUT_BAND = 0.05  # of the range, or of the transformation's width
@@ -51,8 +51,10 @@ class Plausibility:
         width_K = thermomechanical.width_K if thermomechanical else self._range_K
         self._steady_K = STEADY_INPUT_BAND * min(width_K, self._range_K)
         self._travel = travel / actuator.resolution(rig.encoder)
-        self._jump = max(MAX_JUMP, -MAX_JUMP_TAUS * math.expm1(-rig.period_s / actuator.tau_s)) * self._travel
+        self._period_taus = rig.period_s / actuator.tau_s
+        self._jump = self._largest_motion(1)
         self._last: int | None = None
+        self._last_tick = 0
         self._ticks_in_a_row = {"blind": 0, "temperature": 0}
         self._temperature_ticks = round(TEMPERATURE_TAUS * actuator.tau_s / rig.period_s)
         self._two_wire = actuator.two_wire
@@ -87,15 +89,15 @@ class Plausibility:
             text = f"The amplifier returned no current reading for {self._max_stale} samples. Check its converter."
             return [Alarm("error", "blind", text)]
         if sample.quality & _UNRELIABLE or math.isnan(sample.current_A):
-            self._last = sample.counts
+            self._last, self._last_tick = sample.counts, sample.tick
             return []
         found = [
             *self._electrical.check(sample, input_K),
             *self._check_temperature(sample, input_K),
-            *self._check_motion(sample.counts, input_K),
+            *self._check_motion(sample, input_K),
         ]
         self.suspect = self._electrical.suspect or any(alarm.level == "error" for alarm in found)
-        self._last = sample.counts
+        self._last, self._last_tick = sample.counts, sample.tick
         return found
 
     def _check_temperature(self, s: Sample, input_K: float) -> list[Alarm]:
@@ -117,11 +119,22 @@ class Plausibility:
         self._ticks_in_a_row[name] = self._ticks_in_a_row[name] + 1 if wrong else 0
         return self._ticks_in_a_row[name] == often
 
-    def _check_motion(self, counts: int, input_K: float) -> list[Alarm]:
-        if self._last is not None and abs(counts - self._last) > self._jump:
-            text = f"The encoder jumped by {counts - self._last} counts in one tick. Check cable and disc."
+    def _largest_motion(self, ticks: int) -> float:
+        """Counts that no wire exceeds in so many ticks."""
+        return max(MAX_JUMP, -MAX_JUMP_TAUS * math.expm1(-ticks * self._period_taus)) * self._travel
+
+    def _check_motion(self, sample: Sample, input_K: float) -> list[Alarm]:
+        """A jump, also over lost samples; then motion between cold and hot, and slip."""
+        counts, ticks = sample.counts, sample.tick - self._last_tick
+        moved = 0 if self._last is None else counts - self._last
+        if abs(moved) > self._jump and (ticks <= 1 or abs(moved) > self._largest_motion(ticks)):
+            time = "one tick" if ticks <= 1 else f"{ticks} ticks"
             self._rest_point = (input_K, counts)
-            return [Alarm("error", "jump", text)]
+            return [
+                Alarm(
+                    "error", "jump", f"The encoder jumped by {moved} counts in {time}. Check cable and disc."
+                )
+            ]
         found = self._check_travel(counts, (input_K - self._lower_K) / self._range_K)
         return found + self._check_slip(counts, input_K)
 

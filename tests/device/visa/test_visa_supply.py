@@ -1,6 +1,7 @@
 """Supplies by VISA: the contract in every make's own dialect, watchdogs in real time, dead lines, wrong settings."""
 
 import math
+import socket
 import time
 
 import pytest
@@ -16,6 +17,7 @@ from smarig.device import ContractCase, Garbled, PolledSource, Silent, WrongDevi
 from smarig.device.drivers._makes import makes
 from smarig.device.drivers.visa_meter import visa_meter
 from smarig.device.drivers.visa_supply import visa_supply
+from smarig.device.links.visa_line import VisaLine
 
 pytestmark = pytest.mark.filterwarnings(
     "ignore::UserWarning"
@@ -216,3 +218,14 @@ def test_a_voltage_limit_holds_the_current_back(serve):
     supply.set_current(0.4)
     assert supply.measure().current_A == pytest.approx(server.limit_V / 20.0, abs=1e-5)
     supply.close()
+
+
+def test_a_query_after_a_command_is_not_held_back(serve):
+    """Else each takes the 40 ms after which the command is acknowledged."""
+    server = serve("rigol_dp800")
+    line = VisaLine(server.url, 1.0, backend="@py")
+    line.write(":SOUR1:CURR 0.1")
+    assert line.number(":SOUR1:CURR?") == 0.1
+    interface = line._manager.visalib.sessions[line._session.session].interface
+    assert interface.getsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY)
+    line.close()
