@@ -1,7 +1,6 @@
 """Comparison of runs, and of models on the same runs: offsets, errors and texts."""
 
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -163,17 +162,17 @@ def test_the_advice_follows_the_change(other, words, level):
 
 
 def test_effects_that_the_records_of_twins_state_are_told_if_they_differ():
-    plain, walked = (
-        day(),
-        replace(day(shift=5.0, effects=["walking(percent_per_cycle=0.3)"]), path=Path("later")),
-    )
+    plain, walked = day(), day(shift=5.0, effects=["walking(percent_per_cycle=0.3)"])
+    assert plain.name == walked.name, "the same file in two folders"
 
-    def advice(*runs):
-        found = aligned({str(k): run for k, run in enumerate(runs)})
-        return comparison_assessment(found, family_figures([each.run for each in found])).advice
+    def assessed(**runs):
+        found = aligned(runs)
+        return comparison_assessment(found, family_figures([each.run for each in found]))
 
-    assert "later: walking(percent_per_cycle=0.3)" in advice(plain, walked)
-    assert "walking" not in advice(walked, walked)
+    found = assessed(monday=plain, tuesday=walked)
+    assert "monday: none; tuesday: walking(percent_per_cycle=0.3)" in found.advice
+    assert "tuesday" in found.measured
+    assert "walking" not in assessed(monday=walked, tuesday=walked).advice
 
 
 def test_the_page_opens_with_the_sentences():

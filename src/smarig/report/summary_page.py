@@ -1,5 +1,7 @@
 """One sheet of paper on a run, with or without a model: three sentences, the loop, key figures, and its origin."""
 
+from dataclasses import replace
+
 from smarig.core import spaced
 from smarig.identification import RunVerification, verify
 from smarig.record import Run
@@ -24,6 +26,7 @@ from smarig.report.runs.sheet_header import sheet_header
 from smarig.report.transformation.transformation_tables import figure_name
 from smarig.transformation import headline
 
+_LOOP_PX = 350  # leaves room for the rest of the sheet
 _Card = tuple[str | Html, str, str]
 
 
@@ -58,7 +61,8 @@ def summary_page(run: Run, model: Model | None = None, *, library: str = LIBRARY
 def _figure(run: Run, model: Model | None, verified: RunVerification | None) -> Figure:
     """The loop; with a model, both loops and the error against the input."""
     if model is None or verified is None:
-        return hysteresis_figure(run, explore=False)
+        loop = hysteresis_figure(run, explore=False)
+        return replace(loop, panels=[replace(panel, height=_LOOP_PX) for panel in loop.panels])
     whole = residuals_figure(run.name, run, {model.name: model}, {model.name: verified})
     loops, errors, *_ = whole.panels
     plain = Panel(loops.data, loops.layout, loops.height)

@@ -168,10 +168,14 @@ def _check_lease(rig: SupportsIdle, file: RigFile) -> Iterator[Check]:
     later = list(takewhile(_tripped, (s for _ in range(backlog) for s in rig.step(0.0))))
     took_s = (first - last_command_tick) * rig.period_s if first else math.nan
     in_time = abs(took_s - file.lease_s) <= max(2 * rig.period_s, 0.1 * file.lease_s)
+    found = f"the output switched off {took_s:.2f} s after the last command"
     if not rig.counts_ticks:  # it was off when it was next queried; the moment is not known
-        in_time = bool(first)
+        in_time, found = (
+            bool(first),
+            f"the output was off when it was asked {took_s:.2f} s after the last command",
+        )
     flows_A = max((abs(s.current_A) for s in later if s.tick > first), default=0.0)
-    observed = f"the output switched off {took_s:.2f} s after the last command; lease {file.lease_s:g} s"
+    observed = f"{found}; lease {file.lease_s:g} s"
     if flows_A > READ_BACK_TOLERANCE * file.limits.current_max_A:
         observed, in_time = (
             f"tripped {took_s:.2f} s after the last command, but {flows_A:.4f} A flowed after the trip",

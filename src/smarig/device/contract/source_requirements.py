@@ -114,7 +114,7 @@ def off_on_a_closed_line(case: ContractCase) -> str:
     text = _no_error(source.off, "off", None)
     source.close()
     require(isinstance(text, str), f"off returned {text!r}, which is no text")
-    return text or "the line was opened again, and the device confirmed"
+    return f"it reports: {text}" if text else "the line was opened again, and the device confirmed"
 
 
 def lease(case: ContractCase) -> str:

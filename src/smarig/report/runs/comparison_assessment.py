@@ -24,20 +24,20 @@ def comparison_assessment(found: Sequence[AlignedRun], family: FamilyFigures) ->
     first, *others = found
     common = [each for each in others if each.difference.size]
     if not common:
-        return _without_common_steps(first.run, [each.run for each in others])
+        return _without_common_steps(first, others)
     changes = [(each, run_change(first, each)) for each in common]
     worst, change = max(changes, key=lambda pair: (_ORDER.index(pair[1].level), pair[0].rms))
     return Assessment(
         box_level(change.level),
-        _compared(first.run, [each.run for each in others]),
+        _compared(first, others),
         f"{_change_text(worst, change, len(others))} {_strokes(found, family)}",
-        f"{_advice(worst, change)}{_stated_effects(first.run, [each.run for each in others])}",
+        f"{_advice(worst, change)}{_stated_effects(first, others)}",
     )
 
 
-def _without_common_steps(first: Run, others: Sequence[Run]) -> Assessment:
+def _without_common_steps(first: AlignedRun, others: Sequence[AlignedRun]) -> Assessment:
     """Runs whose outputs may not be subtracted: the figures of their full branches, where they have some."""
-    changes = temperature_change(first, others[0]) if len(others) == 1 else []
+    changes = temperature_change(first.run, others[0].run) if len(others) == 1 else []
     if not changes:
         return Assessment(
             "warning",
@@ -61,22 +61,22 @@ def _without_common_steps(first: Run, others: Sequence[Run]) -> Assessment:
     )
 
 
-def _stated_effects(first: Run, others: Sequence[Run]) -> str:
+def _stated_effects(first: AlignedRun, others: Sequence[AlignedRun]) -> str:
     """The effects that the records of twins state, if they are not the same in all runs."""
-    stated = {run.name: ", ".join(run.info.effects) or "none" for run in (first, *others)}
+    stated = {each.name: ", ".join(each.run.info.effects) or "none" for each in (first, *others)}
     if len(set(stated.values())) == 1:
         return ""
     return f" The twins were given these effects: {'; '.join(f'{name}: {text}' for name, text in stated.items())}."
 
 
-def _compared(first: Run, others: Sequence[Run]) -> str:
-    wires = {run.info.wire for run in (first, *others)}
-    same = f" of wire {first.info.wire}" if len(wires) == 1 and first.info.wire else ""
+def _compared(first: AlignedRun, others: Sequence[AlignedRun]) -> str:
+    wires = {each.run.info.wire for each in (first, *others)}
+    same = f" of wire {first.run.info.wire}" if len(wires) == 1 and first.run.info.wire else ""
     different = ", of different wires" if len(wires) > 1 else ""
     names = others[0].name if len(others) == 1 else f"{len(others)} runs"
     return (
-        f"Compared: {names}{_date(others[0]) if len(others) == 1 else ''} with {first.name}{_date(first)}, "
-        f"{protocol_name(first)}{same}{different}."
+        f"Compared: {names}{_date(others[0].run) if len(others) == 1 else ''} with {first.name}{_date(first.run)}, "
+        f"{protocol_name(first.run)}{same}{different}."
     )
 
 

@@ -44,7 +44,8 @@ def _measured(run: AnyRun) -> str:
     if ends:
         words += f" over {number(ends[1] - ends[0], 4)}{spaced(display_unit(run.input_unit))}"
     m = quality_counts(run)
-    count = f"{m.settled} settled points" if m.settled else f"{thousands(m.samples)} samples"
+    points = "1 settled point" if m.settled == 1 else f"{m.settled} settled points"
+    count = points if m.settled else f"{thousands(m.samples)} samples"
     took = f", {duration(duration_s(run))}" if np.isfinite(duration_s(run)) else ""
     return f"{words}; {count}{took}."
 
@@ -62,18 +63,20 @@ def _record_quality(run: AnyRun) -> tuple[str, str]:
     if late:
         return "warning", f"{late} of {m.steps} holds did not settle in time; their points are not used."
     if not m.clean:
-        return "warning", "Some samples are marked; see Data quality."
+        return "warning", "Samples are marked or missing; see Data quality."
     if run.info.warnings:
         count = len(run.info.warnings)
         return (
             "warning",
             f"The import has {count} remark{'s' if count > 1 else ''} on this file; see Warnings.",
         )
-    steps = f" and all {m.steps} holds settled" if m.steps else ""
+    steps = f" and all {m.steps} holds settled" if m.steps > 1 else " and its hold settled" if m.steps else ""
     return "good", f"The run ended as planned{steps}."
 
 
 def _advice(run: AnyRun, level: str) -> str:
+    if level == "bad" and run.cause == "done":
+        return "Repeat the run, or leave out what the events concern, before using it."
     if level == "bad":
         return "Resume the run (smarig resume), or repeat it, before using it."
     if run.info.protocol in _IDENTIFIED_FROM:
