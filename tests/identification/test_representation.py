@@ -39,6 +39,16 @@ def test_a_non_congruency_of_a_tenth_of_a_count_is_found(tmp_path):
     assert "p = " in found.verdict
 
 
+def test_what_a_figure_can_show_is_what_is_tested(tmp_path):
+    """The differences without the offset of the corner, over their own σ: their sum of squares is χ²."""
+    for name, test, free in (("congruency", congruency, 1), ("wiping_out", wiping_out, 0)):
+        found = test(run_of_twin(tmp_path, name, 0, ["walking=0.6"]))
+        over_sigma = (found.second - found.first - found.common) / found.spread
+        freedom = found.input.size - free
+        assert np.sqrt(np.sum(over_sigma**2) / freedom) == pytest.approx(found.times_noise)
+        assert bool(found.common) == bool(free)
+
+
 def test_p_values_are_uniform_on_noise_alone():
     rng = np.random.default_rng(RNG_SEED)
     sd = rng.uniform(0.5, 2.0, K)

@@ -36,7 +36,8 @@ class Representation:
     difference expected from the uncertainties of the settled points. ``times_noise`` = √(χ²/ν) weighs each point by its
     own uncertainty, so a violation at precise points may hide in an rms that imprecise ones dominate. ``p_value`` is
     the probability of a χ² at least as large by noise alone. ``hidden`` is the rms difference that could be there all
-    the same (95 %).
+    the same (95 %). ``spread`` (k,) are the standard deviations of the differences, and ``common`` is the difference
+    of all points that the test permits: the noise of the corner of a minor loop; 0 for wiping-out.
     """
 
     name: str
@@ -53,6 +54,8 @@ class Representation:
     hidden: float
     span: float
     times_noise: float
+    spread: Array
+    common: float
 
     @property
     def holds(self) -> bool:
@@ -164,9 +167,8 @@ def _compare(name: str, a: SettledPoints, b: SettledPoints, offset: float, run: 
     difference = b.output - a.output
     noise = float(np.hypot(a.noise, b.noise))
     rms = float(np.sqrt(np.mean(difference**2)))
-    test = difference_test(
-        difference, np.hypot(a.uncertainty, b.uncertainty), free_offset=name == "congruency"
-    )
+    spread = np.hypot(a.uncertainty, b.uncertainty)
+    test = difference_test(difference, spread, free_offset=name == "congruency")
     everything = run.points()[1]
     return Representation(
         name=name,
@@ -183,15 +185,18 @@ def _compare(name: str, a: SettledPoints, b: SettledPoints, offset: float, run: 
         hidden=test.hidden,
         span=float(np.ptp(everything)),
         times_noise=test.times_noise,
+        spread=spread,
+        common=test.shift,
     )
 
 
 class DifferenceTest(NamedTuple):
-    """p-value of differences, the rms difference that could be hidden, and √(χ²/ν)."""
+    """p-value of differences, the rms difference that could be hidden, √(χ²/ν), and the offset that is left out."""
 
     p_value: float
     hidden: float
     times_noise: float
+    shift: float
 
 
 def difference_test(difference: Array, sd: Array, *, free_offset: bool) -> DifferenceTest:
@@ -210,4 +215,6 @@ def difference_test(difference: Array, sd: Array, *, free_offset: bool) -> Diffe
     hidden = (
         by_noise * float(np.sqrt(max(noncentrality, 0.0) / freedom)) if np.isfinite(noncentrality) else np.nan
     )
-    return DifferenceTest(float(chdtrc(freedom, chi_square)), hidden, float(np.sqrt(chi_square / freedom)))
+    return DifferenceTest(
+        float(chdtrc(freedom, chi_square)), hidden, float(np.sqrt(chi_square / freedom)), shift
+    )

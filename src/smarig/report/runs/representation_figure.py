@@ -40,7 +40,8 @@ def representation_figure(test: Representation, run: Run) -> Figure:
         title,
         [
             f"First panel: both curves. Second panel: their difference ({test.input.size} pairs of points) against the "
-            f"input. Band: ± 2 σ, where σ = {test.noise:.2g}{spaced(test.unit)} is the noise of a difference"
+            f"input{_left_out(test)}. Bars: ± 2 σ of each difference, in the mean σ = {test.noise:.2g}"
+            f"{spaced(test.unit)}. The test weighs each point by its own σ"
             + f".{count_text(test.per_count, _half_range(test), test.unit)}{shift}",
             run_caption(run),
         ],
@@ -50,16 +51,33 @@ def representation_figure(test: Representation, run: Run) -> Figure:
 
 
 def _half_range(test: Representation) -> float:
-    return 1.2 * max(test.max_abs, 2 * test.noise)
+    difference = np.abs(test.second - test.first - test.common)
+    return 1.1 * float(np.max(difference + 2 * test.spread))
+
+
+def _left_out(test: Representation) -> str:
+    """What the noise of the corner adds to all points alike."""
+    if not test.common:
+        return ""
+    return (
+        f", without the {test.common:.2g}{spaced(test.unit)} that the noise of the corner adds to all points"
+    )
 
 
 def _difference(test: Representation, run: Run, title: str) -> Panel:
     low, high = float(test.input.min()), float(test.input.max())
     half_range = _half_range(test)
     data: list[Trace] = [
-        noise_band(low, high, 2 * test.noise, "± 2 σ of the noise"),
+        line([low, high], [0.0, 0.0], "zero", GREY, width=1, showlegend=False),
         *count_lines(low, high, test.per_count, half_range),
-        dots(test.input, test.second - test.first, "difference", INK, size=7),
+        dots(
+            test.input,
+            test.second - test.first - test.common,
+            "difference ± 2 σ",
+            INK,
+            size=6,
+            error_y={"type": "data", "array": (2 * test.spread).tolist(), "color": GREY, "thickness": 1.2, "width": 3},
+        ),
     ]
     if test.per_count and test.per_count < 3 * half_range:
         half_range = max(half_range, 1.2 * test.per_count)
