@@ -177,7 +177,7 @@ def test_a_named_cause_without_a_gain_still_offers_a_much_better_model():
     """The base of the diagnosis may already be good, if the refitted density absorbs the effect."""
     found = evidence("named", "poor", gains=False)
     found.diagnosis.gain.base, found.diagnosis.gain.extended = 0.0098, 0.0099
-    judged = f"held-out error 0.0099 mm, {error_verdict(0.0099, ERRORS['poor'][1], 0.0).text})"
+    judged = f"held-out error 0.0099 mm, 0.99 % of the stroke, {error_verdict(0.0099, ERRORS['poor'][1], 0.0).text})"
     assert f"Use the model of the diagnosis ({judged}" in assessment(found).advice
     found.diagnosis.gain.extended = 0.8 * ERRORS["poor"][0]
     assert "does not predict better" in assessment(found).advice

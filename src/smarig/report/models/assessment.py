@@ -167,7 +167,9 @@ def _named_advice(e: Evidence, d: Diagnosis, rms: float | None) -> str:
         return _REMOVE
     unit = spaced(d.timeline.unit)
     instead = f" instead of {rms:.3g}{unit}" if is_poor and rms is not None else ""
-    held_out = f"held-out error {error:.3g}{unit}{instead}" + (f", {verdict.text}" if verdict else "")
+    held_out = f"held-out error {error:.3g}{unit}{instead}{_share_of_stroke(e, error)}" + (
+        f", {verdict.text}" if verdict else ""
+    )
     if gain.extended < gain.base:
         model = f"the extended model (diagnosis/{DIAGNOSIS_MODEL}, {held_out})"
     elif rms is not None and error < _MUCH_LESS * rms:
@@ -177,6 +179,12 @@ def _named_advice(e: Evidence, d: Diagnosis, rms: float | None) -> str:
     if is_poor:
         return f"Remove the cause and measure again. Until then, {model} comes nearest."
     return f"Use {model}, or remove the cause and measure again."
+
+
+def _share_of_stroke(e: Evidence, error: float) -> str:
+    """A ratio to the noise alone makes an accurate rig look poor."""
+    travel = settled_travel(e.runs.values())
+    return f", {100 * error / travel:.2g} % of the stroke" if travel else ""
 
 
 def _remedies(effects: Iterable[Effect]) -> str:

@@ -76,7 +76,13 @@ def _difference(test: Representation, run: Run, title: str) -> Panel:
             "difference ± 2 σ",
             INK,
             size=6,
-            error_y={"type": "data", "array": (2 * test.spread).tolist(), "color": GREY, "thickness": 1.2, "width": 3},
+            error_y={
+                "type": "data",
+                "array": (2 * test.spread).tolist(),
+                "color": GREY,
+                "thickness": 1.2,
+                "width": 3,
+            },
         ),
     ]
     if test.per_count and test.per_count < 3 * half_range:
