@@ -197,7 +197,9 @@ footer p{color:var(--grey);font-size:13px;border-top:1px solid var(--line);margi
  .stacked td::before{content:attr(data-column);color:var(--grey);text-align:left}}
 @media print{@page{size:A4;margin:14mm 12mm}h2,h3{break-after:avoid}section.first:not(:last-of-type){break-after:page}
  section:has(>details:not([open])),#glossary:has(>details:not([open])){display:none}tr,.card,.notice{break-inside:avoid}
- .twinbar,.notice,.card,.twin,.severity{-webkit-print-color-adjust:exact;print-color-adjust:exact}
+ main:has(section>details:not([open]))::after{content:"Folded sections are not printed. Open them on the page first.";
+ display:block;font-size:8pt;color:var(--grey)}
+.twinbar,.notice,.card,.twin,.severity{-webkit-print-color-adjust:exact;print-color-adjust:exact}
  body{font-size:10pt}h1{font-size:16pt}.lead{font-size:10pt}
  .sticky{position:static}.twinbar{font-size:8.5pt}
  a.term{border:0;text-decoration:none;color:inherit}nav,.choices,.search,.tools,footer{display:none}
