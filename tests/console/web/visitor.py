@@ -89,20 +89,25 @@ class Visitor:
     def reload_until(self, expression: str) -> None:
         """Load the page again and again until an expression is true."""
         end_s = time.monotonic() + PATIENCE_S
-        while not self.tab.run(expression):
+        while not self._now(expression):
             assert time.monotonic() < end_s, expression
             time.sleep(0.5)
-            self.go(self.tab.run("location.pathname + location.search"))
+            if place := self._now("location.pathname + location.search"):
+                self.go(place)
+
+    def _now(self, expression: str) -> Any:
+        """The value of an expression; None between two pages, where it cannot be computed."""
+        try:
+            return self.tab.run(expression)
+        except AssertionError:
+            return None
 
     def until(self, expression: str, why: str = "") -> Any:
         """The value of an expression as soon as it is true. A page may be replaced meanwhile."""
         end_s = time.monotonic() + PATIENCE_S
         while True:
-            try:
-                if found := self.tab.run(expression):
-                    return found
-            except AssertionError:  # between two pages
-                pass
+            if found := self._now(expression):
+                return found
             if time.monotonic() > end_s:
                 raise TimeoutError(f"{why or expression}: {self.tab.run('document.body.innerText')}")
             time.sleep(0.1)
