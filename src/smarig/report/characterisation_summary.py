@@ -8,6 +8,7 @@ from smarig.report.models.assessment import assessment
 from smarig.report.models.characterisation_cards import characterisation_cards
 from smarig.report.models.evidence import Evidence
 from smarig.report.models.loop_figure import loop_figure, training_run
+from smarig.report.models.temperature_cards import temperature_cards
 from smarig.report.run_page import ending_notices, run_lead
 from smarig.report.runs.run_summary import summary_with_loop
 from smarig.report.runs.sheet_header import sheet_header
@@ -18,13 +19,15 @@ def characterisation_summary(e: Evidence, *, library: str = LIBRARY) -> str:
     runs, assessed = list(e.runs.values()), assessment(e)
     run = training_run(e)
     figure = loop_figure(e, run) if run is not None else None
-    files = ", ".join(each.path.name for each in runs)
+    files = ", ".join(each.path.name.removesuffix(".run.sqlite") for each in runs)
+    temperatures, source = temperature_cards(runs)
     parts: list[Html | Figure] = [
         assessed.html(),
         sheet_header(runs),
         *([figure] if figure else []),
         characterisation_cards(e, theory=False),
-        paragraph(f"Runs {files}; {e.chosen} model."),
+        temperatures,
+        paragraph(f"Runs {files}; {e.chosen} model.{source}"),
     ]
     return page(
         f"Summary: {e.title[:1].lower()}{e.title[1:]}",

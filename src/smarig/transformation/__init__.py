@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from smarig.transformation.figures_text import NAMES as NAMES
     from smarig.transformation.figures_text import value_text as value_text
     from smarig.transformation.figures_text import why_not as why_not
+    from smarig.transformation.headline import HEADLINE as HEADLINE
     from smarig.transformation.headline import full_loop as full_loop
     from smarig.transformation.headline import headline as headline
     from smarig.transformation.run_figures import RunFigures as RunFigures

@@ -1,0 +1,50 @@
+"""Cards of the transformation temperatures and the width of a characterised wire."""
+
+import math
+from collections.abc import Iterable
+
+from smarig.core import UsageError
+from smarig.record import Run
+from smarig.report.components.html import Html, cards
+from smarig.report.components.numbers import number
+from smarig.report.components.run_description import display_unit
+from smarig.report.transformation.transformation_tables import figure_name
+from smarig.transformation import HEADLINE, RunFigures, run_figures
+
+_STROKE = "stroke"  # has a card of its own
+
+
+def temperature_cards(runs: Iterable[Run]) -> tuple[Html, str]:
+    """A_s, A_f, M_s, M_f and width with their 95 % intervals, of the run with the narrowest, and a sentence on it.
+
+    Most campaigns have no full loop of their own: the heating branch is then assembled from first-order curves, and the
+    intervals are as wide as the distances of their readings.
+    """
+    found = [(figures, run) for run in runs if (figures := _figures(run)) is not None]
+    if not found:
+        return Html(""), ""
+    best, run = min(found, key=lambda pair: _spread(pair[0]))
+    shown = []
+    for name in HEADLINE:
+        if name == _STROKE or name not in best.means:
+            continue
+        estimate = best.estimate(name)
+        low, high = (number(end, 3) for end in estimate.ci95)
+        unit = display_unit(estimate.unit)
+        shown.append((figure_name(name), f"{number(estimate.value, 3)} {unit}", f"95 %: {low} to {high}"))
+    name = run.path.name.removesuffix(".run.sqlite")
+    assembled = " (heating assembled from its curves)" if all(c.assembled for c in best.cycles) else ""
+    return cards(shown), f" Temperatures by tangents to {name}{assembled}."
+
+
+def _figures(run: Run) -> RunFigures | None:
+    try:
+        return run_figures(run) if run.has("input") and run.settled else None
+    except UsageError:
+        return None
+
+
+def _spread(figures: RunFigures) -> float:
+    ends = [figures.estimate(name).ci95 for name in HEADLINE if name in figures.means and name != _STROKE]
+    widths = [high - low for low, high in ends if high - low < math.inf]
+    return sum(widths) / len(widths) if widths else math.inf
