@@ -317,9 +317,7 @@ def test_the_folder_of_a_characterisation_gives_its_sheet(evidence, monkeypatch)
     assert "Class of μ" not in page.visible
     assert page.tables[0][1][0] == "twin-one-wire"
     assert re.match(r"Hysteresis width2\d(\.\d)? K95 %: ", page.card("Hysteresis width"))
-    assert (
-        "Temperatures by tangents to 04_first_order_descending (heating assembled" in page.visible
-    )
+    assert "Temperatures by tangents to 04_first_order_descending (heating assembled" in page.visible
     given.clear()
     assert cli(["report", str(folder), "--summary"]) == 0  # it is there: nothing is computed again
     assert not given
