@@ -255,3 +255,14 @@ def test_the_page_of_models_opens_with_the_verdict_on_each(wire):
         alone = Page(models_page({name: models[name]}, {"v": wire["v"]})).visible
         assert sentence in alone
         assert f"Model {name}" in alone
+
+
+def test_an_offset_fitted_to_a_step_or_two_shows_no_agreement():
+    """With one common step, the difference is zero by itself."""
+    for common in (1, 2, 3):
+        other = made((0, 9, 7, 1), (*TARGETS[:common], *(k + 0.5 for k in TARGETS[common:])))
+        found = aligned({"a": made((0, 5, 2, 4)), "b": other})
+        assert (found[1].difference.size, found[1].offset_kind) == (common, "fitted")
+        assessed = comparison_assessment(found, family_figures([each.run for each in found]))
+        assert ("in common" in assessed.quality) == (common < 3)
+        assert assessed.level != "good"

@@ -16,13 +16,14 @@ from smarig.report.runs.run_change import RunChange, run_change
 from smarig.report.runs.run_family import FamilyFigures
 from smarig.report.runs.temperature_change import change_sentences, temperature_change
 
+_FEWEST_FITTED = 3  # common steps of runs whose zeros are unrelated
 _ORDER = (ErrorLevel.GOOD, ErrorLevel.UNKNOWN, ErrorLevel.FAIR, ErrorLevel.POOR)
 
 
 def comparison_assessment(found: Sequence[AlignedRun], family: FamilyFigures) -> Assessment:
     """The assessment of aligned runs (the first is the reference), built from their figures."""
     first, *others = found
-    common = [each for each in others if each.difference.size]
+    common = [each for each in others if _is_comparable(each)]
     if not common:
         return _without_common_steps(first, others)
     changes = [(each, run_change(first, each)) for each in common]
@@ -35,6 +36,16 @@ def comparison_assessment(found: Sequence[AlignedRun], family: FamilyFigures) ->
     )
 
 
+def _is_comparable(run: AlignedRun) -> bool:
+    """A difference at one or two steps is zero by itself once an offset has been fitted to it."""
+    return run.difference.size >= (_FEWEST_FITTED if run.offset_kind == "fitted" else 1)
+
+
+def _common_text(others: Sequence[AlignedRun]) -> str:
+    most = max((each.difference.size for each in others), default=0)
+    return f"only {most} step{'s' * (most > 1)} in common" if most else "no steps in common"
+
+
 def _without_common_steps(first: AlignedRun, others: Sequence[AlignedRun]) -> Assessment:
     """Runs whose outputs may not be subtracted: the figures of their full branches, where they have some."""
     changes = temperature_change(first.run, others[0].run) if len(others) == 1 else []
@@ -42,15 +53,15 @@ def _without_common_steps(first: AlignedRun, others: Sequence[AlignedRun]) -> As
         return Assessment(
             "warning",
             _compared(first, others),
-            "The runs have no steps in common. The output depends on the history of the input, so they are drawn but "
-            "not subtracted.",
+            f"The runs have {_common_text(others)}. The output depends on the history of the input, so they are drawn "
+            "but not subtracted.",
             "To compare two days, run the same protocol with the same settings on both.",
         )
     moved = any(change.significant for change in changes)
     return Assessment(
         "warning" if moved else "good",
         _compared(first, others),
-        f"The runs have no steps in common. {change_sentences(changes)}",
+        f"The runs have {_common_text(others)}. {change_sentences(changes)}",
         (
             "Check ambient temperature, load and number of cycles; smarig diagnose on all runs of the later day tests "
             "causes."

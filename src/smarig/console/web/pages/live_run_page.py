@@ -9,6 +9,7 @@ from starlette.requests import Request
 from starlette.responses import HTMLResponse, JSONResponse, RedirectResponse, Response, StreamingResponse
 from starlette.routing import Route
 
+from smarig.console.library.library_entry import Entry
 from smarig.console.web.console_context import back, context_of, page
 from smarig.console.web.run_feed import ENDED_MESSAGE, RunFeed
 from smarig.console.web.run_outcome import run_outcome
@@ -62,7 +63,7 @@ def follow(request: Request) -> Response:
     if run is None:
         # It ended before the page asked. Without a last message, the page would wait for a console that is silent.
         return StreamingResponse(iter([ENDED_MESSAGE]), media_type="text/event-stream")
-    feed = RunFeed(run, _model(request), context_of(request).closing)
+    feed = RunFeed(run, _model(request, run), context_of(request).closing)
     return StreamingResponse(
         feed.messages(), media_type="text/event-stream", headers={"cache-control": "no-store"}
     )
@@ -86,10 +87,9 @@ def _page(request: Request, *, reading: bool) -> HTMLResponse:
         return page(
             request, "ended_run.html", {"file": request.query_params.get("file", "")}, here="runs", status=404
         )
-    models = context_of(request).library.search(kind="model", limit=_MODELS_OFFERED).entries
     shown: dict[str, Any] = {
         "run": run_card(run),
-        "models": [entry.place for entry in models],
+        "models": [entry.place for entry in _models(request, run)],
         "model": request.query_params.get("model", ""),
         "viewer": context_of(request).viewers.state(Path(run.info["out"])),
         "reading": reading,
@@ -102,15 +102,21 @@ def _run(request: Request) -> RunInProgress | None:
     return next((run for run in runs_in_progress() if run.key == key), None)
 
 
-def _model(request: Request) -> Path | None:
-    """The model file that the address names; only those of the library are read."""
+def _models(request: Request, run: RunInProgress) -> list[Entry]:
+    """The models of the library whose output has the unit of a run, newest first."""
+    found = context_of(request).library.search(kind="model", limit=_MODELS_OFFERED).entries
+    unit = str(run.info.get("unit") or "")
+    return [entry for entry in found if not unit or entry.details.get("unit") in (None, "", unit)]
+
+
+def _model(request: Request, run: RunInProgress) -> Path | None:
+    """The model file that the address names; only those of the library in the unit of the run are read."""
     place = request.query_params.get("model", "")
     if not place:
         return None
-    models = context_of(request).library.search(kind="model", limit=_MODELS_OFFERED).entries
-    found = next((entry.path for entry in models if entry.place == place), None)
+    found = next((entry.path for entry in _models(request, run) if entry.place == place), None)
     if found is None:
-        raise UsageError("This model is not in the library.")
+        raise UsageError(f"The library has no such model in {run.info.get('unit') or 'this unit'}.")
     return found
 
 
