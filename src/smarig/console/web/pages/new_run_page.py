@@ -60,7 +60,10 @@ def _requested(
         if number is None:
             context.queue.add(wanted)
             ensure_worker(context.folder)
-            return back("/", f"{wanted.experiment} was added to the queue.")
+            added = f"{wanted.experiment} was added to the queue"
+            if context.queue.state().paused:
+                return back("/", f"{added}, which is paused. It starts when you continue the queue.", "warning")
+            return back("/", f"{added}.")
         context.queue.edit(number, wanted)
         return back("/", "The entry was changed.")
     except SmarigError as error:
