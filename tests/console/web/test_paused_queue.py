@@ -22,3 +22,6 @@ def test_what_is_added_to_a_paused_queue_does_not_seem_started(tmp_path, monkeyp
         assert added.status == 303
         assert "which+is+paused" in added.headers["location"]
         assert "level=warning" in added.headers["location"]
+        shown = console.ask("/").body
+        assert "1 entry waiting, until the queue continues." in shown
+        assert "will have ended" not in shown

@@ -62,7 +62,9 @@ def _requested(
             ensure_worker(context.folder)
             added = f"{wanted.experiment} was added to the queue"
             if context.queue.state().paused:
-                return back("/", f"{added}, which is paused. It starts when you continue the queue.", "warning")
+                return back(
+                    "/", f"{added}, which is paused. It starts when you continue the queue.", "warning"
+                )
             return back("/", f"{added}.")
         context.queue.edit(number, wanted)
         return back("/", "The entry was changed.")

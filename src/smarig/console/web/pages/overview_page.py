@@ -135,7 +135,7 @@ def _queue(context: ConsoleContext) -> dict[str, Any]:
     return {
         "reason": reason,
         "fault": state.sentence if state.paused_by is not None else "",
-        "summary": _summary(waiting, ends),
+        "summary": _summary(waiting, ends, paused=state.paused),
         "paused": state.paused or state.stop_after_this,
         "runs": any(e.state is EntryState.RUNNING for e in waiting),
         "waiting": [_row(e) for e in waiting],
@@ -143,11 +143,13 @@ def _queue(context: ConsoleContext) -> dict[str, Any]:
     }
 
 
-def _summary(waiting: list[QueueEntry], ends: float | None) -> str:
+def _summary(waiting: list[QueueEntry], ends: float | None, *, paused: bool) -> str:
     if ends is None:
         return "Nothing waits."
     n = sum(e.state is EntryState.WAITING for e in waiting)
     text = f"{_number_of(n, 'entry', 'entries')} waiting" if n else "Nothing waits"
+    if paused and n:
+        return f"{text}, until the queue continues."
     return f"{text}. Everything will have ended at about {_moment(ends)}."
 
 
