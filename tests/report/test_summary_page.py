@@ -33,7 +33,17 @@ def made(verdicts=("settled",) * 4, end="done", events=(), protocol="validation"
         (made(), "The run ended as planned and all 4 holds settled.", "good"),
         (
             made(("settled", "timed_out", "settled", "settled")),
-            "1 of 4 holds did not settle in time",
+            "Of 4 holds, 1 did not settle in time; no point of theirs is used.",
+            "warning",
+        ),
+        (
+            made(("settled", "interrupted", "timed_out", "settled")),
+            "Of 4 holds, 1 did not settle in time and 1 was interrupted; ",
+            "warning",
+        ),
+        (
+            made(("settled", "interrupted", "settled", "settled")),
+            "Of 4 holds, 1 was interrupted; ",
             "warning",
         ),
         (made(end="Too hot."), "The run is incomplete: Too hot.", "bad"),

@@ -53,15 +53,14 @@ def _measured(run: AnyRun) -> str:
 def _record_quality(run: AnyRun) -> tuple[str, str]:
     """The level and the sentence on the record itself."""
     m = quality_counts(run)
-    late = m.timed_out + m.interrupted
     if not len(run):
         return "bad", "The run has no samples."
     if not run.complete or run.cause != "done":
         return "bad", f"The run is incomplete: {run.cause.removeprefix('incomplete: ').rstrip('.')}."
     if run.severity in _SEVERE:
         return "bad", f"The run had an event of severity {run.severity}; see Data quality."
-    if late:
-        return "warning", f"{late} of {m.steps} holds did not settle in time; their points are not used."
+    if m.timed_out + m.interrupted:
+        return "warning", _unused_holds(m.timed_out, m.interrupted, m.steps)
     if not m.clean:
         return "warning", "Samples are marked or missing; see Data quality."
     if run.info.warnings:
@@ -72,6 +71,13 @@ def _record_quality(run: AnyRun) -> tuple[str, str]:
         )
     steps = f" and all {m.steps} holds settled" if m.steps > 1 else " and its hold settled" if m.steps else ""
     return "good", f"The run ended as planned{steps}."
+
+
+def _unused_holds(late: int, interrupted: int, steps: int) -> str:
+    """What became of holds that did not settle."""
+    parts = [f"{late} did not settle in time"] * bool(late)
+    parts += [f"{interrupted} {'were' if interrupted > 1 else 'was'} interrupted"] * bool(interrupted)
+    return f"Of {steps} holds, {' and '.join(parts)}; no point of theirs is used."
 
 
 def _advice(run: AnyRun, level: str) -> str:
