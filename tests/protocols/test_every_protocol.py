@@ -191,3 +191,18 @@ def test_initialise_thesis_uses_the_printed_formula():
     expected = (180 - 25) / 180 * 185 * math.sin(0.2 * math.pi * 25)
     assert math.isclose(math.copysign(185 * current**2, current), expected, abs_tol=1e-6)
     assert len(waves[0].currents_A) == 1800
+
+
+def test_a_decimal_comma_in_a_list_is_refused_and_not_split():
+    setup = Setup.of("one_wire_twin")
+    for text in ("0.2;0.4", "0.2,0.4", "0.2, 0.4"):
+        steps = [
+            c.current_A
+            for c in build_protocol("step_currents", setup, {"currents_A": text})
+            if isinstance(c, Hold)
+        ]
+        assert steps[-2:] == [0.2, 0.4]
+    with pytest.raises(
+        UsageError, match=r"'0,2; 0,4' has commas and semicolons\. Write decimals with a point"
+    ):
+        build_protocol("step_currents", setup, {"currents_A": "0,2; 0,4"})

@@ -124,6 +124,11 @@ def _grouped(settings: Mapping[str, Any]) -> dict[str, Any]:
 
 def _converted(name: str, key: str, value: Any, hint: Any) -> Any:
     if isinstance(value, str) and "tuple" in str(hint):
+        if ";" in value and "," in value:  # 2,5; 60: a decimal comma, or a list of four?
+            raise UsageError(
+                f"Protocol '{name}', setting {key}: '{value}' has commas and semicolons. Write decimals with a point, "
+                "and one sign between the values."
+            )
         value = [part for part in value.replace(";", ",").split(",") if part.strip()]
     if isinstance(value, dict):
         _check_group(name, key, value, hint)
