@@ -5,12 +5,10 @@ clock's, times ``--speed``.
 """
 
 import asyncio
-import json
-import os
-import sys
 import threading
 import time
 from collections.abc import Sequence
+from typing import Any
 
 import click
 from pymodbus.constants import ExcCodes
@@ -18,9 +16,9 @@ from pymodbus.server import ModbusTcpServer
 from pymodbus.simulator import DataType, SimData, SimDevice
 
 from simulators.labjack_wire import LabJackWire
-from smarig.config import LinksFile, RigFile, load_rig, with_load
-from smarig.core import SmarigError, UsageError
-from smarig.plant import effects_from_arguments
+from simulators.on_the_clock import serve, wire_options
+from smarig.config import LinksFile, RigFile
+from smarig.core import UsageError
 from smarig.rig import TwinSettings
 
 READ, WRITE = (3, 4), (6, 16)
@@ -45,7 +43,13 @@ class LabJackServer:
             raise UsageError("The simulated LabJack cannot listen.")
         return self
 
-    def stop(self) -> None:
+    @property
+    def urls(self) -> dict[str, str]:
+        """Its address, for each link of the rig file that it serves."""
+        links = {name: getattr(self.wire.file.links, name) for name in LinksFile.model_fields}
+        return {name: self.url for name, link in links.items() if link and link.driver.startswith("labjack_")}
+
+    def close(self) -> None:
         """Close all connections and end the thread."""
         if self._loop and self._server:
             asyncio.run_coroutine_threadsafe(self._server.shutdown(), self._loop).result(5)
@@ -104,32 +108,16 @@ class LabJackServer:
 
 
 @click.command()
-@click.option("--rig", required=True, help="Rig file, by name or path.")
-@click.option("--seed", type=click.IntRange(0, 2**63 - 1), default=0, show_default=True)
-@click.option("--effect", "effects", multiple=True, metavar="NAME=STRENGTH", help="Effect of the twin.")
-@click.option("--load", default="", help="Force on the wire, as in smarig run.")
-@click.option("--speed", type=click.FloatRange(min=1e-3, max=1e3), default=1.0, help="Real time × SPEED.")
+@wire_options
 @click.option("--port", type=click.IntRange(0, 65535), default=0, help="TCP port; 0: a free one.")
 @click.option("--product", type=click.Choice(["4", "7"]), default="7", help="T4 or T7.")
-def main(
-    rig: str, seed: int, effects: tuple[str, ...], load: str, speed: float, port: int, product: str
-) -> None:
+def main(speed: float, port: int, product: str, **wire: Any) -> None:
     """Simulate a LabJack and the wire of a rig."""
-    try:
-        file = with_load(load_rig(rig), load) if load else load_rig(rig)
-        settings = TwinSettings(seed=seed, effects=effects_from_arguments(effects))
-        server = LabJackServer(LabJackWire(file, settings, int(product)), speed, port).start()
-    except SmarigError as error:
-        click.echo(f"Error: {error}", err=True)
-        sys.exit(error.exit_status)
-    click.echo(json.dumps({**_addresses(file, server.url), "pid": os.getpid()}))
-    sys.stdin.read()
-    server.stop()
 
+    def start(file: RigFile, settings: TwinSettings) -> LabJackServer:
+        return LabJackServer(LabJackWire(file, settings, int(product)), speed, port).start()
 
-def _addresses(file: RigFile, url: str) -> dict[str, dict[str, str]]:
-    links = {name: getattr(file.links, name) for name in LinksFile.model_fields}
-    return {name: {"url": url} for name, link in links.items() if link and link.driver.startswith("labjack_")}
+    serve(start, **wire)
 
 
 if __name__ == "__main__":

@@ -18,14 +18,13 @@ QUERIES = ("setting", "is_on", "current", "voltage", "both", "watched", "delay_o
 class SimulatedSupply(TextServer):
     """``speed``: its seconds per second. ``drive`` is told the current, ``ohm`` tells the load's resistance.
 
-    A watchdog that is not ``honest`` never acts. Commands that the make does not know are kept in ``unknown``.
+    Commands that the make does not know are kept in ``unknown``.
     """
 
     def __init__(
         self,
         make: str,
         speed: float = 1.0,
-        honest: bool = True,
         drive: Callable[[float], None] = lambda _: None,
         ohm: Callable[[], float] = lambda: OHM,
     ) -> None:
@@ -33,7 +32,7 @@ class SimulatedSupply(TextServer):
             raise UsageError(f"No make '{make}' of simulated supplies{suggestion(make, list(DIALECTS))}.")
         self.identity, self._dialect = DIALECTS[make]
         self._flags = ("ON", "OFF") if make in ON_OR_OFF else ("1", "0")
-        self.speed, self.honest, self._drive, self._ohm = speed, honest, drive, ohm
+        self.speed, self._drive, self._ohm = speed, drive, ohm
         self.level_A, self.limit_V = 0.0, 0.0
         self.output, self.protected = False, 0
         self.delay_s, self.watching, self.fed_s = 60, False, time.monotonic()
@@ -100,7 +99,7 @@ class SimulatedSupply(TextServer):
         while not self.over.wait(WATCHDOG_s):
             with self._lock:
                 silent_s = (time.monotonic() - self.fed_s) * self.speed
-                acts = self.watching and self.honest and self.output and not self.protected
+                acts = self.watching and self.output and not self.protected
                 if acts and silent_s > self.delay_s:
                     self.protected = DISABLED  # latched; the programmed state stays
                     self.off_after_s = silent_s

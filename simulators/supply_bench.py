@@ -4,21 +4,18 @@ Prints their VISA addresses as one line of JSON, for each role of the rig file. 
 is the clock's, times ``--speed``.
 """
 
-import json
-import os
-import sys
 import threading
 import time
+from typing import Any
 
 import click
 
 from simulators.meter import SimulatedMeter
+from simulators.on_the_clock import serve, wire_options
 from simulators.supply import SimulatedSupply
-from simulators.supply_dialects import DIALECTS
 from simulators.wire_quantities import WireQuantities
-from smarig.config import LinkFile, RigFile, load_rig, with_load
-from smarig.core import SmarigError, UsageError
-from smarig.plant import effects_from_arguments
+from smarig.config import LinkFile, RigFile
+from smarig.core import UsageError
 from smarig.rig import TwinSettings
 
 MAKE = "keysight_n6700"
@@ -34,15 +31,13 @@ QUANTITIES = {
 class SupplyBench:
     """A supply, its wire, and a meter for each further link with the driver ``visa_meter``."""
 
-    def __init__(
-        self, file: RigFile, settings: TwinSettings, make: str = MAKE, speed: float = 1.0, honest: bool = True
-    ) -> None:
+    def __init__(self, file: RigFile, settings: TwinSettings, make: str = MAKE, speed: float = 1.0) -> None:
         if file.links is None:
             raise UsageError(f"Rig '{file.name}' has no table [links].")
         self.wire, self._speed, self._begin_s = WireQuantities(file, settings), speed, time.monotonic()
-        self._current_A, self.largest_A, self._tick = 0.0, 0.0, 0
+        self._current_A, self._tick = 0.0, 0
         self._lock = threading.Lock()
-        self.supply = SimulatedSupply(make, speed, honest, self._drive, self._ohm)
+        self.supply = SimulatedSupply(make, speed, self._drive, self._ohm)
         self.meters = {
             name: self._meter(link, quantity)
             for name, quantity in QUANTITIES.items()
@@ -71,7 +66,6 @@ class SupplyBench:
     def _drive(self, current_A: float) -> None:
         self.advance()
         self._current_A = current_A
-        self.largest_A = max(self.largest_A, abs(current_A))
 
     def _ohm(self) -> float:
         return self.wire.specimen.plant.resistance_ohm(self._current_A)
@@ -92,25 +86,11 @@ class SupplyBench:
 
 
 @click.command()
-@click.option("--rig", required=True, help="Rig file, by name or path.")
-@click.option("--seed", type=click.IntRange(0, 2**63 - 1), default=0, show_default=True)
-@click.option("--effect", "effects", multiple=True, metavar="NAME=STRENGTH", help="Effect of the twin.")
-@click.option("--load", default="", help="Force on the wire, as in smarig run.")
-@click.option("--speed", type=click.FloatRange(min=1e-3, max=1e3), default=1.0, help="Real time × SPEED.")
-@click.option("--make", type=click.Choice(list(DIALECTS)), default=MAKE, show_default=True)
-def main(rig: str, seed: int, effects: tuple[str, ...], load: str, speed: float, make: str) -> None:
+@wire_options
+@click.option("--make", default=MAKE, show_default=True, help="Make of the supply.")
+def main(speed: float, make: str, **wire: Any) -> None:
     """Simulate a laboratory supply, its meters and the wire of a rig."""
-    try:
-        file = with_load(load_rig(rig), load) if load else load_rig(rig)
-        settings = TwinSettings(seed=seed, effects=effects_from_arguments(effects))
-        bench = SupplyBench(file, settings, make, speed)
-    except SmarigError as error:
-        click.echo(f"Error: {error}", err=True)
-        sys.exit(error.exit_status)
-    addresses = {name: {"url": url} for name, url in bench.urls.items()}
-    click.echo(json.dumps({**addresses, "pid": os.getpid()}))
-    sys.stdin.read()
-    bench.close()
+    serve(lambda file, settings: SupplyBench(file, settings, make, speed), **wire)
 
 
 if __name__ == "__main__":

@@ -61,8 +61,9 @@ def pytest_collection_modifyitems(items):
     What is marked ``long`` runs with ``SMARIG_LONG=1``, as in ``.ci/long``.
     """
     for item in items if not LONG else ():
-        if item.get_closest_marker("long"):
-            item.add_marker(pytest.mark.skip(reason="long: SMARIG_LONG=1"))
+        if mark := item.get_closest_marker("long"):
+            why = mark.args[0] if mark.args else "takes long"
+            item.add_marker(pytest.mark.skip(reason=f"{why}: SMARIG_LONG=1"))
     items.sort(key=lambda item: item.path.stem not in LONGEST)
 
 

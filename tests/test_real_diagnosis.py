@@ -5,7 +5,6 @@ expectation, the test states it.
 """
 
 import json
-import os
 from dataclasses import replace
 
 import numpy as np
@@ -22,7 +21,7 @@ from smarig.replay import build_timeline, load_model, predict
 
 NULLS = 40
 EARLY = 6500  # rows of the cycles: the first 25
-long = pytest.mark.skipif(not os.environ.get("SMARIG_LONG"), reason="takes ten seconds: SMARIG_LONG=1")
+long = pytest.mark.long("takes ten seconds")
 
 
 def imported(source, mapping, out) -> Run:

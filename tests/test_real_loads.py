@@ -3,8 +3,6 @@
 The limits are those of an interpolation of the recorded branches between the two neighbouring loads, in T − σ/C.
 """
 
-import os
-
 import numpy as np
 import pytest
 
@@ -13,7 +11,7 @@ from smarig.identification import identify
 from smarig.record import load_run
 from smarig.replay import simulate
 
-long = pytest.mark.skipif(not os.environ.get("SMARIG_LONG"), reason="takes ten seconds: SMARIG_LONG=1")
+long = pytest.mark.long("takes ten seconds")
 STRESSES = (7, 50, 100, 200, 300, 400)
 
 

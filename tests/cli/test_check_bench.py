@@ -58,3 +58,8 @@ def test_hardware_is_not_heated_without_confirmation(tmp_path, capsys, monkeypat
         assert cli(["check", str(path)]) in (2, 130)
     assert cli(["check", str(path), "--no-current"]) == 0
     assert "input_range_K" in capsys.readouterr().out
+
+
+def test_a_make_is_that_of_a_supply(tmp_path, capsys):
+    assert cli(["check", rig(tmp_path, make="rigol_dp800"), "--yes"]) == 2
+    assert "simulator.make is the make of a supply. Omit it" in capsys.readouterr().err

@@ -135,7 +135,7 @@ def test_the_output_is_never_the_input(capsys, recorded, command):
     assert recorded.read_bytes() == before
 
 
-LONG = pytest.mark.skipif(not os.environ.get("SMARIG_LONG"), reason="takes half a minute: SMARIG_LONG=1")
+LONG = pytest.mark.long("takes half a minute")
 HUGE = [
     ("validation", "points=1000000000"),
     pytest.param("validation", "points=90000", marks=LONG),

@@ -1,7 +1,6 @@
 """Data whose output has the wrong sign: refused, or a fit with a warning, on every surface; never a silent success."""
 
 import json
-import os
 import shutil
 import warnings
 
@@ -81,7 +80,7 @@ def test_the_noise_of_a_falling_output_is_positive(files, tmp_path):
     assert (bounds[0] < bounds[1]).all()
 
 
-@pytest.mark.skipif(not os.environ.get("SMARIG_LONG"), reason="takes ten seconds: SMARIG_LONG=1")
+@pytest.mark.long("takes ten seconds")
 def test_a_model_whose_output_falls_is_diagnosed(files, tmp_path, capsys):
     model = tmp_path / "falling.model.json"
     assert cli(["identify", str(files["falling"]), "--surface", "positive", "-o", str(model)]) == 0

@@ -12,9 +12,7 @@ from cli.plugin_site import KINDS, RIG, RUN
 from smarig.cli.plugin_package import PLUGIN_KINDS
 
 
-@pytest.mark.skipif(
-    not os.environ.get("SMARIG_LONG"), reason="builds wheels and installs them: SMARIG_LONG=1"
-)
+@pytest.mark.long("builds wheels and installs them")
 def test_a_wheel_in_a_fresh_environment(tmp_path):
     """Built by pip, installed, listed, used in a run on the twin and in a diagnosis; it needs the network."""
     environment = {k: v for k, v in os.environ.items() if k != "PYTHONPATH"}

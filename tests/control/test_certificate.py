@@ -2,7 +2,6 @@
 
 import html
 import json
-import os
 import re
 
 import numpy as np
@@ -28,7 +27,7 @@ from smarig.preisach.hysteresis.mirrored import Mirrored
 from smarig.preisach.hysteresis.relay_measure import RelayMeasure
 from smarig.report.certificate.certificate_page import certificate_page, certificate_units, certified_model
 
-long = pytest.mark.skipif(not os.environ.get("SMARIG_LONG"), reason="takes five seconds: SMARIG_LONG=1")
+long = pytest.mark.long("takes five seconds")
 
 PROMISES = ("bounds the energy", "does not increase", "stays passive", "covers it")
 ONE = {"constant_gain": {"gain": 4.0}}

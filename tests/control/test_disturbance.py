@@ -1,8 +1,6 @@
 """Figs 8.5 and 8.6: the cost of ±d at B_ℓ and on the outer branches, by relays, on the operator and on the
 twin."""
 
-import os
-
 import numpy as np
 import pytest
 
@@ -24,7 +22,7 @@ from smarig.preisach.hysteresis.relay_measure import RelayMeasure
 from smarig.preisach.operator import Preisach
 from smarig.protocols._setup import Setup
 
-long = pytest.mark.skipif(not os.environ.get("SMARIG_LONG"), reason="takes eight seconds: SMARIG_LONG=1")
+long = pytest.mark.long("takes eight seconds")
 
 RIGS = {"one_wire_twin": "one_e", "two_wire_twin": "two_e"}
 

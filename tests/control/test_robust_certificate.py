@@ -4,7 +4,6 @@ The calibration over 60 identified wires runs with SMARIG_LONG=1.
 """
 
 import json
-import os
 from dataclasses import replace
 
 import numpy as np
@@ -20,7 +19,6 @@ from smarig.identification.surface.surface_fit import fit_surface
 from smarig.preisach import THESIS_PARTITIONS, FodSurface, FodTable, Mirrored, RelayMeasure, thesis_surface
 from smarig.theory import certify, monotone
 
-LONG = os.environ.get("SMARIG_LONG") == "1"
 ONE_P = thesis_surface("one_p")
 NAMES = ("x2", "x3", "x4", "x5", "x6", "x7", "y_upper", "y_lower")
 
@@ -161,7 +159,7 @@ def measured(surface: FodSurface, noise: float, dice: np.random.Generator) -> Fo
     return FodData(alpha, beta, y, i.astype(np.int64), major, zeros, zeros, "mm", 0.0, float(u[-1]), False)
 
 
-@pytest.mark.skipif(not LONG, reason="takes some minutes: SMARIG_LONG=1")
+@pytest.mark.long("takes some minutes")
 def test_the_probability_is_calibrated():
     """Truths from a wide prior around the border, each measured with noise, fitted and judged by its own draws.
 

@@ -1,12 +1,10 @@
 """An effect injected by independent code is found, and without an effect there is no finding."""
 
-import os
-
 import pytest
 
 from diagnosis.boxes_opened import answer
 
-long = pytest.mark.skipif(not os.environ.get("SMARIG_LONG"), reason="takes ten seconds: SMARIG_LONG=1")
+long = pytest.mark.long("takes ten seconds")
 
 
 @pytest.mark.parametrize("number", [3, pytest.param(4, marks=long), pytest.param(6, marks=long)])

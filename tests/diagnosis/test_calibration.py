@@ -1,6 +1,5 @@
 """p and the threshold of an alarm: those of wires without an effect, whatever the scale of the gains."""
 
-import os
 import tempfile
 from pathlib import Path
 
@@ -48,7 +47,7 @@ def test_null_data_alone_would_give_more_alarms():
     assert 0.08 < calibrated_p(float(np.quantile(NULLS, 0.97)), NULLS) < 0.25
 
 
-@pytest.mark.skipif(not os.environ.get("SMARIG_LONG"), reason="takes ten minutes: SMARIG_LONG=1")
+@pytest.mark.long("takes ten minutes")
 def test_p_is_uniform_on_boxes_of_another_seed():
     from smarig.diagnosis import diagnose
 

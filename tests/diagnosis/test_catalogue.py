@@ -6,8 +6,6 @@ What a classical density represents completely (the gauge theorem), no record of
 load can show.
 """
 
-import os
-
 import pytest
 
 from benchmarks.blind.score_table import confusable, is_correct_variable
@@ -84,9 +82,7 @@ MISSED = {
     "stress_coupling": "resistance_phase is likelier, and held-out runs do not bear it out",
 }
 FOUND = {"r_phase": "the density is off by more than its noise, so the verdict is unknown, depends on level"}
-where_there_is_time = pytest.mark.skipif(
-    not os.environ.get("SMARIG_LONG"), reason="takes a minute: SMARIG_LONG=1"
-)
+where_there_is_time = pytest.mark.long("takes a minute")
 
 
 def selected(names):

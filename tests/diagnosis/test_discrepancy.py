@@ -2,7 +2,6 @@
 quiet where nothing is.
 """
 
-import os
 from dataclasses import replace
 
 import numpy as np
@@ -18,7 +17,7 @@ from smarig.record import load_run
 from smarig.replay import actuator_for_run, build_timeline, plant_model_of
 
 SEED = 21
-LONG = pytest.mark.skipif(not os.environ.get("SMARIG_LONG"), reason="takes six seconds: SMARIG_LONG=1")
+LONG = pytest.mark.long("takes six seconds")
 
 
 def discrepancy_of(box, folder):

@@ -1,6 +1,5 @@
 """The missing term of commanded runs: laws that independent code hid are learned, and none where nothing is hidden."""
 
-import os
 from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
@@ -27,7 +26,7 @@ def learned(number, hidden, **settings):
     return learned_term(timeline, base, plain, given.hysteresis)
 
 
-@pytest.mark.skipif(not os.environ.get("SMARIG_LONG"), reason="takes ten seconds: SMARIG_LONG=1")
+@pytest.mark.long("takes ten seconds")
 def test_a_strain_that_each_cycle_leaves_is_learned_as_a_straight_law_of_the_cycle():
     found = learned(WIDE, {"walking": {"percent_per_cycle": 0.6}})
     assert found is not None

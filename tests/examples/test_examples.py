@@ -48,7 +48,7 @@ def test_read_someones_forc(tmp_path):
     assert loop[6] > 5e-7 > -5e-7 > loop[2]  # at zero field: magnetised by what came before
 
 
-@pytest.mark.skipif(not os.environ.get("SMARIG_LONG"), reason="takes ten seconds: SMARIG_LONG=1")
+@pytest.mark.long("takes ten seconds")
 def test_find_the_hidden_effect(tmp_path):
     said = said_by("find_the_hidden_effect", tmp_path)
     assert "walking" in said.partition("Hidden in the twin")[0]

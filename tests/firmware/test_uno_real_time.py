@@ -3,14 +3,12 @@
 Part of .ci/long, for a machine that keeps real time; it takes two minutes.
 """
 
-import os
-
 import pytest
 
 from firmware.uno_twin import host_rig
 from smarig.cli import run as cli
 
-pytestmark = pytest.mark.skipif(not os.environ.get("SMARIG_LONG"), reason="real time: SMARIG_LONG=1")
+pytestmark = pytest.mark.long("real time")
 
 
 def test_check_brings_it_up(uno, tmp_path, capsys):

@@ -67,7 +67,7 @@ def test_the_surface_and_its_density_are_found_far_below_a_count(tmp_path):
     assert 0.90 <= one_e.coverage <= 0.99
 
 
-@pytest.mark.skipif(not LONG, reason="takes half a minute: SMARIG_LONG=1")
+@pytest.mark.long("takes half a minute")
 def test_the_parameters_are_found_and_their_intervals_cover(tmp_path):
     two_c = recovered(tmp_path, "two_wire_twin", "two_c", "constant")
     assert np.median(two_c.worst_parameter) <= 0.003

@@ -1,7 +1,5 @@
 """Effects of thermal lag that a steady-state model lacks: loops drift, and initialisation is incomplete."""
 
-import os
-
 import numpy as np
 import pytest
 
@@ -12,7 +10,7 @@ from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface
 from smarig.preisach.operator import Preisach
 from smarig.runner.initialisation_spread import initialisation_spread
 
-long = pytest.mark.skipif(not os.environ.get("SMARIG_LONG"), reason="takes ten seconds: SMARIG_LONG=1")
+long = pytest.mark.long("takes ten seconds")
 
 
 def loop_tops(run, loop_s):

@@ -114,3 +114,19 @@ def test_a_lease_that_trips_with_current_still_flowing_fails(left_A, passes):
     lease, re_arm = _check_lease(Leased(left_A), load_rig("one_wire_twin"))
     assert (lease.passed, re_arm.passed) == (passes, True), lease
     assert ("0.1000 A flowed after the trip" in lease.observed) != passes
+
+
+def test_a_lease_that_never_acts_fails_in_words():
+    rig = Leased(0.1)
+    rig.lease_ticks = 10**6
+    lease, _ = _check_lease(rig, load_rig("one_wire_twin"))
+    assert not lease.passed
+    assert "the output did not switch off; lease" in lease.observed
+
+
+def test_where_ticks_are_not_counted_the_moment_is_that_of_the_question():
+    rig = Leased(0.0)
+    rig.counts_ticks = False
+    lease, _ = _check_lease(rig, load_rig("one_wire_twin"))
+    assert lease.passed
+    assert lease.observed.startswith("the output was off when it was asked ")

@@ -1,7 +1,5 @@
 """The 95 % intervals cover the true temperatures of loops whose tangents are known exactly."""
 
-import os
-
 import numpy as np
 import pytest
 
@@ -10,7 +8,7 @@ from smarig.report.transformation.tangent_figure import tangent_figure
 from smarig.transformation import TEMPERATURES, run_figures
 from transformation.known_loops import known_loop, run_of
 
-long = pytest.mark.skipif(not os.environ.get("SMARIG_LONG"), reason="takes a minute: SMARIG_LONG=1")
+long = pytest.mark.long("takes a minute")
 
 
 def inside(seeds, **options):

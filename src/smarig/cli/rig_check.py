@@ -74,8 +74,7 @@ def _bring_up_checks(rig: str, file: RigFile, actuator: Actuator) -> list[Check]
 def _checklist(file: RigFile, checks: list[Check]) -> list[str]:
     """The lines of the checklist, to be printed and signed."""
     now = time.strftime("%Y-%m-%d %H:%M")
-    marks = {True: "!", False: "x"}
-    rows = [f"[{marks[c.limitation] if c.passed else ' '}] {c.name}: {c.observed}" for c in checks]
+    rows = [f"[{_mark(c)}] {c.name}: {c.observed}" for c in checks]
     manual_checks = [
         "[ ] cut-out: pressed while current flowed, and the current stopped",
         "[ ] guard and load: in place",
@@ -87,6 +86,12 @@ def _checklist(file: RigFile, checks: list[Check]) -> list[str]:
         "",
         "Signed: ____________________",
     ]
+
+
+def _mark(check: Check) -> str:
+    if not check.passed:
+        return " "
+    return "!" if check.limitation else "x"
 
 
 def _short(value: object) -> str:

@@ -5,7 +5,6 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from threadpoolctl import threadpool_limits
@@ -31,7 +30,7 @@ from smarig.diagnosis.held_out_gain import HeldOutGain, held_out_gain
 from smarig.diagnosis.name_gates import NameEvidence, gated
 from smarig.diagnosis.run_checks import check_comparable
 from smarig.plant import EffectType, PassThroughActuator, effect_types, effect_types_only_on
-from smarig.record import Run, load_run
+from smarig.record import Run, loaded_runs
 from smarig.replay import (
     Model,
     PlantModel,
@@ -72,7 +71,7 @@ def diagnose_commanded(
     started, report_progress = time.monotonic(), progress or (lambda _: None)
     check_settings(alpha, nulls, seed)
     original = model if isinstance(model, Model) else load_model(model)
-    train_runs, held_out_runs = _runs(train), _runs(held_out)
+    train_runs, held_out_runs = loaded_runs(train), loaded_runs(held_out)
     check_comparable(original, [*train_runs, *held_out_runs])
     if driven_by_input(train_runs):
         raise UsageError("These runs have only a measured input. Use diagnose or diagnose_measured.")
@@ -163,11 +162,6 @@ def diagnose_commanded(
         nulls=nulls,
         seconds=time.monotonic() - started,
     )
-
-
-def _runs(original: Any) -> list[Run]:
-    several = [original] if isinstance(original, Run | str | Path) else list(original)
-    return [run if isinstance(run, Run) else load_run(run) for run in several]
 
 
 def _check_held_out(model: Model, train_runs: list[Run], held_out_runs: list[Run]) -> None:

@@ -52,7 +52,7 @@ def text_lines(d: "Diagnosis") -> Iterator[str]:
             values = ", ".join(parameter_text(n, v) for n, v in effect["parameters"].items())
             yield f"{opening}: {effect['name']} ({values}), score {effect['probability']:.2f}."
         if d.verdict.word == "named":
-            yield from (f"Against {e.kind.name}: {e.kind.remedy}." for e in best.effects)
+            yield from filter(None, (e.kind.remedy_text for e in best.effects))
     if d.refused:
         yield (
             f"No candidates: {', '.join(d.refused)}. They follow a part of the error, but nothing speaks for them that "

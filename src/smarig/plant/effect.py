@@ -180,6 +180,11 @@ class EffectType:
     shape: Any = None  # of a learned effect, which no catalogue lists
 
     @property
+    def remedy_text(self) -> str:
+        """What a lab can do against it, as a sentence; "" if nothing is known."""
+        return f"Against {self.name}: {self.remedy}." if self.remedy else ""
+
+    @property
     def primary(self) -> Parameter:
         """The strength."""
         return self.parameters[0]

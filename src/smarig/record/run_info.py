@@ -113,9 +113,9 @@ class RunInfo(StoredTable):
     "twin", "simulation" or "import". Rig: names of ``rig``, ``wire`` and ``actuator``, texts of their files
     (``config``, ``actuator_text``), their values (``rig_values``, ``actuator_values``), the hashes of these
     (``rig_sha256``), ``instruments`` as they identify themselves, ``period_s`` of a tick, ``input`` and ``output``.
-    Session: ``start_epoch`` (seconds since 1970),
-    ``encoder_zero``, ``initial`` state of the wire. Resuming: ``device``, ``shift`` of its ticks and counts,
-    ``launch_args``, ``own_files``, ``closed_loop``, ``history_until_tick``. Closing: ``end``, ``hashes``.
+    Session: ``start_epoch`` (seconds since 1970), ``encoder_zero``, ``initial`` state of the wire. Resuming:
+    ``device``, ``shift`` of its ticks and counts, ``launch_args``, ``own_files``, ``closed_loop``,
+    ``history_until_tick``. Closing: ``end``, ``hashes``.
     ``salvaged``: what is known to be missing. ``conditions`` that runs are compared by; the ``load`` of a rig's wire.
     Imports: ``imported``, ``warnings``, ``repairs``, ``t0_s``, ``header``, ``companions``, ``forc``. Simulations:
     ``model`` and the run it was simulated ``along``.

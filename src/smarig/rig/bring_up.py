@@ -169,11 +169,10 @@ def _check_lease(rig: SupportsIdle, file: RigFile) -> Iterator[Check]:
     took_s = (first - last_command_tick) * rig.period_s if first else math.nan
     in_time = abs(took_s - file.lease_s) <= max(2 * rig.period_s, 0.1 * file.lease_s)
     found = f"the output switched off {took_s:.2f} s after the last command"
-    if not rig.counts_ticks:  # it was off when it was next queried; the moment is not known
-        in_time, found = (
-            bool(first),
-            f"the output was off when it was asked {took_s:.2f} s after the last command",
-        )
+    if not first:
+        found = "the output did not switch off"
+    elif not rig.counts_ticks:  # it was off when it was next queried; the moment is not known
+        in_time, found = True, f"the output was off when it was asked {took_s:.2f} s after the last command"
     flows_A = max((abs(s.current_A) for s in later if s.tick > first), default=0.0)
     observed = f"{found}; lease {file.lease_s:g} s"
     if flows_A > READ_BACK_TOLERANCE * file.limits.current_max_A:

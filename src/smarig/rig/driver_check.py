@@ -21,6 +21,11 @@ from smarig.device import (
 from smarig.rig.open_rig import instrument_of, required_links, started_simulator
 from smarig.rig.specimen import TwinSettings
 
+SIMULATED_DRIVERS = {  # of [simulator].devices: how the names of their drivers begin, and a rig that has them
+    "reference": ("smarig_", "one_wire_serial"),
+    "labjack": ("labjack_", "labjack_one_wire"),
+    "supply": ("visa_", "laboratory_supply"),
+}
 SIMULATED_SPEED = 10.0  # of simulated devices, in device seconds per second
 
 
@@ -58,13 +63,11 @@ def check_driver(rig: str, file: RigFile, role: Role, driver: str = "", url: str
 
 def _refuse_other_devices(file: RigFile, simulator: SimulatorFile, driver: str) -> None:
     """Raise UsageError for a shipped driver whose device the rig does not simulate."""
-    families = {"smarig_": "one_wire_serial", "labjack_": "labjack_one_wire", "visa_": "laboratory_supply"}
-    simulated = dict(zip(("reference", "labjack", "supply"), families, strict=True))[simulator.devices]
-    family = next((prefix for prefix in families if driver.startswith(prefix)), simulated)
-    if family != simulated:
+    devices = next((d for d, (prefix, _) in SIMULATED_DRIVERS.items() if driver.startswith(prefix)), None)
+    if devices not in (None, simulator.devices):
         raise UsageError(
             f"Rig '{file.name}' simulates no device for the driver '{driver}'. Name a rig that does, such as "
-            f"{families[family]}, or a rig file of yours; or give --url."
+            f"{SIMULATED_DRIVERS[devices][1]}, or a rig file of yours; or give --url."
         )
 
 

@@ -162,6 +162,8 @@ def started_simulator(
         e.kind.name not in catalogue_names(EFFECTS) for e in with_type
     ):
         raise UsageError("Simulated devices accept only effects of the catalogue.")
+    if how.make and how.devices != "supply":
+        raise UsageError("simulator.make is the make of a supply. Omit it for other simulated devices.")
     is_reference = how.devices == "reference"
     specific = _reference_command(how, links, speed) if is_reference else _timed_command(how, speed)
     folder = tempfile.TemporaryDirectory(prefix="smarig-", ignore_cleanup_errors=True)
@@ -202,8 +204,7 @@ def _timed_command(how: SimulatorFile, speed: float) -> list[str]:
     if unknown or not speed:
         wrong = f"no simulator.{unknown[0]}" if unknown else "no lock-step; give simulator.speed above 0"
         raise UsageError(f"The simulated {name} has {wrong}.")
-    make = ["--make", how.make] if how.devices == "supply" and how.make else []
-    return [module, "--speed", str(speed), *make]
+    return [module, "--speed", str(speed), *(["--make", how.make] if how.make else [])]
 
 
 def _reference_command(how: SimulatorFile, links: LinksFile, speed: float) -> list[str]:

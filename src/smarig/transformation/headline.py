@@ -20,4 +20,4 @@ def full_loop(run: Run) -> RunFigures | None:
         found = run_figures(run)
     except UsageError:
         return None
-    return None if all(c.assembled for c in found.cycles) else found
+    return None if found.assembled or not found.cycles else found

@@ -76,6 +76,13 @@ class RunFigures:
         mean = stored.get("mean")
         return float(mean) if isinstance(mean, int | float) and np.isfinite(mean) else None
 
+    @property
+    def assembled(self) -> tuple[str, ...]:
+        """The directions that every loop has from first-order curves only; () if one is a full loop of its own."""
+        if not all(cycle.assembled for cycle in self.cycles):
+            return ()
+        return tuple(dict.fromkeys(d for cycle in self.cycles for d in cycle.assembled))
+
     def unit_of(self, figure: str) -> str:
         """The unit of a figure: of the temperature, K for differences, of the output."""
         if figure in TEMPERATURES:

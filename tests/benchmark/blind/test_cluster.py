@@ -1,7 +1,5 @@
 """The blind benchmark on a local Dask cluster gives the same answers as without one."""
 
-import os
-
 import pytest
 
 from benchmarks import diagnosis
@@ -21,7 +19,7 @@ def scheduler():
         yield cluster.scheduler_address
 
 
-@pytest.mark.skipif(not os.environ.get("SMARIG_LONG"), reason="takes a minute: SMARIG_LONG=1")
+@pytest.mark.long("takes a minute")
 @pytest.mark.filterwarnings("default::DeprecationWarning", "default::ResourceWarning")
 def test_a_cluster_gives_the_answers_of_one_process(scheduler, tmp_path):
     spread = diagnosis.run(boxes=BOXES, nulls=NULLS, dask=scheduler, out=tmp_path / "answers.jsonl")

@@ -51,7 +51,7 @@ def running_box(
     try:
         yield server
     finally:
-        server.stop()
+        server.close()
 
 
 def link_of(file: RigFile, role: str) -> LinkFile:

@@ -32,9 +32,7 @@ speed = {speed}
 
 def bench_of(make, path, lease_s):
     """The simulated devices of a rig file that is written to ``path``."""
-    path.write_text(
-        RIG.format(supply="", meter="", speed=SPEED, lease=lease_s).replace("start = false\n", "")
-    )
+    path.write_text(RIG.format(supply="", meter="", speed=SPEED, lease=lease_s))
     bench = SupplyBench(load_rig(str(path)), TwinSettings(seed=1), make, SPEED)
     urls = {"supply": bench.urls["amplifier"], "meter": bench.urls["encoder_daq"]}
     path.write_text(RIG.format(**urls, speed=SPEED, lease=lease_s))

@@ -1,7 +1,6 @@
 """Mechanisms that no catalogue lists are unknown, yet learned: the law, its model on other runs, its page."""
 
 import json
-import os
 from dataclasses import replace
 
 import numpy as np
@@ -21,7 +20,7 @@ from smarig.record import Step
 from smarig.replay import load_model
 from smarig.report.measured_diagnosis_page import measured_diagnosis_page
 
-long = pytest.mark.skipif(not os.environ.get("SMARIG_LONG"), reason="takes a minute: SMARIG_LONG=1")
+long = pytest.mark.long("takes a minute")
 
 
 def any_model():

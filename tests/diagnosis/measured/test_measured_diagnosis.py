@@ -1,6 +1,5 @@
 """Effects hidden in runs with a measured input are found; nothing is named where the catalogue has no cause."""
 
-import os
 from dataclasses import replace
 from functools import cache
 
@@ -13,7 +12,7 @@ from smarig.diagnosis import MeasuredDiagnosis, diagnose
 from smarig.identification import identify, verify
 from smarig.replay import load_model
 
-long = pytest.mark.skipif(not os.environ.get("SMARIG_LONG"), reason="takes ten seconds: SMARIG_LONG=1")
+long = pytest.mark.long("takes ten seconds")
 PEAKS = (85.0, 62.0, 80.0, 57.0, 85.0, 66.0)
 T = triangles(PEAKS)
 

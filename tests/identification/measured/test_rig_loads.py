@@ -1,6 +1,5 @@
 """One model of several loads from settled points of a rig: exact for a wire with this law, honest for another one."""
 
-import os
 from dataclasses import replace
 from functools import cache
 
@@ -19,7 +18,7 @@ C, REFERENCE_MPA, PER_MPA, PER_K = 8.0, 280.0, -0.02, -0.01
 LEVELS = np.arange(0.0, 100.0, 12.0)  # of v: one step is 96 MPa
 SECTION_MM2 = np.pi / 4 * 0.3**2
 LOADS = (280.0, 376.0, 472.0)
-long = pytest.mark.skipif(not os.environ.get("SMARIG_LONG"), reason="takes two minutes: SMARIG_LONG=1")
+long = pytest.mark.long("takes two minutes")
 
 
 def relays(seed):

@@ -1,7 +1,6 @@
 """Self-sensing identified from runs of the twin: its constants are recovered, held-out runs are within the interval."""
 
 import json
-import os
 from dataclasses import replace
 
 import numpy as np
@@ -20,7 +19,7 @@ from smarig.rig import TwinSettings
 from smarig.runner import Session, run
 
 LEVELS = (0.0, 40.0, 90.0, 130.0, 170.0)
-long = pytest.mark.skipif(not os.environ.get("SMARIG_LONG"), reason="campaign of an hour: SMARIG_LONG=1")
+long = pytest.mark.long("campaign of an hour")
 
 
 @pytest.fixture(scope="module")

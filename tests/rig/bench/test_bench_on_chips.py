@@ -4,7 +4,6 @@ Part of .ci/long, for a machine that keeps real time. The same firmware in lock-
 """
 
 import contextlib
-import os
 import threading
 import time
 
@@ -19,7 +18,7 @@ from smarig.plant.actuator import Actuator
 from smarig.rig.open_rig import open_rig
 from smarig.rig.specimen import Specimen, TwinSettings
 
-pytestmark = pytest.mark.skipif(not os.environ.get("SMARIG_LONG"), reason="real time on chips: SMARIG_LONG=1")
+pytestmark = pytest.mark.long("real time on chips")
 LEVELS_A = (0.75, 0.5)
 HOLD, WINDOW = 350, 100  # ticks: six time constants and more, and what is averaged
 

@@ -3,7 +3,6 @@
 Two wires on each link, and two thermomechanical ones, only with ``SMARIG_LONG=1``.
 """
 
-import os
 from functools import cache
 from pathlib import Path
 
@@ -19,9 +18,7 @@ COLUMNS = (
     *("tick", "step", "current_command_A", "current_A", "voltage_V", "counts", "position"),
     *("ambient_degC", "quality", "input"),
 )
-where_there_is_time = pytest.mark.skipif(
-    not os.environ.get("SMARIG_LONG"), reason="takes five seconds: SMARIG_LONG=1"
-)
+where_there_is_time = pytest.mark.long("takes five seconds")
 LINKS = ("serial", "modbus_tcp", "modbus_rtu")
 RIGS = [
     *(("one", link) for link in LINKS),

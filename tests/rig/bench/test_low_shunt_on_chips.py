@@ -3,8 +3,6 @@
 Part of .ci/long, for a machine that keeps real time.
 """
 
-import os
-
 import pytest
 
 from rig.bench.wired_chips import Chips
@@ -14,7 +12,7 @@ from smarig.plant import Actuator
 from smarig.rig import Specimen, TwinSettings
 from smarig.runner import Session
 
-pytestmark = pytest.mark.skipif(not os.environ.get("SMARIG_LONG"), reason="real time on chips: SMARIG_LONG=1")
+pytestmark = pytest.mark.long("real time on chips")
 
 
 class LowShuntChips(Chips):

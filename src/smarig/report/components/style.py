@@ -199,8 +199,9 @@ footer p{color:var(--grey);font-size:13px;border-top:1px solid var(--line);margi
  section:has(>details:not([open])),#glossary:has(>details:not([open])){display:none}tr,.card,.notice{break-inside:avoid}
  main:has(section>details:not([open]))::after{content:"Folded sections are not printed. Open them on the page first.";
  display:block;font-size:8pt;color:var(--grey)}
-.twinbar,.notice,.card,.twin,.severity{-webkit-print-color-adjust:exact;print-color-adjust:exact}
- body{font-size:10pt;line-height:1.42}section.first>p:last-child{font-size:8pt}h1{font-size:16pt}.lead{font-size:10pt;max-width:none}
+ .twinbar,.notice,.card,.twin,.severity{-webkit-print-color-adjust:exact;print-color-adjust:exact}
+ body{font-size:10pt;line-height:1.42}section.first>p:last-child{font-size:8pt}
+ h1{font-size:16pt}.lead{font-size:10pt;max-width:none}
  .sticky{position:static}.twinbar{font-size:8.5pt}
  a.term{border:0;text-decoration:none;color:inherit}nav,.choices,.search,.tools,footer{display:none}
  main,header.top{padding:0;max-width:none}section{margin:20px 0}

@@ -182,15 +182,14 @@ def _named_advice(e: Evidence, d: Diagnosis, rms: float | None) -> str:
 
 
 def _share_of_stroke(e: Evidence, error: float) -> str:
-    """A ratio to the noise alone makes an accurate rig look poor."""
+    """The error as a share of the stroke: the ratio to the noise alone makes an accurate rig look poor."""
     travel = settled_travel(e.runs.values())
     return f", {100 * error / travel:.2g} % of the stroke" if travel else ""
 
 
 def _remedies(effects: Iterable[Effect]) -> str:
     """What can be done against each effect: a sentence for each that has a remedy."""
-    known = [effect.kind for effect in effects if effect.kind.remedy]
-    return "".join(f" Against {kind.name}: {kind.remedy}." for kind in known)
+    return "".join(f" {text}" for effect in effects if (text := effect.kind.remedy_text))
 
 
 def _advice(e: Evidence, verdict: ErrorVerdict | None, cause: _Cause) -> str:

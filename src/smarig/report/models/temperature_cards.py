@@ -33,7 +33,7 @@ def temperature_cards(runs: Iterable[Run]) -> tuple[Html, str]:
         unit = display_unit(estimate.unit)
         shown.append((figure_name(name), f"{number(estimate.value, 3)} {unit}", f"95 %: {low} to {high}"))
     name = run.path.name.removesuffix(".run.sqlite")
-    assembled = " (heating assembled from its curves)" if all(c.assembled for c in best.cycles) else ""
+    assembled = f" ({' and '.join(best.assembled)} assembled from its curves)" if best.assembled else ""
     return cards(shown), f" Temperatures by tangents to {name}{assembled}."
 
 
