@@ -1,14 +1,11 @@
 """The first sentences of a run, and the one-sheet summary: built from the figures, and one sheet on paper."""
 
-import re
-import subprocess
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
 import smarig
-from report.browser import chromium
 from report.pages import Page, run_of, step
 from smarig.identification import verify
 from smarig.record import Event, load_run
@@ -110,15 +107,3 @@ def test_the_summary_says_wire_load_and_date():
         "not recorded",
     ]
     assert Page(summary_page(made())).tables[0][1] == ["not recorded"] * 4
-
-
-@pytest.mark.parametrize("with_model", [False, True])
-def test_it_prints_on_one_sheet(wire, with_model, tmp_path):
-    run, model = wire
-    page, printed = tmp_path / "page.html", tmp_path / "page.pdf"
-    page.write_text(summary_page(run, model if with_model else None), encoding="utf-8")
-    command = [chromium(), "--headless", "--no-sandbox", f"--user-data-dir={tmp_path / 'profile'}"]
-    subprocess.run(
-        [*command, f"--print-to-pdf={printed}", page.as_uri()], check=True, capture_output=True, timeout=120
-    )
-    assert len(re.findall(rb"/Type\s*/Page[^s]", printed.read_bytes())) == 1

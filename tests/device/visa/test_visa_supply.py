@@ -182,10 +182,18 @@ def test_a_meter_scales_and_knows_its_range():
     settings = {"query": "MEAS:POS?", "unit": "mm", "scale": 2.5, "offset": 1.0, "low": 0.0, "high": 10.0}
     meter = visa_meter(link(server, **settings), RIG)
     assert (meter.position(), meter.unit) == (6.0, "mm")
-    server.value = lambda: 1e30
-    assert math.isnan(meter.position()), "an overload is no reading"
     server.value = lambda: 4.0
     assert math.isnan(meter.position()), "out of range is no reading"
+    meter.close()
+    server.close()
+
+
+def test_an_overload_is_no_reading():
+    server = SimulatedMeter("READ?", lambda: 1e20)
+    meter = visa_meter(link(server, unit="mm"), RIG)
+    assert math.isnan(meter.position())
+    server.value = lambda: 3.0
+    assert meter.position() == 3.0
     meter.close()
     server.close()
 
