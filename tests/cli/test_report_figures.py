@@ -50,7 +50,7 @@ def test_a_sheet_is_of_a_run_or_a_characterisation(folder, capsys):
 def test_each_panel_is_named_after_what_it_shows(tmp_path):
     panels = [
         Panel([], {"xaxis": {"title": {"text": "Time (h)"}}, "yaxis": {"title": {"text": y}}})
-        for y in ("Displacement (mm)", "Model − measured (mm)")
+        for y in ("Displacement (mm)", "Measured − model (mm)")
     ]
     figure = Figure(
         panels, "Measured loops and the model, which is a title of more than sixty letters.", [], ""
@@ -58,7 +58,7 @@ def test_each_panel_is_named_after_what_it_shows(tmp_path):
     with figures_saved_in(tmp_path) as files:
         figure.html()
     stem = "01-measured-loops-and-the-model-which-is-a-title-of-more-than"
-    assert {f.stem for f in files} == {f"{stem}--displacement", f"{stem}--model-measured"}
+    assert {f.stem for f in files} == {f"{stem}--displacement", f"{stem}--measured-model"}
     same = Figure([panels[0], panels[0]], "Twice.", [], "")
     with figures_saved_in(tmp_path) as files:
         same.html()

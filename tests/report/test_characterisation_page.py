@@ -219,13 +219,13 @@ def test_the_density_map_is_white_at_zero_and_marks_the_minimum(evidence, page):
         assert outlined == (name != "table" and not d.M_P)
 
 
-def test_the_residuals_drawn_are_model_minus_measured(evidence, page):
+def test_the_residuals_drawn_are_measured_minus_model(evidence, page):
     verification = evidence.verifications[evidence.chosen].runs[0]
-    drawn = [t for t in page.traces("model − measured") if unpacked(t["y"]).size == verification.input.size]
-    drawn = [t for t in drawn if t["name"] == "model − measured"]
+    drawn = [t for t in page.traces("measured − model") if unpacked(t["y"]).size == verification.input.size]
+    drawn = [t for t in drawn if t["name"] == "measured − model"]
     assert len(drawn) == 2
     for trace in drawn:
-        np.testing.assert_allclose(unpacked(trace["y"]), verification.predicted - verification.measured)
+        np.testing.assert_allclose(unpacked(trace["y"]), verification.measured - verification.predicted)
     np.testing.assert_allclose(unpacked(drawn[1]["x"]), verification.input)
 
 
@@ -335,6 +335,8 @@ def test_the_first_figure_shows_what_the_extended_model_leaves(evidence):
         diagnosis = SimpleNamespace(extended=extended, gain=gain)
         figure = loop_figure(replace(evidence, diagnosis=diagnosis), run)
         assert ("extended model of the diagnosis, rms 0.5 mm" in " ".join(figure.caption)) == told
+        over = str(figure.panels[1].layout["xaxis"]["title"]["text"])
+        assert over.startswith("Time since" if told else "Wire temperature"), "what a cause does goes with time"
 
 
 def test_runs_of_another_campaign_are_named(evidence, tmp_path):

@@ -251,7 +251,7 @@ def test_the_page_of_models_opens_with_the_verdict_on_each(wire):
         (one,) = smarig.verify(models[name], [wire["v"]]).runs
         sentence = f"{name} on v: {number(one.settled.rms)} mm rms, {one.verdict.text}."
         assert sentence in both
-        assert both.index(sentence) < both.index("Errors (model")
+        assert both.index(sentence) < both.index("Errors (measured")
         alone = Page(models_page({name: models[name]}, {"v": wire["v"]})).visible
         assert sentence in alone
         assert f"Model {name}" in alone

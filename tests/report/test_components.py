@@ -129,6 +129,23 @@ def test_a_decimated_trace_keeps_every_peak_and_stays_short():
     assert loop.size <= 500
 
 
+def test_a_thinned_path_has_the_shape_of_the_whole():
+    """No chord: between the points that are kept, none of the others is far from the line that is drawn."""
+    angle = np.linspace(0, 40 * np.pi, 6001)  # twenty loops with corners
+    u, y = 150 + 100 * np.cos(angle), np.tanh(4 * np.sin(angle - 0.3))
+    kept = path(u, y, 700)
+    assert kept.size <= 700
+    row = np.arange(u.size)
+    drawn_u, drawn_y = np.interp(row, kept, u[kept]), np.interp(row, kept, y[kept])
+    finer = np.linspace(0, u.size - 1, 40 * u.size)
+    drawn = np.column_stack([np.interp(finer, row, drawn_u) / 200, np.interp(finer, row, drawn_y) / 2])
+    for k in range(0, u.size, 7):
+        near = slice(40 * max(k - 40, 0), 40 * (k + 40))
+        assert np.hypot(*(drawn[near] - (u[k] / 200, y[k] / 2)).T).min() < 0.006
+    gap = np.where((row > 2000) & (row < 4000), np.nan, y)
+    assert np.isnan(gap[path(u, gap, 700)]).any()
+
+
 @pytest.mark.parametrize("n", [41, 999, 1000, 4321])
 def test_decimation_keeps_the_first_extreme_of_each_segment(n: int):
     rng = np.random.default_rng(n)

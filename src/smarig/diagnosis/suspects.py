@@ -1,7 +1,7 @@
 """Suspects: what the import of runs found, with the effect that would leave such a trace."""
 
 from collections.abc import Collection, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from smarig.exchange import finding_kind
 from smarig.record import Run
@@ -30,6 +30,20 @@ class Suspect:
         hidden = ", which these data cannot show" if self.effect in not_testable else ""
         effect = f" It would match {self.effect}{hidden}." if self.effect else ""
         return f"The import of {self.run} found: {self.finding}{effect}"
+
+
+def suspect_lines(
+    found: Sequence[Suspect], not_testable: Collection[str] = (), named: Collection[str] = ()
+) -> list[str]:
+    """One line for each finding that no ``named`` effect explains, with all runs in which it was found."""
+    lines: dict[str, list[Suspect]] = {}
+    for suspect in found:
+        if suspect.effect not in named:
+            lines.setdefault(suspect.finding, []).append(suspect)
+    return [
+        replace(same[0], run=" and ".join(dict.fromkeys(s.run for s in same))).text(not_testable)
+        for same in lines.values()
+    ]
 
 
 def suspects(runs: Sequence[Run]) -> list[Suspect]:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from smarig.core import spaced
 from smarig.exchange.channel_faults import quantum
-from smarig.measurement import dropouts
+from smarig.measurement import dropouts, first_branch_differs
 from smarig.preisach import turning_points
 
 Array = NDArray[np.float64]
@@ -73,7 +73,15 @@ def loop_findings(loop: LoopRecord, *, designed: bool = False) -> list[str]:
     if lost.any():
         kept = known.where(~lost)
         return [_dropout_finding(known, lost), *loop_findings(kept)]
-    found = _jumps(known) + _false_reversals(known, turns) + _not_closed(known, turns)
+    found = _jumps(known) + _false_reversals(known, turns)
+    if first_branch_differs(known.u, known.y, turns):
+        found.append(
+            "The first branch differs from all later ones that start at the same end of the input: the specimen began "
+            "in another state. Fits start after it."
+        )
+        found += _not_closed(known, turns[1:])
+    else:
+        found += _not_closed(known, turns)
     # The output follows a current with the lag of the heating, so its loops in time do not show the hysteresis.
     direction = _wrong_direction(known, turns) if known.input_unit != "A" else []
     return found + direction + _centre(known)
@@ -137,7 +145,12 @@ def _not_closed(loop: LoopRecord, turns: list[int]) -> list[str]:
         "At the low end of the input": [k for k in turns if loop.u[k] <= low + near],
         "At the high end of the input": [k for k in turns if loop.u[k] >= high - near],
     }
-    if len(turns) > 2 and abs(loop.u[-1] - loop.u[0]) <= near and not any(0 in v for v in ends.values()):
+    if (
+        len(turns) > 2
+        and turns[0] == 0
+        and abs(loop.u[-1] - loop.u[0]) <= near
+        and not any(0 in v for v in ends.values())
+    ):
         ends["From first to last row, at the same input,"] = [turns[0], turns[-1]]
     limit = max(_OPEN * float(np.ptp(loop.y)), 2 * (quantum(loop.y) or 0.0))
     out = []

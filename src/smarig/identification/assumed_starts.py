@@ -62,11 +62,16 @@ def assumed_starts_text(found: Sequence[AssumedStart], unit: str) -> list[str]:
 
 def _assumed(model: Model, run: Run) -> StartingState | None:
     """The state that is assumed for a run on its own, None if none is."""
-    u, h = run.points()[0], model.hysteresis
+    (u, y), h = run.points(), model.hysteresis
     if run.info.protocol == FORC_PROTOCOL or not u.size or not may_assume_start(run):
         return None
     start = starting_state(
-        run.info.initial, u, (h.lower, h.upper), first_input=float(run["input"][0]), turns=reversals(u)
+        run.info.initial,
+        u,
+        (h.lower, h.upper),
+        first_input=float(run["input"][0]),
+        turns=reversals(u),
+        outputs=y,
     )
     return start if start.assumed else None
 

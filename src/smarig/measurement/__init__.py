@@ -42,6 +42,7 @@ if TYPE_CHECKING:
     from smarig.measurement.starting_state import STARTS as STARTS
     from smarig.measurement.starting_state import Start as Start
     from smarig.measurement.starting_state import StartingState as StartingState
+    from smarig.measurement.starting_state import first_branch_differs as first_branch_differs
     from smarig.measurement.starting_state import has_measured_input as has_measured_input
     from smarig.measurement.starting_state import may_assume_start as may_assume_start
     from smarig.measurement.starting_state import starting_state as starting_state

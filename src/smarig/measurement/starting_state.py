@@ -5,6 +5,7 @@ Identification, verification and diagnosis use it, so they start a record in one
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Literal
 
 import numpy as np
@@ -18,18 +19,26 @@ Start = Literal["negative", "positive", "anhysteretic"]
 STARTS: tuple[Start, ...] = ("negative", "positive", "anhysteretic")
 SATURATION_TOLERANCE = 1e-3  # of the range: an input this close to saturation counts as saturated
 START_SHARE = 0.1  # of the range: a start this close to an end of it is assumed to be saturated there
+LEVELS = np.linspace(0.1, 0.9, 9)  # of a branch, at which two are compared
+OTHER_STATE = (
+    0.1  # of the output's range: a first branch that differs by less from the later ones is one of them
+)
+FEWEST_LATER = 3  # branches: of fewer, a drift tells the first apart as well
+TIMES_SPREAD = 3.0  # times their own differences: the same
 
 
 @dataclass(frozen=True)
 class StartingState:
     """``state`` at the start of a record (None: unknown) and ``first``, its first row with a known memory.
 
-    ``assumed``: neither recorded nor evident from the first input.
+    ``assumed``: neither recorded nor evident from the first input. ``contradicted``: the first branch is none of those
+    that start in this state later, so the memory is known from its end on.
     """
 
     state: Start | None
     first: int = 0
     assumed: bool = False
+    contradicted: bool = False
 
 
 def starting_state(
@@ -40,31 +49,69 @@ def starting_state(
     first_input: float | None = None,
     turns: Sequence[int] | None = None,
     may_assume: bool = True,
+    outputs: Array | None = None,
 ) -> StartingState:
     """The state at the start of inputs (n,) of an operator with saturation at ``ends`` = (u₋, u₊).
 
     ``initial`` is the recorded state. ``first_input``: the first input of the record, if that is not ``u[0]``. A record
-    that starts within a tenth of the range from an end is assumed to start in saturation there. One half way is
-    assumed to come from the saturation behind it, and is known from its first reversal (``turns``) on.
+    that starts within a tenth of the range from an end is assumed to start in saturation there, unless its ``outputs``
+    (n,) contradict that. One half way is assumed to come from the saturation behind it. Where the state is not that of
+    a saturation, the memory is known from the first reversal (``turns``) on.
 
-    >>> starting_state(None, np.array([0.0, 9.0, 1.0]), (0.0, 10.0))
-    StartingState(state='negative', first=0, assumed=False)
-    >>> starting_state(None, np.array([5.0, 9.0, 1.0]), (0.0, 10.0))
-    StartingState(state='negative', first=1, assumed=True)
+    >>> starting_state(None, np.array([0.0, 9.0, 1.0]), (0.0, 10.0)).state
+    'negative'
+    >>> starting_state(None, np.array([5.0, 9.0, 1.0]), (0.0, 10.0)).first
+    1
     """
     for name in STARTS:
         if initial == name:
             return StartingState(name)
     begin = float(u[0]) if first_input is None and u.size else first_input
     evident = _saturation(begin, ends, SATURATION_TOLERANCE)
-    if evident or not may_assume or not u.size:
+    if not may_assume or not u.size:
         return StartingState(evident)
-    near = _saturation(float(u[0]), ends, START_SHARE)
-    if near:
-        return StartingState(near, assumed=True)
     turns = reversals(u) if turns is None else turns
+    near = evident or _saturation(float(u[0]), ends, START_SHARE)
+    if near and outputs is not None and first_branch_differs(u, outputs, turns):
+        return StartingState(near, turns[1], assumed=True, contradicted=True)
+    if near:
+        return StartingState(near, assumed=not evident)
     behind: Start = "negative" if u[turns[1]] > u[0] else "positive"
     return StartingState(behind, turns[1] if len(turns) > 2 else 0, assumed=True)
+
+
+def first_branch_differs(u: Array, y: Array, turns: Sequence[int]) -> bool:
+    """Whether the first branch of inputs and outputs (n,) is none of those that start at the same end later: the
+    specimen began in another state. False if these are too few.
+
+    >>> u, first = np.array([0.0, 9, 0, 9, 0, 9, 0, 9]), np.array([5.0, 9, 0, 9, 0, 9, 0, 9])
+    >>> first_branch_differs(u, first, range(8)), first_branch_differs(u, u, range(8))
+    (True, False)
+    """
+    if len(turns) < 2:
+        return False
+    near = START_SHARE * float(np.ptp(u))
+    begin, end = float(u[turns[0]]), float(u[turns[1]])
+    later = [
+        (a, b)
+        for a, b in pairwise(turns[1:])
+        if abs(u[a] - begin) <= near and (u[b] - u[a]) * (end - begin) > 0
+    ]
+    later = [(a, b) for a, b in later if abs(u[b] - end) <= near]
+    if len(later) < FEWEST_LATER:
+        return False
+    at = begin + LEVELS * (end - begin)
+    branches = np.array([_along(u, y, a, b, at) for a, b in later])
+    usual = np.median(branches, axis=0)
+    spread = float(np.max(np.sqrt(np.mean((branches - usual) ** 2, axis=1))))
+    apart = float(np.sqrt(np.mean((_along(u, y, turns[0], turns[1], at) - usual) ** 2)))
+    return apart > max(OTHER_STATE * float(np.ptp(y)), TIMES_SPREAD * spread)
+
+
+def _along(u: Array, y: Array, a: int, b: int, at: Array) -> Array:
+    """Outputs of the branch from row a to b at inputs."""
+    order = a + np.argsort(u[a : b + 1], kind="stable")
+    return np.interp(at, u[order], y[order])
 
 
 def _saturation(u: float | None, ends: tuple[float, float], share: float) -> Start | None:

@@ -139,7 +139,7 @@ def _outputs(
     applied = learned_input(record, change.input, part.learned)
     turns = reversals(applied, change.noise)
     u, h = monotone_branches(applied, turns), model.hysteresis
-    seen = starting_state(record.initial, u, _saturation(h), turns=turns)
+    seen = starting_state(record.initial, u, _saturation(h), turns=turns, outputs=record.y)
     known = seen.first
     measures = part.measures or (h,)
     starts: Sequence[Initial] = [seen.state or "negative" for _ in measures]

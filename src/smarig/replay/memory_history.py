@@ -82,6 +82,7 @@ def memory_histories(
                 (lower, upper),
                 first_input=sign * float(run["input"][0]) if len(run) else None,
                 may_assume=may_assume_start(run),
+                outputs=y,
             )
             start, first_known = seen.state, seen.first
         u = inputs[at : at + y.size]

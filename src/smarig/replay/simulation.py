@@ -126,12 +126,14 @@ def check_input(model: Model, run: Run) -> None:
 
 def _start(h: Everett, run: Run) -> StartingState:
     """The state at the start of a run that continues no other."""
+    inputs, outputs = run.points()
     return starting_state(
         run.info.initial,
-        run.points()[0],
+        inputs,
         (h.lower, h.upper),
         first_input=float(run["input"][0]) if len(run) else None,
         may_assume=may_assume_start(run),
+        outputs=outputs,
     )
 
 

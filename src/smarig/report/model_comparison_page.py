@@ -91,7 +91,7 @@ def _errors(verifications: _Verifications, unit: str) -> Html:
     return table(
         (*header, "rms / noise", f"zero ({unit})"),
         rows,
-        "Errors (model − measured) at settled points. nrmse: rms as a share of the measured travel. "
+        "Errors (measured − model) at settled points. nrmse: rms as a share of the measured travel. "
         "rms / noise near 1: the error is noise.",
     )
 
@@ -177,7 +177,7 @@ def _origin(k: int, name: str, model: Model) -> Sequence[object]:
 def residuals_figure(
     name: str, run: Run, models: Mapping[str, Model], verifications: Mapping[str, RunVerification]
 ) -> Figure:
-    """The measured loop with those of the models; model − measured against the input, and in order."""
+    """The measured loop with those of the models; measured − model against the input, and in order."""
     one = next(iter(verifications.values()))
     order = np.arange(one.input.size, dtype=float) + 1
     thin = slice(None, None, -(-order.size // _MOST_MARKS))
@@ -198,7 +198,7 @@ def residuals_figure(
         ],
         f"Run {name} and the predictions of the models.",
         [
-            f"Second and third panel: model − measured. {sizes}.",
+            f"Second and third panel: measured − model. {sizes}.",
             f"Band: ± 2 σ of the noise floor, σ = {number(floor)}{spaced(unit)}."
             if floor
             else "The noise floor is unknown.",
@@ -254,9 +254,9 @@ def _residual_panel(
     data: list[Trace] = [noise_band(low, high, 2 * floor, "± 2 σ of the noise floor")] if floor else []
     data.append(line([low, high], [0, 0], "zero", GREY, width=1, showlegend=False))
     for k, (model, each) in enumerate(verifications.items()):
-        error = np.where(each.counted, each.predicted - each.measured, np.nan)
+        error = np.where(each.counted, each.measured - each.predicted, np.nan)
         data.append(dots(x, error, model, COMPARED[k], symbol=SYMBOLS[k], size=6))
-    return Panel(data, {"xaxis": axis(title), "yaxis": axis(f"Model − measured ({unit})")}, 360)
+    return Panel(data, {"xaxis": axis(title), "yaxis": axis(f"Measured − model ({unit})")}, 360)
 
 
 def densities_figure(models: Mapping[str, Model]) -> Figure:

@@ -162,12 +162,12 @@ def _verification_drawn(thing: Verification, model: Model | None = None) -> _Dra
     if floor and known.size:
         data.append(noise_band(float(known.min()), float(known.max()), 2 * floor, "± 2 σ of the noise floor"))
     for k, run in enumerate(thing.runs):
-        error = np.where(run.counted, run.predicted - run.measured, np.nan)
+        error = np.where(run.counted, run.measured - run.predicted, np.nan)
         style = {"symbol": SYMBOLS[k % len(SYMBOLS)], "size": 6}
         data.append(dots(run.input, error, Path(run.run).name, COMPARED[k % len(COMPARED)], **style))
     layout = {
         "xaxis": axis("Input"),
-        "yaxis": axis(_titled("model − measured", thing.unit)),
+        "yaxis": axis(_titled("measured − model", thing.unit)),
         "showlegend": True,
     }
     return _Drawn(Panel(data, layout), f"Errors of {thing.model}", "")

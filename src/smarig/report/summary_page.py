@@ -68,7 +68,7 @@ def _figure(run: Run, model: Model | None, verified: RunVerification | None) -> 
     plain = Panel(loops.data, loops.layout, loops.height)
     unit, floor = spaced(display_unit(run.unit)), verified.noise_floor
     band = f" Band: ± 2 σ of the noise floor, σ = {number(floor, 2)}{unit}." if floor else ""
-    words = f"Second panel: model − measured, n = {verified.settled.n} settled points.{band}"
+    words = f"Second panel: measured − model, n = {verified.settled.n} settled points.{band}"
     return Figure([plain, errors], "Measured and predicted loop, and the error.", [words], whole.label, 460)
 
 

@@ -3,9 +3,10 @@
 import re
 from collections.abc import Sequence
 
-from smarig.core import spaced
+from smarig.core import capitalised, spaced
 from smarig.diagnosis import Diagnosis, MeasuredDiagnosis, variable_words
 from smarig.identification import BETTER, LITTLE_UNPREDICTED, ErrorLevel, ratio_text
+from smarig.plant import parameter_words
 from smarig.report import display_unit, number
 from smarig.study.held_out_parts import BranchError
 
@@ -121,20 +122,21 @@ def _learned_instead(d: Diagnosis | MeasuredDiagnosis) -> str:
 
 
 def _effects(d: MeasuredDiagnosis) -> list[str]:
-    """Each effect found: its name, its strength with an interval, and what it is."""
+    """Each effect found: its name, what it is, and its strength with an interval."""
     summaries = {e.kind.name: e.kind.summary for e in d.best.effects} if d.best else {}
     found = []
     for effect in d.effects():
         name = effect["name"]
-        strengths = [_strength(p) for k, p in effect["parameters"].items() if k != "reference"]
-        found.append(
-            f"The diagnosis finds {': '.join([name, ', '.join(strengths)])}. {summaries.get(name, '')}".strip()
-        )
+        strengths = [_strength(k, p) for k, p in effect["parameters"].items() if k != "reference"]
+        size = f" {capitalised(', '.join(strengths))}." if strengths else ""
+        found.append(f"What explains the errors: {name}. {summaries.get(name, '')}{size}")
     return found
 
 
-def _strength(parameter: dict) -> str:
+def _strength(name: str, parameter: dict) -> str:
     unit = display_unit(parameter["unit"] or "")
     ends: Sequence[float | None] = parameter["ci95"] or (None, None)
     between = f" ({number(ends[0])} to {number(ends[1])})" if None not in ends else ""
-    return f"{measure(parameter['value'], unit)}{between}"
+    stored = parameter["unit"] or ""
+    called = "" if stored.replace("/", "_per_") == name else f"{parameter_words(name, stored)} "
+    return f"{called}{measure(parameter['value'], '' if stored == '1' else unit)}{between}"

@@ -1,15 +1,18 @@
 """The search for effects that explain the errors of a model of records with a measured input.
 
 Effects are added one by one while each passes the gates: the error on held-out blocks falls by more than chance and by
-at least a tenth, that of the fit falls too, and no value lies at a bound or has an interval that contains no effect.
+at least a tenth, or most of it at the ends of the input; that of the fit falls too, and no value lies at a bound or has
+an interval that contains no effect.
 """
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from smarig.diagnosis.measured.adequacy import adequate_error
+from smarig.diagnosis.measured.loop_ends import closes_loops, end_squares
 from smarig.diagnosis.measured.variables import variable_terms
 from smarig.identification import Comparison, MeasuredHypothesis
 from smarig.measurement import InputRecord, MeasurementEffectType
@@ -109,11 +112,12 @@ def failure(tried: MeasuredHypothesis, start: MeasuredHypothesis) -> str:
     if any(low <= 0 <= high for low, high in tried.intervals.values()):
         return "its interval contains no effect"
     least = MIN_FURTHER_GAIN if start.effects else MIN_GAIN
-    if tried.rms > (1 - least) * start.rms:
+    closes = closes_loops(tried, start)
+    if tried.rms > (1 - least) * start.rms and not closes:
         return "it does not predict held-out blocks better"
     if tried.fitted_rms > start.fitted_rms:
         return "it fits the records worse"
-    if chance_of(tried, start) > CHANCE:
+    if (_end_chance(tried, start) if closes else chance_of(tried, start)) > CHANCE:
         return "its gain on held-out blocks may be chance"
     return ""
 
@@ -122,7 +126,14 @@ def chance_of(tried: MeasuredHypothesis, start: MeasuredHypothesis, least: float
     """Share of resampled sets of held-out blocks on which a hypothesis does not have a smaller error than another, by
     the share ``least`` of it.
     """
-    a, b = tried.block_squares(), start.block_squares()
-    rng = np.random.default_rng(0)
-    drawn = rng.integers(0, a.size, (DRAWS, a.size))
+    return _chance(tried.block_squares(), start.block_squares(), least)
+
+
+def _end_chance(tried: MeasuredHypothesis, start: MeasuredHypothesis) -> float:
+    """The same, of the errors at the ends of the input."""
+    return _chance(end_squares(tried), end_squares(start))
+
+
+def _chance(a: NDArray[np.float64], b: NDArray[np.float64], least: float = 0.0) -> float:
+    drawn = np.random.default_rng(0).integers(0, a.size, (DRAWS, a.size))
     return float(np.mean(a[drawn].sum(axis=1) >= (1 - least) ** 2 * b[drawn].sum(axis=1)))

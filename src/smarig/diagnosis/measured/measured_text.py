@@ -14,7 +14,7 @@ from smarig.diagnosis.diagnosis_text import (
     parameter_text,
 )
 from smarig.diagnosis.looks_like import looks_like
-from smarig.diagnosis.suspects import suspects
+from smarig.diagnosis.suspects import suspect_lines, suspects
 from smarig.identification import assumed_starts, assumed_starts_text
 
 if TYPE_CHECKING:
@@ -47,7 +47,7 @@ def measured_lines(d: "MeasuredDiagnosis") -> Iterator[str]:
     lost = sum(r.dropouts for r in d.records)
     if lost:
         yield f"{lost} rows in which the input reads exactly 0 are drop-outs of the instrument and were left out."
-    yield from (s.text(d.not_testable) for s in suspects(d.runs))
+    yield from suspect_lines(suspects(d.runs), d.not_testable, d.verdict.names)
     if d.not_testable:
         yield f"Effects that these data cannot show: {', '.join(d.not_testable)}."
 
@@ -136,7 +136,13 @@ def _limits(d: "MeasuredDiagnosis") -> Iterator[str]:
         cure = "State how the runs start, then identify" if sentences else "Identify"
         yield f"The given model is far from these data, with or without effects. {cure} it again from them."
     yield from sentences
-    assumed = [r.name for r, start in zip(d.records, d.comparison.plan.starts) if start.assumed]
+    starts = list(zip((r.name for r in d.records), d.comparison.plan.starts))
+    for name in dict.fromkeys(name for name, start in starts if start.contradicted):
+        yield (
+            f"The first branch of {name} differs from all later ones that start at the same end of the input: the "
+            "specimen began in another state. The branch was left out."
+        )
+    assumed = dict.fromkeys(name for name, start in starts if start.assumed and not start.contradicted)
     if assumed and not sentences:
         yield (
             f"The state at the start of {', '.join(assumed)} is not recorded and was assumed from the first input. "

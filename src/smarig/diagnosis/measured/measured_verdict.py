@@ -7,6 +7,7 @@ import numpy as np
 
 from smarig.diagnosis.diagnosis_verdict import DiagnosisVerdict
 from smarig.diagnosis.measured.adequacy import is_adequate
+from smarig.diagnosis.measured.loop_ends import closes_loops, end_error
 from smarig.diagnosis.measured.measured_search import CHANCE, SearchStep, chance_of
 from smarig.identification import MeasuredHypothesis
 
@@ -40,7 +41,7 @@ def decide(steps: Sequence[SearchStep], *, worse_on_held_out: bool) -> MeasuredV
     if worse_on_held_out:
         reason = f"{last.name} fits the training runs but predicts the held-out runs worse"
         return MeasuredVerdict(_unknown(variable), first.start, reason)
-    variables = [h for h in first.variables if h.rms < _advantage(last, h) * last.rms]
+    variables = [h for h in first.variables if _explains_more(h, last, first.start)]
     if variable is not None and variables:
         reason = f"{variable.variable} explains more than {last.name}"
         return MeasuredVerdict(_unknown(variable), first.start, reason)
@@ -54,6 +55,15 @@ def decide(steps: Sequence[SearchStep], *, worse_on_held_out: bool) -> MeasuredV
         shares = tuple((n, 1 / len(equal)) for n in equal)
         return MeasuredVerdict(DiagnosisVerdict("ambiguous", shares), last)
     return MeasuredVerdict(DiagnosisVerdict("named", ((names, 1.0),)), last)
+
+
+def _explains_more(variable: MeasuredHypothesis, last: MeasuredHypothesis, start: MeasuredHypothesis) -> bool:
+    """Whether a plain variable explains more than effects; what closes loops, only a variable does that closes them
+    better.
+    """
+    if closes_loops(last, start) and end_error(variable) >= end_error(last):
+        return False
+    return variable.rms < _advantage(last, variable) * last.rms
 
 
 def _advantage(last: MeasuredHypothesis, variable: MeasuredHypothesis) -> float:

@@ -75,7 +75,7 @@ def reading_plan(records: Sequence[InputRecord], most: int = MOST_READINGS) -> R
     per_branch = max(most // max(branches, 1), FEWEST_PER_BRANCH)
     rows, starts = [], []
     for k, (record, ends) in enumerate(zip(records, turns)):
-        start = starting_state(record.initial, record.u, (low, high), turns=ends)
+        start = starting_state(record.initial, record.u, (low, high), turns=ends, outputs=record.y)
         if k and record.continues:
             start = StartingState(start.state)
         starts.append(start)

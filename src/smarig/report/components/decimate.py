@@ -1,9 +1,13 @@
-"""Thins traces for the screen without losing an extreme: each bucket keeps its minimum and maximum."""
+"""Thins traces for the screen: by the extremes of buckets, or to a path with nearly the same shape."""
+
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 
 POINTS = 1600  # a trace stays under 3000 points
+_CONSIDERED = 8  # times the points of a path: of more, only extremes are considered
+_UNSEEN = 5e-4  # of the ranges: a third of a pixel
 
 
 def envelope(values: NDArray[np.float64], points: int = POINTS) -> NDArray[np.intp]:
@@ -32,10 +36,15 @@ def _first_minima(values: NDArray[np.float64], edges: NDArray[np.intp]) -> NDArr
 
 
 def path(u: NDArray[np.float64], y: NDArray[np.float64], points: int = POINTS) -> NDArray[np.intp]:
-    """Indices that thin a curve (u, y): the envelopes of both coordinates, in order."""
+    """Indices (≤ points, increasing) that thin a curve (u, y) to one that a drawing hardly tells from it.
+
+    Very long curves are first thinned to the envelopes of both coordinates. Gaps (NaN) remain gaps.
+    """
     if u.size <= points:
         return np.arange(u.size)
-    return np.union1d(envelope(u, points // 2), envelope(y, points // 2))
+    most = _CONSIDERED * points
+    kept = np.arange(u.size) if u.size <= most else np.union1d(envelope(u, most // 2), envelope(y, most // 2))
+    return kept[simplified(u[kept], y[kept], _UNSEEN, points)]
 
 
 def simplified(
@@ -44,41 +53,58 @@ def simplified(
     """Indices (≤ most, increasing) of a path through the points that stays within ``tolerance`` of all others.
 
     The tolerance is a share of the ranges; it is raised until at most ``most`` points remain (Douglas & Peucker 1973).
+    Of a gap (NaN), one point remains.
 
     >>> simplified(np.array([0.0, 1.0, 2.0, 2.0]), np.array([0.0, 1.0, 2.0, 0.0]), 0.01, 9).tolist()
     [0, 2, 3]
     """
-    points = np.column_stack([u / (np.ptp(u) or 1.0), y / (np.ptp(y) or 1.0)]) if u.size else np.empty((0, 2))
-    kept = _within(points, tolerance)
-    while kept.size > most:
+    known = np.isfinite(u) & np.isfinite(y)
+    if not known.any():
+        return np.arange(min(u.size, 1))
+    points = np.column_stack([u / (np.ptp(u[known]) or 1.0), y / (np.ptp(y[known]) or 1.0)])
+    edges = [0, *(np.flatnonzero(np.diff(known)) + 1).tolist(), u.size]
+    parts = list(pairwise(edges))
+    while True:
+        kept = [a + (_within(points[a:b], tolerance) if known[a] else np.array([0])) for a, b in parts]
+        if sum(k.size for k in kept) <= max(most, 2 * len(parts)):
+            return np.concatenate(kept)
         tolerance *= 1.5
-        kept = _within(points, tolerance)
-    return kept
 
 
 def _within(points: NDArray[np.float64], tolerance: float) -> NDArray[np.intp]:
-    if len(points) <= 2:
-        return np.arange(len(points))
+    """Indices of the path; all segments of one depth are divided at once, each at its farthest point."""
     kept = np.zeros(len(points), dtype=bool)
     kept[[0, -1]] = True
-    open_ = [(0, len(points) - 1)]
-    while open_:
-        first, last = open_.pop()
-        if last - first < 2:
-            continue
-        distance = _distances(points[first + 1 : last], points[first], points[last])
-        k = int(np.argmax(distance))
-        if distance[k] > tolerance:
-            kept[first + 1 + k] = True
-            open_ += [(first, first + 1 + k), (first + 1 + k, last)]
-    return np.flatnonzero(kept)
+    starts, ends = np.array([0]), np.array([len(points) - 1])
+    while True:
+        starts, ends = (side[ends - starts > 1] for side in (starts, ends))
+        if not starts.size:
+            return np.flatnonzero(kept)
+        size = ends - starts - 1
+        first = np.concatenate([[0], np.cumsum(size)[:-1]])
+        inner = np.arange(int(size.sum())) - np.repeat(first - starts - 1, size)
+        distance = _distances(
+            points[inner], *(np.repeat(points[side], size, axis=0) for side in (starts, ends))
+        )
+        largest = np.maximum.reduceat(distance, first)
+        at = np.flatnonzero(distance == np.repeat(largest, size))
+        farthest = inner[at[np.searchsorted(at, first)]]
+        far = largest > tolerance
+        kept[farthest[far]] = True
+        starts, ends = (
+            np.concatenate([starts[far], farthest[far]]),
+            np.concatenate([farthest[far], ends[far]]),
+        )
+        order = np.argsort(starts)
+        starts, ends = starts[order], ends[order]
 
 
 def _distances(
     points: NDArray[np.float64], a: NDArray[np.float64], b: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    """Distances (n,) of points (n, 2) from the segment between a and b."""
+    """Distances (n,) of points (n, 2) from the segments between a and b (n, 2)."""
     along = b - a
-    length = float(along @ along)
-    share = np.clip((points - a) @ along / length, 0.0, 1.0) if length else np.zeros(len(points))
-    return np.linalg.norm(points - a - share[:, None] * along, axis=1)
+    square = np.sum(along**2, axis=1)
+    share = np.sum((points - a) * along, axis=1) / np.where(square > 0, square, 1.0)
+    share = np.where(square > 0, np.clip(share, 0.0, 1.0), 0.0)
+    return np.hypot(*(points - a - share[:, None] * along).T)

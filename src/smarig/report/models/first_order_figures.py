@@ -72,8 +72,8 @@ def curves_figure(found: Identification, run: Run) -> Figure:
         f"First-order {'ascending' if found.data.mirrored else 'descending'} curves and the {found.surface} model.",
         [
             f"Points: measured{f', bars ± 1 count ({size:.3g}{spaced(run.unit)})' if size else ''}; lines: the model; "
-            f"{_BANDS if any(bands) else ''}colour: the reversal input {turn}.{some} Second panel: model − "
-            f"measured at all {len(found.data)} points of {found.data.curves} curves, "
+            f"{_BANDS if any(bands) else ''}colour: the reversal input {turn}.{some} Second panel: measured − "
+            f"model at all {len(found.data)} points of {found.data.curves} curves, "
             f"rms {_curve_rms(found):.3g}{spaced(found.model.unit)}{_noise_text(found)}."
             f"{count_text(size, _residual_half_range(found), run.unit)}",
             run_caption(run),
@@ -130,9 +130,9 @@ def _residual_panel(found: Identification, run: Run) -> Panel:
     floor = found.model.noise_floor.value
     data = [noise_band(low, high, 2 * floor, "± 2 σ of the noise floor")] if floor else []
     data += count_lines(low, high, count_size(run), _residual_half_range(found))
-    data.append(dots(u, error, "model − measured", INK, size=6, marker=marker, showlegend=False))
+    data.append(dots(u, error, "measured − model", INK, size=6, marker=marker, showlegend=False))
     return Panel(
-        data, {"xaxis": axis(input_title(run)), "yaxis": axis(f"Model − measured ({run.unit})")}, 500
+        data, {"xaxis": axis(input_title(run)), "yaxis": axis(f"Measured − model ({run.unit})")}, 500
     )
 
 

@@ -112,9 +112,9 @@ def interval(found: Identification, curve: FirstOrderCurve, level: float = 0.9) 
 
 
 def residuals(found: Identification) -> tuple[Array, Array, Array]:
-    """Reversal input, input, and model − measured, (k,) each, at the points of the curves."""
+    """Reversal input, input, and measured − model, (k,) each, at the points of the curves."""
     d, s = found.data, sign(found)
-    return s * d.alpha, s * d.beta, s * (np.asarray(image(found).y(d.alpha, d.beta)) - d.y)
+    return s * d.alpha, s * d.beta, s * (d.y - np.asarray(image(found).y(d.alpha, d.beta)))
 
 
 def resimulated(

@@ -13,6 +13,7 @@ from smarig.report.components.run_description import count_size, input_title, ou
 from smarig.report.components.style import EXTENDED, GREY, INK, MEASURED, MODEL
 from smarig.report.models.evidence import Evidence
 from smarig.report.models.identification_plot_data import resimulated
+from smarig.report.models.validation_figure import point_times
 from smarig.report.runs.representation_figure import noise_band
 from smarig.report.runs.sample_path import sample_path
 
@@ -30,10 +31,10 @@ def loop_figure(e: Evidence, training: Run) -> Figure | None:
     if held_out is not None:
         verification, run = held_out
         extended = _extended_errors(e, verification)
-        panels.append(_error_panel(verification, run, e.chosen, extended))
+        panels.append(_error_panel(verification, run, e.chosen, extended, over_time=extended is not None))
         floor = verification.noise_floor
         band = f"; band: ± 2 σ, noise floor of that run {floor:.2g}{spaced(run.unit)}" if floor else ""
-        words += f" Second panel: model − measured on the held-out run, rms {verification.settled.rms:.3g}"
+        words += f" Second panel: measured − model on the held-out run, rms {verification.settled.rms:.3g}"
         words += f"{spaced(run.unit)}, n = {verification.settled.n}{band}."
         if extended is not None:
             rms = float(np.sqrt(np.mean(extended**2)))
@@ -69,28 +70,32 @@ def _held_out(e: Evidence) -> tuple[RunVerification, Run] | None:
 
 
 def _extended_errors(e: Evidence, found: RunVerification) -> NDArray[np.float64] | None:
-    """Model − measured of the extended model at the same points; None without one, or if it counts other points."""
+    """Measured − model of the extended model at the same points; None without one, or if it counts other points."""
     d, chosen = e.diagnosis, e.verifications[e.chosen]
     if d is None or not d.extended or d.gain is None or d.gain.settled is None or len(chosen.runs) != 1:
         return None
-    errors = -d.gain.extended_error[d.gain.settled]
+    errors = d.gain.extended_error[d.gain.settled]
     return errors if errors.size == np.count_nonzero(found.counted) else None
 
 
 def _error_panel(
-    found: RunVerification, run: Run, chosen: str, extended: NDArray[np.float64] | None
+    found: RunVerification, run: Run, chosen: str, extended: NDArray[np.float64] | None, *, over_time: bool
 ) -> Panel:
-    error = np.where(found.counted, found.predicted - found.measured, np.nan)
-    low, high = float(np.min(found.input)), float(np.max(found.input))
+    """Errors against the input; over time where a cause was found, since most change with time or cycles."""
+    error = np.where(found.counted, found.measured - found.predicted, np.nan)
+    x, title = found.input, input_title(run)
+    if over_time:
+        x, title = point_times(run, np.arange(x.size, dtype=float))
+    low, high = float(np.min(x)), float(np.max(x))
     data: list[Trace] = []
     if found.noise_floor:
         data.append(noise_band(low, high, 2 * found.noise_floor, "± 2 σ of the noise floor"))
     data.append(line([low, high], [0, 0], "zero", GREY, width=1, showlegend=False))
-    name = "model − measured, held out" if extended is None else f"{chosen} model, held out"
-    data.append(dots(found.input, error, name, INK, size=6))
+    name = "measured − model, held out" if extended is None else f"{chosen} model, held out"
+    data.append(dots(x, error, name, INK, size=6))
     if extended is not None:
-        data.append(dots(found.input[found.counted], extended, "extended model", EXTENDED, size=6))
-    layout = {"xaxis": axis(input_title(run)), "yaxis": axis(f"Model − measured ({run.unit})")}
+        data.append(dots(x[found.counted], extended, "extended model", EXTENDED, size=6))
+    layout = {"xaxis": axis(title), "yaxis": axis(f"Measured − model ({run.unit})")}
     return Panel(data, layout, 400)
 
 

@@ -14,7 +14,7 @@ from smarig.report.runs.representation_figure import noise_band
 def validation_figure(verification: RunVerification, run: Run, surface: str) -> Figure:
     """Measured and model in order of time; the error against time and against the input."""
     order = np.arange(verification.input.size, dtype=float)
-    t, t_title = _times(run, order)
+    t, t_title = point_times(run, order)
     colour = surface_colour(surface)
     data: list[Trace] = [
         line(t, verification.measured, "measured", INK, mode="lines+markers", width=1, dash="dot"),
@@ -29,7 +29,7 @@ def validation_figure(verification: RunVerification, run: Run, surface: str) -> 
         ),
     ]
     first = {"xaxis": axis(t_title), "yaxis": axis(output_title(run))}
-    error = np.where(verification.counted, verification.predicted - verification.measured, np.nan)
+    error = np.where(verification.counted, verification.measured - verification.predicted, np.nan)
     by_time = _residual(t, error, verification, run, t_title)
     by_input = _residual(verification.input, error, verification, run, input_title(run))
     e, unit = verification.settled, run.unit
@@ -49,7 +49,7 @@ def validation_figure(verification: RunVerification, run: Run, surface: str) -> 
         [Panel(data, first, 380, wide=True), by_time, by_input],
         f"The {surface} model on the held-out run.",
         [
-            f"First panel: {e.n} settled points in order of time. Other panels: model − measured against time and "
+            f"First panel: {e.n} settled points in order of time. Other panels: measured − model against time and "
             f"against the input. The error is {e.rms:.3g}{spaced(unit)} ({100 * e.nrmse:.2f} % of the "
             "measured travel), at "
             f"most {e.max_abs:.3g}{spaced(unit)}{floor}. {zero}",
@@ -60,7 +60,7 @@ def validation_figure(verification: RunVerification, run: Run, surface: str) -> 
     )
 
 
-def _times(run: Run, order: np.ndarray) -> tuple[np.ndarray, str]:
+def point_times(run: Run, order: np.ndarray) -> tuple[np.ndarray, str]:
     ends = [step.t_end_s for step in run.settled]
     if len(ends) != order.size or not ends or any(end is None for end in ends) or not run.has("t_s"):
         return order, "Point, in order of measurement"
@@ -78,9 +78,9 @@ def _residual(x: np.ndarray, error: np.ndarray, verification: RunVerification, r
         )
     data.append(line([np.min(x), np.max(x)], [0, 0], "zero", GREY, width=1, showlegend=False))
     late = np.array([step.verdict != "settled" for step in run.settled])
-    data.append(dots(x, error, "model − measured", INK, size=6))
+    data.append(dots(x, error, "measured − model", INK, size=6))
     if late.size == x.size and late.any():
         data.append(
             dots(x[late], error[late], f"{int(late.sum())} not settled", BAD, symbol="circle-open", size=11)
         )
-    return Panel(data, {"xaxis": axis(title), "yaxis": axis(f"Model − measured ({run.unit})")}, 340)
+    return Panel(data, {"xaxis": axis(title), "yaxis": axis(f"Measured − model ({run.unit})")}, 340)

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from smarig.core import spaced
 from smarig.record import AnyRun
-from smarig.report.components.decimate import path, simplified
+from smarig.report.components.decimate import simplified
 from smarig.report.components.html import Html
 from smarig.report.components.numbers import duration, number, thousands
 from smarig.report.components.page_summary import PageSummary
@@ -30,7 +30,6 @@ from smarig.report.runs.sample_path import sample_path
 
 Array = NDArray[np.float64]
 _POINTS = 400  # per loop, a few kilobytes
-_MOST_POINTS = 4000  # points of a path that are simplified
 _TOLERANCE = 0.004  # of the ranges: less than a pixel
 
 
@@ -145,7 +144,6 @@ def loop(run: AnyRun, points: int) -> tuple[Array, Array]:
     if kept.size < len(run.settled):
         u, y = run.points()
         kept = np.arange(u.size)
-    kept = kept[path(u[kept], y[kept], _MOST_POINTS)]
     kept = kept[simplified(u[kept], y[kept], _TOLERANCE, points)]
     return u[kept], y[kept]
 

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.report.components.decimate import path
+from smarig.report.components.decimate import envelope
 
 _SHORTEST_STEP = 0.008  # of the range: samples that moved less are left out
 _COUNTS = 1.6  # of the output: less is the resolution of its readings
@@ -19,7 +19,8 @@ def sample_path(u: NDArray[np.float64], y: NDArray[np.float64], count: float = 0
     known = np.flatnonzero(np.isfinite(u) & np.isfinite(y))
     if known.size < 2:
         return known
-    known = known[path(u[known], y[known], _MOST_SAMPLES)]
+    half = _MOST_SAMPLES // 2
+    known = known[np.union1d(envelope(u[known], half), envelope(y[known], half))]
     step_u = _SHORTEST_STEP * (np.ptp(u[known]) or 1.0)
     step_y = max(_SHORTEST_STEP * float(np.ptp(y[known])), _COUNTS * count)
     x, z = u[known].tolist(), y[known].tolist()
