@@ -336,7 +336,9 @@ def test_the_first_figure_shows_what_the_extended_model_leaves(evidence):
         figure = loop_figure(replace(evidence, diagnosis=diagnosis), run)
         assert ("extended model of the diagnosis, rms 0.5 mm" in " ".join(figure.caption)) == told
         over = str(figure.panels[1].layout["xaxis"]["title"]["text"])
-        assert over.startswith("Time since" if told else "Wire temperature"), "what a cause does goes with time"
+        assert over.startswith("Time since" if told else "Wire temperature"), (
+            "what a cause does goes with time"
+        )
 
 
 def test_runs_of_another_campaign_are_named(evidence, tmp_path):
