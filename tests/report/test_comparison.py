@@ -1,5 +1,6 @@
 """Comparison of runs, and of models on the same runs: offsets, errors and texts."""
 
+import json
 from dataclasses import replace
 
 import numpy as np
@@ -23,6 +24,7 @@ from smarig.runner.session import Session
 INPUT = {"quantity": "temperature", "unit": "K"}
 OUTPUT = {"quantity": "displacement", "unit": "mm"}
 TARGETS = (0.0, 100.0, 20.0, 80.0)
+WALKING = {"name": "walking", "parameters": {"percent_per_cycle": {"value": 0.6, "unit": "%/cycle"}}}
 
 
 def made(positions, targets=TARGETS, **meta):
@@ -173,6 +175,37 @@ def test_effects_that_the_records_of_twins_state_are_told_if_they_differ():
     assert "monday: none; tuesday: walking(percent_per_cycle=0.3)" in found.advice
     assert "tuesday" in found.measured
     assert "walking" not in assessed(monday=walked, tuesday=walked).advice
+
+
+@pytest.mark.parametrize(
+    ("stored", "told"),
+    [
+        (
+            {"verdict": "named", "set": ["walking"], "effects": [WALKING]},
+            "tuesday: walking (rate 0.6 %/cycle). Against walking",
+        ),
+        ({"verdict": "ambiguous", "set": ["creep", "walking"]}, "tuesday: one of creep, walking."),
+        (
+            {"verdict": "unknown", "depends_on": "time"},
+            "tuesday: errors without a known cause, which vary with time.",
+        ),
+        ({"verdict": "silent"}, ""),
+        ("no JSON", ""),
+    ],
+)
+def test_campaigns_are_compared_with_what_their_own_diagnoses_found(tmp_path, stored, told):
+    days = {"monday": {"verdict": "silent"}, "tuesday": stored}
+    runs = {}
+    for name, about in days.items():
+        place = tmp_path / name / "diagnosis" / "diagnosis.json"
+        place.parent.mkdir(parents=True)
+        place.write_text(about if isinstance(about, str) else json.dumps(about), encoding="utf-8")
+        run = day(gain=0.9 if name == "tuesday" else 1.0, seed=len(name))
+        runs[name] = replace(run, path=tmp_path / name / "runs" / "04_fod.run.sqlite")
+    found = aligned(runs)
+    advice = comparison_assessment(found, family_figures([each.run for each in found])).advice
+    assert ("What their own diagnoses found: monday: nothing" in advice) == bool(told)
+    assert told in advice
 
 
 def test_the_page_opens_with_the_sentences():

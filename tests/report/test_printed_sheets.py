@@ -1,6 +1,7 @@
 """The sheets of a run and of a characterisation print on one page, with their figures drawn."""
 
 import re
+import shutil
 import subprocess
 
 import pytest
@@ -10,6 +11,7 @@ from report.browser import chromium
 from report.few_effects import few_effects
 from report.test_in_a_browser import CAMPAIGN
 from smarig.app.characterise import characterise
+from smarig.cli import run as cli
 from smarig.record import load_run
 from smarig.report.summary_page import summary_page
 from smarig.runner.session import Session
@@ -41,6 +43,16 @@ def test_the_sheet_of_a_run(full_loop, with_model, tmp_path):
     model = smarig.identify(full_loop, "positive").model if with_model else None
     page.write_text(summary_page(full_loop, model), encoding="utf-8")
     assert page.read_text(encoding="utf-8").count("<svg") >= 1 + with_model
+    assert printed_pages(page, tmp_path) == 1
+
+
+def test_the_sheet_of_two_days_compared(full_loop, tmp_path):
+    page = tmp_path / "page.html"
+    assert cli(["report", *[str(full_loop.path)] * 2, "--summary"]) == 2, "one file twice"
+    other = tmp_path / "other.run.sqlite"
+    shutil.copy(full_loop.path, other)
+    assert cli(["report", str(full_loop.path), str(other), "--summary", "-o", str(page)]) == 0
+    assert page.read_text(encoding="utf-8").count("<svg") >= 2
     assert printed_pages(page, tmp_path) == 1
 
 

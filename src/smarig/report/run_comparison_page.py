@@ -35,12 +35,14 @@ from smarig.report.runs.run_comparison_figures import (
     coloured,
     differences_figure,
     overlay_figure,
+    sheet_figure,
     time_overlay_figure,
     with_colours,
 )
 from smarig.report.runs.run_family import family_figures, trend_figure
 from smarig.report.runs.run_summary import summary_with_loop
 from smarig.report.runs.run_tables import provenance_table, quality_table
+from smarig.report.runs.sheet_header import sheet_header
 
 _DESCRIPTION = (
     "rig",
@@ -59,8 +61,9 @@ _MOST_RUNS = 60
 _GROUPS = ("settings", "conditions", "versions")
 
 
-def comparison_page(runs: Mapping[str, Run]) -> str:
-    """The HTML page of runs by name; the first run is the one that the others are compared with.
+def comparison_page(runs: Mapping[str, Run], *, summary: bool = False) -> str:
+    """The HTML page of runs by name; the first run is the one that the others are compared with. ``summary``: the first
+    screen alone, made to be printed on one sheet.
 
     Raises UsageError for more runs than distinguishable colours, and for different units.
     """
@@ -69,10 +72,11 @@ def comparison_page(runs: Mapping[str, Run]) -> str:
     loops = {name: run for name, run in runs.items() if is_closed_loop(run)}
     others = {name: run for name, run in runs.items() if name not in loops}
     found = _coloured(aligned(others)) if others else []
-    assessed, opening = _first_screen(found)
+    assessed, opening = _first_screen(found, sheet=summary)
+    compared_loops = loops_section(loops, first=len(others))
     sections = [
         *opening,
-        *loops_section(loops, first=len(others)),
+        *compared_loops,
         Section(
             "Differences in numbers",
             "Numbers",
@@ -82,10 +86,12 @@ def comparison_page(runs: Mapping[str, Run]) -> str:
         Section("Data quality", "Data quality", [quality_table(runs)], folded=True),
         Section("Provenance", "Provenance", [provenance_table(runs)], folded=True),
     ]
+    if summary:
+        sections = [*opening, *compared_loops]
     label, words = banner([source_label(run) for run in runs.values()])
     first, *rest = runs
     lead = f"{', '.join(rest)} compared with {first}"
-    title = _title(list(runs.values()))
+    title = f"{'Summary: ' if summary else ''}{_title(list(runs.values()))}"
     notices = ending_notices(list(runs.values()))
     sentence = f"{assessed.quality} {assessed.advice}" if assessed else lead
     about = summary_with_loop("comparison of runs", sentence, assessed.level if assessed else "", runs[first])
@@ -103,7 +109,7 @@ def _title(runs: Sequence[Run]) -> str:
     )
 
 
-def _first_screen(found: Sequence[AlignedRun]) -> tuple[Assessment | None, list[Section]]:
+def _first_screen(found: Sequence[AlignedRun], *, sheet: bool) -> tuple[Assessment | None, list[Section]]:
     """The sentences with the overlaid loops, their differences and trends; closed loops have their own figures."""
     if not found:
         return None, []
@@ -111,6 +117,9 @@ def _first_screen(found: Sequence[AlignedRun]) -> tuple[Assessment | None, list[
     family = family_figures(runs)
     assessed = comparison_assessment(found, family) if len(found) > 1 else None
     box = [assessed.html()] if assessed else []
+    if sheet:
+        parts = [*box, sheet_header(runs), sheet_figure(found, family.variable)]
+        return assessed, [Section("", "Summary", parts)]
     figures = (overlay_figure(found, family.variable), differences_figure(found), trend_figure(family, runs))
     return assessed, [
         Section(

@@ -45,7 +45,8 @@ Examples:
 @click.option(
     "--summary",
     is_flag=True,
-    help="One sheet to print: of a run, of a --model verified on a run, or of a folder of 'smarig characterise'.",
+    help="One sheet to print: of a run, of a --model verified on a run, of a folder of 'smarig characterise', "
+    "or of several runs or folders compared.",
 )
 @click.option(
     "--forc",
@@ -83,9 +84,10 @@ def command(
             f"--summary and {'--forc' if forc else '--smoothing'} write different pages. Give one of them."
         )
     folder = runs[0] if len(runs) == 1 and runs[0].is_dir() and not models else None
-    if summary and (len(runs) != 1 or (runs[0].is_dir() and folder is None) or len(models) > 1):
+    if summary and (len(models) > 1 or (models and (len(runs) != 1 or runs[0].is_dir()))):
         raise UsageError(
-            "--summary is of one run, with at most one --model, or of the folder of a characterisation."
+            "--summary is of one run, with at most one --model, of the folder of a characterisation, or of several "
+            "runs or folders compared."
         )
     place = _Target(out, force, figures is not None)
     if out is not None:
@@ -133,7 +135,7 @@ def _pages(
 ) -> None:
     from smarig.report import run_files
 
-    if summary:
+    if summary and len(runs) == 1:
         _summary(runs[0], models[0] if models else None, place)
         return
     if diagram:
@@ -154,7 +156,7 @@ def _pages(
     elif len(found) == 1:
         _run(found[0], place)
     else:
-        _compared(found, place)
+        _compared(found, place, summary=summary)
 
 
 def _same_protocol(listed: list[list[Path]]) -> list[Path]:
@@ -250,15 +252,15 @@ def _forc(file: Path, place: _Target, smoothing: float | None) -> None:
     emit({**page, "reports": [page]}, f"Report: {target}")
 
 
-def _compared(files: list[Path], place: _Target) -> None:
+def _compared(files: list[Path], place: _Target, *, summary: bool) -> None:
     from smarig.record import load_run
     from smarig.report import comparison_page, distinct_names
 
     _check_no_repeats(files, "run")
-    target = place.out or files[0].with_name("comparison.html")
+    target = place.out or files[0].with_name(f"comparison{'.summary' if summary else ''}.html")
     check_distinct(target, *files)
     runs = {name: load_run(file) for name, file in zip(distinct_names(files, ".run.sqlite"), files)}
-    place.write(comparison_page(runs), target)
+    place.write(comparison_page(runs, summary=summary), target)
     emit({"report": str(target), "runs": [str(file) for file in files]}, f"Report: {target}")
 
 

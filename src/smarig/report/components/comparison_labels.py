@@ -9,12 +9,18 @@ from smarig.report.components.style import COMPARED
 
 
 def distinct_names(files: Sequence[Path], ending: str) -> list[str]:
-    """Short distinct names of files: without their ending, with as many folders as needed.
+    """Short distinct names of files: without their ending, with as many folders as needed. The same file of the same
+    folder of several campaigns has the name of the campaign.
 
     >>> distinct_names([Path("a/x.run.sqlite"), Path("b/x.run.sqlite"), Path("b/y.run.sqlite")], ".run.sqlite")
     ['a/x', 'b/x', 'y']
+    >>> distinct_names([Path("day 1/runs/x.run.sqlite"), Path("day 2/runs/x.run.sqlite")], ".run.sqlite")
+    ['day 1', 'day 2']
     """
     parts = [(*file.parts[:-1], file.name.removesuffix(ending)) for file in files]
+    ends = {part[-2:] for part in parts}
+    if len(parts) > 1 and len(ends) == 1 and all(len(part) > 2 for part in parts):
+        parts = [part[:-2] for part in parts]
     named = []
     for k, mine in enumerate(parts):
         others = parts[:k] + parts[k + 1 :]

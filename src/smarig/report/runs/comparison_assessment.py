@@ -11,6 +11,7 @@ from smarig.record import Run
 from smarig.report.components.assessment_box import Assessment, box_level
 from smarig.report.components.numbers import number, signed
 from smarig.report.components.run_description import display_unit, extent, protocol_name
+from smarig.report.runs.own_diagnosis import own_diagnoses
 from smarig.report.runs.run_alignment import AlignedRun
 from smarig.report.runs.run_change import RunChange, run_change
 from smarig.report.runs.run_family import FamilyFigures
@@ -32,7 +33,7 @@ def comparison_assessment(found: Sequence[AlignedRun], family: FamilyFigures) ->
         box_level(change.level),
         _compared(first, others),
         f"{_change_text(worst, change, len(others))} {_strokes(found, family)}",
-        f"{_advice(worst, change)}{_stated_effects(first, others)}",
+        f"{_advice(worst, change, _diagnosed(first, worst))}{_stated_effects(first, others)}",
     )
 
 
@@ -130,7 +131,12 @@ def _strokes(found: Sequence[AlignedRun], family: FamilyFigures) -> str:
     return f"Stroke {ends} from {variable.text(order[0])} to {variable.text(order[-1])} of {variable.name.lower()}."
 
 
-def _advice(worst: AlignedRun, change: RunChange) -> str:
+def _diagnosed(first: AlignedRun, worst: AlignedRun) -> str:
+    return own_diagnoses({each.name: each.run for each in (first, worst)})
+
+
+def _advice(worst: AlignedRun, change: RunChange, diagnosed: str) -> str:
+    """What explains the difference, ``diagnosed`` before all, and what to do."""
     if change.level == ErrorLevel.GOOD:
         return "A model of one of these runs holds for the other."
     causes = []
@@ -147,7 +153,10 @@ def _advice(worst: AlignedRun, change: RunChange) -> str:
         )
     if causes:
         share = f"{100 * change.explained:.0f} %"
-        return f"The difference is that of {' and '.join(causes)}; this explains {share} of its square."
+        words = f"The difference is that of {' and '.join(causes)}; this explains {share} of its square."
+        return f"{words} {diagnosed}".strip()
+    if diagnosed:
+        return diagnosed
     return (
         "Neither a shift of the input nor a change of the output explains the difference. To find a cause, "
         "characterise the wire again, or diagnose all runs of the later day with the model of the earlier one."

@@ -29,6 +29,7 @@ from smarig.report.runs.sample_path import sample_path
 from smarig.report.runs.time_figures import time_unit
 
 _MOST_MARKS = 150  # largest number of points with a mark each
+_SHEET_PX = 350  # leaves room for the rest of a sheet
 _MOST_MARKED = 8  # runs with marks and their own sentence
 
 
@@ -60,6 +61,20 @@ def overlay_figure(runs: Sequence[AlignedRun], variable: FamilyVariable) -> Figu
             runs_text(runs),
         ],
         source_label(*(each.run for each in runs)),
+    )
+
+
+def sheet_figure(runs: Sequence[AlignedRun], variable: FamilyVariable) -> Figure:
+    """The overlaid loops and their differences in order, small enough for a sheet of paper."""
+    loops, differences = overlay_figure(runs, variable), differences_figure(runs)
+    panels = [loops.panels[0], *(differences.panels[:1] if differences else [])]
+    words = [*loops.caption, f"Second panel: differences. {differences.caption[-1]}" if differences else ""]
+    return Figure(
+        [replace(panel, height=_SHEET_PX) for panel in panels],
+        "Hysteresis of the runs, overlaid, and their differences.",
+        words,
+        loops.label,
+        460,
     )
 
 

@@ -1,0 +1,68 @@
+"""What the diagnosis in the folder of a characterisation says of its runs."""
+
+import json
+from collections.abc import Mapping
+from typing import Any
+
+from smarig.core import spaced
+from smarig.diagnosis import DIAGNOSIS_JSON
+from smarig.plant import effect_types, parameter_words
+from smarig.record import Run
+from smarig.report.components.numbers import number
+
+_RUNS, _DIAGNOSIS = "runs", "diagnosis"  # folders of a characterisation
+
+
+def own_diagnoses(runs: Mapping[str, Run]) -> str:
+    """What the diagnoses beside runs found, by name, and what helps against named causes; "" if not all have a
+    diagnosis, or if none found anything.
+    """
+    found = {name: _stored(run) for name, run in runs.items()}
+    if any(one is None for one in found.values()) or all(
+        one is not None and one["verdict"] == "silent" for one in found.values()
+    ):
+        return ""
+    parts = [f"{name}: {_clause(one)}" for name, one in found.items() if one is not None]
+    named = [
+        str(n) for one in found.values() if one and one["verdict"] == "named" for n in one.get("set") or ()
+    ]
+    remedies = [t.remedy_text for t in effect_types() if t.name in named and t.remedy_text]
+    return " ".join([f"What their own diagnoses found: {'; '.join(parts)}.", *remedies])
+
+
+def _stored(run: Run) -> dict[str, Any] | None:
+    """The diagnosis.json of the characterisation that a run belongs to, None if there is none that can be read."""
+    if run.path.parent.name != _RUNS:
+        return None
+    try:
+        about = json.loads((run.path.parent.parent / _DIAGNOSIS / DIAGNOSIS_JSON).read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return None
+    return about if isinstance(about, dict) and isinstance(about.get("verdict"), str) else None
+
+
+def _clause(about: Mapping[str, Any]) -> str:
+    named = [_effect(e) for e in about.get("effects") or () if isinstance(e, dict)]
+    match about["verdict"]:
+        case "named" if named:
+            return " and ".join(named)
+        case "ambiguous" if about.get("set"):
+            return f"one of {', '.join(map(str, about['set']))}"
+        case "silent":
+            return "nothing"
+        case _:
+            depends = about.get("depends_on")
+            return f"errors without a known cause{f', which vary with {depends}' if depends else ''}"
+
+
+def _effect(effect: Mapping[str, Any]) -> str:
+    """The name of an effect with its values."""
+    values = [_value(k, v) for k, v in (effect.get("parameters") or {}).items() if isinstance(v, dict)]
+    size = f" ({', '.join(values)})" if values else ""
+    return f"{effect.get('name')}{size}"
+
+
+def _value(name: str, stored: Mapping[str, Any]) -> str:
+    unit, value = str(stored.get("unit") or ""), stored.get("value")
+    size = number(float(value), 3) if isinstance(value, int | float) else "unknown"
+    return f"{parameter_words(name, unit)} {size}{spaced(unit)}"
