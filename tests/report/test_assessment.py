@@ -38,7 +38,7 @@ class Gain(SimpleNamespace):
         return error
 
 
-def diagnosis(word, gains):
+def diagnosis(word, gains, own_stroke=0.9):
     if word is None:
         return None
     effect = walking(0.3)
@@ -54,6 +54,9 @@ def diagnosis(word, gains):
         learned=None,
         extended=word == "named",
         error=SimpleNamespace(unit="mm"),
+        model=SimpleNamespace(
+            unit="mm", hysteresis=SimpleNamespace(lower=0, upper=1, everett=lambda *_: own_stroke)
+        ),
         timeline=SimpleNamespace(unit="mm"),
     )
 
@@ -84,8 +87,9 @@ def evidence(word, error, *, model=True, holds=True, gains=True):
 def test_no_sentence_contradicts_the_figures(word, error, model, holds, gains):
     found = assessment(evidence(word, error, model=model, holds=holds, gains=gains))
     text = f"{found.measured} {found.quality} {found.advice}"
-    assert (
-        found.measured == "Measured: a stroke of 1 mm over 1 K, 2 settled points in 1 run, 99 s on the rig."
+    alone = " (0.9 mm without walking and creep)" if word == "named" else ""
+    assert found.measured == (
+        f"Measured: a stroke of 1 mm{alone} over 1 K, 2 settled points in 1 run, 99 s on the rig."
     )
     loud = word in ("named", "ambiguous", "unknown")
     usable = model and error == "good" and word in ("silent", None)

@@ -78,7 +78,7 @@ def test_the_five_numbers(evidence, page):
     )
     assert f"n = {e.n}" in page.card("Model error on held-out data")
     travel = max(np.ptp(run.points()[1]) for run in evidence.runs.values() if len(run.settled) > 1)
-    assert f"{travel:.3g} mm" in page.card("Travel")
+    assert f"{travel:.3g} mm" in page.card("Stroke")
     assert "not in MP" in page.card("Class of μ")  # one_e is known to have negative density (Table 5.2)
     hours = sum(run["t_s"][-1] - run["t_s"][0] for run in evidence.runs.values()) / 3600
     assert f"{hours:.2f} h" in page.card("Rig time")

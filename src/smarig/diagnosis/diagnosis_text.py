@@ -99,7 +99,7 @@ def text_lines(d: "Diagnosis") -> Iterator[str]:
 def _not_preisach(d: "Diagnosis") -> Iterator[str]:
     if d.discrepancy.not_preisach and d.verdict.depends_on == d.discrepancy.depends_on:
         yield (
-            "The errors grow with the travel since the last saturation and vanish there: minor loops do not return. No "
+            "The errors grow with the motion since the last saturation and vanish there: minor loops do not return. No "
             "Preisach operator describes such a wire, with any density."
         )
 

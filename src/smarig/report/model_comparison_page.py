@@ -91,7 +91,7 @@ def _errors(verifications: _Verifications, unit: str) -> Html:
     return table(
         (*header, "rms / noise", f"zero ({unit})"),
         rows,
-        "Errors (measured − model) at settled points. nrmse: rms as a share of the measured travel. "
+        "Errors (measured − model) at settled points. nrmse: rms as a share of the measured range. "
         "rms / noise near 1: the error is noise.",
     )
 

@@ -23,7 +23,7 @@ _QUANTITIES = {
 }
 _COMMANDED = {  # variables of commanded runs
     "time": "Time since the start of the session",
-    "cycle": "Cycles: travel in units of two strokes",
+    "cycle": "Cycles: motion in units of two strokes",
     "level": "Output of the hysteresis",
     "step": "Last step of the steady-state temperature",
     "hold": "Time since the last step",

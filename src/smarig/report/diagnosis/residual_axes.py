@@ -31,7 +31,7 @@ def residual_abscissa(d: Diagnosis, name: str, kind: str) -> tuple[Array, dict[s
     before = np.concatenate([target[:1], target[:-1]])
     if name == "cycle":
         travel = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(base.values["settled"])))])
-        return travel[r.step], axis(f"Accumulated travel, both directions ({unit})")
+        return travel[r.step], axis(f"Accumulated motion, both directions ({unit})")
     if name == "level" and kind in ("settled", "moving"):
         return base.values[kind], axis(f"Predicted position ({unit})")
     if name == "level":

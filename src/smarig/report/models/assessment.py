@@ -32,6 +32,7 @@ def assessment(e: Evidence) -> Assessment:
 _REMOVE = "Remove the cause and measure again; the extended model does not predict better."
 _MUCH_LESS = 0.5  # of the chosen model's error
 _NEARER = 0.8  # of the chosen model's error: less is told
+_VISIBLE_SHARE = 0.01  # of the measured stroke: a smaller part by effects is not told
 _ROOM_CHANGED_K = 0.3  # a smaller change of the room is noise of its thermometer
 
 
@@ -53,12 +54,24 @@ def _measured(e: Evidence) -> str:
     settled = sum(len(each.settled) for each in runs)
     travel = settled_travel(runs)
     wide = extent(run, "position") if travel is None else travel
-    stroke = f"{wide:.3g}{spaced(display_unit(run.unit))}"
+    stroke = f"{wide:.3g}{spaced(display_unit(run.unit))}{_without_effects(e, wide)}"
     inputs = [extent(each, "input") for each in runs if each.has("input")]
     if inputs:
         stroke += f" over {max(inputs):.3g}{spaced(display_unit(run.input_unit))}"
     count = runs_text(len(runs))
     return f"Measured: a stroke of {stroke}, {settled} settled points in {count}, {hours} on the rig."
+
+
+def _without_effects(e: Evidence, measured: float) -> str:
+    """The stroke of the hysteresis alone in brackets, if named effects make up a visible part of the measured one."""
+    d = e.diagnosis
+    if d is None or not d.extended or d.verdict.word != "named":
+        return ""
+    h = d.model.hysteresis
+    own = abs(float(h.everett(h.upper, h.lower)))
+    if abs(own - measured) <= _VISIBLE_SHARE * measured:
+        return ""
+    return f" ({own:.3g}{spaced(display_unit(d.model.unit))} without {' and '.join(d.verdict.names)})"
 
 
 def _held_out(e: Evidence) -> tuple[ErrorVerdict | None, str]:

@@ -19,7 +19,7 @@ _Card = tuple[str, str | Html, str | Html]
 
 
 def characterisation_cards(e: Evidence, *, theory: bool = True) -> Html:
-    """Cards of travel, held-out error with noise floor, class of μ (``theory``), duration and points."""
+    """Cards of stroke, held-out error with noise floor, class of μ (``theory``), duration and points."""
     of_theory = [_class_card(e)] if theory else []
     return cards([_travel_card(e), _error_card(e), *of_theory, _duration_card(e), _points_card(e)])
 
@@ -27,11 +27,11 @@ def characterisation_cards(e: Evidence, *, theory: bool = True) -> Html:
 def _travel_card(e: Evidence) -> _Card:
     travel = settled_travel(e.runs.values())
     if travel is None:
-        return "Travel", "unknown", "no settled points"
+        return "Stroke", "unknown", "no settled points"
     run = next(r for r in e.runs.values() if len(r.settled) >= 2)
     size = count_size(run)
     counts = f"{travel / size:.0f} counts, " if size else ""
-    return "Travel", f"{travel:.3g} {run.unit}", f"{counts}settled points of the widest run"
+    return "Stroke", f"{travel:.3g} {run.unit}", f"{counts}settled points of the widest run"
 
 
 def settled_travel(runs: Iterable[Run]) -> float | None:
@@ -56,7 +56,7 @@ def _error_card(e: Evidence) -> _Card:
     return (
         "Model error on held-out data, rms",
         f"{rms:.3g} {verification.unit}",
-        f"{floor}; {100 * share:.2f} % of travel, n = {n}",
+        f"{floor}; {100 * share:.2f} % of the stroke, n = {n}",
     )
 
 

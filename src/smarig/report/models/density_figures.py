@@ -147,7 +147,7 @@ def density_figure(found: Mapping[str, Identification], chosen: str, run: Run) -
         [
             "First panel: μ as in the map, with colours centred at zero; explore to select a surface. Second "
             "panel: g(β) = ∂y/∂β on α = β, the relays of zero width, which μ does not contain. A simulation with μ "
-            f"alone lacks their part of the travel ({shares}).",
+            f"alone lacks their part of the stroke ({shares}).",
             run_caption(run),
         ],
         source_label(run),

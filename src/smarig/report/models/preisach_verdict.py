@@ -86,7 +86,7 @@ def against_preisach(tests: tuple[Representation, ...], diagnosis: Diagnosis | N
 def preisach_verdict(e: Evidence) -> PreisachVerdict:
     """The verdict on the evidence of a characterisation.
 
-    No operator: a test of §5.3 is violated, the errors grow with the travel since the last saturation, or the model
+    No operator: a test of §5.3 is violated, the errors grow with the motion since the last saturation, or the model
     of the diagnosis misses held-out runs by many times the prediction limit.
     """
     against = against_preisach(e.representation, e.diagnosis)
@@ -129,7 +129,7 @@ def _seen_by_diagnosis(d: Diagnosis | None) -> Iterator[str]:
         return
     if d.discrepancy.not_preisach and d.discrepancy.gain >= DISCREPANCY_NATS:
         yield (
-            "The errors grow with the travel since the last saturation, so minor loops do not return "
+            "The errors grow with the motion since the last saturation, so minor loops do not return "
             f"({d.discrepancy.gain:.0f} nats)."
         )
     if d.gain is not None and _ratio(d.gain) >= SILENT_RATIO and d.verdict.word == "unknown":

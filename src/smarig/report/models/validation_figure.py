@@ -51,7 +51,7 @@ def validation_figure(verification: RunVerification, run: Run, surface: str) -> 
         [
             f"First panel: {e.n} settled points in order of time. Other panels: measured − model against time and "
             f"against the input. The error is {e.rms:.3g}{spaced(unit)} ({100 * e.nrmse:.2f} % of the "
-            "measured travel), at "
+            "measured range), at "
             f"most {e.max_abs:.3g}{spaced(unit)}{floor}. {zero}",
             run_caption(run),
         ],
