@@ -12,6 +12,7 @@ from smarig.report.components.figure import Figure, Panel
 from smarig.report.drawing.drawing import save_figure
 
 FORMATS = (".svg", ".pdf")
+PAPER_PX = 482  # 170 mm: the width of a journal's page
 _LONGEST_NAME = 60
 
 
@@ -32,7 +33,7 @@ _ACTIVE: ContextVar[_Folder | None] = ContextVar("folder of figures", default=No
 def figures_saved_in(folder: Path, force: bool = False) -> Iterator[list[Path]]:
     """Within this block, every figure that becomes part of a page is also saved in a folder; yields the files.
 
-    A panel is saved as SVG and as PDF. Its name is the number and title of the figure on the page, and what the panel
+    A panel is saved as SVG and as PDF, at most as wide as the page of a journal. Its name is the number and title of the figure on the page, and what the panel
     shows: "01-measured-loops-and-the-model--model-measured". Raises the errors of ``atomic_file``.
     """
     active = _Folder(folder, force)
@@ -55,7 +56,7 @@ def save_if_active(figure: Figure, width_px: list[int]) -> None:
         for end in FORMATS:
             file = active.path / f"{stem}{names[k]}{end}"
             with atomic_file(file, force=active.force) as part:
-                save_figure(panel, part, end, figure.label, width_px[k])
+                save_figure(panel, part, end, figure.label, min(width_px[k], PAPER_PX))
             active.files.append(file)
 
 
