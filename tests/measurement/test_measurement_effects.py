@@ -68,7 +68,7 @@ def test_a_stress_shifts_the_input_by_clausius_and_clapeyron():
 def test_effects_are_not_offered_where_they_cannot_be_tested():
     plain, other = record(np.arange(9.0)), record(np.arange(9.0), name="b")
     loaded = [record(np.arange(9.0), conditions={"stress": s}, name=str(s)) for s in (50.0, 100.0)]
-    assert KINDS["input_lag"].parameters([record(np.arange(9.0), clock=False)]) is None
+    assert KINDS["input_lag"].parameters([record(np.arange(9.0))]) is None
     assert KINDS["output_drift"].parameters([record(np.arange(9.0), clock=False)]) is None
     assert KINDS["input_offset"].parameters([plain]) is None
     assert KINDS["input_offset"].parameters([plain, other]) is not None
@@ -125,6 +125,18 @@ def test_a_lag_is_only_offered_if_the_input_changes_at_several_rates():
     assert lag.parameters([record(ramps([1.0, 1.0, 1.0, 1.0]))]) is None
     assert lag.parameters([record(ramps([1.0, 2.0, 1.0, 2.0]))]) is not None
     assert lag.parameters([record(ramps([1.0] * 4)), record(ramps([2.0] * 4))]) is not None
+
+
+def test_without_a_clock_a_lag_is_one_of_rows():
+    lag, u = KINDS["input_lag"], ramps([1.0, 2.0, 1.0, 2.0])
+    rows, timed = record(u, clock=False), record(u, dt=0.5)
+    (parameter,) = lag.parameters([rows])
+    assert (parameter.name, parameter.unit) == ("lag_rows", "rows")
+    assert lag.parameters([timed])[0].name == "lag_s"
+    assert lag.parameters([rows, timed]) is None
+    undone = changed(rows, [lag(lag_rows=6.0)]).input
+    assert np.allclose(undone, changed(timed, [lag(lag_s=3.0)]).input)
+    assert np.allclose(undone, changed(timed, [lag(lag_rows=6.0)]).input)
 
 
 def test_a_drift_of_the_input_is_undone_and_needs_several_cycles():

@@ -59,7 +59,7 @@ class MeasurementEffectType:
 
     ``parameters`` gives those searched for in records, None if the effect cannot be tested on them. ``change`` returns
     the changed input and the terms. ``amplitudes`` names the amplitude of each term with its unit, given the units of
-    input and output. ``bounds`` are those of parameters with a range of their own, which a model file must give.
+    input and output. ``bounds`` are those of parameters with a range of their own, of which a model file must give one.
     ``by_condition``: each run has a gain and a zero of its own, which depend on this condition.
     ``depends_on`` are the variables that the residuals of a model without the effect depend on. ``descriptive``: the
     effect describes an error without naming its cause, so alone it is no finding but a dependence. ``additive``: the
@@ -114,7 +114,9 @@ def measurement_effects(stored: Sequence[Mapping[str, Any]]) -> tuple[Measuremen
         name = str(entry.get("name"))
         kind = catalogue_entry(EFFECTS, FORMER_NAMES.get(name, name))
         numbers = {str(k): stored_number(v, f"{k!s:.40} of effect '{kind.name}'") for k, v in values.items()}
-        for parameter, (lower, upper) in kind.bounds.items():
+        given = [name for name in kind.bounds if name in numbers] or list(kind.bounds)
+        for parameter in given:
+            lower, upper = kind.bounds[parameter]
             if not lower <= numbers.get(parameter, -np.inf) <= upper:
                 raise DataError(
                     f"effect '{kind.name}' of the model needs {parameter} between {lower:g} and {upper:g}, not "

@@ -198,8 +198,8 @@ class StudyResult:
         timed = any(table.run.has("t_s") or table.run.settled for table in self.tables)
         if not timed and not self.understood.forc and self.evaluation is not None and self.verdict != GOOD:
             found.append(
-                "No time is recorded, so lags, creep and rates cannot be tested. If the rows are equally spaced, give "
-                "their period: period_s under [time] in mapping.toml, with --map."
+                "No time is recorded: a lag is given in rows, creep and rates cannot be tested. If the rows "
+                "are equally spaced, give their period: period_s under [time] in mapping.toml, with --map."
             )
         return found
 

@@ -15,6 +15,7 @@ from smarig.replay import load_model
 long = pytest.mark.long("takes ten seconds")
 PEAKS = (85.0, 62.0, 80.0, 57.0, 85.0, 66.0)
 T = triangles(PEAKS)
+RATES = triangles(PEAKS, (30, 90, 50, 120, 40, 80)), triangles((85.0, 70.0, 60.0), (60, 30, 90))
 
 
 @cache
@@ -51,9 +52,8 @@ def test_it_is_silent_where_nothing_is_hidden(wire):
 def slow_thermometer():
     """At one rate a lag is a wider loop, which any measure has; so the ramps differ in their rates."""
     wire, dt, lag_s = RelayWire(3), 0.5, 4.0
-    inputs = triangles(PEAKS, (30, 90, 50, 120, 40, 80)), triangles((85.0, 70.0, 60.0), (60, 30, 90))
     runs = [
-        as_run(f"lag_{k}", lagged(u, lag_s, dt), wire.strain(u), dt=dt, seed=k) for k, u in enumerate(inputs)
+        as_run(f"lag_{k}", lagged(u, lag_s, dt), wire.strain(u), dt=dt, seed=k) for k, u in enumerate(RATES)
     ]
     return diagnosed(runs[:1], runs[1:]), runs
 
@@ -66,6 +66,25 @@ def test_a_slow_thermometer_is_named_with_its_time_constant(slow_thermometer):
     assert parameter(found, "lag_s")["value"] == pytest.approx(4.0, rel=0.2)
     assert found.gain is not None
     assert found.gain.extended < 0.5 * found.gain.base
+
+
+@pytest.mark.parametrize("lag_rows", [8.0, pytest.param(0.0, marks=long)])
+def test_a_slow_thermometer_is_named_without_a_clock_too(lag_rows, tmp_path):
+    """Rows that are equally spaced, but nobody wrote down how."""
+    wire, (first, second) = RelayWire(3), RATES
+    read = [lagged(u, lag_rows, 1.0) if lag_rows else u for u in (first, second)]
+    runs = [
+        as_run(f"rows_{k}", r, wire.strain(u), seed=k) for k, (r, u) in enumerate(zip(read, (first, second)))
+    ]
+    found = diagnosed(runs[:1], runs[1:])
+    if not lag_rows:
+        assert not found.effects()
+        return
+    assert found.verdict.names == ("input_lag",)
+    assert parameter(found, "lag_rows")["value"] == pytest.approx(lag_rows, rel=0.2)
+    model = load_model(found.model.save(tmp_path / "lag.model.json"))
+    given = verify(identify(runs[:1], "positive").model, runs[1:]).runs[0].settled.nrmse
+    assert verify(model, runs[1:]).runs[0].settled.nrmse < 0.5 * given
 
 
 def test_the_extended_model_is_saved_and_predicts_as_found(slow_thermometer, tmp_path):

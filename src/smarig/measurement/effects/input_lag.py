@@ -2,7 +2,7 @@
 
     v(t) = s(t) + τ ds/dt,    s: the record smoothed over τ/4, which the differentiation needs
 
-τ is the time constant of a first-order lag.
+τ is the time constant of a first-order lag, in rows where no clock was recorded: then the rows must be equally spaced.
 """
 
 from collections.abc import Sequence
@@ -28,11 +28,13 @@ RATE_RATIO = 1.5  # of the fast to the slow tenth of the parts: less is one rate
 
 
 def _parameters(records: Sequence[InputRecord]) -> tuple[SearchedParameter, ...] | None:
-    """Lags from two rows to a quarter of the median cycle, if every run has a clock of even rows and the rate changes.
+    """Lags from two rows to a quarter of the median cycle; None if rows are uneven, if some runs have a clock and some
+    have none, or if the rate does not change.
 
     At one rate a lag is a shift of each branch, which any measure contains.
     """
-    if not all(r.clock and _even(r.t) for r in records) or _one_rate(records):
+    clocks = {r.clock for r in records}
+    if len(clocks) > 1 or not all(_even(r.t) for r in records) or _one_rate(records):
         return None
     period = max(float(np.median(np.diff(r.t))) for r in records)
     cycle_s = float(np.median([np.ptp(r.t) / max(r.cycle[-1] - r.cycle[0], 0.5) for r in records]))
@@ -40,7 +42,8 @@ def _parameters(records: Sequence[InputRecord]) -> tuple[SearchedParameter, ...]
     if high <= low:
         return None
     tries = np.logspace(low, high, max(int(LAGS_PER_DECADE * (high - low)), 4))
-    return (SearchedParameter("lag_s", "s", tuple(tries.tolist())),)
+    name, unit = ("lag_s", "s") if clocks == {True} else ("lag_rows", "rows")
+    return (SearchedParameter(name, unit, tuple(tries.tolist())),)
 
 
 def _one_rate(records: Sequence[InputRecord]) -> bool:
@@ -60,10 +63,10 @@ def _even(t: Array) -> bool:
 
 
 def _change(p: Values, record: InputRecord) -> RecordChange:
-    lag_s, none = p["lag_s"], RecordChange.none(record)
+    none, period = RecordChange.none(record), float(np.median(np.diff(record.t)))
+    lag_s = p["lag_s"] if "lag_s" in p else p["lag_rows"] * period  # without a clock, a second is a row
     if not lag_s:
         return none
-    period = float(np.median(np.diff(record.t)))
     grid = np.arange(record.t[0], record.t[-1] + period / 2, period)  # rows that are missing are interpolated
     smooth = _smoothed(np.interp(grid, record.t, record.u), SMOOTHED_SHARE * lag_s / period)
     u = np.interp(record.t, grid, smooth + lag_s * np.gradient(smooth, period))
@@ -97,5 +100,5 @@ input_lag = MeasurementEffectType(
     depends_on=("rate", "history"),
     parameters=_parameters,
     change=_change,
-    bounds={"lag_s": (0.0, 1e7)},
+    bounds={"lag_s": (0.0, 1e7), "lag_rows": (0.0, 1e7)},
 )

@@ -33,8 +33,9 @@ _ACTIVE: ContextVar[_Folder | None] = ContextVar("folder of figures", default=No
 def figures_saved_in(folder: Path, force: bool = False) -> Iterator[list[Path]]:
     """Within this block, every figure that becomes part of a page is also saved in a folder; yields the files.
 
-    A panel is saved as SVG and as PDF, at most as wide as the page of a journal. Its name is the number and title of the figure on the page, and what the panel
-    shows: "01-measured-loops-and-the-model--model-measured". Raises the errors of ``atomic_file``.
+    A panel is saved as SVG and as PDF, at most as wide as the page of a journal. Its name is the number and title of
+    the figure on the page, and what the panel shows: "01-measured-loops-and-the-model--measured-model". Raises the
+    errors of ``atomic_file``.
     """
     active = _Folder(folder, force)
     token = _ACTIVE.set(active)
