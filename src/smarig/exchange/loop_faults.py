@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from smarig.core import spaced
 from smarig.exchange.channel_faults import quantum
-from smarig.measurement import dropouts, first_branch_differs
+from smarig.measurement import dropouts, first_branch_differs, width_of_leading_loops
 from smarig.preisach import turning_points
 
 Array = NDArray[np.float64]
@@ -167,42 +167,13 @@ def _not_closed(loop: LoopRecord, turns: list[int]) -> list[str]:
 
 
 def _wrong_direction(loop: LoopRecord, turns: list[int]) -> list[str]:
-    wide = [
-        (a, b, c)
-        for a, b, c in zip(turns[:-2], turns[1:-1], turns[2:])
-        if min(abs(loop.u[b] - loop.u[a]), abs(loop.u[c] - loop.u[b])) > 0.5 * np.ptp(loop.u)
-    ]
-    if not wide:
-        return []
-    lag, width = np.mean([_lag(loop, *turn) for turn in wide], axis=0).tolist()
-    if lag > -0.3 or width < _OPEN:
+    width = width_of_leading_loops(loop.u, loop.y, turns)
+    if width is None:
         return []
     return [
         f"The output leads its input (mean loop width {100 * width:.1f} % of the range): the loop runs in the wrong "
         f"direction. Branches or columns are swapped, or the sensor of the input lags."
     ]
-
-
-def _lag(loop: LoopRecord, a: int, b: int, c: int) -> tuple[float, float]:
-    """Agreement in −1…1 of (falling − rising output) with the local slope, and its mean size over the range.
-
-    A lagging output is falling(u) ≈ rising(u + δ), so the difference has the sign of the slope.
-    """
-    first, second = slice(a, b + 1), slice(b, c + 1)
-    rising, falling = (first, second) if loop.u[b] > loop.u[a] else (second, first)
-    low = max(loop.u[rising].min(), loop.u[falling].min())
-    high = min(loop.u[rising].max(), loop.u[falling].max())
-    grid = np.linspace(low, high, 101)
-    up, down = (_along(loop, part, grid) for part in (rising, falling))
-    apart, slope = down - up, np.gradient(up + down)
-    size = float(np.sum(np.abs(apart) * np.abs(slope)))
-    agreement = float(np.sum(apart * slope)) / size if size else 0.0
-    return agreement, float(np.mean(np.abs(apart)) / np.ptp(loop.y))
-
-
-def _along(loop: LoopRecord, part: slice, grid: Array) -> Array:
-    order = np.argsort(loop.u[part], kind="stable")
-    return np.interp(grid, loop.u[part][order], loop.y[part][order])
 
 
 def _centre(loop: LoopRecord) -> list[str]:

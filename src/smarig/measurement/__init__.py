@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from smarig.measurement.learned_variables import shared_variables as shared_variables
     from smarig.measurement.learned_variables import variable_of as variable_of
     from smarig.measurement.learned_variables import variable_unit as variable_unit
+    from smarig.measurement.loop_direction import width_of_leading_loops as width_of_leading_loops
     from smarig.measurement.measurement_effect import MeasurementEffect as MeasurementEffect
     from smarig.measurement.measurement_effect import MeasurementEffectType as MeasurementEffectType
     from smarig.measurement.measurement_effect import RecordChange as RecordChange

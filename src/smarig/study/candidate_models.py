@@ -54,8 +54,8 @@ class Evaluation:
 
     @property
     def plain(self) -> CandidateModel:
-        """The candidate without a load, which a diagnosis starts from."""
-        return next((c for c in self.candidates if c.name != _ONE_MODEL), self.best)
+        """The best candidate without a load and without effects, which a diagnosis starts from."""
+        return next((c for c in self.candidates if c.name not in (_ONE_MODEL, _EXTENDED)), self.best)
 
 
 def evaluate(split: DataSplit, progress: Callable[[str], None]) -> Evaluation:

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from smarig.measurement.input_record import InputRecord, input_noise_sd, reversals
+from smarig.measurement.loop_direction import width_of_leading_loops
 from smarig.measurement.measurement_effect import (
     MeasurementEffectType,
     RecordChange,
@@ -29,12 +30,15 @@ RATE_RATIO = 1.5  # of the fast to the slow tenth of the parts: less is one rate
 
 def _parameters(records: Sequence[InputRecord]) -> tuple[SearchedParameter, ...] | None:
     """Lags from two rows to a quarter of the median cycle; None if rows are uneven, if some runs have a clock and some
-    have none, or if the rate does not change.
+    have none, or if the rate does not change. Without a clock, rows may be uneven in time: then a lag is only offered
+    where the output leads its input, as no hysteresis does.
 
     At one rate a lag is a shift of each branch, which any measure contains.
     """
     clocks = {r.clock for r in records}
     if len(clocks) > 1 or not all(_even(r.t) for r in records) or _one_rate(records):
+        return None
+    if clocks == {False} and not any(width_of_leading_loops(r.u, r.y, reversals(r.u)) for r in records):
         return None
     period = max(float(np.median(np.diff(r.t))) for r in records)
     cycle_s = float(np.median([np.ptp(r.t) / max(r.cycle[-1] - r.cycle[0], 0.5) for r in records]))
