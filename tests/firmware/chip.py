@@ -27,8 +27,10 @@ class Chip:
         self.driven_uA = []
         self.behind_ms = 0  # real time that a busy machine did not let it have
         self._said = queue.Queue()
+        self._ticks = threading.Event()
         self._world = threading.Thread(target=self._answer_ticks, args=(world,))
         self._world.start()
+        assert self._ticks.wait(PATIENCE_S)  # what is sent before its ports are open is lost
 
     def _answer_ticks(self, world):
         for line in self._process.stdout:
@@ -37,6 +39,7 @@ class Chip:
                 self.behind_ms += int(numbers[0])
             elif word == "out":
                 self.driven_uA.append(int(numbers[0]))
+                self._ticks.set()
                 with contextlib.suppress(OSError, ValueError):  # it is being closed
                     self.tell(world(self.driven_uA[-1]))
             else:
@@ -45,9 +48,9 @@ class Chip:
     def tell(self, line):
         self._process.stdin.write(f"{line}\n".encode())
 
-    def said(self):
+    def said(self, patience_s=PATIENCE_S):
         """The next line of the chip about neither ticks nor time, as its word and its numbers."""
-        return self._said.get(timeout=PATIENCE_S)
+        return self._said.get(timeout=patience_s)
 
     def send(self, request):
         """Bytes for the serial line, whose reply is read later."""

@@ -2,6 +2,7 @@
 
 #include "../../program/chip.h"
 #include "../../program/device.h"
+#include "../../program/link.h"
 #include "../lm3s6965.h"
 #include "emulator.h"
 
@@ -10,8 +11,8 @@ static const int32_t NONE[1];
 
 void __real_chip_sleep(void);
 void __wrap_chip_sleep(void);
-uint16_t __real_device_answer(const uint8_t *request, uint16_t n, uint8_t *reply, uint16_t room);
-uint16_t __wrap_device_answer(const uint8_t *request, uint16_t n, uint8_t *reply, uint16_t room);
+void __real_link_reply(uint16_t n);
+void __wrap_link_reply(uint16_t n);
 
 struct emulator emulator;
 
@@ -126,10 +127,12 @@ void __wrap_chip_sleep(void)
     __real_chip_sleep();
 }
 
-uint16_t __wrap_device_answer(const uint8_t *request, uint16_t n, uint8_t *reply, uint16_t room)
+/* It is said when the next request may come. */
+void __wrap_link_reply(uint16_t n)
 {
-    const uint16_t length = __real_device_answer(request, n, reply, room);
+    const uint8_t *request;
+    const int32_t lengths[] = {link_request(&request), n};
+    __real_link_reply(n);
     if (emulator.held)
-        plant_line_say("answered", 2, (const int32_t[]){n, length});
-    return length;
+        plant_line_say("answered", 2, lengths);
 }
