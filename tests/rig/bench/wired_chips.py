@@ -34,7 +34,7 @@ protection.heat_settle_s = 10.0
 
 
 class Chips:
-    """Both devices' firmware under simavr in real time: the twin's wire between them, five times as quick."""
+    """Both devices' firmware under an emulator in real time: the twin's wire between them, five times as quick."""
 
     period_s = PERIOD_S / QUICKER
     speed = 1.0
@@ -70,6 +70,10 @@ class Chips:
     def driven(self) -> np.ndarray:
         """The output in every tick so far."""
         return np.array(self._amplifier.driven_uA)
+
+    def ticks(self, role: str) -> int:
+        """The ticks of one of the chips so far."""
+        return len((self._amplifier if role == "amplifier" else self._daq).driven_uA)
 
     def wait(self) -> None:
         """Long enough for a lease to end."""
