@@ -12,9 +12,17 @@ from smarig.rig.driver_check import in_role
 PATIENCE_S = 60.0
 
 
+class Displaced(Chips):
+    """Chips whose encoder has counted before, so that zero changes its position."""
+
+    def _counted(self, _):
+        with self._one_at_a_time:
+            return f"in {self._counts + 1000} {self._ambient} 0"
+
+
 @pytest.mark.parametrize("role", ["amplifier", "encoder_daq"])
 def test_the_contract(role, start, tmp_path):
-    chips = Chips(tmp_path, start)
+    chips = Displaced(tmp_path, start)
     rig = load_rig(str(chips.rig))
     link = getattr(rig.links, role)
     absent = link.model_copy(update={"url": "/dev/no_such_port"})
