@@ -1,6 +1,7 @@
 /*
  * The emulator's stand-in for ADC, encoder counter, stop input and current source: lines of text on UART 1, which is a
- * line of QEMU's and none of a board's. A board leaves this folder out and provides the functions of program/hal.h.
+ * line of QEMU's and none of a board's. A board leaves this folder out, with the --wrap options of the Makefile, and
+ * provides the functions of program/hal.h.
  *
  * The program prints `out CURRENT_uA` when a tick starts, and `behind MS` when this time was skipped. It accepts, as
  * simavr/runner.c does,
