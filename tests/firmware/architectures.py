@@ -14,8 +14,9 @@ SERIAL = ("-chardev", "pty,id=line", "-serial", "chardev:line")
 PLANT = ("-chardev", "stdio,id=plant,signal=off", "-serial", "chardev:plant")
 
 
-def avr(folder, name, world):
-    """A chip of ``avr/``, by the name of its program."""
+def avr(folder, name, world, watched=False):
+    """A chip of ``avr/``, by the name of its program. Its time is its own: a watchdog needs no care."""
+    del watched
     elf = make(folder, f"{name}.elf", AVR)
     runner = make(folder, "runner", SIMAVR)
     symbols = subprocess.run(["avr-nm", elf], capture_output=True, text=True, check=True).stdout
@@ -23,10 +24,14 @@ def avr(folder, name, world):
     return Chip([runner, elf, plant], world, ends_itself=True)
 
 
-def cortex_m(folder, name, world):
-    """A chip of ``cortex_m/``, by the name of its program."""
+def cortex_m(folder, name, world, watched=False):
+    """A chip of ``cortex_m/``, by the name of its program.
+
+    QEMU's watchdog counts real time, so a busy machine looks like a program that hangs: it acts if ``watched``.
+    """
     elf = make(folder, f"cortex_m_{name}.elf", CORTEX_M)
-    command = [*QEMU, "-monitor", "none", "-net", "none", *SERIAL, *PLANT, "-kernel", elf]
+    action = ("-action", f"watchdog={'reset' if watched else 'none'}")
+    command = [*QEMU, "-monitor", "none", "-net", "none", *SERIAL, *PLANT, *action, "-kernel", elf]
     return Chip(command, world, ends_itself=False)
 
 

@@ -17,8 +17,8 @@ def start(request, build_folder):
     """Starts a chip of an architecture by the name of its program."""
     with contextlib.ExitStack() as open_chips:
 
-        def begin(name, world):
-            chip = ARCHITECTURES[request.param](build_folder, name, world)
+        def begin(name, world, **more):
+            chip = ARCHITECTURES[request.param](build_folder, name, world, **more)
             open_chips.callback(chip.close)
             return chip
 

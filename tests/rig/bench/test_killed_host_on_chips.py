@@ -7,6 +7,7 @@ import time
 
 import numpy as np
 
+from firmware.codes import LEASE, TRIPPED
 from rig.bench.wired_chips import Chips
 
 HOST = """
@@ -23,10 +24,11 @@ with open_rig(sys.argv[1], file, Actuator.named(file.actuator), TwinSettings()) 
 LIVES = 10  # ticks with current
 SLACK = 3  # a tick under way, one that is not told yet, one of rounding
 PATIENCE_S = 60.0
+TIMEOUT_S = 5.0  # of a reply: a busy machine takes its time
 
 
 def test_the_lease_ends_the_current(start, tmp_path):
-    chips = Chips(tmp_path, start)
+    chips = Chips(tmp_path, start, timeout_s=TIMEOUT_S)
     host = subprocess.Popen([sys.executable, "-c", HOST, str(chips.rig)])
     try:
         until(lambda: np.count_nonzero(chips.driven()) > LIVES, host)
@@ -37,8 +39,12 @@ def test_the_lease_ends_the_current(start, tmp_path):
     until(lambda: chips.driven().size > killed_at + chips.lease_ticks + 2 * SLACK)
     flowed = np.flatnonzero(chips.driven()[killed_at:])
     print(f"current in {flowed.size} ticks after the death; lease {chips.lease_ticks}")
-    assert abs(flowed.size - chips.lease_ticks) <= SLACK
-    assert not np.any(chips.driven()[killed_at + chips.lease_ticks + SLACK :])
+    assert (
+        0 < flowed.size <= chips.lease_ticks + SLACK
+    )  # less if a busy machine kept the host waiting before its death
+    assert flowed[-1] == flowed.size - 1, "it ends once"
+    chips.amplifier.ask(b"", lambda _: False, patience_s=0.2)  # the reply that the host did not read
+    assert chips.amplifier.line("r 8 2").words == [TRIPPED, LEASE]
 
 
 def until(holds, host=None):

@@ -28,7 +28,7 @@ def settled(rig, period_s, out):
 
 
 def test_positions_settle_where_the_twins_do(start, tmp_path):
-    chips = Chips(tmp_path, start)
+    chips = Chips(tmp_path, start, timeout_s=5.0)
     found = settled(chips.rig, chips.period_s, tmp_path / "chips.run.sqlite")
     expected = settled("one_wire_twin", PERIOD_S, tmp_path / "twin.run.sqlite")
     rms = float(np.sqrt(np.mean(np.square(found - expected))))
