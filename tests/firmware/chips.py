@@ -4,8 +4,7 @@ import contextlib
 
 import pytest
 
-from firmware.chip import AVR, SIMAVR, Chip
-from firmware.firmware_build import make
+from firmware.architectures import ARCHITECTURES
 
 
 @pytest.fixture(scope="session")
@@ -13,14 +12,13 @@ def build_folder(tmp_path_factory):
     return tmp_path_factory.mktemp("firmware")
 
 
-@pytest.fixture
-def start(build_folder):
-    """Starts a chip by the name of its program."""
+@pytest.fixture(params=ARCHITECTURES)
+def start(request, build_folder):
+    """Starts a chip of an architecture by the name of its program."""
     with contextlib.ExitStack() as open_chips:
 
-        def begin(name, world):
-            elf = make(build_folder, f"{name}.elf", AVR)
-            chip = Chip(make(build_folder, "runner", SIMAVR), elf, world)
+        def begin(name, world, **more):
+            chip = ARCHITECTURES[request.param](build_folder, name, world, **more)
             open_chips.callback(chip.close)
             return chip
 

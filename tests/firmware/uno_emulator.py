@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from firmware.chip import SIMAVR
+from firmware.architectures import SIMAVR
 from firmware.firmware_build import FIRMWARE, Status, frame, make, status_of
 from smarig.device.encoding.register import load_register_map, to_words
 

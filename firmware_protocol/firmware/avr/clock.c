@@ -1,4 +1,4 @@
-#include "clock.h"
+#include "../program/clock.h"
 
 #include <avr/eeprom.h>
 #include <avr/interrupt.h>

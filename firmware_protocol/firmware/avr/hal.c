@@ -1,6 +1,11 @@
-#include "hal.h"
+#include "../program/hal.h"
+#include "plant.h"
 
 volatile struct plant plant;
+
+void hal_start(void)
+{
+}
 
 void hal_drive(int32_t current_uA)
 {

@@ -32,7 +32,7 @@
 
 enum { STEPS_PER_s = 1000, BEHIND_MOST_ns = 50000000, ANSWER_MOST_ms = 200 };
 
-/* struct plant of avr/hal.h as bytes in SRAM; the host's int is 32 bits and little-endian like the MCU's words. */
+/* struct plant of avr/plant.h as bytes in SRAM; the host's int is 32 bits and little-endian like the MCU's words. */
 #pragma pack(push, 1)
 struct plant {
     uint8_t tick, taken;

@@ -34,23 +34,23 @@ protection.heat_settle_s = 10.0
 
 
 class Chips:
-    """Both devices' firmware under simavr in real time: the twin's wire between them, five times as quick."""
+    """Both devices' firmware under an emulator in real time: the twin's wire between them, five times as quick."""
 
     period_s = PERIOD_S / QUICKER
     speed = 1.0
     lease_s = 1.5  # a busy machine keeps a host from its devices for a while
     lease_ticks = 75
 
-    def __init__(self, folder: Path, start, seed: int = 2) -> None:
+    def __init__(self, folder: Path, start, seed: int = 2, timeout_s: float | None = None) -> None:
         file = load_rig("one_wire_twin")
         self._specimen = Specimen(file, Actuator.named(file.actuator), TwinSettings(seed=seed))
         self._counts, self._ambient = 0, 2200
         self._one_at_a_time = threading.Lock()
-        self._amplifier = start("amplifier_lines", self._amplified)
+        self.amplifier = start("amplifier_lines", self._amplified)
         self._daq = start("encoder_daq_lines", self._counted)
-        where = {"amplifier": self._amplifier.path, "daq": self._daq.path}
+        where = {"amplifier": self.amplifier.path, "daq": self._daq.path}
         actuator = quick_actuator(folder, QUICKER)
-        self.rig = write_rig(folder, where, 1.0, self.lease_s, self.period_s, actuator)
+        self.rig = write_rig(folder, where, 1.0, self.lease_s, self.period_s, actuator, timeout_s)
 
     def _amplified(self, driven_uA: int) -> str:
         with self._one_at_a_time:
@@ -65,11 +65,15 @@ class Chips:
     @property
     def behind_ms(self) -> int:
         """Real time that the machine was too busy to give the chips."""
-        return self._amplifier.behind_ms + self._daq.behind_ms
+        return self.amplifier.behind_ms + self._daq.behind_ms
 
     def driven(self) -> np.ndarray:
         """The output in every tick so far."""
-        return np.array(self._amplifier.driven_uA)
+        return np.array(self.amplifier.driven_uA)
+
+    def ticks(self, role: str) -> int:
+        """The ticks of one of the chips so far."""
+        return len((self.amplifier if role == "amplifier" else self._daq).driven_uA)
 
     def wait(self) -> None:
         """Long enough for a lease to end."""
@@ -85,11 +89,18 @@ def quick_actuator(folder: Path, quicker: float) -> str:
 
 
 def write_rig(
-    folder: Path, where: dict[str, str], speed: float, lease_s: float, period_s: float, actuator: str
+    folder: Path,
+    where: dict[str, str],
+    speed: float,
+    lease_s: float,
+    period_s: float,
+    actuator: str,
+    timeout_s: float | None = None,
 ):
     """The rig file of a host."""
     path = folder / "rig.toml"
     numbers = {"speed": speed, "lease": lease_s, "period": period_s, "slew": 2.5 / period_s}
-    numbers["timeout"] = 0.3 if speed else 5.0  # in lock-step a busy machine may take its time
+    # in lock-step a busy machine may take its time
+    numbers["timeout"] = timeout_s or (0.3 if speed else 5.0)
     path.write_text(RIG.format(wire=f"mortal {folder.name}", actuator=actuator, **where, **numbers))
     return path

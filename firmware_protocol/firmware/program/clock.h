@@ -1,6 +1,6 @@
 /* Milliseconds since boot, and the boot count. */
-#ifndef SMARIG_AVR_CLOCK_H
-#define SMARIG_AVR_CLOCK_H
+#ifndef SMARIG_CLOCK_H
+#define SMARIG_CLOCK_H
 
 #include <stdint.h>
 

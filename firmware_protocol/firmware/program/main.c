@@ -2,23 +2,13 @@
  * Interrupts only collect bytes and count milliseconds. Ticks and exchanges run one after the other in the main loop,
  * so no interrupt sees a partly changed device.
  */
-#include <avr/interrupt.h>
-#include <avr/io.h>
-#include <avr/sleep.h>
-#include <avr/wdt.h>
 #include <stdbool.h>
 
+#include "chip.h"
 #include "clock.h"
 #include "device.h"
+#include "hal.h"
 #include "link.h"
-
-/* After a watchdog reset the watchdog keeps running with its shortest time: stop it first. */
-void stop_watchdog(void) __attribute__((naked, used, section(".init3")));
-void stop_watchdog(void)
-{
-    MCUSR = 0;
-    wdt_disable();
-}
 
 /* Time between the start of a tick, when its current starts to flow, and its measurement. */
 #define SETTLE_ms 5
@@ -66,15 +56,14 @@ static bool tick(void)
 
 int main(void)
 {
+    hal_start();
     device_boot(clock_count_boot());
     clock_start();
     link_start();
-    wdt_enable(WDTO_120MS); /* much less than the shortest lease */
-    set_sleep_mode(SLEEP_MODE_IDLE);
-    sei();
+    chip_run();
     for (;;) {
-        wdt_reset(); /* the only place */
+        chip_feed_watchdog(); /* the only place */
         if (!tick() && !exchange())
-            sleep_mode(); /* until the next interrupt, at most one millisecond */
+            chip_sleep();
     }
 }

@@ -1,9 +1,9 @@
 /*
- * The hardware layer. Here it is a struct in SRAM, which the simulator writes and reads. On a board these functions
- * access the ADC, the encoder counter and the current source instead; nothing else changes.
+ * The emulator's stand-in for ADC, encoder counter and current source: a struct in SRAM, which the simulator writes and
+ * reads.
  */
-#ifndef SMARIG_AVR_HAL_H
-#define SMARIG_AVR_HAL_H
+#ifndef SMARIG_AVR_PLANT_H
+#define SMARIG_AVR_PLANT_H
 
 #include <stdint.h>
 
@@ -19,10 +19,5 @@ struct plant {
 };
 
 extern volatile struct plant plant;
-
-void hal_drive(int32_t current_uA);
-void hal_mark_tick(void);
-void hal_measure(int32_t *first, int32_t *second, int16_t *temperature, uint16_t *hardware);
-int32_t hal_counts(void);
 
 #endif

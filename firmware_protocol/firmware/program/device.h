@@ -1,6 +1,6 @@
-/* Selects the device of this MCU with -DDEVICE_amplifier or -DDEVICE_encoder_daq. */
-#ifndef SMARIG_AVR_DEVICE_H
-#define SMARIG_AVR_DEVICE_H
+/* Selects the device of this chip with -DDEVICE_amplifier or -DDEVICE_encoder_daq. */
+#ifndef SMARIG_DEVICE_H
+#define SMARIG_DEVICE_H
 
 #include <stdint.h>
 

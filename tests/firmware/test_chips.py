@@ -1,4 +1,4 @@
-"""The AVR firmware as an ELF under simavr, used over a pty.
+"""The firmware as an ELF under the emulator of its chip, used over a pty: an AVR under simavr, a Cortex-M3 under QEMU.
 
 Time is counted in the chip's ticks. Their real duration is checked with ``SMARIG_LONG``.
 """
@@ -35,8 +35,12 @@ def silent_until_tripped(chip, sequence):
     return armed, time.monotonic() - asked_s
 
 
+def one_ohm(driven_uA):
+    return f"in {driven_uA} {driven_uA} 2150 0"
+
+
 def test_the_amplifier_on_its_chip(start):
-    chip = start("amplifier_lines", lambda driven_uA: f"in {driven_uA} {driven_uA} 2150 0")  # 1 ohm
+    chip = start("amplifier_lines", one_ohm, watched=True)
     hello = chip.line("r 1 5").words
     assert hello[:4] == [0x5341, 3, *to_words(MAP.hash, 2)]
     limits = {r.name: r.safe for r in MAP.blocks["settings"]}
@@ -55,7 +59,7 @@ def test_the_amplifier_on_its_chip(start):
     assert [marks for *_, marks in ended.samples[:6]] == [0] * 5 + [2]  # the lease lasts five ticks
     assert ended.samples[5][:4] == (500_000, 500_000, 500_000, 2150)
 
-    boots = hello[4]
+    boots = _boots(chip)
     chip.tell("hang")  # with interrupts still running: only the watchdog helps
     _until(lambda: _boots(chip) == boots + 1)
     chip.tell("reset")
