@@ -36,6 +36,7 @@ if TYPE_CHECKING:
     from smarig.report.components.page import LIBRARY as LIBRARY
     from smarig.report.components.page import Section as Section
     from smarig.report.components.page import is_smarig_page as is_smarig_page
+    from smarig.report.components.page import library_script as library_script
     from smarig.report.components.page import page as page
     from smarig.report.components.page import write_library as write_library
     from smarig.report.components.page import write_page as write_page

@@ -126,6 +126,15 @@ def test_every_page_has_the_policy(console: Console):
         assert headers["cache-control"] == "no-store"
 
 
+@pytest.mark.parametrize("path", ["/smarig-figures.js", "/library/1/smarig-figures.js"])
+def test_the_script_of_figures_needs_no_token_but_the_right_host(console: Console, path):
+    reply = console.ask(path, headers={})
+    assert (reply.status, reply.headers["content-type"].split(";")[0]) == (200, "text/javascript")
+    assert "plotly" in reply.body[:2000].lower()
+    assert console.ask(path, headers={"Host": "evil.example"}).status == 403
+    assert console.ask(path, headers={}, method="POST").status == 403
+
+
 @pytest.mark.parametrize("path", ["//evil.example", "/%5Cevil.example", "/%0d%0aX-Evil:%201", "/a%3Fb%23c"])
 def test_the_redirect_after_the_token_stays_on_the_console(console: Console, path):
     reply = console.ask(f"{path}/?token={console.token}", headers={})

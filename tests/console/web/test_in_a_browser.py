@@ -294,6 +294,21 @@ def test_a_model_is_verified_by_clicks_and_the_command_follows_the_choice(visito
     visitor.shows("Verdict: ")  # without a click
 
 
+def test_a_figure_of_a_page_is_explored_in_the_console(visitor):
+    """The page has no access to the console, but the script of its figures."""
+    visitor.go("/library?text=recorded_once")
+    visitor.click("recorded_once")
+    entry = visitor.tab.run("location.pathname")
+    visitor.click("Make its page")
+    visitor.reload_until("!!document.querySelector('iframe')")
+    visitor.go(f"{entry}/page")
+    visitor.until("[...document.querySelectorAll('button')].some(b => b.innerText === 'Explore')", "figures")
+    visitor.click("Explore")
+    visitor.until(
+        "!!document.querySelector('.js-plotly-plot .main-svg')", "the figure can be turned and zoomed"
+    )
+
+
 def european(folder):
     """A loop as a German instrument writes it: semicolons between the columns, commas in the numbers."""
     rows = ["Zeit (s);Temperatur (°C);Weg (mm)"]

@@ -11,6 +11,8 @@ from dataclasses import dataclass
 from typing import Any
 from urllib.parse import parse_qsl, quote, urlencode
 
+from smarig.report import LIBRARY
+
 Scope = MutableMapping[str, Any]
 Receive = Callable[[], Awaitable[MutableMapping[str, Any]]]
 Send = Callable[[MutableMapping[str, Any]], Awaitable[None]]
@@ -21,12 +23,6 @@ _READING = frozenset({"GET", "HEAD"})
 POLICY = (
     "default-src 'none'; script-src 'self'; style-src 'self' 'unsafe-inline'; img-src 'self' data:; "
     "connect-src 'self'; form-action 'self'; frame-src 'self'; frame-ancestors 'self'; base-uri 'none'"
-)
-# A page of a report holds scripts of its own, and may come from somebody else: it runs without an origin, so that it
-# can neither read the console nor send it anything.
-REPORT_POLICY = (
-    "sandbox allow-scripts allow-downloads allow-popups; default-src 'none'; script-src 'unsafe-inline'; "
-    "style-src 'unsafe-inline'; img-src data: blob:; font-src data:; frame-ancestors 'self'"
 )
 _HEADERS = {
     "x-content-type-options": "nosniff",
@@ -55,6 +51,11 @@ class AccessGuard:
         reason = self._refusal(scope, headers)
         if reason:
             await _answer(send, 403, reason)
+            return
+        if scope["method"] in _READING and scope["path"].endswith(
+            f"/{LIBRARY}"
+        ):  # for pages without an origin
+            await self.app(scope, receive, _with_headers(send))
             return
         query = parse_qsl(scope["query_string"].decode("latin-1"), keep_blank_values=True)
         if self._is_token(dict(query).get(TOKEN, "")):

@@ -9,6 +9,7 @@ from starlette.responses import Response
 from starlette.routing import Mount
 from starlette.staticfiles import StaticFiles
 
+from smarig.console.web import report_response
 from smarig.console.web.access_guard import AccessGuard
 from smarig.console.web.console_context import ConsoleContext, page
 from smarig.console.web.pages import data_file_page, library_page, live_run_page, new_run_page, overview_page
@@ -21,6 +22,7 @@ def console_application(context: ConsoleContext, token: str, port: int) -> Acces
     """The application for a context, for browsers that have the token."""
     application = Starlette(
         routes=[
+            *report_response.ROUTES,
             *new_run_page.ROUTES,
             *overview_page.ROUTES,
             *live_run_page.ROUTES,

@@ -130,14 +130,14 @@ def write_page(html: str, path: str | Path, force: bool = False) -> Path:
 
 def write_library(folder: Path) -> Path:
     """Copy Plotly's script into a folder of pages if it is missing or of another version."""
-    file, script = folder / LIBRARY, _plotly_script()
+    file, script = folder / LIBRARY, library_script()
     if not file.is_file() or not filecmp.cmp(script, file, shallow=False):
         with atomic_file(file, force=True) as part:
             shutil.copyfile(script, part)
     return file
 
 
-def _plotly_script() -> Path:
+def library_script() -> Path:
     """The script in the installed package, which is not imported: it takes thirty megabytes."""
     package = find_spec("plotly")
     if package is None or package.origin is None:

@@ -10,13 +10,13 @@ import numpy as np
 from starlette.concurrency import run_in_threadpool
 from starlette.datastructures import UploadFile
 from starlette.requests import Request
-from starlette.responses import FileResponse, HTMLResponse, Response
+from starlette.responses import HTMLResponse, Response
 from starlette.routing import Route
 
 from smarig.console.command_process import run_command
-from smarig.console.web.access_guard import REPORT_POLICY
 from smarig.console.web.console_context import ConsoleContext, back, context_of, page
 from smarig.console.web.loop_path import loop_path
+from smarig.console.web.report_response import report_response
 from smarig.core import SmarigError, UsageError, printable
 from smarig.exchange import find_tables
 from smarig.study import SPLITS, TableGuess, guess_table
@@ -82,7 +82,7 @@ def alone(request: Request) -> Response:
     path = _out(context, _file(context, request.path_params["key"])) / "index.html"
     if not path.is_file():
         raise UsageError("This file has not been studied yet.")
-    return FileResponse(path, media_type="text/html", headers={"content-security-policy": REPORT_POLICY})
+    return report_response(request, path)
 
 
 def _studied(request: Request, form: Mapping[str, str]) -> Response:

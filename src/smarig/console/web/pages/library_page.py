@@ -9,13 +9,12 @@ from urllib.parse import urlencode
 
 from starlette.concurrency import run_in_threadpool
 from starlette.requests import Request
-from starlette.responses import FileResponse, HTMLResponse, JSONResponse, RedirectResponse, Response
+from starlette.responses import HTMLResponse, JSONResponse, RedirectResponse, Response
 from starlette.routing import Route
 
 from smarig.console.library.library_entry import RECORDING, RUN, Entry
 from smarig.console.library.library_search import FACETS, ORDERS
 from smarig.console.library.run_content import is_recording
-from smarig.console.web.access_guard import REPORT_POLICY
 from smarig.console.web.console_context import ConsoleContext, back, context_of, page
 from smarig.console.web.evaluations import (
     compared_page,
@@ -24,6 +23,7 @@ from smarig.console.web.evaluations import (
     start_evaluation,
 )
 from smarig.console.web.loop_path import loop_path
+from smarig.console.web.report_response import report_response
 from smarig.core import UsageError
 from smarig.report import duration
 
@@ -127,7 +127,7 @@ def entry_page(request: Request) -> Response:
     path = finished_page(context, context.library.entry(request.path_params["id"]))
     if path is None:
         raise UsageError("This entry has no page yet.")
-    return FileResponse(path, media_type="text/html", headers={"content-security-policy": REPORT_POLICY})
+    return report_response(request, path)
 
 
 async def change(request: Request) -> Response:
@@ -178,7 +178,7 @@ def _compared(request: Request, ids: list[str]) -> Response:
     if len(ids) < 2:
         return back("/library", "Choose two runs or more.", "warning")
     path = compared_page(context, [context.library.entry(id) for id in ids])
-    return FileResponse(path, media_type="text/html", headers={"content-security-policy": REPORT_POLICY})
+    return report_response(request, path)
 
 
 def trends(request: Request) -> HTMLResponse:
