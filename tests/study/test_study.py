@@ -86,7 +86,7 @@ def test_one_loop_is_good_only_if_blocks_left_out_are_predicted(tmp_path, times_
     path.write_text(csv_text(np.arange(u.size) * 0.5, u, displacements(u) + noise), encoding="utf-8")
     studied = study([path], tmp_path / "out", StudyOptions())
     left_out = SimpleNamespace(rms=times_noise * studied.diagnosis.noise)
-    result = replace(studied, diagnosis=replace(studied.diagnosis, best=left_out))
+    result = replace(studied, diagnosis=replace(studied.diagnosis, base=left_out, best=None))
     assert (result.verdict, result.at_noise) == (verdict, verdict == "good")
     assert ("as blocks left out of the fit are predicted less well" in result._verdict_words()) == (
         verdict == "fair"
@@ -207,3 +207,15 @@ def test_files_without_a_table_are_refused(tmp_path):
     (tmp_path / "a.txt").write_text("nothing here\n")
     with pytest.raises(DataError, match="holds no table"):
         study([tmp_path / "a.txt"], tmp_path / "out")
+
+
+def test_the_error_on_blocks_left_out_is_that_of_the_model_that_is_shown(tmp_path):
+    """A learned term predicts better, but it is not the model of the first sentence."""
+    u = temperatures(1, 120)
+    path = tmp_path / "loop.csv"
+    path.write_text(csv_text(np.arange(u.size) * 0.5, u, displacements(u)), encoding="utf-8")
+    studied = study([path], tmp_path / "out", StudyOptions())
+    shown, better = SimpleNamespace(rms=0.5), SimpleNamespace(rms=0.001, effects=())
+    result = replace(studied, diagnosis=replace(studied.diagnosis, base=shown, best=better))
+    assert result.evaluation.best.name == "positive measure"
+    assert result._left_out == 0.5

@@ -164,8 +164,12 @@ def representation_notice(test: "Representation") -> Html:
 
 
 def run_lead(run: Run, *others: Run) -> str:
-    """A line with the conditions of a run: wire, rig, seed, ambient temperature (also of ``others``), input."""
-    return capitalised(conditions_text(run, *others)) or run.path.name
+    """A line with the conditions of a run: wire, rig, seed, ambient temperature (also of ``others``), input, and the
+    effects that a twin was given.
+    """
+    given = dict.fromkeys(effect for each in (run, *others) for effect in each.info.effects)
+    simulated = f"simulated with {', '.join(given)}" if given else ""
+    return capitalised(", ".join(filter(None, (conditions_text(run, *others), simulated)))) or run.path.name
 
 
 def run_cards(run: Run) -> Html:

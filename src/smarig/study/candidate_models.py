@@ -14,7 +14,7 @@ from smarig.study.data_split import LOAD, DataSplit
 
 _ONE_MODEL = "one model of all loads"
 _POSITIVE = "positive measure"
-_EXTENDED = "extended model of the diagnosis"
+EXTENDED = "extended model of the diagnosis"
 _SURFACES = {"table": "table of the curves", "exponential": "exponential surface"}
 
 
@@ -55,7 +55,7 @@ class Evaluation:
     @property
     def plain(self) -> CandidateModel:
         """The best candidate without a load and without effects, which a diagnosis starts from."""
-        return next((c for c in self.candidates if c.name not in (_ONE_MODEL, _EXTENDED)), self.best)
+        return next((c for c in self.candidates if c.name not in (_ONE_MODEL, EXTENDED)), self.best)
 
 
 def evaluate(split: DataSplit, progress: Callable[[str], None]) -> Evaluation:
@@ -77,9 +77,9 @@ def evaluate(split: DataSplit, progress: Callable[[str], None]) -> Evaluation:
 def with_extended(evaluation: Evaluation, model: Model, split: DataSplit) -> Evaluation:
     """The evaluation with the extended model of a diagnosis; it comes first only if it is best on held-out data."""
     try:
-        extended = _evaluated(_EXTENDED, model, model.warnings, split, train_zero="fitted")
+        extended = _evaluated(EXTENDED, model, model.warnings, split, train_zero="fitted")
     except (DataError, UsageError) as error:
-        return replace(evaluation, failed=evaluation.failed | {_EXTENDED: str(error)})
+        return replace(evaluation, failed=evaluation.failed | {EXTENDED: str(error)})
     first, *rest = evaluation.candidates
     ahead = split.kind != "none" and extended.rms < first.rms
     ordered = (extended, first, *rest) if ahead else (first, *sorted([extended, *rest], key=lambda c: c.rms))

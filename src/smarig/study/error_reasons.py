@@ -8,7 +8,7 @@ import numpy as np
 from smarig.core import spaced
 from smarig.exchange import dimension, finding_kind
 from smarig.identification import RunVerification
-from smarig.measurement import reversals
+from smarig.measurement import first_branch_differs, reversals
 from smarig.record import Run
 from smarig.replay import recorded_conditions
 from smarig.study.candidate_models import CandidateModel
@@ -25,7 +25,7 @@ _BACK_SHARE = 0.08  # of the output's range
 _WIDE_BRANCH = 0.5  # of the input's range
 _FEWEST_ROWS, _PARTS = 60, 20  # of a branch
 _FEW_READINGS = 100  # a model passes through so few, whatever the specimen does
-_LEADS = "output leads its input"
+_LEADS, _CONTRARY = "output leads its input", "moves opposite to the direction of its branch"
 
 
 def error_reasons(split: DataSplit, best: CandidateModel) -> list[str]:
@@ -58,6 +58,12 @@ def wrong_direction(tables: Sequence[ImportedTable]) -> Iterator[str]:
     if found:
         many = f" In {len(found)} of {len(tables)} runs." if len(tables) > 1 else ""
         yield f"{found[0]}{many}"
+
+
+def noisy_input(tables: Sequence[ImportedTable]) -> Iterator[str]:
+    """The first sentence of the import on an input whose noise a model takes for reversals."""
+    found = [w for t in tables for w in t.warnings if _CONTRARY in w]
+    yield from found[:1]
 
 
 def _conditions(split: DataSplit) -> Iterator[str]:
@@ -146,8 +152,10 @@ def _back(run: RunVerification, span: float) -> float:
     u, y = run.input[known], run.measured[known]
     if u.size < _FEWEST_ROWS or not np.ptp(y):
         return 0.0
-    most = 0.0
-    for a, b in pairwise(reversals(u)):
+    most, turns = 0.0, reversals(u)
+    if first_branch_differs(u, y, turns):  # it began in another state
+        turns = turns[1:]
+    for a, b in pairwise(turns):
         if abs(u[b] - u[a]) < _WIDE_BRANCH * np.ptp(u) or b - a < _FEWEST_ROWS:
             continue
         bins = np.array([np.median(part) for part in np.array_split(y[a : b + 1], _PARTS)])  # free of noise

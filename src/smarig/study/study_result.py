@@ -23,9 +23,9 @@ from smarig.identification import (
     without_dropouts,
 )
 from smarig.record import load_run
-from smarig.study.candidate_models import Evaluation
+from smarig.study.candidate_models import EXTENDED, Evaluation
 from smarig.study.data_split import DataSplit
-from smarig.study.error_reasons import error_reasons, one_way, wrong_direction
+from smarig.study.error_reasons import error_reasons, noisy_input, one_way, wrong_direction
 from smarig.study.held_out_parts import BranchError, branch_errors, unpredicted_share, worst_place
 from smarig.study.imported_runs import ImportedTable
 from smarig.study.study_json import study_json
@@ -35,6 +35,7 @@ from smarig.study.study_sentences import (
     error_sentence,
     finding_sentence,
     left_out_sentence,
+    measure,
     place_text,
     simple_curve_sentence,
     unpredicted_sentence,
@@ -129,10 +130,16 @@ class StudyResult:
     @property
     def _left_out_is_worse(self) -> bool:
         """Whether nothing is held out, and blocks left out of the fit are predicted worse than noise would."""
+        found = self._left_out
+        return found is not None and bool(self.noise) and found > GOOD_RATIO * (self.noise or 0.0)
+
+    @property
+    def _left_out(self) -> float | None:
+        """The rms error of the model on blocks left out of its fit; None where data were held out, or if unknown."""
         d = self.diagnosis
-        if not self._is_fitted or not isinstance(d, MeasuredDiagnosis) or not d.noise:
-            return False
-        return (d.best or d.base).rms > GOOD_RATIO * d.noise
+        if not self._is_fitted or not isinstance(d, MeasuredDiagnosis) or self.evaluation is None:
+            return None
+        return d.best.rms if d.best and self.evaluation.best.name == EXTENDED else d.base.rms
 
     @property
     def _level_on_average(self) -> ErrorLevel:
@@ -172,7 +179,7 @@ class StudyResult:
         if self.evaluation is None or self.split is None or self.verdict == GOOD:
             return []
         explained = error_reasons(self.split, self.evaluation.best)
-        return [*wrong_direction(self.tables), *self._where(), *explained]
+        return [*wrong_direction(self.tables), *self._where(), *noisy_input(self.tables), *explained]
 
     def sentences(self) -> list[str]:
         """Three sentences: how good the model is, against what, and what to do now."""
@@ -188,8 +195,8 @@ class StudyResult:
             unpredicted=self.unpredicted,
             fitted=self._is_fitted,
         )
-        if self._is_fitted and isinstance(self.diagnosis, MeasuredDiagnosis):
-            first += f" {left_out_sentence(self.diagnosis)}"
+        if self._left_out is not None:
+            first += f" {left_out_sentence(self._left_out, self.unit, self.noise)}"
         return [first, self._simple_sentence(), self._next_sentence()]
 
     def hints(self) -> list[str]:
@@ -253,7 +260,19 @@ class StudyResult:
     def _next_sentence(self) -> str:
         if self.diagnosis is None:
             return f"No diagnosis: {self.diagnosis_reason}"
-        return finding_sentence(self.diagnosis, at_noise=self.at_noise)
+        return f"{finding_sentence(self.diagnosis, at_noise=self.at_noise)}{self._gain_by_cause()}"
+
+    def _gain_by_cause(self) -> str:
+        """What the extended model of a named cause predicts of the held-out data, in place of the plain one."""
+        found, d = self.evaluation, self.diagnosis
+        extended = next((c for c in found.candidates if c.name == EXTENDED), None) if found else None
+        if found is None or extended is None or d is None or d.verdict.word != "named" or self._is_fitted:
+            return ""
+        plain = found.plain
+        if extended.rms >= plain.rms:
+            return " It does not predict the held-out data better."
+        before, after = (measure(c.rms, self.unit) for c in (plain, extended))
+        return f" With it, the error on the held-out data is {after} instead of {before}."
 
     def to_json(self) -> dict[str, Any]:
         """The JSON object of the command line, which is also DIR/study.json."""

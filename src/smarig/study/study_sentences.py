@@ -42,11 +42,10 @@ def error_sentence(
     return f"The model ({model}) {what} to within {size}{ratio}{rest}: {verdict}."
 
 
-def left_out_sentence(d: MeasuredDiagnosis) -> str:
+def left_out_sentence(rms: float, unit: str, noise: float | None) -> str:
     """How large the error is on blocks left out of the fit: where nothing is held out, the honest figure."""
-    rms = (d.best or d.base).rms
-    ratio = f", {ratio_text(rms / d.noise)} × the noise of a reading" if d.noise else ""
-    return f"On blocks left out of the fit, the error is {measure(rms, d.unit)} rms{ratio}."
+    ratio = f", {ratio_text(rms / noise)} × the noise of a reading" if noise else ""
+    return f"On blocks left out of the fit, the error is {measure(rms, unit)} rms{ratio}."
 
 
 def simple_curve_sentence(name: str, error: float, gain: float, unit: str) -> str:
@@ -133,7 +132,7 @@ def _effects(d: MeasuredDiagnosis) -> list[str]:
         name = effect["name"]
         strengths = [_strength(k, p) for k, p in effect["parameters"].items() if k != "reference"]
         size = f" {capitalised(', '.join(strengths))}." if strengths else ""
-        found.append(f"What explains the errors: {name}. {summaries.get(name, '')}{size}")
+        found.append(f"A cause was found: {name}. {summaries.get(name, '')}{size}")
     return found
 
 

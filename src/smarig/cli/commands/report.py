@@ -273,7 +273,8 @@ def _models(models: tuple[Path, ...], files: list[Path], place: _Target) -> None
     _check_no_repeats(files, "run")
     target = place.out or files[0].with_name("models.html")
     check_distinct(target, *files, *models)
-    loaded = {name: load_model(file) for name, file in zip(distinct_names(models, ".model.json"), models)}
+    names = [name.removesuffix(".json") for name in distinct_names(models, ".model.json")]
+    loaded = {name: load_model(file) for name, file in zip(names, models)}
     runs = {name: load_run(file) for name, file in zip(distinct_names(files, ".run.sqlite"), files)}
     place.write(models_page(loaded, runs), target)
     plain = {"models": [str(file) for file in models], "runs": [str(file) for file in files]}

@@ -8,7 +8,7 @@
 Differences count if they exceed five times the noise of a reading.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -48,7 +48,12 @@ class CurveReport:
 
 
 def curve_report(data: FodData) -> CurveReport:
-    """Compare the curves of FOD data (k points) with their own noise; each warning is one or two sentences."""
+    """Compare the curves of FOD data (k points) with their own noise; each warning is one or two sentences.
+
+    An output that falls while the input rises, as a strain does, is compared in its negative.
+    """
+    turned = float(np.cov(data.beta, data.y)[0, 1]) < 0 if data.y.size > 1 else False
+    data = replace(data, y=-data.y) if turned else data
     descending_curves = data.descending_curves()
     if not descending_curves:
         return CurveReport(
@@ -70,18 +75,19 @@ def curve_report(data: FodData) -> CurveReport:
     merge = spread <= max(_SPREAD_FACTOR * np.nan_to_num(noise), _MERGED * float(np.ptp(data.y)))
     angle, angle_noise = _top_angle(data, descending_curves, noise)
     angled = angle - 2 * angle_noise > _ANGLE
-    unit = data.unit
+    unit, sign = data.unit, -1.0 if data.mirrored else 1.0
     warnings = []
     if rising:
-        where = ", ".join(f"{a:g}" for a in rising[:3])
+        where = ", ".join(f"{sign * a:g}" for a in rising[:3])
+        way, turn = "fall" if data.mirrored != turned else "rise", "rises" if data.mirrored else "falls"
         warnings.append(
-            f"Curves rise while the input falls (α = {where}): Assumption 2.1 does not hold for these data, "
+            f"Curves {way} while the input {turn} (α = {where}): Assumption 2.1 does not hold for these data, "
             "and the inverse is not unique there."
         )
     if crossing:
         warnings.append(
-            f"First-order curves cross inside the major loop (α = {crossing[0]:g} and {crossing[1]:g} near "
-            f"β = {crossing[2]:g}): the density μ is negative somewhere (Prop. 4.6)."
+            f"First-order curves cross inside the major loop (α = {sign * crossing[0]:g} and "
+            f"{sign * crossing[1]:g} near β = {sign * crossing[2]:g}): the density μ is negative somewhere (Prop. 4.6)."
         )
     if not merge:
         warnings.append(

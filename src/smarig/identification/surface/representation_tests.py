@@ -91,8 +91,8 @@ class Representation:
                 f"{self.hidden:.2g}{spaced(self.unit)} rms besides the noise could have remained unnoticed (95 %)."
             )
         return (
-            f"A classical Preisach model cannot represent this difference. Expect errors of up to "
-            f"{share:.1f} % of the travel for such histories."
+            "A classical Preisach model cannot represent this difference: by itself it causes errors of up to "
+            f"{share:.1f} % of the range of the test, in such histories."
         )
 
     def to_json(self) -> dict:

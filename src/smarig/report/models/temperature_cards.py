@@ -12,6 +12,7 @@ from smarig.report.transformation.transformation_tables import figure_name
 from smarig.transformation import HEADLINE, RunFigures, run_figures
 
 _STROKE = "stroke"  # has a card of its own
+_DIFFERENCES = ("width", "span")  # of temperatures
 
 
 def temperature_cards(runs: Iterable[Run]) -> tuple[Html, str]:
@@ -30,11 +31,14 @@ def temperature_cards(runs: Iterable[Run]) -> tuple[Html, str]:
             continue
         estimate = best.estimate(name)
         low, high = (number(end, 3) for end in estimate.ci95)
-        unit = display_unit(estimate.unit)
+        above = " above ambient" if estimate.unit == "K" and name not in _DIFFERENCES else ""
+        unit = f"{display_unit(estimate.unit)}{above}"
         shown.append((figure_name(name), f"{number(estimate.value, 3)} {unit}", f"95 %: {low} to {high}"))
     name = run.path.name.removesuffix(".run.sqlite")
     assembled = f" ({' and '.join(best.assembled)} assembled from its curves)" if best.assembled else ""
-    return cards(shown), f" Temperatures by tangents to {name}{assembled}."
+    limits = f" {best.notes[0]}" if best.notes else ""
+    more = f" What else limits them: smarig transformation {name}.run.sqlite." if len(best.notes) > 1 else ""
+    return cards(shown), f" Temperatures by tangents to {name}{assembled}.{limits}{more}"
 
 
 def _figures(run: Run) -> RunFigures | None:

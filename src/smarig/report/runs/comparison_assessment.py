@@ -11,7 +11,7 @@ from smarig.record import Run
 from smarig.report.components.assessment_box import Assessment, box_level
 from smarig.report.components.numbers import number, signed
 from smarig.report.components.run_description import display_unit, extent, protocol_name
-from smarig.report.runs.own_diagnosis import own_diagnoses
+from smarig.report.runs.own_diagnosis import named_causes, own_diagnoses
 from smarig.report.runs.run_alignment import AlignedRun
 from smarig.report.runs.run_change import RunChange, run_change
 from smarig.report.runs.run_family import FamilyFigures
@@ -32,7 +32,7 @@ def comparison_assessment(found: Sequence[AlignedRun], family: FamilyFigures) ->
     return Assessment(
         box_level(change.level),
         _compared(first, others),
-        f"{_change_text(worst, change, len(others))} {_strokes(found, family)}",
+        f"{_change_text(worst, change, len(others))} {_strokes(found, family)}".strip(),
         f"{_advice(worst, change, _diagnosed(first, worst))}{_stated_effects(first, others)}",
     )
 
@@ -120,7 +120,9 @@ def _strokes(found: Sequence[AlignedRun], family: FamilyFigures) -> str:
         if not (np.isfinite(before) and np.isfinite(after) and before):
             return ""
         percent = signed(100 * (after / before - 1), 2)
-        return f"Stroke {number(before, 4)} → {number(after, 4)}{unit} ({percent} %)."
+        causes = named_causes([each.run for each in found])
+        part = f", of which {' and '.join(causes)} may be a part" if causes else ""
+        return f"Stroke {number(before, 4)} → {number(after, 4)}{unit} ({percent} %){part}."
     known = [value for value in family.strokes if np.isfinite(value)]
     if not known:
         return ""

@@ -1,7 +1,7 @@
 """What the diagnosis in the folder of a characterisation says of its runs."""
 
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from smarig.core import spaced
@@ -11,6 +11,12 @@ from smarig.record import Run
 from smarig.report.components.numbers import number
 
 _RUNS, _DIAGNOSIS = "runs", "diagnosis"  # folders of a characterisation
+
+
+def named_causes(runs: Sequence[Run]) -> list[str]:
+    """The effects that the diagnoses beside runs named."""
+    found = [one for run in runs if (one := _stored(run)) is not None and one["verdict"] == "named"]
+    return list(dict.fromkeys(str(name) for one in found for name in one.get("set") or ()))
 
 
 def own_diagnoses(runs: Mapping[str, Run]) -> str:

@@ -7,7 +7,7 @@ from smarig.report.components.decimate import envelope
 
 _SHORTEST_STEP = 0.008  # of the range: samples that moved less are left out
 _COUNTS = 1.6  # of the output: less is the resolution of its readings
-_MOST_SAMPLES = 40_000  # that are looked at one by one
+_MOST_SAMPLES = 400_000  # that are looked at one by one: of longer runs, extremes of a few neighbours each
 
 
 def sample_path(u: NDArray[np.float64], y: NDArray[np.float64], count: float = 0.0) -> NDArray[np.intp]:
