@@ -1,5 +1,7 @@
 """Properties of the curves themselves: single sigmoids, noise, merging, crossing, range."""
 
+import re
+
 import numpy as np
 import pytest
 
@@ -118,7 +120,27 @@ def test_a_curve_that_rises_while_the_input_falls_is_reported():
     assert curve_report(fod_data(made_run(inputs, y))).monotone
     report = curve_report(fod_data(made_run(inputs, y + bump)))
     assert not report.monotone
-    assert any("Assumption 2.1" in w for w in report.warnings)
+    (rise,) = [w for w in report.warnings if "Assumption 2.1" in w]
+    assert rise.startswith("Curves rise while the input falls")
+
+    falling = curve_report(fod_data(made_run(inputs, 12.0 - y)))
+    assert falling.monotone, "an output that falls while the input rises, as strain does, breaks nothing"
+    (fall,) = [w for w in curve_report(fod_data(made_run(inputs, 12.0 - y - bump))).warnings if "2.1" in w]
+    assert fall == rise.replace("Curves rise", "Curves fall")
+
+
+def test_mirrored_curves_are_named_by_the_inputs_that_were_recorded():
+    inputs, y = fod_run("one_c", partition=np.linspace(0.0, 174.1, 51), seed=1).points()
+    bump = 2.0 * np.exp(-(((inputs - 60.0) / 10.0) ** 2))
+    plain = next(w for w in curve_report(fod_data(made_run(inputs, y + bump))).warnings if "2.1" in w)
+    data = fod_data(made_run(-inputs, -y - bump, initial="positive"))
+    assert data.mirrored
+    mirrored = next(w for w in curve_report(data).warnings if "2.1" in w)
+    assert mirrored.startswith("Curves fall while the input rises (α = -")
+    numbers = [float(v) for v in re.findall(r"-?[\d.]+(?=[,)])", mirrored.split("(α = ")[1].split(":")[0])]
+    assert numbers == [
+        -float(v) for v in re.findall(r"-?[\d.]+(?=[,)])", plain.split("(α = ")[1].split(":")[0])
+    ]
 
 
 def test_two_points_are_enough_for_an_evaluation():

@@ -17,6 +17,7 @@ from smarig.report.components.decimate import envelope, path
 from smarig.report.components.figure import Figure, Panel, axis, line, packed
 from smarig.report.components.html import Html, table, tag
 from smarig.report.components.page import LIBRARY, Section, page, write_page
+from smarig.report.runs.sample_path import sample_path
 
 EVIL = "</script><script>alert('x')</script><img src=http://evil.example/a.png>"
 
@@ -144,6 +145,16 @@ def test_a_thinned_path_has_the_shape_of_the_whole():
         assert np.hypot(*(drawn[near] - (u[k] / 200, y[k] / 2)).T).min() < 0.006
     gap = np.where((row > 2000) & (row < 4000), np.nan, y)
     assert np.isnan(gap[path(u, gap, 700)]).any()
+
+
+def test_the_path_of_a_long_run_keeps_every_sample_of_a_fast_move():
+    """As a large step of the current gives: the wire heats by several kelvin a tick, while holds fill the run."""
+    hold, move = np.zeros(60_000), np.linspace(0.0, 1.0, 21)[1:]
+    u = np.concatenate([hold, move, hold + 1.0])
+    y = u**4
+    kept = sample_path(u, y)
+    assert set(range(60_000, 60_020)) <= set(kept.tolist())
+    assert kept.size < 100
 
 
 @pytest.mark.parametrize("n", [41, 999, 1000, 4321])

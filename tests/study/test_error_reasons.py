@@ -43,6 +43,13 @@ def test_an_output_that_goes_back_within_a_branch_is_said(tmp_path):
     assert any("goes back by" in s for s in expanding.reasons)
 
 
+def test_a_first_branch_of_another_state_is_no_output_that_goes_back(tmp_path):
+    u = 72.5 - 47.5 * np.cos(np.linspace(0, 20 * np.pi, 2400))
+    x = displacements(u)
+    x[:120] += 1.5 * np.sin(np.linspace(0, np.pi, 120))  # the first heating
+    assert not any("goes back" in s for s in _studied(tmp_path, u, x).reasons)
+
+
 def test_a_branch_without_a_way_back_is_no_good_model(tmp_path):
     u = np.linspace(120, 20, 60)
     result = _studied(tmp_path, u, displacements(u, noise=0.002))

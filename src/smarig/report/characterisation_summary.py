@@ -1,7 +1,9 @@
 """One sheet of paper on a characterisation: three sentences, the loop with the model, key figures, and its origin."""
 
+from smarig.core import capitalised
 from smarig.report.components.figure import Figure
 from smarig.report.components.html import Html, paragraph
+from smarig.report.components.numbers import runs_text
 from smarig.report.components.page import LIBRARY, Section, page
 from smarig.report.components.run_description import source_label
 from smarig.report.models.assessment import assessment
@@ -19,7 +21,6 @@ def characterisation_summary(e: Evidence, *, library: str = LIBRARY) -> str:
     runs, assessed = list(e.runs.values()), assessment(e)
     run = training_run(e)
     figure = loop_figure(e, run) if run is not None else None
-    files = ", ".join(each.path.name.removesuffix(".run.sqlite") for each in runs)
     temperatures, source = temperature_cards(runs)
     parts: list[Html | Figure] = [
         assessed.html(),
@@ -27,7 +28,7 @@ def characterisation_summary(e: Evidence, *, library: str = LIBRARY) -> str:
         *([figure] if figure else []),
         characterisation_cards(e, theory=False),
         temperatures,
-        paragraph(f"Runs {files}; {e.chosen} model.{source}"),
+        paragraph(f"{capitalised(e.chosen)} model from {runs_text(len(runs))}.{source}"),
     ]
     return page(
         f"Summary: {e.title[:1].lower()}{e.title[1:]}",

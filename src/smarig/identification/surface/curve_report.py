@@ -78,16 +78,17 @@ def curve_report(data: FodData) -> CurveReport:
     unit, sign = data.unit, -1.0 if data.mirrored else 1.0
     warnings = []
     if rising:
-        where = ", ".join(f"{sign * a:g}" for a in rising[:3])
+        where = ", ".join(f"{sign * a + 0.0:g}" for a in rising[:3])
         way, turn = "fall" if data.mirrored != turned else "rise", "rises" if data.mirrored else "falls"
         warnings.append(
             f"Curves {way} while the input {turn} (α = {where}): Assumption 2.1 does not hold for these data, "
             "and the inverse is not unique there."
         )
     if crossing:
+        first, second, place = (f"{sign * value + 0.0:g}" for value in crossing)  # no −0
         warnings.append(
-            f"First-order curves cross inside the major loop (α = {sign * crossing[0]:g} and "
-            f"{sign * crossing[1]:g} near β = {sign * crossing[2]:g}): the density μ is negative somewhere (Prop. 4.6)."
+            f"First-order curves cross inside the major loop (α = {first} and {second} near β = {place}): the density "
+            "μ is negative somewhere (Prop. 4.6)."
         )
     if not merge:
         warnings.append(

@@ -31,14 +31,13 @@ def temperature_cards(runs: Iterable[Run]) -> tuple[Html, str]:
             continue
         estimate = best.estimate(name)
         low, high = (number(end, 3) for end in estimate.ci95)
-        above = " above ambient" if estimate.unit == "K" and name not in _DIFFERENCES else ""
-        unit = f"{display_unit(estimate.unit)}{above}"
-        shown.append((figure_name(name), f"{number(estimate.value, 3)} {unit}", f"95 %: {low} to {high}"))
+        above = "above ambient; " if estimate.unit == "K" and name not in _DIFFERENCES else ""
+        value = f"{number(estimate.value, 3)} {display_unit(estimate.unit)}"
+        shown.append((figure_name(name), value, f"{above}95 %: {low} to {high}"))
     name = run.path.name.removesuffix(".run.sqlite")
     assembled = f" ({' and '.join(best.assembled)} assembled from its curves)" if best.assembled else ""
-    limits = f" {best.notes[0]}" if best.notes else ""
-    more = f" What else limits them: smarig transformation {name}.run.sqlite." if len(best.notes) > 1 else ""
-    return cards(shown), f" Temperatures by tangents to {name}{assembled}.{limits}{more}"
+    more = "; smarig transformation says what limits them" if best.notes else ""
+    return cards(shown), f" Temperatures by tangents to {name}{assembled}{more}."
 
 
 def _figures(run: Run) -> RunFigures | None:
