@@ -41,7 +41,7 @@ def test_a_request_during_a_reply_is_lost_and_does_not_change_it(uno):
     request = frame(bytes([65, 3, 0, 0, 0, AMPLIFIER.size("status")]))
     length = 5 + 2 * AMPLIFIER.size("status")
     reply = board.ask(request, 1)
-    reply += board.ask(frame(bytes([65, 3, 0, 0, 0, 1])), length - len(reply))
+    reply += board.ask(frame(bytes([65, 3, 0, 0, 0, 1])), length - len(reply), begins=False)
     assert reply == frame(reply[:-2])
     assert board.ask(b"", 1, patience_s=0.5) == b""
     assert (len(reply), reply[:2]) == (length, bytes([65, 3]))

@@ -83,15 +83,19 @@ class Uno:
         """Let device time pass without a host."""
         assert self.told(f"go {ms}") == ["went"]
 
-    def ask(self, request: bytes, length: int, patience_s: float = PATIENCE_S) -> bytes:
-        """The reply to bytes, complete at ``length`` or when nothing comes any more."""
+    def ask(
+        self, request: bytes, length: int, patience_s: float = PATIENCE_S, *, begins: bool = True
+    ) -> bytes:
+        """The reply to bytes, complete at ``length`` or when nothing comes any more. ``begins``: it is not the rest
+        of one, in which five bytes can look like a refusal.
+        """
         if self._line is None:
             self._line = os.open(self.path, os.O_RDWR | os.O_NOCTTY)
         os.write(self._line, request)
         reply = b""
-        while (
-            len(reply) < length and not _refused(reply) and select.select([self._line], [], [], patience_s)[0]
-        ):
+        while len(reply) < length and not (begins and _refused(reply)):
+            if not select.select([self._line], [], [], patience_s)[0]:
+                break
             reply += os.read(self._line, 4096)
         return reply
 
