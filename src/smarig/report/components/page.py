@@ -9,6 +9,7 @@ import json
 import shutil
 from collections.abc import Sequence
 from dataclasses import dataclass
+from importlib.metadata import version
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
@@ -110,7 +111,8 @@ def _footer(words: str, library: str) -> Html:
         f' "Explore" needs the file {library}, which was written with this page.' if library else ""
     )
     footer_text = (
-        f"Written by smarig. This file is self-contained and loads nothing from the network.{library_note}"
+        f"Written by smarig {version('smarig')}. This file is self-contained and loads nothing from the network."
+        f"{library_note}"
     )
     return tag("footer", tag("p", f"{words} {footer_text}".strip()))
 
