@@ -299,3 +299,13 @@ def test_an_offset_fitted_to_a_step_or_two_shows_no_agreement():
         assessed = comparison_assessment(found, family_figures([each.run for each in found]))
         assert ("in common" in assessed.quality) == (common < 3)
         assert assessed.level != "good"
+
+
+def test_one_step_of_two_runs_with_one_zero_shows_no_change():
+    """Two protocols of one session, which begin with the same step."""
+    same = {"encoder_zero": "power-up", "initial": "negative"}
+    other = made((0.5, 9, 7, 1), (TARGETS[0], *(k + 0.5 for k in TARGETS[1:])), **same)
+    found = aligned({"a": made((0, 5, 2, 4), **same), "b": other})
+    assert (found[1].difference.size, found[1].offset_kind) == (1, "power-up")
+    assessed = comparison_assessment(found, family_figures([each.run for each in found]))
+    assert "only 1 step in common" in assessed.quality

@@ -6,6 +6,7 @@ import os
 import re
 import shutil
 import signal
+import time
 from dataclasses import asdict
 from pathlib import Path
 
@@ -141,11 +142,13 @@ def test_a_console_that_is_stopped_is_told_and_its_page_catches_up(visitor, cons
     os.kill(console.pid, signal.SIGSTOP)
     try:
         visitor.until(f"!{hidden}", "the page says that the console does not answer")
+        assert visitor.tab.run("document.getElementById('stop').disabled"), "it would only replace the page"
     finally:
         os.kill(console.pid, signal.SIGCONT)
     visitor.until(
         f"{hidden} && {drawn} > {before} + 40", "it catches up"
     )  # 5 s at 20 times real time are 100 s
+    assert not visitor.tab.run("document.getElementById('stop').disabled")
     stop(visitor)
     let_the_queue_continue(visitor)
 
@@ -294,13 +297,17 @@ def test_a_model_is_verified_by_clicks_and_the_command_follows_the_choice(visito
     visitor.shows("Verdict: ")  # without a click
 
 
-def test_a_figure_of_a_page_is_explored_in_the_console(visitor):
+def test_a_figure_of_a_page_is_explored_in_the_console(visitor, console):
     """The page has no access to the console, but the script of its figures."""
     visitor.go("/library?text=recorded_once")
     visitor.click("recorded_once")
     entry = visitor.tab.run("location.pathname")
     visitor.click("Make its page")
     visitor.reload_until("!!document.querySelector('iframe')")
+    assert "made before this run continued" not in visitor.shows("Tags and notes")
+    later = time.time() + 60
+    os.utime(console.folder / "recorded_once.run.sqlite", (later, later))
+    visitor.reload_until("document.body.innerText.includes('made before this run continued')")
     visitor.go(f"{entry}/page")
     visitor.until("[...document.querySelectorAll('button')].some(b => b.innerText === 'Explore')", "figures")
     visitor.click("Explore")
@@ -323,6 +330,10 @@ def european(folder):
 
 def test_a_file_with_decimal_commas_is_studied_by_clicks(visitor, tmp_path):
     visitor.go("/study")
+    dropped = """(() => { const data = new DataTransfer(); data.items.add(new File(["1"], "dropped.csv"));
+        const drop = new DragEvent("drop", { dataTransfer: data, bubbles: true, cancelable: true });
+        return [document.body.dispatchEvent(drop), document.getElementById("file").files[0].name]; })()"""
+    assert visitor.tab.run(dropped) == [False, "dropped.csv"], "anywhere; the browser does not open it"
     visitor.give("Data file", european(tmp_path))
     visitor.click("Read the columns")
     text = visitor.shows("First rows as read")

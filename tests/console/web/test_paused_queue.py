@@ -25,3 +25,4 @@ def test_what_is_added_to_a_paused_queue_does_not_seem_started(tmp_path, monkeyp
         shown = console.ask("/").body
         assert "1 entry waiting, until the queue continues." in shown
         assert "will have ended" not in shown
+        assert "Add to the paused queue" in console.ask("/new").body

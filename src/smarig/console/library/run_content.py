@@ -70,7 +70,7 @@ def _described(run: StoredRun) -> Content:
         identity=run_identity(run),
         kind=RUN,
         name=run.name,
-        began=None if info.start_epoch is None else float(info.start_epoch) + start_s,
+        began=_began(run, start_s),
         wire=info.wire or "",
         rig=info.rig or "",
         protocol=info.protocol or "",
@@ -85,6 +85,14 @@ def _described(run: StoredRun) -> Content:
             "input_unit": run.input_unit,
         },
     )
+
+
+def _began(run: StoredRun, start_s: float) -> float | None:
+    """When the run began, by the clock of the computer: a fast twin's own clock would place it in the future."""
+    if run.info.start_epoch is None:
+        return None
+    began, end = float(run.info.start_epoch) + start_s, run.info.end
+    return began if end is None or end.epoch is None else min(began, end.epoch)
 
 
 def _details(run: StoredRun, summary: RunSummary) -> dict[str, Any]:

@@ -147,8 +147,15 @@ def finished_page(context: ConsoleContext, entry: Entry) -> Path | None:
     return own if own.is_file() else None
 
 
+def page_is_old(context: ConsoleContext, entry: Entry) -> bool:
+    """Whether a run went on after its page was made."""
+    found = finished_page(context, entry)
+    return found is not None and found != entry.path and found.stat().st_mtime < entry.path.stat().st_mtime
+
+
 def compared_page(context: ConsoleContext, entries: Sequence[Entry]) -> Path:
-    """The page that compares runs. Raises UsageError with the sentence of the command."""
+    """The page that compares runs with the earliest. Raises UsageError with the sentence of the command."""
+    entries = sorted(entries, key=lambda entry: entry.began or 0.0)
     (context.folder / PAGES).mkdir(exist_ok=True)
     out = context.folder / PAGES / ("comparison-" + "-".join(_short(e) for e in entries)[:100] + ".html")
     done = _run(context.folder, ["report", *(str(e.path) for e in entries), "-o", str(out), "--force"])

@@ -17,7 +17,9 @@ from smarig.report.runs.run_change import RunChange, run_change
 from smarig.report.runs.run_family import FamilyFigures
 from smarig.report.runs.temperature_change import change_sentences, temperature_change
 
-_FEWEST_FITTED = 3  # common steps of runs whose zeros are unrelated
+_FEWEST = (
+    3  # common steps: fewer show nothing of a loop, and where an offset is fitted their difference is zero
+)
 _ORDER = (ErrorLevel.GOOD, ErrorLevel.UNKNOWN, ErrorLevel.FAIR, ErrorLevel.POOR)
 
 
@@ -38,8 +40,7 @@ def comparison_assessment(found: Sequence[AlignedRun], family: FamilyFigures) ->
 
 
 def _is_comparable(run: AlignedRun) -> bool:
-    """A difference at one or two steps is zero by itself once an offset has been fitted to it."""
-    return run.difference.size >= (_FEWEST_FITTED if run.offset_kind == "fitted" else 1)
+    return run.difference.size >= _FEWEST
 
 
 def _common_text(others: Sequence[AlignedRun]) -> str:

@@ -20,6 +20,7 @@ from smarig.console.web.evaluations import (
     compared_page,
     evaluations_of,
     finished_page,
+    page_is_old,
     start_evaluation,
 )
 from smarig.console.web.loop_path import loop_path
@@ -84,6 +85,7 @@ def entry(request: Request) -> HTMLResponse:
         "facts": " · ".join(part for part in facts if part),
         "figures": [(_words(name), _figure(figure)) for name, figure in found.figures.items()],
         "has_page": finished_page(context, found) is not None,
+        "page_is_old": page_is_old(context, found),
         "notes": [
             {"text": n.text, "when": " · ".join(p for p in (_moment(n.epoch), n.who) if p)}
             for n in found.notes

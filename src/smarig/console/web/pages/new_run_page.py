@@ -151,6 +151,7 @@ def _shown(
         "busy": any(
             e.state in (EntryState.WAITING, EntryState.RUNNING) for e in context.queue.entries(newest=0)
         ),
+        "paused": context.queue.state().paused,
         "preview": _preview(preview, file) if preview else None,
         "error": error,
         "command": _command(context, values, rig, experiment),

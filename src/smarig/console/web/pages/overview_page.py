@@ -3,6 +3,7 @@
 import time
 import zlib
 from contextlib import suppress
+from pathlib import Path
 from typing import Any
 
 from starlette.requests import Request
@@ -13,9 +14,9 @@ from smarig.console.queue.ensure_worker import ensure_worker
 from smarig.console.queue.queue_entry import CONTINUABLE, ENDED, EntryState, QueueEntry
 from smarig.console.web.console_context import TEMPLATES, ConsoleContext, back, context_of, page
 from smarig.console.web.run_words import run_card
-from smarig.core import SmarigError, UsageError
+from smarig.core import SmarigError, UsageError, printable
 from smarig.report import duration
-from smarig.running import runs_in_progress
+from smarig.running import RunInProgress, runs_in_progress
 
 _ENDED_SHOWN = 20
 
@@ -67,7 +68,11 @@ def entry_request(request: Request) -> Response:
     if wanted == "continue":
         context.queue.continue_interrupted(number)
         ensure_worker(context.folder)
-        return back("/", "The entry will be continued next.")
+        if context.queue.state().paused:
+            return back(
+                "/", "The entry is the next one, but the queue is paused. Continue the queue.", "warning"
+            )
+        return back("/", "The entry will be continued next, and then the rest of the queue.")
     waiting = [e.id for e in context.queue.entries(newest=0) if e.state is EntryState.WAITING]
     if number not in waiting:
         return back("/", "This entry does not wait any more.", "warning")
@@ -86,7 +91,7 @@ def dismiss(request: Request) -> Response:
 
 
 def stop_all(request: Request) -> Response:
-    """The emergency stop: every run on this computer, at once, and no further entry of the queue."""
+    """Stop every run of this user on this computer at once, and start no further entry of the queue."""
     problems = []
     try:
         context_of(request).queue.pause()
@@ -95,7 +100,7 @@ def stop_all(request: Request) -> Response:
     runs = runs_in_progress()
     for run in runs:
         with suppress(UsageError):  # it has just ended; the others must be stopped all the same
-            run.ask("stop", "the emergency stop of the console")
+            run.ask("stop", "'Stop everything' in the console")
     for run in runs:
         run.terminate()
     text = (
@@ -107,10 +112,16 @@ def stop_all(request: Request) -> Response:
 
 
 def _parts(context: ConsoleContext) -> dict[str, Any]:
-    runs = [run_card(run) for run in runs_in_progress()]
+    runs = [run_card(run) | {"elsewhere": _elsewhere(run, context)} for run in runs_in_progress()]
     queue, unfinished = _queue(context), context.ended_runs.found()
     words = repr((runs, queue, unfinished)).encode("utf-8", "replace")
     return {"runs": runs, "unfinished": unfinished, "queue": queue, "version": f"{zlib.crc32(words):08x}"}
+
+
+def _elsewhere(run: RunInProgress, context: ConsoleContext) -> str:
+    """The folder that a run writes to, if it is not in that of the console: perhaps another person's."""
+    folder = Path(str(run.info["out"])).resolve().parent
+    return "" if folder.is_relative_to(context.folder) else printable(str(folder))
 
 
 def _queue(context: ConsoleContext) -> dict[str, Any]:
