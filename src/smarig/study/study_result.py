@@ -114,10 +114,13 @@ class StudyResult:
 
     @property
     def gain(self) -> float:
-        """Error of the best simple curve over that of the model."""
+        """Error of the best simple curve over that of the model; where nothing is held out, over that on blocks left
+        out of the fit: a curve has too few parameters to gain from them.
+        """
         if self.evaluation is None or not self.evaluation.simple:
             return np.nan
-        return min(self.evaluation.simple.values()) / max(self.evaluation.best.rms, 1e-300)
+        error = self.evaluation.best.rms if self._left_out is None else self._left_out
+        return min(self.evaluation.simple.values()) / max(error, 1e-300)
 
     @property
     def at_noise(self) -> bool:

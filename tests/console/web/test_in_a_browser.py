@@ -341,7 +341,10 @@ def test_a_file_with_decimal_commas_is_studied_by_clicks(visitor, tmp_path):
     guessed = [visitor.tab.run(f"document.getElementById('{name}').value") for name in ("input", "output")]
     assert guessed == ["Temperatur (°C)", "Weg (mm)"]
     visitor.click("Study it")
-    visitor.shows("Result")
+    shown = visitor.shows("The file was studied.")
+    assert re.search(r"The model \(positive measure\) (fits|predicts) .* (good|fair|poor)", shown), (
+        "its verdict"
+    )
     visitor.until("document.querySelector('iframe').clientHeight > 300", "the style sheet is applied")
 
 

@@ -1,5 +1,6 @@
 """Study somebody's file: its columns and first loop, questions answered by choosing, then ``smarig study`` as it is."""
 
+import json
 import re
 import secrets
 from collections.abc import Mapping
@@ -19,9 +20,10 @@ from smarig.console.web.loop_path import loop_path
 from smarig.console.web.report_response import report_response
 from smarig.core import SmarigError, UsageError, printable
 from smarig.exchange import find_tables
-from smarig.study import SPLITS, TableGuess, guess_table
+from smarig.study import SPLITS, STUDY_JSON, STUDY_PAGE, TableGuess, guess_table
 
 UPLOADS, STUDIES = "console_uploads", "studies"
+_LEVELS = {"good": "good", "fair": "warning", "poor": "bad"}
 LARGEST_BYTES = 500_000_000
 LONGEST_S = 1800.0
 _KEY = re.compile(r"[0-9a-f]{12}")
@@ -98,11 +100,11 @@ def _studied(request: Request, form: Mapping[str, str]) -> Response:
         done = run_command(["smarig", *command], context.folder, LONGEST_S)
     except UsageError as error:
         return back(f"/study/{file.parent.name}", str(error), "bad")
-    output_lines = [
-        line for line in (done.stderr if done.returncode else done.stdout).splitlines() if line.strip()
-    ]
+    if not done.returncode:
+        return back(f"/study/{file.parent.name}", "The file was studied. The result is below.")
+    output_lines = [line for line in done.stderr.splitlines() if line.strip()]
     text = printable(" ".join(output_lines[-8:])).replace(str(file), file.name)
-    return back(f"/study/{file.parent.name}", text or "Done.", "bad" if done.returncode else "good")
+    return back(f"/study/{file.parent.name}", text or "The study failed.", "bad")
 
 
 def _draft(file: Path) -> dict[str, Any]:
@@ -146,9 +148,17 @@ def _loop(guess: TableGuess) -> str:
 
 
 def _finished(context: ConsoleContext, file: Path) -> dict[str, str] | None:
-    if not (_out(context, file) / "index.html").is_file():
+    """The verdict of the study in its own words, and its page; None before it was studied."""
+    out = _out(context, file)
+    if not (out / STUDY_PAGE).is_file():
         return None
-    return {"level": "good", "text": "The page of this file:", "page": f"/study/{file.parent.name}"}
+    try:
+        about = json.loads((out / STUDY_JSON).read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        about = {}
+    text = " ".join(about.get("sentences") or ()) or "The page of this file:"
+    level = _LEVELS.get(str(about.get("verdict")), "")
+    return {"level": level, "text": text, "page": f"/study/{file.parent.name}"}
 
 
 def _out(context: ConsoleContext, file: Path) -> Path:
