@@ -129,6 +129,9 @@ def test_a_run_shows_the_boundary_its_events_and_the_residual_of_a_chosen_model(
     residual = "Number(document.getElementById('residual').dataset.largest)"
     assert 0 < visitor.until(residual, "a residual") < 2.0  # mm; the travel is 12 mm
     assert visitor.tab.run("document.querySelector('#residual canvas').width") > 300
+    visitor.click("Pause")
+    visitor.shows("Paused: the current stays and sampling continues.")
+    assert "minus that of wire.model.json" in visitor.shows("Residual"), "the chosen model stays"
     stop(visitor)
     let_the_queue_continue(visitor)
 

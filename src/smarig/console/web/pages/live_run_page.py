@@ -39,10 +39,14 @@ def ask(request: Request) -> Response:
     if wanted not in _DONE:
         raise UsageError("A run can be paused, continued and stopped.")
     run.ask(wanted, "console")
-    file = urlencode(
-        {"file": str(run.info["out"])}, errors="replace"
-    )  # by which a run that ends at once is found
-    return back(f"/runs/{run.key}?{file}", _DONE[wanted], "warning" if wanted == "stop" else "good")
+    kept = {"file": str(run.info["out"])}  # by which a run that ends at once is found
+    if model := request.query_params.get("model", ""):
+        kept["model"] = model
+    return back(
+        f"/runs/{run.key}?{urlencode(kept, errors='replace')}",
+        _DONE[wanted],
+        "warning" if wanted == "stop" else "good",
+    )
 
 
 async def open_viewer(request: Request) -> Response:
