@@ -332,14 +332,17 @@ def test_the_first_figure_shows_what_the_extended_model_leaves(evidence):
     points = np.count_nonzero(verification.counted)
     settled = np.arange(2 * points) % 2 == 0
     gain = SimpleNamespace(settled=settled, extended_error=np.where(settled, 0.5, 9.0))
-    for extended, told in ((True, True), (False, False)):
-        diagnosis = SimpleNamespace(extended=extended, gain=gain)
+    for extended, variable in ((True, "time"), (True, "reversals"), (False, "time")):
+        discrepancy = SimpleNamespace(depends_on=variable)
+        diagnosis = SimpleNamespace(extended=extended, gain=gain, discrepancy=discrepancy)
         figure = loop_figure(replace(evidence, diagnosis=diagnosis), run)
-        assert ("extended model of the diagnosis, rms 0.5 mm" in " ".join(figure.caption)) == told
+        assert ("extended model of the diagnosis, rms 0.5 mm" in " ".join(figure.caption)) == extended
         over = str(figure.panels[1].layout["xaxis"]["title"]["text"])
-        assert over.startswith("Time since" if told else "Wire temperature"), (
-            "what a cause does goes with time"
+        over_time = extended and variable == "time"
+        assert over.startswith("Time since" if over_time else "Wire temperature"), (
+            "play is not seen over time"
         )
+        assert ("drawn over time" in " ".join(figure.caption)) == over_time
 
 
 def test_runs_of_another_campaign_are_named(evidence, tmp_path):

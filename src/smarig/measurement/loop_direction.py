@@ -40,13 +40,14 @@ def _of_loop(u: Array, y: Array, a: int, b: int, c: int) -> tuple[float, float]:
     rising, falling = (first, second) if u[b] > u[a] else (second, first)
     low, high = max(u[rising].min(), u[falling].min()), min(u[rising].max(), u[falling].max())
     grid = np.linspace(low, high, 101)
-    up, down = (_along(u[part], y[part], grid) for part in (rising, falling))
+    up, down = (branch_outputs(u[part], y[part], grid) for part in (rising, falling))
     apart, slope = down - up, np.gradient(up + down)
     size = float(np.sum(np.abs(apart) * np.abs(slope)))
     agreement = float(np.sum(apart * slope)) / size if size else 0.0
     return agreement, float(np.mean(np.abs(apart)) / np.ptp(y))
 
 
-def _along(u: Array, y: Array, grid: Array) -> Array:
+def branch_outputs(u: Array, y: Array, grid: Array) -> Array:
+    """Outputs of one branch (n,) at the inputs of a grid (k,)."""
     order = np.argsort(u, kind="stable")
     return np.interp(grid, u[order], y[order])

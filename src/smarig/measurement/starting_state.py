@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from smarig.measurement.input_record import reversals
+from smarig.measurement.loop_direction import branch_outputs
 from smarig.record import Run
 
 Array = NDArray[np.float64]
@@ -101,17 +102,12 @@ def first_branch_differs(u: Array, y: Array, turns: Sequence[int]) -> bool:
     if len(later) < FEWEST_LATER:
         return False
     at = begin + LEVELS * (end - begin)
-    branches = np.array([_along(u, y, a, b, at) for a, b in later])
+    branches = np.array([branch_outputs(u[a : b + 1], y[a : b + 1], at) for a, b in later])
     usual = np.median(branches, axis=0)
     spread = float(np.max(np.sqrt(np.mean((branches - usual) ** 2, axis=1))))
-    apart = float(np.sqrt(np.mean((_along(u, y, turns[0], turns[1], at) - usual) ** 2)))
+    first = slice(turns[0], turns[1] + 1)
+    apart = float(np.sqrt(np.mean((branch_outputs(u[first], y[first], at) - usual) ** 2)))
     return apart > max(OTHER_STATE * float(np.ptp(y)), TIMES_SPREAD * spread)
-
-
-def _along(u: Array, y: Array, a: int, b: int, at: Array) -> Array:
-    """Outputs of the branch from row a to b at inputs."""
-    order = a + np.argsort(u[a : b + 1], kind="stable")
-    return np.interp(at, u[order], y[order])
 
 
 def _saturation(u: float | None, ends: tuple[float, float], share: float) -> Start | None:

@@ -73,21 +73,9 @@ def comparison_page(runs: Mapping[str, Run], *, summary: bool = False) -> str:
     others = {name: run for name, run in runs.items() if name not in loops}
     found = _coloured(aligned(others)) if others else []
     assessed, opening = _first_screen(found, sheet=summary)
-    compared_loops = loops_section(loops, first=len(others))
-    sections = [
-        *opening,
-        *compared_loops,
-        Section(
-            "Differences in numbers",
-            "Numbers",
-            [*([_numbers_table(found)] if found else []), _metadata_differences(runs)],
-        ),
-        *([Section("Time series", "Time", time_parts)] if (time_parts := _time_parts(found)) else []),
-        Section("Data quality", "Data quality", [quality_table(runs)], folded=True),
-        Section("Provenance", "Provenance", [provenance_table(runs)], folded=True),
-    ]
-    if summary:
-        sections = [*opening, *compared_loops]
+    sections = [*opening, *loops_section(loops, first=len(others))]
+    if not summary:
+        sections += _details(runs, found)
     label, words = banner([source_label(run) for run in runs.values()])
     first, *rest = runs
     lead = f"{', '.join(rest)} compared with {first}"
@@ -96,6 +84,18 @@ def comparison_page(runs: Mapping[str, Run], *, summary: bool = False) -> str:
     sentence = f"{assessed.quality} {assessed.advice}" if assessed else lead
     about = summary_with_loop("comparison of runs", sentence, assessed.level if assessed else "", runs[first])
     return page(title, lead, sections, label=label, simulated=words, notices=notices, summary=about)
+
+
+def _details(runs: Mapping[str, Run], found: Sequence[AlignedRun]) -> list[Section]:
+    """What differs in numbers and over time, and where it comes from."""
+    numbers = [*([_numbers_table(found)] if found else []), _metadata_differences(runs)]
+    time_parts = _time_parts(found)
+    return [
+        Section("Differences in numbers", "Numbers", numbers),
+        *([Section("Time series", "Time", time_parts)] if time_parts else []),
+        Section("Data quality", "Data quality", [quality_table(runs)], folded=True),
+        Section("Provenance", "Provenance", [provenance_table(runs)], folded=True),
+    ]
 
 
 def _title(runs: Sequence[Run]) -> str:

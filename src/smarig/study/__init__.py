@@ -10,9 +10,10 @@ if TYPE_CHECKING:
     from smarig.study.each_file import studies_json as studies_json
     from smarig.study.each_file import study_each as study_each
     from smarig.study.mapping_draft import mapping_draft as mapping_draft
-    from smarig.study.study import STUDY_JSON as STUDY_JSON
-    from smarig.study.study import STUDY_PAGE as STUDY_PAGE
     from smarig.study.study import study as study
+    from smarig.study.study_files import STUDY_JSON as STUDY_JSON
+    from smarig.study.study_files import STUDY_PAGE as STUDY_PAGE
+    from smarig.study.study_files import VERDICT_LEVELS as VERDICT_LEVELS
     from smarig.study.study_options import SPLITS as SPLITS
     from smarig.study.study_options import StudyOptions as StudyOptions
     from smarig.study.study_result import POOR as POOR

@@ -13,7 +13,8 @@ from smarig.report import LIBRARY, write_library
 from smarig.study.data_files import NOT_DATA, find_files
 from smarig.study.parallel import completed
 from smarig.study.studies_page import studies_page
-from smarig.study.study import STUDY_JSON, STUDY_PAGE, plain, study
+from smarig.study.study import plain, study
+from smarig.study.study_files import STUDY_JSON, STUDY_PAGE
 from smarig.study.study_options import StudyOptions, study_key
 
 

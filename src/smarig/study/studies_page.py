@@ -18,11 +18,11 @@ from smarig.report import (
     tag,
     thumbnail,
 )
+from smarig.study.study_files import VERDICT_LEVELS
 
 if TYPE_CHECKING:
     from smarig.study.each_file import FileOutcome
 
-_LEVELS = {"poor": "bad", "fair": "warning", "good": "good"}
 _RANK = {"poor": 0, "fair": 1, "good": 2}
 _MOST_NAMED = 6
 _COLUMNS = (
@@ -114,7 +114,7 @@ def _card(outcome: "FileOutcome", found: dict[str, Any]) -> Html:
     )
     verdict = found.get("verdict")
     error = f", {number(100 * _share(found), 2)} % of the range" if verdict else ""
-    classes = f"level {_LEVELS[verdict]}" if verdict in _LEVELS else ""
+    classes = f"level {VERDICT_LEVELS[verdict]}" if verdict in VERDICT_LEVELS else ""
     return tag(
         "li", drawn, _link(outcome), tag("p", tag("b", verdict or "heating only"), error), class_=classes
     )

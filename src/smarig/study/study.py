@@ -17,13 +17,13 @@ from smarig.study.candidate_models import Evaluation, evaluate, with_extended
 from smarig.study.data_split import DataSplit, split_runs
 from smarig.study.imported_runs import ImportedTable, import_tables
 from smarig.study.mapping_draft import mapping_draft
+from smarig.study.study_files import STUDY_JSON, STUDY_MODEL, STUDY_PAGE
 from smarig.study.study_options import StudyOptions, study_key
 from smarig.study.study_page import study_page
 from smarig.study.study_result import StudyResult
 from smarig.study.transformation_figures import transformation_of
 from smarig.study.understanding import Ask, UnsureError, understand
 
-STUDY_JSON, STUDY_PAGE, STUDY_MODEL = "study.json", "index.html", "model.json"
 Progress = Callable[[str], None]
 
 

@@ -31,10 +31,9 @@ from smarig.report import table as html_table
 from smarig.study.column_guess import STATED
 from smarig.study.key_figures import key_figures
 from smarig.study.study_figure import heating_figure, loop_figure, other_loops, run_title, shown_run
-from smarig.study.study_result import FAIR, GOOD, StudyResult
+from smarig.study.study_files import VERDICT_LEVELS
+from smarig.study.study_result import StudyResult
 from smarig.study.table_guess import TableGuess
-
-_BOX = {GOOD: "good", FAIR: "warning"}
 
 
 def study_page(result: StudyResult, *, library: str = "") -> str:
@@ -74,7 +73,7 @@ def _title(result: StudyResult) -> str:
 
 
 def _level(result: StudyResult) -> str:
-    return _BOX.get(result.verdict, "bad") if result.evaluation else "warning"
+    return VERDICT_LEVELS[result.verdict] if result.evaluation else "warning"
 
 
 def _lead(result: StudyResult) -> str:

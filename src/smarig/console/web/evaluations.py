@@ -149,8 +149,8 @@ def finished_page(context: ConsoleContext, entry: Entry) -> Path | None:
 
 def page_is_old(context: ConsoleContext, entry: Entry) -> bool:
     """Whether a run went on after its page was made."""
-    found = finished_page(context, entry)
-    return found is not None and found != entry.path and found.stat().st_mtime < entry.path.stat().st_mtime
+    found = finished_page(context, entry) if entry.kind == "run" else None
+    return found is not None and found.stat().st_mtime < entry.path.stat().st_mtime
 
 
 def compared_page(context: ConsoleContext, entries: Sequence[Entry]) -> Path:

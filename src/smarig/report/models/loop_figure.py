@@ -18,6 +18,7 @@ from smarig.report.runs.representation_figure import noise_band
 from smarig.report.runs.sample_path import sample_path
 
 _PER_MOVE = 80  # inputs of the model between two settled points: fewer are chords across the bends
+_PROGRESS = ("time", "cycle")
 _TOLERANCE, _MOST = 5e-4, 3000  # of the drawn path
 
 
@@ -31,17 +32,16 @@ def loop_figure(e: Evidence, training: Run) -> Figure | None:
     if held_out is not None:
         verification, run = held_out
         extended = _extended_errors(e, verification)
-        panels.append(_error_panel(verification, run, e.chosen, extended, over_time=extended is not None))
+        panels.append(_error_panel(verification, run, e.chosen, extended, over_time=_over_time(e, extended)))
         floor = verification.noise_floor
         band = f"; band: ± 2 σ, noise floor of that run {floor:.2g}{spaced(run.unit)}" if floor else ""
         words += f" Second panel: measured − model on the held-out run, rms {verification.settled.rms:.3g}"
         words += f"{spaced(run.unit)}, n = {verification.settled.n}{band}."
         if extended is not None:
             rms = float(np.sqrt(np.mean(extended**2)))
-            words += (
-                " They are drawn over time, with which the cause acts. Purple: the extended model of the "
-            )
-            words += f"diagnosis, rms {rms:.3g}{spaced(run.unit)}."
+            words += f" Purple: the extended model of the diagnosis, rms {rms:.3g}{spaced(run.unit)}."
+        if _over_time(e, extended):
+            words += " The errors are drawn over time, with which they change."
     return Figure(panels, "Measured loops and the model.", [words], source_label(training), 460)
 
 
@@ -81,10 +81,17 @@ def _extended_errors(e: Evidence, found: RunVerification) -> NDArray[np.float64]
     return errors if errors.size == np.count_nonzero(found.counted) else None
 
 
+def _over_time(e: Evidence, extended: NDArray[np.float64] | None) -> bool:
+    """Whether the errors go with time or cycles, by the diagnosis: against the input, a drift is invisible."""
+    return (
+        extended is not None and e.diagnosis is not None and e.diagnosis.discrepancy.depends_on in _PROGRESS
+    )
+
+
 def _error_panel(
     found: RunVerification, run: Run, chosen: str, extended: NDArray[np.float64] | None, *, over_time: bool
 ) -> Panel:
-    """Errors against the input; over time where a cause was found, since most change with time or cycles."""
+    """Errors against the input, or over time."""
     error = np.where(found.counted, found.measured - found.predicted, np.nan)
     x, title = found.input, input_title(run)
     if over_time:

@@ -63,7 +63,9 @@ def _clause(about: Mapping[str, Any]) -> str:
 
 def _effect(effect: Mapping[str, Any]) -> str:
     """The name of an effect with its values."""
-    values = [_value(k, v) for k, v in (effect.get("parameters") or {}).items() if isinstance(v, dict)]
+    parameters = effect.get("parameters")
+    parameters = parameters if isinstance(parameters, dict) else {}
+    values = [_value(k, v) for k, v in parameters.items() if isinstance(v, dict)]
     size = f" ({', '.join(values)})" if values else ""
     return f"{effect.get('name')}{size}"
 

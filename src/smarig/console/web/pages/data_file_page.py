@@ -20,10 +20,9 @@ from smarig.console.web.loop_path import loop_path
 from smarig.console.web.report_response import report_response
 from smarig.core import SmarigError, UsageError, printable
 from smarig.exchange import find_tables
-from smarig.study import SPLITS, STUDY_JSON, STUDY_PAGE, TableGuess, guess_table
+from smarig.study import SPLITS, STUDY_JSON, STUDY_PAGE, VERDICT_LEVELS, TableGuess, guess_table
 
 UPLOADS, STUDIES = "console_uploads", "studies"
-_LEVELS = {"good": "good", "fair": "warning", "poor": "bad"}
 LARGEST_BYTES = 500_000_000
 LONGEST_S = 1800.0
 _KEY = re.compile(r"[0-9a-f]{12}")
@@ -81,7 +80,7 @@ async def start(request: Request) -> Response:
 def alone(request: Request) -> Response:
     """The page of a study, without access to the console."""
     context = context_of(request)
-    path = _out(context, _file(context, request.path_params["key"])) / "index.html"
+    path = _out(context, _file(context, request.path_params["key"])) / STUDY_PAGE
     if not path.is_file():
         raise UsageError("This file has not been studied yet.")
     return report_response(request, path)
@@ -157,7 +156,7 @@ def _finished(context: ConsoleContext, file: Path) -> dict[str, str] | None:
     except (OSError, ValueError):
         about = {}
     text = " ".join(about.get("sentences") or ()) or "The page of this file:"
-    level = _LEVELS.get(str(about.get("verdict")), "")
+    level = VERDICT_LEVELS.get(str(about.get("verdict")), "")
     return {"level": level, "text": text, "page": f"/study/{file.parent.name}"}
 
 
