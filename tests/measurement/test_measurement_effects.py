@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from diagnosis.measured.independent_wire import RelayWire, lagged, triangles
 from smarig.core import DataError
 from smarig.measurement import (
     ConditionTable,
@@ -130,10 +131,14 @@ def test_a_lag_is_only_offered_if_the_input_changes_at_several_rates():
 
 
 def test_without_a_clock_a_lag_is_one_of_rows():
-    lag, u = KINDS["input_lag"], ramps([1.0, 2.0, 1.0, 2.0])
-    plain, timed = record(u, clock=False), record(u, dt=0.5)
-    assert lag.parameters([plain]) is None, "rows may be uneven, and the output does not lead the input"
-    rows = replace(plain, y=np.append(u[6:], np.full(6, u[-1])))
+    lag, wire = KINDS["input_lag"], RelayWire(3)
+    u = triangles((85.0, 62.0, 80.0, 57.0, 85.0, 66.0), (30, 90, 50, 120, 40, 80))
+    honest, read = record(u, clock=False), lagged(u, 8.0, 1.0)
+    assert lag.parameters([replace(honest, y=wire.strain(u))]) is None, (
+        "rows may be uneven, and nothing leads"
+    )
+    rows = replace(record(read, clock=False), y=wire.strain(u))
+    timed = replace(record(read, dt=0.5), y=wire.strain(u))
     (parameter,) = lag.parameters([rows])
     assert (parameter.name, parameter.unit) == ("lag_rows", "rows")
     assert lag.parameters([timed])[0].name == "lag_s"

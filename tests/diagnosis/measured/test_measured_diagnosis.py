@@ -87,6 +87,18 @@ def test_a_slow_thermometer_is_named_without_a_clock_too(lag_rows, tmp_path):
     assert verify(model, runs[1:]).runs[0].settled.nrmse < 0.5 * given
 
 
+@pytest.mark.parametrize("dt", [None, 1.0])
+@pytest.mark.parametrize("seed", [5, *(pytest.param(k, marks=long) for k in (1, 2, 3, 4))])
+def test_exchanged_columns_are_no_slow_sensor(seed, dt):
+    """Their output leads, too: the temperature, given as the output of a strain."""
+    wire = RelayWire(seed)
+    runs = [
+        as_run(f"exchanged_{k}", wire.strain(u), u, dt=dt, noise=(0.004, 0.05), seed=k)
+        for k, u in enumerate(RATES)
+    ]
+    assert "input_lag" not in diagnosed(runs[:1], runs[1:]).verdict.names
+
+
 def test_the_extended_model_is_saved_and_predicts_as_found(slow_thermometer, tmp_path):
     found, runs = slow_thermometer
     model = load_model(found.model.save(tmp_path / "lag.model.json"))

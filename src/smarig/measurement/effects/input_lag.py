@@ -31,14 +31,15 @@ RATE_RATIO = 1.5  # of the fast to the slow tenth of the parts: less is one rate
 def _parameters(records: Sequence[InputRecord]) -> tuple[SearchedParameter, ...] | None:
     """Lags from two rows to a quarter of the median cycle; None if rows are uneven, if some runs have a clock and some
     have none, or if the rate does not change. Without a clock, rows may be uneven in time: then a lag is only offered
-    where the output leads its input, as no hysteresis does.
+    where the output leads its input, as no hysteresis does. A lag after which the output still leads is none: columns
+    that were exchanged look alike.
 
     At one rate a lag is a shift of each branch, which any measure contains.
     """
     clocks = {r.clock for r in records}
     if len(clocks) > 1 or not all(_even(r.t) for r in records) or _one_rate(records):
         return None
-    if clocks == {False} and not any(width_of_leading_loops(r.u, r.y, reversals(r.u)) for r in records):
+    if clocks == {False} and not any(_leads(r, RecordChange.none(r)) for r in records):
         return None
     period = max(float(np.median(np.diff(r.t))) for r in records)
     cycle_s = float(np.median([np.ptp(r.t) / max(r.cycle[-1] - r.cycle[0], 0.5) for r in records]))
@@ -47,7 +48,14 @@ def _parameters(records: Sequence[InputRecord]) -> tuple[SearchedParameter, ...]
         return None
     tries = np.logspace(low, high, max(int(LAGS_PER_DECADE * (high - low)), 4))
     name, unit = ("lag_s", "s") if clocks == {True} else ("lag_rows", "rows")
-    return (SearchedParameter(name, unit, tuple(tries.tolist())),)
+    undone = [lag for lag in tries.tolist() if not any(_leads(r, _change({name: lag}, r)) for r in records)]
+    return (SearchedParameter(name, unit, tuple(undone)),) if undone else None
+
+
+def _leads(record: InputRecord, change: RecordChange) -> bool:
+    """Whether the output leads the changed input."""
+    turns = reversals(change.input, change.noise)
+    return width_of_leading_loops(change.input, record.y, turns) is not None
 
 
 def _one_rate(records: Sequence[InputRecord]) -> bool:
