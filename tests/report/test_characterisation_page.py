@@ -332,16 +332,22 @@ def test_the_first_figure_shows_what_the_extended_model_leaves(evidence):
     points = np.count_nonzero(verification.counted)
     settled = np.arange(2 * points) % 2 == 0
     gain = SimpleNamespace(settled=settled, extended_error=np.where(settled, 0.5, 9.0))
-    for extended, variable in ((True, "time"), (True, "reversals"), (False, "time")):
-        discrepancy = SimpleNamespace(depends_on=variable)
-        diagnosis = SimpleNamespace(extended=extended, gain=gain, discrepancy=discrepancy)
-        figure = loop_figure(replace(evidence, diagnosis=diagnosis), run)
+    for extended in (True, False):
+        figure = loop_figure(replace(evidence, diagnosis=SimpleNamespace(extended=extended, gain=gain)), run)
         assert ("extended model of the diagnosis, rms 0.5 mm" in " ".join(figure.caption)) == extended
-        over = str(figure.panels[1].layout["xaxis"]["title"]["text"])
-        over_time = extended and variable == "time"
-        assert over.startswith("Time since" if over_time else "Wire temperature"), (
-            "play is not seen over time"
+
+
+def test_the_errors_of_the_first_figure_go_over_time_where_they_drift(evidence):
+    verification = evidence.verifications[evidence.chosen].runs[0]
+    order = np.arange(verification.input.size)
+    for added, over_time in ((0.05 * order, True), (0.3 * (order % 3), False), (0.0 * order, False)):
+        changed = replace(verification, measured=verification.measured + added)
+        one = replace(
+            evidence, diagnosis=None, verifications={evidence.chosen: SimpleNamespace(runs=(changed,))}
         )
+        figure = loop_figure(one, training_run(evidence))
+        title = str(figure.panels[1].layout["xaxis"]["title"]["text"])
+        assert title.startswith("Time since" if over_time else "Wire temperature")
         assert ("drawn over time" in " ".join(figure.caption)) == over_time
 
 

@@ -18,7 +18,7 @@ from smarig.report.runs.representation_figure import noise_band
 from smarig.report.runs.sample_path import sample_path
 
 _PER_MOVE = 80  # inputs of the model between two settled points: fewer are chords across the bends
-_PROGRESS = ("time", "cycle")
+_DRIFT_SHARE, _DRIFT_ORDER = 0.5, 2  # of the square error; of the polynomial in time that explains it
 _TOLERANCE, _MOST = 5e-4, 3000  # of the drawn path
 
 
@@ -32,7 +32,7 @@ def loop_figure(e: Evidence, training: Run) -> Figure | None:
     if held_out is not None:
         verification, run = held_out
         extended = _extended_errors(e, verification)
-        panels.append(_error_panel(verification, run, e.chosen, extended, over_time=_over_time(e, extended)))
+        panels.append(_error_panel(verification, run, e.chosen, extended))
         floor = verification.noise_floor
         band = f"; band: ± 2 σ, noise floor of that run {floor:.2g}{spaced(run.unit)}" if floor else ""
         words += f" Second panel: measured − model on the held-out run, rms {verification.settled.rms:.3g}"
@@ -40,7 +40,7 @@ def loop_figure(e: Evidence, training: Run) -> Figure | None:
         if extended is not None:
             rms = float(np.sqrt(np.mean(extended**2)))
             words += f" Purple: the extended model of the diagnosis, rms {rms:.3g}{spaced(run.unit)}."
-        if _over_time(e, extended):
+        if _drifts(verification, run):
             words += " The errors are drawn over time, with which they change."
     return Figure(panels, "Measured loops and the model.", [words], source_label(training), 460)
 
@@ -81,20 +81,24 @@ def _extended_errors(e: Evidence, found: RunVerification) -> NDArray[np.float64]
     return errors if errors.size == np.count_nonzero(found.counted) else None
 
 
-def _over_time(e: Evidence, extended: NDArray[np.float64] | None) -> bool:
-    """Whether the errors go with time or cycles, by the diagnosis: against the input, a drift is invisible."""
-    return (
-        extended is not None and e.diagnosis is not None and e.diagnosis.discrepancy.depends_on in _PROGRESS
-    )
+def _drifts(found: RunVerification, run: Run) -> bool:
+    """Whether a slow change with time makes up most of the errors: against the input, a drift is invisible."""
+    t, _ = point_times(run, np.arange(found.input.size, dtype=float))
+    t, error = t[found.counted], (found.measured - found.predicted)[found.counted]
+    if error.size <= 2 * _DRIFT_ORDER or not np.ptp(error):
+        return False
+    t = (t - t.mean()) / (np.ptp(t) or 1.0)
+    rest = error - np.polyval(np.polyfit(t, error, _DRIFT_ORDER), t)
+    return float(np.var(rest)) < (1 - _DRIFT_SHARE) * float(np.var(error))
 
 
 def _error_panel(
-    found: RunVerification, run: Run, chosen: str, extended: NDArray[np.float64] | None, *, over_time: bool
+    found: RunVerification, run: Run, chosen: str, extended: NDArray[np.float64] | None
 ) -> Panel:
-    """Errors against the input, or over time."""
+    """Errors against the input; over time if they drift."""
     error = np.where(found.counted, found.measured - found.predicted, np.nan)
     x, title = found.input, input_title(run)
-    if over_time:
+    if _drifts(found, run):
         x, title = point_times(run, np.arange(x.size, dtype=float))
     low, high = float(np.min(x)), float(np.max(x))
     data: list[Trace] = []
