@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 from enum import IntEnum
 from typing import Any, Protocol
 
-from smarig.core import UsageError, suggestion
+from smarig.core import UsageError, spaced, suggestion
 from smarig.plant.actuator import Actuator
 from smarig.preisach import Everett
 
@@ -150,13 +150,14 @@ class EffectType:
 
     ``parameters``: the first is the strength; at 0 the plant is unchanged bit for bit. ``act`` returns the hooks. The
     texts describe for the reader how the effect enters, what it looks like, what it is confused with, what
-    distinguishes it, and what a lab can do against it (``remedy``). ``memoryless``: the effect on the position (for a
-    feedback, on the input) follows from the present state alone, so a replay needs it only at readings (a feedback also
-    at turning points); an effect with memory is computed at every step. ``output_independent``: changes before the
-    hysteresis follow from the ``ThermalState`` and the input range alone, so the hysteresis input of a record is
-    computed once for all densities. Other effects are simulated tick by tick, with the same numbers. ``shown_by``: the
-    kinds of readings in which no density takes the effect up (settled and moving positions, resistance, current); none
-    if it is itself a part of a classical density.
+    distinguishes it, and what a lab can do against it (``remedy``). ``change``, if the strength is a percentage of the
+    stroke, says for a positive and for a negative one what it does, with "{size}" in the output's unit.
+    ``memoryless``: the effect on the position (for a feedback, on the input) follows from the present state alone, so a
+    replay needs it only at readings (a feedback also at turning points); an effect with memory is computed at every
+    step. ``output_independent``: changes before the hysteresis follow from the ``ThermalState`` and the input range
+    alone, so the hysteresis input of a record is computed once for all densities. Other effects are simulated tick by
+    tick, with the same numbers. ``shown_by``: the kinds of readings in which no density takes the effect up (settled
+    and moving positions, resistance, current); none if it is itself a part of a classical density.
 
     >>> from smarig.plant.effects.walking import walking
     >>> walking(0.2)
@@ -177,6 +178,7 @@ class EffectType:
     output_independent: bool = False
     shown_by: tuple[str, ...] = POSITIONS
     remedy: str = ""
+    change: tuple[str, str] | None = None
     shape: Any = None  # of a learned effect, which no catalogue lists
 
     @property
@@ -223,6 +225,20 @@ class Effect:
         if self.kind.arrangement == TWO_WIRE and not context.actuator.two_wire:
             raise UsageError(f"{self.kind.name} needs two wires, but this rig has one.")
         return self.kind.act(self.values, context)
+
+    def change_text(self, stroke: float, unit: str) -> str:
+        """What it does, as a sentence with its direction and its size in ``unit``; the summary if its strength is no
+        percentage of the stroke.
+
+        >>> from smarig.plant.effects.walking import walking
+        >>> walking(-0.5).change_text(12.0, "mm")
+        'With every full cycle the position falls by 0.06 mm.'
+        """
+        if self.kind.change is None:
+            return self.kind.summary
+        rising, falling = self.kind.change
+        size = f"{abs(self.strength) / 100 * stroke:.2g}{spaced(unit)}"
+        return (rising if self.strength > 0 else falling).format(size=size)
 
     def to_json(self) -> dict[str, Any]:
         """{"name", "parameters"}, as stored in model files; a learned effect has a "shape" too."""

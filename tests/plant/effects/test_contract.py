@@ -179,6 +179,26 @@ def test_its_words_are_there_and_name_effects_that_exist(name):
     assert k().to_json() == {"name": name, "parameters": k().values}
 
 
+@pytest.mark.parametrize("name", [n for n in NAMES if kind(n).change])
+def test_what_it_does_is_said_in_the_unit_of_the_output(name):
+    strength = kind(name).primary
+    assert "percent" in strength.name
+    assert strength.unit.startswith("%")
+    assert "6 mm" in kind(name)(strength.upper).change_text(600 / strength.upper, "mm")
+    if strength.lower < 0:
+        assert "up" in (up := kind(name)(strength.upper).change_text(1.0, "mm")) or "rises" in up
+        assert "down" in (down := kind(name)(strength.lower).change_text(1.0, "mm")) or "falls" in down
+
+
+@pytest.mark.parametrize("name", [n for n in NAMES if kind(n).change and kind(n).primary.lower < 0])
+def test_its_direction_is_that_of_the_output(name):
+    """A positive strength raises the position, after one cycle and late."""
+    context = EffectContext(*WIRES[wire_of(name)])
+    late = PlantState(t_s=1e9, travel=2.0)
+    added = kind(name)(kind(name).primary.upper).hooks(context)[Stage.ADDITIVE](0.0, late)
+    assert added == pytest.approx(kind(name).primary.upper / 100 * context.stroke)
+
+
 @pytest.mark.parametrize("name", NAMES)
 def test_it_acts_at_the_stages_it_names_only(name):
     context = EffectContext(*WIRES[wire_of(name)])

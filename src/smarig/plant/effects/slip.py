@@ -28,6 +28,10 @@ slip = EffectType(
     confused_with=("walking", "ambient_drift"),
     separated_by="the index pulse, or a reading in saturation before and after",
     remedy="tighten the clamps and the coupling of the encoder, and zero it again",
+    change=(
+        "The position jumped up once, by {size}.",
+        "The position jumped down once, by {size}.",
+    ),
     parameters=(
         Parameter("jump_percent", "%", -30.0, 30.0, 2.0, "1–50 counts of a stroke of 255"),
         Parameter(

@@ -26,6 +26,10 @@ walking = EffectType(
     confused_with=("slip", "ambient_drift", "fatigue"),
     separated_by="a pause; readings in saturation, where temperature does not matter",
     remedy="lower the load or the highest temperature, cycle the wire until it stops, and zero it in saturation",
+    change=(
+        "With every full cycle the position rises by {size}.",
+        "With every full cycle the position falls by {size}.",
+    ),
     parameters=(
         Parameter(
             "percent_per_cycle", "%/cycle", -3.0, 3.0, 0.3, "1e-4 strain per cycle is 0.2 % of a 4 % stroke"

@@ -38,8 +38,15 @@ def verdict_sentence(d: Diagnosis) -> str:
     if word == "ambiguous":
         names = ", ".join(d.verdict.names)
         return f"Ambiguous: one of {names} (together 0.9 of the score). The best is {strengths_text(best)}."
-    summaries = " ".join(p.kind.summary for p in best.effects)
-    return f"Named: {strengths_text(best)}. {summaries}"
+    return f"Named: {strengths_text(best)}. {changes_text(d)}"
+
+
+def changes_text(d: Diagnosis) -> str:
+    """What each effect of the best explanation does, a sentence each, in the unit of the output where it is known."""
+    assert d.best is not None  # noqa: S101 - asked of named verdicts only
+    h = d.model.hysteresis
+    stroke, unit = abs(float(h.everett(h.upper, h.lower))), display_unit(d.model.unit)
+    return " ".join(effect.change_text(stroke, unit) for effect in d.best.effects)
 
 
 def findings(d: Diagnosis) -> list[str]:

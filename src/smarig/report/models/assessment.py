@@ -13,7 +13,7 @@ from smarig.record import Run
 from smarig.report.components.assessment_box import Assessment, box_level
 from smarig.report.components.numbers import duration, runs_text
 from smarig.report.components.run_description import display_unit, duration_s, extent
-from smarig.report.diagnosis.verdict_text import strengths_text
+from smarig.report.diagnosis.verdict_text import changes_text, strengths_text
 from smarig.report.models.characterisation_cards import settled_travel
 from smarig.report.models.evidence import Evidence
 from smarig.report.models.model_tables import pooled_rms
@@ -134,9 +134,8 @@ def _cause(e: Evidence, rms: float | None) -> _Cause:
     word, best = d.verdict.word, d.best
     if word == "named" and best is not None:
         room = _room_text(e.runs.values()) if "ambient_drift" in d.verdict.names else ""
-        meaning = " ".join(effect.kind.summary for effect in best.effects)
         advice = _named_advice(e, d, rms) + _remedies(best.effects)
-        return _Cause("bad", f"Cause: {strengths_text(best)}{room}. {meaning}", advice)
+        return _Cause("bad", f"Cause: {strengths_text(best)}{room}. {changes_text(d)}", advice)
     if word == "ambiguous":
         return _Cause(
             "bad",
