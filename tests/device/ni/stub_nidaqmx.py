@@ -32,6 +32,15 @@ class World:
         self.fed_s, self.timeout_s, self.open_tasks = 0.0, 0.0, 0
         self.expired = False
         self.watching = False
+        self.pulses: dict[str, tuple[float, float]] = {}  # running clocks by terminal: start, frequency
+        self.path: Any = None  # counts by number of the edge, of a moving encoder
+
+    def edges(self, terminal: str) -> int:
+        """The pulses so far at a terminal."""
+        if terminal not in self.pulses:
+            return 0
+        since_s, frequency = self.pulses[terminal]
+        return int((time.monotonic() - since_s) * SPEED[0] * frequency)
 
     def check(self, name: str = "Dev1") -> None:
         """Raise what the driver would raise, and let the watchdog act."""
@@ -64,6 +73,10 @@ class EncoderType(enum.Enum):
 
 class AngleUnits(enum.Enum):
     TICKS = 1
+
+
+class AcquisitionType(enum.Enum):
+    FINITE, CONTINUOUS = range(2)
 
 
 class TemperatureUnits(enum.Enum):
@@ -162,28 +175,81 @@ class CIChannelCollection:
         self.task.zero = WORLD.counts
 
 
+class COChannelCollection:
+    """Pulses of a task."""
+
+    def __init__(self, task: "Task") -> None:
+        self.task = task
+
+    def add_co_pulse_chan_freq(self, counter: str, *, freq: float = 1.0) -> None:
+        WORLD.check(counter)
+        device, name = counter.split("/")
+        self.task.pulse = (f"/{device}/{name.capitalize()}InternalOutput", freq)
+
+
+class Timing:
+    """The sample clock of a task."""
+
+    def __init__(self, task: "Task") -> None:
+        self.task = task
+
+    def cfg_samp_clk_timing(
+        self,
+        rate: float,
+        source: str = "",
+        *,
+        sample_mode: AcquisitionType = AcquisitionType.FINITE,
+        samps_per_chan: int = 1000,
+    ) -> None:
+        assert rate > 0
+        assert sample_mode is AcquisitionType.CONTINUOUS
+        self.task.source, self.task.buffer = source, samps_per_chan
+
+    def cfg_implicit_timing(self, sample_mode: AcquisitionType = AcquisitionType.FINITE) -> None:
+        assert sample_mode is AcquisitionType.CONTINUOUS
+        assert self.task.pulse
+
+
 class Task:
-    """Software-timed; a counter must be started."""
+    """Software-timed, or by the pulses of another; a counter must be started."""
 
     def __init__(self) -> None:
         WORLD.check()
         WORLD.open_tasks += 1
         self.channels: list[tuple[str, str]] = []
         self.ao_channels, self.ai_channels = AOChannelCollection(self), AIChannelCollection(self)
-        self.ci_channels = CIChannelCollection(self)
+        self.ci_channels, self.co_channels = CIChannelCollection(self), COChannelCollection(self)
+        self.timing, self.source, self.buffer, self.taken = Timing(self), "", 0, 0
+        self.pulse: tuple[str, float] | None = None
         self.started = self.closed = False
         self.zero = 0
 
     def start(self) -> None:
         WORLD.check()
         self.started = True
+        if self.pulse:
+            assert self.pulse[0] not in WORLD.pulses
+            WORLD.pulses[self.pulse[0]] = (time.monotonic(), self.pulse[1])
 
-    def read(self) -> Any:
+    def read(self, number_of_samples_per_channel: int | None = None) -> Any:
         WORLD.check()
+        if self.source:
+            assert number_of_samples_per_channel == READ_ALL_AVAILABLE
+            return self._sampled()
         if self.closed:
             raise DaqError("Task specified is invalid or does not exist.\n\nStatus Code: -200088")
         found = [self._value(kind, channel) for kind, channel in self.channels]
         return found if len(found) > 1 else found[0]
+
+    def _sampled(self) -> list[float]:
+        """One value for each edge since the last call."""
+        assert self.started
+        edges, first = WORLD.edges(self.source), self.taken
+        if edges - first > self.buffer:
+            raise DaqError("Attempted to read samples that are no longer available.\n\nStatus Code: -200279")
+        self.taken = edges
+        path = WORLD.path or (lambda _edge: WORLD.counts)
+        return [float(path(k) - self.zero) for k in range(first, edges)]
 
     def _value(self, kind: str, channel: str) -> float:
         match kind:
@@ -204,6 +270,7 @@ class Task:
     def close(self) -> None:
         if not self.closed:
             WORLD.open_tasks -= 1
+            WORLD.pulses.pop(self.pulse[0] if self.pulse else "", None)
         self.closed = True
 
 
@@ -242,6 +309,7 @@ class WatchdogTask:
 
 
 SPEED = [1.0]  # device seconds per second
+READ_ALL_AVAILABLE = -1
 
 
 class Device:
@@ -256,6 +324,8 @@ constants = SimpleNamespace(
     TerminalConfiguration=TerminalConfiguration,
     EncoderType=EncoderType,
     AngleUnits=AngleUnits,
+    AcquisitionType=AcquisitionType,
+    READ_ALL_AVAILABLE=READ_ALL_AVAILABLE,
     TemperatureUnits=TemperatureUnits,
     ThermocoupleType=ThermocoupleType,
     CJCSource=CJCSource,

@@ -10,7 +10,10 @@ from smarig.config import RigFile, load_rig
 from smarig.core.errors import ConfigError, UsageError
 from smarig.device import ContractCase, Silent, check_contract
 from smarig.device.drivers import _ni
+from smarig.plant import Actuator
 from smarig.rig.driver_check import in_role
+from smarig.rig.open_rig import open_rig
+from smarig.rig.twin import TwinSettings
 
 SPEED = 10.0
 INPUTS = {
@@ -27,6 +30,7 @@ CASES = {
     "voltage stage": ("amplifier", "ni_output", STAGE),
     "laser": ("encoder_daq", "ni_position", LASER),
     "encoder": ("encoder_daq", "ni_position", {"counter": "ctr0"}),
+    "sampled encoder": ("encoder_daq", "ni_position", {"counter": "ctr0", "clock": "ctr1"}),
     "linear": ("thermometer", "ni_temperature", {"input": {"channel": "ai2", "scale": 20.0}}),
     "thermocouple": ("thermometer", "ni_temperature", {"thermocouple": {"channel": "ai0", "type": "K"}}),
     "load cell": ("load_cell", "ni_force", {"input": {"channel": "ai3", "scale": 5.0}}),
@@ -133,6 +137,60 @@ def test_an_encoder_counts_from_opening_on(world):
     sensor.close()
 
 
+def sampled():
+    return opened("encoder_daq", "ni_position", {"counter": "ctr0", "clock": "ctr1"})
+
+
+def test_every_tick_of_a_sampled_encoder_has_its_reading_however_late_it_is_read(world):
+    """A host that sleeps for 20 ticks loses none, and none takes the place of another."""
+    world.path = lambda edge: 3 * edge
+    sensor = sampled()
+    time.sleep(0.2)
+    found = sensor.since(0, 1000)
+    sensor.close()
+    assert len(found) >= 20
+    assert [(r.tick, r.counts) for r in found] == [(k, 3 * k) for k in range(len(found))]
+
+
+def test_the_same_samples_can_be_read_again_from_any_tick(world):
+    world.path = lambda edge: edge
+    sensor = sampled()
+    time.sleep(0.1)
+    assert [r.counts for r in sensor.since(4, 3)] == [4, 5, 6]
+    assert [r.counts for r in sensor.since(2, 2)] == [2, 3]
+    sensor.close()
+
+
+def test_zero_holds_for_later_samples_of_a_sampled_encoder(world):
+    world.counts = 0
+    sensor = sampled()
+    world.counts = 40
+    time.sleep(0.05)
+    sensor.zero()
+    at = sensor.tick()
+    time.sleep(0.05)
+    later = sensor.since(at + 1, 100)
+    sensor.close()
+    assert later
+    assert {r.counts for r in later} == {0}
+
+
+def test_a_clock_that_does_not_run_is_said(world, monkeypatch):
+    monkeypatch.setattr(stub.World, "edges", lambda *_: 0)
+    monkeypatch.setattr("smarig.device.drivers._ni_sampled_counter.LATEST_WAIT_S", 0.1)
+    monkeypatch.setattr("smarig.device.drivers._ni_sampled_counter.FIRST_PERIODS", 1)
+    with pytest.raises(Silent, match="ctr0 sampled by ctr1 .* gives no sample: its clock does not run"):
+        sampled()
+
+
+def test_samples_that_the_device_has_overwritten_are_a_fault(world, monkeypatch):
+    sensor = sampled()
+    monkeypatch.setattr(stub.World, "edges", lambda *_: 10**6)
+    with pytest.raises(Silent, match="samples that are no longer available"):
+        sensor.tick()
+    sensor.close()
+
+
 @pytest.mark.parametrize(
     ("role", "driver", "settings", "says"),
     [
@@ -140,6 +198,8 @@ def test_an_encoder_counts_from_opening_on(world):
         ("amplifier", "ni_output", CURRENT | {"amperes_per_volt": 0.01}, "needs 100 V at ao0"),
         ("amplifier", "ni_output", {**STAGE, "voltage_input": None}, "a voltage stage needs voltage_input"),
         ("encoder_daq", "ni_position", {}, "give either input"),
+        ("encoder_daq", "ni_position", {"counter": "ctr0", "clock": "ctr0"}, "clock is a second counter"),
+        ("encoder_daq", "ni_position", LASER | {"clock": "ctr1"}, "clock is a second counter"),
         ("encoder_daq", "ni_position", {"counter": "c", "unit": 3}, "unit: "),
         ("thermometer", "ni_temperature", {}, "give either input"),
         ("load_cell", "ni_force", {}, "key 'input' is missing"),
@@ -165,3 +225,24 @@ def test_measuring_feeds_the_watchdog(world):
     assert not source.tripped
     source.off()
     source.close()
+
+
+def test_a_rig_steps_with_the_clock_of_the_device_beside_that_of_the_host(world):
+    """The position comes from the device's ticks, the current from the host's; each sample of the rig has both."""
+    world.path = lambda edge: edge
+    file = rig("amplifier", "ni_output", CURRENT)
+    table = file.model_dump(exclude_none=True)
+    table["links"]["encoder_daq"]["driver"] = "ni_position"
+    table["links"]["encoder_daq"]["settings"] = {"counter": "ctr0", "clock": "ctr1"}
+    for further in ("thermometer", "room_thermometer", "load_cell"):
+        table["links"].pop(further, None)
+    file = RigFile.model_validate(table)
+    with open_rig(file.name, file, Actuator.named(file.actuator), TwinSettings(), speed=SPEED) as bench:
+        bench.arm()
+        found = [sample for _ in range(40) for sample in bench.step(0.2)]
+    counts = [round((s.position - found[0].position) / file.encoder.resolution) for s in found]
+    assert counts == [s.tick - found[0].tick for s in found], (
+        "a sample of the device was used in another tick"
+    )
+    assert found[-1].current_A == pytest.approx(0.2, abs=0.01)
+    assert world.ao_V == 0.0

@@ -15,6 +15,11 @@ METHODS = {
         ("add_ai_voltage_chan", "add_ai_thrmcpl_chan"),
     ),
     "nidaqmx.task.collections.CIChannelCollection": (stub.CIChannelCollection, ("add_ci_ang_encoder_chan",)),
+    "nidaqmx.task.collections.COChannelCollection": (
+        stub.COChannelCollection,
+        ("add_co_pulse_chan_freq",),
+    ),
+    "nidaqmx.task._timing.Timing": (stub.Timing, ("cfg_samp_clk_timing", "cfg_implicit_timing")),
     "nidaqmx.system.WatchdogTask": (
         stub.WatchdogTask,
         ("__init__", "cfg_watchdog_ao_expir_states", "start", "reset_timer", "clear_expiration", "close"),
@@ -46,6 +51,9 @@ def test_arguments(path):
 @pytest.mark.parametrize("name", vars(stub.constants))
 def test_constants(name):
     theirs = getattr(importlib.import_module("nidaqmx.constants"), name)
+    if isinstance(theirs, int):
+        assert theirs == getattr(stub.constants, name)
+        return
     assert {m.name for m in getattr(stub.constants, name)} <= {m.name for m in theirs}
 
 
@@ -58,5 +66,5 @@ def test_the_rest():
         assert isinstance(inspect.getattr_static(found("nidaqmx.system.Device"), name), property)
     for name in ("expired", "timeout"):
         assert isinstance(inspect.getattr_static(found("nidaqmx.system.WatchdogTask"), name), property)
-    for name in ("ai_channels", "ao_channels", "ci_channels"):
+    for name in ("ai_channels", "ao_channels", "ci_channels", "co_channels", "timing"):
         assert isinstance(inspect.getattr_static(found("nidaqmx.Task"), name), property)

@@ -15,6 +15,7 @@ from smarig.device.drivers._ni import (
     ni_errors,
     ni_package,
 )
+from smarig.device.drivers._ni_sampled_counter import NiSampledCounter
 
 
 class NiPositionSettings(RangeSettings):
@@ -24,18 +25,26 @@ class NiPositionSettings(RangeSettings):
     counter: str = Field(
         default="", max_length=40
     )  # counter of an encoder: "ctr0"; A and B at its default terminals
+    clock: str = Field(
+        default="", pattern="^(ctr[0-9]+)?$"
+    )  # second counter, whose pulses sample the first: "ctr1"
 
     @model_validator(mode="after")
     def _one_kind(self) -> "NiPositionSettings":
         if (self.input is None) == (not self.counter):
             raise ValueError("give either input (analogue sensor) or counter (encoder)")
+        if self.clock and (not self.counter or self.clock == self.counter):
+            raise ValueError("clock is a second counter, beside that of the encoder")
         return self
 
 
-def ni_position(where: LinkFile, rig: RigFile) -> "NiAnaloguePosition | NiCounterPosition":
-    """The position of a rig file."""
-    del rig
+def ni_position(where: LinkFile, rig: RigFile) -> "NiAnaloguePosition | NiCounterPosition | NiSampledCounter":
+    """The position of a rig file, with ticks of its own if it has a ``clock``."""
     settings = settings_of(where, NiPositionSettings)
+    if settings.clock:
+        return NiSampledCounter(
+            device_name(where), settings.counter, settings.clock, rig.period_s, rig.ambient_degC
+        )
     return NiAnaloguePosition(where, settings) if settings.input else NiCounterPosition(where, settings)
 
 
