@@ -3,7 +3,7 @@
 import pytest
 
 from smarig.config import load_rig
-from smarig.core.errors import ConfigError
+from smarig.core.errors import ConfigError, UsageError
 
 
 def written(folder, name, text):
@@ -47,3 +47,8 @@ def test_a_base_that_is_no_rig_file_is_not_quoted(tmp_path):
     assert "which is not a rig file" in str(refusal.value)
     assert "password" not in str(refusal.value)
     assert "hunter2" not in str(refusal.value)
+
+
+def test_a_rig_without_a_name_is_refused_in_a_sentence():
+    with pytest.raises(UsageError, match="No rig ''. There are: bench_one_wire"):
+        load_rig("")

@@ -113,7 +113,7 @@ def rig_text(name: str) -> str:
 def _rig_files(name: str) -> list[tuple[Path, dict[str, Any]]]:
     """A rig's file, then its base, and so on."""
     found: list[tuple[Path, dict[str, Any]]] = []
-    while name:
+    while name or not found:  # "" is no rig's name, but that of a base that is not there
         path = locate("rigs", name)
         if path in (visited for visited, _ in found):
             raise ConfigError(

@@ -267,6 +267,31 @@ def test_a_fault_of_the_rig_is_seen_and_the_queue_pauses(visitor, notes):
     let_the_queue_continue(visitor)
 
 
+def test_a_rig_is_brought_up_by_clicks(visitor):
+    """Its list of checks is that of the command; the list of rigs then says that it is fit."""
+    visitor.go("/rigs")
+    visitor.click("one_wire_serial")
+    visitor.click("Check the rig")
+    visitor.shows("Fit to run. Checked at")
+    checks = visitor.tab.run(
+        "[...document.querySelectorAll('[aria-label=Checks] tbody td:first-child')].map(x => x.innerText)"
+    )
+    assert {"devices", "at rest", "read-back", "encoder direction", "lease"} <= set(checks)
+    visitor.click("All rigs")
+    row = "[...document.querySelectorAll('tbody tr')].find(x => x.innerText.startsWith('one_wire_serial')).innerText"
+    assert "Fit to run" in visitor.tab.run(row)
+
+
+def test_a_rig_whose_devices_are_not_given_says_so_before_anybody_starts_it(visitor):
+    visitor.go("/rigs")
+    visitor.click("bench_one_wire")
+    visitor.shows("links.amplifier.url is the placeholder")
+    assert "New run on this rig" not in visitor.tab.run("document.body.innerText")
+    visitor.go("/new?rig=bench_one_wire")
+    visitor.shows("This rig is not ready")
+    assert visitor.tab.run("document.querySelector('button.primary').disabled")
+
+
 def test_a_run_is_searched_tagged_and_described(visitor):
     visitor.go("/library")
     visitor.fill("Words", "RECORDED_ONCE")
@@ -387,6 +412,8 @@ def pages(visitor, console):
         "entry": entry,
         "trends": f"/library/trends?wire={wire}",
         "study": "/study",
+        "rigs": "/rigs",
+        "rig": "/rigs/rig?rig=one_wire_serial",
         "problem": "/nothing",
         "run that has ended": "/runs/nothing",
     }
@@ -405,6 +432,8 @@ PAGES = (
     "entry",
     "trends",
     "study",
+    "rigs",
+    "rig",
     "problem",
 )
 

@@ -12,7 +12,14 @@ from starlette.staticfiles import StaticFiles
 from smarig.console.web import report_response
 from smarig.console.web.access_guard import AccessGuard
 from smarig.console.web.console_context import ConsoleContext, page
-from smarig.console.web.pages import data_file_page, library_page, live_run_page, new_run_page, overview_page
+from smarig.console.web.pages import (
+    data_file_page,
+    library_page,
+    live_run_page,
+    new_run_page,
+    overview_page,
+    rig_page,
+)
 from smarig.core import DataError, SmarigError, UsageError
 
 _STATUS = ((UsageError, 422), (DataError, 422))
@@ -28,6 +35,7 @@ def console_application(context: ConsoleContext, token: str, port: int) -> Acces
             *live_run_page.ROUTES,
             *library_page.ROUTES,
             *data_file_page.ROUTES,
+            *rig_page.ROUTES,
             Mount("/static", StaticFiles(directory=Path(__file__).parent / "static")),
         ],
         exception_handlers={SmarigError: _refused, HTTPException: _not_found},

@@ -16,6 +16,7 @@ from smarig.console.queue.queue import Queue
 from smarig.console.web.ended_runs import EndedRuns
 from smarig.console.web.evaluation_jobs import EvaluationJobs
 from smarig.console.web.library_scanner import LibraryScanner
+from smarig.console.web.rig_checks import RigChecks
 from smarig.console.web.viewers import Viewers
 
 
@@ -42,6 +43,7 @@ class ConsoleContext:
     scanner: LibraryScanner
     ended_runs: EndedRuns
     viewers: Viewers
+    rig_checks: RigChecks
     evaluations: EvaluationJobs = field(default_factory=EvaluationJobs)
     closing: threading.Event = field(default_factory=threading.Event)
 

@@ -19,6 +19,7 @@ from smarig.console.web.application import console_application
 from smarig.console.web.console_context import ConsoleContext
 from smarig.console.web.ended_runs import EndedRuns
 from smarig.console.web.library_scanner import LibraryScanner
+from smarig.console.web.rig_checks import RigChecks
 from smarig.console.web.viewers import Viewers
 from smarig.core import SmarigError, UsageError
 
@@ -41,9 +42,13 @@ def serve_console(
     with closing(_bound(port)) as listening, Queue.open(folder) as queue:
         library, token = Library.open(folder), secrets.token_urlsafe(24)
         port = listening.getsockname()[1]
-        with LibraryScanner(library) as scanner, closing(Viewers()) as viewers:
-            ended_runs = EndedRuns(folder.resolve())
-            context = ConsoleContext(folder.resolve(), rig, queue, library, scanner, ended_runs, viewers)
+        root = folder.resolve()
+        with (
+            LibraryScanner(library) as scanner,
+            closing(Viewers()) as viewers,
+            closing(RigChecks(root)) as rig_checks,
+        ):
+            context = ConsoleContext(root, rig, queue, library, scanner, EndedRuns(root), viewers, rig_checks)
             application = console_application(context, token, port)
             address = f"http://{HOST}:{port}/?{TOKEN}={token}"
             announce(address)

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from itertools import groupby
-from pathlib import PurePath
+from pathlib import Path, PurePath
 from typing import Any
 
 from starlette.concurrency import run_in_threadpool
@@ -18,9 +18,11 @@ from smarig.console.queue.entry_request import EntryRequest, Kind
 from smarig.console.queue.queue_entry import EntryState
 from smarig.console.web.console_context import ConsoleContext, back, context_of, page
 from smarig.console.web.protocol_form import FormField, protocol_form
+from smarig.console.web.rig_files import rig_names
 from smarig.core import SmarigError, UsageError, catalogue_names, catalogue_summary
 from smarig.protocols import PROTOCOLS
 from smarig.report import duration
+from smarig.rig import inconsistencies
 
 CHARACTERISE = "characterise:"  # before the name of the campaign that a characterisation runs
 _CAMPAIGN = "campaign:"
@@ -134,9 +136,10 @@ def _shown(
     except SmarigError as problem:
         error, file, text, fields = error or str(problem), None, "", ()
     shown = {
-        **_choices(rig),
+        **_choices(rig, context.folder),
         "rig": rig,
         "rig_text": _rig_text(file),
+        "rig_problems": inconsistencies(file) if file else [],
         "rig_wire": file.wire if file else "",
         "is_twin": file is not None and (file.kind == "twin" or file.simulator is not None),
         "experiment": experiment,
@@ -161,9 +164,9 @@ def _shown(
     return page(request, "new_run.html", shown, here="new", status=422 if error else 200)
 
 
-def _choices(rig: str) -> dict[str, list[tuple[str, str]]]:
+def _choices(rig: str, folder: Path) -> dict[str, list[tuple[str, str]]]:
     campaigns = [(name, name.replace("_", " ")) for name in shipped_names("campaigns")]
-    rigs = [(name, "") for name in shipped_names("rigs")]
+    rigs = [(name, "") for name in rig_names(folder)]
     return {
         "rigs": rigs if rig in dict(rigs) else [(rig, ""), *rigs],
         "protocols": [(name, name.replace("_", " ")) for name in catalogue_names(PROTOCOLS)],

@@ -103,11 +103,13 @@ def stop_all(request: Request) -> Response:
             run.ask("stop", "'Stop everything' in the console")
     for run in runs:
         run.terminate()
+    checked = context_of(request).rig_checks.terminate()
     text = (
         f"{_number_of(len(runs), 'run')} asked to stop. The queue is paused."
         if runs
         else "No run is in progress."
     )
+    problems += [f"The check of {rig} was asked to stop." for rig in checked]
     return back("/", " ".join([text, *problems]), "warning" if runs or problems else "good")
 
 

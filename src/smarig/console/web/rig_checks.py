@@ -1,0 +1,108 @@
+"""Bring-up checks that a console has started: each is ``smarig check`` in a process of its own, and can be stopped."""
+
+import json
+import subprocess
+import threading
+import time
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from smarig.console.command_process import process_command
+from smarig.core import UsageError, printable
+
+LONGEST_S = 900.0  # a long lease is waited for
+_WAIT_S = 10.0  # for a check that is stopped to switch off
+
+
+@dataclass
+class RigCheck:
+    """One check. ``checks`` holds the lines of its list, ``sentence`` why it failed; ``passed`` is None meanwhile."""
+
+    began: float = field(default_factory=time.time)
+    checks: list[dict[str, Any]] = field(default_factory=list)
+    sentence: str = ""
+    passed: bool | None = None
+
+
+class RigChecks:
+    """The last check of each rig."""
+
+    def __init__(self, folder: Path) -> None:
+        self._folder = folder
+        self._checks: dict[str, RigCheck] = {}
+        self._processes: dict[str, subprocess.Popen[str]] = {}
+        self._lock = threading.Lock()
+
+    def start(self, rig: str) -> None:
+        """Bring a rig up. Raises UsageError while that is being done."""
+        path = str(self._folder / rig) if rig.endswith(".toml") else rig
+        with self._lock:
+            if rig in self._processes:
+                raise UsageError(f"{rig} is being checked already.")
+            try:
+                process = subprocess.Popen(
+                    process_command(["smarig", "check", path, "--yes", "--json"]),
+                    cwd=self._folder,
+                    stdin=subprocess.DEVNULL,
+                    stdout=subprocess.PIPE,
+                    stderr=subprocess.PIPE,
+                    encoding="utf-8",
+                    errors="replace",
+                    start_new_session=True,  # Ctrl-C ends the console, not what drives current
+                )
+            except OSError as error:
+                raise UsageError(f"The check could not be started: {error.strerror or error}.") from None
+            self._processes[rig], self._checks[rig] = process, RigCheck()
+        threading.Thread(target=self._wait, args=(rig, process), name=f"check {rig}", daemon=True).start()
+
+    def of(self, rig: str) -> RigCheck | None:
+        """The last check of a rig."""
+        return self._checks.get(rig)
+
+    def terminate(self) -> list[str]:
+        """Ask every check to switch off and end; the names of their rigs."""
+        with self._lock:
+            running = dict(self._processes)
+        for process in running.values():
+            process.terminate()
+        return list(running)
+
+    def close(self) -> None:
+        """End every check, its current at zero."""
+        with self._lock:
+            running = list(self._processes.values())
+        self.terminate()
+        for process in running:
+            try:
+                process.wait(_WAIT_S)
+            except subprocess.TimeoutExpired:
+                process.kill()  # its lease switches the output off
+
+    def _wait(self, rig: str, process: subprocess.Popen[str]) -> None:
+        try:
+            out, err = process.communicate(timeout=LONGEST_S)
+        except subprocess.TimeoutExpired:
+            process.terminate()
+            out, err = process.communicate()
+        with self._lock:
+            found = self._checks[rig]
+            found.checks = _checks(out)
+            found.sentence = "" if process.returncode == 0 else _sentence(err)
+            found.passed = process.returncode == 0
+            del self._processes[rig]
+
+
+def _checks(out: str) -> list[dict[str, Any]]:
+    """The list of checks that the command printed; empty if it came to none."""
+    try:
+        found = json.loads(out.splitlines()[0])["checks"]
+    except (ValueError, IndexError, KeyError, TypeError):
+        return []
+    return [check for check in found if isinstance(check, dict)]
+
+
+def _sentence(err: str) -> str:
+    lines = [line for line in err.splitlines() if line.startswith("smarig: ")]
+    text = lines[-1].removeprefix("smarig: ") if lines else "The check ended without a result."
+    return printable(text)

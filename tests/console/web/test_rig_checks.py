@@ -1,0 +1,108 @@
+"""Rigs in the console: rig files of the folder, bring-up of real benches only on request, and its emergency stop."""
+
+import subprocess
+import time
+from urllib.parse import urlencode
+
+import pytest
+
+from console.web.started_console import Console, started_console
+from smarig.console.web.rig_checks import RigChecks
+from smarig.console.web.rig_files import rig_entry, rig_names, rigs_of
+from smarig.core import UsageError
+
+REAL = """
+name = "real"
+base = "bench_one_wire"
+[links.amplifier]
+url = "/dev/absent-amplifier"
+[links.encoder_daq]
+url = "/dev/absent-encoder"
+"""
+FORM = {"Content-Type": "application/x-www-form-urlencoded"}
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    found = tmp_path_factory.mktemp("rigs")
+    (found / "real.toml").write_text(REAL)
+    (found / "campaign.toml").write_text('[[step]]\nprotocol = "validation"\n')
+    (found / "broken.toml").write_text('base = "one_wire_twin"\nname = "broken"\nperiod_s = -1\n')
+    (found / "no.toml").write_bytes(b"\xff\x00" * 100)
+    return found
+
+
+@pytest.fixture(scope="module")
+def console(folder):
+    with started_console(folder) as found:
+        yield found
+
+
+def wait_for_end(checks, rig):
+    end_s = time.monotonic() + 60
+    while checks.of(rig).passed is None:
+        assert time.monotonic() < end_s
+        time.sleep(0.02)
+    return checks.of(rig)
+
+
+def test_rig_files_of_the_folder_come_first(folder):
+    assert rig_names(folder)[:2] == ["broken.toml", "real.toml"]
+    broken, real = rigs_of(folder)[:2]
+    assert "period_s" in broken.problems[0]
+    assert broken.file is None
+    assert not real.problems
+    assert real.is_real
+    assert rig_entry("bench_one_wire", folder).is_template
+    assert not rig_entry("one_wire_serial", folder).is_real
+
+
+def test_a_real_wire_is_not_heated_without_the_tick(console: Console):
+    for more in ({}, {"heat": "no"}):
+        reply = console.ask("/rigs/check", "POST", console.own | FORM, urlencode({"rig": "real.toml"} | more))
+        assert reply.status == 422
+        assert "Tick the box if you are beside the rig" in reply.body
+
+
+@pytest.mark.parametrize("rig", ["one_wire_twin", "bench_one_wire", "broken.toml", "absent", "", "<b>"])
+def test_what_cannot_be_brought_up_is_refused_in_a_sentence(console: Console, rig):
+    reply = console.ask("/rigs/check", "POST", console.own | FORM, urlencode({"rig": rig}))
+    assert reply.status == 422
+    assert 'class="notice bad"' in reply.body or "<p" in reply.body
+    assert "<b>" not in reply.body
+
+
+def test_devices_that_are_not_there_fail_the_check_with_the_sentence_of_the_command(folder):
+    checks = RigChecks(folder)
+    checks.start("real.toml")
+    found = wait_for_end(checks, "real.toml")
+    assert found.passed is False
+    assert "absent-amplifier" in found.sentence
+    checks.close()
+
+
+def test_a_check_is_not_started_twice_and_stops_when_asked(folder):
+    checks = RigChecks(folder)
+    checks.start("one_wire_serial")
+    with pytest.raises(UsageError, match="one_wire_serial is being checked already"):
+        checks.start("one_wire_serial")
+    assert checks.terminate() == ["one_wire_serial"]
+    found = wait_for_end(checks, "one_wire_serial")
+    assert found.passed is False
+    assert checks.terminate() == []
+    checks.close()
+
+
+def test_stop_everything_stops_a_check(console: Console):
+    console.ask("/rigs/check", "POST", console.own | FORM, urlencode({"rig": "two_wire_serial"}))
+    reply = console.ask("/stop-all", "POST", console.own)
+    assert "two_wire_serial" in reply.headers["location"]
+
+
+def test_the_end_of_a_console_ends_its_checks(tmp_path):
+    with started_console(tmp_path) as console:
+        console.ask("/rigs/check", "POST", console.own | FORM, urlencode({"rig": "one_wire_serial"}))
+        console.process.terminate()
+        console.process.wait(30)
+        children = subprocess.run(["ps", "-eo", "args"], capture_output=True, text=True, check=True).stdout
+    assert "check one_wire_serial --yes" not in children
