@@ -45,7 +45,7 @@ def place(console: Console) -> str:
 
 def started(console: Console, place: str, job: str, model: str = ""):
     return console.ask(
-        f"{place}/evaluate", "POST", {**console.own, **FORM}, urlencode({"job": job, "model": model})
+        f"{place}/evaluate", "POST", {**console.own, **FORM}, urlencode({"job": job, "choice": model})
     )
 
 
@@ -135,3 +135,21 @@ def test_what_a_command_refuses_is_its_sentence(console, folder, place):
 @pytest.mark.parametrize(("job", "model"), [("verify", ""), ("diagnose", "nothing"), ("rm", ""), ("", "")])
 def test_an_evaluation_that_cannot_be_is_refused(console, place, job, model):
     assert started(console, place, job, model).status == 422
+
+
+def test_a_surface_is_chosen_for_the_identification(console, place):
+    text = shown(console, place, "identify")
+    assert re.findall('<option value="([^"]+)"', text)[0] == "best"
+    assert "exponential.model.json" in html.unescape(
+        re.search('data-command="([^"]*exponential[^"]*)"', text)[1]
+    )
+    assert started(console, place, "identify", "exponential").headers["location"] == f"{place}#identify"
+    text = result(console, place, "identify")
+    assert "--surface exponential" in text
+    assert started(console, place, "identify", "round").status == 422
+
+
+def test_what_a_run_was_started_with_is_shown(console, place):
+    body = console.ask(place).body
+    conditions = re.search("<caption>Conditions</caption>.*?</table>", body, re.DOTALL)[0]
+    assert "points = " in conditions

@@ -278,8 +278,8 @@ def test_a_rig_is_brought_up_by_clicks(visitor):
     )
     assert {"devices", "at rest", "read-back", "encoder direction", "lease"} <= set(checks)
     visitor.click("All rigs")
-    row = "[...document.querySelectorAll('tbody tr')].find(x => x.innerText.startsWith('one_wire_serial')).innerText"
-    assert "Fit to run" in visitor.tab.run(row)
+    row = "[...document.querySelectorAll('tbody tr')].find(x => x.innerText.startsWith('one_wire_serial'))"
+    visitor.until(f"{row}?.innerText.includes('Fit to run')", "its state in the list")
 
 
 def test_a_rig_whose_devices_are_not_given_says_so_before_anybody_starts_it(visitor):
@@ -314,11 +314,11 @@ def test_a_model_is_verified_by_clicks_and_the_command_follows_the_choice(visito
     shutil.copy(MODEL, console.folder / "another.model.json")
     visitor.go("/library?text=recorded_once")
     visitor.click("recorded_once")
-    visitor.reload_until("document.querySelectorAll('#model-verify option').length === 2")
+    visitor.reload_until("document.querySelectorAll('#choice-verify option').length === 2")
     command = "document.querySelector('#verify pre').innerText"
     for name in ("another", "wire"):
         of_name = f"find(x => x.innerText === '{name}.model.json')"
-        found = visitor.tab.run(f"[...document.querySelectorAll('#model-verify option')].{of_name}.value")
+        found = visitor.tab.run(f"[...document.querySelectorAll('#choice-verify option')].{of_name}.value")
         visitor.choose("Model", found)
         assert visitor.tab.run(command).startswith(f"smarig verify {console.folder}/{name}.model.json ")
     visitor.click("Verify a model on it")

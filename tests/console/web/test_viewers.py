@@ -51,7 +51,7 @@ def test_it_opens_in_the_browser_and_ends_with_the_console(folder, end):
         assert (reply.status, reply.headers["location"]) == (303, f"{place}#viewer")
         body = console.ask(place).body
         address = html.unescape(re.search(LINK, body)[1])
-        assert answers(address)
+        waited(lambda: answers(address), "the viewer")  # its server may need a moment on a busy machine
         console.ask(f"{place}/viewer", "POST")  # it is open already
         assert html.unescape(re.search(LINK, console.ask(place).body)[1]) == address
         assert "default-src 'none'" in console.ask(place).headers["content-security-policy"]

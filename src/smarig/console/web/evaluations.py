@@ -19,6 +19,7 @@ from smarig.console.web.console_context import ConsoleContext
 from smarig.console.web.evaluation_jobs import EvaluationJob, EvaluationResult
 from smarig.core import UsageError, printable
 from smarig.diagnosis import DIAGNOSIS_PAGE
+from smarig.identification import BEST_KIND, surface_choices
 
 PAGES = "console_pages"
 LONGEST_S = 3600.0
@@ -37,11 +38,11 @@ _WITH_MODEL = frozenset({"verify", "diagnose"})
 
 
 @dataclass(frozen=True)
-class ModelChoice:
-    """A model of the library, and the command of an evaluation with it."""
+class EvaluationChoice:
+    """What an evaluation works with, a model of the library or a surface, and the command with it."""
 
     id: str
-    place: str
+    words: str
     command: str
 
 
@@ -49,16 +50,16 @@ class ModelChoice:
 class EntryEvaluation:
     """A button: its name, its words, and the command as a person would type it; with its state if it was pressed.
 
-    ``needs_model``: it works on one of ``models``. ``since`` is set while it is being computed, ``result`` when it has
-    ended; ``given`` is the command that was started. ``page`` is the entry that it wrote, and ``awaits_page`` is true
-    while the library has not read that.
+    ``chosen``: what is chosen among ``choices``, "Model" or "Surface"; "" if nothing is. ``since`` is set while it is
+    being computed, ``result`` when it has ended; ``given`` is the command that was started. ``page`` is the entry that
+    it wrote, and ``awaits_page`` is true while the library has not read that.
     """
 
     name: str
     words: str
     command: str
-    needs_model: bool
-    models: tuple[ModelChoice, ...] = ()
+    chosen: str = ""
+    choices: tuple[EvaluationChoice, ...] = ()
     since: str = ""
     given: str = ""
     result: EvaluationResult | None = None
@@ -67,8 +68,8 @@ class EntryEvaluation:
 
     @property
     def shown_command(self) -> str:
-        """The command with the model that was chosen last, or with the first one."""
-        commands = [model.command for model in self.models] or [self.command]
+        """The command with what was chosen last, or with the first choice."""
+        commands = [choice.command for choice in self.choices] or [self.command]
         return self.given if self.given in commands else commands[0]
 
 
@@ -80,21 +81,41 @@ def evaluations_of(context: ConsoleContext, entry: Entry) -> list[EntryEvaluatio
             name,
             _WORDS[name],
             _line(arguments),
-            name in _WITH_MODEL,
-            tuple(
-                ModelChoice(each.id, each.place, _line(_commands(context, entry, each)[name]))
-                for each in (models if name in _WITH_MODEL else ())
-            ),
+            *_choices(context, entry, name, models),
             **_state(context, jobs.get(name)),
         )
-        for name, arguments in _commands(context, entry, None).items()
+        for name, arguments in _commands(context, entry).items()
     ]
 
 
-def start_evaluation(context: ConsoleContext, entry: Entry, name: str, model: str = "") -> None:
-    """Start an evaluation; ``model`` is the identity of an entry. Raises UsageError for one that cannot be."""
-    chosen = next((each for each in _models(context) if each.id == model), None) if model else None
-    commands = _commands(context, entry, chosen)
+def _choices(
+    context: ConsoleContext, entry: Entry, name: str, models: Sequence[Entry]
+) -> tuple[str, tuple[EvaluationChoice, ...]]:
+    """What is chosen for an evaluation, and the choices."""
+    if name in _WITH_MODEL:
+        offered = [(each.id, each.place, _commands(context, entry, model=each)) for each in models]
+    elif name == "identify":
+        offered = [(kind, kind, _commands(context, entry, surface=kind)) for kind in _surfaces()]
+    else:
+        return "", ()
+    choices = tuple(EvaluationChoice(id, words, _line(commands[name])) for id, words, commands in offered)
+    return "Model" if name in _WITH_MODEL else "Surface", choices
+
+
+def _surfaces() -> list[str]:
+    """The kinds of surfaces, that which is chosen by its error on held-out curves first."""
+    return [BEST_KIND, *(kind for kind in surface_choices() if kind != BEST_KIND)]
+
+
+def start_evaluation(context: ConsoleContext, entry: Entry, name: str, choice: str = "") -> None:
+    """Start an evaluation; ``choice`` is the identity of a model's entry, or a kind of surface. Raises UsageError for
+    one that cannot be.
+    """
+    chosen = next((each for each in _models(context) if each.id == choice), None) if choice else None
+    if name == "identify" and choice not in ("", *surface_choices()):
+        raise UsageError("There is no such surface.")
+    surface = choice if name == "identify" and choice else BEST_KIND
+    commands = _commands(context, entry, chosen, surface)
     if name not in commands:
         raise UsageError("This entry has no such evaluation.")
     if name in _WITH_MODEL and chosen is None:
@@ -164,7 +185,9 @@ def compared_page(context: ConsoleContext, entries: Sequence[Entry]) -> Path:
     return out
 
 
-def _commands(context: ConsoleContext, entry: Entry, model: Entry | None) -> dict[str, list[str]]:
+def _commands(
+    context: ConsoleContext, entry: Entry, model: Entry | None = None, surface: str = BEST_KIND
+) -> dict[str, list[str]]:
     path = str(entry.path)
     report = ["report", path, "-o", str(_page_of(context, entry)), "--force"]
     if entry.verdict in ("unreadable", "recording"):
@@ -180,9 +203,11 @@ def _commands(context: ConsoleContext, entry: Entry, model: Entry | None) -> dic
                 "identify",
                 path,
                 "--surface",
-                "best",
+                surface,
                 "-o",
-                str(entry.path.with_name(f"{stem}.model.json")),
+                str(
+                    entry.path.with_name(f"{stem}{'' if surface == BEST_KIND else f'.{surface}'}.model.json")
+                ),
             ],
             "transformation": ["transformation", path],
             "verify": ["verify", chosen, path],

@@ -84,6 +84,7 @@ def entry(request: Request) -> HTMLResponse:
         "level": {"good": "good", "warning": "warning", "bad": "bad"}.get(found.verdict, ""),
         "facts": " · ".join(part for part in facts if part),
         "figures": [(_words(name), _figure(figure)) for name, figure in found.figures.items()],
+        "conditions": _conditions(found.details),
         "has_page": finished_page(context, found) is not None,
         "page_is_old": page_is_old(context, found),
         "notes": [
@@ -147,7 +148,7 @@ def _changed(request: Request, form: Mapping[str, str]) -> Response:
         context.library.note(id, form.get("note", ""))
         return back(f"/library/{id}", "The note was added.")
     name = form.get("job", "")
-    start_evaluation(context, context.library.entry(id), name, form.get("model", ""))
+    start_evaluation(context, context.library.entry(id), name, form.get("choice", ""))
     return RedirectResponse(f"/library/{id}#{name}", status_code=303)
 
 
@@ -217,6 +218,18 @@ def _row(context: ConsoleContext, entry: Entry) -> dict[str, Any]:
         "tags": entry.tags,
         "loop": loop_path(u.tolist(), y.tolist()),
     }
+
+
+def _conditions(details: Mapping[str, Any]) -> list[tuple[str, str]]:
+    """What a run was started with: its settings, the effects of its twin, and the notes of its start."""
+    settings = ", ".join(f"{key} = {value}" for key, value in (details.get("settings") or {}).items())
+    effects = ", ".join(details.get("effects") or ())
+    rows = [
+        ("Settings", settings),
+        ("Injected effects", effects),
+        ("Notes at the start", details.get("notes")),
+    ]
+    return [(name, str(text)) for name, text in rows if text]
 
 
 def _evaluations(context: ConsoleContext, entry: Entry) -> dict[str, Any]:
