@@ -180,6 +180,23 @@ def test_links_beside_a_run_are_not_followed(path, tmp_path, suffix):
         load_run(path)
 
 
+def test_a_journal_that_its_recorder_removes_meanwhile_is_no_fault(path, monkeypatch):
+    """A run is looked at while it starts: the journal is there at the first look and gone at the next."""
+    journal = path.with_name(path.name + "-journal")
+    journal.write_bytes(b"begun")
+    look = Path.lstat
+
+    def and_gone(self):
+        found = look(self)
+        if self == journal:
+            journal.unlink()
+        return found
+
+    monkeypatch.setattr(Path, "lstat", and_gone)
+    assert len(load_run(path)["t_s"])
+    assert not journal.exists()
+
+
 @pytest.mark.parametrize("log", [False, True])
 def test_a_file_with_much_behind_its_database_is_refused(path, log):
     """Its hash would take hours."""

@@ -5,7 +5,9 @@ keep SQLite busy for ever, and no signal would be handled meanwhile.
 """
 
 import contextlib
+import os
 import sqlite3
+import stat
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -66,25 +68,33 @@ def check_sidecars(file: Path) -> None:
 
     SQLite deletes the file that such a journal names.
     """
-    for suffix in SIDECARS:
+    for (
+        suffix
+    ) in SIDECARS:  # the recorder of a run that is being made removes them at any moment: one look each
         sidecar = file.with_name(file.name + suffix)
-        if sidecar.is_symlink() or (sidecar.exists() and not sidecar.is_file()):
-            raise DataError(f"{sidecar} is not a regular file. Remove it, or copy {file.name} without it.")
+        with contextlib.suppress(FileNotFoundError):
+            if not stat.S_ISREG(sidecar.lstat().st_mode):
+                raise DataError(
+                    f"{sidecar} is not a regular file. Remove it, or copy {file.name} without it."
+                )
     journal = file.with_name(file.name + "-journal")
-    if journal.is_file() and _last_bytes(journal, len(_JOURNAL_MAGIC)) == _JOURNAL_MAGIC:
-        raise DataError(
-            f"{journal} belongs to several databases; no run has such a journal. Remove it, or copy {file.name} "
-            "without it."
-        )
+    with contextlib.suppress(FileNotFoundError):
+        if _last_bytes(journal, len(_JOURNAL_MAGIC)) == _JOURNAL_MAGIC:
+            raise DataError(
+                f"{journal} belongs to several databases; no run has such a journal. Remove it, or copy {file.name} "
+                "without it."
+            )
 
 
 def _last_bytes(path: Path, count: int) -> bytes:
     with path.open("rb") as file:
-        file.seek(max(path.stat().st_size - count, 0))
+        file.seek(max(os.fstat(file.fileno()).st_size - count, 0))
         return file.read(count)
 
 
 def _bytes(file: Path) -> int:
     """Size of a run with its write-ahead log."""
-    log = file.with_name(file.name + "-wal")
-    return file.stat().st_size + (log.stat().st_size if log.is_file() else 0)
+    found = file.stat().st_size
+    with contextlib.suppress(FileNotFoundError):
+        found += file.with_name(file.name + "-wal").stat().st_size
+    return found
