@@ -29,13 +29,13 @@ class TextServer(ABC):
     def drop(self) -> None:
         """Cut every connection."""
         for connection in self._connections:
-            connection.close()
+            _closed(connection)
         self._connections.clear()
 
     def close(self) -> None:
         """Listen no longer."""
         self.over.set()
-        self._server.close()
+        _closed(self._server)
         self.drop()
 
     def _accept(self) -> None:
@@ -43,6 +43,9 @@ class TextServer(ABC):
             try:
                 connection, _ = self._server.accept()
             except OSError:
+                return
+            if self.over.is_set():
+                connection.close()
                 return
             self._connections.append(connection)
             threading.Thread(target=self._talk, args=(connection,), daemon=True).start()
@@ -57,3 +60,10 @@ class TextServer(ABC):
                     if answer is not None:
                         time.sleep(self.delay_answers_s)
                         connection.sendall(f"{answer}\n".encode())
+
+
+def _closed(line: socket.socket) -> None:
+    """Close it also for a thread that waits on it; without the shutdown, the kernel keeps it open for that thread."""
+    with contextlib.suppress(OSError):
+        line.shutdown(socket.SHUT_RDWR)
+    line.close()
