@@ -81,18 +81,25 @@ def wire(tmp_path_factory):
 def test_a_model_is_judged_against_the_noise(wire, rms, level, advice):
     run, model = wire
     verified = verify(model, [run]).runs[0]
-    other = replace(verified, settled=replace(verified.settled, rms=rms), noise_floor=0.004)
+    assert verified.is_training
+    other = replace(
+        verified, is_training=False, settled=replace(verified.settled, rms=rms), noise_floor=0.004
+    )
     found = run_assessment(run, other, "m")
     assert found.level == level
     assert advice in found.advice
     assert f"predicts this run to {rms:.3g} mm rms" in found.quality
+    fitted = run_assessment(run, replace(other, is_training=True), "m")
+    assert "was fitted to this run; the error of the fit is" in fitted.quality
+    assert "predict" not in fitted.quality
+    assert ("That is no prediction" in fitted.advice) == (level == "good")
 
 
 def test_the_summary_holds_sentences_loops_figures_and_origin(wire):
     run, model = wire
     page = Page(summary_page(run, model))
     assert len(page.plots) == 2
-    assert "predicts this run to" in page.visible
+    assert "was fitted to this run" in page.visible
     assert page.card("Error, rms")
     assert "c.run.sqlite, SHA-256" in page.visible
     assert len(Page(summary_page(run)).plots) == 1

@@ -34,7 +34,7 @@ class RunVerification:
     ``input``, ``measured``, ``predicted`` (k,) are all settled points (offset added, NaN if the memory is unknown).
     ``counted`` (k,) marks the points that count. ``offset``, "known" or "fitted", was added to the model. ``expected``
     is the rms error to be expected at a load that was not measured, None for other runs and models. ``repeatability``
-    is what repeats of the run show besides noise.
+    is what repeats of the run show besides noise. ``is_training``: the model was fitted to this run.
     """
 
     run: str
@@ -50,6 +50,7 @@ class RunVerification:
     warnings: tuple[str, ...]
     expected: float | None = None
     repeatability: Repeatability = STEADY
+    is_training: bool = False
 
     @property
     def verdict(self) -> ErrorVerdict:

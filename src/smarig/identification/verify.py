@@ -144,6 +144,7 @@ def _verified(
         measured=measured,
         predicted=predicted + shift,
         counted=counts,
+        is_training=_is_training(model, run),
         warnings=(
             *_validity_warnings(model, run),
             *by_load,
@@ -231,6 +232,12 @@ def _offset(model: Model, run: Run, difference: Array, offset: Offset) -> tuple[
     return float(difference.mean()), "fitted"
 
 
+def _is_training(model: Model, run: Run) -> bool:
+    """Whether the model was fitted to this run."""
+    mine = file_hash(run)
+    return bool(mine) and mine in {p.sha256 for p in model.provenance}
+
+
 def _validity_warnings(model: Model, run: Run) -> list[str]:
     """Warnings about runs of another wire, training runs and incomplete runs."""
     found = []
@@ -238,7 +245,7 @@ def _validity_warnings(model: Model, run: Run) -> list[str]:
     wire = run.info.wire
     if wire and wires and wire not in wires:
         found.append(f"The run is of wire '{wire}', but the model is of {', '.join(sorted(wires))}.")
-    if (mine := file_hash(run)) and mine in {p.sha256 for p in model.provenance}:
+    if _is_training(model, run):
         found.append(
             "The model was fitted to this run. The errors show how well it fits, not how well it predicts."
         )

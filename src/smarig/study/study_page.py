@@ -125,11 +125,16 @@ def _comparison(result: StudyResult) -> Iterator[Html | Figure]:
     unit = f" ({display_unit(result.unit)})" if spaced(result.unit) else ""
     noise = f"noise {number(result.noise, 2)}" if result.noise else "noise not known: nothing repeats"
     simple = min(evaluation.simple.values(), default=np.nan)
+    where = " on left-out blocks" if result.compared_on_left_out else ""
     yield cards(
         [
             (f"Error, rms{unit}", number(evaluation.best.rms), noise),
             ("Of the output's range", f"{number(100 * result.nrmse, 2)} %", "rms error"),
-            (f"Best simple curve, rms{unit}", number(simple), f"{ratio_text(result.gain)} × the model's"),
+            (
+                f"Best simple curve, rms{unit}",
+                number(simple),
+                f"{ratio_text(result.gain)} × the model's{where}",
+            ),
         ]
     )
     rows = [(c.name, "model", number(c.train_rms), number(c.rms)) for c in evaluation.candidates]

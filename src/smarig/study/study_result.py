@@ -137,6 +137,11 @@ class StudyResult:
         return found is not None and bool(self.noise) and found > GOOD_RATIO * (self.noise or 0.0)
 
     @property
+    def compared_on_left_out(self) -> bool:
+        """Whether simple curves are compared with the error of the model on blocks left out of its fit."""
+        return self._left_out is not None
+
+    @property
     def _left_out(self) -> float | None:
         """The rms error of the model on blocks left out of its fit; None where data were held out, or if unknown."""
         d = self.diagnosis
@@ -258,7 +263,7 @@ class StudyResult:
         if self.evaluation is None or not self.evaluation.simple or self._one_way:
             return ""
         name, error = min(self.evaluation.simple.items(), key=lambda item: item[1])
-        return simple_curve_sentence(name, error, self.gain, self.unit)
+        return simple_curve_sentence(name, error, self.gain, self.unit, left_out=self.compared_on_left_out)
 
     def _next_sentence(self) -> str:
         if self.diagnosis is None:
@@ -266,16 +271,24 @@ class StudyResult:
         return f"{finding_sentence(self.diagnosis, at_noise=self.at_noise)}{self._gain_by_cause()}"
 
     def _gain_by_cause(self) -> str:
-        """What the extended model of a named cause predicts of the held-out data, in place of the plain one."""
-        found, d = self.evaluation, self.diagnosis
-        extended = next((c for c in found.candidates if c.name == EXTENDED), None) if found else None
-        if found is None or extended is None or d is None or d.verdict.word != "named" or self._is_fitted:
+        """What a named cause explains of data that did not fit it: both models are fitted again to the same data."""
+        d = self.diagnosis
+        if d is None or d.verdict.word != "named":
             return ""
-        plain = found.plain
-        if extended.rms >= plain.rms:
-            return " It does not predict the held-out data better."
-        before, after = (measure(c.rms, self.unit) for c in (plain, extended))
-        return f" With it, the error on the held-out data is {after} instead of {before}."
+        left_out = ""
+        if isinstance(d, MeasuredDiagnosis) and d.best is not None and d.best.rms < d.base.rms:
+            left_out = f"On blocks left out of the fit, {self._with_and_without(d.best.rms, d.base.rms)}"
+        if d.gain is None or self._is_fitted:
+            return f" {left_out}." if left_out else ""
+        both = self._with_and_without(d.gain.extended, d.gain.base)
+        removed = d.gain.interval()
+        if removed is not None and removed[0] > 0:
+            return f" On the held-out data, {both}."
+        little = f"on the held-out data, {both}: they hardly show it."
+        return f" {left_out}; {little}" if left_out else f" {capitalised(little)}"
+
+    def _with_and_without(self, extended: float, base: float) -> str:
+        return f"the error is {measure(extended, self.unit)} with it and {measure(base, self.unit)} without"
 
     def to_json(self) -> dict[str, Any]:
         """The JSON object of the command line, which is also DIR/study.json."""

@@ -48,14 +48,21 @@ def left_out_sentence(rms: float, unit: str, noise: float | None) -> str:
     return f"On blocks left out of the fit, the error is {measure(rms, unit)} rms{ratio}."
 
 
-def simple_curve_sentence(name: str, error: float, gain: float, unit: str) -> str:
-    """How large the error of the best simple curve is; ``gain`` times that of the model."""
+def simple_curve_sentence(name: str, error: float, gain: float, unit: str, *, left_out: bool = False) -> str:
+    """How large the error of the best simple curve is; ``gain`` times that of the model, of its error on blocks
+    ``left_out`` of the fit if nothing was held out.
+    """
+    than = " than the model on blocks left out of the fit" if left_out else ""
     if gain >= BETTER:
-        larger = f"{ratio_text(gain)} times as large, {measure(error, unit)}"
+        than_model = " as that of the model on blocks left out of the fit" if left_out else ""
+        larger = f"{ratio_text(gain)} times as large{than_model}, {measure(error, unit)}"
         return f"The error of the best simple curve ({name}) is {larger}."
     if gain >= 1:
-        return f"A simple curve ({name}) does nearly as well: {measure(error, unit)}."
-    return f"A simple curve ({name}) does better: {measure(error, unit)}. Do not use the model as it is."
+        as_well = than.replace("than", "as", 1)
+        return f"A simple curve ({name}) does nearly as well{as_well}: {measure(error, unit)}."
+    return (
+        f"A simple curve ({name}) does better{than}: {measure(error, unit)}. Do not use the model as it is."
+    )
 
 
 def branch_name(branch: BranchError, *, temperature: bool) -> str:

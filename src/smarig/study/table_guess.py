@@ -193,7 +193,7 @@ def _further_roles(
                 role, f"{c.quantity} beside the current: {c.quantity_reason}", c.quantity_confidence
             )
         elif drive is not None and _agrees(c, drive):
-            roles[c.name] = Role("compare", f"a second thermometer, which agrees with '{drive.name}'", LIKELY)
+            roles[c.name] = Role("compare", _second(drive), LIKELY)
         elif (
             holds_still(c)
             and c.quantity in (q.STRESS, q.FORCE)
@@ -227,6 +227,10 @@ def _agrees(c: ColumnGuess, drive: ColumnGuess) -> bool:
     if not (c.quantity == drive.quantity == q.TEMPERATURE) or c.unit != drive.unit:
         return False
     return bool(np.nanmedian(np.abs(c.facts.values - drive.facts.values)) < _AGREE_K)
+
+
+def _second(drive: ColumnGuess) -> str:
+    return f"a second thermometer, within {_AGREE_K:g} K of '{drive.name}' in half of the rows or more"
 
 
 def _unused(c: ColumnGuess, out: ColumnGuess | None) -> str:

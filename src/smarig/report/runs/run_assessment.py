@@ -26,12 +26,16 @@ def run_assessment(run: AnyRun, verified: RunVerification | None = None, model: 
         return Assessment(level, _measured(run), quality, _advice(run, level))
     unit = spaced(display_unit(run.unit))
     found = verified.verdict
-    text = f"The model {model} predicts this run to {number(verified.settled.rms)}{unit} rms, {found.text}."
-    advice = (
-        "The model can be used as it is."
-        if found.level == ErrorLevel.GOOD
-        else "Look where along the loop the error is large, and diagnose the run (smarig diagnose)."
-    )
+    rms = f"{number(verified.settled.rms)}{unit} rms, {found.text}"
+    text = f"The model {model} predicts this run to {rms}."
+    if verified.is_training:
+        text = f"The model {model} was fitted to this run; the error of the fit is {rms}."
+    if found.level != ErrorLevel.GOOD:
+        advice = "Look where along the loop the error is large, and diagnose the run (smarig diagnose)."
+    elif verified.is_training:
+        advice = "That is no prediction: verify the model on a run that it was not fitted to."
+    else:
+        advice = "The model can be used as it is."
     return Assessment(box_level(found.level), _measured(run), text, advice)
 
 
