@@ -1,7 +1,9 @@
 """Rigs in the console: rig files of the folder, bring-up of real benches only on request, and its emergency stop."""
 
+import os
 import subprocess
 import time
+from pathlib import Path
 from urllib.parse import urlencode
 
 import pytest
@@ -57,6 +59,49 @@ def test_rig_files_of_the_folder_come_first(folder):
     assert not rig_entry("one_wire_serial", folder).is_real
 
 
+def test_a_file_that_cannot_be_read_hides_no_other_rig(tmp_path):
+    """Pipes, devices, wrong actuators and absurd names: a row each or none, and the list is there."""
+    os.mkfifo(tmp_path / "pipe.toml")
+    (tmp_path / "zero.toml").symlink_to("/dev/zero")
+    (tmp_path / "folder.toml").mkdir()
+    (tmp_path / "typo.toml").write_text('base = "one_wire_serial"\nname = "mine"\nactuator = "nitinoll"\n')
+    (tmp_path / "long.toml").write_text(f'base = "{"a" * 5000}"\n')
+    (tmp_path / "nul.toml").write_text('base = "one_wire_twin"\nname = "n"\n[load]\nfile = "a\\u0000.toml"\n')
+    (tmp_path / "dots.toml").write_text("a" + ".a" * 40_000 + " = 1\n")
+    Path(os.fsdecode(os.fsencode(tmp_path) + b"/bad\xff.toml")).write_text(
+        'base = "one_wire_twin"\nname = "b"\n'
+    )
+    rigs = {rig.name: rig for rig in rigs_of(tmp_path)}
+    assert {name for name in rigs if name.endswith(".toml")} == {"typo.toml", "long.toml", "nul.toml"}
+    assert all(rigs[name].problems for name in ("typo.toml", "long.toml", "nul.toml"))
+    assert "nitinoll" in rigs["typo.toml"].problems[0]
+    assert not rigs["one_wire_serial"].problems
+
+
+def test_the_list_runs_no_driver(tmp_path):
+    (tmp_path / "driver.py").write_text(f"open({str(tmp_path / 'was_here')!r}, 'w')\n")
+    link = '[links.encoder_daq]\ndriver = "./driver.py"\n'
+    (tmp_path / "own.toml").write_text(f'name = "own"\nbase = "one_wire_serial"\n{link}')
+    assert rigs_of(tmp_path)[0].name == "own.toml"
+    assert not (tmp_path / "was_here").exists()
+
+
+def test_a_check_is_shown_at_the_place_of_its_rig(console: Console, folder):
+    (folder / "a&b=%41+c.toml").write_text(REAL)
+    reply = console.ask(
+        "/rigs/check", "POST", console.own | FORM, urlencode({"rig": "a&b=%41+c.toml", "heat": "yes"})
+    )
+    assert "a&amp;b=%41+c.toml</h1>" in console.ask(reply.headers["location"]).body
+    (folder / "a&b=%41+c.toml").unlink()
+
+
+def test_a_check_that_is_killed_says_to_look_at_the_rig(folder):
+    checks = RigChecks(folder)
+    checks.start("one_wire_serial")
+    checks._processes["one_wire_serial"].kill()
+    assert "Make sure that no current flows" in wait_for_end(checks, "one_wire_serial").sentence
+
+
 def test_a_real_wire_is_not_heated_without_the_tick(console: Console):
     for more in ({}, {"heat": "no"}):
         reply = console.ask("/rigs/check", "POST", console.own | FORM, urlencode({"rig": "real.toml"} | more))
@@ -106,3 +151,16 @@ def test_the_end_of_a_console_ends_its_checks(tmp_path):
         console.process.wait(30)
         children = subprocess.run(["ps", "-eo", "args"], capture_output=True, text=True, check=True).stdout
     assert "check one_wire_serial --yes" not in children
+
+
+@pytest.mark.parametrize(
+    "place", ["/library/run?file=%00", f"/rigs/rig?rig={'a' * 5000}", f"/new?rig={'a' * 5000}"]
+)
+def test_whatever_an_address_asks_for_is_answered_in_a_sentence(console: Console, place):
+    reply = console.ask(place)
+    assert "<h1>" in reply.body
+    assert "Internal Server Error" not in reply.body
+
+
+def test_only_words_of_the_queue_change_it(console: Console):
+    assert console.ask("/queue/zzz", "POST", console.own).status == 422

@@ -1,5 +1,6 @@
 """The NI drivers on a stub of nidaqmx: contract of every role, faults, settings. Not on hardware."""
 
+import math
 import time
 
 import pytest
@@ -8,7 +9,7 @@ from device.labjack.boxes import link_of
 from device.ni import stub_nidaqmx as stub
 from smarig.config import RigFile, load_rig
 from smarig.core.errors import ConfigError, UsageError
-from smarig.device import ContractCase, Silent, check_contract
+from smarig.device import ContractCase, Garbled, Silent, check_contract
 from smarig.device.drivers import _ni
 from smarig.plant import Actuator
 from smarig.rig.driver_check import in_role
@@ -173,6 +174,15 @@ def test_zero_holds_for_later_samples_of_a_sampled_encoder(world):
     sensor.close()
     assert later
     assert {r.counts for r in later} == {0}
+
+
+@pytest.mark.parametrize("answer", [[math.nan], [math.inf], ["x"], None])
+def test_what_is_no_count_is_a_fault(world, monkeypatch, answer):
+    sensor = sampled()
+    monkeypatch.setattr(stub.Task, "_sampled", lambda _: answer)
+    with pytest.raises(Garbled, match="for a count"):
+        sensor.tick()
+    sensor.close()
 
 
 def test_a_clock_that_does_not_run_is_said(world, monkeypatch):

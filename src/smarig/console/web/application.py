@@ -38,7 +38,7 @@ def console_application(context: ConsoleContext, token: str, port: int) -> Acces
             *rig_page.ROUTES,
             Mount("/static", StaticFiles(directory=Path(__file__).parent / "static")),
         ],
-        exception_handlers={SmarigError: _refused, HTTPException: _not_found},
+        exception_handlers={SmarigError: _refused, HTTPException: _not_found, Exception: _failed},
     )
     application.state.context = context
     return AccessGuard(application, token, port)
@@ -47,6 +47,11 @@ def console_application(context: ConsoleContext, token: str, port: int) -> Acces
 def _refused(request: Request, error: Exception) -> Response:
     status = next((number for kind, number in _STATUS if isinstance(error, kind)), 500)
     return page(request, "problem.html", {"sentence": str(error)}, status=status)
+
+
+def _failed(request: Request, error: Exception) -> Response:
+    sentence = f"This request failed ({type(error).__name__}). The terminal of the console says more."
+    return page(request, "problem.html", {"sentence": sentence}, status=500)
 
 
 def _not_found(request: Request, error: Exception) -> Response:

@@ -2,11 +2,12 @@
 
 import json
 import subprocess
+import tempfile
 import threading
 import time
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import IO, Any
 
 from smarig.console.command_process import process_command
 from smarig.core import UsageError, printable
@@ -31,7 +32,7 @@ class RigChecks:
     def __init__(self, folder: Path) -> None:
         self._folder = folder
         self._checks: dict[str, RigCheck] = {}
-        self._processes: dict[str, subprocess.Popen[str]] = {}
+        self._processes: dict[str, subprocess.Popen[bytes]] = {}
         self._lock = threading.Lock()
 
     def start(self, rig: str) -> None:
@@ -40,21 +41,22 @@ class RigChecks:
         with self._lock:
             if rig in self._processes:
                 raise UsageError(f"{rig} is being checked already.")
+            out, err = tempfile.TemporaryFile(), tempfile.TemporaryFile()  # noqa: SIM115 - closed by _wait()
             try:
                 process = subprocess.Popen(
                     process_command(["smarig", "check", path, "--yes", "--json"]),
                     cwd=self._folder,
                     stdin=subprocess.DEVNULL,
-                    stdout=subprocess.PIPE,
-                    stderr=subprocess.PIPE,
-                    encoding="utf-8",
-                    errors="replace",
+                    stdout=out,  # files: a pipe would stay open for whatever a driver has started
+                    stderr=err,
                     start_new_session=True,  # Ctrl-C ends the console, not what drives current
                 )
             except OSError as error:
                 raise UsageError(f"The check could not be started: {error.strerror or error}.") from None
             self._processes[rig], self._checks[rig] = process, RigCheck()
-        threading.Thread(target=self._wait, args=(rig, process), name=f"check {rig}", daemon=True).start()
+        threading.Thread(
+            target=self._wait, args=(rig, process, out, err), name=f"check {rig}", daemon=True
+        ).start()
 
     def of(self, rig: str) -> RigCheck | None:
         """The last check of a rig."""
@@ -73,24 +75,30 @@ class RigChecks:
         with self._lock:
             running = list(self._processes.values())
         self.terminate()
+        until_s = time.monotonic() + _WAIT_S
         for process in running:
             try:
-                process.wait(_WAIT_S)
+                process.wait(max(until_s - time.monotonic(), 0.0))
             except subprocess.TimeoutExpired:
                 process.kill()  # its lease switches the output off
 
-    def _wait(self, rig: str, process: subprocess.Popen[str]) -> None:
+    def _wait(self, rig: str, process: subprocess.Popen[bytes], out: IO[bytes], err: IO[bytes]) -> None:
         try:
-            out, err = process.communicate(timeout=LONGEST_S)
+            process.wait(LONGEST_S)
         except subprocess.TimeoutExpired:
             process.terminate()
-            out, err = process.communicate()
-        with self._lock:
+            process.wait()
+        with self._lock, out, err:
             found = self._checks[rig]
-            found.checks = _checks(out)
-            found.sentence = "" if process.returncode == 0 else _sentence(err)
+            found.checks = _checks(_text(out))
+            found.sentence = "" if process.returncode == 0 else _sentence(_text(err), process.returncode)
             found.passed = process.returncode == 0
             del self._processes[rig]
+
+
+def _text(file: IO[bytes]) -> str:
+    file.seek(0)
+    return file.read().decode("utf-8", "replace")
 
 
 def _checks(out: str) -> list[dict[str, Any]]:
@@ -102,7 +110,9 @@ def _checks(out: str) -> list[dict[str, Any]]:
     return [check for check in found if isinstance(check, dict)]
 
 
-def _sentence(err: str) -> str:
+def _sentence(err: str, status: int) -> str:
+    if status < 0:
+        return "The process of the check was killed. Make sure that no current flows: a rig without a lease stays on."
     lines = [line for line in err.splitlines() if line.startswith("smarig: ")]
     text = lines[-1].removeprefix("smarig: ") if lines else "The check ended without a result."
     return printable(text)

@@ -1,5 +1,7 @@
 """The rigs of a console: those that come with smarig, and the rig files of its folder."""
 
+import os
+import stat
 import tomllib
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -10,6 +12,7 @@ from smarig.core import SmarigError
 from smarig.rig import inconsistencies
 
 _LARGEST_BYTES = 100_000  # a larger file is no rig
+_MOST_DOTS = 200  # of a line: the time to read a key grows with their square
 
 
 @dataclass(frozen=True)
@@ -47,7 +50,7 @@ class RigEntry:
 
 def rigs_of(folder: Path) -> list[RigEntry]:
     """Every rig, those of the folder first."""
-    return [rig_entry(name, folder) for name in rig_names(folder)]
+    return [rig_entry(name, folder, run_drivers=False) for name in rig_names(folder)]
 
 
 def rig_names(folder: Path) -> list[str]:
@@ -55,23 +58,48 @@ def rig_names(folder: Path) -> list[str]:
     return [*_own_names(folder), *shipped_names("rigs")]
 
 
-def rig_entry(name: str, folder: Path) -> RigEntry:
-    """A rig by name, or by a file's path from the folder."""
+def rig_entry(name: str, folder: Path, *, run_drivers: bool = True) -> RigEntry:
+    """A rig by name, or by a file's path from the folder.
+
+    Drivers of its own are code. Without ``run_drivers`` they are not imported, and nothing is said of them.
+    """
     try:
         file = load_rig(str(folder / name) if name.endswith(".toml") else name)
+        if not run_drivers and _has_own_driver(file):
+            return RigEntry(name, file)
+        return RigEntry(name, file, tuple(inconsistencies(file)))
     except SmarigError as error:
         return RigEntry(name, None, (str(error),))
-    return RigEntry(name, file, tuple(inconsistencies(file)))
+    except (OSError, ValueError, RecursionError):
+        return RigEntry(name, None, ("It is no rig file that can be read.",))
+
+
+def _has_own_driver(file: RigFile) -> bool:
+    links = (
+        [] if file.links is None else [getattr(file.links, role) for role in type(file.links).model_fields]
+    )
+    return any(link is not None and link.driver.endswith(".py") for link in links)
 
 
 def _own_names(folder: Path) -> Iterator[str]:
     """The files of the folder that describe a rig."""
     for path in sorted(folder.glob("*.toml")):
         try:
-            if path.stat().st_size > _LARGEST_BYTES:
-                continue
-            table = tomllib.loads(path.read_text("utf-8"))
+            path.name.encode()  # a name that no address can hold is left out
+            table = tomllib.loads(_text(path))
         except (OSError, ValueError, RecursionError):
             continue  # no table, or not TOML: nothing says that it is a rig
         if {"actuator", "base", "links"} & table.keys():
             yield path.name
+
+
+def _text(path: Path) -> str:
+    """The text of a small regular file. OSError for a pipe or a device, ValueError for a long text or many dots."""
+    descriptor = os.open(path, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0))
+    with os.fdopen(descriptor, "rb") as file:
+        if not stat.S_ISREG(os.fstat(descriptor).st_mode):
+            raise OSError(f"{path} is not a regular file")
+        found = file.read(_LARGEST_BYTES + 1)
+    if len(found) > _LARGEST_BYTES or any(line.count(b".") > _MOST_DOTS for line in found.splitlines()):
+        raise ValueError(f"{path} is no rig file")
+    return found.decode()

@@ -7,11 +7,12 @@ Untested on hardware.
 
 import time
 from collections import deque
+from itertools import takewhile
 from typing import Any
 
 from smarig.core import Quality
 from smarig.device.drivers._ni import close_task, closed_on_failure, identity_of, ni_errors, ni_package
-from smarig.device.encoding.link_faults import Silent
+from smarig.device.encoding.link_faults import Garbled, Silent
 from smarig.device.roles.ticked import PositionReading
 
 KEPT_S = 60.0  # readings that the host and NI-DAQmx keep for a slow reader
@@ -44,7 +45,8 @@ class NiSampledCounter:
     def since(self, tick: int, at_most: int) -> list[PositionReading]:
         """Samples from a tick on, of the last ``KEPT_S``."""
         self._take()
-        return [reading for reading in self._ring if reading.tick >= tick][:at_most]
+        found = list(takewhile(lambda reading: reading.tick >= tick, reversed(self._ring)))
+        return found[::-1][: max(at_most, 0)]
 
     def tick(self) -> int:
         """The number of samples so far, from 0."""
@@ -95,12 +97,18 @@ class NiSampledCounter:
         """Fetch what was sampled since the last call. Raises Silent for a lost device, or samples lost in between."""
         with ni_errors(self._device):
             found: Any = self._task.read(ni_package().constants.READ_ALL_AVAILABLE)
-        for value in found:
-            self._raw = round(value)
+        for value in found if isinstance(found, list) else [found]:
+            self._raw = self._count(value)
             self._ring.append(
                 PositionReading(self._read, self._raw - self._zero, self._ambient_degC, Quality.GOOD)
             )
             self._read += 1
+
+    def _count(self, value: Any) -> int:
+        try:
+            return round(float(value))
+        except (TypeError, ValueError, OverflowError):
+            raise Garbled(f"{self.identity} gives {value!r} for a count. {Garbled.remedy}") from None
 
 
 def _output_of(counter: str) -> str:

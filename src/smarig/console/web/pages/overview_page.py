@@ -47,6 +47,8 @@ def _state(shown: dict[str, Any]) -> dict[str, Any]:
 def queue_request(request: Request) -> Response:
     """A button of the queue: pause or continue it."""
     queue, wanted = context_of(request).queue, request.path_params["wanted"]
+    if wanted not in ("pause", "continue"):
+        raise UsageError("The queue can be paused and continued.")
     if wanted == "continue":
         queue.go_on()
         ensure_worker(context_of(request).folder)
@@ -107,7 +109,7 @@ def stop_all(request: Request) -> Response:
     text = (
         f"{_number_of(len(runs), 'run')} asked to stop. The queue is paused."
         if runs
-        else "No run is in progress."
+        else "No run is in progress. Checks that a terminal or another console has started are not ended by this."
     )
     problems += [f"The check of {rig} was asked to stop." for rig in checked]
     return back("/", " ".join([text, *problems]), "warning" if runs or problems else "good")

@@ -3,6 +3,7 @@
 import time
 from collections.abc import Sequence
 from typing import Any
+from urllib.parse import urlencode
 
 from starlette.concurrency import run_in_threadpool
 from starlette.requests import Request
@@ -16,8 +17,6 @@ from smarig.console.web.rig_files import RigEntry, rig_entry, rigs_of
 from smarig.core import UsageError
 from smarig.plant import Actuator
 from smarig.running import RunInProgress, runs_in_progress
-
-_PLACE = "/rigs/rig?"
 
 
 def rigs(request: Request) -> HTMLResponse:
@@ -56,7 +55,7 @@ async def check_rig(request: Request) -> Response:
             "The wire is heated gently, and its lease expires once. Tick the box if you are beside the rig."
         )
     await run_in_threadpool(context.rig_checks.start, name)
-    return back(f"{_PLACE}rig={name}")
+    return back(f"/rigs/rig?{urlencode({'rig': name})}")
 
 
 def _row(entry: RigEntry, context: ConsoleContext, runs: Sequence[RunInProgress]) -> dict[str, Any]:
