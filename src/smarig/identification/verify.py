@@ -132,7 +132,7 @@ def _verified(
     span = float(np.ptp(measured))
     outside = int(np.sum(out_of_range(model, applied_inputs(model, run)[counts])))
     early = 0 if run.info.protocol == FORC_PROTOCOL else int(np.sum(selected & ~counts))
-    floor = noise_floor(run)
+    floor, is_training = noise_floor(run), _is_training(model, run)
     return RunVerification(
         run=str(run.path),
         settled=_errors((predicted + shift - measured)[counts], span),
@@ -144,9 +144,9 @@ def _verified(
         measured=measured,
         predicted=predicted + shift,
         counted=counts,
-        is_training=_is_training(model, run),
+        is_training=is_training,
         warnings=(
-            *_validity_warnings(model, run),
+            *_validity_warnings(model, run, is_training=is_training),
             *by_load,
             *_far_loads(model, run),
             *floor.warnings,
@@ -238,14 +238,14 @@ def _is_training(model: Model, run: Run) -> bool:
     return bool(mine) and mine in {p.sha256 for p in model.provenance}
 
 
-def _validity_warnings(model: Model, run: Run) -> list[str]:
+def _validity_warnings(model: Model, run: Run, *, is_training: bool) -> list[str]:
     """Warnings about runs of another wire, training runs and incomplete runs."""
     found = []
     wires = {p.wire for p in model.provenance if p.wire}
     wire = run.info.wire
     if wire and wires and wire not in wires:
         found.append(f"The run is of wire '{wire}', but the model is of {', '.join(sorted(wires))}.")
-    if _is_training(model, run):
+    if is_training:
         found.append(
             "The model was fitted to this run. The errors show how well it fits, not how well it predicts."
         )

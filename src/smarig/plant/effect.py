@@ -151,7 +151,7 @@ class EffectType:
     ``parameters``: the first is the strength; at 0 the plant is unchanged bit for bit. ``act`` returns the hooks. The
     texts describe for the reader how the effect enters, what it looks like, what it is confused with, what
     distinguishes it, and what a lab can do against it (``remedy``). ``change``, if the strength is a percentage of the
-    stroke, says for a positive and for a negative one what it does, with "{size}" in the output's unit.
+    stroke, says what it does, with "{size}" in the output's unit: for a positive strength, and for a negative one.
     ``memoryless``: the effect on the position (for a feedback, on the input) follows from the present state alone, so a
     replay needs it only at readings (a feedback also at turning points); an effect with memory is computed at every
     step. ``output_independent``: changes before the hysteresis follow from the ``ThermalState`` and the input range
@@ -178,7 +178,7 @@ class EffectType:
     output_independent: bool = False
     shown_by: tuple[str, ...] = POSITIONS
     remedy: str = ""
-    change: tuple[str, str] | None = None
+    change: tuple[str, ...] = ()
     shape: Any = None  # of a learned effect, which no catalogue lists
 
     @property
@@ -234,11 +234,11 @@ class Effect:
         >>> walking(-0.5).change_text(12.0, "mm")
         'With every full cycle the position falls by 0.06 mm.'
         """
-        if self.kind.change is None:
+        if not self.kind.change:
             return self.kind.summary
-        rising, falling = self.kind.change
+        text = self.kind.change[0 if self.strength > 0 else -1]
         size = f"{abs(self.strength) / 100 * stroke:.2g}{spaced(unit)}"
-        return (rising if self.strength > 0 else falling).format(size=size)
+        return text.format(size=size)
 
     def to_json(self) -> dict[str, Any]:
         """{"name", "parameters"}, as stored in model files; a learned effect has a "shape" too."""

@@ -1,6 +1,7 @@
 """Rigs in the console: rig files of the folder, bring-up of real benches only on request, and its emergency stop."""
 
 import os
+import signal
 import subprocess
 import time
 from pathlib import Path
@@ -164,3 +165,13 @@ def test_whatever_an_address_asks_for_is_answered_in_a_sentence(console: Console
 
 def test_only_words_of_the_queue_change_it(console: Console):
     assert console.ask("/queue/zzz", "POST", console.own).status == 422
+
+
+def test_a_check_that_does_not_react_is_killed_at_the_end_and_that_is_said(folder, capsys, monkeypatch):
+    monkeypatch.setattr("smarig.console.web.rig_checks._WAIT_S", 0.2)
+    checks = RigChecks(folder)
+    checks.start("one_wire_serial")
+    checks._processes["one_wire_serial"].send_signal(signal.SIGSTOP)
+    checks.close()
+    assert "The check of one_wire_serial did not end and was killed." in capsys.readouterr().err
+    assert "no current flows" in wait_for_end(checks, "one_wire_serial").sentence

@@ -2,6 +2,7 @@
 
 import json
 import subprocess
+import sys
 import tempfile
 import threading
 import time
@@ -14,6 +15,7 @@ from smarig.core import UsageError, printable
 
 LONGEST_S = 900.0  # a long lease is waited for
 _WAIT_S = 10.0  # for a check that is stopped to switch off
+_LOOK = "Make sure that no current flows: a rig without a lease stays on."
 
 
 @dataclass
@@ -73,14 +75,15 @@ class RigChecks:
     def close(self) -> None:
         """End every check, its current at zero."""
         with self._lock:
-            running = list(self._processes.values())
+            running = dict(self._processes)
         self.terminate()
         until_s = time.monotonic() + _WAIT_S
-        for process in running:
+        for rig, process in running.items():
             try:
                 process.wait(max(until_s - time.monotonic(), 0.0))
             except subprocess.TimeoutExpired:
-                process.kill()  # its lease switches the output off
+                process.kill()
+                sys.stderr.write(f"smarig: The check of {rig} did not end and was killed. {_LOOK}\n")
 
     def _wait(self, rig: str, process: subprocess.Popen[bytes], out: IO[bytes], err: IO[bytes]) -> None:
         try:
@@ -112,7 +115,7 @@ def _checks(out: str) -> list[dict[str, Any]]:
 
 def _sentence(err: str, status: int) -> str:
     if status < 0:
-        return "The process of the check was killed. Make sure that no current flows: a rig without a lease stays on."
+        return f"The process of the check was killed. {_LOOK}"
     lines = [line for line in err.splitlines() if line.startswith("smarig: ")]
     text = lines[-1].removeprefix("smarig: ") if lines else "The check ended without a result."
     return printable(text)

@@ -28,10 +28,7 @@ slack = EffectType(
     confused_with=("dead_zone", "backlash"),
     separated_by="more pre-load; the voltage, which changes while y is constant",
     remedy="raise the pre-load until the wire is never slack",
-    change=(
-        "The cold wire is slack: it does not turn the pulley in the lowest {size}.",
-        "The cold wire is slack: it does not turn the pulley in the lowest {size}.",
-    ),
+    change=("The cold wire is slack: it does not turn the pulley in the lowest {size}.",),
     parameters=(
         Parameter(
             "floor_percent", "%", 0.0, 30.0, 4.0, "0–1 mm of a stroke of 12 mm", tries=(1.0, 4.0, 10.0)
