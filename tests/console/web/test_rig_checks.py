@@ -145,6 +145,13 @@ def test_stop_everything_stops_a_check(console: Console):
     assert "two_wire_serial" in reply.headers["location"]
 
 
+def test_the_end_interrupts_a_check_instead_of_waiting_for_it(folder):
+    checks = RigChecks(folder)
+    checks.start("one_wire_serial")
+    checks.close()
+    assert wait_for_end(checks, "one_wire_serial").passed is False
+
+
 def test_the_end_of_a_console_ends_its_checks(tmp_path):
     with started_console(tmp_path) as console:
         console.ask("/rigs/check", "POST", console.own | FORM, urlencode({"rig": "one_wire_serial"}))
