@@ -180,7 +180,8 @@ def test_a_check_that_does_not_react_is_killed_at_the_end_and_that_is_said(folde
     checks.start("one_wire_serial")
     process = checks._processes["one_wire_serial"]
     process.send_signal(signal.SIGSTOP)
-    os.waitid(os.P_PID, process.pid, os.WSTOPPED | os.WNOWAIT)  # of two pending signals the lower is delivered first
+    # of two pending signals the lower is delivered first
+    os.waitid(os.P_PID, process.pid, os.WSTOPPED | os.WNOWAIT)
     checks.close()
     assert "The check of one_wire_serial did not end and was killed." in capsys.readouterr().err
     assert "no current flows" in wait_for_end(checks, "one_wire_serial").sentence
