@@ -13,6 +13,7 @@ from smarig.diagnosis.explain.search import (
     SINGLE_TRIED,
     SINGLE_TRIED_IF_SILENT,
     BelowRivalEvidence,
+    SearchResult,
 )
 from smarig.diagnosis.explain.signed_density import find_explanations
 from smarig.plant.effects.walking import walking
@@ -73,11 +74,12 @@ class World:
         self.searches.append((plant_model.hysteresis, gate, tried, rival))
         single, best = (self.beside, self.beside) if plant_model.signed else (self.single, self.several)
         if first.silent or single - evidence < gate:
-            return []
+            return SearchResult([])
         if single < rival - MIN_GAIN_NATS:
             raise BelowRivalEvidence
         after = criticise(replace(plant_model, effects=(walking(0.3),)))
-        return [SimpleNamespace(critique=after, explanations=(SimpleNamespace(evidence=best),))]
+        level: Any = SimpleNamespace(critique=after, explanations=(SimpleNamespace(evidence=best),))
+        return SearchResult([level])
 
     def find_explanations(self) -> Any:
         """The result, and the densities that were searched, in order."""

@@ -28,7 +28,7 @@ def test_nothing_is_searched_where_nothing_stands_out():
     def criticise(plant_model):
         pytest.fail("a silent critique was judged again")
 
-    assert search_explanations(silent, ORIGINAL, criticise, 0.0) == []
+    assert search_explanations(silent, ORIGINAL, criticise, 0.0).levels == []
 
 
 class World:
@@ -103,7 +103,7 @@ class World:
     def search_explanations(self, evidence=0.0, known=(), **settings):
         """Names of the best of each level, with its gain."""
         first = self.critique(PlantModel(WIRE, ORIGINAL, "negative", known))
-        levels = search_explanations(first, ORIGINAL, self.critique, evidence, **settings)
+        levels = search_explanations(first, ORIGINAL, self.critique, evidence, **settings).levels
         return [(" ".join(level.explanations[0].names), level.gain) for level in levels]
 
 
@@ -199,7 +199,7 @@ def test_a_much_likelier_rival_ends_the_search(monkeypatch, rival, outdone):
 def test_explanations_are_sorted_by_evidence_and_the_linear_gain_is_kept(monkeypatch):
     world = World(monkeypatch, {"walking": 60.0, "slip": 90.0, "settling": 75.0})
     first = world.critique(PlantModel(WIRE, ORIGINAL, "negative"))
-    (level,) = search_explanations(first, ORIGINAL, world.critique, 10.0, tried=3)
+    (level,) = search_explanations(first, ORIGINAL, world.critique, 10.0, tried=3).levels
     assert [e.names for e in level.explanations] == [("slip",), ("settling",), ("walking",)]
     assert [level.lead(k) for k in range(3)] == [0.0, 15.0, 30.0]
     assert (level.gain, level.linear_gain) == (80.0, 90.0)
@@ -216,7 +216,7 @@ def test_a_candidate_that_stood_out_is_tried_together_with_an_effect_that_hides_
     world = World(monkeypatch, {"walking": 100.0, "settling walking": 200.0}, enough=("settling walking",))
     first = world.critique(PlantModel(WIRE, ORIGINAL, "negative"))
     world.starts = ("slip",)
-    levels = search_explanations(first, ORIGINAL, world.critique, 0.0)
+    levels = search_explanations(first, ORIGINAL, world.critique, 0.0).levels
     assert [level.explanations[0].names for level in levels] == [("walking",), ("settling", "walking")]
 
 
@@ -242,7 +242,7 @@ def test_a_strength_that_a_channel_shows_by_itself_is_a_start(monkeypatch):
 def test_of_several_fits_of_the_same_effects_the_likeliest_stays(monkeypatch):
     world = OneStrength(monkeypatch, {}, of_channel={"walking": 0.5, "slip": 0.5}, starts=("walking", "slip"))
     first = world.critique(PlantModel(WIRE, ORIGINAL, "negative"))
-    (level, *_) = search_explanations(first, ORIGINAL, world.critique, 0.0, most=1)
+    (level, *_) = search_explanations(first, ORIGINAL, world.critique, 0.0, most=1).levels
     assert sorted(e.names for e in level.explanations) == [("slip",), ("walking",)]
     assert {e.evidence for e in level.explanations} == {400.0}
 
@@ -258,3 +258,23 @@ def test_beside_a_huge_gain_a_further_effect_must_exceed_its_numerics(monkeypatc
 def test_a_further_effect_that_fits_hardly_better_is_not_evaluated(monkeypatch, more, levels):
     worth, fits = {"walking": 100.0, "settling walking": 160.0}, {"settling walking": 100.0 + more}
     assert len(World(monkeypatch, worth, fits=fits).search_explanations()) == levels
+
+
+@pytest.mark.parametrize(
+    ("worth", "is_clear"),
+    [
+        ({"walking": 17.0, "slip": 3.0}, True),
+        ({"walking": 17.0, "slip": 8.0}, False),  # another does as well
+        ({"walking": 9.0, "slip": 0.0}, False),  # hardly better than none
+    ],
+)
+def test_an_effect_short_of_a_name_is_told_as_the_nearest(monkeypatch, worth, is_clear):
+    world = World(monkeypatch, worth)
+    first = world.critique(PlantModel(WIRE, ORIGINAL, "negative", ()))
+    found = search_explanations(first, ORIGINAL, world.critique, 0.0)
+    assert found.levels == []
+    assert found.nearest is not None
+    assert found.nearest.explanation.names == ("walking",)
+    assert (found.nearest.gain, found.nearest.required) == (worth["walking"], 18.0)
+    assert found.nearest.lead == worth["walking"] - worth["slip"]
+    assert found.nearest.is_clear == is_clear

@@ -39,6 +39,7 @@ ADDED = {
     "labjack_one_wire",
     "learned",
     "measured",
+    "nearest",
     "no_candidates",
     "noise",
     "one_wire_thermomechanical",

@@ -316,7 +316,12 @@ def test_the_folder_of_a_characterisation_gives_its_sheet(evidence, monkeypatch)
     assert page.tables[0][0] == ["Wire", "Load", "Measured", "Rig"]
     assert "Class of μ" not in page.visible
     assert page.tables[0][1][0] == "twin-one-wire"
-    assert "above ambient; 95 %" in page.visible, "temperatures of a rig without a thermometer"
+    kelvin, degC = re.search(r"A_?s([\d.]+) Kabove ambient, ([\d.]+) °C; 95 %", page.card("As")).groups()
+    assert float(degC) == pytest.approx(float(kelvin) + 22.0, abs=0.3)  # °C: the room of the twin
+    assert (
+        "No thermometer was on the wire: its temperature is computed from the measured current."
+        in page.visible
+    )
     assert re.match(r"Hysteresis width2\d(\.\d)? K95 %: ", page.card("Hysteresis width"))
     assert "Temperatures by tangents to 04_first_order_descending (heating assembled" in page.visible
     given.clear()

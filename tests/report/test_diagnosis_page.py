@@ -7,6 +7,7 @@ The search is not run here. The explanation is the injected drift, with made-up 
 import re
 from dataclasses import replace
 from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import plotly.graph_objects as go
@@ -21,8 +22,10 @@ from smarig.diagnosis.diagnosis_result import Diagnosis, ErrorSummary
 from smarig.diagnosis.diagnosis_verdict import DiagnosisVerdict
 from smarig.diagnosis.explain.discrepancy import Discrepancy
 from smarig.diagnosis.explain.parameter_fit import ParameterFit
+from smarig.diagnosis.explain.search import NearestEffect
 from smarig.diagnosis.held_out_gain import held_out_gain
 from smarig.plant.effect_catalogue import effect_types, effects_from_pairs
+from smarig.plant.effects.slack import slack
 from smarig.record import load_run
 from smarig.replay import build_timeline, plant_model_of, predict
 from smarig.replay.plant_model import actuator_of
@@ -102,6 +105,31 @@ def nearest(d: Diagnosis, word: str) -> Diagnosis:
     """The same evidence under another verdict."""
     two = ((("ambient_drift",), 0.6), (("slip",), 0.4))
     return replace(d, verdict=DiagnosisVerdict(word, two, "time" if word == "unknown" else None))
+
+
+def test_an_effect_that_nearly_has_a_name_is_told_with_what_it_lacks_and_what_helps(named):
+    found: Any = SimpleNamespace(effects=(slack(0.57),), names=("slack",))
+    d = replace(
+        named,
+        verdict=DiagnosisVerdict("unknown", depends_on="level"),
+        levels=(),
+        nearest=NearestEffect(found, 17.6, 18.0, 13.9),
+    )
+    assert "no known effect explains it" in replace(d, nearest=None).text()
+    for words in (d.text(), Page(diagnosis_page(d)).visible):
+        assert "no known effect explains it" not in words
+        assert "Nearest effect of the catalogue: slack (floor 0.57 %)" in words
+        assert "only 17.6 of the 18 nats that a name needs" in words
+        assert slack.remedy_text in words
+    assert d.to_json()["nearest"] == {
+        "name": "slack",
+        "parameters": {
+            p.name: {"value": v, "unit": p.unit} for p, v in zip(slack.parameters, (0.57,), strict=True)
+        },
+        "gain_nats": 17.6,
+        "required_nats": 18.0,
+        "lead_nats": 13.9,
+    }
 
 
 def test_a_named_effect_stands_first_with_its_strength_interval_p_and_gain(named):

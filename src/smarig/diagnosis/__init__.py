@@ -35,6 +35,7 @@ if TYPE_CHECKING:
     from smarig.diagnosis.diagnosis_result import Diagnosis as Diagnosis
     from smarig.diagnosis.diagnosis_text import AT_FLOOR as AT_FLOOR
     from smarig.diagnosis.diagnosis_text import DOUBT as DOUBT
+    from smarig.diagnosis.diagnosis_text import nearest_text as nearest_text
     from smarig.diagnosis.diagnosis_text import share_text as share_text
     from smarig.diagnosis.diagnosis_text import unknown_text as unknown_text
     from smarig.diagnosis.diagnosis_verdict import LEAD_SCALE_NATS as LEAD_SCALE_NATS

@@ -23,6 +23,7 @@ from smarig.diagnosis.explain.joint_density import (
     with_posterior_density,
 )
 from smarig.diagnosis.explain.learned_term_fit import LearnedTermFit, learned_term
+from smarig.diagnosis.explain.search import NearestEffect
 from smarig.diagnosis.explain.separate_evidence import separate_evidence
 from smarig.diagnosis.explain.signed_density import find_explanations
 from smarig.diagnosis.explain.zero_of_output import with_zero_of_runs
@@ -158,10 +159,16 @@ def diagnose_commanded(
         separate=evidence.separate,
         learned=learned,
         learned_reason=learned_reason,
+        nearest=_nearest(verdict, seen.found.nearest),
         alpha=alpha,
         nulls=nulls,
         seconds=time.monotonic() - started,
     )
+
+
+def _nearest(verdict: DiagnosisVerdict, found: NearestEffect | None) -> NearestEffect | None:
+    """The effect that nearly gains enough for a name, where something is wrong and nothing has a name."""
+    return found if found and found.is_clear and verdict.word == "unknown" else None
 
 
 def _check_held_out(model: Model, train_runs: list[Run], held_out_runs: list[Run]) -> None:

@@ -1,11 +1,13 @@
 """The JSON object of a diagnosis of commanded runs."""
 
+from math import isfinite
 from typing import TYPE_CHECKING, Any
 
 from smarig.diagnosis.diagnosis_verdict import DiagnosisVerdict
 from smarig.diagnosis.error_parts import error_parts
 from smarig.diagnosis.explain.discrepancy import Discrepancy
 from smarig.diagnosis.explain.parameter_fit import ParameterFit
+from smarig.diagnosis.explain.search import NearestEffect
 from smarig.diagnosis.name_gates import DISCREPANCY_NATS, NORMAL_95, slow_room
 from smarig.plant import EffectType, Parameter
 from smarig.replay import predict
@@ -25,6 +27,7 @@ def diagnosis_json(d: "Diagnosis") -> dict[str, Any]:
         "set": list(d.verdict.names),
         "depends_on": d.verdict.depends_on,
         "reason": d.reason or None,
+        "nearest": d.nearest and _nearest(d.nearest),
         "no_candidates": list(d.refused),
         "not_identifiable": list(d.visibility.invisible),
         "error": {
@@ -48,6 +51,19 @@ def diagnosis_json(d: "Diagnosis") -> dict[str, Any]:
         "model": d.model.name,
         "numerics": d.numerics,
         "seconds": d.seconds,
+    }
+
+
+def _nearest(found: NearestEffect) -> dict[str, Any]:
+    (effect,) = found.explanation.effects
+    return {
+        "name": effect.kind.name,
+        "parameters": {
+            p.name: {"value": effect.values[p.name], "unit": p.unit} for p in effect.kind.parameters
+        },
+        "gain_nats": found.gain,
+        "required_nats": found.required,
+        "lead_nats": found.lead if isfinite(found.lead) else None,
     }
 
 

@@ -12,7 +12,7 @@ from smarig.diagnosis.diagnosis_verdict import DiagnosisVerdict
 from smarig.diagnosis.explain.discrepancy import Discrepancy
 from smarig.diagnosis.explain.learned_term_fit import LearnedTermFit
 from smarig.diagnosis.explain.parameter_fit import ParameterFit
-from smarig.diagnosis.explain.search import SearchLevel
+from smarig.diagnosis.explain.search import NearestEffect, SearchLevel
 from smarig.diagnosis.explain.separate_evidence import SeparateEvidence
 from smarig.diagnosis.held_out_gain import HeldOutGain
 from smarig.replay import Model, PlantModel, Timeline
@@ -37,7 +37,8 @@ class Diagnosis(NotebookDisplay):
     ``reason`` says why an effect is not named. ``discrepancy`` is the flexible dependence that explains most without
     effects, ``remaining`` the same with the best effects.
     ``learned`` is a law in place of effects, if none is named; if there is none, ``learned_reason`` is a clause on
-    why. ``separate`` is the evidence of each effect of the best explanation, if the operator fails.
+    why. ``nearest`` is the effect that nearly gains enough for a name, if there are no explanations.
+    ``separate`` is the evidence of each effect of the best explanation, if the operator fails.
     ``model`` is the extended model if effects were found or a law was learned, else the given one. ``gain`` is
     None without held-out runs. ``numerics`` is the error of the diagnosis's own time steps at settled points.
     ``separating_run`` is the proposal of ``smarig.app.proposal``, if it was requested.
@@ -63,6 +64,7 @@ class Diagnosis(NotebookDisplay):
     learned: LearnedTermFit | None = None
     learned_reason: str = ""
     separating_run: dict[str, Any] | None = None
+    nearest: NearestEffect | None = None
 
     @property
     def best(self) -> ParameterFit | None:

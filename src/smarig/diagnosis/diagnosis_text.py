@@ -7,6 +7,7 @@ import numpy as np
 
 from smarig.core import capitalised, spaced
 from smarig.diagnosis.critique.calibration import CALIBRATION_BOXES, p_text
+from smarig.diagnosis.explain.search import NearestEffect
 from smarig.diagnosis.held_out_gain import HeldOutGain
 from smarig.diagnosis.noise_terms import POINT_NOISE, PREDICTION_LIMIT, REMAINING_SCATTER
 from smarig.diagnosis.variable_words import variable_words
@@ -39,6 +40,8 @@ def text_lines(d: "Diagnosis") -> Iterator[str]:
         yield f"{capitalised(unknown_text(d))} ({size})."
         if d.reason:
             yield f"Why no effect is named: {d.reason}."
+        if d.nearest:
+            yield nearest_text(d.nearest)
         yield from _not_preisach(d)
     yield from _learned(d)
     if best is not None:
@@ -178,11 +181,24 @@ def as_verified(gain: HeldOutGain, unit: str, *, extended: bool) -> Iterator[str
     )
 
 
+def nearest_text(nearest: NearestEffect) -> str:
+    """The effect that comes nearest to a name, by how much it falls short, and what helps if it is the cause."""
+    (effect,) = nearest.explanation.effects
+    primary, gap = effect.kind.primary, f"{nearest.gain:.3g} of the {nearest.required:.0f}"
+    strength = f"{parameter_words(primary.name, primary.unit)} {effect.strength:.3g}{spaced(primary.unit)}"
+    helps = effect.kind.remedy_text
+    return (
+        f"Nearest effect of the catalogue: {effect.kind.name} ({strength}). It is not named, because it raises the log "
+        f"likelihood of these data by only {gap} nats that a name needs." + (f" {helps}" if helps else "")
+    )
+
+
 def unknown_text(d: "Diagnosis") -> str:
     """The finding of the verdict "unknown", as a clause."""
     if d.verdict.depends_on is None:
         return "something is wrong, but no known effect and no single variable explains it"
-    return f"something is wrong and depends on {variable_words(d.verdict.depends_on)}, but no known effect explains it"
+    known = "no effect of the catalogue is certain" if d.nearest else "no known effect explains it"
+    return f"something is wrong and depends on {variable_words(d.verdict.depends_on)}, but {known}"
 
 
 def share_text(share: float) -> str:

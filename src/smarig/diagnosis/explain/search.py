@@ -8,6 +8,7 @@ of another explanation. The search stops when nothing stands out any more, or wh
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
+from math import inf
 
 from smarig.diagnosis.critique.critique import Critique
 from smarig.diagnosis.explain.explanation import (
@@ -46,6 +47,7 @@ MIN_GAIN_FURTHER_NATS = (
 MIN_GAIN_FURTHER_SHARE = 0.05  # of the first effect's gain, for the same reason
 MIN_GAIN_FURTHER_CAP_NATS = 60.0  # nats: a sufficient gain, unless the first effect's is beyond all measure
 NUMERICAL_SHARE = 1e-5  # of the first effect's gain: what the numerics of its fit can leave to another
+MIN_NEAREST_NATS = 10.0  # nats: gain and lead of an effect that is called the nearest though it is not named
 MAX_DEFICIT_NATS = 60.0  # nats behind the best: explanations farther behind are not evaluated
 MAX_DEFICIT_SHARE = 0.25  # of the gain of the best: the same limit, if it is larger
 LINEAR_DEFICIT_SHARE = 0.5  # of the gain of the best: the accuracy of linearisation for large effects
@@ -75,6 +77,32 @@ class SearchLevel:
         return self.explanations[0].evidence - self.explanations[k].evidence
 
 
+@dataclass(frozen=True, eq=False)
+class NearestEffect:
+    """The likeliest single effect, where none gains enough for a level. ``gain``, ``required`` and ``lead`` in nats.
+
+    ``lead`` is that over the next single effect, infinite if there is none.
+    """
+
+    explanation: Explanation
+    gain: float
+    required: float
+    lead: float
+
+    @property
+    def is_clear(self) -> bool:
+        """Whether it gains and leads by so much that it is worth a name with a reservation."""
+        return min(self.gain, self.lead) >= MIN_NEAREST_NATS
+
+
+@dataclass(frozen=True, eq=False)
+class SearchResult:
+    """What a search found: its levels, and where it has none the effect that came nearest to one."""
+
+    levels: list[SearchLevel]
+    nearest: NearestEffect | None = None
+
+
 def search_explanations(
     first: Critique,
     original: Everett,
@@ -82,9 +110,9 @@ def search_explanations(
     evidence: float,
     gate: float = MIN_GAIN_NATS,
     tried: int = SINGLE_TRIED,
-    rival: float = float("-inf"),
+    rival: float = -inf,
     most: int = MAX_EFFECTS,
-) -> list[SearchLevel]:
+) -> SearchResult:
     """Levels of one, two, … effects, as long as something stands out and is explained.
 
     ``original`` is the hysteresis of the given model. ``criticise`` makes the critique of a plant model.
@@ -93,7 +121,7 @@ def search_explanations(
     log likelihood of another explanation.
     """
     if first.silent:
-        return []
+        return SearchResult([])
     fixed_effects = first.plant_model.catalogue_effects  # are fitted again
     starts: Sequence[EffectSet] = [(*fixed_effects, p) for p in _starts(first, tried)]
     levels: list[SearchLevel] = []
@@ -108,6 +136,8 @@ def search_explanations(
         if best.evidence > evidence:
             reduced_evidence = max(evidence, evidence_without_one(first.timeline, best, current.refitted))
         if best.evidence - reduced_evidence < required:
+            if not levels:
+                return SearchResult([], _nearest(found, best.evidence - reduced_evidence, required))
             break
         if best.evidence < rival - MIN_GAIN_NATS:
             raise BelowRivalEvidence
@@ -120,7 +150,12 @@ def search_explanations(
         if current.silent:
             break
         starts = _extended_starts(levels[-1], first)
-    return levels
+    return SearchResult(levels)
+
+
+def _nearest(found: Sequence[Explanation], gain: float, required: float) -> NearestEffect:
+    lead = found[0].evidence - found[1].evidence if len(found) > 1 else inf
+    return NearestEffect(found[0], gain, required, lead)
 
 
 def _fits_to_channels(current: Critique, starts: Sequence[EffectSet], centre: Everett) -> list[ParameterFit]:

@@ -5,7 +5,7 @@ density is used if it is likelier than all effects with a positive one.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 from smarig.diagnosis.critique.critique import Critique
 from smarig.diagnosis.explain.joint_density import joint_density_from_best_start
@@ -15,6 +15,7 @@ from smarig.diagnosis.explain.search import (
     SINGLE_TRIED_IF_SILENT,
     BelowRivalEvidence,
     SearchLevel,
+    SearchResult,
     search_explanations,
 )
 from smarig.diagnosis.refit.refit import Refit
@@ -27,12 +28,17 @@ ProgressFunction = Callable[[str], None]
 
 @dataclass(frozen=True, eq=False)
 class DensitySearchResult:
-    """A base model without effects, its readings refitted, its critique, and levels of explanations."""
+    """A base model without effects, its readings refitted, its critique, and what the search for explanations found."""
 
     base: PlantModel
     plain: Refit
     first: Critique
-    levels: list[SearchLevel]
+    found: SearchResult = field(default_factory=lambda: SearchResult([]))
+
+    @property
+    def levels(self) -> list[SearchLevel]:
+        """Levels of explanations."""
+        return self.found.levels
 
     @property
     def evidence(self) -> float:
@@ -53,7 +59,7 @@ def find_explanations(
     """The explanation of a timeline by a plant model, with the more plausible kind of density."""
     original = plant_model.hysteresis
     base, plain = joint_density_from_best_start(timeline, plant_model, original)
-    positive_result = DensitySearchResult(base, plain, criticise(base), [])
+    positive_result = DensitySearchResult(base, plain, criticise(base))
     if positive_result.first.silent:
         positive_result = _with_levels(positive_result, original, criticise, report_progress)
         if positive_result.first.silent:
@@ -79,7 +85,7 @@ def _choose_density(
     def search_with_signed() -> DensitySearchResult:
         report_progress("Comparing with densities that may be negative")
         return _with_levels(
-            DensitySearchResult(*signed, criticise(signed[0]), []), original, criticise, report_progress
+            DensitySearchResult(*signed, criticise(signed[0])), original, criticise, report_progress
         )
 
     try:
@@ -117,9 +123,9 @@ def _with_levels(
 
     if not first.silent:
         return replace(
-            base, levels=search_explanations(first, original, criticise_like_first, evidence, rival=rival)
+            base, found=search_explanations(first, original, criticise_like_first, evidence, rival=rival)
         )
-    levels = search_explanations(
+    found = search_explanations(
         criticise(base.base, all_nuisances=True),
         original,
         criticise_like_first,
@@ -127,5 +133,5 @@ def _with_levels(
         MIN_GAIN_SILENT_NATS,
         SINGLE_TRIED_IF_SILENT,
     )
-    repeated = criticise(base.base, noise_of=levels[0].critique) if levels else first
-    return base if repeated.silent else replace(base, first=repeated, levels=levels)
+    repeated = criticise(base.base, noise_of=found.levels[0].critique) if found.levels else first
+    return base if repeated.silent else replace(base, first=repeated, found=found)

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from smarig.core import spaced
-from smarig.diagnosis import DIAGNOSIS_MODEL, Diagnosis, variable_experiment, variable_words
+from smarig.diagnosis import DIAGNOSIS_MODEL, Diagnosis, nearest_text, variable_experiment, variable_words
 from smarig.identification import ErrorLevel, ErrorVerdict, Verification, error_verdict
 from smarig.plant import Effect
 from smarig.record import Run
@@ -155,11 +155,16 @@ def _cause(e: Evidence, rms: float | None) -> _Cause:
 
 def _unknown_text(d: Diagnosis) -> str:
     depends = f" It depends on {variable_words(d.verdict.depends_on)}." if d.verdict.depends_on else ""
-    nearest = f" Candidates, not proved: {', '.join(d.verdict.names)}." if d.verdict.names else ""
+    if d.nearest:
+        return f"Something acts on this wire, and no effect of the catalogue is certain.{depends}"
+    why = f" ({d.reason})" if d.reason else ""
+    nearest = f" Candidates, not proved: {', '.join(d.verdict.names)}{why}." if d.verdict.names else ""
     return f"Something acts on this wire that no effect of the catalogue explains.{depends}{nearest}"
 
 
 def _unknown_advice(d: Diagnosis) -> str:
+    if d.nearest:
+        return nearest_text(d.nearest)
     if d.discrepancy.not_preisach:
         return "No Preisach operator describes such a wire: use the model within this error only."
     if d.verdict.depends_on is None:

@@ -13,6 +13,7 @@ from smarig.transformation import HEADLINE, RunFigures, run_figures
 
 _STROKE = "stroke"  # has a card of its own
 _DIFFERENCES = ("width", "span")  # of temperatures
+_COMPUTED = " No thermometer was on the wire: its temperature is computed from the measured current."
 
 
 def temperature_cards(runs: Iterable[Run]) -> tuple[Html, str]:
@@ -31,13 +32,24 @@ def temperature_cards(runs: Iterable[Run]) -> tuple[Html, str]:
             continue
         estimate = best.estimate(name)
         low, high = (number(end, 3) for end in estimate.ci95)
-        above = "above ambient; " if estimate.unit == "K" and name not in _DIFFERENCES else ""
+        above = (
+            ""
+            if estimate.unit != "K" or name in _DIFFERENCES
+            else f"above ambient{_degC(best, estimate.value)}; "
+        )
         value = f"{number(estimate.value, 3)} {display_unit(estimate.unit)}"
         shown.append((figure_name(name), value, f"{above}95 %: {low} to {high}"))
     name = run.path.name.removesuffix(".run.sqlite")
     assembled = f" ({' and '.join(best.assembled)} assembled from its curves)" if best.assembled else ""
+    computed = "" if run.has("temperature_degC") or not run.info.input.from_ else _COMPUTED
     more = "; smarig transformation says what limits them" if best.notes else ""
-    return cards(shown), f" Temperatures by tangents to {name}{assembled}{more}."
+    return cards(shown), f" Temperatures by tangents to {name}{assembled}{more}.{computed}"
+
+
+def _degC(figures: RunFigures, above_K: float) -> str:
+    """The same in °C, where the run knows the room's temperature."""
+    degC = figures.degC(above_K)
+    return "" if degC is None else f", {degC:.1f} °C"
 
 
 def _figures(run: Run) -> RunFigures | None:
