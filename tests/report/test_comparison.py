@@ -66,6 +66,49 @@ def test_two_days_that_began_in_one_state_keep_the_zero_of_their_power_up():
         assert aligned({"a": made((0, 5, 2, 4), **days[0]), "b": other})[1].offset_kind == "fitted"
 
 
+COLD = {
+    "encoder_zero": "zeroed at 67.7 s",
+    "initial": "continued",
+    "actuator_text": 'arrangement = "one_wire"',
+}
+
+
+def zeroed_cold(positions, day, **meta):
+    output = OUTPUT | {"per_count": 0.05}
+    return made(positions, **(COLD | {"start_epoch": 1e9 * day, "output": output} | meta))
+
+
+@pytest.mark.parametrize(
+    ("positions", "offset", "kind"),
+    [
+        ((0.06, 5.06, 2.06, 4.06), -0.06, "fitted"),  # within two counts of 0.05 mm: rounding of the zero
+        ((0.0, 4.5, 1.5, 3.5), 0.0, "cold"),  # slack: the cold end stays where it was zeroed
+        ((0.0, 5.5, 2.5, 4.5), 0.0, "cold"),
+    ],
+)
+def test_the_zero_of_a_cold_wire_takes_up_no_change_of_the_loop(positions, offset, kind):
+    runs = {"a": zeroed_cold((0, 5, 2, 4), 1), "b": zeroed_cold(positions, 2)}
+    each = aligned(runs)[1]
+    assert (each.offset, each.offset_kind) == (pytest.approx(offset), kind)
+    assert ("Zeroed cold by initialise" in Page(comparison_page(runs)).visible) == (kind == "limited")
+
+
+@pytest.mark.parametrize(
+    "meta",
+    [
+        {"actuator_text": 'arrangement = "two_wire"'},  # its initial state varies
+        {"actuator_text": "["},
+        {"source": "import"},
+        {"output": OUTPUT},
+        {"encoder_zero": "power-up"},
+    ],
+)
+def test_a_zero_that_may_be_of_another_state_is_fitted_freely(meta):
+    runs = {"a": zeroed_cold((0, 5, 2, 4), 1), "b": zeroed_cold((0.0, 4.5, 1.5, 3.5), 2, **meta)}
+    each = aligned(runs)[1]
+    assert (each.offset, each.offset_kind) == (pytest.approx(0.375), "fitted")
+
+
 def test_runs_with_nothing_in_common_are_drawn_but_not_subtracted():
     page = Page(comparison_page({"a": made((0, 5, 2, 4)), "b": made((1, 6, 3, 5), (9.0, 8.0, 7.0, 6.0))}))
     assert "not subtracted" in page.visible
@@ -161,6 +204,41 @@ def test_the_advice_follows_the_change(other, words, level):
     assessed = comparison_assessment([reference, found], family)
     assert words in assessed.advice
     assert assessed.level == level
+
+
+def test_a_cause_that_explains_a_part_is_told_as_a_part(tmp_path):
+    """A shifted input and a floor: the shift explains more than half of the square, and not all of it."""
+    shifted, slack = day(shift=2.0), 0.9
+    y = np.maximum(shifted.points()[1], slack)
+    steps = tuple(step(k, float(u), float(v)) for k, (u, v) in enumerate(zip(INPUTS, y)))
+    other = replace(shifted, steps=steps)
+    days = {"a": day(), "b": replace(other, path=tmp_path / "b" / "runs" / "04_fod.run.sqlite")}
+    reference, found = aligned(days)
+    change = run_change(reference, found)
+    assert 0.5 < change.explained < 0.9
+    found = replace(found, noise=0.0042)
+
+    def advised():
+        return comparison_assessment([reference, found], family_figures([reference.run, found.run])).advice
+
+    advice = advised()
+    assert "A part of the difference looks like a shift of the input" in advice
+    assert f"{100 * change.explained:.0f} % of its square. The rest has another cause." in advice
+    assert "The difference is that of" not in advice
+    assert "diagnose all runs of the later day" in advice
+    for path, about in (
+        ("a", {"verdict": "silent"}),
+        ("b", {"verdict": "named", "set": ["walking"], "effects": [WALKING]}),
+    ):
+        place = tmp_path / path / "diagnosis" / "diagnosis.json"
+        place.parent.mkdir(parents=True)
+        place.write_text(json.dumps(about), encoding="utf-8")
+    reference = replace(
+        reference, run=replace(reference.run, path=tmp_path / "a" / "runs" / "04_fod.run.sqlite")
+    )
+    assert advised().startswith("What their own diagnoses found: a: nothing; b: walking"), (
+        "a cause, not half a reason"
+    )
 
 
 def test_effects_that_the_records_of_twins_state_are_told_if_they_differ():

@@ -187,6 +187,7 @@ def _difference_cells(each: AlignedRun, *, first: bool) -> tuple[str, ...]:
         "known": "0, one zero",
         "power-up": "0, zeroed in one state",
         "fitted": f"{number(each.offset)}, fitted",
+        "cold": "0, zeroed cold",
         "unknown": "none",
     }
     return n, kinds[each.offset_kind], number(each.rms), number(each.max_abs), number(each.noise)

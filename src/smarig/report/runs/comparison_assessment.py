@@ -20,6 +20,11 @@ from smarig.report.runs.temperature_change import change_sentences, temperature_
 _FEWEST = (
     3  # common steps: fewer show nothing of a loop, and where an offset is fitted their difference is zero
 )
+_NEARLY_ALL = 0.9  # of the squared difference: less is a part of it only
+_FIND_A_CAUSE = (
+    "To find a cause, characterise the wire again, or diagnose all runs of the later day with the model of the earlier "
+    "one."
+)
 _ORDER = (ErrorLevel.GOOD, ErrorLevel.UNKNOWN, ErrorLevel.FAIR, ErrorLevel.POOR)
 
 
@@ -31,11 +36,12 @@ def comparison_assessment(found: Sequence[AlignedRun], family: FamilyFigures) ->
         return _without_common_steps(first, others)
     changes = [(each, run_change(first, each)) for each in common]
     worst, change = max(changes, key=lambda pair: (_ORDER.index(pair[1].level), pair[0].rms))
+    named = bool(named_causes([first.run, worst.run]))
     return Assessment(
         box_level(change.level),
         _compared(first, others),
         f"{_change_text(worst, change, len(others))} {_strokes(found, family)}".strip(),
-        f"{_advice(worst, change, _diagnosed(first, worst))}{_stated_effects(first, others)}",
+        f"{_advice(worst, change, _diagnosed(first, worst), named=named)}{_stated_effects(first, others)}",
     )
 
 
@@ -104,7 +110,8 @@ def _change_text(worst: AlignedRun, change: RunChange, others: int) -> str:
     size = f"{number(worst.rms)}{unit} rms at {worst.difference.size} common steps{which}"
     noise = f"σ of a difference {number(worst.noise, 2)}{unit}" if worst.noise else "the noise is unknown"
     if change.level == ErrorLevel.GOOD:
-        return f"No change beyond the noise: {size}, {noise}."
+        zero = ", apart from the zero, which was fitted" if worst.offset_kind == "fitted" else ""
+        return f"No change beyond the noise{zero}: {size}, {noise}."
     if change.level == ErrorLevel.UNKNOWN:
         return f"The runs differ by {size}; {noise}, so it is not known whether this is a change."
     verb = "may have changed" if change.level == ErrorLevel.FAIR else "has changed"
@@ -138,8 +145,8 @@ def _diagnosed(first: AlignedRun, worst: AlignedRun) -> str:
     return own_diagnoses({each.name: each.run for each in (first, worst)})
 
 
-def _advice(worst: AlignedRun, change: RunChange, diagnosed: str) -> str:
-    """What explains the difference, ``diagnosed`` before all, and what to do."""
+def _advice(worst: AlignedRun, change: RunChange, diagnosed: str, *, named: bool) -> str:
+    """What explains the difference, and what to do; ``diagnosed`` (``named``: it has a cause) before half a reason."""
     if change.level == ErrorLevel.GOOD:
         return "A model of one of these runs holds for the other."
     causes = []
@@ -155,12 +162,14 @@ def _advice(worst: AlignedRun, change: RunChange, diagnosed: str) -> str:
             "(check load, cycles and slip)"
         )
     if causes:
-        share = f"{100 * change.explained:.0f} %"
-        words = f"The difference is that of {' and '.join(causes)}; this explains {share} of its square."
-        return f"{words} {diagnosed}".strip()
+        share, what = f"{100 * change.explained:.0f} %", " and ".join(causes)
+        if change.explained >= _NEARLY_ALL:
+            return (
+                f"The difference is that of {what}; this explains {share} of its square. {diagnosed}".strip()
+            )
+        if not named:
+            words = f"A part of the difference looks like {what}: {share} of its square."
+            return f"{words} The rest has another cause. {diagnosed or _FIND_A_CAUSE}"
     if diagnosed:
         return diagnosed
-    return (
-        "Neither a shift of the input nor a change of the output explains the difference. To find a cause, "
-        "characterise the wire again, or diagnose all runs of the later day with the model of the earlier one."
-    )
+    return f"Neither a shift of the input nor a change of the output explains the difference. {_FIND_A_CAUSE}"

@@ -4,8 +4,10 @@ The output depends on the history of the input, so outputs are subtracted only a
 in the same order.
 """
 
+import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass
+from math import inf
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +18,7 @@ from smarig.record import Run
 from smarig.replay import provenance, recorded_start
 
 Array = NDArray[np.float64]
+ZERO_COUNTS = 2.0  # counts: two zeros of the same state of a wire differ by less, by rounding and noise
 _SAME = 1e-6  # of the input's range: tolerance of equal targets
 
 
@@ -24,7 +27,8 @@ class AlignedRun:
     """A run aligned with the first one: ``offset`` is added to its outputs to match the zero of the first run.
 
     ``offset_kind`` is "reference", "known" (same session, same zero), "power-up" (both were zeroed in the same
-    state of the wire), "fitted", or "unknown" (no common step).
+    state of the wire), "fitted", "cold" (both were zeroed cold, and a fitted offset would exceed the
+    errors of two zeros), or "unknown" (no common step).
     ``input`` and ``difference`` (k,) are the inputs of the common points and this run − first run at these points.
     ``noise`` is the standard deviation of one such difference, None if no state was repeated. ``colour`` is that of
     the run on the page.
@@ -111,7 +115,30 @@ def _offset(run: Run, first: Run, difference: Array) -> tuple[float, str]:
         return 0.0, "known"
     if (start := _state_at_power_up(first)) is not None and start == _state_at_power_up(run):
         return 0.0, "power-up"
-    return (-float(difference.mean()), "fitted") if difference.size else (0.0, "unknown")
+    if not difference.size:
+        return 0.0, "unknown"
+    fitted, most = -float(difference.mean()), max(_zero_tolerance(first), _zero_tolerance(run))
+    return (fitted, "fitted") if abs(fitted) <= most else (0.0, "cold")
+
+
+def _zero_tolerance(run: Run) -> float:
+    """How far the zero of a run can lie from that of the cold wire; infinite if another state may have been zeroed.
+
+    Only ``initialise`` zeroes an encoder, and one wire is cold then. Fitted without a limit, the offset would take up
+    what has changed in a wire that became slack or got play.
+    """
+    step = run.info.output.per_count
+    zeroed = str(run.info.encoder_zero).startswith("zeroed at") and run.info.source != "import"
+    if not (zeroed and step and _is_one_wire(run)):
+        return inf
+    return ZERO_COUNTS * abs(step)
+
+
+def _is_one_wire(run: Run) -> bool:
+    try:
+        return tomllib.loads(run.info.actuator_text or "").get("arrangement") == "one_wire"
+    except tomllib.TOMLDecodeError:
+        return False
 
 
 def _state_at_power_up(run: Run) -> str | None:

@@ -220,6 +220,11 @@ def offsets_text(runs: Sequence[AlignedRun]) -> str:
             f"Each session has its own zero, so one additive offset per run was fitted to the common steps: "
             f"{', '.join(fitted)}."
         )
+    if zeroed := [e.name for e in runs if e.offset_kind == "cold"]:
+        sentences.append(
+            f"Zeroed cold by initialise, as {runs[0].name}, and farther apart than two zeros can be, so not shifted: "
+            f"{', '.join(zeroed)}."
+        )
     if unknown:
         sentences.append(
             f"Drawn with their own zero, because no step is common with the first run: {', '.join(unknown)}."
