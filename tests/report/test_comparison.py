@@ -90,7 +90,7 @@ def test_the_zero_of_a_cold_wire_takes_up_no_change_of_the_loop(positions, offse
     runs = {"a": zeroed_cold((0, 5, 2, 4), 1), "b": zeroed_cold(positions, 2)}
     each = aligned(runs)[1]
     assert (each.offset, each.offset_kind) == (pytest.approx(offset), kind)
-    assert ("Zeroed cold by initialise" in Page(comparison_page(runs)).visible) == (kind == "limited")
+    assert ("Zeroed cold by initialise" in Page(comparison_page(runs)).visible) == (kind == "cold")
 
 
 @pytest.mark.parametrize(
