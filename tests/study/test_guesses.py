@@ -164,6 +164,20 @@ def test_real_files_are_understood_as_their_mapping_files_state(shared_data, fil
         assert [c.name for c in guess.of_role("time")] == ([named] if named else [])
 
 
+@pytest.mark.parametrize("jump_K", [25.0, 2.0])
+def test_of_two_thermometers_it_is_told_that_the_first_jumps(tmp_path, jump_K):
+    rear = np.concatenate([np.linspace(25, 85, 100), np.linspace(85, 25, 100)])
+    front = rear + 0.2
+    front[40:60] -= jump_K
+    y = 9 * (1 + np.tanh((rear - 60) / 6))
+    guess = guess_table(
+        table(tmp_path, **{"temperature front": front, "temperature rear": rear, "displacement": y})
+    )
+    assert guess.first("input").name == "temperature front"
+    told = "'temperature front' jumps by up to 25.6 from row to row, this one by 0.606: try it as the input"
+    assert (told in guess.roles["temperature rear"].reason) == (jump_K == 25.0)
+
+
 def test_columns_of_a_second_branch_are_shown_with_the_role_of_the_first(tmp_path):
     up = np.linspace(0, 1, 30)
     columns = {"current1 [A]": up, "current2 [A]": up[::-1], "stroke1 [mm]": up**2, "stroke2 [mm]": up[::-1]}

@@ -224,7 +224,7 @@ def _with_unit(guess: ColumnGuess) -> ColumnGuess:
             reason, sure = f"{f.low:.3g} to {f.high:.3g} are plausible temperatures in {unit}", LIKELY
         case q.STRAIN:
             unit = "mm/mm" if most < _STRAIN_MM else "%" if most < _STRAIN_PERCENT else "ppm"
-            reason, sure = f"{most:.3g} would be an impossible strain in another unit", LIKELY
+            reason, sure = f"{most:.3g} {unit} is a usual strain of these wires", LIKELY
         case q.STRESS:
             unit = "Pa" if most > 1e5 else "MPa"
             reason, sure = f"{most:.3g} is a usual stress in {unit}", LIKELY

@@ -15,6 +15,7 @@ from smarig.study.signal_columns import holds_still, input_column, is_grid, outp
 
 _HEATING = (q.CURRENT, q.VOLTAGE, q.POWER, q.DUTY)
 _AGREE_K = 5.0  # two thermometers whose readings differ less by their median show one temperature
+_JUMPS = 3.0  # times the largest step of another thermometer: such a reading jumps
 _LEAST_TURN = 0.3  # correlation of output and input above which the output clearly falls with the input
 
 
@@ -193,7 +194,7 @@ def _further_roles(
                 role, f"{c.quantity} beside the current: {c.quantity_reason}", c.quantity_confidence
             )
         elif drive is not None and _agrees(c, drive):
-            roles[c.name] = Role("compare", _second(drive), LIKELY)
+            roles[c.name] = Role("compare", _second(c, drive), LIKELY)
         elif (
             holds_still(c)
             and c.quantity in (q.STRESS, q.FORCE)
@@ -229,8 +230,17 @@ def _agrees(c: ColumnGuess, drive: ColumnGuess) -> bool:
     return bool(np.nanmedian(np.abs(c.facts.values - drive.facts.values)) < _AGREE_K)
 
 
-def _second(drive: ColumnGuess) -> str:
-    return f"a second thermometer, within {_AGREE_K:g} K of '{drive.name}' in half of the rows or more"
+def _largest_step(c: ColumnGuess) -> float:
+    return float(np.abs(np.diff(c.facts.known)).max())
+
+
+def _second(c: ColumnGuess, drive: ColumnGuess) -> str:
+    words = f"a second thermometer, within {_AGREE_K:g} K of '{drive.name}' in half of the rows or more"
+    first, own = _largest_step(drive), _largest_step(c)
+    if first <= _JUMPS * own:
+        return words
+    jumps = f"'{drive.name}' jumps by up to {first:.3g} from row to row, this one by {own:.3g}"
+    return f"{words}; {jumps}: try it as the input"
 
 
 def _unused(c: ColumnGuess, out: ColumnGuess | None) -> str:
