@@ -114,3 +114,13 @@ def test_the_summary_says_wire_load_and_date():
         "not recorded",
     ]
     assert Page(summary_page(made())).tables[0][1] == ["not recorded"] * 4
+
+
+def test_what_is_counted_on_a_sheet_are_readings_where_only_the_input_was_measured():
+    u = np.concatenate([np.linspace(0, 90, 60), np.linspace(90, 0, 60)])
+    y = 6 * (1 + np.tanh((u - np.repeat((50.0, 30.0), 60)) / 9))
+    columns = {"t_s": np.arange(120.0), "input": u, "position": y}
+    about = {"source": "import", "protocol": "import", "initial": "negative"}
+    run = run_of(columns, (), input=INPUT, output=OUTPUT, **about)
+    page = Page(summary_page(run, smarig.identify(run, "positive").model))
+    assert "n = 120 readings." in page.visible

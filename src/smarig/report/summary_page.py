@@ -5,7 +5,7 @@ from dataclasses import replace
 from smarig.core import spaced
 from smarig.identification import RunVerification, verify
 from smarig.record import Run
-from smarig.replay import Model, provenance
+from smarig.replay import Model, driven_by_input, provenance
 from smarig.report.components.figure import Figure, Panel
 from smarig.report.components.html import Html, cards, paragraph
 from smarig.report.components.numbers import duration, number
@@ -68,7 +68,8 @@ def _figure(run: Run, model: Model | None, verified: RunVerification | None) -> 
     plain = Panel(loops.data, loops.layout, loops.height)
     unit, floor = spaced(display_unit(run.unit)), verified.noise_floor
     band = f" Band: ± 2 σ of the noise floor, σ = {number(floor, 2)}{unit}." if floor else ""
-    words = f"Second panel: measured − model, n = {verified.settled.n} settled points.{band}"
+    counted = "readings" if driven_by_input([run]) else "settled points"
+    words = f"Second panel: measured − model, n = {verified.settled.n} {counted}.{band}"
     return Figure([plain, errors], "Measured and predicted loop, and the error.", [words], whole.label, 460)
 
 
