@@ -4,6 +4,7 @@ from types import SimpleNamespace as Some
 
 import pytest
 
+from smarig.report.characterisation_page import _preisach_notice
 from smarig.report.models.preisach_verdict import preisach_verdict
 
 UNIT = "mm"
@@ -61,6 +62,19 @@ def test_without_evidence_against_it_the_operator_holds():
     found = preisach_verdict(evidence())
     assert found.holds is True
     assert found.headline.startswith("These runs give no evidence")
+
+
+@pytest.mark.parametrize(("error", "pleased"), [(0.012, True), (0.027, False)])
+def test_nothing_against_it_is_no_praise_where_every_model_misses_by_many_times_the_noise(error, pleased):
+    e = evidence(diagnosis=diagnosed(errors=(error, error)))
+    found = preisach_verdict(e)
+    assert found.holds is True
+    assert ("give no evidence" in found.headline) == pleased
+    assert ("the best model misses the held-out run by 5.4 × the noise floor." in found.headline) == (
+        not pleased
+    )
+    assert ('"notice good"' in _preisach_notice(e)) == pleased
+    assert ('"notice warning"' in _preisach_notice(e)) == (not pleased)
 
 
 @pytest.mark.parametrize(

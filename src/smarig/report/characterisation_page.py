@@ -83,7 +83,8 @@ def _preisach_notice(e: Evidence) -> Html:
     verdict = preisach_verdict(e)
     styles = {True: "good", False: "bad", None: "warning"}
     headline, *rest = verdict.sentences()
-    return notice(styles[verdict.holds], paragraph(tag("b", headline)), bullets(rest))
+    style = "warning" if verdict.holds and verdict.is_inaccurate else styles[verdict.holds]
+    return notice(style, paragraph(tag("b", headline)), bullets(rest))
 
 
 def _rig(e: Evidence) -> Parts:

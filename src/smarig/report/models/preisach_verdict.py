@@ -36,9 +36,21 @@ class PreisachVerdict:
             return "These runs do not test whether this wire is a Preisach operator."
         if self.effects:
             return f"A Preisach operator alone does not describe this wire; {self._with_effects}."
+        if self.holds and self.is_inaccurate:
+            times = f"{ratio_text(self._least_error / (self.noise or 1.0))} × the noise floor"
+            return f"Nothing speaks against a Preisach operator, but the best model misses the held-out run by {times}."
         if self.holds:
             return "These runs give no evidence that this wire is not a Preisach operator."
         return "This wire is no Preisach operator."
+
+    @property
+    def is_inaccurate(self) -> bool:
+        """Whether even the best model misses the held-out runs by many times the noise."""
+        return bool(self.noise) and self._least_error >= SILENT_RATIO * self.noise
+
+    @property
+    def _least_error(self) -> float:
+        return min((rms for _, rms in self.errors), default=0.0)
 
     @property
     def _with_effects(self) -> str:
