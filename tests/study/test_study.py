@@ -188,6 +188,17 @@ def test_names_and_units_from_the_command_line_count(files, tmp_path, capsys):
     assert 'position = { column = "Zeit", unit = "mm" }' in text
 
 
+def test_the_figures_of_a_study_are_saved_and_replaced(files, tmp_path, capsys):
+    out, saved = tmp_path / "out", tmp_path / "figures"
+    arguments = ["study", str(files[0]), "--no-diagnosis", "--yes", "-o", str(out), "--figures", str(saved)]
+    for _ in range(2):
+        assert cli(arguments) in (0, 4)
+        assert {file.suffix for file in saved.iterdir()} == {".svg", ".pdf"}
+    assert f"Figures: {saved}" in capsys.readouterr().err
+    assert cli([*arguments, "--each"]) == 2
+    assert "--figures saves those of one page" in capsys.readouterr().err
+
+
 @pytest.mark.parametrize(
     ("options", "said"),
     [

@@ -55,6 +55,9 @@ Examples:
     help="Processes for many files (default: as many as processors).",
 )
 @click.option("--scheduler", metavar="ADDRESS", help="Dask scheduler for many files (extra 'scale').")
+@click.option(
+    "--figures", metavar="DIR", type=FOLDER, help="Also save the figures of the page in DIR, as SVG and PDF."
+)
 @click.option("-o", "--out", type=FOLDER, required=True, help="Folder of the page, mapping, runs and model.")
 @json_option
 def command(
@@ -69,6 +72,7 @@ def command(
     no_diagnosis: bool,
     workers: int | None,
     scheduler: str | None,
+    figures: Path | None,
     out: Path,
 ) -> None:
     """Read data files of any origin, find what their columns mean, identify a model, compare it with simple curves,
@@ -87,9 +91,17 @@ def command(
     )
     _check_out(out, places)
     if each or scheduler is not None or any(place.is_dir() for place in places):
+        if figures is not None:
+            raise UsageError("--figures saves those of one page. Study the files together, or name one file.")
         _each(places, out, options, workers or os.cpu_count() or 1, scheduler)
-    else:
+    elif figures is None:
         _one(pattern_order(places), out, options)
+    else:
+        from smarig.report import figures_saved_in
+
+        with figures_saved_in(figures, force=True):  # as the page, which a study replaces
+            _one(pattern_order(places), out, options)
+        show_message(f"Figures: {figures}")
 
 
 def _one(files: Sequence[Path], out: Path, options: "StudyOptions") -> None:
