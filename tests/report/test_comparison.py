@@ -15,6 +15,7 @@ from smarig.report.components.numbers import number
 from smarig.report.model_comparison_page import models_page
 from smarig.report.run_comparison_page import comparison_page
 from smarig.report.runs.comparison_assessment import comparison_assessment
+from smarig.report.runs.earlier_model import earlier_model_sentence
 from smarig.report.runs.run_alignment import aligned, common_steps
 from smarig.report.runs.run_change import run_change
 from smarig.report.runs.run_family import family_figures
@@ -387,3 +388,25 @@ def test_one_step_of_two_runs_with_one_zero_shows_no_change():
     assert (found[1].difference.size, found[1].offset_kind) == (1, "power-up")
     assessed = comparison_assessment(found, family_figures([each.run for each in found]))
     assert "only 1 step in common" in assessed.quality
+
+
+def test_the_model_of_the_first_day_is_tried_on_the_other(tmp_path):
+    """A wire that became slack overnight."""
+    runs, levels = {}, {"partition_K": (0, 50, 80, 160)}
+    for name, effects in (("monday", ()), ("tuesday", effects_from_pairs(["slack=10"]))):
+        file = tmp_path / name / "runs" / "04.run.sqlite"
+        file.parent.mkdir(parents=True)
+        with Session("one_wire_twin", twin=TwinSettings(seed=len(name), effects=effects)) as session:
+            runs[name] = load_run(session.run("first_order_descending", levels, file))
+    first, other = aligned(runs)
+    assert earlier_model_sentence(first, other) == ""
+    model = smarig.identify(runs["monday"], "exponential").model
+    model.save(tmp_path / "monday" / "model.json")
+    errors = [smarig.verify(model, [run]).runs[0].settled.rms for run in (runs["tuesday"], runs["monday"])]
+    assert errors[0] > 5 * errors[1]
+    sentence = f"predicts tuesday to {errors[0]:.3g} mm rms; on monday its error is {errors[1]:.3g} mm."
+    assert earlier_model_sentence(first, other) == f"The model of monday {sentence}"
+    advice = comparison_assessment([first, other], family_figures(list(runs.values()))).advice
+    assert sentence in advice
+    (tmp_path / "monday" / "model.json").write_text("{}", encoding="utf-8")
+    assert earlier_model_sentence(first, other) == ""

@@ -11,6 +11,7 @@ from smarig.record import Run
 from smarig.report.components.assessment_box import Assessment, box_level
 from smarig.report.components.numbers import number, signed
 from smarig.report.components.run_description import display_unit, extent, protocol_name
+from smarig.report.runs.earlier_model import earlier_model_sentence
 from smarig.report.runs.own_diagnosis import named_causes, own_diagnoses
 from smarig.report.runs.run_alignment import AlignedRun
 from smarig.report.runs.run_change import RunChange, run_change
@@ -41,7 +42,8 @@ def comparison_assessment(found: Sequence[AlignedRun], family: FamilyFigures) ->
         box_level(change.level),
         _compared(first, others),
         f"{_change_text(worst, change, len(others))} {_strokes(found, family)}".strip(),
-        f"{_advice(worst, change, _diagnosed(first, worst), named=named)}{_stated_effects(first, others)}",
+        f"{_advice(worst, change, _diagnosed(first, worst), named=named)}{_predicted(first, worst)}"
+        f"{_stated_effects(first, others)}",
     )
 
 
@@ -139,6 +141,11 @@ def _strokes(found: Sequence[AlignedRun], family: FamilyFigures) -> str:
     if not variable.unit:
         return f"Stroke {ends} from the first to the last run."
     return f"Stroke {ends} from {variable.text(order[0])} to {variable.text(order[-1])} of {variable.name.lower()}."
+
+
+def _predicted(first: AlignedRun, worst: AlignedRun) -> str:
+    sentence = earlier_model_sentence(first, worst)
+    return f" {sentence}" if sentence else ""
 
 
 def _diagnosed(first: AlignedRun, worst: AlignedRun) -> str:
