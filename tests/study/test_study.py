@@ -4,6 +4,7 @@ import json
 import re
 from dataclasses import replace
 from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -13,6 +14,8 @@ from smarig.core import DataError, UsageError
 from smarig.record import load_run
 from smarig.replay import load_model
 from smarig.study import StudyOptions, study
+from smarig.study.candidate_models import CandidateModel, Evaluation
+from smarig.study.study_result import StudyResult
 from study.known_data import csv_text, displacements, temperatures
 
 QUICK = StudyOptions(diagnose=False)
@@ -230,3 +233,24 @@ def test_the_error_on_blocks_left_out_is_that_of_the_model_that_is_shown(tmp_pat
     result = replace(studied, diagnosis=replace(studied.diagnosis, base=shown, best=better))
     assert result.evaluation.best.name == "positive measure"
     assert result._left_out == 0.5
+
+
+@pytest.mark.parametrize(
+    ("best", "told"),
+    [
+        (
+            "one model of all loads",
+            "The diagnosis is of a model that pools the loads (positive measure, 0.7 mm rms): ",
+        ),
+        ("positive measure", ""),
+        ("extended model of the diagnosis", ""),
+    ],
+)
+def test_it_is_told_which_model_was_diagnosed_where_another_is_judged(best, told, monkeypatch):
+    candidates = tuple(
+        CandidateModel(name, None, (), (), ())  # pyright: ignore[reportArgumentType]
+        for name in dict.fromkeys((best, "positive measure"))
+    )
+    monkeypatch.setattr(CandidateModel, "rms", 0.7)
+    of_loads: Any = SimpleNamespace(evaluation=Evaluation(candidates, {}, {}), unit="mm")
+    assert StudyResult._diagnosed_model(of_loads) == told

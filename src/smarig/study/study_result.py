@@ -268,7 +268,18 @@ class StudyResult:
     def _next_sentence(self) -> str:
         if self.diagnosis is None:
             return f"No diagnosis: {self.diagnosis_reason}"
-        return f"{finding_sentence(self.diagnosis, at_noise=self.at_noise)}{self._gain_by_cause()}"
+        finding = finding_sentence(self.diagnosis, at_noise=self.at_noise)
+        if which := self._diagnosed_model():
+            finding = f"{which}{finding[:1].lower()}{finding[1:]}"
+        return f"{finding}{self._gain_by_cause()}"
+
+    def _diagnosed_model(self) -> str:
+        """Which model the diagnosis is of, where the sentences before judge another: a diagnosis knows no loads."""
+        e = self.evaluation
+        if e is None or e.best.name in (e.plain.name, EXTENDED):
+            return ""
+        rms = measure(e.plain.rms, self.unit)
+        return f"The diagnosis is of a model that pools the loads ({e.plain.name}, {rms} rms): "
 
     def _gain_by_cause(self) -> str:
         """What a named cause explains of data that did not fit it: both models are fitted again to the same data."""
