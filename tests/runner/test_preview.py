@@ -77,3 +77,12 @@ def test_a_stop_that_was_requested_ends_a_known_preview_too():
     control.stop("enough")
     with pytest.raises(Interrupted):
         preview("validation", rig, {"points": "3"}, control)
+
+
+@pytest.mark.parametrize(("peak_K", "lower_A"), [(170.0, 0.922), (100.0, None)])
+def test_the_lower_limit_of_a_bench_without_a_lease_is_told(peak_K, lower_A):
+    settings = {"temperatures_K": (peak_K,)}
+    found = preview("step_currents", load_rig("one_wire_serial"), settings)
+    assert found.without_lease_A == (lower_A and pytest.approx(lower_A, abs=1e-3))
+    assert ("(a source without a lease: at most 0.922 A)" in found.sentence()) == bool(lower_A)
+    assert preview("step_currents", load_rig("one_wire_twin"), settings).without_lease_A is None

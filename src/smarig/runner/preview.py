@@ -22,7 +22,7 @@ from smarig.core import (
 )
 from smarig.plant import Actuator
 from smarig.protocols import PROTOCOLS, Chooser, Setup, build_protocol, file_settings
-from smarig.rig import Guard, Twin, TwinSettings, stress_limit
+from smarig.rig import Guard, Twin, TwinSettings, limits_in_force, stress_limit
 from smarig.runner.listener import CallbackListener
 from smarig.runner.run_control import RunControl
 from smarig.runner.runner import Runner
@@ -38,7 +38,11 @@ _computed: dict[Hashable, "Preview"] = {}
 
 @dataclass(frozen=True)
 class Preview:
-    """Predicted duration, steps, peak current, peak predicted temperature, holds that time out, size."""
+    """Predicted duration, steps, peak current, peak predicted temperature, holds that time out, size.
+
+    ``without_lease_A`` is the lower limit that applies if the current source of a bench has no lease, None
+    if the run stays within it.
+    """
 
     protocol: str
     duration_s: float
@@ -47,13 +51,19 @@ class Preview:
     peak_temperature_K: float
     timed_out: int
     bytes: int
+    without_lease_A: float | None = None
 
     def sentence(self) -> str:
         """The preview in one line."""
         timeout_text = f", {self.timed_out} holds would time out" if self.timed_out else ""
+        lower = (
+            f" (a source without a lease: at most {self.without_lease_A:.3g} A)"
+            if self.without_lease_A
+            else ""
+        )
         return (
             f"{self.protocol}: {self.duration_s / 3600:.2f} h, {self.steps} steps, peak {self.peak_current_A:.3g} A, "
-            f"{self.peak_temperature_K:.1f} K above ambient{timeout_text}"
+            f"{self.peak_temperature_K:.1f} K above ambient{lower}{timeout_text}"
         )
 
 
@@ -136,12 +146,22 @@ def preview(
         peak_temperature_K=peaks.temperature_K,
         timed_out=peaks.timed_out,
         bytes=peaks.samples * BYTES_PER_SAMPLE,
+        without_lease_A=_lower_limit(rig, actuator, peaks.current_A),
     )
     if key is not None:
         if len(_computed) >= _MOST_KEPT:
             del _computed[next(iter(_computed))]
         _computed[key] = found
     return found
+
+
+def _lower_limit(rig: RigFile, actuator: Actuator, peak_A: float) -> float | None:
+    """The limit of a bench without a lease (A), which only the opened device tells; None if a run stays within it."""
+    if rig.kind != "bench":
+        return None
+    limits = limits_in_force(rig.limits, actuator, has_lease=False)
+    largest_A = max(limits.current_max_A, -limits.current_min_A)
+    return largest_A if peak_A > largest_A else None
 
 
 def _key(

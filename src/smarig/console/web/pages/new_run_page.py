@@ -238,7 +238,7 @@ def _preview(found: EntryPreview, file: RigFile | None) -> dict[str, Any]:
                 "protocol": run["protocol"].replace("_", " "),
                 "duration": duration(run["duration_s"]),
                 "steps": run["steps"],
-                "current": f"{run['peak_current_A']:.3g} A",
+                "current": _current(run),
                 "temperature": f"{run['peak_temperature_K']:.0f} K above ambient",
                 "timed_out": run["timed_out"],
             }
@@ -249,6 +249,12 @@ def _preview(found: EntryPreview, file: RigFile | None) -> dict[str, Any]:
         if limits
         else "",
     }
+
+
+def _current(run: Mapping[str, Any]) -> str:
+    lower_A = run.get("without_lease_A")
+    lower = f" (a source without a lease: at most {lower_A:.3g} A)" if lower_A else ""
+    return f"{run['peak_current_A']:.3g} A{lower}"
 
 
 ROUTES = [
