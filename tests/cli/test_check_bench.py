@@ -45,8 +45,43 @@ def test_a_bench_that_is_not_fails_the_check_that_sees_it(fault, check, tmp_path
     assert check in [c["name"] for c in found["checks"] if not c["passed"]]
 
 
+@pytest.mark.parametrize("more", [["--json"], []])
+def test_a_device_that_is_lost_does_not_hide_the_checks_before(more, tmp_path, capsys):
+    """Its shutdown is not confirmed either, which is said once, in the last check."""
+    faults = tmp_path / "faults.toml"
+    faults.write_text('[[fault]]\nkind = "unplugged"\ndevice = "amplifier"\nfrom_s = 40\n')
+    assert cli(["check", rig(tmp_path, faults=faults), *more]) == 3
+    out, err = capsys.readouterr()
+    if more:
+        checks = json.loads(out.splitlines()[0])["checks"]
+        assert [(c["name"], c["passed"]) for c in checks] == [
+            ("devices", True),
+            ("at rest", True),
+            ("rig", False),
+        ]
+        last = checks[-1]["seen"]
+    else:
+        rows = [line for line in out.splitlines() if line.startswith("[")]
+        assert [row.split(":")[0] for row in rows[:3]] == ["[x] devices", "[x] at rest", "[ ] rig"]
+        last = rows[2]
+    assert "The amplifier cannot be reached." in last
+    assert last.count("did not confirm that it switched off") == 1
+    assert "did not confirm that it switched off" in err.splitlines()[-1]
+
+
+def test_an_error_of_a_driver_does_not_hide_them_either(tmp_path, capsys, monkeypatch):
+    def broken(bench, current_A, at_most=1):
+        raise ValueError("no such channel")
+
+    monkeypatch.setattr("smarig.rig.stoppable_bench.Bench.step", broken)
+    assert cli(["check", rig(tmp_path), "--json"]) != 0
+    checks = json.loads(capsys.readouterr().out.splitlines()[0])["checks"]
+    assert [(c["name"], c["passed"]) for c in checks] == [("devices", True), ("rig", False)]
+    assert "no such channel" in checks[-1]["seen"]
+
+
 def test_hardware_is_not_heated_without_confirmation(tmp_path, capsys, monkeypatch):
-    monkeypatch.setattr("smarig.cli.rig_check.open_rig", None)
+    monkeypatch.setattr("smarig.cli.rig_bring_up.open_rig", None)
     path = tmp_path / "hard.toml"
     path.write_text('name = "hard"\nbase = "bench_one_wire"\n')
     assert cli(["check", str(path), "--no-current"]) == 2

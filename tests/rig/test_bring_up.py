@@ -19,7 +19,9 @@ def checked(change, rig="one_wire_twin"):
 
     lying = TamperedRig(rig, observed)
     lying.identity, lying.has_lease = lambda: ["a twin"], True
-    found = {c.name: c for c in bring_up(lying, lying.file)}
+    checks = []
+    bring_up(lying, lying.file, checks.append)
+    found = {c.name: c for c in checks}
     assert lying.twin.output_A == 0.0
     return found, max(driven)
 
@@ -70,7 +72,9 @@ def test_both_wires_are_looked_at():
 def test_a_source_without_a_lease_is_reported():
     lying = TamperedRig("one_wire_twin", lambda s: s)
     lying.identity, lying.has_lease = lambda: ["a supply"], False
-    *_, last = bring_up(lying, lying.file)
+    checks = []
+    bring_up(lying, lying.file, checks.append)
+    last = checks[-1]
     assert (last.name, last.passed) == ("lease", True)
     assert "only the cut-out stops the current" in last.observed
 

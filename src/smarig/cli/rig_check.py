@@ -5,15 +5,16 @@ from typing import Any
 
 import click
 
-from smarig.cli.output import emit, show_message
+from smarig.cli.output import emit
 from smarig.cli.progress import preview_progress
+from smarig.cli.rig_bring_up import announced_bring_up
 from smarig.config import RigFile, load_rig
 from smarig.core import ConfigError, LeaseExpired, RigFault, UsageError
 from smarig.device import Check
 from smarig.plant import Actuator
 from smarig.protocols import Setup, parse_pairs
-from smarig.rig import Bench, Twin, TwinSettings, bring_up, inconsistencies, open_rig
-from smarig.runner import preview, rig_locks
+from smarig.rig import Twin, inconsistencies
+from smarig.runner import preview
 
 _LABELS = {"lease_trips": "Lease test passed"}  # of the values that are no quantities
 
@@ -40,17 +41,19 @@ def check_rig(rig: str, protocol: str | None, pairs: tuple[str, ...], preview_on
         cost = preview(protocol, file, parse_pairs(pairs), report=preview_progress())
         found["preview"] = cost.__dict__
         lines.append(f"{'preview':>20}: {cost.sentence()}")
-    rig_is_fit = True
+    rig_is_fit, error = True, None
     problems = inconsistencies(file)
     if problems:
         raise ConfigError("\n".join(f"{rig}: {problem}" for problem in problems))
     if file.kind == "bench" and not preview_only:
         _confirm_heating(file, yes)
-        checks = _bring_up_checks(rig, file, actuator)
+        checks, error = announced_bring_up(rig, file, actuator)
         rig_is_fit = all(c.passed for c in checks)
         found["checks"] = [c.to_json() for c in checks]
         lines += ["", *_checklist(file, checks)]
     emit(found, "\n".join(lines))
+    if error is not None:
+        raise error
     if not rig_is_fit:
         raise RigFault("The rig is not fit to run. See the list of checks.")
 
@@ -63,12 +66,6 @@ def _confirm_heating(file: RigFile, yes: bool) -> None:
             raise UsageError(
                 "Nothing was done. Give --yes to skip the question, or --no-current to check only the files."
             )
-
-
-def _bring_up_checks(rig: str, file: RigFile, actuator: Actuator) -> list[Check]:
-    with rig_locks(file, file.wire), open_rig(rig, file, actuator, TwinSettings()) as bench:
-        assert isinstance(bench, Bench)  # noqa: S101 - of kind "bench"
-        return bring_up(bench, file, show_message)
 
 
 def _checklist(file: RigFile, checks: list[Check]) -> list[str]:

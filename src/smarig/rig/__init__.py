@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from smarig.rig.specimen import Specimen as Specimen
     from smarig.rig.specimen import TwinSettings as TwinSettings
     from smarig.rig.specimen import plant_of as plant_of
+    from smarig.rig.stoppable_bench import StoppableBench as StoppableBench
     from smarig.rig.stress_limit import stress_limit as stress_limit
     from smarig.rig.twin import Twin as Twin
 else:

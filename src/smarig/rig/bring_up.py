@@ -56,18 +56,22 @@ class SupportsIdle(Rig, Protocol):
         ...
 
 
-def bring_up(rig: SupportsIdle, file: RigFile, on_progress: ProgressCallback = lambda _: None) -> list[Check]:
-    """All checks in order. A fault that prevents further checks ends the list."""
-    found: list[Check] = []
+def bring_up(
+    rig: SupportsIdle,
+    file: RigFile,
+    on_check: Callable[[Check], None],
+    on_progress: ProgressCallback = lambda _: None,
+) -> None:
+    """Make all checks in order; ``on_check`` receives each at once, so that those before a fault are not lost with it.
+
+    Raises RigFault if the rig is lost or trips.
+    """
     try:
         for check in _checks(rig, file, on_progress):
             on_progress(check.line)
-            found.append(check)
-    except RigFault as fault:
-        found.append(Check("rig", False, str(fault)))
+            on_check(check)
     finally:
         rig.safe()
-    return found
 
 
 def _checks(rig: SupportsIdle, file: RigFile, on_progress: ProgressCallback) -> Iterator[Check]:

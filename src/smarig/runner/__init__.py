@@ -29,5 +29,6 @@ if TYPE_CHECKING:
     from smarig.runner.session import Session as Session
     from smarig.runner.settling_detection import Approach as Approach
     from smarig.runner.settling_detection import SettleWindow as SettleWindow
+    from smarig.runner.signal_handling import stop_on_signals as stop_on_signals
 else:
     __getattr__, __dir__, __all__ = lazy_exports(__name__)

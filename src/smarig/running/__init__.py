@@ -1,4 +1,4 @@
-"""Runs in progress on this computer: announced by their process, watched and controlled from other processes."""
+"""Runs in progress on this computer, and checks of rigs: announced by their process, controlled from others."""
 
 from typing import TYPE_CHECKING
 
@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from smarig.running.run_status import RunEnding as RunEnding
     from smarig.running.run_status import RunStatus as RunStatus
     from smarig.running.run_status import SettlingProgress as SettlingProgress
+    from smarig.running.run_status import check_info as check_info
     from smarig.running.run_status import run_info as run_info
 else:
     __getattr__, __dir__, __all__ = lazy_exports(__name__)

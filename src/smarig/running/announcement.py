@@ -40,7 +40,7 @@ _ANNOUNCEMENT_FAILED = (OSError, SmarigError, ValueError, TypeError, struct.erro
 
 @contextlib.contextmanager
 def announced(run_info: PanelRunInfo, control: RunControl, status: RunStatus) -> Iterator[Listener]:
-    """Announce a run while the context lasts, and yield the listener that receives its samples.
+    """Announce a run or the check of a rig while the context lasts, and yield the listener that receives its samples.
 
     ``status`` is read from a thread; the display of the run keeps it up to date. ``control`` is what requests act on.
     If the run cannot be announced, its record says so, and the listener does nothing.
@@ -50,7 +50,7 @@ def announced(run_info: PanelRunInfo, control: RunControl, status: RunStatus) ->
             collect_ended(older_than_s=_FORGOTTEN_S)
             listener: Listener = stack.enter_context(_announcement(run_info, control, status))
         except _ANNOUNCEMENT_FAILED as error:
-            _report(control, "Other processes cannot see this run", error)
+            _report(control, f"Other processes cannot see this {run_info.kind}", error)
             listener = CallbackListener()
         yield listener
 

@@ -29,8 +29,15 @@ class EndedRun(NamedTuple):
         'validation on one_wire_twin (process 7) ended without closing /a/v.sqlite.'
         """
         info = self.info
+        if self.is_check:
+            return printable(f"The check of {info['rig']} (process {info['pid']}) ended without finishing.")
         what = f"{info['protocol']} on {info['rig']} (process {info['pid']})"
         return printable(f"{what} ended without closing {info['out']}.")
+
+    @property
+    def is_check(self) -> bool:
+        """Whether it was the bring-up of a rig."""
+        return self.info.get("kind") == "check"
 
 
 def runs_in_progress() -> tuple[RunInProgress, ...]:

@@ -39,13 +39,18 @@ class RunInProgress:
 
     ``info`` has pid, start_epoch, command, protocol, rig, wire, source ("twin" or "bench"), two_wire, unit, period_s,
     steps, duration_s, out (absolute path of the run file or folder), place ("run 2 of 7" or ""), done_steps, done_s
-    (what a resumed run had finished before) and limits (of the rig file, in force). ``status``, ``samples`` and ``ask``
-    raise UsageError when the run has ended.
+    (what a resumed run had finished before), limits (of the rig file, in force) and kind ("run", or "check" for the
+    bring-up of a rig, whose out is ""). ``status``, ``samples`` and ``ask`` raise UsageError when the run has ended.
     """
 
     key: str
     info: dict[str, Any]
     path: Path
+
+    @property
+    def is_check(self) -> bool:
+        """Whether it is the bring-up of a rig, which takes no samples and can only be stopped."""
+        return self.info.get("kind") == "check"
 
     @property
     def alive(self) -> bool:
@@ -79,6 +84,8 @@ class RunInProgress:
         """
         if request not in layout.REQUESTS:
             raise UsageError(f"A run can be asked to pause, continue or stop, not to '{request}'.")
+        if self.is_check and request != "stop":
+            raise UsageError(f"A check of a rig can be asked to stop, not to {request}.")
         with self._opened() as file:
             if not file.is_held():
                 raise UsageError(_ENDED)

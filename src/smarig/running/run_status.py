@@ -34,7 +34,8 @@ _MIN_OBSERVED_S = 2.0  # of observation, before the speed factor is computed
 class PanelRunInfo:
     """Facts about a run that are known at its start. ``done_…``: what a resumed run had finished before.
 
-    ``limits``: those in force that are set, by the names of the rig file.
+    ``limits``: those in force that are set, by the names of the rig file. ``kind``: "run", or "check" for the bring-up
+    of a rig, which has no steps and writes no file.
     """
 
     protocol: str
@@ -51,6 +52,7 @@ class PanelRunInfo:
     done_steps: int = 0
     done_s: float = 0.0
     limits: Mapping[str, float] = field(default_factory=dict)
+    kind: str = "run"
 
     @property
     def label(self) -> str:
@@ -104,6 +106,14 @@ def run_info(
     cost = (expected.steps, expected.duration_s)
     limits = file.limits.model_dump(exclude_none=True)
     return PanelRunInfo(expected.protocol, *rig, *cost, out, place, done_steps, done_s, limits)
+
+
+def check_info(file: RigFile) -> PanelRunInfo:
+    """The facts about the bring-up of a bench."""
+    actuator = Actuator.named(file.actuator)
+    rig = (file.name, file.wire, "bench", actuator.two_wire, actuator.unit, file.period_s)
+    limits = file.limits.model_dump(exclude_none=True)
+    return PanelRunInfo("check", *rig, steps=0, duration_s=0.0, out=Path(), limits=limits, kind="check")
 
 
 class RunStatus:

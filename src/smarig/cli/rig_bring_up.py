@@ -1,0 +1,66 @@
+"""The bring-up of a bench: announced and stopped as a run is, and never without the list of the checks it has made."""
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+from smarig.cli.output import show_message
+from smarig.config import RigFile
+from smarig.core import Interrupted, SmarigError, error_text
+from smarig.device import Check
+from smarig.plant import Actuator
+from smarig.rig import Bench, StoppableBench, TwinSettings, bring_up, open_rig
+from smarig.runner import RunControl, rig_locks, stop_on_signals
+from smarig.running import RunStatus, announced, check_info
+
+
+class CheckStopped(SmarigError):
+    """A user or the system requested the end of a check; the current is at zero (exit 130)."""
+
+    exit_status = Interrupted.exit_status
+
+
+class BringUp(NamedTuple):
+    """The checks in order, and what ended them early: an error whose text is the last check, or None."""
+
+    checks: list[Check]
+    error: Exception | None
+
+
+def announced_bring_up(rig: str, file: RigFile, actuator: Actuator) -> BringUp:
+    """Bring a bench up. Raises the error of a rig that could not even be opened."""
+    checks: list[Check] = []
+    try:
+        _bring_up(rig, file, actuator, checks.append)
+    except Exception as error:  # a driver may raise anything, and the list is worth as much
+        if not checks:
+            raise
+        text = str(error) if isinstance(error, SmarigError) else error_text(error)
+        return BringUp([*checks, Check("rig", False, text)], error)
+    return BringUp(checks, None)
+
+
+def _bring_up(rig: str, file: RigFile, actuator: Actuator, on_check: Callable[[Check], None]) -> None:
+    """Announced before the devices are opened: from then on, current may flow."""
+    control, info = RunControl(), check_info(file)
+
+    def raise_if_stopped() -> None:
+        if control.stopping:
+            raise _stopped(control.cause)
+
+    try:
+        with (
+            rig_locks(file, file.wire),
+            stop_on_signals(control),
+            announced(info, control, RunStatus(info, control)),
+            open_rig(rig, file, actuator, TwinSettings()) as bench,
+        ):
+            assert isinstance(bench, Bench)  # noqa: S101 - of kind "bench"
+            for _, text, _ in control.reports():  # why others cannot see it
+                show_message(text)
+            bring_up(StoppableBench(bench, raise_if_stopped), file, on_check, show_message)
+    except Interrupted as error:  # a second Ctrl-C
+        raise _stopped(str(error)) from None
+
+
+def _stopped(cause: str) -> CheckStopped:
+    return CheckStopped(f"The check was {cause}. The current is at zero.")
