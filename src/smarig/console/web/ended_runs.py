@@ -1,4 +1,4 @@
-"""Runs whose processes ended without finishing them: shown on the overview until somebody dismisses them.
+"""Runs and checks whose processes ended without finishing them: shown on the overview until somebody dismisses them.
 
 ``smarig.running`` reports each of them once, so they are kept in a file of the folder, which a later console reads.
 """
@@ -21,7 +21,10 @@ _MOST = 100  # the oldest are dropped first
 
 @dataclass(frozen=True)
 class UnfinishedRun:
-    """A run without an end: what happened in one sentence, its file, and the command that continues it."""
+    """A run without an end: what happened in one sentence, its file, and the command that continues it.
+
+    A check of a rig has neither: both are "".
+    """
 
     key: str
     sentence: str
@@ -70,15 +73,17 @@ class EndedRuns:
 
 def _described(ended: EndedRun) -> UnfinishedRun:
     info = ended.info
+    key = f"{info['pid']}-{info['start_epoch']:.3f}"
+    if ended.is_check:
+        began = time.strftime("%Y-%m-%d %H:%M", time.localtime(info["start_epoch"]))
+        return UnfinishedRun(key, f"{ended.sentence.removesuffix('.')}; it began at {began}.", "", "")
     protocol, rig, file = (printable(str(info[name])) for name in ("protocol", "rig", "out"))
     when = time.strftime(
         "%Y-%m-%d %H:%M", time.localtime(_last_written(Path(info["out"]), info["start_epoch"]))
     )
     what = f"{protocol[:1].upper()}{protocol[1:].replace('_', ' ')} on {rig}"
     sentence = f"{what} (process {info['pid']}), which wrote {file}, ended at about {when} without finishing."
-    return UnfinishedRun(
-        f"{info['pid']}-{info['start_epoch']:.3f}", sentence, file, f"smarig resume {shlex.quote(file)}"
-    )
+    return UnfinishedRun(key, sentence, file, f"smarig resume {shlex.quote(file)}")
 
 
 def _last_written(file: Path, otherwise: float) -> float:

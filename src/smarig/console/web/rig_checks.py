@@ -6,6 +6,7 @@ import sys
 import tempfile
 import threading
 import time
+from collections.abc import Collection
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import IO, Any
@@ -64,10 +65,13 @@ class RigChecks:
         """The last check of a rig."""
         return self._checks.get(rig)
 
-    def terminate(self) -> list[str]:
-        """Ask every check to switch off and end; the names of their rigs."""
+    def terminate(self, *, but: Collection[int] = ()) -> list[str]:
+        """Ask every check to switch off and end; the names of their rigs.
+
+        ``but``: processes that are asked already. A check is not announced in its first moments.
+        """
         with self._lock:
-            running = dict(self._processes)
+            running = {rig: process for rig, process in self._processes.items() if process.pid not in but}
         for process in running.values():
             process.terminate()
         return list(running)

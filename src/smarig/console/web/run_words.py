@@ -1,4 +1,4 @@
-"""The words for a run in progress: its title, conditions and state, for every page that shows it."""
+"""The words for a run or a check in progress: its title, conditions and state, for every page that shows it."""
 
 import time
 from pathlib import Path
@@ -9,6 +9,7 @@ from smarig.report import duration
 from smarig.running import RunInProgress
 
 ENDED = "The run has ended."
+_STOPPING = "Stopping: the current goes to zero."
 
 
 def run_facts(run: RunInProgress) -> dict[str, Any]:
@@ -18,15 +19,17 @@ def run_facts(run: RunInProgress) -> dict[str, Any]:
     place = f", {info['place']}" if info.get("place") else ""
     source = "twin" if info["source"] == "twin" else info["source"]
     since = time.strftime("%Y-%m-%d %H:%M", time.localtime(info["start_epoch"]))
+    written = "" if run.is_check else f" · writes {info['out']}"
     return {
         "key": run.key,
-        "title": f"{protocol[:1].upper()}{protocol[1:]} on {info['rig']}{place}",
-        "conditions": f"Wire {info['wire']} · {source} · since {since} · process {info['pid']} · writes {info['out']}",
+        "title": f"{protocol[:1].upper()}{protocol[1:]} {'of' if run.is_check else 'on'} {info['rig']}{place}",
+        "conditions": f"Wire {info['wire']} · {source} · since {since} · process {info['pid']}{written}",
         "source": info["source"],
         "unit": str(info.get("unit") or ""),
         "input": "T₁ − T₂" if info.get("two_wire") else "temperature above ambient",
         "out": Path(info["out"]).name,
         "file": str(info["out"]),
+        "is_check": run.is_check,
     }
 
 
@@ -40,9 +43,11 @@ def run_state(run: RunInProgress) -> dict[str, Any]:
     try:
         status = run.status()
     except UsageError:
-        return {"state": ENDED, "facts": "", "settling": "", "share": None, "paused": False}
+        return _only("The check has ended." if run.is_check else ENDED)
+    if run.is_check:
+        return _only(_STOPPING if status.get("stopping") else "The rig is being checked.")
     if not status:
-        return {"state": "The run is starting.", "facts": "", "settling": "", "share": None, "paused": False}
+        return _only("The run is starting.")
     return {
         "state": _state(status, run.info),
         "facts": _facts(status),
@@ -52,6 +57,11 @@ def run_state(run: RunInProgress) -> dict[str, Any]:
     }
 
 
+def _only(state: str) -> dict[str, Any]:
+    """A state without figures."""
+    return {"state": state, "facts": "", "settling": "", "share": None, "paused": False}
+
+
 def _state(status: dict[str, Any], info: dict[str, Any]) -> str:
     error = status["error"]
     if status["ending"] and status["ending"]["text"]:
@@ -59,7 +69,7 @@ def _state(status: dict[str, Any], info: dict[str, Any]) -> str:
     if error:
         return f"Error: {error['text']}"
     if status["stopping"]:
-        return "Stopping: the current goes to zero."
+        return _STOPPING
     if status["paused"]:
         return "Paused: the current stays and sampling continues."
     target = f" at {status['target_K']:.1f} K" if status["target_K"] is not None else ""

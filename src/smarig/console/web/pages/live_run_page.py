@@ -33,12 +33,14 @@ def phone_page(request: Request) -> HTMLResponse:
 
 def ask(request: Request) -> Response:
     """A button: pause, continue, stop."""
-    wanted, run = request.path_params["wanted"], _run(request)
+    wanted, run = request.path_params["wanted"], _found(request)
     if run is None:
-        return back("/", "The run has ended already.", "warning")
+        return back("/", "It has ended already.", "warning")
     if wanted not in _DONE:
         raise UsageError("A run can be paused, continued and stopped.")
     run.ask(wanted, "console")
+    if run.is_check:
+        return back("/", "The check is asked to stop.", "warning")
     kept = {"file": str(run.info["out"])}  # by which a run that ends at once is found
     if model := request.query_params.get("model", ""):
         kept["model"] = model
@@ -102,6 +104,12 @@ def _page(request: Request, *, reading: bool) -> HTMLResponse:
 
 
 def _run(request: Request) -> RunInProgress | None:
+    """The run of the address. A check of a rig has no page: it takes no samples."""
+    found = _found(request)
+    return None if found is None or found.is_check else found
+
+
+def _found(request: Request) -> RunInProgress | None:
     key = request.path_params["key"]
     return next((run for run in runs_in_progress() if run.key == key), None)
 

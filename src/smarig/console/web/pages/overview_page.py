@@ -1,4 +1,4 @@
-"""The overview: the runs in progress on this computer, the queue of the folder, and how its last entries ended."""
+"""The overview: runs and checks in progress on this computer, the queue of the folder, and how its entries ended."""
 
 import time
 import zlib
@@ -40,7 +40,8 @@ def version(request: Request) -> JSONResponse:
 
 
 def _state(shown: dict[str, Any]) -> dict[str, Any]:
-    runs = [{name: run[name] for name in ("key", "title", "file")} for run in shown["runs"]]
+    followed = [run for run in shown["runs"] if not run["is_check"]]  # of whose ends the browser notifies
+    runs = [{name: run[name] for name in ("key", "title", "file")} for run in followed]
     return {"version": shown["version"], "runs": runs, "fault": shown["queue"]["fault"]}
 
 
@@ -93,7 +94,7 @@ def dismiss(request: Request) -> Response:
 
 
 def stop_all(request: Request) -> Response:
-    """Stop every run of this user on this computer at once, and start no further entry of the queue."""
+    """Stop every run and check of this user on this computer at once, and start no further entry of the queue."""
     problems = []
     try:
         context_of(request).queue.pause()
@@ -105,14 +106,17 @@ def stop_all(request: Request) -> Response:
             run.ask("stop", "'Stop everything' in the console")
     for run in runs:
         run.terminate()
-    checked = context_of(request).rig_checks.terminate()
-    text = (
-        f"{_number_of(len(runs), 'run')} asked to stop. The queue is paused."
-        if runs
-        else "No run is in progress. Checks that a terminal or another console has started are not ended by this."
+    checked = [str(run.info["rig"]) for run in runs if run.is_check]
+    checked += context_of(request).rig_checks.terminate(but={run.info["pid"] for run in runs})
+    n = sum(not run.is_check for run in runs)
+    sentences = [f"{_number_of(n, 'run')} asked to stop."] if n else []
+    sentences += [f"The check of {printable(rig)} was asked to stop." for rig in checked]
+    text = " ".join([*(sentences or ["No run and no check was in progress."]), *problems])
+    return back(
+        "/",
+        text if problems else f"{text} The queue is paused.",
+        "warning" if sentences or problems else "good",
     )
-    problems += [f"The check of {rig} was asked to stop." for rig in checked]
-    return back("/", " ".join([text, *problems]), "warning" if runs or problems else "good")
 
 
 def _parts(context: ConsoleContext) -> dict[str, Any]:
@@ -124,6 +128,8 @@ def _parts(context: ConsoleContext) -> dict[str, Any]:
 
 def _elsewhere(run: RunInProgress, context: ConsoleContext) -> str:
     """The folder that a run writes to, if it is not in that of the console: perhaps another person's."""
+    if run.is_check:
+        return ""
     folder = Path(str(run.info["out"])).resolve().parent
     return "" if folder.is_relative_to(context.folder) else printable(str(folder))
 

@@ -30,15 +30,15 @@ def rigs(request: Request) -> HTMLResponse:
 def one_rig(request: Request) -> HTMLResponse:
     """The page of one rig."""
     context, name = context_of(request), request.query_params.get("rig", "")
-    entry = rig_entry(name, context.folder)
+    entry, runs = rig_entry(name, context.folder), runs_in_progress()
     shown = {
-        **_row(entry, context, runs_in_progress()),
+        **_row(entry, context, runs),
         "problems": entry.problems,
         "facts": _facts(entry.file) if entry.file else [],
         "links": _links(entry.file) if entry.file else [],
         "is_bench": entry.is_bench and not entry.problems,
         "is_real": entry.is_real,
-        "check": _check(context.rig_checks.of(name)),
+        "check": _check(_check_in_progress(entry, runs) or context.rig_checks.of(name)),
     }
     return page(request, "rig.html", shown, here="rigs")
 
@@ -78,16 +78,28 @@ def _state(entry: RigEntry, context: ConsoleContext, runs: Sequence[RunInProgres
     if entry.problems:
         return f"Not ready: {entry.problems[0]}", "bad"
     assert entry.file is not None  # noqa: S101 - without a file there is a problem
-    same_wire = [run for run in runs if run.info["wire"] == entry.file.wire and entry.is_bench]
-    if same_wire:
+    same_wire = _on_its_wire(entry, runs)
+    if same_wire and not same_wire[0].is_check:
         return f"In use: {str(same_wire[0].info['protocol']).replace('_', ' ')}", "warning"
-    last = context.rig_checks.of(entry.name)
+    last = _check_in_progress(entry, runs) or context.rig_checks.of(entry.name)
     if last is None:
         return ("Its file is in order; not brought up here", "") if entry.is_bench else ("Ready", "good")
     at = time.strftime("%H:%M", time.localtime(last.began))
     if last.passed is None:
         return f"Being checked since {at}", "warning"
     return (f"Fit to run, checked at {at}", "good") if last.passed else (f"Check at {at} failed", "bad")
+
+
+def _on_its_wire(entry: RigEntry, runs: Sequence[RunInProgress]) -> list[RunInProgress]:
+    """The runs and checks that use the wire of a bench; twins have one each."""
+    file = entry.file
+    return [run for run in runs if file and entry.is_bench and run.info["wire"] == file.wire]
+
+
+def _check_in_progress(entry: RigEntry, runs: Sequence[RunInProgress]) -> RigCheck | None:
+    """The check in progress of a rig, whoever has started it."""
+    checks = [run for run in _on_its_wire(entry, runs) if run.is_check]
+    return RigCheck(began=checks[0].info["start_epoch"]) if checks else None
 
 
 def _facts(file: RigFile) -> list[tuple[str, str]]:
