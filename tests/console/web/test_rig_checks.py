@@ -1,6 +1,7 @@
 """Rigs in the console: rig files of the folder, bring-up of real benches only on request, and its emergency stop."""
 
 import os
+import re
 import signal
 import subprocess
 import time
@@ -58,6 +59,39 @@ def test_rig_files_of_the_folder_come_first(folder):
     assert real.is_real
     assert rig_entry("bench_one_wire", folder).is_template
     assert not rig_entry("one_wire_serial", folder).is_real
+
+
+@pytest.mark.parametrize(
+    "content",
+    [
+        b'name = "mine\nbase = "one_wire_twin"\n',
+        b'base = "one_wire_twin"\nname = "mine\n',
+        b"[links.amplifier\n",
+        b'actuator = "gorbet_one_wire"\nname = "W\xe4rme"\n',
+        b'base = "one_wire_twin"\nbase = "one_wire_twin"\n',
+    ],
+)
+def test_a_rig_file_that_is_not_valid_toml_is_listed_with_its_error(tmp_path, content):
+    (tmp_path / "mine.toml").write_bytes(content)
+    (tmp_path / "campaign.toml").write_text('[[step]]\nprotocol = "validation\n')
+    first, second = rigs_of(tmp_path)[:2]
+    assert (first.name, first.file) == ("mine.toml", None)
+    assert "mine.toml is not valid TOML: " in first.problems[0]
+    assert not second.name.endswith(".toml"), "nothing says that the other file is a rig"
+
+
+def test_a_rig_file_that_is_not_valid_toml_is_shown_but_not_started(console: Console, folder):
+    (folder / "quote.toml").write_text('base = "one_wire_serial"\nname = "quote\n')
+    assert re.search(
+        r"quote\.toml</a>.*Not ready: [^<]*quote\.toml is not valid TOML", console.ask("/rigs").body
+    )
+    page = console.ask("/rigs/rig?rig=quote.toml").body
+    assert "is not valid TOML" in page
+    assert 'action="/rigs/check"' not in page
+    assert "New run on this rig" not in page
+    reply = console.ask("/rigs/check", "POST", console.own | FORM, urlencode({"rig": "quote.toml"}))
+    assert reply.status == 422
+    (folder / "quote.toml").unlink()
 
 
 def test_a_file_that_cannot_be_read_hides_no_other_rig(tmp_path):

@@ -1,6 +1,7 @@
 """The rigs of a console: those that come with smarig, and the rig files of its folder."""
 
 import os
+import re
 import stat
 import tomllib
 from collections.abc import Iterator
@@ -13,6 +14,8 @@ from smarig.rig import inconsistencies
 
 _LARGEST_BYTES = 100_000  # a larger file is no rig
 _MOST_DOTS = 200  # of a line: the time to read a key grows with their square
+_KEYS = {"actuator", "base", "links"}  # that only rig files have
+_RIG_LINE = re.compile(rb"^[ \t]*(actuator|base)[ \t]*=|^[ \t]*\[[ \t]*links\b", re.MULTILINE)
 
 
 @dataclass(frozen=True)
@@ -86,15 +89,23 @@ def _own_names(folder: Path) -> Iterator[str]:
     for path in sorted(folder.glob("*.toml")):
         try:
             path.name.encode()  # a name that no address can hold is left out
-            table = tomllib.loads(_text(path))
-        except (OSError, ValueError, RecursionError):
-            continue  # no table, or not TOML: nothing says that it is a rig
-        if {"actuator", "base", "links"} & table.keys():
+            content = _content(path)
+        except (OSError, ValueError):
+            continue
+        if _describes_rig(content):
             yield path.name
 
 
-def _text(path: Path) -> str:
-    """The text of a small regular file. OSError for a pipe or a device, ValueError for a long text or many dots."""
+def _describes_rig(content: bytes) -> bool:
+    """Whether a file is that of a rig. One that is not valid TOML is known by its lines, so that its error is shown."""
+    try:
+        return bool(_KEYS & tomllib.loads(content.decode()).keys())
+    except (ValueError, RecursionError):
+        return _RIG_LINE.search(content) is not None
+
+
+def _content(path: Path) -> bytes:
+    """A small regular file. OSError for a pipe or a device, ValueError for a long text or many dots."""
     descriptor = os.open(path, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0))
     with os.fdopen(descriptor, "rb") as file:
         if not stat.S_ISREG(os.fstat(descriptor).st_mode):
@@ -102,4 +113,4 @@ def _text(path: Path) -> str:
         found = file.read(_LARGEST_BYTES + 1)
     if len(found) > _LARGEST_BYTES or any(line.count(b".") > _MOST_DOTS for line in found.splitlines()):
         raise ValueError(f"{path} is no rig file")
-    return found.decode()
+    return found
