@@ -1,5 +1,7 @@
 """A folder is a catalogue: a new file is found, and a wrong name gives the nearest correct one."""
 
+import os
+import pkgutil
 import sys
 
 import pytest
@@ -63,3 +65,19 @@ def test_the_protocols_that_ship():
         assert catalogue.catalogue_summary("smarig.protocols", name)
     with pytest.raises(UsageError, match=r"No protocol 'wipeing_out'; did you mean wiping_out\?"):
         catalogue.catalogue_entry("smarig.protocols", "wipeing_out")
+
+
+def test_a_folder_is_searched_once_and_again_after_a_change(shelf, monkeypatch):
+    searched, search = [], pkgutil.iter_modules
+
+    def counted(folders):
+        searched.extend(folders)
+        return search(folders)
+
+    monkeypatch.setattr("smarig.core.catalogue.pkgutil.iter_modules", counted)
+    for _ in range(3):
+        assert catalogue.catalogue_names("shelf.moves") == ["fall", "rise"]
+    assert len(searched) == 1
+    (shelf / "turn.py").touch()
+    os.utime(shelf, ns=(0, 10**18))  # whatever the resolution of the clock of the disk
+    assert catalogue.catalogue_names("shelf.moves") == ["fall", "rise", "turn"]

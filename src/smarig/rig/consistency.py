@@ -28,22 +28,26 @@ OVER_CURRENT = 1.05  # of the largest current; above it the amplifier trips by i
 
 def inconsistencies(file: RigFile) -> list[str]:
     """The inconsistencies, one sentence each; none for a twin."""
-    found = [*_stress(file), *_load(file)]
+    try:
+        actuator = Actuator.named(file.actuator)  # once: reading it takes longer than all the checks
+    except ConfigError as wrong:
+        return [str(wrong)]
+    found = [*_stress(file, actuator), *_load(file, actuator)]
     if file.links is None or file.protection is None:
         return found
-    return [*found, *_links(file, file.links), *_protection(file, file.protection)]
+    return [*found, *_links(file, file.links), *_protection(file, actuator, file.protection)]
 
 
-def _stress(file: RigFile) -> Iterator[str]:
+def _stress(file: RigFile, actuator: Actuator) -> Iterator[str]:
     try:
-        stress_limit(file, Actuator.named(file.actuator))
+        stress_limit(file, actuator)
     except ConfigError as wrong:
         yield str(wrong)
 
 
-def _load(file: RigFile) -> Iterator[str]:
+def _load(file: RigFile, actuator: Actuator) -> Iterator[str]:
     try:
-        load_of(file, Actuator.named(file.actuator))
+        load_of(file, actuator)
     except (ConfigError, DataError, UsageError) as wrong:
         yield str(wrong)
 
@@ -102,7 +106,7 @@ def _shared_port(links: LinksFile) -> Iterator[str]:
         yield f"Both links use {a.url} and address {a.address}. Give each device its own address."
 
 
-def _protection(file: RigFile, p: ProtectionFile) -> Iterator[str]:
+def _protection(file: RigFile, actuator: Actuator, p: ProtectionFile) -> Iterator[str]:
     limits = file.limits
     largest_A = max(limits.current_max_A, -limits.current_min_A)
     if p.slew_max_A_per_s < limits.current_rate_A_per_s:
@@ -110,7 +114,7 @@ def _protection(file: RigFile, p: ProtectionFile) -> Iterator[str]:
             f"protection.slew_max_A_per_s = {p.slew_max_A_per_s:g} is below limits.current_rate_A_per_s = "
             f"{limits.current_rate_A_per_s:g}: the amplifier would trip at rates that the host may command."
         )
-    low, high = Actuator.named(file.actuator).resistance_range_ohm
+    low, high = actuator.resistance_range_ohm
     if not p.resistance_min_ohm < low <= high < p.resistance_max_ohm:
         yield (
             f"protection.resistance_min_ohm … max_ohm = {p.resistance_min_ohm:g} … {p.resistance_max_ohm:g} do not "
