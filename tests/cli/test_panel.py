@@ -207,6 +207,22 @@ def test_time_left_accounts_for_pauses_and_resumed_runs():
     assert later.step_number == 12
 
 
+def test_the_way_back_of_a_resumed_run_is_no_progress():
+    status = RunStatus(RUN_INFO, clock=lambda: 0.0)
+    status.event(100.0, "resumed", "text", done_steps=10, done_s=300.0)
+    status.begin(30, Hold(0.0, Elapsed(10.0), None, "re-establish"), None)
+    for k in range(1, 101):
+        status.sample(at(100.0 + k / 10), 30, 0.0)
+    assert status.elapsed_s == pytest.approx(10.0)
+    assert status.left_s == pytest.approx(300.0)
+    status.begin(31, Hold(0.5, Elapsed(10.0), None, "up"), None)
+    for k in range(101, 151):
+        status.sample(at(100.0 + k / 10), 31, 0.0)
+    assert status.left_s == pytest.approx(295.0)
+    status.event(200.0, "resumed", "from the start", done_steps=0, done_s=0.0)
+    assert status.step_number == 1
+
+
 def test_data_of_a_twin_are_labelled_as_such_over_any_link():
     cost = Preview("validation", 60.0, 3, 1.0, 100.0, 0, 1000)
     for rig, source in (("one_wire_serial", "twin"), ("two_wire_twin", "simulation")):

@@ -60,8 +60,9 @@ class RunInProgress:
         return False
 
     def status(self) -> dict[str, Any]:
-        """Its status, at most 0.1 s old: step_number, branch, target_K, elapsed_s, left_s, share, speed_factor, paused,
-        stopping, severity, settling (share, spread_counts, band_counts, min_time_left_s, timeout_s; or None),
+        """Its status, at most 0.1 s old: step_number, branch, target_K, elapsed_s (since the start, or since it was
+        resumed), left_s, share, speed_factor, resumed, paused, stopping, severity, settling (share, spread_counts,
+        band_counts, min_time_left_s, timeout_s; or None),
         last_event and error (t_s, level, kind, text, severity; or None) and ending (kind, word, text; or None).
 
         Empty in its first 0.1 s. An infinite number is None.

@@ -134,13 +134,15 @@ class RunStatus:
         self.input_K = 0.0
         self.command: Hold | Waveform | None = None
         self.finished = 0
+        self.resumed = False
+        self.done_steps, self.done_s = run_info.done_steps, run_info.done_s  # before it was resumed
         self.last_event: LogEntry | None = None
         self.error: LogEntry | None = None
         self.severity = Severity.NONE  # the highest so far
         self.ending: RunEnding | None = None
         self._window: SettleWindow | None = None
         self._first_s: float | None = None
-        self._paused_ticks = self._step_ticks = 0
+        self._paused_ticks = self._restoring_ticks = self._step_ticks = 0
 
     # --- called by the runner -----------------------------------------------------------------------
 
@@ -154,6 +156,7 @@ class RunStatus:
             self._paused_ticks += 1
         else:
             self._step_ticks += 1
+            self._restoring_ticks += self.branch == RE_ESTABLISH
 
     def begin(self, step: int, command: Hold | Waveform, window: SettleWindow) -> None:
         """Store the command of the step."""
@@ -167,12 +170,16 @@ class RunStatus:
         self.command = None
 
     def event(self, t_s: float, kind: str, text: str, *, level: str = "info", **data: Any) -> None:
-        """Store the last event, the last error, and the highest severity."""
+        """Store the last event, the last error, the highest severity, and what was done before the run was resumed."""
         severity = severity_of(kind, level, data)
         self.last_event = entry = LogEntry(t_s, level, kind, text, severity)
         self.severity = highest_severity((self.severity, severity))
         if level == "error":
             self.error = entry
+        if kind == "resumed":
+            self.resumed = True
+            self.done_steps = data.get("done_steps", self.done_steps)
+            self.done_s = data.get("done_s", self.done_s)
 
     def end(self, error: BaseException | None) -> None:
         """Store how the run ended. An error of the user or the disk before the first sample is no fault of the rig."""
@@ -187,7 +194,7 @@ class RunStatus:
     @property
     def step_number(self) -> int:
         """The number of the present step, or of the last one; from 1."""
-        done = self.run_info.done_steps + self.finished
+        done = self.done_steps + self.finished
         return done + 1 if done < self.run_info.steps else max(done, 1)
 
     @property
@@ -213,7 +220,7 @@ class RunStatus:
 
     @property
     def elapsed_s(self) -> float:
-        """Rig time since the start of the run."""
+        """Rig time since the start of the run, or since it was resumed."""
         return self.since_s(self.last_sample.t_s) if self.last_sample is not None else 0.0
 
     def since_s(self, t_s: float) -> float:
@@ -222,11 +229,12 @@ class RunStatus:
 
     @property
     def left_s(self) -> float:
-        """Rig time left according to the preview. It stays at 0 when the run takes longer than the preview."""
-        elapsed_in_step_s = (
-            self.run_info.done_s + self.elapsed_s - self._paused_ticks * self.run_info.period_s
-        )
-        return max(self.run_info.duration_s - elapsed_in_step_s, 0.0)
+        """Rig time left according to the preview. It stays at 0 when the run takes longer than the preview.
+
+        Pauses and the way back of a resumed run, which the preview does not know, do not shorten it.
+        """
+        unplanned_s = (self._paused_ticks + self._restoring_ticks) * self.run_info.period_s
+        return max(self.run_info.duration_s - self.done_s - self.elapsed_s + unplanned_s, 0.0)
 
     @property
     def share(self) -> float:

@@ -27,6 +27,7 @@ def status_of(status: RunStatus) -> dict[str, Any]:
         "left_s": status.left_s,
         "share": status.share,
         "speed_factor": status.speed_factor,
+        "resumed": status.resumed,
         "paused": status.paused,
         "stopping": status.stopping,
         "severity": str(status.severity),

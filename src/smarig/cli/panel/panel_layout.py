@@ -79,7 +79,7 @@ def summary(status: RunStatus, *, plain: bool = False) -> Text:
     if kind == "refused":
         text = _with_sign(kind, "NOT STARTED", plain)
         return text.append(f"{run_info.protocol} ({run_info.label}): no current has flowed", style="none")
-    steps = run_info.done_steps + status.finished
+    steps = status.done_steps + status.finished
     step_text = f"{steps} steps" if kind == "done" else f"{steps} of {run_info.steps} steps"
     text = _with_sign(kind, "" if kind == "done" else (ending.word if ending else ""), plain)
     text.append(

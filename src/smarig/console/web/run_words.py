@@ -82,7 +82,8 @@ def _facts(status: dict[str, Any]) -> str:
     left = f"{duration(status['left_s'])} of rig time left"
     if abs(factor - 1) > 0.2:  # a twin that is faster than real time
         left += f", {duration(status['left_s'] / factor)} on the clock"
-    return f"{duration(status['elapsed_s'])} elapsed, {left}"
+    since = "since it was resumed" if status.get("resumed") else "elapsed"
+    return f"{duration(status['elapsed_s'])} {since}, {left}"
 
 
 def _settling(progress: dict[str, Any] | None) -> str:

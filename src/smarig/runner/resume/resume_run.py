@@ -166,8 +166,10 @@ class _ResumeExecution:
         runner = session.runner([record, *self.listeners], plan.shift)
         runner.steps_done = first
         self._record_resumption(recorder, runner.t_s, first)
+        kept = [] if plan.start_over else [s for s in run.steps if not s.void]
+        before = {"done_steps": len(kept), "done_s": sum(s.duration_s for s in kept)}
         for listener in self.listeners:
-            listener.event(runner.t_s, "resumed", plan.sentence())
+            listener.event(runner.t_s, "resumed", plan.sentence(), **before)
         first_tick = session.rig.tick + plan.shift.ticks + 1
 
         def on_reference(result: StepResult) -> None:
