@@ -2,6 +2,7 @@
 
 import io
 import json
+import signal
 
 import pytest
 
@@ -78,6 +79,26 @@ def test_an_error_of_a_driver_does_not_hide_them_either(tmp_path, capsys, monkey
     checks = json.loads(capsys.readouterr().out.splitlines()[0])["checks"]
     assert [(c["name"], c["passed"]) for c in checks] == [("devices", True), ("rig", False)]
     assert "no such channel" in checks[-1]["seen"]
+
+
+def test_a_forced_stop_does_not_promise_a_shutdown_that_was_not_confirmed(tmp_path, capsys, monkeypatch):
+    """A second Ctrl-C, at a device that does not answer."""
+
+    def stuck(bench, current_A, at_most=1):
+        signal.raise_signal(signal.SIGINT)
+        signal.raise_signal(signal.SIGINT)
+
+    def not_confirmed(bench):
+        bench.shutdown_unconfirmed = "The amplifier did not confirm."
+
+    monkeypatch.setattr("smarig.runner.signal_handling.INSISTS_S", 0.0)
+    monkeypatch.setattr("smarig.rig.stoppable_bench.Bench.step", stuck)
+    monkeypatch.setattr("smarig.rig.stoppable_bench.Bench.safe", not_confirmed)
+    assert cli(["check", rig(tmp_path)]) == 130
+    out, err = capsys.readouterr()
+    sentence = "The check was interrupted by the keyboard (Ctrl-C). The amplifier did not confirm."
+    assert f"[ ] rig: {sentence}" in out
+    assert err.splitlines()[-1] == f"smarig: {sentence}"
 
 
 def test_hardware_is_not_heated_without_confirmation(tmp_path, capsys, monkeypatch):

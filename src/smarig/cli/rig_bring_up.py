@@ -57,9 +57,13 @@ def _bring_up(rig: str, file: RigFile, actuator: Actuator, on_check: Callable[[C
             assert isinstance(bench, Bench)  # noqa: S101 - of kind "bench"
             for _, text, _ in control.reports():  # why others cannot see it
                 show_message(text)
-            bring_up(StoppableBench(bench, raise_if_stopped), file, on_check, show_message)
-    except Interrupted as error:  # a second Ctrl-C
-        raise _stopped(str(error)) from None
+            try:
+                bring_up(StoppableBench(bench, raise_if_stopped), file, on_check, show_message)
+            except KeyboardInterrupt:  # a second Ctrl-C
+                # Raised in here, so that open_rig adds what was not confirmed.
+                raise _stopped(control.cause) from None
+    except Interrupted as error:  # a second Ctrl-C while the devices were opened or closed
+        raise CheckStopped(f"The check was {error}. Make sure that no current flows.") from None
 
 
 def _stopped(cause: str) -> CheckStopped:
