@@ -219,3 +219,12 @@ def test_a_check_that_does_not_react_is_killed_at_the_end_and_that_is_said(folde
     checks.close()
     assert "The check of one_wire_serial did not end and was killed." in capsys.readouterr().err
     assert "no current flows" in wait_for_end(checks, "one_wire_serial").sentence
+
+
+def test_a_check_that_takes_too_long_and_does_not_react_is_killed_and_says_to_look(folder, monkeypatch):
+    monkeypatch.setattr("smarig.console.web.rig_checks._WAIT_S", 0.2)
+    monkeypatch.setattr("smarig.console.web.rig_checks.LONGEST_S", 0.2)
+    checks = RigChecks(folder)
+    checks.start("one_wire_serial")
+    checks._processes["one_wire_serial"].send_signal(signal.SIGSTOP)
+    assert "Make sure that no current flows" in wait_for_end(checks, "one_wire_serial").sentence

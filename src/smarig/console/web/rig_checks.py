@@ -93,14 +93,23 @@ class RigChecks:
         try:
             process.wait(LONGEST_S)
         except subprocess.TimeoutExpired:
-            process.terminate()
-            process.wait()
+            _end(process)
         with self._lock, out, err:
             found = self._checks[rig]
             found.checks = _checks(_text(out))
             found.sentence = "" if process.returncode == 0 else _sentence(_text(err), process.returncode)
             found.passed = process.returncode == 0
             del self._processes[rig]
+
+
+def _end(process: subprocess.Popen[bytes]) -> None:
+    """Ask a process to end; one that does not react is killed, which its check then says."""
+    process.terminate()
+    try:
+        process.wait(_WAIT_S)
+    except subprocess.TimeoutExpired:
+        process.kill()
+        process.wait()
 
 
 def _text(file: IO[bytes]) -> str:
