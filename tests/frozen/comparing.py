@@ -65,6 +65,7 @@ ADDED = {
     "uno_one_wire",
     "verdict",
     "wire_K",
+    "without_lease_A",
 }  # keys that came later, on purpose
 ENDED = {"wire_history", "history_until_tick"}  # keys that runs of twins no longer have, on purpose
 

@@ -18,7 +18,8 @@ from smarig.core.errors import UsageError
 from smarig.identification.density_report import density_report
 from smarig.report.characterisation_page import characterisation_page
 from smarig.report.models.assessment import assessment
-from smarig.report.models.loop_figure import loop_figure, training_run
+from smarig.report.models.loop_figure import loop_figure
+from smarig.report.models.training_run import training_run
 
 
 @pytest.fixture(scope="module")

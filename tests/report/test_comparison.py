@@ -402,10 +402,16 @@ def test_the_model_of_the_first_day_is_tried_on_the_other(tmp_path):
     assert earlier_model_sentence(first, other) == ""
     model = smarig.identify(runs["monday"], "exponential").model
     model.save(tmp_path / "monday" / "model.json")
-    errors = [smarig.verify(model, [run]).runs[0].settled.rms for run in (runs["tuesday"], runs["monday"])]
-    assert errors[0] > 5 * errors[1]
-    sentence = f"predicts tuesday to {errors[0]:.3g} mm rms; on monday its error is {errors[1]:.3g} mm."
+    own, found = (smarig.verify(model, [runs[day]]).runs[0] for day in ("monday", "tuesday"))
+    assert other.offset_kind == "cold"
+    rms = np.hypot(
+        found.settled.rms, found.offset - own.offset
+    )  # the fitted zero takes up a part of the change
+    assert rms > 1.5 * found.settled.rms > 7 * own.settled.rms
+    sentence = f"predicts tuesday to {rms:.3g} mm rms; on monday its error is {own.settled.rms:.3g} mm."
     assert earlier_model_sentence(first, other) == f"The model of monday {sentence}"
+    free = replace(other, offset_kind="fitted")
+    assert f"to {found.settled.rms:.3g} mm rms, with its zero fitted;" in earlier_model_sentence(first, free)
     advice = comparison_assessment([first, other], family_figures(list(runs.values()))).advice
     assert sentence in advice
     (tmp_path / "monday" / "model.json").write_text("{}", encoding="utf-8")

@@ -63,11 +63,17 @@ def _of_error(rms: float, floor: float | None, share: float) -> ErrorVerdict:
         if ratio <= GOOD_RATIO:
             return ErrorVerdict(ErrorLevel.GOOD, "at the noise floor: good")
         level = ErrorLevel.FAIR if ratio <= POOR_RATIO else ErrorLevel.POOR
-        return ErrorVerdict(level, f"{ratio_text(ratio)} × the noise floor: {level}")
+        return ErrorVerdict(level, f"{_above_threshold_text(ratio)} × the noise floor: {level}")
     percent = f"{100 * share:.2g} % of the travel"
     if share > POOR_SHARE:
         return ErrorVerdict(ErrorLevel.POOR, f"{percent}: poor; the noise is unknown")
     return ErrorVerdict(ErrorLevel.UNKNOWN, f"{percent}; the noise is unknown")
+
+
+def _above_threshold_text(ratio: float) -> str:
+    """A ratio with as many digits as distinguish it from the thresholds: 1.504 is fair, 1.5 would be good."""
+    text = ratio_text(ratio)
+    return f"{ratio:.4g}" if float(text) in (GOOD_RATIO, POOR_RATIO) else text
 
 
 def level_against_curves(

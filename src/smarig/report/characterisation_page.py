@@ -17,7 +17,7 @@ from smarig.report.models.density_figures import density_figure, maps_figure
 from smarig.report.models.evidence import Evidence
 from smarig.report.models.first_order_figures import curves_figure, parameters_figure, replay_figure
 from smarig.report.models.identification_plot_data import density_report_of
-from smarig.report.models.loop_figure import loop_figure, training_run
+from smarig.report.models.loop_figure import loop_figure
 from smarig.report.models.model_tables import (
     M_P,
     calibration_table,
@@ -27,7 +27,9 @@ from smarig.report.models.model_tables import (
 )
 from smarig.report.models.preisach_verdict import preisach_verdict
 from smarig.report.models.surface_figure import surface_figure
+from smarig.report.models.temperature_cards import temperature_cards
 from smarig.report.models.tradeoff_figure import tradeoff_figure
+from smarig.report.models.training_run import training_run
 from smarig.report.models.validation_figure import validation_figure
 from smarig.report.run_page import ending_notices, representation_notice, run_lead
 from smarig.report.runs.hysteresis_figure import hysteresis_figure
@@ -72,6 +74,10 @@ def _first_screen(e: Evidence) -> Parts:
     if figure:
         yield figure
     yield characterisation_cards(e)
+    temperatures, source = temperature_cards(e.runs.values())
+    if source:
+        yield temperatures
+        yield paragraph(source.strip())
 
 
 def _summary(e: Evidence) -> Parts:

@@ -14,10 +14,10 @@ from smarig.report.components.assessment_box import Assessment, box_level
 from smarig.report.components.numbers import duration, runs_text
 from smarig.report.components.run_description import display_unit, duration_s, extent
 from smarig.report.diagnosis.verdict_text import changes_text, strengths_text
-from smarig.report.models.characterisation_cards import settled_travel
 from smarig.report.models.evidence import Evidence
 from smarig.report.models.model_tables import pooled_rms
 from smarig.report.models.preisach_verdict import preisach_verdict
+from smarig.report.models.training_run import settled_range, stroke_run
 
 
 def assessment(e: Evidence) -> Assessment:
@@ -52,7 +52,8 @@ def _measured(e: Evidence) -> str:
     run = max(runs, key=lambda each: np.nan_to_num(extent(each, "position")))
     hours = duration(sum(duration_s(each) for each in runs if duration_s(each) == duration_s(each)))
     settled = sum(len(each.settled) for each in runs)
-    travel = settled_travel(runs)
+    fitted = stroke_run(e)
+    travel = settled_range(fitted) if fitted is not None else None
     wide = extent(run, "position") if travel is None else travel
     stroke = f"{wide:.3g}{spaced(display_unit(run.unit))}{_without_effects(e, wide)}"
     inputs = [extent(each, "input") for each in runs if each.has("input")]
@@ -80,7 +81,10 @@ def _held_out(e: Evidence) -> tuple[ErrorVerdict | None, str]:
     rms = pooled_rms(found)
     if found is None or rms is None:
         return None, ""
-    return _verdict_on(rms, found), f"{rms:.3g}{spaced(found.unit)} rms"
+    share = (
+        _share_of_stroke(e, rms) if any(run.noise_floor for run in found.runs) else ""
+    )  # else the verdict has it
+    return _verdict_on(rms, found), f"{rms:.3g}{spaced(found.unit)} rms{share}"
 
 
 def _verdict_on(rms: float, found: Verification) -> ErrorVerdict:
@@ -200,8 +204,9 @@ def _named_advice(e: Evidence, d: Diagnosis, rms: float | None) -> str:
 
 def _share_of_stroke(e: Evidence, error: float) -> str:
     """The error as a share of the stroke: the ratio to the noise alone makes an accurate rig look poor."""
-    travel = settled_travel(e.runs.values())
-    return f", {100 * error / travel:.2g} % of the stroke" if travel else ""
+    run = stroke_run(e)
+    stroke = settled_range(run) if run is not None else 0.0
+    return f", {100 * error / stroke:.2g} % of the stroke" if stroke else ""
 
 
 def _remedies(effects: Iterable[Effect]) -> str:

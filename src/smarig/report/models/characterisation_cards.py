@@ -1,19 +1,18 @@
 """The key figures of a characterisation on cards, and the recommendation of a model."""
 
 import shlex
-from collections.abc import Iterable
 
 import numpy as np
 
 from smarig.identification import POSITIVE_KIND, SIMPLER_TOLERANCE
-from smarig.record import Run
 from smarig.report.components.html import Html, cards, joined, notice, paragraph, tag
 from smarig.report.components.numbers import duration, number, runs_text
-from smarig.report.components.run_description import count_size, duration_s, quality_counts
+from smarig.report.components.run_description import count_size, duration_s, protocol_name, quality_counts
 from smarig.report.models.density_figures import density_unit
 from smarig.report.models.evidence import Evidence
 from smarig.report.models.identification_plot_data import density_report_of
 from smarig.report.models.model_tables import M_P, M_PC, pooled_rms
+from smarig.report.models.training_run import settled_range, stroke_run
 
 _Card = tuple[str, str | Html, str | Html]
 
@@ -21,25 +20,16 @@ _Card = tuple[str, str | Html, str | Html]
 def characterisation_cards(e: Evidence, *, theory: bool = True) -> Html:
     """Cards of stroke, held-out error with noise floor, class of μ (``theory``), duration and points."""
     of_theory = [_class_card(e)] if theory else []
-    return cards([_travel_card(e), _error_card(e), *of_theory, _duration_card(e), _points_card(e)])
+    return cards([_stroke_card(e), _error_card(e), *of_theory, _duration_card(e), _points_card(e)])
 
 
-def _travel_card(e: Evidence) -> _Card:
-    travel = settled_travel(e.runs.values())
-    if travel is None:
+def _stroke_card(e: Evidence) -> _Card:
+    run = stroke_run(e)
+    if run is None:
         return "Stroke", "unknown", "no settled points"
-    run = next(r for r in e.runs.values() if len(r.settled) >= 2)
-    size = count_size(run)
-    counts = f"{travel / size:.0f} counts, " if size else ""
-    return "Stroke", f"{travel:.3g} {run.unit}", f"{counts}settled points of the widest run"
-
-
-def settled_travel(runs: Iterable[Run]) -> float | None:
-    """The range of the settled outputs of the widest run; None without settled points.
-
-    Runs of one session may have different zeros, so no travel is that of several runs.
-    """
-    return max((float(np.ptp(run.points()[1])) for run in runs if len(run.settled) >= 2), default=None)
+    stroke, size = settled_range(run), count_size(run)
+    counts = f"{stroke / size:.0f} counts, " if size else ""
+    return "Stroke", f"{stroke:.3g} {run.unit}", f"{counts}settled points of {protocol_name(run)}"
 
 
 def _error_card(e: Evidence) -> _Card:
@@ -51,12 +41,13 @@ def _error_card(e: Evidence) -> _Card:
     floor = (
         f"noise floor of the run {max(floors):.2g} {verification.unit}" if floors else "noise floor unknown"
     )
-    share = max(r.settled.nrmse for r in verification.runs)
+    run = stroke_run(e)
+    share = f"{100 * rms / settled_range(run):.2f} % of the stroke, " if run is not None else ""
     n = sum(r.settled.n for r in verification.runs)
     return (
         "Model error on held-out data, rms",
         f"{rms:.3g} {verification.unit}",
-        f"{floor}; {100 * share:.2f} % of the stroke, n = {n}",
+        f"{floor}; {share}n = {n}",
     )
 
 

@@ -111,12 +111,3 @@ def _error_panel(
         data.append(dots(x[found.counted], extended, "extended model", EXTENDED, size=6))
     layout = {"xaxis": axis(title), "yaxis": axis(f"Measured − model ({run.unit})")}
     return Panel(data, layout, 400)
-
-
-def training_run(e: Evidence) -> Run | None:
-    """The run that contributed most to the chosen model."""
-    if e.best is None:
-        return None
-    names = {p.run for p in e.best.model.provenance}
-    made_from = [r for r in e.runs.values() if r.path.name in names or str(r.path) in names]
-    return max(made_from or e.of("first_order_descending", "first_order_ascending"), key=len, default=None)

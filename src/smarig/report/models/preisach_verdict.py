@@ -59,7 +59,9 @@ class PreisachVerdict:
         if not self.errors or not self.noise:
             return f"{names} it does"
         times = self.errors[-1][1] / self.noise
-        return f"{names} it does" if times <= _AT_NOISE else f"{names}, {times:.0f} × the noise floor is left"
+        if times > _AT_NOISE:
+            return f"{names}, {times:.0f} × the noise floor is left"
+        return f"{names} it does, to {ratio_text(times)} × the noise floor"
 
     @property
     def errors_sentence(self) -> str:

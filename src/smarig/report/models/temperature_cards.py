@@ -3,10 +3,10 @@
 import math
 from collections.abc import Iterable
 
-from smarig.core import UsageError
+from smarig.core import UsageError, spaced
 from smarig.record import Run
 from smarig.report.components.html import Html, cards
-from smarig.report.components.numbers import number
+from smarig.report.components.numbers import to_uncertainty
 from smarig.report.components.run_description import display_unit
 from smarig.report.transformation.transformation_tables import figure_name
 from smarig.transformation import HEADLINE, RunFigures, run_figures
@@ -31,14 +31,17 @@ def temperature_cards(runs: Iterable[Run]) -> tuple[Html, str]:
         if name == _STROKE or name not in best.means:
             continue
         estimate = best.estimate(name)
-        low, high = (number(end, 3) for end in estimate.ci95)
+        low, high = estimate.ci95
+        half, unit = (high - low) / 2, spaced(display_unit(estimate.unit))
+        interval = f"95 %: {to_uncertainty(low, half)} to {to_uncertainty(high, half)}{unit}"
         above = (
             ""
             if estimate.unit != "K" or name in _DIFFERENCES
             else f"above ambient{_degC(best, estimate.value)}; "
         )
-        value = f"{number(estimate.value, 3)} {display_unit(estimate.unit)}"
-        shown.append((figure_name(name), value, f"{above}95 %: {low} to {high}"))
+        shown.append(
+            (figure_name(name), f"{to_uncertainty(estimate.value, half)}{unit}", f"{above}{interval}")
+        )
     name = run.path.name.removesuffix(".run.sqlite")
     assembled = f" ({' and '.join(best.assembled)} assembled from its curves)" if best.assembled else ""
     computed = "" if run.has("temperature_degC") or not run.info.input.from_ else _COMPUTED

@@ -2,8 +2,10 @@
 
 from pathlib import Path
 
+import numpy as np
+
 from smarig.core import SmarigError, spaced
-from smarig.identification import verify
+from smarig.identification import RunVerification, verify
 from smarig.record import Run
 from smarig.report.components.numbers import number
 from smarig.report.components.run_description import display_unit
@@ -18,15 +20,27 @@ def earlier_model_sentence(first: AlignedRun, other: AlignedRun) -> str:
     model = folder.parent / _MODEL
     if folder.name != _RUNS or not model.is_file():
         return ""
-    errors = [_rms(model, each.run) for each in (other, first)]
-    if None in errors:
+    own, found = _verified(model, first.run), _verified(model, other.run)
+    if own is None or found is None:
         return ""
-    there, here = (f"{number(rms)}{spaced(display_unit(first.run.unit))}" for rms in errors)
-    return f"The model of {first.name} predicts {other.name} to {there} rms; on {first.name} its error is {here}."
+    zero_fitted = other.offset_kind == "fitted"
+    there = found.settled.rms if zero_fitted else _rms_with_zero_of(own, found)
+    unit = spaced(display_unit(first.run.unit))
+    return (
+        f"The model of {first.name} predicts {other.name} to {number(there)}{unit} rms"
+        f"{', with its zero fitted' if zero_fitted else ''}; on {first.name} its error is "
+        f"{number(own.settled.rms)}{unit}."
+    )
 
 
-def _rms(model: Path, run: Run) -> float | None:
+def _verified(model: Path, run: Run) -> RunVerification | None:
     try:
-        return verify(model, [run]).runs[0].settled.rms
+        return verify(model, [run]).runs[0]
     except SmarigError:
         return None
+
+
+def _rms_with_zero_of(own: RunVerification, other: RunVerification) -> float:
+    """The rms error of another run whose zero is that of the model's own run: its fitted offset would hide a change."""
+    error = other.measured - other.predicted + other.offset - own.offset
+    return float(np.sqrt(np.mean(error[other.counted] ** 2)))
