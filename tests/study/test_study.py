@@ -254,3 +254,17 @@ def test_it_is_told_which_model_was_diagnosed_where_another_is_judged(best, told
     monkeypatch.setattr(CandidateModel, "rms", 0.7)
     of_loads: Any = SimpleNamespace(evaluation=Evaluation(candidates, {}, {}), unit="mm")
     assert StudyResult._diagnosed_model(of_loads) == told
+
+
+@pytest.mark.parametrize(
+    ("cold_K", "kind"),
+    [(80.0, "time"), (50.0, "none")],  # later cycles transform; or stay below the transformation
+)
+def test_a_part_that_shows_no_transformation_is_not_held_out(tmp_path, cold_K, kind):
+    ends = [25.0, 80.0, 25.0] + [cold_K, 25.0] * 3
+    u = np.concatenate([np.linspace(a, b, 60) for a, b in zip(ends, ends[1:])])
+    path = tmp_path / "one.csv"
+    path.write_text(csv_text(np.arange(u.size) * 0.5, u, displacements(u)), encoding="utf-8")
+    split = study([path], tmp_path / "out", QUICK).split
+    assert split is not None
+    assert split.kind == kind

@@ -18,6 +18,7 @@ from smarig.study.study_options import Split
 LOAD = "stress"
 _TRAIN_SHARE = 0.6  # of the branches, for a split in time
 _FEWEST_BRANCHES = 4
+_MOVES = 0.5  # of the range of the output: a part with less shows no transformation
 _HELD_SHARE = 3  # one of so many runs is held out
 _EVEN, _ODD = "curve%2==0", "curve%2==1"
 
@@ -69,7 +70,7 @@ def _usual(runs: Sequence[Run]) -> Split:
         return "load"
     if len(runs) >= 2:
         return "run"
-    return "time" if runs[0].has("position") and _turns(runs[0]).size > _FEWEST_BRANCHES else "none"
+    return "time" if runs[0].has("position") and _time_cut(runs[0]) is not None else "none"
 
 
 def _by_curve(runs: Sequence[Run], folder: Path, named: str) -> DataSplit:
@@ -128,15 +129,39 @@ def _by_time(runs: Sequence[Run], folder: Path, named: str) -> DataSplit:
         raise UsageError(
             f"--split time needs at least {_FEWEST_BRANCHES} branches; this run has {turns.size - 1}. Leave it out."
         )
-    cut = int(turns[max(2, round(_TRAIN_SHARE * (turns.size - 1)))])
+    cut = _time_cut(run) or _usual_cut(turns)
     rows = np.arange(len(run))
     first, second = (
         _part(run, rows < cut, folder, "first"),
         _part(run, rows >= cut, folder, "second", after=True),
     )
     share = f"{100 * cut / len(run):.0f} %"
-    reason = f"The first {share} of the run are fitted and the rest is held out{named}: it comes later."
+    reason = f"The first {share} of the run is fitted, and the rest, which comes later, is held out{named}."
     return DataSplit("time", reason, (first,), (second,), continued=True)
+
+
+def _usual_cut(turns: np.ndarray) -> int:
+    return int(turns[max(2, round(_TRAIN_SHARE * (turns.size - 1)))])
+
+
+def _time_cut(run: Run) -> int | None:
+    """The row of the turn at which a run is split, at most 60 % of its branches before it; None if no part would do.
+
+    Both parts must show the output move: a cold end alone tests nothing.
+    """
+    turns = _turns(run)
+    if turns.size <= _FEWEST_BRANCHES:
+        return None
+    y = run["position"]
+    cuts = [int(turn) for turn in turns[2:] if turn <= _usual_cut(turns)]
+    return next(
+        (cut for cut in reversed(cuts) if min(_range(y[:cut]), _range(y[cut:])) >= _MOVES * _range(y)), None
+    )
+
+
+def _range(y: np.ndarray) -> float:
+    known = y[np.isfinite(y)]
+    return float(np.ptp(known)) if known.size else 0.0
 
 
 def _turns(run: Run) -> np.ndarray:

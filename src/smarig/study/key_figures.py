@@ -19,8 +19,8 @@ def key_figures(result: StudyResult, run: Run) -> Html:
     figures = result.transformation and result.transformation.of(run)
     what = f"{figures.name}, and the model." if figures else "The model."
     if not any(interval for *_, interval in rows):
-        return html_table(("Figure", "Value"), [(name, value) for name, value, _ in rows], what)
-    return html_table(("Figure", "Value", "95 % interval"), rows, what)
+        return html_table(("Quantity", "Value"), [(name, value) for name, value, _ in rows], what)
+    return html_table(("Quantity", "Value", "95 % interval"), rows, what)
 
 
 def _rows(result: StudyResult, run: Run) -> Iterator[Row]:

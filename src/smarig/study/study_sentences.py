@@ -113,8 +113,9 @@ def _as_shown(line: str) -> str:
 def _finding(d: Diagnosis | MeasuredDiagnosis, first_line: str, *, at_noise: bool) -> str:
     word, variable = d.verdict.word, d.verdict.depends_on
     if word == "silent":
-        left = "look like noise" if at_noise else "have no cause that it knows"
-        return f"The diagnosis finds nothing: the errors {left}."
+        if at_noise:
+            return "The diagnosis finds no systematic error: what is left looks like noise."
+        return "The diagnosis finds no cause for the errors that are left."
     if word == "unknown" and variable:
         named = " and ".join(map(variable_words, variable.split(" and ")))
         return (

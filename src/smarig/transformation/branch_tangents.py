@@ -171,7 +171,7 @@ def _check(u: Array, y: Array) -> None:
 def _check_rise(shape: RoughShape, noise: ReadingNoise | None) -> None:
     least = _LEAST_RISE * (noise.sd if noise else 0.0)
     if abs(shape.rise) <= least or not shape.stands_out:
-        raise UsageError("its curve is flat: no steep part stands out from the plateaus and the noise")
+        raise UsageError("no steep part stands out clearly from its plateaus and noise")
 
 
 def _largest_jump(u: Array, share: Array) -> tuple[float, float, float]:

@@ -132,7 +132,7 @@ def _shape(u: Array, y: Array, low: Line, high: Line, noisy: bool) -> RoughShape
         between = np.full(u.size, middle or np.ptp(y))
     share = isotonic_regression(np.clip((y - below) / between, -0.5, 1.5), increasing=True).x
     if not share[0] < 0.25 < 0.75 < share[-1]:
-        raise UsageError("its curve is flat: no steep part stands out from the plateaus and the noise")
+        raise UsageError("no steep part stands out clearly from its plateaus and noise")
     centre = 0.5 if noisy else steepest_centre(monotone(u), share)
     rows = _widest_rows(share, centre)
     at = float(np.interp(centre, [0, 1], [float(below[rows].mean()), float(above[rows].mean())]))

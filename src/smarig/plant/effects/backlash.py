@@ -31,7 +31,9 @@ backlash = EffectType(
     confused_with=("resistance_phase", "noncongruency", "creep"),
     separated_by="an external push; a second encoder; the voltage, which changes while y is constant",
     remedy="preload the linkage in one direction, or measure the position at the wire itself",
-    change=("The transmission has play: after a reversal the output does not move for {size}.",),
+    change=(
+        "The transmission has play: after a reversal the output stays still over the first {size} of motion.",
+    ),
     parameters=(
         Parameter(
             "play_percent", "%", 0.0, 10.0, 1.5, "0.5–5 counts of a stroke of 255", tries=(0.4, 1.5, 4.0)

@@ -131,7 +131,7 @@ def _strokes(found: Sequence[AlignedRun], family: FamilyFigures) -> str:
             return ""
         percent = signed(100 * (after / before - 1), 2)
         causes = named_causes([each.run for each in found])
-        part = f", of which {' and '.join(causes)} may be a part" if causes else ""
+        part = f"; {' and '.join(causes)} may account for this" if causes else ""
         return f"Stroke {number(before, 4)} → {number(after, 4)}{unit} ({percent} %){part}."
     known = [value for value in family.strokes if np.isfinite(value)]
     if not known:

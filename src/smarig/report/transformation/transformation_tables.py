@@ -42,12 +42,12 @@ def _card(run: RunFigures, name: str) -> tuple[Html, str, str]:
 
 def figures_table(run: RunFigures) -> Html:
     """All figures of a run with intervals, drift, number of cycles, or the reason why not."""
-    header = ["Figure", "Value", "95 % interval", "Unit", "Cycles", "Drift per cycle"]
+    header = ["Quantity", "Value", "95 % interval", "Unit", "Cycles", "Drift per cycle"]
     ambient = run.record.input_unit != "degC"
     if ambient:
         header.insert(2, "°C")
     rows = [_row(run, name, ambient) for name in FIGURES]
-    reason = f" No drift: {run.no_drift}." if run.no_drift and len(run.cycles) > 1 else ""
+    reason = f" Drift not given: {run.no_drift}." if run.no_drift and len(run.cycles) > 1 else ""
     return table(header, rows, f"Figures of {run.name}, means over {cycles_text(run.averaged)}.{reason}")
 
 
