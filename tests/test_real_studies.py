@@ -6,6 +6,7 @@ The known causes are those of the notes beside the data, found by independent ca
 import pytest
 
 from smarig.study import StudyOptions, study
+from smarig.study.study_sentences import measure
 
 long = pytest.mark.long("takes up to half a minute")
 WATER = [f"sma_water_steps/hyd_stp_{k}.txt" for k in (1, 2, 3)]
@@ -49,6 +50,14 @@ def test_the_known_cause_is_named(shared_data, files, names, tmp_path):
     best, plain = found.evaluation.best.rms, found.evaluation.plain.rms
     assert best < 0.9 * plain, "the cause must predict what was held out"
     assert any(names[0] in sentence for sentence in found.sentences())
+    with_cause, without = found.evaluation.extended.rms, found.without_cause
+    assert with_cause <= 0.9 * without <= 0.9 * plain, (
+        "the sentence compares what the table of the page shows"
+    )
+    shown = (
+        f"the error is {measure(with_cause, found.unit)} with it and {measure(without, found.unit)} without."
+    )
+    assert any(shown in sentence for sentence in found.sentences())
 
 
 @long

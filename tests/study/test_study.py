@@ -252,8 +252,11 @@ def test_it_is_told_which_model_was_diagnosed_where_another_is_judged(best, told
         for name in dict.fromkeys((best, "positive measure"))
     )
     monkeypatch.setattr(CandidateModel, "rms", 0.7)
-    of_loads: Any = SimpleNamespace(evaluation=Evaluation(candidates, {}, {}), unit="mm")
+    unknown = SimpleNamespace(verdict=SimpleNamespace(word="unknown"))
+    of_loads: Any = SimpleNamespace(evaluation=Evaluation(candidates, {}, {}), unit="mm", diagnosis=unknown)
     assert StudyResult._diagnosed_model(of_loads) == told
+    unknown.verdict.word = "named"
+    assert StudyResult._diagnosed_model(of_loads) == ""
 
 
 @pytest.mark.parametrize(

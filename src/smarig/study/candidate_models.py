@@ -1,6 +1,7 @@
 """Identifies the models that the data allow and judges each on the held-out data."""
 
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import Any, Literal
 
@@ -53,6 +54,11 @@ class Evaluation:
         return self.candidates[0]
 
     @property
+    def extended(self) -> CandidateModel | None:
+        """The extended model of the diagnosis; None without one."""
+        return next((c for c in self.candidates if c.name == EXTENDED), None)
+
+    @property
     def plain(self) -> CandidateModel:
         """The best candidate without a load and without effects, which a diagnosis starts from."""
         return next((c for c in self.candidates if c.name not in (_ONE_MODEL, EXTENDED)), self.best)
@@ -84,6 +90,16 @@ def with_extended(evaluation: Evaluation, model: Model, split: DataSplit) -> Eva
     ahead = split.kind != "none" and extended.rms < first.rms
     ordered = (extended, first, *rest) if ahead else (first, *sorted([extended, *rest], key=lambda c: c.rms))
     return replace(evaluation, candidates=ordered)
+
+
+def rms_without_cause(evaluation: Evaluation, refitted: Model, split: DataSplit) -> float:
+    """The least rms error on held-out data of models without the cause: those in the evaluation, and the one that the
+    diagnosis fitted again to the same readings.
+    """
+    errors = [c.rms for c in evaluation.candidates if c.name not in (_ONE_MODEL, EXTENDED)]
+    with suppress(DataError, UsageError):
+        errors.append(_evaluated("refitted", refitted, (), split, train_zero="fitted").rms)
+    return min(errors)
 
 
 def _candidates(split: DataSplit) -> list[tuple[str, dict[str, Any]]]:

@@ -10,10 +10,10 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from smarig.core import DataError, SmarigError, UsageError, atomic_file
-from smarig.diagnosis import diagnose
+from smarig.diagnosis import MeasuredDiagnosis, diagnose
 from smarig.exchange import unchanged
 from smarig.identification import calibrate
-from smarig.study.candidate_models import Evaluation, evaluate, with_extended
+from smarig.study.candidate_models import Evaluation, evaluate, rms_without_cause, with_extended
 from smarig.study.data_split import DataSplit, split_runs
 from smarig.study.imported_runs import ImportedTable, import_tables
 from smarig.study.mapping_draft import mapping_draft
@@ -61,13 +61,15 @@ def study(
     for table in tables:
         progress(f"{table.title}: {len(table.run)} rows")
     split, evaluation, heating = None, None, ""
-    diagnosis, why_not = None, ""
+    diagnosis, why_not, without_cause = None, "", None
     if any(table.run.has("position") for table in tables):
         split = split_runs([t for t in tables if t.run.has("position")], options.split, folder)
         evaluation = evaluate(split, progress)
         diagnosis, why_not = _diagnosed(evaluation, split, options, progress)
         if diagnosis is not None and diagnosis.extended:
             evaluation = with_extended(evaluation, diagnosis.model, split)
+        if isinstance(diagnosis, MeasuredDiagnosis) and diagnosis.verdict.word == "named":
+            without_cause = rms_without_cause(evaluation, diagnosis.base_model, split)
         evaluation.best.model.save(folder / STUDY_MODEL, force=True)
     else:
         heating = _heating(tables)
@@ -82,6 +84,7 @@ def study(
         evaluation=evaluation,
         diagnosis=diagnosis,
         diagnosis_reason=why_not,
+        without_cause=without_cause,
         heating=heating,
         transformation=transformation_of([table.run for table in tables]),
         seconds=time.monotonic() - started,

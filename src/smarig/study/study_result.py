@@ -45,6 +45,7 @@ from smarig.study.transformation_figures import Transformation
 from smarig.study.understanding import Understanding
 
 _EXCHANGED = "If input and output are exchanged, name them with --input and --output."
+_LESS = 0.97  # of the error without a cause: less of a gain is hardly one
 GOOD, FAIR, POOR = str(ErrorLevel.GOOD), str(ErrorLevel.FAIR), str(ErrorLevel.POOR)
 
 
@@ -54,7 +55,9 @@ class StudyResult:
 
     ``evaluation`` and ``split`` are None for data without an output; ``heating`` then describes the temperature record.
     ``diagnosis`` is None if it was not requested or failed, with ``diagnosis_reason``. ``mapping`` is a mapping file
-    that was given, None if one was drafted. ``transformation``: None for an input that is no temperature.
+    that was given, None if one was drafted. ``without_cause``: the least rms error on held-out data of models without a
+    named cause, in the measure of ``evaluation``; None without one. ``transformation``: None for an input that is no
+    temperature.
     """
 
     name: str
@@ -72,6 +75,7 @@ class StudyResult:
     key: str
     transformation: Transformation | None = None
     mapping: str | None = None
+    without_cause: float | None = None
 
     @property
     def unit(self) -> str:
@@ -276,27 +280,37 @@ class StudyResult:
     def _diagnosed_model(self) -> str:
         """Which model the diagnosis is of, where the sentences before judge another: a diagnosis knows no loads."""
         e = self.evaluation
-        if e is None or e.best.name in (e.plain.name, EXTENDED):
+        named = (
+            self.diagnosis is not None and self.diagnosis.verdict.word == "named"
+        )  # perhaps the load itself
+        if e is None or named or e.best.name in (e.plain.name, EXTENDED):
             return ""
         rms = measure(e.plain.rms, self.unit)
         return f"The diagnosis is of a model that pools the loads ({e.plain.name}, {rms} rms): "
 
     def _gain_by_cause(self) -> str:
-        """What a named cause explains of data that did not fit it: both models are fitted again to the same data."""
+        """What a named cause explains of data that did not fit it."""
         d = self.diagnosis
         if d is None or d.verdict.word != "named":
             return ""
         left_out = ""
         if isinstance(d, MeasuredDiagnosis) and d.best is not None and d.best.rms < d.base.rms:
             left_out = f"On blocks left out of the fit, {self._with_and_without(d.best.rms, d.base.rms)}"
-        if d.gain is None or self._is_fitted:
+        errors = None if self._is_fitted else self._held_out_errors(d)
+        if errors is None:
             return f" {left_out}." if left_out else ""
-        both = self._with_and_without(d.gain.extended, d.gain.base)
-        removed = d.gain.interval()
-        if removed is not None and removed[0] > 0:
+        both = self._with_and_without(*errors)
+        if errors[0] < _LESS * errors[1]:
             return f" On the held-out data, {both}."
         little = f"on the held-out data, {both}: they hardly show it."
         return f" {left_out}; {little}" if left_out else f" {capitalised(little)}"
+
+    def _held_out_errors(self, d: Diagnosis | MeasuredDiagnosis) -> tuple[float, float] | None:
+        """The errors on held-out data with the cause and without, in the measure of the page if that is known."""
+        extended = self.evaluation.extended if self.evaluation else None
+        if extended is not None and self.without_cause is not None:
+            return extended.rms, self.without_cause
+        return None if d.gain is None else (d.gain.extended, d.gain.base)
 
     def _with_and_without(self, extended: float, base: float) -> str:
         return f"the error is {measure(extended, self.unit)} with it and {measure(base, self.unit)} without"

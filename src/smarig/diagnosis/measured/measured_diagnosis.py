@@ -6,7 +6,7 @@ its place there and on the held-out runs; otherwise the finding is the variable 
 
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -195,6 +195,13 @@ class MeasuredDiagnosis(NotebookDisplay):
             "model": self.model.name,
             "seconds": self.seconds,
         }
+
+    @property
+    def base_model(self) -> Model:
+        """The given model with its measure fitted again to the same readings, without any effect."""
+        hysteresis, train = hysteresis_of_first_run(self.base.fit), self.runs[: self.train]
+        plain = extended_measured_model(self.given, hysteresis, MeasurementPart(()), "refitted", "", train)
+        return replace(plain, measurement={}, warnings=self.given.warnings)
 
     @property
     def conditions(self) -> list[str]:
