@@ -238,7 +238,7 @@ def _extended(original: Model, plant_model: PlantModel, train: list[Run], verdic
         original,
         name=f"{original.name} + {' + '.join(e.kind.name for e in plant_model.catalogue_effects)}",
         hysteresis=plant_model.hysteresis,
-        effects=tuple(e.to_json() for e in plant_model.catalogue_effects),
+        effects=tuple(e.with_positive_strength.to_json() for e in plant_model.catalogue_effects),
         parameters=(),
         covariance=np.empty((0, 0)),
         intervals={},

@@ -1,6 +1,6 @@
 """The result of a diagnosis of runs with settled steps: its verdict and the evidence for it."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from smarig.core import NotebookDisplay
@@ -68,9 +68,12 @@ class Diagnosis(NotebookDisplay):
 
     @property
     def best(self) -> ParameterFit | None:
-        """The best explanation, or None if the verdict has none."""
+        """The best explanation, or None if the verdict has none; a strength with a phase is positive."""
         has_explanation = self.verdict.word in ("named", "ambiguous") or self.verdict.explanations
-        return self.levels[-1].best if self.levels and has_explanation else None
+        if not (self.levels and has_explanation):
+            return None
+        found = self.levels[-1].best
+        return replace(found, effects=tuple(e.with_positive_strength for e in found.effects))
 
     @property
     def refused(self) -> tuple[str, ...]:

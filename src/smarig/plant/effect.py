@@ -218,6 +218,20 @@ class Effect:
         """The same effect with another strength."""
         return self.kind(**self.values | {self.kind.primary.name: strength})
 
+    @property
+    def with_positive_strength(self) -> "Effect":
+        """The same effect with a positive strength, if it has a phase: half a turn is the opposite sign.
+
+        >>> from smarig.plant.effects.ambient_drift import ambient_drift
+        >>> ambient_drift(-1.5, phase=0.75).with_positive_strength
+        ambient_drift(swing_K=1.5, period_h=12, phase=0.25)
+        """
+        phase = next((p.name for p in self.kind.parameters if p.unit == "turn"), None)
+        if phase is None or self.strength >= 0:
+            return self
+        opposite = {self.kind.primary.name: -self.strength, phase: (self.values[phase] + 0.5) % 1.0}
+        return self.kind(**self.values | opposite)
+
     def hooks(self, context: EffectContext) -> Mapping[Stage, Hook]:
         """The changes by stage; none at zero strength. UsageError if it needs two wires and the rig has one."""
         if not self.strength and self.kind.shape is None:  # a learned law may be 0 at its first value only

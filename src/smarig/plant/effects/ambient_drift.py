@@ -28,7 +28,7 @@ ambient_drift = EffectType(
     looks_like="local slope of the hysteresis × a smooth function of clock time; nothing in saturation",
     confused_with=("walking", "fatigue", "slip"),
     separated_by="a thermometer in the box, or a pause of an hour: ambient drift continues, cycles do not",
-    remedy="shield the wire from draughts and keep the room at one temperature, or record it beside the wire",
+    remedy="shield the wire from draughts and keep the room at one temperature",
     parameters=(
         Parameter(
             "swing_K", "K", -5.0, 5.0, 1.5, "rooms without temperature control vary by 0.2–3 K in hours"
