@@ -103,9 +103,9 @@ def evidence(word, error, *, model=True, holds=True, gains=True):
 def test_no_sentence_contradicts_the_figures(word, error, model, holds, gains):
     found = assessment(evidence(word, error, model=model, holds=holds, gains=gains))
     text = f"{found.measured} {found.quality} {found.advice}"
-    alone = " (0.9 mm without walking and creep)" if word == "named" else ""
+    alone = " (0.900 mm without walking and creep)" if word == "named" else ""
     assert found.measured == (
-        f"Measured: a stroke of 1 mm{alone} over 1 K, 2 settled points in 1 run, 99 s on the rig."
+        f"Measured: a stroke of 1.00 mm{alone} over 1 K, 2 settled points in 1 run, 99 s on the rig."
     )
     loud = word in ("named", "ambiguous", "unknown", "nearly")
     usable = model and error == "good" and word in ("silent", None)

@@ -200,12 +200,12 @@ footer p{color:var(--grey);font-size:13px;border-top:1px solid var(--line);margi
  main:has(section>details:not([open]))::after{content:"Folded sections are not printed. Open them on the page first.";
  display:block;font-size:8pt;color:var(--grey)}
  .twinbar,.notice,.card,.twin,.severity{-webkit-print-color-adjust:exact;print-color-adjust:exact}
- body{font-size:10pt;line-height:1.42}section.first>p:last-child{font-size:8pt}
+ body{font-size:10pt;line-height:1.42}section.first>p:last-child{font-size:8pt;max-width:none}
  h1{font-size:16pt}.lead{font-size:10pt;max-width:none}
  .sticky{position:static}.twinbar{font-size:8.5pt}
  a.term{border:0;text-decoration:none;color:inherit}nav,.choices,.search,.tools,footer{display:none}
- main,header.top{padding:0;max-width:none}section{margin:20px 0}
- .cards{grid-template-columns:repeat(5,1fr);gap:6px;margin:8px 0}figure{margin:10px 0}
+ main,header.top{padding:0 1px;max-width:none}section{margin:20px 0}
+ .cards{grid-template-columns:repeat(5,minmax(0,1fr));gap:6px;margin:8px 0}figure{margin:10px 0}
  .card{padding:6px 8px}.card strong{font-size:12pt}
  .card span,.card small{font-size:8pt}.plot{min-width:0!important}
  .pairs,.columns,.panels{grid-template-columns:minmax(0,1fr) minmax(0,1fr)!important;gap:6px}

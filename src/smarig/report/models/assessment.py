@@ -17,7 +17,7 @@ from smarig.report.diagnosis.verdict_text import changes_text, strengths_text
 from smarig.report.models.evidence import Evidence
 from smarig.report.models.model_tables import pooled_rms
 from smarig.report.models.preisach_verdict import preisach_verdict
-from smarig.report.models.training_run import settled_range, stroke_run
+from smarig.report.models.training_run import settled_range, stroke_run, stroke_text
 
 
 def assessment(e: Evidence) -> Assessment:
@@ -55,7 +55,7 @@ def _measured(e: Evidence) -> str:
     fitted = stroke_run(e)
     travel = settled_range(fitted) if fitted is not None else None
     wide = extent(run, "position") if travel is None else travel
-    stroke = f"{wide:.3g}{spaced(display_unit(run.unit))}{_without_effects(e, wide)}"
+    stroke = f"{stroke_text(wide)}{spaced(display_unit(run.unit))}{_without_effects(e, wide)}"
     inputs = [extent(each, "input") for each in runs if each.has("input")]
     if inputs:
         stroke += f" over {max(inputs):.3g}{spaced(display_unit(run.input_unit))}"
@@ -72,7 +72,9 @@ def _without_effects(e: Evidence, measured: float) -> str:
     own = abs(float(h.everett(h.upper, h.lower)))
     if abs(own - measured) <= _VISIBLE_SHARE * measured:
         return ""
-    return f" ({own:.3g}{spaced(display_unit(d.model.unit))} without {' and '.join(d.verdict.names)})"
+    return (
+        f" ({stroke_text(own)}{spaced(display_unit(d.model.unit))} without {' and '.join(d.verdict.names)})"
+    )
 
 
 def _held_out(e: Evidence) -> tuple[ErrorVerdict | None, str]:

@@ -12,7 +12,7 @@ from smarig.report.models.density_figures import density_unit
 from smarig.report.models.evidence import Evidence
 from smarig.report.models.identification_plot_data import density_report_of
 from smarig.report.models.model_tables import M_P, M_PC, pooled_rms
-from smarig.report.models.training_run import settled_range, stroke_run
+from smarig.report.models.training_run import settled_range, stroke_run, stroke_text
 
 _Card = tuple[str, str | Html, str | Html]
 
@@ -29,7 +29,7 @@ def _stroke_card(e: Evidence) -> _Card:
         return "Stroke", "unknown", "no settled points"
     stroke, size = settled_range(run), count_size(run)
     counts = f"{stroke / size:.0f} counts, " if size else ""
-    return "Stroke", f"{stroke:.3g} {run.unit}", f"{counts}settled points of {protocol_name(run)}"
+    return "Stroke", f"{stroke_text(stroke)} {run.unit}", f"{counts}settled points of {protocol_name(run)}"
 
 
 def _error_card(e: Evidence) -> _Card:

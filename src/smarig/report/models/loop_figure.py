@@ -39,7 +39,7 @@ def loop_figure(e: Evidence, training: Run) -> Figure | None:
         words += f"{spaced(run.unit)}, n = {verification.settled.n}{band}."
         if extended is not None:
             rms = float(np.sqrt(np.mean(extended**2)))
-            words += f" Purple: the extended model of the diagnosis, rms {rms:.3g}{spaced(run.unit)}."
+            words += f" Pink: the extended model of the diagnosis, rms {rms:.3g}{spaced(run.unit)}."
         if _drifts(verification, run):
             words += " The errors are drawn over time, with which they change."
     return Figure(panels, "Measured loops and the model.", [words], source_label(training), 460)

@@ -28,3 +28,12 @@ def stroke_run(e: Evidence) -> Run | None:
 def settled_range(run: Run) -> float:
     """The range of the settled outputs of a run."""
     return float(np.ptp(run.points()[1]))
+
+
+def stroke_text(stroke: float) -> str:
+    """Three digits, zeros too: a stroke of 12.0 is not one of 12.
+
+    >>> stroke_text(12.04), stroke_text(300.0)
+    ('12.0', '300')
+    """
+    return f"{stroke:#.3g}".rstrip(".")
