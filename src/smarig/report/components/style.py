@@ -207,7 +207,7 @@ footer p{color:var(--grey);font-size:13px;border-top:1px solid var(--line);margi
  main,header.top{padding:0 1px;max-width:none}section{margin:20px 0}
  .cards{grid-template-columns:repeat(5,minmax(0,1fr));gap:6px;margin:8px 0}figure{margin:10px 0}
  .card{padding:6px 8px}.card strong{font-size:12pt}
- .card span,.card small{font-size:8pt}.plot{min-width:0!important}
+ .card span,.card small{font-size:8pt}.plot{min-width:0!important}.single .plot svg{max-height:120mm}
  .pairs,.columns,.panels{grid-template-columns:minmax(0,1fr) minmax(0,1fr)!important;gap:6px}
  .single .panels,.pairs .panels{grid-template-columns:minmax(0,1fr)!important}
  figcaption,table,caption{font-size:8pt}th,td{padding:2px 8px 2px 0}

@@ -44,11 +44,12 @@ def _load(run: Run) -> str:
 
 
 def _dates(runs: Sequence[Run]) -> str:
-    """The first and the last day of the sessions."""
+    """The first and the last start of the sessions."""
     starts = sorted(run.info.start_epoch for run in runs if run.info.start_epoch)
     if not starts:
         return _NOT_RECORDED
     first, last = (datetime.fromtimestamp(t, UTC) for t in (starts[0], starts[-1]))
     if first.date() == last.date():
-        return f"{first:%Y-%m-%d %H:%M} UTC"
+        later = f" to {last:%H:%M}" if f"{last:%H:%M}" != f"{first:%H:%M}" else ""
+        return f"{first:%Y-%m-%d %H:%M}{later} UTC"
     return f"{first:%Y-%m-%d} to {last:%Y-%m-%d}"
