@@ -21,8 +21,10 @@ from smarig.report.runs.earlier_model import _rms_with_zero_of, earlier_model_se
 from smarig.report.runs.run_alignment import aligned, common_steps
 from smarig.report.runs.run_change import run_change
 from smarig.report.runs.run_family import family_figures
+from smarig.report.runs.temperature_table import temperature_table
 from smarig.rig.twin import TwinSettings
 from smarig.runner.session import Session
+from smarig.transformation import run_figures
 
 INPUT = {"quantity": "temperature", "unit": "K"}
 OUTPUT = {"quantity": "displacement", "unit": "mm"}
@@ -429,3 +431,24 @@ def test_a_fitted_zero_of_the_other_day_is_taken_out_again():
         counted=counted,
     )
     assert _rms_with_zero_of(own, found) == pytest.approx(0.2)
+
+
+def test_transformation_temperatures_of_both_days_stand_side_by_side():
+    def loop(shift_K):
+        u = np.concatenate([np.linspace(20, 110, 90), np.linspace(110, 20, 90)])
+        y = 6 * (1 + np.tanh((u - np.repeat((70.0, 50.0), 90) - shift_K) / 8))
+        columns = {"t_s": np.arange(180.0), "input": u, "position": y}
+        about = {"source": "import", "input": INPUT | {"unit": "degC"}, "output": OUTPUT}
+        return run_of(columns, (), **about)
+
+    runs = {"monday": loop(0.0), "tuesday": loop(3.0), "cold": made((0, 5, 2, 4))}
+    found = temperature_table(runs)
+    assert found is not None
+    (shown,) = Page(str(found)).tables
+    assert shown[0] == ["Quantity", "monday", "tuesday"]
+    before, after = (run_figures(runs[day]).means["M_s"].value for day in ("monday", "tuesday"))
+    (row,) = [row for row in shown if row[0] == "Ms"]
+    assert [float(cell.split(" ")[0]) for cell in row[1:]] == pytest.approx([before, after], abs=0.06)
+    assert all(" °C (" in cell for cell in row[1:])
+    assert temperature_table({"cold": runs["cold"]}) is None
+    assert temperature_table({f"{k}": runs["monday"] for k in range(7)}) is None

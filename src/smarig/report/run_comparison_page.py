@@ -43,6 +43,7 @@ from smarig.report.runs.run_family import family_figures, trend_figure
 from smarig.report.runs.run_summary import summary_with_loop
 from smarig.report.runs.run_tables import provenance_table, quality_table
 from smarig.report.runs.sheet_header import sheet_header
+from smarig.report.runs.temperature_table import temperature_table
 
 _DESCRIPTION = (
     "rig",
@@ -88,7 +89,12 @@ def comparison_page(runs: Mapping[str, Run], *, summary: bool = False) -> str:
 
 def _details(runs: Mapping[str, Run], found: Sequence[AlignedRun]) -> list[Section]:
     """What differs in numbers and over time, and where it comes from."""
-    numbers = [*([_numbers_table(found)] if found else []), _metadata_differences(runs)]
+    temperatures = temperature_table({each.name: each.run for each in found})
+    numbers = [
+        *([_numbers_table(found)] if found else []),
+        *([temperatures] if temperatures else []),
+        _metadata_differences(runs),
+    ]
     time_parts = _time_parts(found)
     return [
         Section("Differences in numbers", "Numbers", numbers),
