@@ -132,6 +132,16 @@ def test_an_effect_that_nearly_has_a_name_is_told_with_what_it_lacks_and_what_he
     }
 
 
+@pytest.mark.parametrize(("counts", "at_least"), [(0.1, True), (0.5, False)])
+def test_a_noise_that_is_the_least_assumed_is_told_as_a_bound(silent, counts, at_least):
+    """A fit assumes a tenth of a count at least; then the scatter may be smaller."""
+    per_count = silent.first.refitted.noise.settled / counts
+    d = replace(silent, base=replace(silent.base, per_count=per_count))
+    for words in (d.text(), Page(diagnosis_page(d)).visible):
+        assert ("noise of a settled point at most 0.0" in words) == at_least
+    assert ("at its lower bound of 0.1 counts" in Page(diagnosis_page(d)).visible) == at_least
+
+
 def test_a_named_effect_stands_first_with_its_strength_interval_p_and_gain(named):
     page = Page(diagnosis_page(named))
     found = named.effects()[0]["parameters"]["swing_K"]

@@ -9,12 +9,14 @@ from smarig.diagnosis.critique.visibility import VisibilityTable
 from smarig.diagnosis.diagnosis_json import diagnosis_json, effects_json
 from smarig.diagnosis.diagnosis_text import text_lines
 from smarig.diagnosis.diagnosis_verdict import DiagnosisVerdict
+from smarig.diagnosis.drive_statistics import MIN_COUNT_SD
 from smarig.diagnosis.explain.discrepancy import Discrepancy
 from smarig.diagnosis.explain.learned_term_fit import LearnedTermFit
 from smarig.diagnosis.explain.parameter_fit import ParameterFit
 from smarig.diagnosis.explain.search import NearestEffect, SearchLevel
 from smarig.diagnosis.explain.separate_evidence import SeparateEvidence
 from smarig.diagnosis.held_out_gain import HeldOutGain
+from smarig.diagnosis.noise_terms import POINT_NOISE
 from smarig.replay import Model, PlantModel, Timeline
 
 
@@ -74,6 +76,17 @@ class Diagnosis(NotebookDisplay):
             return None
         found = self.levels[-1].best
         return replace(found, effects=tuple(e.with_positive_strength for e in found.effects))
+
+    @property
+    def noise_at_least(self) -> bool:
+        """Whether the noise of a reading is the least that a fit assumes, so that it may be smaller."""
+        last = self.levels[-1].critique if self.levels else self.first
+        return last.refitted.noise.settled <= 1.001 * MIN_COUNT_SD * abs(self.base.per_count)
+
+    @property
+    def point_noise_text(self) -> str:
+        """The noise of a settled point, in the unit of the errors: "at most" where it is the least that is assumed."""
+        return f"{POINT_NOISE} {'at most ' if self.noise_at_least else ''}{self.error.noise_floor:.2g}"
 
     @property
     def refused(self) -> tuple[str, ...]:

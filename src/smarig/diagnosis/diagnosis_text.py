@@ -9,7 +9,7 @@ from smarig.core import capitalised, spaced
 from smarig.diagnosis.critique.calibration import CALIBRATION_BOXES, p_text
 from smarig.diagnosis.explain.search import NearestEffect
 from smarig.diagnosis.held_out_gain import HeldOutGain
-from smarig.diagnosis.noise_terms import POINT_NOISE, PREDICTION_LIMIT, REMAINING_SCATTER
+from smarig.diagnosis.noise_terms import PREDICTION_LIMIT, REMAINING_SCATTER
 from smarig.diagnosis.variable_words import variable_words
 from smarig.plant import parameter_words
 
@@ -67,7 +67,7 @@ def text_lines(d: "Diagnosis") -> Iterator[str]:
         f"Settled points, rms error: {e.original:.4g} {e.unit} (given model), {e.base:.4g} {e.unit} (base model, "
         "refitted without effects)"
         + (f", {e.extended:.4g} {e.unit} (extended model)" if d.extended else "")
-        + f"; {POINT_NOISE} {e.noise_floor:.2g} {e.unit}."
+        + f"; {d.point_noise_text} {e.unit}."
     )
     if d.times_noise > INADEQUATE_RATIO:
         scatter = f"{REMAINING_SCATTER} of {d.discrepancy.noise:.2g} {e.unit}"

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 
-from smarig.diagnosis import CALIBRATION_BOXES, POINT_NOISE, PREDICTION_LIMIT, Diagnosis, p_text, share_text
+from smarig.diagnosis import CALIBRATION_BOXES, PREDICTION_LIMIT, Diagnosis, p_text, share_text
 from smarig.report.components.html import Html, bullets, cards, notice, paragraph, tag
 from smarig.report.components.run_description import display_unit
 from smarig.report.diagnosis.verdict_text import findings, verdict_sentence
@@ -58,7 +58,7 @@ def _detection_card(d: Diagnosis) -> _Card:
 def _error_card(d: Diagnosis) -> _Card:
     e, unit = d.error, display_unit(d.error.unit)
     after = f" → {e.extended:.3g}" if d.extended else ""
-    note = f"{'base → extended; ' if d.extended else ''}{POINT_NOISE} {e.noise_floor:.2g}; given model {e.original:.3g}"
+    note = f"{'base → extended; ' if d.extended else ''}{d.point_noise_text}; given model {e.original:.3g}"
     return f"Settled points, rms ({unit})", f"{e.base:.3g}{after}", note
 
 

@@ -46,7 +46,7 @@ def noise_budget(d: Diagnosis) -> Iterator[Html]:
         f"Together, the {POINT_NOISE}: {number(whole, 2)} {unit} rms{_counts_text(whole, size, unit)}. It includes "
         "past ambient fluctuations that remain in the state of the hysteresis until they are wiped out."
     )
-    if size and critiques[-1].refitted.noise.settled <= 1.001 * MIN_COUNT_SD * size:
+    if d.noise_at_least:
         yield paragraph(
             f"σ of a reading is at its lower bound of {MIN_COUNT_SD:g} counts: the scatter is not larger."
         )
