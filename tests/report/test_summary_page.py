@@ -9,6 +9,7 @@ import smarig
 from report.pages import Page, run_of, step
 from smarig.identification import verify
 from smarig.record import Event, load_run
+from smarig.report.components.numbers import number, signed
 from smarig.report.runs.run_assessment import run_assessment
 from smarig.report.summary_page import summary_page
 from smarig.runner.session import Session
@@ -88,6 +89,10 @@ def test_a_model_is_judged_against_the_noise(wire, rms, level, advice):
     found = run_assessment(run, other, "m")
     assert found.level == level
     assert advice in found.advice
+    error = verified.measured - verified.predicted
+    k = int(np.nanargmax(np.abs(error)))
+    place = f"The largest error is {signed(error[k])} mm, at {number(verified.input[k])} K (point {k + 1} of {error.size})."
+    assert (place in found.advice) == (level == "bad")
     assert f"predicts this run to {rms:.3g} mm rms" in found.quality
     fitted = run_assessment(run, replace(other, is_training=True), "m")
     assert "was fitted to this run; the error of the fit is" in fitted.quality

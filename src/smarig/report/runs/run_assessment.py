@@ -6,7 +6,7 @@ from smarig.core import Severity, spaced
 from smarig.identification import ErrorLevel, RunVerification
 from smarig.record import AnyRun
 from smarig.report.components.assessment_box import Assessment, box_level
-from smarig.report.components.numbers import duration, number, thousands
+from smarig.report.components.numbers import duration, number, signed, thousands
 from smarig.report.components.run_description import (
     display_unit,
     duration_s,
@@ -31,12 +31,23 @@ def run_assessment(run: AnyRun, verified: RunVerification | None = None, model: 
     if verified.is_training:
         text = f"The model {model} was fitted to this run; the error of the fit is {rms}."
     if found.level != ErrorLevel.GOOD:
-        advice = "Look where along the loop the error is large, and diagnose the run (smarig diagnose)."
+        advice = f"{_largest_error(run, verified)}Diagnose the run (smarig diagnose) to find its cause."
     elif verified.is_training:
         advice = "That is no prediction: verify the model on a run that it was not fitted to."
     else:
         advice = "The model can be used as it is."
     return Assessment(box_level(found.level), _measured(run), text, advice)
+
+
+def _largest_error(run: AnyRun, verified: RunVerification) -> str:
+    """Where the error is largest, as a sentence with a space behind it; "" if nothing is predicted."""
+    error = np.where(verified.counted, verified.measured - verified.predicted, np.nan)
+    if not np.isfinite(error).any():
+        return ""
+    k = int(np.nanargmax(np.abs(error)))
+    units = spaced(display_unit(run.unit)), spaced(display_unit(run.input_unit))
+    place = f"at {number(float(verified.input[k]))}{units[1]} (point {k + 1} of {error.size})"
+    return f"The largest error is {signed(float(error[k]))}{units[0]}, {place}. "
 
 
 def _measured(run: AnyRun) -> str:
