@@ -91,7 +91,8 @@ def test_a_model_is_judged_against_the_noise(wire, rms, level, advice):
     assert advice in found.advice
     error = verified.measured - verified.predicted
     k = int(np.nanargmax(np.abs(error)))
-    place = f"The largest error is {signed(error[k])} mm, at {number(verified.input[k])} K (point {k + 1} of {error.size})."
+    at = f"at {number(verified.input[k])} K (point {k + 1} of {error.size})"
+    place = f"The largest error is {signed(error[k])} mm, {at}."
     assert (place in found.advice) == (level == "bad")
     assert f"predicts this run to {rms:.3g} mm rms" in found.quality
     fitted = run_assessment(run, replace(other, is_training=True), "m")
