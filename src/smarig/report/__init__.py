@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     from smarig.report.components.html import tag as tag
     from smarig.report.components.numbers import duration as duration
     from smarig.report.components.numbers import number as number
+    from smarig.report.components.numbers import signed as signed
     from smarig.report.components.numbers import to_uncertainty as to_uncertainty
     from smarig.report.components.page import LIBRARY as LIBRARY
     from smarig.report.components.page import Section as Section

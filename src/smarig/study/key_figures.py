@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 from smarig.core import spaced
 from smarig.record import Run
-from smarig.report import Html, display_unit, figure_name, number, tag, to_uncertainty
+from smarig.report import Html, display_unit, figure_name, number, signed, tag, to_uncertainty
 from smarig.report import table as html_table
 from smarig.study.study_result import StudyResult
 from smarig.transformation import RunFigures
@@ -46,8 +46,16 @@ def _temperatures(found: RunFigures) -> Iterator[Row]:
             yield (
                 figure_name(name),
                 f"{to_uncertainty(drawn.value, half)}{spaced(unit)}",
-                f"{to_uncertainty(low, half)} to {to_uncertainty(high, half)}",
+                f"{to_uncertainty(low, half)} to {to_uncertainty(high, half)}{_drift_text(found, name)}",
             )
+
+
+def _drift_text(found: RunFigures, name: str) -> str:
+    """By how much a figure changes with each cycle, which the interval of its mean does not show; "" if not at all."""
+    drift = found.drift.get(name)
+    if drift is None or drift.ci95[0] <= 0 <= drift.ci95[1]:
+        return ""
+    return f"; drifts by {signed(drift.value, 2)}{spaced(display_unit(found.unit_of(name)))} a cycle"
 
 
 def _slopes(result: StudyResult) -> Iterator[Row]:
