@@ -274,6 +274,15 @@ def test_effects_that_the_records_of_twins_state_are_told_if_they_differ():
         ),
         ({"verdict": "silent"}, ""),
         ("no JSON", ""),
+        ("[" * 100_000, ""),
+        ({"verdict": "named", "set": 5, "effects": 5}, "tuesday: errors without a known cause."),
+        ({"verdict": "ambiguous", "set": 5}, "tuesday: errors without a known cause."),
+        ({"verdict": "unknown", "effects": True, "depends_on": 7}, "which vary with 7."),
+        ({"verdict": "named", "set": ["\ud800"], "effects": [{"name": "\ud800"}]}, "tuesday: \\ud800."),
+        (
+            {"verdict": "named", "effects": [{"name": "creep", "parameters": {"rate": {"value": 10**400}}}]},
+            "tuesday: creep (rate unknown).",
+        ),
     ],
 )
 def test_campaigns_are_compared_with_what_their_own_diagnoses_found(tmp_path, stored, told):

@@ -38,7 +38,7 @@ ISR(USART_RX_vect)
 ISR(TIMER2_COMPA_vect)
 {
     TCCR2B = 0;
-    whole = true;
+    whole = received != 0; /* a request of no bytes would never be answered */
 }
 
 ISR(USART_UDRE_vect)

@@ -1,5 +1,6 @@
 /* Timer 0 counts down once from the last byte. */
 #ifdef FRAMING_rtu
+#include "../program/atomic.h"
 #include "../program/link.h"
 #include "../program/serial.h"
 #include "interrupts.h"
@@ -7,12 +8,17 @@
 
 enum { TIMER_A = 1 << 0, ONE_SHOT = 1 };
 
+/* In one piece: a byte in between would restart the timer of a silence that is over. And only what was seen is
+ * acknowledged: a silence that ends meanwhile is the next one. */
 void silence_interrupt(void)
 {
-    const uint32_t over = TIMER0_MIS; /* 0 if a byte came at the last moment, whose interrupt was served first */
-    TIMER0_ICR = TIMER_A;
-    if (over)
-        link_silence();
+    ATOMICALLY
+    {
+        if (TIMER0_MIS) { /* not if a byte came at the last moment, whose interrupt was served first */
+            TIMER0_ICR = TIMER_A;
+            link_silence();
+        }
+    }
 }
 
 void silence_start(void)

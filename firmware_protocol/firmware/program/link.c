@@ -26,9 +26,10 @@ static void after_byte(uint8_t byte)
     silence_restart();
 }
 
+/* A silence with nothing before it ends nothing: as a request of no bytes it would never be answered. */
 void link_silence(void)
 {
-    whole = true;
+    whole = received != 0;
 }
 
 #else

@@ -16,7 +16,7 @@ from smarig.cli.working_line import without_line
 from smarig.core import StorageError, UsageError, printable
 
 LONGEST_RESULT = 1_000_000  # characters of a result as text
-_STATE = {"json": False}
+_STATE = {"json": False, "printed": False}  # printed: the one object is out
 
 
 def json_option(command: Callable) -> Callable:
@@ -24,7 +24,7 @@ def json_option(command: Callable) -> Callable:
 
     def remember(ctx: click.Context, param: click.Parameter, value: bool) -> None:
         del ctx, param
-        _STATE["json"] = value
+        _STATE["json"], _STATE["printed"] = value, False
 
     return click.option(
         "--json",
@@ -40,6 +40,7 @@ def emit(data: dict[str, Any], text: str = "") -> None:
     """Print the result: ``data`` as JSON with --json, otherwise ``text``."""
     if _STATE["json"]:
         _print(as_json(data))
+        _STATE["printed"] = True
     elif text:
         _print(printable(text, LONGEST_RESULT))
 
@@ -61,12 +62,14 @@ def json_requested() -> bool:
 
 
 def report_error(sentence: str, status: int) -> int:
-    """Print an error on stderr, and as JSON on stdout with --json; return the exit status."""
+    """Print an error on stderr, and as JSON on stdout with --json unless the result is there already; return the exit
+    status.
+    """
     sentence = printable(sentence)
     with contextlib.suppress(StorageError):  # stderr is closed: the exit status still shows the error
         _print(f"smarig: {sentence}", err=True)
     with contextlib.suppress(StorageError):
-        if _STATE["json"] or "--json" in sys.argv:
+        if (_STATE["json"] or "--json" in sys.argv) and not _STATE["printed"]:
             _print(json.dumps({"error": sentence, "exit_status": status}, ensure_ascii=False))
     return status
 

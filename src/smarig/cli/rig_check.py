@@ -51,11 +51,13 @@ def check_rig(rig: str, protocol: str | None, pairs: tuple[str, ...], preview_on
         rig_is_fit = all(c.passed for c in checks)
         found["checks"] = [c.to_json() for c in checks]
         lines += ["", *_checklist(file, checks)]
+    if error is None and not rig_is_fit:
+        error = RigFault("The rig is not fit to run. See the list of checks.")
+    if error is not None:
+        found["error"] = str(error)
     emit(found, "\n".join(lines))
     if error is not None:
         raise error
-    if not rig_is_fit:
-        raise RigFault("The rig is not fit to run. See the list of checks.")
 
 
 def _confirm_heating(file: RigFile, yes: bool) -> None:

@@ -228,3 +228,28 @@ def test_a_check_that_takes_too_long_and_does_not_react_is_killed_and_says_to_lo
     checks.start("one_wire_serial")
     checks._processes["one_wire_serial"].send_signal(signal.SIGSTOP)
     assert "Make sure that no current flows" in wait_for_end(checks, "one_wire_serial").sentence
+
+
+def test_a_check_that_ignores_a_stop_is_killed_and_that_is_said(folder, monkeypatch):
+    monkeypatch.setattr("smarig.console.web.rig_checks._WAIT_S", 0.2)
+    checks = RigChecks(folder)
+    checks.start("one_wire_serial")
+    process = checks._processes["one_wire_serial"]
+    process.send_signal(signal.SIGSTOP)
+    os.waitid(os.P_PID, process.pid, os.WSTOPPED | os.WNOWAIT)
+    assert checks.terminate(but=[process.pid]) == []  # its name was told before
+    assert "no current flows" in wait_for_end(checks, "one_wire_serial").sentence
+
+
+def test_a_driver_of_ones_own_is_not_run_by_the_pages(tmp_path):
+    (tmp_path / "blocks.py").write_text("import time\ntime.sleep(1e6)\n")
+    text = (
+        'name = "own"\nbase = "laboratory_supply"\nwire = "w"\n'
+        f'[links.amplifier]\ndriver = "{tmp_path / "blocks.py"}"\n'
+    )
+    (tmp_path / "own.toml").write_text(text)
+    entry = rig_entry("own.toml", tmp_path)
+    assert (entry.has_own_driver, entry.problems) == (True, ())
+    with started_console(tmp_path) as console:
+        page = console.ask("/rigs/rig?rig=own.toml").body
+        assert "Its own driver is run by a check only" in page

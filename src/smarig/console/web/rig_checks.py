@@ -66,21 +66,22 @@ class RigChecks:
         return self._checks.get(rig)
 
     def terminate(self, *, but: Collection[int] = ()) -> list[str]:
-        """Ask every check to switch off and end; the names of their rigs.
+        """Ask every check to switch off and end, and kill one that does not react; the names of their rigs.
 
-        ``but``: processes that are asked already. A check is not announced in its first moments.
+        ``but``: processes whose names are known already. A check is not announced in its first moments.
         """
         with self._lock:
-            running = {rig: process for rig, process in self._processes.items() if process.pid not in but}
+            running = dict(self._processes)
         for process in running.values():
-            process.terminate()
-        return list(running)
+            threading.Thread(target=_end, args=(process,), name="end of a check", daemon=True).start()
+        return [rig for rig, process in running.items() if process.pid not in but]
 
     def close(self) -> None:
         """End every check, its current at zero."""
         with self._lock:
             running = dict(self._processes)
-        self.terminate()
+        for process in running.values():
+            process.terminate()
         until_s = time.monotonic() + _WAIT_S
         for rig, process in running.items():
             try:

@@ -41,6 +41,11 @@ class RigEntry:
         return bool(self.problems) and all("placeholder" in problem for problem in self.problems)
 
     @property
+    def has_own_driver(self) -> bool:
+        """Whether a file of the user's drives a device, so that only a check can say whether it is in order."""
+        return self.file is not None and _has_own_driver(self.file)
+
+    @property
     def is_bench(self) -> bool:
         """Whether it has devices, real or simulated."""
         return self.file is not None and self.file.kind == "bench"
@@ -53,7 +58,7 @@ class RigEntry:
 
 def rigs_of(folder: Path) -> list[RigEntry]:
     """Every rig, those of the folder first."""
-    return [rig_entry(name, folder, run_drivers=False) for name in rig_names(folder)]
+    return [rig_entry(name, folder) for name in rig_names(folder)]
 
 
 def rig_names(folder: Path) -> list[str]:
@@ -61,14 +66,14 @@ def rig_names(folder: Path) -> list[str]:
     return [*_own_names(folder), *shipped_names("rigs")]
 
 
-def rig_entry(name: str, folder: Path, *, run_drivers: bool = True) -> RigEntry:
+def rig_entry(name: str, folder: Path) -> RigEntry:
     """A rig by name, or by a file's path from the folder.
 
-    Drivers of its own are code. Without ``run_drivers`` they are not imported, and nothing is said of them.
+    Drivers of its own are code, which may do anything and never end. Only the process of a check imports them.
     """
     try:
         file = load_rig(str(folder / name) if name.endswith(".toml") else name)
-        if not run_drivers and _has_own_driver(file):
+        if _has_own_driver(file):
             return RigEntry(name, file)
         return RigEntry(name, file, tuple(inconsistencies(file)))
     except SmarigError as error:

@@ -2,9 +2,10 @@
 
 import json
 from collections.abc import Mapping, Sequence
+from math import isfinite
 from typing import Any
 
-from smarig.core import spaced
+from smarig.core import printable, spaced
 from smarig.diagnosis import DIAGNOSIS_JSON
 from smarig.plant import effect_types, parameter_words
 from smarig.record import Run
@@ -38,13 +39,24 @@ def own_diagnoses(runs: Mapping[str, Run]) -> str:
 
 def _stored(run: Run) -> dict[str, Any] | None:
     """The diagnosis.json of the characterisation that a run belongs to, None if there is none that can be read."""
-    if run.path.parent.name != _RUNS:
+    file = run.path.parent.parent / _DIAGNOSIS / DIAGNOSIS_JSON
+    if run.path.parent.name != _RUNS or not file.is_file():
         return None
     try:
-        about = json.loads((run.path.parent.parent / _DIAGNOSIS / DIAGNOSIS_JSON).read_text(encoding="utf-8"))
-    except (OSError, ValueError):
+        about = json.loads(file.read_text(encoding="utf-8"), parse_int=float)
+    except (OSError, ValueError, RecursionError):
         return None
-    return about if isinstance(about, dict) and isinstance(about.get("verdict"), str) else None
+    if not isinstance(about, dict) or not isinstance(about.get("verdict"), str):
+        return None
+    return about | {"set": _names(about.get("set")), "effects": _list(about.get("effects"))}
+
+
+def _list(stored: Any) -> list[Any]:
+    return stored if isinstance(stored, list) else []
+
+
+def _names(stored: Any) -> list[str]:
+    return [printable(name) for name in _list(stored) if isinstance(name, str)]
 
 
 def _clause(about: Mapping[str, Any]) -> str:
@@ -57,7 +69,7 @@ def _clause(about: Mapping[str, Any]) -> str:
         case "silent":
             return "nothing"
         case _:
-            depends = about.get("depends_on")
+            depends = printable(str(about.get("depends_on") or ""))
             return f"errors without a known cause{f', which vary with {depends}' if depends else ''}"
 
 
@@ -67,10 +79,10 @@ def _effect(effect: Mapping[str, Any]) -> str:
     parameters = parameters if isinstance(parameters, dict) else {}
     values = [_value(k, v) for k, v in parameters.items() if isinstance(v, dict)]
     size = f" ({', '.join(values)})" if values else ""
-    return f"{effect.get('name')}{size}"
+    return printable(f"{effect.get('name')}{size}")
 
 
 def _value(name: str, stored: Mapping[str, Any]) -> str:
     unit, value = str(stored.get("unit") or ""), stored.get("value")
-    size = number(float(value), 3) if isinstance(value, int | float) else "unknown"
+    size = number(value, 3) if isinstance(value, float) and isfinite(value) else "unknown"
     return f"{parameter_words(name, unit)} {size}{spaced(unit)}"

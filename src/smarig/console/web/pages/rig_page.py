@@ -82,6 +82,8 @@ def _state(entry: RigEntry, context: ConsoleContext, runs: Sequence[RunInProgres
     if same_wire and not same_wire[0].is_check:
         return f"In use: {str(same_wire[0].info['protocol']).replace('_', ' ')}", "warning"
     last = _check_in_progress(entry, runs) or context.rig_checks.of(entry.name)
+    if last is None and entry.has_own_driver:
+        return "Its own driver is run by a check only", ""
     if last is None:
         return ("Its file is in order; not brought up here", "") if entry.is_bench else ("Ready", "good")
     at = time.strftime("%H:%M", time.localtime(last.began))
