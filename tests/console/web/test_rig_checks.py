@@ -187,12 +187,18 @@ def test_the_end_interrupts_a_check_instead_of_waiting_for_it(folder):
 
 
 def test_the_end_of_a_console_ends_its_checks(tmp_path):
+    (tmp_path / "own.toml").write_text('name = "own"\nbase = "one_wire_serial"\nwire = "own"\n')
     with started_console(tmp_path) as console:
-        console.ask("/rigs/check", "POST", console.own | FORM, urlencode({"rig": "one_wire_serial"}))
+        console.ask("/rigs/check", "POST", console.own | FORM, urlencode({"rig": "own.toml"}))
+        assert f"check {tmp_path / 'own.toml'} --yes" in processes()
         console.process.terminate()
         console.process.wait(30)
-        children = subprocess.run(["ps", "-eo", "args"], capture_output=True, text=True, check=True).stdout
-    assert "check one_wire_serial --yes" not in children
+        assert f"check {tmp_path / 'own.toml'} --yes" not in processes()
+
+
+def processes():
+    """The command lines of all processes: also of other tests, so a rig of its own is looked for."""
+    return subprocess.run(["ps", "-eo", "args", "-ww"], capture_output=True, text=True, check=True).stdout
 
 
 @pytest.mark.parametrize(
