@@ -274,7 +274,15 @@ def test_an_effect_short_of_a_name_is_told_as_the_nearest(monkeypatch, worth, is
     found = search_explanations(first, ORIGINAL, world.critique, 0.0)
     assert found.levels == []
     assert found.nearest is not None
-    assert found.nearest.explanation.names == ("walking",)
+    assert found.nearest.effect.kind is walking
     assert (found.nearest.gain, found.nearest.required) == (worth["walking"], 18.0)
     assert found.nearest.lead == worth["walking"] - worth["slip"]
     assert found.nearest.is_clear == is_clear
+
+
+def test_the_nearest_effect_is_none_of_those_that_the_given_model_has(monkeypatch):
+    world = World(monkeypatch, {"fatigue walking": 17.0})
+    first = world.critique(PlantModel(WIRE, ORIGINAL, "negative", (fatigue(),)))
+    found = search_explanations(first, ORIGINAL, world.critique, 0.0)
+    assert found.nearest is not None
+    assert found.nearest.effect.kind is walking

@@ -46,9 +46,7 @@ def diagnosis(word, gains, own_stroke=0.9):
     best = SimpleNamespace(effects=(effect,), spread={}) if word == "named" else None
     verdict = {"doubtful": "silent", "nearly": "unknown"}.get(word, word)
     names = () if word == "nearly" else ("walking", "creep")
-    nearest = (
-        NearestEffect(SimpleNamespace(effects=(effect,)), 17.6, 18.0, 13.9) if word == "nearly" else None
-    )
+    nearest = NearestEffect(effect, 17.6, 18.0, 13.9) if word == "nearly" else None
     return SimpleNamespace(
         verdict=SimpleNamespace(word=verdict, names=names, depends_on="level"),
         reason="",

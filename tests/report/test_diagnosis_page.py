@@ -7,7 +7,6 @@ The search is not run here. The explanation is the injected drift, with made-up 
 import re
 from dataclasses import replace
 from types import SimpleNamespace
-from typing import Any
 
 import numpy as np
 import plotly.graph_objects as go
@@ -108,12 +107,11 @@ def nearest(d: Diagnosis, word: str) -> Diagnosis:
 
 
 def test_an_effect_that_nearly_has_a_name_is_told_with_what_it_lacks_and_what_helps(named):
-    found: Any = SimpleNamespace(effects=(slack(0.57),), names=("slack",))
     d = replace(
         named,
         verdict=DiagnosisVerdict("unknown", depends_on="level"),
         levels=(),
-        nearest=NearestEffect(found, 17.6, 18.0, 13.9),
+        nearest=NearestEffect(slack(0.57), 17.6, 18.0, 13.9),
     )
     assert "no known effect explains it" in replace(d, nearest=None).text()
     for words in (d.text(), Page(diagnosis_page(d)).visible):
@@ -121,6 +119,8 @@ def test_an_effect_that_nearly_has_a_name_is_told_with_what_it_lacks_and_what_he
         assert "Nearest effect of the catalogue: slack (floor 0.57 %)" in words
         assert "only 17.6 of the 18 nats that a name needs" in words
         assert slack.remedy_text in words
+    without_variable = replace(d, verdict=DiagnosisVerdict("unknown"))
+    assert "something is wrong, but no effect of the catalogue is certain" in without_variable.text().lower()
     assert d.to_json()["nearest"] == {
         "name": "slack",
         "parameters": {

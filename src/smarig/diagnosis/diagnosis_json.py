@@ -55,7 +55,7 @@ def diagnosis_json(d: "Diagnosis") -> dict[str, Any]:
 
 
 def _nearest(found: NearestEffect) -> dict[str, Any]:
-    (effect,) = found.explanation.effects
+    effect = found.effect
     return {
         "name": effect.kind.name,
         "parameters": {

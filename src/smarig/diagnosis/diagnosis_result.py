@@ -78,7 +78,7 @@ class Diagnosis(NotebookDisplay):
         return replace(found, effects=tuple(e.with_positive_strength for e in found.effects))
 
     @property
-    def noise_at_least(self) -> bool:
+    def noise_is_least_assumed(self) -> bool:
         """Whether the noise of a reading is the least that a fit assumes, so that it may be smaller."""
         last = self.levels[-1].critique if self.levels else self.first
         return last.refitted.noise.settled <= 1.001 * MIN_COUNT_SD * abs(self.base.per_count)
@@ -86,7 +86,9 @@ class Diagnosis(NotebookDisplay):
     @property
     def point_noise_text(self) -> str:
         """The noise of a settled point, in the unit of the errors: "at most" where it is the least that is assumed."""
-        return f"{POINT_NOISE} {'at most ' if self.noise_at_least else ''}{self.error.noise_floor:.2g}"
+        return (
+            f"{POINT_NOISE} {'at most ' if self.noise_is_least_assumed else ''}{self.error.noise_floor:.2g}"
+        )
 
     @property
     def refused(self) -> tuple[str, ...]:

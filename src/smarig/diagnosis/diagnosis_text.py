@@ -183,7 +183,7 @@ def as_verified(gain: HeldOutGain, unit: str, *, extended: bool) -> Iterator[str
 
 def nearest_text(nearest: NearestEffect) -> str:
     """The effect that comes nearest to a name, by how much it falls short, and what helps if it is the cause."""
-    (effect,) = nearest.explanation.effects
+    effect = nearest.effect
     primary, gap = effect.kind.primary, f"{nearest.gain:.3g} of the {nearest.required:.0f}"
     strength = f"{parameter_words(primary.name, primary.unit)} {effect.strength:.3g}{spaced(primary.unit)}"
     helps = effect.kind.remedy_text
@@ -195,9 +195,11 @@ def nearest_text(nearest: NearestEffect) -> str:
 
 def unknown_text(d: "Diagnosis") -> str:
     """The finding of the verdict "unknown", as a clause."""
-    if d.verdict.depends_on is None:
+    if d.verdict.depends_on is None and not d.nearest:
         return "something is wrong, but no known effect and no single variable explains it"
     known = "no effect of the catalogue is certain" if d.nearest else "no known effect explains it"
+    if d.verdict.depends_on is None:
+        return f"something is wrong, but {known}"
     return f"something is wrong and depends on {variable_words(d.verdict.depends_on)}, but {known}"
 
 

@@ -99,6 +99,9 @@ def command(
     else:
         from smarig.report import figures_saved_in
 
+        figures.mkdir(
+            parents=True, exist_ok=True
+        )  # a place that cannot be written is refused before the work
         with figures_saved_in(figures, force=True):  # as the page, which a study replaces
             _one(pattern_order(places), out, options)
         show_message(f"Figures: {figures}")

@@ -81,10 +81,11 @@ class SearchLevel:
 class NearestEffect:
     """The likeliest single effect, where none gains enough for a level. ``gain``, ``required`` and ``lead`` in nats.
 
-    ``lead`` is that over the next single effect, infinite if there is none.
+    ``effect`` is the one that was tried, beside those that the given model has. ``lead`` is that over the next one,
+    infinite if there is none.
     """
 
-    explanation: Explanation
+    effect: Effect
     gain: float
     required: float
     lead: float
@@ -137,7 +138,9 @@ def search_explanations(
             reduced_evidence = max(evidence, evidence_without_one(first.timeline, best, current.refitted))
         if best.evidence - reduced_evidence < required:
             if not levels:
-                return SearchResult([], _nearest(found, best.evidence - reduced_evidence, required))
+                return SearchResult(
+                    [], _nearest(found, fixed_effects, best.evidence - reduced_evidence, required)
+                )
             break
         if best.evidence < rival - MIN_GAIN_NATS:
             raise BelowRivalEvidence
@@ -153,9 +156,13 @@ def search_explanations(
     return SearchResult(levels)
 
 
-def _nearest(found: Sequence[Explanation], gain: float, required: float) -> NearestEffect:
+def _nearest(
+    found: Sequence[Explanation], fixed: EffectSet, gain: float, required: float
+) -> NearestEffect | None:
+    known = {e.kind.name for e in fixed}
+    tried = [e for e in found[0].effects if e.kind.name not in known]
     lead = found[0].evidence - found[1].evidence if len(found) > 1 else inf
-    return NearestEffect(found[0], gain, required, lead)
+    return NearestEffect(tried[0].with_positive_strength, gain, required, lead) if tried else None
 
 
 def _fits_to_channels(current: Critique, starts: Sequence[EffectSet], centre: Everett) -> list[ParameterFit]:

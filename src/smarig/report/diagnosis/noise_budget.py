@@ -46,7 +46,7 @@ def noise_budget(d: Diagnosis) -> Iterator[Html]:
         f"Together, the {POINT_NOISE}: {number(whole, 2)} {unit} rms{_counts_text(whole, size, unit)}. It includes "
         "past ambient fluctuations that remain in the state of the hysteresis until they are wiped out."
     )
-    if d.noise_at_least:
+    if d.noise_is_least_assumed:
         yield paragraph(
             f"σ of a reading is at its lower bound of {MIN_COUNT_SD:g} counts: the scatter is not larger."
         )

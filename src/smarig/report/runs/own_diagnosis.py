@@ -17,7 +17,7 @@ _RUNS, _DIAGNOSIS = "runs", "diagnosis"  # folders of a characterisation
 def named_causes(runs: Sequence[Run]) -> list[str]:
     """The effects that the diagnoses beside runs named."""
     found = [one for run in runs if (one := _stored(run)) is not None and one["verdict"] == "named"]
-    return list(dict.fromkeys(str(name) for one in found for name in one.get("set") or ()))
+    return list(dict.fromkeys(name for one in found for name in one["set"]))
 
 
 def own_diagnoses(runs: Mapping[str, Run]) -> str:
@@ -30,9 +30,7 @@ def own_diagnoses(runs: Mapping[str, Run]) -> str:
     ):
         return ""
     parts = [f"{name}: {_clause(one)}" for name, one in found.items() if one is not None]
-    named = [
-        str(n) for one in found.values() if one and one["verdict"] == "named" for n in one.get("set") or ()
-    ]
+    named = [n for one in found.values() if one and one["verdict"] == "named" for n in one["set"]]
     remedies = [t.remedy_text for t in effect_types() if t.name in named and t.remedy_text]
     return " ".join([f"What their own diagnoses found: {'; '.join(parts)}.", *remedies])
 
@@ -60,12 +58,12 @@ def _names(stored: Any) -> list[str]:
 
 
 def _clause(about: Mapping[str, Any]) -> str:
-    named = [_effect(e) for e in about.get("effects") or () if isinstance(e, dict)]
+    named = [_effect(e) for e in about["effects"] if isinstance(e, dict)]
     match about["verdict"]:
         case "named" if named:
             return " and ".join(named)
-        case "ambiguous" if about.get("set"):
-            return f"one of {', '.join(map(str, about['set']))}"
+        case "ambiguous" if about["set"]:
+            return f"one of {', '.join(about['set'])}"
         case "silent":
             return "nothing"
         case _:
