@@ -214,14 +214,19 @@ def test_only_words_of_the_queue_change_it(console: Console):
     assert console.ask("/queue/zzz", "POST", console.own).status == 422
 
 
-def test_a_check_that_does_not_react_is_killed_at_the_end_and_that_is_said(folder, capsys, monkeypatch):
-    monkeypatch.setattr("smarig.console.web.rig_checks._WAIT_S", 0.2)
+def stopped_check(folder):
+    """A check that does not react, and its process."""
     checks = RigChecks(folder)
     checks.start("one_wire_serial")
     process = checks._processes["one_wire_serial"]
     process.send_signal(signal.SIGSTOP)
-    # of two pending signals the lower is delivered first
-    os.waitid(os.P_PID, process.pid, os.WSTOPPED | os.WNOWAIT)
+    os.waitid(os.P_PID, process.pid, os.WSTOPPED | os.WNOWAIT)  # of two pending signals the lower comes first
+    return checks, process
+
+
+def test_a_check_that_does_not_react_is_killed_at_the_end_and_that_is_said(folder, capsys, monkeypatch):
+    monkeypatch.setattr("smarig.console.web.rig_checks._WAIT_S", 0.2)
+    checks, _ = stopped_check(folder)
     checks.close()
     assert "The check of one_wire_serial did not end and was killed." in capsys.readouterr().err
     assert "no current flows" in wait_for_end(checks, "one_wire_serial").sentence
@@ -238,11 +243,7 @@ def test_a_check_that_takes_too_long_and_does_not_react_is_killed_and_says_to_lo
 
 def test_a_check_that_ignores_a_stop_is_killed_and_that_is_said(folder, monkeypatch):
     monkeypatch.setattr("smarig.console.web.rig_checks._WAIT_S", 0.2)
-    checks = RigChecks(folder)
-    checks.start("one_wire_serial")
-    process = checks._processes["one_wire_serial"]
-    process.send_signal(signal.SIGSTOP)
-    os.waitid(os.P_PID, process.pid, os.WSTOPPED | os.WNOWAIT)
+    checks, process = stopped_check(folder)
     assert checks.terminate(but=[process.pid]) == []  # its name was told before
     assert "no current flows" in wait_for_end(checks, "one_wire_serial").sentence
 

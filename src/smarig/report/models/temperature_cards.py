@@ -3,13 +3,13 @@
 import math
 from collections.abc import Iterable
 
-from smarig.core import UsageError, spaced
+from smarig.core import spaced
 from smarig.record import Run
 from smarig.report.components.html import Html, cards
 from smarig.report.components.numbers import to_uncertainty
 from smarig.report.components.run_description import display_unit
-from smarig.report.transformation.transformation_tables import figure_name
-from smarig.transformation import HEADLINE, RunFigures, run_figures
+from smarig.report.transformation.transformation_tables import figure_name, figures_of
+from smarig.transformation import HEADLINE, RunFigures
 
 _STROKE = "stroke"  # has a card of its own
 _DIFFERENCES = ("width", "span")  # of temperatures
@@ -22,7 +22,7 @@ def temperature_cards(runs: Iterable[Run]) -> tuple[Html, str]:
     Most campaigns have no full loop of their own: the heating branch is then assembled from first-order curves, and the
     intervals are as wide as the distances of their readings.
     """
-    found = [(figures, run) for run in runs if (figures := _figures(run)) is not None]
+    found = [(figures, run) for run in runs if run.settled and (figures := figures_of(run)) is not None]
     if not found:
         return Html(""), ""
     best, run = min(found, key=lambda pair: _spread(pair[0]))
@@ -53,13 +53,6 @@ def _degC(figures: RunFigures, above_K: float) -> str:
     """The same in °C, where the run knows the room's temperature."""
     degC = figures.degC(above_K)
     return "" if degC is None else f", {degC:.1f} °C"
-
-
-def _figures(run: Run) -> RunFigures | None:
-    try:
-        return run_figures(run) if run.has("input") and run.settled else None
-    except UsageError:
-        return None
 
 
 def _spread(figures: RunFigures) -> float:

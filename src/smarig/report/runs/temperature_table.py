@@ -2,20 +2,20 @@
 
 from collections.abc import Mapping
 
-from smarig.core import UsageError, spaced
+from smarig.core import spaced
 from smarig.record import Run
 from smarig.report.components.html import Html, table
 from smarig.report.components.numbers import to_uncertainty
 from smarig.report.components.run_description import display_unit
-from smarig.report.transformation.transformation_tables import figure_name
-from smarig.transformation import HEADLINE, RunFigures, run_figures
+from smarig.report.transformation.transformation_tables import figure_name, figures_of
+from smarig.transformation import HEADLINE, RunFigures
 
 _MOST = 6  # runs: more columns do not fit, and have a figure of their trends
 
 
 def temperature_table(runs: Mapping[str, Run]) -> Html | None:
     """The figures of each run with their 95 % intervals; None if no run has any, or if the runs are many."""
-    found = {name: figures for name, run in runs.items() if (figures := _figures(run)) is not None}
+    found = {name: figures for name, run in runs.items() if (figures := figures_of(run)) is not None}
     if not found or len(found) > _MOST:
         return None
     rows = [
@@ -36,10 +36,3 @@ def _cell(figures: RunFigures, name: str) -> str:
     half = (high - low) / 2
     ends = f"{to_uncertainty(low, half)} to {to_uncertainty(high, half)}"
     return f"{to_uncertainty(estimate.value, half)}{spaced(display_unit(estimate.unit))} ({ends})"
-
-
-def _figures(run: Run) -> RunFigures | None:
-    try:
-        return run_figures(run) if run.has("input") and run.has("position") else None
-    except UsageError:
-        return None

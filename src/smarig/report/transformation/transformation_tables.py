@@ -3,11 +3,21 @@
 import re
 from collections.abc import Sequence
 
-from smarig.core import capitalised, spaced
+from smarig.core import UsageError, capitalised, spaced
+from smarig.record import Run
 from smarig.report.components.html import Html, bullets, cards, joined, paragraph, table, tag
 from smarig.report.components.numbers import number, signed, to_uncertainty
 from smarig.report.components.run_description import display_unit
-from smarig.transformation import FIGURES, NAMES, TEMPERATURES, RunFigures, StressSlope, cycles_text, why_not
+from smarig.transformation import (
+    FIGURES,
+    NAMES,
+    TEMPERATURES,
+    RunFigures,
+    StressSlope,
+    cycles_text,
+    run_figures,
+    why_not,
+)
 
 _CARDS = (*TEMPERATURES, "stroke", "width")
 
@@ -19,6 +29,14 @@ def figure_name(name: str) -> Html:
         tag("sub", part[1:]) if part.startswith("_") else part
         for part in re.split(r"(_[sf])", capitalised(words))
     )
+
+
+def figures_of(run: Run) -> RunFigures | None:
+    """The figures of a run; None if it has no full loop over a temperature."""
+    try:
+        return run_figures(run) if run.has("input") and run.has("position") else None
+    except UsageError:
+        return None
 
 
 def temperature_cards(run: RunFigures) -> Html:
