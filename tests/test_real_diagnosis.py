@@ -40,6 +40,7 @@ def given(run):
     return identify(run, "positive").model
 
 
+@pytest.mark.long
 def test_a_thermometer_in_a_glued_tube_lags_and_undoing_it_predicts_other_days(shared_data, tmp_path):
     """Known: about 4 s; undoing it takes the error of a relay grid from 0.061 to 0.016 of the stroke."""
     runs = [
@@ -147,6 +148,7 @@ def test_a_loop_at_one_hertz_does_not_predict_slower_ones(loops):
     assert rms[1.0] < 2.0 < rms[0.1] < rms[0.01]
 
 
+@pytest.mark.long
 def test_polarisation_depends_on_the_rate(loops):
     found = diagnose_measured(given(loops[1.0]), list(loops.values()), [])
     assert found.verdict.word == "unknown"

@@ -49,6 +49,7 @@ def test_an_amplifier_that_warms_up_is_learned_at_the_input_and_levels_off():
     assert found.gain_blocks > 0.4
 
 
+@pytest.mark.long
 def test_a_frame_that_warms_up_is_learned_as_a_law_of_the_mean_power():
     found = learned(WIDE, {"warm_frame": {"share": 0.05, "tau_min": 8.0}})
     assert found is not None

@@ -22,6 +22,7 @@ from markdown_it import MarkdownIt
 FILE = re.compile(r"# file: (\S+)\n")
 NOT_RUN = re.compile(r"<!-- not run: \S.*-->\s*", flags=re.S)
 STATUS = re.compile(r"#.*\bexit status (\d+)")
+EXTRAS = re.compile(r'pip install -e "\.\[([\w,]+)\]"')
 COMMENT = re.compile(r"(^|\s)#.*$")
 SHELL_ONLY = re.compile(r"[|&;<>$*`~?(){}\[\]\\]")  # anything but words and quotes
 WRITTEN = ("toml", "csv", "python")
@@ -73,6 +74,12 @@ def blocks(page: Path) -> list[Block]:
             found.append(Block(token.info.strip(), token.content, first, run))
         above = token if token.type == "html_block" else None
     return found
+
+
+def extras(page: Path) -> list[str]:
+    """The extras that a page says to install."""
+    lists = EXTRAS.findall(page.read_text(encoding="utf-8"))
+    return [name for names in lists for name in names.split(",")]
 
 
 def commands(text: str) -> list[Command]:

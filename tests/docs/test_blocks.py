@@ -9,7 +9,8 @@ from pathlib import Path
 
 import pytest
 
-from docs.blocks import Block, Command, blocks, commands, printed
+from docs.blocks import Block, Command, blocks, commands, extras, printed
+from extras import lacks
 from smarig.cli import run as cli
 
 DOCS = Path(__file__).resolve().parents[2] / "docs"
@@ -98,7 +99,7 @@ def _in_shell(line: str, folder: Path) -> tuple[int, str]:
     return done.returncode, done.stdout
 
 
-LONG = ("self_sensing", "several_loads")  # pages whose commands take long
+LONG = ("self_sensing", "several_loads", "study_files")  # pages whose commands take long
 
 
 @pytest.mark.parametrize(
@@ -107,6 +108,8 @@ LONG = ("self_sensing", "several_loads")  # pages whose commands take long
     ids=lambda p: p.relative_to(DOCS).as_posix(),
 )
 def test_the_blocks_of_a_page(page, tmp_path, monkeypatch):
+    for extra in filter(lacks, extras(page)):
+        pytest.skip(f"the extra '{extra}' is not installed")
     monkeypatch.chdir(tmp_path)
     monkeypatch.syspath_prepend(str(tmp_path))  # as `python` in a notebook of that folder
     monkeypatch.setenv("SMARIG_LOCK_DIR", str(tmp_path / ".locks"))

@@ -5,6 +5,7 @@ import ast
 import re
 from collections import Counter
 from collections.abc import Iterator
+from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
@@ -52,11 +53,31 @@ def words(identifier: str) -> Iterator[str]:
         yield part.lower()
 
 
+@dataclass(frozen=True)
+class Names:
+    """What the tests ask of a module; its syntax tree is dropped (all of them hold 165 MB)."""
+
+    identifiers: frozenset[str]
+    classes: tuple[str, ...]
+    functions: frozenset[str]
+    messages: tuple[tuple[int, str], ...]
+
+    @classmethod
+    def of(cls, tree: ast.Module) -> "Names":
+        every = tuple(ast.walk(tree))
+        return cls(
+            frozenset(identifiers(every)),
+            tuple(node.name for node in every if isinstance(node, ast.ClassDef)),
+            frozenset(node.name for node in tree.body if isinstance(node, ast.FunctionDef)),
+            tuple(message_words(every)),
+        )
+
+
 @cache
-def modules() -> dict[Path, ast.Module]:
-    """All modules of the packages, parsed."""
+def modules() -> dict[Path, Names]:
+    """All modules of the packages."""
     files = sorted(f for package in PACKAGES for f in (ROOT / package).rglob("*.py"))
-    return {f: ast.parse(f.read_text(encoding="utf-8")) for f in files}
+    return {f: Names.of(ast.parse(f.read_text(encoding="utf-8"))) for f in files}
 
 
 @cache
@@ -65,15 +86,9 @@ def words_of(identifier: str) -> frozenset[str]:
     return frozenset(words(identifier))
 
 
-@cache
-def nodes(tree: ast.AST) -> tuple[ast.AST, ...]:
-    """All nodes of a module; several tests look at them."""
-    return tuple(ast.walk(tree))
-
-
-def identifiers(tree: ast.AST) -> Iterator[str]:
+def identifiers(nodes: tuple[ast.AST, ...]) -> Iterator[str]:
     """Names of classes, functions, arguments, keywords, attributes, variables and imports."""
-    for node in nodes(tree):
+    for node in nodes:
         if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef | ast.ClassDef):
             yield node.name
         elif isinstance(node, ast.arg | ast.keyword):
@@ -88,26 +103,23 @@ def identifiers(tree: ast.AST) -> Iterator[str]:
             yield node.name or ""
 
 
-def private_identifiers(tree: ast.AST) -> set[str]:
-    return {
-        name for name in set(identifiers(tree)) if PRIVATE & words_of(name)
-    } - IDENTIFIERS_THAT_STAY.keys()
+def private_identifiers(module: Names) -> set[str]:
+    return {name for name in module.identifiers if PRIVATE & words_of(name)} - IDENTIFIERS_THAT_STAY.keys()
 
 
 def classes() -> Counter[str]:
     """How often each class name is defined."""
-    return Counter(
-        node.name for tree in modules().values() for node in nodes(tree) if isinstance(node, ast.ClassDef)
-    )
+    return Counter(name for module in modules().values() for name in module.classes)
 
 
-def message_words(tree: ast.AST) -> Iterator[tuple[int, str]]:
-    """(line, word) of the literals of all that is raised."""
-    for node in nodes(tree):
+def message_words(nodes: tuple[ast.AST, ...]) -> Iterator[tuple[int, str]]:
+    """(line, word) of the unclear words in the literals of all that is raised."""
+    for node in nodes:
         if isinstance(node, ast.Raise) and node.exc is not None:
             for inner in ast.walk(node.exc):
                 if isinstance(inner, ast.Constant) and isinstance(inner.value, str):
-                    yield from ((inner.lineno, word) for word in words(inner.value))
+                    hits = PRIVATE_IN_MESSAGES.intersection(words(inner.value))
+                    yield from ((inner.lineno, word) for word in sorted(hits))
 
 
 def helps(name: str, command: click.Command) -> Iterator[tuple[str, str]]:
@@ -132,14 +144,14 @@ def entries() -> list[tuple[str, str]]:
 def test_no_identifier_has_a_private_word():
     found = {
         f"{file.relative_to(ROOT)}: {name}"
-        for file, tree in modules().items()
-        for name in private_identifiers(tree) | (PRIVATE & set(words(file.stem)))
+        for file, module in modules().items()
+        for name in private_identifiers(module) | (PRIVATE & set(words(file.stem)))
     }
     assert not found
 
 
 def test_the_exceptions_are_needed():
-    present = {name for tree in modules().values() for name in identifiers(tree)}
+    present = {name for module in modules().values() for name in module.identifiers}
     assert IDENTIFIERS_THAT_STAY.keys() <= present
 
 
@@ -155,7 +167,7 @@ def test_the_exceptions_are_needed():
     ],
 )
 def test_a_private_word_is_found(code):
-    assert private_identifiers(ast.parse(code))
+    assert private_identifiers(Names.of(ast.parse(code)))
 
 
 def test_no_help_text_has_a_private_word():
@@ -171,9 +183,8 @@ def test_no_help_text_has_a_private_word():
 def test_no_error_message_has_a_private_word():
     found = [
         f"{file.relative_to(ROOT)}:{line}: {word}"
-        for file, tree in modules().items()
-        for line, word in message_words(tree)
-        if word in PRIVATE_IN_MESSAGES
+        for file, module in modules().items()
+        for line, word in module.messages
     ]
     assert not found
 
@@ -189,7 +200,7 @@ def test_module_names_repeat_only_where_the_folder_makes_the_difference_plain():
 
 def test_every_name_of_the_glossary_exists():
     known = classes().keys() | {file.stem for file in modules()} | {file.parent.name for file in modules()}
-    known |= {n.name for tree in modules().values() for n in tree.body if isinstance(n, ast.FunctionDef)}
+    known |= {name for module in modules().values() for name in module.functions}
     named = {name for _, code in entries() for name in re.findall(r"`([A-Za-z_]+)`", code)}
     assert named
     assert named <= known

@@ -176,7 +176,7 @@ def test_a_parquet_file(tmp_path):
 )
 def test_a_missing_package_is_named_with_its_extra(write, monkeypatch, name, package, head):
     monkeypatch.setitem(sys.modules, package, None)
-    with pytest.raises(UsageError, match=r"need the extra '\w+': pip install 'smarig\[\w+\]'"):
+    with pytest.raises(UsageError, match=r"needs the extra '\w+': pip install 'smarig\[\w+\]'"):
         find_tables(write(head + b"\x00" * 100, name))
 
 

@@ -1,7 +1,7 @@
 """Configuration files in TOML: rigs, actuators, mappings and campaigns with absurd structures and values."""
 
 from hostile.material import Material
-from hostile.run_structures import Maker
+from hostile.run_structures import Maker, later
 from hostile.tables import text
 
 
@@ -36,20 +36,22 @@ def with_path(template: str) -> Maker:
 
 CAMPAIGN = 'name = "c"\nsummary = "s"\n[[step]]\nprotocol = "validation"\n'
 CONFIGURATIONS: dict[str, Maker] = {
-    "deep lists": text("x = " + "[" * 100_000 + "]" * 100_000),
-    "open lists": text("x = " + "[" * 100_000),
+    "deep lists": later(lambda: text("x = " + "[" * 100_000 + "]" * 100_000)),
+    "open lists": later(lambda: text("x = " + "[" * 100_000)),
     "deep tables": text("x = " + "{a=" * 50_000 + "1" + "}" * 50_000),
     "deep keys": text(".".join(["a"] * 5_000) + " = 1"),
     "deep header": text("[" + ".".join(["a"] * 5_000) + "]\nx = 1"),
-    "an endless integer": text("x = " + "9" * 100_000),
+    "an endless integer": later(lambda: text("x = " + "9" * 100_000)),
     "an endless integer in a rig": rig("period_s = 0.1", "period_s = " + "9" * 5_000),
-    "an endless float": rig("period_s = 0.1", "period_s = " + "9" * 100_000 + ".0"),
-    "an endless hexadecimal": rig("period_s = 0.1", "period_s = 0x" + "f" * 100_000),
-    "an endless name": rig('name = "one_wire_twin"', f'name = "{"n" * 5_000_000}"'),
-    "an endless key": text("k" * 2_000_000 + " = 1"),
-    "100 000 keys": text("\n".join(f"k{k} = 1" for k in range(100_000))),
-    "100 000 tables": text("\n".join(f"[t{k}]" for k in range(100_000))),
-    "100 000 steps": text('name = "c"\nsummary = "s"\n' + '[[step]]\nprotocol = "validation"\n' * 30_000),
+    "an endless float": later(lambda: rig("period_s = 0.1", "period_s = " + "9" * 100_000 + ".0")),
+    "an endless hexadecimal": later(lambda: rig("period_s = 0.1", "period_s = 0x" + "f" * 100_000)),
+    "an endless name": later(lambda: rig('name = "one_wire_twin"', f'name = "{"n" * 5_000_000}"')),
+    "an endless key": later(lambda: text("k" * 2_000_000 + " = 1")),
+    "100 000 keys": later(lambda: text("\n".join(f"k{k} = 1" for k in range(100_000)))),
+    "100 000 tables": later(lambda: text("\n".join(f"[t{k}]" for k in range(100_000)))),
+    "100 000 steps": later(
+        lambda: text('name = "c"\nsummary = "s"\n' + '[[step]]\nprotocol = "validation"\n' * 30_000)
+    ),
     "bytes of no text": lambda _, path: path.write_bytes(b"name = '\xff\xfe'"),
     "zero bytes": text("name = '\x00'"),
     "a byte order mark": text('\ufeffname = "x"'),
@@ -76,11 +78,13 @@ CONFIGURATIONS: dict[str, Maker] = {
     "campaign of deep settings": text(CAMPAIGN + "set = { points = " + "[" * 300 + "]" * 300 + " }\n"),
     "mapping of empty names": mapping('column = "H"', 'column = ""'),
     "mapping of a formula": mapping('unit = "T"', 'unit = "=cmd|calc!A0"'),
-    "mapping of a long unit": mapping('unit = "T"', f'unit = "{"m" * 100_000}"'),
+    "mapping of a long unit": later(lambda: mapping('unit = "T"', f'unit = "{"m" * 100_000}"')),
     "mapping of a deep unit": mapping('unit = "T"', f'unit = "{"(" * 5_000}m{")" * 5_000}"'),
     "mapping of powers": mapping('unit = "T"', 'unit = "m^9999999999"'),
     "mapping of infinite scale": mapping('unit = "T" }', 'unit = "T", scale = inf }'),
     "mapping of zero scale": mapping('unit = "T" }', 'unit = "T", scale = 0.0 }'),
-    "mapping of tables": mapping("[columns]", f'[file]\nheader_starts = "{"x" * 100_000}"\n[columns]'),
+    "mapping of tables": later(
+        lambda: mapping("[columns]", f'[file]\nheader_starts = "{"x" * 100_000}"\n[columns]')
+    ),
     "endless device": lambda _, path: path.symlink_to("/dev/zero"),
 }

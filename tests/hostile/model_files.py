@@ -5,7 +5,7 @@ from collections.abc import Callable
 from typing import Any
 
 from hostile.material import Material, model_data
-from hostile.run_structures import Maker
+from hostile.run_structures import Maker, later
 from hostile.tables import text
 
 
@@ -75,13 +75,15 @@ IMPOSSIBLE: dict[str, Maker] = {
 }
 MODELS: dict[str, Maker] = {
     **IMPOSSIBLE,
-    "deep JSON": text("[" * 100_000),
+    "deep JSON": later(lambda: text("[" * 100_000)),
     "deep mirrors": model(lambda d, _: d.update(hysteresis=_deep(400))),
     "very deep mirrors": text(
         '{"format": "smarig model", "schema_version": 1, "hysteresis": ' + '{"image":' * 50_000
     ),
     "endless integer": put("covariance", 0, 0, value=10**400),
-    "endless digits": text('{"format": "smarig model", "schema_version": ' + "9" * 100_000 + "}"),
+    "endless digits": later(
+        lambda: text('{"format": "smarig model", "schema_version": ' + "9" * 100_000 + "}")
+    ),
     "not a number": put("hysteresis", "x", "x2", value=float("nan")),
     "steep": put("hysteresis", "x", "x2", value=1e12),
     "flat": put("hysteresis", "x", "x4", value=0.0),
@@ -89,12 +91,14 @@ MODELS: dict[str, Maker] = {
     "table of words": put("hysteresis", value={**_TABLE, "rows": [["a"], ["b", "c"], [1, 2, 3]]}),
     "table of empty rows": put("hysteresis", value={**_TABLE, "rows": [[], [], []]}),
     "nodes that fall": put("hysteresis", value={**_TABLE, "nodes": [170, 100, 0]}),
-    "large table": put(
-        "hysteresis",
-        value={**_TABLE, "nodes": list(range(1500)), "rows": [[0.0] * (k + 1) for k in range(1500)]},
+    "large table": later(
+        lambda: put(
+            "hysteresis",
+            value={**_TABLE, "nodes": list(range(1500)), "rows": [[0.0] * (k + 1) for k in range(1500)]},
+        )
     ),
-    "wide table": put(
-        "hysteresis", value={**_TABLE, "nodes": [float(k) for k in range(200_000)], "rows": []}
+    "wide table": later(
+        lambda: put("hysteresis", value={**_TABLE, "nodes": [float(k) for k in range(200_000)], "rows": []})
     ),
     "measure of nothing": put("hysteresis", value={"kind": "forc_table"}),
     "forms of no kind": put("hysteresis", "form", value={"a": 1}),
@@ -120,13 +124,13 @@ MODELS: dict[str, Maker] = {
     "secret as actuator": model(lambda d, m: d["actuator"].update(name=str(m.secret))),
     "secret as run": model(lambda d, m: _from_runs(d, str(m.secret))),
     "device as run": model(lambda d, _: _from_runs(d, "/dev/zero")),
-    "name of 5 MB": put("name", value="n" * 5_000_000),
-    "100 000 warnings": put("warnings", value=["w" * 100] * 100_000),
-    "100 000 runs": model(lambda d, _: d.update(provenance=d["provenance"] * 100_000)),
+    "name of 5 MB": later(lambda: put("name", value="n" * 5_000_000)),
+    "100 000 warnings": later(lambda: put("warnings", value=["w" * 100] * 100_000)),
+    "100 000 runs": later(lambda: model(lambda d, _: d.update(provenance=d["provenance"] * 100_000))),
     "markup": put("name", value="</script><script>alert(1)</script>"),
     "formula as unit": put("output", "unit", value="\n=cmd|calc!A0"),
     "escape sequences": put("name", value="\x1b[2J\x1b]0;x\x07"),
-    "unit of another rig": put("output", "unit", value="m" * 100_000),
+    "unit of another rig": later(lambda: put("output", "unit", value="m" * 100_000)),
     "empty": text(""),
     "bytes of no text": lambda _, path: path.write_bytes(b"\xff\xfe{"),
     "a run": lambda m, path: path.write_bytes(m.whole.read_bytes()),

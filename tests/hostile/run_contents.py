@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from hostile.material import Material
-from hostile.run_structures import Maker, sql
+from hostile.run_structures import Maker, later, sql
 
 _UPSERT = "INSERT OR REPLACE INTO run VALUES (?, ?)"
 FORMULA = "=cmd|calc!A0"
@@ -71,22 +71,22 @@ def event(text: str, data: str = "{}") -> Maker:
 
 _COUNT = "WITH RECURSIVE r(x) AS (SELECT 1 UNION ALL SELECT x + 1 FROM r WHERE x < {}) "
 CONTENTS: dict[str, Maker] = {
-    "note of 50 MB": keys(notes="n" * 50_000_000),
-    "note of 20 MB of markup": keys(notes="<&\n" * 7_000_000),
-    "rig file of 30 MB": keys(config="#" * 30_000_000),
-    "unit of 1 MB": keys(output={"unit": "m" * 1_000_000}),
-    "protocol of 5 MB": keys(protocol="p" * 5_000_000),
-    "cause of 5 MB": keys(end={"cause": "c" * 5_000_000}),
-    "100 000 settings": keys(settings={f"s{k}": k for k in range(100_000)}),
+    "note of 50 MB": later(lambda: keys(notes="n" * 50_000_000)),
+    "note of 20 MB of markup": later(lambda: keys(notes="<&\n" * 7_000_000)),
+    "rig file of 30 MB": later(lambda: keys(config="#" * 30_000_000)),
+    "unit of 1 MB": later(lambda: keys(output={"unit": "m" * 1_000_000})),
+    "protocol of 5 MB": later(lambda: keys(protocol="p" * 5_000_000)),
+    "cause of 5 MB": later(lambda: keys(end={"cause": "c" * 5_000_000})),
+    "100 000 settings": later(lambda: keys(settings={f"s{k}": k for k in range(100_000)})),
     "100 000 keys": sql(_COUNT.format(100_000) + "INSERT INTO run SELECT 'k' || x, '1' FROM r"),
-    "100 000 effects": keys(effects=["e"] * 100_000),
-    "100 000 warnings": keys(warnings=["w" * 100] * 100_000),
-    "deep settings": raw("settings", '{"a": ' + "[" * 100_000 + "]" * 100_000 + "}"),
-    "endless number": raw("seed", "9" * 5_000_000),
+    "100 000 effects": later(lambda: keys(effects=["e"] * 100_000)),
+    "100 000 warnings": later(lambda: keys(warnings=["w" * 100] * 100_000)),
+    "deep settings": later(lambda: raw("settings", '{"a": ' + "[" * 100_000 + "]" * 100_000 + "}")),
+    "endless number": later(lambda: raw("seed", "9" * 5_000_000)),
     "large number": raw("settings", '{"points": ' + "9" * 4000 + "}"),
-    "event of 50 MB": event("e" * 50_000_000),
-    "event with 20 MB of data": event("e", json.dumps({"x": [0] * 7_000_000})),
-    "deep event": event("e", "[" * 100_000),
+    "event of 50 MB": later(lambda: event("e" * 50_000_000)),
+    "event with 20 MB of data": later(lambda: event("e", json.dumps({"x": [0] * 7_000_000}))),
+    "deep event": later(lambda: event("e", "[" * 100_000)),
     "500 000 events": sql(
         _COUNT.format(500_000) + "INSERT INTO event SELECT x, 'info', 'k', 't', '{}' FROM r"
     ),
@@ -140,7 +140,7 @@ CONTENTS: dict[str, Maker] = {
     "no period": keys(period_s=0),
     "own files of no kind": keys(own_files=[{"kind": [], "name": {}}]),
     "a wire with a path": keys(wire="../../x"),
-    "a wire of 1 MB": keys(wire="w" * 1_000_000),
+    "a wire of 1 MB": later(lambda: keys(wire="w" * 1_000_000)),
     "zero of a count": keys(output={"unit": "mm", "per_count": 0}),
     "huge count": keys(output={"unit": "mm", "per_count": 1e300}),
     "conditions of no kind": keys(conditions={"stress": {"value": "x", "unit": 3}, "load": 7}),

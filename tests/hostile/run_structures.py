@@ -17,6 +17,11 @@ Maker = Callable[[Material, Path], None]
 _FOREVER = "WITH RECURSIVE r(x) AS (SELECT 1 UNION ALL SELECT x + 1 FROM r)"
 
 
+def later(maker: Callable[[], Maker]) -> Maker:
+    """What is large is made when it is asked for: in every worker, the corpus held hundreds of megabytes."""
+    return lambda material, path: maker()(material, path)
+
+
 def sql(*statements: str) -> Maker:
     """A killed run after these statements."""
 

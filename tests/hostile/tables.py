@@ -3,7 +3,7 @@
 import numpy as np
 
 from hostile.material import CSV
-from hostile.run_structures import Maker
+from hostile.run_structures import Maker, later
 
 HEAD = "time_s,current_command_A,position_mm\n"
 
@@ -25,18 +25,18 @@ def wide(columns: int) -> Maker:
 
 
 TABLES: dict[str, Maker] = {
-    "field of 200 000": cell('"' + "x" * 200_000 + '"'),
-    "header of 200 000": text('"' + "x" * 200_000 + '",' + CSV),
+    "field of 200 000": later(lambda: cell('"' + "x" * 200_000 + '"')),
+    "header of 200 000": later(lambda: text('"' + "x" * 200_000 + '",' + CSV)),
     "open quote": cell('"1'),
     "quote over lines": cell('"1\n2\n3"'),
-    "200 000 columns": wide(200_000),
-    "a million commas": text(CSV + "," * 1_000_000 + "\n"),
-    "a million empty names": text("," * 1_000_000 + "\n" + CSV),
+    "200 000 columns": later(lambda: wide(200_000)),
+    "a million commas": later(lambda: text(CSV + "," * 1_000_000 + "\n")),
+    "a million empty names": later(lambda: text("," * 1_000_000 + "\n" + CSV)),
     "the same name twice": text(CSV.replace("position_mm", "time_s,position_mm", 1)),
-    "a line of 20 MB": text(CSV + "1" * 20_000_000 + "\n"),
-    "a digit of 5 MB": cell("9" * 5_000_000),
-    "two million blank lines": text("\n" * 2_000_000 + CSV),
-    "two million lines of spaces": text(CSV + " \n" * 2_000_000),
+    "a line of 20 MB": later(lambda: text(CSV + "1" * 20_000_000 + "\n")),
+    "a digit of 5 MB": later(lambda: cell("9" * 5_000_000)),
+    "two million blank lines": later(lambda: text("\n" * 2_000_000 + CSV)),
+    "two million lines of spaces": later(lambda: text(CSV + " \n" * 2_000_000)),
     "underscores": cell("1_000"),
     "full-width digits": cell("１２"),
     "Arabic digits": cell("١٢"),
@@ -62,7 +62,7 @@ TABLES: dict[str, Maker] = {
     "only a header": text(HEAD),
     "nothing": text(""),
     "blanks": text(" \n \n"),
-    "only quotes": text('"' * 100_000),
+    "only quotes": later(lambda: text('"' * 100_000)),
     "mixed delimiters": text(CSV.replace(",", ";", 30)),
     "semicolons and commas": text(CSV.replace(",", ";").replace(".", ",")),
     "time runs back": text(CSV + "1,0,0\n"),
@@ -80,11 +80,13 @@ TABLES: dict[str, Maker] = {
         np.random.default_rng(6).integers(32, 127, 50_000).astype(np.uint8).tobytes()
     ),
     "endless device": lambda _, path: path.symlink_to("/dev/zero"),
-    "reference": text("time_s,position_mm\n" + '0,"' + "1" * 200_000 + '"\n'),
+    "reference": later(lambda: text("time_s,position_mm\n" + '0,"' + "1" * 200_000 + '"\n')),
     "reference in full width": text("time_s,position_mm\n0,１\n5,1_0\n"),
-    "profile": text("temperature_K\n" + '"' + "x" * 200_000 + '"\n'),
+    "profile": later(lambda: text("temperature_K\n" + '"' + "x" * 200_000 + '"\n')),
     "profile of underscores": text("temperature_K\n1_0\n２０\n"),
-    "FORC of long lines": text("MicroMag 2900\nHCal = " + "1" * 100_000 + "\n" + "1," * 100_000 + "\n"),
+    "FORC of long lines": later(
+        lambda: text("MicroMag 2900\nHCal = " + "1" * 100_000 + "\n" + "1," * 100_000 + "\n")
+    ),
     "FORC of a key": text(
         "MicroMag 2900\n" + "a " * 50_000 + "\nUnits of measure  SI\n\n"
         "+1,+2\n\n0,1\n1,2\n\n0.5,1\n1,2\n\nMicroMag 2900 Data File ends\n"

@@ -285,6 +285,7 @@ def test_a_wire_that_does_not_move_ends_the_experiment():
     assert informed_choice(ONE, still, Settled()) == NextInputs(())
 
 
+@pytest.mark.long
 def test_choosing_pays_against_chance_and_against_a_fixed_order():
     truth = random_truth(2)
     dice = random.Random(1)

@@ -58,6 +58,7 @@ def one(tmp_path, rig, truth, form, seed, cost):
     return np.sqrt(np.mean(error**2)), density_error, worst, inside
 
 
+@pytest.mark.long
 def test_the_surface_and_its_density_are_found_far_below_a_count(tmp_path):
     one_e = recovered(tmp_path, "one_wire_twin", "one_e", "exponential")
     assert np.median(one_e.rms) <= 0.0015

@@ -103,6 +103,7 @@ def test_a_ridge_is_named_and_its_section_is_open(tmp_path):
     assert "particles that do not interact" in Page(words).visible
 
 
+@pytest.mark.long
 def test_drift_is_shown_with_the_decision(tmp_path):
     run = reversal_run(tmp_path, drift=0.3, noise=1e-5)
     e = forc_evidence(run)

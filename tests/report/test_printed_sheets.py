@@ -56,6 +56,7 @@ def test_the_sheet_of_two_days_compared(full_loop, tmp_path):
     assert printed_pages(page, tmp_path) == 1
 
 
+@pytest.mark.long
 def test_the_sheet_of_a_characterisation_with_a_cause(tmp_path):
     (tmp_path / "short.toml").write_text(CAMPAIGN, encoding="utf-8")
     with few_effects():

@@ -85,30 +85,30 @@ def with_text(text: bytes) -> bytearray:
 
 
 HOSTILE = {
-    "empty": b"",
-    "cut": bytes(announcement()[:5000]),
-    "too long": bytes(announcement()) + b"x",
-    "zeros": bytes(memory_layout.SIZE),
-    "garbage": (bytes(range(256)) * (memory_layout.SIZE // 256 + 1))[: memory_layout.SIZE],
-    "all ones": b"\xff" * memory_layout.SIZE,
-    "another version": announcement(version=memory_layout.VERSION + 1),
-    "no description": announcement({}),
-    "a list": with_text(b"[1, 2]"),
-    "no JSON": with_text(b"{"),
-    "no text": with_text(b"\xff\xfe"),
-    "deep JSON": with_text(b"[" * 20_000),
-    "long number": with_text(b'{"pid": ' + b"9" * 10_000 + b"}"),
-    "facts of other kinds": announcement({**GOOD, "start_epoch": "yesterday"}),
-    "everybody's process": announcement({**GOOD, "pid": -1}),
-    "one's own group": announcement({**GOOD, "pid": 0}),
-    "true": announcement({**GOOD, "pid": True}),
+    "empty": lambda: b"",
+    "cut": lambda: bytes(announcement()[:5000]),
+    "too long": lambda: bytes(announcement()) + b"x",
+    "zeros": lambda: bytes(memory_layout.SIZE),
+    "garbage": lambda: (bytes(range(256)) * (memory_layout.SIZE // 256 + 1))[: memory_layout.SIZE],
+    "all ones": lambda: b"\xff" * memory_layout.SIZE,
+    "another version": lambda: announcement(version=memory_layout.VERSION + 1),
+    "no description": lambda: announcement({}),
+    "a list": lambda: with_text(b"[1, 2]"),
+    "no JSON": lambda: with_text(b"{"),
+    "no text": lambda: with_text(b"\xff\xfe"),
+    "deep JSON": lambda: with_text(b"[" * 20_000),
+    "long number": lambda: with_text(b'{"pid": ' + b"9" * 10_000 + b"}"),
+    "facts of other kinds": lambda: announcement({**GOOD, "start_epoch": "yesterday"}),
+    "everybody's process": lambda: announcement({**GOOD, "pid": -1}),
+    "one's own group": lambda: announcement({**GOOD, "pid": 0}),
+    "true": lambda: announcement({**GOOD, "pid": True}),
 }
 
 
-@pytest.mark.parametrize("content", HOSTILE.values(), ids=HOSTILE)
+@pytest.mark.parametrize("kind", HOSTILE)
 @pytest.mark.parametrize("locked", [True, False])
-def test_what_is_no_announcement_is_left_out(content, locked, leftover):
-    path = leftover(content)
+def test_what_is_no_announcement_is_left_out(kind, locked, leftover):
+    path = leftover(HOSTILE[kind]())
     with held(path) if locked else nullcontext(), made():
         assert [run.info["pid"] for run in runs_in_progress()] == [os.getpid()]
         assert collect_ended() == ()

@@ -16,20 +16,24 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from bluesky.protocols import Collectable, Flyable, Location, Movable, Stageable, Stoppable
-from event_model import DataKey, PartialEvent
-from ophyd_async.core import (
-    AsyncStatus,
-    StandardReadable,
-    StandardReadableFormat,
-    soft_signal_r_and_setter,
-)
 
 from smarig.app.stepped_run import SteppedRun
-from smarig.core import StepResult, StepVerdict
+from smarig.core import MissingExtra, StepResult, StepVerdict
 from smarig.record import Run, load_run
 from smarig.runner import RunControl
 from smarig.runner import run as run_protocol
+
+try:
+    from bluesky.protocols import Collectable, Flyable, Location, Movable, Stageable, Stoppable
+    from event_model import DataKey, PartialEvent
+    from ophyd_async.core import (
+        AsyncStatus,
+        StandardReadable,
+        StandardReadableFormat,
+        soft_signal_r_and_setter,
+    )
+except ImportError:
+    raise MissingExtra("A rig as an ophyd device", "bluesky") from None
 
 _NAN = float("nan")
 _Hold = Callable[[SteppedRun, float], "Future[StepResult]"]

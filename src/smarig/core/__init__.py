@@ -42,6 +42,7 @@ if TYPE_CHECKING:
     from smarig.core.errors import InUse as InUse
     from smarig.core.errors import LeaseExpired as LeaseExpired
     from smarig.core.errors import LimitExceeded as LimitExceeded
+    from smarig.core.errors import MissingExtra as MissingExtra
     from smarig.core.errors import RigFault as RigFault
     from smarig.core.errors import SmarigError as SmarigError
     from smarig.core.errors import StorageError as StorageError

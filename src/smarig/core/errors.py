@@ -17,6 +17,14 @@ class ConfigError(UsageError):
     """A configuration file is wrong: names the file, the key and the expected value (exit 2)."""
 
 
+class MissingExtra(UsageError):
+    """A package of one of smarig's extras is not installed (exit 2). ``extra`` names the extra."""
+
+    def __init__(self, subject: str, extra: str) -> None:
+        super().__init__(f"{subject} needs the extra '{extra}': pip install 'smarig[{extra}]'.")
+        self.extra = extra
+
+
 class RigFault(SmarigError):
     """The rig tripped, refused a command, or could not be reached (exit 3)."""
 

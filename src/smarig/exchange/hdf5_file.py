@@ -50,7 +50,7 @@ def read_hdf5(path: Path, mapping: MappingFile, layout: Hdf5Layout) -> Table:
 
 
 def _opened(path: Path) -> Any:
-    h5py = needed_package("h5py", path, "HDF5 files")
+    h5py = needed_package("h5py", path, "an HDF5 file")
     try:
         return h5py.File(path, "r")
     except OSError:

@@ -4,16 +4,14 @@ import importlib
 from pathlib import Path
 from types import ModuleType
 
-from smarig.core import UsageError
+from smarig.core import MissingExtra
 
 _EXTRAS = {"openpyxl": "files", "h5py": "files", "pyarrow.parquet": "parquet"}
 
 
 def needed_package(name: str, path: Path, kind: str) -> ModuleType:
-    """The package that reads files of this kind; UsageError names the extra if it is not installed."""
+    """The package that reads files of this kind; MissingExtra names the extra if it is not installed."""
     try:
         return importlib.import_module(name)
     except ImportError:
-        raise UsageError(
-            f"{path}: {kind} need the extra '{_EXTRAS[name]}': pip install 'smarig[{_EXTRAS[name]}]'."
-        ) from None
+        raise MissingExtra(f"{path}: {kind}", _EXTRAS[name]) from None

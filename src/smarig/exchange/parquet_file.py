@@ -36,7 +36,7 @@ def read_parquet(path: Path, mapping: MappingFile) -> Table:
 
 
 def _columns(path: Path) -> tuple[FoundColumn, ...]:
-    parquet = needed_package("pyarrow.parquet", path, "Parquet files")
+    parquet = needed_package("pyarrow.parquet", path, "a Parquet file")
     try:
         file = parquet.ParquetFile(path)
         if file.metadata.num_rows > MAX_ROWS or file.metadata.num_columns > MAX_COLUMNS:

@@ -96,7 +96,7 @@ def _found(path: Path, title: str, rows: _Rows, block: FoundBlock, sheets: int) 
 
 def _sheets(path: Path, only: str | None = None) -> Iterator[tuple[str, _Rows]]:
     """Titles and rows of the sheets; without rows for all but ``only``, if it is given."""
-    openpyxl = needed_package("openpyxl", path, "Excel workbooks")
+    openpyxl = needed_package("openpyxl", path, "an Excel workbook")
     _check_size(path)
     try:
         book = openpyxl.load_workbook(path, read_only=True, data_only=True, keep_links=False)

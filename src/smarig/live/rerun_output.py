@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from smarig.core import Severity, StorageError, UsageError
+from smarig.core import MissingExtra, Severity, StorageError
 from smarig.live import primitives as m
 from smarig.live.colours import GROUND
 from smarig.live.recording_file import RecordingFile
@@ -22,7 +22,7 @@ try:
     import rerun as rr
     import rerun.blueprint as rrb
 except ImportError:
-    raise UsageError("The live view needs rerun: pip install 'smarig[live]'.") from None
+    raise MissingExtra("The live view", "live") from None
 
 APPLICATION = "smarig"
 TIMELINE = "device_time"

@@ -19,7 +19,7 @@ import sys
 import tempfile
 from pathlib import Path
 
-from smarig.core import UsageError
+from smarig.core import MissingExtra, UsageError
 
 LOOPBACK = "127.0.0.1"
 MEMORY = "1GB"  # of the viewer; it drops the oldest data beyond that
@@ -58,7 +58,7 @@ def program() -> Path:
     """The viewer that comes with the package."""
     found = importlib.util.find_spec("rerun_cli")
     if found is None or found.origin is None:
-        raise UsageError("The live view needs rerun: pip install 'smarig[live]'.")
+        raise MissingExtra("The live view", "live")
     return Path(found.origin).with_name("rerun.exe" if os.name == "nt" else "rerun")
 
 

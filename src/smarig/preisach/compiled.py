@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.core import UsageError
+from smarig.core import MissingExtra, UsageError
 from smarig.preisach.compiled_cache import cached_on_disk
 from smarig.preisach.compiled_loop import bucketed, make_compiled_loop, rank
 from smarig.preisach.kernel import CHUNK, CompiledKeys, ExtremaStack, KernelInput, KeyedEverett, KeyedFunction
@@ -35,7 +35,7 @@ def worth_compiling(keyed: KeyedEverett, n: int, wanted: bool | None) -> bool:
     if wanted and keyed.compiled_keys is None:
         raise UsageError("This hysteresis has no compiled form. Leave out compiled=True.")
     if wanted and not compiled_available():
-        raise UsageError("numba is not installed. Install smarig[fast], or leave out compiled=True.")
+        raise MissingExtra("compiled=True", "fast")
     return bool(wanted) or n >= WORTH or keyed.between in _compiled
 
 

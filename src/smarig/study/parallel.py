@@ -13,7 +13,7 @@ from functools import partial
 from multiprocessing import active_children, get_context, parent_process
 from typing import Any, TypeVar
 
-from smarig.core import DataError, UsageError, plugins_in_use, use_plugin
+from smarig.core import DataError, MissingExtra, UsageError, plugins_in_use, use_plugin
 
 CONNECT_TIMEOUT_S = 10
 Answer = TypeVar("Answer")
@@ -86,7 +86,7 @@ def _by_dask(function: Callable[[Any], Answer], tasks: Sequence[Any], address: s
         from distributed import Client
         from distributed import as_completed as as_done
     except ImportError:
-        raise UsageError("A Dask cluster needs the extra 'scale': pip install 'smarig[scale]'.") from None
+        raise MissingExtra("A Dask cluster", "scale") from None
     try:
         client = Client(address, timeout=CONNECT_TIMEOUT_S)
     except (OSError, ValueError, TypeError, AssertionError) as error:

@@ -70,7 +70,7 @@ def test_a_missing_extra_is_its_one_sentence(folder, tmp_path, monkeypatch):
         console.ask(f"{place}/viewer", "POST")
         body = html.unescape(console.ask(place).body)
     assert (
-        '<p class="notice bad" role="alert">The live view needs rerun: pip install \'smarig[live]\'.</p>'
+        "<p class=\"notice bad\" role=\"alert\">The live view needs the extra 'live': pip install 'smarig[live]'.</p>"
         in body
     )
     assert not re.search(LINK, body)

@@ -42,6 +42,7 @@ def test_the_slope_is_found_with_an_interval_that_contains_it():
     assert load["values"] == list(LOADS)
 
 
+@pytest.mark.long
 def test_a_load_between_is_predicted_with_its_zero_and_far_better_than_by_pooling():
     other = loaded(160.0)
     error = simulate(modelled().model, other) - other["position"]

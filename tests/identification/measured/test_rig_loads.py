@@ -158,6 +158,7 @@ def cycles(folder, weight, points, seed=0):
         return load_run(session.run("constant_force_cycles", {"cycles": 1, "points": points}, out))
 
 
+@pytest.mark.long
 def test_the_slope_of_the_thermomechanical_wire_is_found_by_its_own_temperature(tmp_path):
     """The twin has 8 MPa/K. By the heating model's kelvins the same runs give 9 to 10."""
     runs = [cycles(tmp_path, weight, 14) for weight in (20, 24, 28)]

@@ -64,6 +64,7 @@ def fit_errors(folder, rig, truth, seed, kinds) -> PredictionErrors:
     )
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("rig", "name", "most"),
     [("one_wire_twin", "one_e", 0.055), pytest.param("two_wire_twin", "two_e", 0.09, marks=pytest.mark.long)],

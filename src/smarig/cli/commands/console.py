@@ -7,7 +7,7 @@ import click
 
 from smarig.cli.output import emit, json_option, json_requested, show_message
 from smarig.cli.parameter_types import RIG
-from smarig.core import UsageError
+from smarig.core import MissingExtra
 
 EPILOG = """The address carries a token: only a browser that opens it can use the console. It listens on this computer
 only. Runs, and the queue, are processes of their own and go on when the console ends.
@@ -43,9 +43,7 @@ def command(folder: Path, rig: str, port: int, no_browser: bool) -> None:
         import starlette  # noqa: F401
         import uvicorn  # noqa: F401
     except ModuleNotFoundError as error:
-        raise UsageError(
-            f"The console needs the extra 'console' ({error.name} is missing): pip install 'smarig[console]'."
-        ) from None
+        raise MissingExtra(f"The console ({error.name} is missing)", "console") from None
     from smarig.console import serve_console
 
     at_terminal = sys.stdout.isatty() and not json_requested()

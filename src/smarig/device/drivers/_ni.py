@@ -14,7 +14,7 @@ from typing import Any, Literal
 from pydantic import Field
 
 from smarig.config import LinkFile
-from smarig.core import NAN, ConfigError, Number, TomlTable, UsageError
+from smarig.core import NAN, ConfigError, MissingExtra, Number, TomlTable
 from smarig.device.encoding.link_faults import Silent
 
 UNTESTED = "untested on hardware"  # part of every identity
@@ -40,9 +40,7 @@ def ni_package() -> Any:
         for part in ("constants", "errors", "system", "types"):
             importlib.import_module(f"nidaqmx.{part}")
     except ImportError:
-        raise UsageError(
-            "NI-DAQmx devices need the extra 'ni' and the driver of NI: pip install 'smarig[ni]'."
-        ) from None
+        raise MissingExtra("An NI-DAQmx device (with the driver of NI)", "ni") from None
     return package
 
 

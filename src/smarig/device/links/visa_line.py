@@ -9,7 +9,7 @@ import re
 import socket
 from typing import Any
 
-from smarig.core import UsageError, error_text
+from smarig.core import MissingExtra, UsageError, error_text
 from smarig.device.encoding.link_faults import Garbled, Silent, WrongDevice
 
 _NUMBER = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)")
@@ -141,7 +141,7 @@ def _manager(backend: str) -> Any:
     try:
         import pyvisa
     except ImportError:
-        raise UsageError('This driver needs the extra visa: pip install "smarig[visa]".') from None
+        raise MissingExtra("A VISA instrument", "visa") from None
     try:
         return pyvisa.ResourceManager(backend)
     except Exception as error:

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from smarig.core import UsageError
+from smarig.core import MissingExtra, UsageError
 from smarig.exchange.export_columns import ExportColumn, event_columns, sample_columns, step_columns
 from smarig.exchange.run_clock import zero_epoch
 from smarig.record import AnyRun
@@ -27,7 +27,7 @@ def mcap(run: AnyRun, path: Path) -> None:
     try:
         from mcap.writer import Writer
     except ImportError:
-        raise UsageError("MCAP export needs mcap: pip install 'smarig[mcap]'.") from None
+        raise MissingExtra("MCAP export", "mcap") from None
     start_s = zero_epoch(run) or 0.0
     topics = {
         "samples": (sample_columns(run), "t_s"),

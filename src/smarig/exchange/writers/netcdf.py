@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from smarig.core import UsageError
+from smarig.core import MissingExtra, UsageError
 from smarig.exchange.export_columns import (
     FLAGS,
     ExportColumn,
@@ -52,7 +52,7 @@ def netcdf(run: AnyRun, path: Path) -> None:
         import h5netcdf
         import h5py  # noqa: F401 - used by h5netcdf
     except ImportError:
-        raise UsageError("NetCDF export needs h5netcdf: pip install 'smarig[netcdf]'.") from None
+        raise MissingExtra("NetCDF export", "netcdf") from None
     made = io.BytesIO()
     with h5netcdf.File(made, "w") as file:
         file.attrs.update(_characters(_description(run)))

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.core import UsageError
+from smarig.core import MissingExtra
 from smarig.exchange.export_columns import integers, label, sample_columns, title
 from smarig.record import AnyRun
 
@@ -21,7 +21,7 @@ def parquet(run: AnyRun, path: Path) -> None:
         import pyarrow as pa
         import pyarrow.parquet as pq
     except ImportError:
-        raise UsageError("Parquet export needs pyarrow: pip install 'smarig[parquet]'.") from None
+        raise MissingExtra("Parquet export", "parquet") from None
     columns = sample_columns(run)
     fields = [
         pa.field(

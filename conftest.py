@@ -1,0 +1,101 @@
+"""What this environment lacks is a skip with its name, and ``--skipped`` runs what the last run skipped.
+
+``.ci/run`` runs all tests with what the README installs, and those it skipped once more with all extras. A worker
+gives back the memory of each file's tests, so that it stays below 500 MB.
+"""
+
+import contextlib
+import ctypes
+import gc
+import linecache
+import sys
+
+import pytest
+
+from extras import lacks
+from smarig.core import MissingExtra
+
+SKIPPED = "smarig/skipped"  # in pytest's cache, beside the failures of --last-failed
+
+
+def pytest_addoption(parser):
+    parser.addoption("--skipped", action="store_true", help="Run only the tests that the last run skipped.")
+
+
+def _skipped_for_an_extra(report, call, path: str, line: int) -> None:
+    """Only if the extra is not there: a MissingExtra beside an installed package is a failure."""
+    error = call.excinfo.value if call.excinfo else None
+    if isinstance(error, MissingExtra) and lacks(error.extra):
+        report.outcome = "skipped"
+        report.longrepr = (path, line, f"Skipped: the extra '{error.extra}' is not installed")
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_make_collect_report(collector):
+    report = yield
+    if report.failed:
+        _skipped_for_an_extra(report, report.call, str(collector.path), 0)
+        _forget_what_failed(str(collector.path))
+    return report
+
+
+def _forget_what_failed(path: str) -> None:
+    """pytest leaves a module that it could not import half made in sys.modules, where tests would meet it."""
+    for name, module in list(sys.modules.items()):
+        if getattr(module, "__file__", None) == path:
+            del sys.modules[name]
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_makereport(item, call):
+    report = yield
+    if report.failed:
+        path, line, _ = item.location
+        _skipped_for_an_extra(report, call, path, (line or 0) + 1)
+    return report
+
+
+def pytest_collection_finish():
+    """What was collected stays to the end: no later collection of garbage looks at it again."""
+    linecache.clearcache()
+    gc.collect()
+    gc.freeze()
+
+
+@pytest.hookimpl(trylast=True)
+def pytest_runtest_teardown(item, nextitem):
+    if nextitem is None or nextitem.path != item.path:
+        gc.collect()
+        with contextlib.suppress(OSError, AttributeError):  # not glibc
+            ctypes.CDLL(None).malloc_trim(0)
+
+
+def pytest_configure(config):
+    config.pluginmanager.register(Skipped(config), "skipped tests")
+
+
+class Skipped:
+    """The names of skipped tests and files, kept for the next run."""
+
+    def __init__(self, config) -> None:
+        self.config = config
+        self.names: set[str] = set()
+        self.wanted = set(config.cache.get(SKIPPED, [])) if config.option.skipped else set()
+        if self.wanted:
+            config.args = sorted({name.partition("::")[0] for name in self.wanted})
+
+    def pytest_collection_modifyitems(self, items):
+        if self.config.option.skipped:
+            items[:] = [i for i in items if {i.nodeid, i.nodeid.partition("::")[0]} & self.wanted]
+
+    def pytest_runtest_logreport(self, report):
+        if report.skipped and not hasattr(report, "wasxfail"):
+            self.names.add(report.nodeid)
+
+    def pytest_collectreport(self, report):
+        if report.skipped:
+            self.names.add(report.nodeid)
+
+    def pytest_sessionfinish(self):
+        if not (hasattr(self.config, "workerinput") or self.config.option.collectonly):  # a worker saw a part
+            self.config.cache.set(SKIPPED, sorted(self.names))
