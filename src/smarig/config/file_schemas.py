@@ -193,8 +193,9 @@ class EncoderFile(TomlTable):
 class LinkFile(TomlTable):
     """[links.DEVICE]: the driver, framing and address of a device.
 
-    ``url`` is a serial port, a pyserial URL (``socket://``, ``rfc2217://``), or ``tcp://HOST:PORT`` for Modbus TCP.
-    It may be empty if a simulator supplies it. ``address`` is the Modbus address; 0 means the device's default.
+    ``url`` is a serial port, ``tcp://HOST:PORT`` (text lines, Modbus RTU or TCP over a socket), or
+    ``rfc2217://HOST:PORT``. It may be empty if a simulator supplies it. ``address`` is the Modbus address; 0 means the
+    device's default.
     """
 
     driver: str  # file in src/smarig/device/drivers

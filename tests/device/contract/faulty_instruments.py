@@ -197,6 +197,34 @@ class TickedOutput:
         pass
 
 
+class Impatient(TickedOutput):
+    """Its lease of 1 s counts from opening on, and nobody renews it until the first order."""
+
+    has_lease = True
+
+    def __init__(self, time, state, present=True):
+        super().__init__(time, state, present)
+        self.arm()
+
+    def arm(self):
+        super().arm()
+        self.tripped, self.fed_s = "", self.time.now_s
+
+    def fed(self):
+        if self.time.now_s - self.fed_s > 1.0:
+            self.state["A"], self.tripped = 0.0, "Its watchdog has switched it off."
+        self.fed_s = self.time.now_s
+
+    def set(self, current_A):
+        self.fed()
+        return self.tick() if self.tripped else super().set(current_A)
+
+    def since(self, tick, at_most):
+        self.fed()
+        mark = Quality.TRIPPED if self.tripped else Quality.GOOD
+        return [reading._replace(quality=mark) for reading in super().since(tick, at_most)]
+
+
 class TooMany(TickedOutput):
     def since(self, tick, at_most):
         return super().since(tick, at_most + 2)

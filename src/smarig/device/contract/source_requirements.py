@@ -117,6 +117,27 @@ def off_on_a_closed_line(case: ContractCase) -> str:
     return f"it reports: {text}" if text else "the line was opened again, and the device confirmed"
 
 
+def first_order_after_a_pause(case: ContractCase) -> str:
+    """A host may pause between opening and its first order: the lease counts from that order on."""
+    with case.opened() as source:
+        if not source.has_lease:
+            return "it has no lease that could expire"
+        pause_s = case.rig.lease_s + LEASE_MARGIN_S
+        case.wait(pause_s)
+        source.set(case.test_A)
+        current_A = _settled(case, source).current_A
+        require(
+            not source.tripped,
+            f"{source.tripped} It had {pause_s:g} s without an order after it was opened: start the lease with the "
+            "first order, or arm again with it",
+        )
+        require(
+            abs(current_A - case.test_A) <= case.tolerance_A,
+            f"{current_A:.4g} A flow by a first order of {case.test_A:.4g} A",
+        )
+    return f"{current_A:.4f} A by an order {pause_s:g} s after opening"
+
+
 def lease(case: ContractCase) -> str:
     """A source that claims a lease switches itself off when the host is silent, says so, and can be armed again."""
     with case.opened() as source:
@@ -146,6 +167,7 @@ REQUIREMENTS = {
     "off confirmed": off_confirmed,
     "off on a closed line": off_on_a_closed_line,
     "off after a killed host": off_after_a_killed_host,
+    "first order after a pause": first_order_after_a_pause,
     "lease": lease,
 }
 

@@ -35,6 +35,8 @@ def labjack_position(where: LinkFile, rig: RigFile) -> "AnaloguePosition | Quadr
 class AnaloguePosition:
     """y = scale · V + offset; NaN outside minimum … maximum."""
 
+    absolute = True  # its zero survives a restart
+
     def __init__(self, where: LinkFile, settings: LabJackPositionSettings) -> None:
         assert settings.input is not None  # noqa: S101 - see labjack_position
         assert settings.unit is not None  # noqa: S101 - the model requires it

@@ -51,6 +51,8 @@ def ni_position(where: LinkFile, rig: RigFile) -> "NiAnaloguePosition | NiCounte
 class NiAnaloguePosition:
     """y = scale · V + offset; NaN outside minimum … maximum."""
 
+    absolute = True  # its zero survives a restart
+
     def __init__(self, where: LinkFile, settings: NiPositionSettings) -> None:
         assert settings.input is not None  # noqa: S101 - see ni_position
         assert settings.unit is not None  # noqa: S101 - the model requires it

@@ -21,6 +21,7 @@ class VisaMeterSettings(TomlTable):
     low: float = -math.inf  # a reading below is none: out of range
     high: float = math.inf  # a reading above is none
     prepare: tuple[str, ...] = ()  # commands sent once
+    absolute: bool = False  # the zero of a position survives a restart: a laser, not a counter
     backend: str = ""  # of PyVISA; empty: the vendor's library if there is one, else pyvisa-py
 
 
@@ -42,4 +43,4 @@ def visa_meter(where: LinkFile, rig: RigFile) -> FunctionInput:
         value = settings.scale * answer + settings.offset
         return value if abs(answer) < _OVERFLOW and settings.low <= value <= settings.high else NAN
 
-    return FunctionInput(line.identity, read, settings.unit, line.close)
+    return FunctionInput(line.identity, read, settings.unit, line.close, line, settings.absolute)

@@ -58,6 +58,7 @@ def _output(supply: "_SupplyCommands") -> FunctionOutput:
         arm_watchdog=supply.arm_watchdog if supply.make.watchdog else None,
         lease_s=supply.rig.lease_s,
         close_all=supply.line.close,
+        line=supply.line,
     )
 
 
@@ -90,11 +91,11 @@ class _SupplyCommands:
 
     def setting_A(self) -> float:
         """The set current, read back."""
-        return self.line.number(self._filled(self.make.current.query))
+        return self.line.number(self._filled(self.make.current.query), reads=True)
 
     def is_on(self) -> bool:
         """Whether the output is on, and no protection has disabled it."""
-        on = self.line.ask(self._filled(self.make.output.query)).upper() in _ON
+        on = self.line.ask(self._filled(self.make.output.query), reads=True).upper() in _ON
         protection = self.make.protection
         if not on or protection is None:
             return on
@@ -107,10 +108,10 @@ class _SupplyCommands:
         if not self.is_on():
             self.last_V, current_A = 0.0, 0.0
         elif measure.both:
-            self.last_V, current_A = self.line.numbers(self._filled(measure.both))[:2]
+            self.last_V, current_A = self.line.numbers(self._filled(measure.both), reads=True)[:2]
         else:
-            current_A = self.line.number(self._filled(measure.current))
-            self.last_V = self.line.number(self._filled(measure.voltage))
+            current_A = self.line.number(self._filled(measure.current), reads=True)
+            self.last_V = self.line.number(self._filled(measure.voltage), reads=True)
         return self.last_V, current_A
 
     def arm_watchdog(self, lease_s: float) -> bool:

@@ -10,7 +10,6 @@ from smarig.device.links.serial_line import TEXT, SerialLine, rtu_framing
 from smarig.device.links.serial_port import SharedPort
 
 PORT = 502
-NETWORK = ("socket", "rfc2217")  # schemes of pyserial with host and port
 
 
 def opened(where: LinkFile, default_address: int) -> Link:
@@ -23,11 +22,10 @@ def opened(where: LinkFile, default_address: int) -> Link:
             host, port = _place(where.url)
             return ModbusTcp(host, port, address, where.timeout_s)
         case "modbus_rtu":
-            url = _line(where.url)
-            port = SharedPort(url, where.baud, where.timeout_s, address)
-            return SerialLine(url, rtu_framing(address), where.timeout_s, port=port)
+            port = SharedPort(where.url, where.baud, where.timeout_s, address)
+            return SerialLine(where.url, rtu_framing(address), where.timeout_s, port=port)
         case "lines":
-            return SerialLine(_line(where.url), TEXT, where.timeout_s, where.baud)
+            return SerialLine(where.url, TEXT, where.timeout_s, where.baud)
 
 
 def _place(url: str) -> tuple[str, int]:
@@ -40,20 +38,3 @@ def _place(url: str) -> tuple[str, int]:
     if parts is None or parts.scheme != "tcp" or not host or not port:
         raise ConfigError(f"'{url}' is not an address of Modbus TCP. Write tcp://HOST:PORT.")
     return host, port
-
-
-def _line(url: str) -> str:
-    """The name of a serial port, or the checked URL of a serial port on the network."""
-    kind, network, rest = url.partition("://")
-    if not network:
-        return url
-    try:
-        parts = urlsplit(f"tcp://{rest}")
-        whole = bool(parts.hostname and parts.port)
-    except ValueError:
-        whole = False
-    if kind in NETWORK and not whole:
-        raise ConfigError(
-            f"'{url}' is not an address of a serial port on the network. Write {kind}://HOST:PORT."
-        )
-    return url

@@ -1,4 +1,4 @@
-"""A serial port, or any URL that pyserial accepts (``socket://``, ``rfc2217://``), with either framing."""
+"""A serial port or a line on the network (``tcp://``, ``rfc2217://``), with either framing."""
 
 import time
 from collections.abc import Callable

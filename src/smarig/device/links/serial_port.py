@@ -1,4 +1,4 @@
-"""A serial port, or any URL that pyserial accepts, opened exclusively; several devices may share it by address."""
+"""A serial port or a line on the network, opened exclusively; several devices may share it by address."""
 
 import contextlib
 import importlib
@@ -11,6 +11,7 @@ import serial
 
 from smarig.core import ConfigError
 from smarig.device.encoding.link_faults import Silent
+from smarig.device.links.port_url import checked_url, close_port, send_at_once, unopened_port
 
 _TERMIOS = (importlib.import_module("termios").error,) if find_spec("termios") else ()
 PORT_ERRORS = (
@@ -27,6 +28,7 @@ class SerialPort:
 
     def __init__(self, url: str, baud: int, write_timeout_s: float) -> None:
         self.where, self.baud = url, baud
+        self._url = checked_url(url)
         self._write_timeout_s = write_timeout_s
         self._serial: serial.Serial | None = None
 
@@ -39,18 +41,11 @@ class SerialPort:
         """Close and open. Raises Silent if there is no such port."""
         self.close()
         try:
-            self._serial = serial.serial_for_url(
-                self.where,
-                baudrate=self.baud,
-                timeout=0.1,
-                write_timeout=None
-                if self.where.startswith("rfc2217:")
-                else self._write_timeout_s,  # rfc2217 has none
-                do_not_open=True,
-            )
+            self._serial = unopened_port(self._url, self.baud, 0.1, self._write_timeout_s)
             with contextlib.suppress(*PORT_ERRORS):
                 self._serial.exclusive = True  # sockets do not support it
             self._serial.open()
+            send_at_once(self._serial)
         except PORT_ERRORS as error:
             self.close()
             raise self.unusable(error) from None
@@ -59,8 +54,7 @@ class SerialPort:
         """Close it. Never raises."""
         port, self._serial = self._serial, None
         if port is not None:
-            with contextlib.suppress(*PORT_ERRORS):
-                port.close()
+            close_port(port)
 
     def opened(self) -> serial.Serial:
         """The open port. Raises Silent if it is closed."""
@@ -81,7 +75,7 @@ class SharedPort(SerialPort):
     def __init__(self, url: str, baud: int, write_timeout_s: float, address: int) -> None:
         super().__init__(url, baud, write_timeout_s)
         path = Path(url)
-        self._path, self._address = str(path.resolve()) if path.exists() else url, address
+        self._path, self._address = str(path.resolve()) if path.exists() else self._url, address
         self._port, self._users = self._by_path.get(
             self._path, (SerialPort(url, baud, write_timeout_s), set())
         )

@@ -1,38 +1,52 @@
-"""A serial line to an instrument that answers queries with lines of text, such as SCPI.
+"""A line to an instrument that answers queries with lines of text, such as SCPI: a serial port or a TCP socket.
 
 An answer does not identify its query. After a missing answer the line is therefore resynchronised: the host queries the
 instrument's identity and discards everything before it. Answers come in the order of queries, so after as many
 identities as were queried no earlier answer can follow. If an identity is lost, the line must first stay quiet for
 QUIET time-outs.
+
+A query that only reads and is not answered is asked once more. A command is never repeated: nobody knows whether it was
+carried out.
 """
 
-import contextlib
 import math
 
-import serial
-
 from smarig.device.encoding.link_faults import Garbled, Silent
+from smarig.device.links.port_url import checked_url, close_port, send_at_once, unopened_port
+from smarig.device.links.query import only_reads
 from smarig.device.links.serial_port import PORT_ERRORS
 
 QUIET = 8  # time-outs without a reply after which no answer can follow
+PATIENCE = (
+    2  # time-outs that a second attempt waits for the identity; a dead line is no reason to wait longer
+)
 TRIES = 3  # queries of the identity on a line that still answers
 LATE_LINES = 32  # largest number of lines discarded for one query
 LONGEST = 256  # bytes of an answer
 
 
 class TextLine:
-    """Call ``identify`` first. ``who``: the query that every such instrument answers with its name, not a number."""
+    """Call ``identify`` first. ``who``: the query that every such instrument answers with its name, not a number.
+
+    ``url``: a serial port, tcp://HOST:PORT or rfc2217://HOST:PORT. ``repeats`` counts the queries asked once more,
+    ``reconnections`` the times when a broken line was opened again.
+    """
 
     def __init__(self, url: str, baud: int, timeout_s: float, who: str = "*IDN?") -> None:
         self.where, self.identity = url, ""
+        self.repeats = self.reconnections = 0
         self._who = who
         self._late = True  # answers to earlier queries may still come
         self._identities = 0  # queried and not yet received
         self._heard = b""  # the incomplete line
+        self._broken = self._closed = False
+        checked = checked_url(url)
         try:
-            self._port = serial.serial_for_url(url, baud, timeout=timeout_s, write_timeout=timeout_s)
+            self._port = unopened_port(checked, baud, timeout_s, timeout_s)
+            self._port.open()
         except PORT_ERRORS as error:
             raise Silent(f"{url} cannot be opened: {error}. {Silent.remedy}") from None
+        send_at_once(self._port)
 
     def identify(self) -> str:
         """The instrument's identity. Numbers before it answer queries of another process."""
@@ -47,16 +61,58 @@ class TextLine:
         )
 
     def write(self, text: str) -> None:
-        """Send a line that has no answer."""
+        """Send a line that has no answer. It is sent once, on a line that is opened again first if it was broken."""
+        if self._broken:
+            self._reopen()
         try:
             self._port.write(f"{text}\n".encode())
         except PORT_ERRORS as error:
+            self._broken = not self._closed
             raise Silent(f"{self.where} cannot be written to: {error}. {Silent.remedy}") from None
 
-    def ask(self, question: str) -> str:
-        """The answer to this query and to no other. Raises Silent, Garbled."""
-        if self._late or self._unasked():
-            self._resynchronise()
+    def ask(self, question: str, *, reads: bool | None = None) -> str:
+        """The answer to this query and to no other. Raises Silent, Garbled.
+
+        ``reads``: whether the instrument may be asked again, because the query changes nothing in it. By default its
+        form tells: one word with a question mark at its end, and perhaps arguments (``MEAS:CURR? (@1)``).
+        """
+        self._make_ready(QUIET)
+        try:
+            return self._exchange(question)
+        except Silent as unanswered:
+            if not (only_reads(question) if reads is None else reads):
+                raise
+            try:
+                self._make_ready(PATIENCE)
+            except Silent:
+                raise unanswered from None
+        self.repeats += 1
+        return self._exchange(question)
+
+    def number(self, question: str, *, reads: bool | None = None) -> float:
+        """The answer as a number. Raises Garbled if it is not a number."""
+        answer = self.ask(question, reads=reads)
+        if math.isfinite(number := _number(answer)):
+            return number
+        self._late = True
+        raise Garbled(f"{self.where} answers '{answer}' to {question}. {Garbled.remedy}")
+
+    def close(self) -> None:
+        """Close the port. Never raises."""
+        self._broken, self._closed = False, True  # it stays closed
+        close_port(self._port)
+
+    def _make_ready(self, timeouts: int) -> None:
+        """Nothing that was asked before can be taken for the next answer. A line found broken is opened again."""
+        try:
+            if self._late or self._unasked():
+                self._resynchronise(timeouts)
+        except Silent:
+            if not self._broken:
+                raise
+            self._resynchronise(PATIENCE)
+
+    def _exchange(self, question: str) -> str:
         self._late = True
         self.write(question)
         for _ in range(LATE_LINES):
@@ -66,36 +122,37 @@ class TextLine:
                 return answer
         raise Garbled(f"{self.where} answers {question} only with its identity. {Garbled.remedy}")
 
-    def number(self, question: str) -> float:
-        """The answer as a number. Raises Garbled if it is not a number."""
-        answer = self.ask(question)
-        if math.isfinite(number := _number(answer)):
-            return number
-        self._late = True
-        raise Garbled(f"{self.where} answers '{answer}' to {question}. {Garbled.remedy}")
-
-    def close(self) -> None:
-        """Close the port. Never raises."""
-        with contextlib.suppress(*PORT_ERRORS):
-            self._port.close()
-
-    def _resynchronise(self) -> None:
-        """Query the identity until every such query is answered or certainly lost."""
+    def _resynchronise(self, timeouts: int) -> None:
+        """Query the identity until every such query is answered or certainly lost, which takes QUIET time-outs."""
         self._late = True
         for _ in range(TRIES):
             self.write(self._who)
             self._identities += 1
             heard = 0
-            while self._identities and (line := self._line(QUIET)):
+            while self._identities and (line := self._line(timeouts)):
                 heard += 1
                 self._identities -= line == self.identity
             if not self._identities:
                 self._late = False
                 return
+            if timeouts < QUIET:
+                break
             self._identities = 0
             if not heard:
                 break
         raise Silent(f"{self.where} does not identify itself. {Silent.remedy}")
+
+    def _reopen(self) -> None:
+        """Open a broken line again. On a serial port, answers to earlier queries may still come."""
+        close_port(self._port)
+        try:
+            self._port.open()
+        except PORT_ERRORS as error:
+            raise Silent(f"{self.where} cannot be opened again: {error}. {Silent.remedy}") from None
+        if send_at_once(self._port):
+            self._identities = 0  # those of another connection cannot come
+        self._broken, self._late, self._heard = False, True, b""
+        self.reconnections += 1
 
     def _answer(self, question: str) -> str:
         line = self._line(1)
@@ -109,7 +166,7 @@ class TextLine:
             try:
                 self._heard = (self._heard + self._port.read_until(b"\n", LONGEST))[-LONGEST:]
             except PORT_ERRORS as error:
-                raise Silent(f"{self.where} cannot be read: {error}. {Silent.remedy}") from None
+                raise self._unreadable(error) from None
             if self._heard.endswith(b"\n"):
                 line, self._heard = self._heard.decode("ascii", "replace").strip(), b""
                 if line:
@@ -121,7 +178,11 @@ class TextLine:
         try:
             return bool(self._heard or self._port.in_waiting)
         except PORT_ERRORS as error:
-            raise Silent(f"{self.where} cannot be read: {error}. {Silent.remedy}") from None
+            raise self._unreadable(error) from None
+
+    def _unreadable(self, error: BaseException) -> Silent:
+        self._broken = not self._closed
+        return Silent(f"{self.where} cannot be read: {error}. {Silent.remedy}")
 
 
 def _number(text: str) -> float:

@@ -1,7 +1,8 @@
 """A line to an instrument by VISA: USB-TMC, LAN, GPIB or serial, through PyVISA (extra ``visa``).
 
 An answer does not identify its query. After anything went wrong the session is closed, opened again and identified, so
-that a late answer of the old session is never taken for another.
+that a late answer of the old session is never taken for another. A query that only reads and is not answered is asked
+once more, a command never.
 """
 
 import contextlib
@@ -11,6 +12,7 @@ from typing import Any
 
 from smarig.core import MissingExtra, UsageError, error_text
 from smarig.device.encoding.link_faults import Garbled, Silent, WrongDevice
+from smarig.device.links.query import only_reads
 
 _NUMBER = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)")
 _IDENTITY = "*IDN?"
@@ -24,7 +26,7 @@ class VisaLine:
         self._timeout_ms, self._baud = round(1000 * timeout_s), baud
         self._manager = _manager(backend)
         self._session: Any = None
-        self.reconnections = 0
+        self.reconnections = self.repeats = 0  # sessions opened again; queries asked once more
         self._open()
 
     def identify(self) -> str:
@@ -44,18 +46,25 @@ class VisaLine:
         except Exception as error:
             self._fail(error, text)
 
-    def ask(self, question: str) -> str:
-        """The answer to a query."""
+    def ask(self, question: str, *, reads: bool | None = None) -> str:
+        """The answer to a query. ``reads``: whether it may be asked again; by default its form tells (only_reads)."""
         self._usable()
+        try:
+            return self._query(question)
+        except Silent:
+            if not (only_reads(question) if reads is None else reads):
+                raise
+        self._usable()
+        self.repeats += 1
         return self._query(question)
 
-    def number(self, question: str) -> float:
+    def number(self, question: str, *, reads: bool | None = None) -> float:
         """The first number of the answer; a unit after it is ignored. Raises Garbled without one."""
-        return self.numbers(question)[0]
+        return self.numbers(question, reads=reads)[0]
 
-    def numbers(self, question: str) -> list[float]:
+    def numbers(self, question: str, *, reads: bool | None = None) -> list[float]:
         """All numbers of an answer, which commas separate. Raises Garbled if one is none."""
-        answer = self.ask(question)
+        answer = self.ask(question, reads=reads)
         found = [_NUMBER.match(part) for part in answer.split(",")]
         numbers = [float(part.group(1)) for part in found if part]
         if not numbers or len(numbers) < len(found):

@@ -8,6 +8,7 @@ A step is therefore off by the error of R for one tick, then by the noise of R.
 """
 
 import math
+from typing import Any
 
 from smarig.config import RigFile
 from smarig.device.roles.polled import Electrical, VoltageOutput
@@ -38,6 +39,11 @@ class CurrentLoop:
     def has_lease(self) -> bool:
         """That of the output."""
         return self._output.has_lease
+
+    @property
+    def line(self) -> Any:
+        """That of the output, if it tells."""
+        return getattr(self._output, "line", None)
 
     @property
     def tripped(self) -> str:

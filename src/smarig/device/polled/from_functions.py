@@ -32,7 +32,8 @@ class FunctionOutput:
     ``prepare`` is called while the output is off, before the watchdog is armed: function, protections, voltage limit.
     ``setting_A`` reads the set current back, ``is_on`` the state of the output (True or False). All of them, and the
     measured current, must confirm ``off``. ``arm_watchdog`` is given the lease in seconds, arms the watchdog, reads it
-    back, and returns whether it is armed; without it the output has no lease. Errors of the library become ``Silent``.
+    back, and returns whether it is armed; without it the output has no lease. ``line``: a TextLine or VisaLine, whose
+    repeated queries mark their samples. Errors of the library become ``Silent``.
     """
 
     identity: str
@@ -48,6 +49,7 @@ class FunctionOutput:
     arm_watchdog: Callable[[float], bool] | None = None
     lease_s: float = 0.0
     close_all: Callable[[], Any] = _nothing
+    line: Any = None
     has_lease: bool = field(default=False, init=False)
     tripped: str = field(default="", init=False)
     _on: bool = field(default=False, init=False)
@@ -144,12 +146,18 @@ class FunctionOutput:
 
 @dataclass
 class FunctionInput:
-    """A position (``unit`` "count", "mm" or "deg"), a temperature in °C or a force in N, read by one function."""
+    """A position (``unit`` "count", "mm" or "deg"), a temperature in °C or a force in N, read by one function.
+
+    ``absolute``: the zero of the position survives a restart of the instrument and of the host, so that ``resume`` may
+    rely on it: a laser, a potentiometer; not a counter that starts at 0.
+    """
 
     identity: str
     read: Callable[[], float]
     unit: str = ""
     close_all: Callable[[], Any] = _nothing
+    line: Any = None
+    absolute: bool = False
 
     def position(self) -> float:
         """The position in ``unit``."""

@@ -6,6 +6,7 @@ from smarig.config import RigFile
 from smarig.core import NAN, ConfigError, Quality
 from smarig.device.encoding.link_faults import Garbled
 from smarig.device.polled.host_clock import HostClock
+from smarig.device.polled.line_counts import reconnections_of, repeats_of
 from smarig.device.roles.polled import PositionInput, TemperatureInput
 from smarig.device.roles.ticked import PositionReading
 from smarig.plant import Actuator
@@ -33,7 +34,7 @@ class PolledPosition:
         self._gap = max(1, round(LONGEST_GAP_S / rig.period_s))
         self._zero = self._raw = 0
         self._missing = 0
-        self._read_until = -1
+        self._repeats = repeats_of(sensor)
         for _ in range(REPEATS_AT_START):
             if self._update():
                 break
@@ -50,21 +51,23 @@ class PolledPosition:
     @property
     def reconnections(self) -> int:
         """How often its line was lost and opened again, if it counts that."""
-        return int(getattr(self.sensor, "reconnections", 0))
+        return reconnections_of(self.sensor)
 
     def since(self, tick: int, at_most: int) -> list[PositionReading]:
         """The reading of the present tick if it is not earlier than ``tick``."""
         now = self._clock.tick()
         if now < tick or at_most < 1:
             return []
-        valid = self._update()
+        quality = Quality.GOOD if self._update() else Quality.SUSPECT
+        if repeats_of(self.sensor) != self._repeats:
+            self._repeats, quality = repeats_of(self.sensor), quality | Quality.RETRIED
         room_degC = self._room.temperature_degC() if self._room else NAN
         return [
             PositionReading(
                 now,
                 self._raw - self._zero,
                 room_degC if math.isfinite(room_degC) else self._ambient_degC,
-                Quality.GOOD if valid else Quality.SUSPECT,
+                quality,
             )
         ]
 

@@ -1,7 +1,8 @@
 """Interfaces of instruments that measure when they are queried and count no ticks: supplies, analogue inputs, meters.
 
 A driver returns such an instrument as it is: the bench samples it by the clock of the host. Quantities are in SI units
-with prefixes as the names say; a reading that does not exist is NaN.
+with prefixes as the names say; a reading that does not exist is NaN. If the instrument has an attribute ``line`` (TextLine,
+VisaLine), samples whose query was repeated are marked, and a line that was opened again is reported.
 """
 
 from typing import NamedTuple, Protocol
@@ -73,7 +74,10 @@ class VoltageOutput(PolledOutput, Protocol):
 
 
 class PositionInput(PolledInstrument, Protocol):
-    """A position in counts or in a unit: encoder counter, laser, LVDT, potentiometer, magnetic angle sensor."""
+    """A position in counts or in a unit: encoder counter, laser, LVDT, potentiometer, magnetic angle sensor.
+
+    One whose zero survives a restart says so by an attribute ``absolute = True``; ``resume`` then relies on it.
+    """
 
     @property
     def unit(self) -> str:

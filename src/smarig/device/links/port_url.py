@@ -1,0 +1,83 @@
+"""Addresses of lines that carry bytes: a serial port, or a URL; and the opening of what they name.
+
+    /dev/serial/by-id/…, COM3    a serial port of this computer
+    tcp://HOST:PORT              a TCP socket of an instrument or gateway; ``socket://`` is the same
+    rfc2217://HOST:PORT          a serial port on the network
+
+The other URLs of pyserial (``hwgrep://``, ``spy://``, …) are accepted, too.
+"""
+
+import contextlib
+import socket
+from urllib.parse import urlsplit
+
+import serial
+
+from smarig.core import ConfigError
+
+NETWORK = ("tcp", "socket", "rfc2217")  # schemes with host and port
+LOCAL = ("alt", "cp2110", "hwgrep", "loop", "spy")  # of pyserial, for ports of this computer
+_SCHEMES = (
+    "a serial port, tcp://HOST:PORT (a TCP socket) or rfc2217://HOST:PORT (a serial port on the network)"
+)
+
+
+def checked_url(url: str) -> str:
+    """The URL in the words of pyserial. Raises ConfigError for an unknown scheme, and for one without host or port.
+
+    >>> checked_url("tcp://192.168.1.30:5025"), checked_url("/dev/ttyUSB0")
+    ('socket://192.168.1.30:5025', '/dev/ttyUSB0')
+    """
+    scheme, is_url, rest = url.partition("://")
+    if not is_url:
+        return url
+    if scheme not in (*NETWORK, *LOCAL):
+        raise ConfigError(f"'{url}': nothing is reached by '{scheme}://'. Give {_SCHEMES}.")
+    if scheme in NETWORK and not _has_port(rest):
+        kind = "a serial port on the network" if scheme == "rfc2217" else "a TCP socket"
+        written = "rfc2217" if scheme == "rfc2217" else "tcp"
+        raise ConfigError(f"'{url}' is not an address of {kind}. Write {written}://HOST:PORT.")
+    return f"socket://{rest}" if scheme == "tcp" else url
+
+
+def unopened_port(url: str, baud: int, timeout_s: float, write_timeout_s: float) -> serial.Serial:
+    """The port of a checked URL, closed."""
+    return serial.serial_for_url(
+        url,
+        baudrate=baud,
+        timeout=timeout_s,
+        write_timeout=None if url.startswith("rfc2217:") else write_timeout_s,  # rfc2217 has none
+        do_not_open=True,
+    )
+
+
+def send_at_once(port: serial.Serial) -> bool:
+    """Whether it is a TCP socket. A query on it does not wait until the command before is acknowledged, for 40 ms."""
+    line = _socket_of(port)
+    if line is None:
+        return False
+    with contextlib.suppress(OSError):
+        line.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+    return True
+
+
+def close_port(port: serial.Serial) -> None:
+    """Close it; also a socket whose connection was cut, which pyserial would leave open. Never raises."""
+    line = _socket_of(port)
+    with contextlib.suppress(Exception):
+        port.close()
+    if line is not None:
+        line.close()
+
+
+def _socket_of(port: serial.Serial) -> socket.socket | None:
+    line = getattr(port, "_socket", None)
+    return line if isinstance(line, socket.socket) else None
+
+
+def _has_port(rest: str) -> bool:
+    try:
+        parts = urlsplit(f"tcp://{rest}")
+        return bool(parts.hostname and parts.port)
+    except ValueError:
+        return False
