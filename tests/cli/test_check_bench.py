@@ -120,3 +120,62 @@ def test_hardware_is_not_heated_without_confirmation(tmp_path, capsys, monkeypat
 def test_a_make_is_that_of_a_supply(tmp_path, capsys):
     assert cli(["check", rig(tmp_path, make="rigol_dp800"), "--yes"]) == 2
     assert "simulator.make is the make of a supply. Omit it" in capsys.readouterr().err
+
+
+def test_a_preview_of_a_bench_drives_no_current_unless_asked(tmp_path, capsys, monkeypatch):
+    monkeypatch.setattr("smarig.cli.rig_bring_up.open_rig", None)
+    path = tmp_path / "hard.toml"
+    urls = "".join(f'links.{name}.url = "/dev/absent-{name}"\n' for name in ("amplifier", "encoder_daq"))
+    path.write_text(f'name = "hard"\nbase = "bench_one_wire"\nwire = "preview"\n{urls}')
+    preview = ["check", str(path), "--protocol", "initialise"]
+    monkeypatch.setattr("sys.stdin", io.StringIO(""))
+    assert cli(preview) == 0
+    out, err = capsys.readouterr()
+    assert "initialise: 0.02 h, 2 steps" in out
+    assert "No current was driven. To bring the bench up as well, add --bring-up." in out
+    assert "heated" not in err
+    monkeypatch.setattr("sys.stdin", io.StringIO("n\n"))
+    assert cli([*preview, "--bring-up"]) in (2, 130)
+    assert "The wire of hard will be heated gently" in capsys.readouterr().err
+    assert cli([*preview, "--bring-up", "--no-current"]) == 2
+
+
+@pytest.mark.parametrize("campaign", ["quick_look", "./mine.toml"])
+def test_a_campaign_is_not_previewed_by_a_check_which_says_by_what(campaign, capsys):
+    assert cli(["check", "one_wire_twin", "--protocol", campaign]) == 2
+    remedy = f"smarig run {campaign} --rig one_wire_twin --dry-run"
+    assert f"{campaign} is a campaign, which runs several protocols. Preview it with: {remedy}" in (
+        capsys.readouterr().err
+    )
+
+
+LASER = """
+from smarig.device import Silent
+class Laser:
+    identity, unit = "laser", "{unit}"
+    def position(self):
+        return 3.25
+    def close(self):
+        pass
+def a_{unit}_laser(where, rig):
+    if where.url != "laser":
+        raise Silent("There is none. Check its power, the cable and the port.")
+    return Laser()
+"""
+
+
+def test_a_position_in_mm_is_checked_without_a_rig_file(tmp_path, capsys, monkeypatch):
+    """It does not demand that a shipped file be changed."""
+    monkeypatch.chdir(tmp_path)
+    for unit in ("mm", "deg"):
+        (tmp_path / f"a_{unit}_laser.py").write_text(LASER.format(unit=unit))
+    command = ["check", "--role", "encoder_daq", "--url", "laser"]
+    assert cli([*command, "--driver", "./a_mm_laser.py"]) == 0
+    out = capsys.readouterr().out
+    assert "6 of 6 requirements are met" in out
+    assert "for those of your bench: smarig check RIG --driver" in out
+    assert cli([*command, "--driver", "./a_deg_laser.py"]) == 2
+    assert "Name a rig whose wire moves in deg." in capsys.readouterr().err
+    (tmp_path / "mine.toml").write_text('name = "mine"\nbase = "bench_one_wire"\nwire = "laser"\n')
+    assert cli([*command, "--driver", "./a_mm_laser.py", "--rig", "./mine.toml"]) == 2
+    assert "Give encoder.resolution in the file of rig 'mine'" in capsys.readouterr().err

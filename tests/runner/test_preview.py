@@ -84,5 +84,5 @@ def test_the_lower_limit_of_a_bench_without_a_lease_is_told(peak_K, lower_A):
     settings = {"temperatures_K": (peak_K,)}
     found = preview("step_currents", load_rig("one_wire_serial"), settings)
     assert found.without_lease_A == (lower_A and pytest.approx(lower_A, abs=1e-3))
-    assert ("(a source without a lease: at most 0.922 A)" in found.sentence()) == bool(lower_A)
+    assert ("(at most 0.922 A if its source turns out to have no lease)" in found.sentence()) == bool(lower_A)
     assert preview("step_currents", load_rig("one_wire_twin"), settings).without_lease_A is None

@@ -5,35 +5,40 @@ from typing import cast
 import click
 
 from smarig.cli.output import emit, show_message
-from smarig.config import load_rig
+from smarig.config import RigFile, load_rig
 from smarig.core import RigFault, UsageError
 from smarig.device import Role
 from smarig.plant import Actuator
-from smarig.rig import check_driver, without_lease_text
+from smarig.rig import check_driver, rig_for_check, without_lease_text
 from smarig.runner import rig_locks
 
+DEFAULT_RIG = "one_wire_serial"  # simulated devices: a driver can be tried without hardware
 _POWERED = "amplifier"  # the role in which current flows
+_TEST_SHARE = 0.1  # of the largest current
 
 
-def check_one_driver(rig: str, driver: str, role: str, url: str, wire: str, yes: bool) -> None:
+def check_one_driver(rig: str | None, driver: str, role: str, url: str, wire: str, yes: bool) -> None:
     """Report every requirement of the role; RigFault if one is not met."""
-    file = load_rig(rig)
+    file = load_rig(rig) if rig else _default_rig()
     if file.kind == "twin":
         raise UsageError(f"Rig '{file.name}' is a twin and has no devices. Name a rig of kind \"bench\".")
-    on_hardware = file.simulator is None or not file.simulator.start or bool(url)
+    used = rig_for_check(file, cast(Role, role), driver, url)
+    on_hardware = used.simulator is None or not used.simulator.start
     if on_hardware and not yes and role == _POWERED:
-        words = f"A tenth of the largest current of {file.name} will flow through its wire. Continue?"
-        if not click.confirm(words, default=False, err=True):
-            raise UsageError("Nothing was done. Give --yes to skip the question.")
+        _confirm_current(used)
     found = []
-    with rig_locks(file, wire or file.wire):
-        for result in check_driver(rig, file, cast(Role, role), driver, url):
+    with rig_locks(used, wire or file.wire):
+        for result in check_driver(rig or DEFAULT_RIG, file, cast(Role, role), driver, url):
             show_message(result.line)
             found.append(result)
     met = sum(result.passed for result in found)
     lines = [f"{driver} as {role}: {met} of {len(found)} requirements are met."]
     if role == _POWERED and any(result.limitation for result in found):
         lines.append(without_lease_text(file, Actuator.named(file.actuator)))
+    if not rig and url:
+        lines.append(
+            f"The limits were those of {DEFAULT_RIG}; for those of your bench: smarig check RIG --driver …"
+        )
     emit(
         {
             "driver": driver,
@@ -45,3 +50,21 @@ def check_one_driver(rig: str, driver: str, role: str, url: str, wire: str, yes:
     )
     if met < len(found):
         raise RigFault(f"{driver} does not meet the contract of its role. See the requirements marked NOT.")
+
+
+def _default_rig() -> RigFile:
+    """The rig of a check that names none. A position in mm is counted in steps of its encoder."""
+    file = load_rig(DEFAULT_RIG)
+    step = Actuator.named(file.actuator).resolution(file.encoder)
+    return file.model_copy(update={"encoder": file.encoder.model_copy(update={"resolution": step})})
+
+
+def _confirm_current(file: RigFile) -> None:
+    """Ask for confirmation before current flows."""
+    largest_A = max(file.limits.current_max_A, -file.limits.current_min_A)
+    words = (
+        f"A tenth of the largest current of {file.name}, {_TEST_SHARE * largest_A:.3g} A, will flow through its wire. "
+        "Continue?"
+    )
+    if not click.confirm(words, default=False, err=True):
+        raise UsageError("Nothing was done. Give --yes to skip the question.")

@@ -8,19 +8,24 @@ import click
 from smarig.cli.output import emit
 from smarig.cli.progress import preview_progress
 from smarig.cli.rig_bring_up import announced_bring_up
-from smarig.config import RigFile, load_rig
-from smarig.core import ConfigError, LeaseExpired, RigFault, UsageError
+from smarig.config import RigFile, load_rig, shipped_names
+from smarig.core import ConfigError, LeaseExpired, RigFault, UsageError, catalogue_names
 from smarig.device import Check
 from smarig.plant import Actuator
-from smarig.protocols import Setup, parse_pairs
+from smarig.protocols import PROTOCOLS, Setup, parse_pairs
 from smarig.rig import Twin, inconsistencies
 from smarig.runner import preview
 
 _LABELS = {"lease_trips": "Lease test passed"}  # of the values that are no quantities
 
 
-def check_rig(rig: str, protocol: str | None, pairs: tuple[str, ...], preview_only: bool, yes: bool) -> None:
-    """Report what a rig is; ConfigError for constants that contradict each other, RigFault if it is not fit to run."""
+def check_rig(rig: str, protocol: str | None, pairs: tuple[str, ...], *, bring_up: bool, yes: bool) -> None:
+    """Report what a rig is; ConfigError for constants that contradict each other, RigFault if it is not fit to run.
+
+    ``bring_up``: bring a bench up, which heats its wire.
+    """
+    if protocol:
+        _refuse_campaign(protocol, rig)
     file = load_rig(rig)
     actuator = Actuator.named(file.actuator)
     setup = Setup(actuator, file.limits, file.period_s)
@@ -45,7 +50,9 @@ def check_rig(rig: str, protocol: str | None, pairs: tuple[str, ...], preview_on
     problems = inconsistencies(file)
     if problems:
         raise ConfigError("\n".join(f"{rig}: {problem}" for problem in problems))
-    if file.kind == "bench" and not preview_only:
+    if file.kind == "bench" and not bring_up and protocol:
+        lines.append("No current was driven. To bring the bench up as well, add --bring-up.")
+    if file.kind == "bench" and bring_up:
         _confirm_heating(file, yes)
         checks, error = announced_bring_up(rig, file, actuator)
         rig_is_fit = all(c.passed for c in checks)
@@ -58,6 +65,17 @@ def check_rig(rig: str, protocol: str | None, pairs: tuple[str, ...], preview_on
     emit(found, "\n".join(lines))
     if error is not None:
         raise error
+
+
+def _refuse_campaign(protocol: str, rig: str) -> None:
+    """Raise UsageError for the name or the file of a campaign, which is previewed by another command."""
+    if protocol not in catalogue_names(PROTOCOLS) and (
+        protocol in shipped_names("campaigns") or protocol.endswith(".toml")
+    ):
+        raise UsageError(
+            f"{protocol} is a campaign, which runs several protocols. Preview it with: smarig run {protocol} "
+            f"--rig {rig} --dry-run"
+        )
 
 
 def _confirm_heating(file: RigFile, yes: bool) -> None:

@@ -10,6 +10,7 @@ if TYPE_CHECKING:
     from smarig.rig.consistency import DRIVERS as DRIVERS
     from smarig.rig.consistency import inconsistencies as inconsistencies
     from smarig.rig.driver_check import check_driver as check_driver
+    from smarig.rig.driver_check import rig_for_check as rig_for_check
     from smarig.rig.force_statistics import ForceStatistics as ForceStatistics
     from smarig.rig.guard import Guard as Guard
     from smarig.rig.lease_limits import limits_in_force as limits_in_force

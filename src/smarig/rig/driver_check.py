@@ -29,6 +29,22 @@ SIMULATED_DRIVERS = {  # of [simulator].devices: how the names of their drivers 
 SIMULATED_SPEED = 10.0  # of simulated devices, in device seconds per second
 
 
+def rig_for_check(file: RigFile, role: Role, driver: str = "", url: str = "") -> RigFile:
+    """The rig file with this driver and this address. A device at an address of its own is in its own time, not in that
+    of devices which the rig file would start.
+
+    Raises UsageError if the rig has no such device.
+    """
+    links, simulator = required_links(file), file.simulator
+    if getattr(links, role) is None and not driver:
+        raise UsageError(f"Rig '{file.name}' has no link {role}. Give --driver and --url.")
+    changed = {key: value for key, value in (("driver", driver), ("url", url)) if value}
+    link = (getattr(links, role) or links.encoder_daq).model_copy(update=changed)
+    if url and simulator is not None and simulator.start:
+        simulator = None
+    return file.model_copy(update={"links": links.model_copy(update={role: link}), "simulator": simulator})
+
+
 def check_driver(rig: str, file: RigFile, role: Role, driver: str = "", url: str = "") -> Iterator[Check]:
     """Check the device of a role of a rig. ``driver`` and ``url`` replace those of the rig file.
 
@@ -36,20 +52,18 @@ def check_driver(rig: str, file: RigFile, role: Role, driver: str = "", url: str
     zero afterwards.
     """
     with contextlib.ExitStack() as open_:
+        file = rig_for_check(file, role, driver, url)
         links, speed = required_links(file), 1.0
         simulator = file.simulator
         if simulator is not None:
             speed = simulator.speed or SIMULATED_SPEED
-            if simulator.start and not url:
+            if simulator.start:
                 _refuse_other_devices(file, simulator, driver)
                 links = open_.enter_context(
                     started_simulator(rig, simulator, links, TwinSettings(), speed, file.load)
                 )
             file = file.model_copy(update={"simulator": simulator.model_copy(update={"speed": speed})})
-        changed = {key: value for key, value in (("driver", driver), ("url", url)) if value}
-        link = (getattr(links, role) or links.encoder_daq).model_copy(update=changed)
-        if getattr(links, role) is None and not driver:
-            raise UsageError(f"Rig '{file.name}' has no link {role}. Give --driver and --url.")
+        link = getattr(links, role)
         case = ContractCase(
             open=lambda: in_role(role, link, file),
             open_absent=lambda: in_role(role, _without_device(link), file),

@@ -57,7 +57,7 @@ class Preview:
         """The preview in one line."""
         timeout_text = f", {self.timed_out} holds would time out" if self.timed_out else ""
         lower = (
-            f" (a source without a lease: at most {self.without_lease_A:.3g} A)"
+            f" (at most {self.without_lease_A:.3g} A if its source turns out to have no lease)"
             if self.without_lease_A
             else ""
         )

@@ -9,7 +9,6 @@ from smarig.cli.parameter_types import DRIVER, FILE, PROTOCOL, RIG
 from smarig.cli.run_file_check import check_run_file, is_run_file
 from smarig.core import UsageError
 
-DEFAULT_RIG = "one_wire_serial"  # simulated devices: a driver can be tried without hardware
 ROLE_NAMES = ("amplifier", "encoder_daq", "thermometer", "room_thermometer", "load_cell")
 
 EPILOG = """\b
@@ -18,6 +17,7 @@ Examples:
   smarig check validation.run.sqlite
   smarig check damaged.run.sqlite -o saved.run.sqlite
   smarig check --driver smarig_encoder_daq --role encoder_daq
+  smarig check ./my_bench.toml --driver ./my_driver.py --url tcp://192.168.1.30:5025
 """
 
 
@@ -28,9 +28,12 @@ Examples:
 )
 @click.argument("rig", type=RIG, metavar="[RIG|RUN]", required=False)
 @click.option(
+    "--rig", "rig_option", type=RIG, help="The rig, as in other commands, in place of the argument."
+)
+@click.option(
     "--protocol",
     type=PROTOCOL,
-    help="Preview this protocol on the twin: duration, peak current, temperature.",
+    help="Preview this protocol on the twin: duration, peak current, temperature. Drives no current.",
 )
 @click.option(
     "--set", "pairs", multiple=True, metavar="KEY=VALUE", help="A setting of the protocol; repeatable."
@@ -38,6 +41,7 @@ Examples:
 @click.option(
     "--no-current", "preview_only", is_flag=True, help="Bench: only check the files; drive no current."
 )
+@click.option("--bring-up", is_flag=True, help="Bench, with --protocol: bring it up as well.")
 @click.option(
     "--driver",
     type=DRIVER,
@@ -52,7 +56,7 @@ Examples:
 @click.option(
     "--wire", default="", help="With --driver: identity of the wire, if another program uses the rig file's."
 )
-@click.option("--url", default="", help="With --driver: port or address of the device.")
+@click.option("--url", default="", help="With --driver: port of the device, or tcp://HOST:PORT.")
 @click.option("--yes", is_flag=True, help="Bench: heat the wire without confirmation.")
 @click.option(
     "-o", "--out", type=FILE, help="Run file: write what can be saved from it to this new run file."
@@ -61,9 +65,11 @@ Examples:
 @json_option
 def command(
     rig: str | None,
+    rig_option: str | None,
     protocol: str | None,
     pairs: tuple[str, ...],
     preview_only: bool,
+    bring_up: bool,
     driver: str | None,
     role: str,
     wire: str,
@@ -72,7 +78,7 @@ def command(
     out: Path | None,
     force: bool,
 ) -> int:
-    """Check a rig's file, constants and lease, and bring up a bench. Preview a protocol on its twin.
+    """Check a rig's file, constants and lease, and bring up a bench. With --protocol, preview it on the rig's twin.
 
     With --driver, open the device with this driver and check each requirement of its role: current as ordered, off
     after a killed host, lease, readings in order. RIG gives limits and settings (default: one_wire_serial, whose
@@ -81,24 +87,29 @@ def command(
     Of a run file, state what it holds and whether it is whole. With -o, save from a damaged file what its pages
     still hold. The file itself is never changed. The exit status is 4 if it is damaged, even if all was saved.
     """
+    if rig and rig_option:
+        raise UsageError(f"Give one rig: {rig}, or --rig {rig_option}.")
+    rig = rig or rig_option
     if driver:
-        if protocol or pairs or preview_only or out or force:
+        if protocol or pairs or preview_only or bring_up or out or force:
             raise UsageError("With --driver, only RIG, --role, --url, --wire, --yes and --json apply.")
         from smarig.cli.contract_check import check_one_driver
 
-        check_one_driver(rig or DEFAULT_RIG, driver, role, url, wire, yes)
+        check_one_driver(rig, driver, role, url, wire, yes)
         return 0
     if url or wire:
         raise UsageError(f"{'--url' if url else '--wire'} needs --driver.")
     if rig is None:
         raise UsageError("Give a rig, a run file, or --driver.")
     if is_run_file(rig):
-        if protocol or pairs or preview_only or yes:
+        if protocol or pairs or preview_only or bring_up or yes:
             raise UsageError(f"{rig} is a run file; only -o, --force and --json apply to it.")
         return check_run_file(Path(rig), out, force)
     if out or force:
         raise UsageError("-o and --force are for run files (*.run.sqlite).")
+    if preview_only and bring_up:
+        raise UsageError("--no-current drives no current, and --bring-up does. Give one of them.")
     from smarig.cli.rig_check import check_rig
 
-    check_rig(rig, protocol, pairs, preview_only, yes)
+    check_rig(rig, protocol, pairs, bring_up=bring_up or not (preview_only or protocol), yes=yes)
     return 0

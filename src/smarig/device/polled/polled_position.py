@@ -109,7 +109,8 @@ def _per_count(sensor: PositionInput, rig: RigFile) -> float:
     unit = Actuator.named(rig.actuator).unit
     if sensor.unit != unit:
         raise ConfigError(
-            f"{sensor.identity} measures in {sensor.unit}, but the wire of rig '{rig.name}' moves in {unit}."
+            f"{sensor.identity} measures in {sensor.unit}, but the wire of rig '{rig.name}' moves in {unit}. "
+            f"Name a rig whose wire moves in {sensor.unit}."
         )
     if rig.encoder.resolution is None:
         raise ConfigError(

@@ -1,8 +1,8 @@
 """Interfaces of instruments that measure when they are queried and count no ticks: supplies, analogue inputs, meters.
 
 A driver returns such an instrument as it is: the bench samples it by the clock of the host. Quantities are in SI units
-with prefixes as the names say; a reading that does not exist is NaN. If the instrument has an attribute ``line`` (TextLine,
-VisaLine), samples whose query was repeated are marked, and a line that was opened again is reported.
+with prefixes as the names say; a reading that does not exist is NaN. If the instrument has an attribute ``line`` (a
+TextLine or VisaLine), samples whose query was repeated are marked, and a line that was opened again is reported.
 """
 
 from typing import NamedTuple, Protocol

@@ -253,7 +253,7 @@ def _preview(found: EntryPreview, file: RigFile | None) -> dict[str, Any]:
 
 def _current(run: Mapping[str, Any]) -> str:
     lower_A = run.get("without_lease_A")
-    lower = f" (a source without a lease: at most {lower_A:.3g} A)" if lower_A else ""
+    lower = f" (at most {lower_A:.3g} A if its source turns out to have no lease)" if lower_A else ""
     return f"{run['peak_current_A']:.3g} A{lower}"
 
 
