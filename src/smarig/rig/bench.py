@@ -11,7 +11,15 @@ from collections.abc import Callable
 
 from smarig.config import RigFile
 from smarig.core import LeaseExpired, Quality, RigFault, Sample
-from smarig.device import CurrentReading, CurrentSource, Garbled, PositionReading, PositionSensor, Silent
+from smarig.device import (
+    AbsoluteZero,
+    CurrentReading,
+    CurrentSource,
+    Garbled,
+    PositionReading,
+    PositionSensor,
+    Silent,
+)
 from smarig.plant import Actuator
 from smarig.rig.force_statistics import ForceStatistics
 from smarig.rig.further_sensors import FurtherSensors
@@ -224,6 +232,11 @@ class Bench:
         pending = [] if self.lock_step else self._read_positions(self._block)
         self.sensor.zero()
         self._pending_readings = [p._replace(counts=p.counts - pending[-1].counts) for p in pending]
+
+    @property
+    def absolute_zero(self) -> AbsoluteZero | None:
+        """The zero of a sensor that keeps it through a restart; None for others."""
+        return getattr(self.sensor, "absolute_zero", None)
 
     def idle(self, seconds: float) -> None:
         """Send the source no command for this time, so that its lease expires. Later steps return the samples."""

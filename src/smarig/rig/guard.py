@@ -10,6 +10,7 @@ from collections.abc import Sequence
 
 from smarig.config import LimitsFile
 from smarig.core import LimitExceeded, Quality, Sample
+from smarig.device import AbsoluteZero
 from smarig.plant import Actuator, JouleHeating
 from smarig.rig.plausibility import REST_TAUS, Plausibility
 from smarig.rig.rig import Alarm, Rig
@@ -164,6 +165,11 @@ class Guard:
         self.rig.zero()
         if self._plausibility:
             self._plausibility.zeroed()
+
+    @property
+    def absolute_zero(self) -> AbsoluteZero | None:
+        """The zero of a sensor that keeps it through a restart; None for others."""
+        return getattr(self.rig, "absolute_zero", None)
 
     def safe(self) -> None:
         """Set the current to zero."""

@@ -22,6 +22,7 @@ from smarig.core import (
     Zero,
 )
 from smarig.rig import Guard
+from smarig.runner.absolute_zero import zero_data
 from smarig.runner.checked_generator import CheckedGenerator
 from smarig.runner.listener import Listener, StepStartListener
 from smarig.runner.restart_shift import Shift
@@ -78,7 +79,7 @@ class Runner:
             case Zero():
                 self.rig.zero()
                 self.shift.counts = 0
-                self._notify("zero", "Encoder zeroed.")
+                self._notify("zero", "Encoder zeroed.", **zero_data(self.rig.absolute_zero))
             case Mark(label, data):
                 self._notify("mark", label, **data)
         return None

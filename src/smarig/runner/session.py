@@ -38,6 +38,7 @@ from smarig.rig import (
     stress_limit,
     without_lease_text,
 )
+from smarig.runner.absolute_zero import zero_data
 from smarig.runner.end_severity import end_severity
 from smarig.runner.listener import CallbackListener, Listener
 from smarig.runner.lock import rig_locks
@@ -200,7 +201,8 @@ class Session:
         with recording(out):
             recorder = Recorder(out, meta, force=force, clock=self.clock())
             runner = self.runner([recorder, *listeners])
-            recorder.event(runner.t_s, "start", f"Run of {protocol} started.", **self.moment())
+            told = self.moment() | zero_data(self.guard.absolute_zero)
+            recorder.event(runner.t_s, "start", f"Run of {protocol} started.", **told)
             if self.no_lease:
                 for listener in runner.listeners:
                     listener.event(runner.t_s, "no_lease", self.no_lease, level="warning")

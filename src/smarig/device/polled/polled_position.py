@@ -8,7 +8,7 @@ from smarig.device.encoding.link_faults import Garbled
 from smarig.device.polled.host_clock import HostClock
 from smarig.device.polled.line_counts import reconnections_of, repeats_of
 from smarig.device.roles.polled import PositionInput, TemperatureInput
-from smarig.device.roles.ticked import PositionReading
+from smarig.device.roles.ticked import AbsoluteZero, PositionReading
 from smarig.plant import Actuator
 
 LONGEST_GAP_S = 2.0  # without a valid reading; after it the sensor counts as lost
@@ -47,6 +47,13 @@ class PolledPosition:
     def identity(self) -> str:
         """The sensor, and the clock that counts its ticks."""
         return f"{self.sensor.identity}, {self._clock.started}"
+
+    @property
+    def absolute_zero(self) -> AbsoluteZero | None:
+        """The count of an absolute sensor at which the position is 0; None if the sensor is not absolute."""
+        if not getattr(self.sensor, "absolute", False):
+            return None
+        return AbsoluteZero(self.sensor.identity, self._zero)
 
     @property
     def reconnections(self) -> int:

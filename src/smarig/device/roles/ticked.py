@@ -28,6 +28,13 @@ class PositionReading(NamedTuple):
     quality: Quality
 
 
+class AbsoluteZero(NamedTuple):
+    """Where a sensor whose zero survives a restart has its zero: its identity, and its own count there."""
+
+    sensor: str
+    counts: int
+
+
 class CurrentSource(Protocol):
     """Drives a current and measures it."""
 
@@ -72,7 +79,10 @@ class CurrentSource(Protocol):
 
 
 class PositionSensor(Protocol):
-    """Reads a position by its own clock."""
+    """Reads a position by its own clock.
+
+    One whose zero survives a restart has an attribute ``absolute_zero`` (AbsoluteZero); ``resume`` then relies on it.
+    """
 
     @property
     def identity(self) -> str:

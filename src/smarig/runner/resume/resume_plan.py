@@ -11,9 +11,11 @@ from dataclasses import dataclass
 from typing import Literal
 
 from smarig.core import DataError, Hold, Settled, Waveform
+from smarig.device import AbsoluteZero
 from smarig.preisach import Preisach, RelayMeasure
 from smarig.protocols import Setup
 from smarig.record import Run, Step
+from smarig.runner.absolute_zero import counts_to_add
 from smarig.runner.restart_shift import Shift
 from smarig.runner.resume.replay_protocol import FinishedStep, ReplayedProtocol
 from smarig.runner.wire_heat import COLD_TAUS
@@ -82,12 +84,15 @@ def _initial_memory(start: StartState | None, lower_K: float, upper_K: float) ->
 
 @dataclass(frozen=True)
 class RigState:
-    """The present state of the rig: its device and tick, and whether it is a new twin in its first state."""
+    """The present state of the rig: its device and tick, whether it is a new twin in its first state, and the zero of
+    a sensor that keeps it through a restart.
+    """
 
     device: str
     tick: int
     fresh_twin: bool
     initial: str
+    absolute_zero: AbsoluteZero | None = None
 
 
 @dataclass(frozen=True)
@@ -145,7 +150,8 @@ def plan_resume(run: Run, replayed: ReplayedProtocol, setup: Setup, now: RigStat
     if path_K is None:
         return ResumePlan(replayed, settle, shift, reason)
     currents = _currents(path_K, replayed, setup)
-    zero_known = same_device or (now.fresh_twin and _last_zero(run) == "power-up")
+    zero_kept = counts_to_add(run, now.absolute_zero) is not None
+    zero_known = same_device or zero_kept or (now.fresh_twin and _last_zero(run) == "power-up")
     reference = None if zero_known else _reference(run, replayed, path_K, setup)
     return ResumePlan(
         replayed=replayed,
@@ -251,7 +257,8 @@ def _shift(run: Run, setup: Setup, now: RigState, same_device: bool) -> Shift:
         )
     last = int(run["tick"][-1]) if len(run) else 0
     gap_s = max(COLD_TAUS * setup.tau_s, _idle_s(run))
-    return Shift(last + math.ceil(gap_s / setup.period_s) - now.tick)
+    counts = counts_to_add(run, now.absolute_zero) or 0
+    return Shift(last + math.ceil(gap_s / setup.period_s) - now.tick, counts)
 
 
 def _idle_s(run: Run) -> float:

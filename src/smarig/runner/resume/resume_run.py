@@ -127,7 +127,8 @@ def _resume_recording(
     protocol, settings = str(run.info.protocol), launch["settings"]
     same = check_same_rig(run, session)
     fresh_twin = session.source == "twin" and session.rig.tick == 0
-    now = RigState(session.device, session.rig.tick, fresh_twin, session.initial)
+    zero = session.guard.absolute_zero
+    now = RigState(session.device, session.rig.tick, fresh_twin, session.initial, zero)
     with damaged_record_as_data_error(run):
         replayed = replay_protocol(build_protocol(protocol, session.setup, settings, chooser), run)
         plan = replace(plan_resume(run, replayed, session.setup, now), remarks=same.remarks)
