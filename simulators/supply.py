@@ -4,7 +4,7 @@ import threading
 import time
 from collections.abc import Callable
 
-from simulators.supply_dialects import DIALECTS
+from simulators.supply_dialects import DIALECTS, Commands
 from simulators.text_server import TextServer
 from smarig.core import UsageError, suggestion
 
@@ -17,6 +17,7 @@ QUERIES = ("setting", "is_on", "current", "voltage", "both", "watched", "delay_o
 
 class SimulatedSupply(TextServer):
     """``speed``: its seconds per second. ``drive`` is told the current, ``ohm`` tells the load's resistance.
+    ``commands``: in place of those of the make.
 
     Commands that the make does not know are kept in ``unknown``.
     """
@@ -27,15 +28,17 @@ class SimulatedSupply(TextServer):
         speed: float = 1.0,
         drive: Callable[[float], None] = lambda _: None,
         ohm: Callable[[], float] = lambda: OHM,
+        commands: Commands | None = None,
     ) -> None:
-        if make not in DIALECTS:
+        if commands is None and make not in DIALECTS:
             raise UsageError(f"No make '{make}' of simulated supplies{suggestion(make, list(DIALECTS))}.")
-        self.identity, self._dialect = DIALECTS[make]
+        self.identity, self._dialect = commands or DIALECTS[make]
         self._flags = ("ON", "OFF") if make in ON_OR_OFF else ("1", "0")
         self.speed, self._drive, self._ohm = speed, drive, ohm
         self.level_A, self.limit_V = 0.0, 0.0
         self.output, self.protected = False, 0
-        self.delay_s, self.watching, self.fed_s = 60, False, time.monotonic()
+        self.delay_s: float = 60
+        self.watching, self.fed_s = False, time.monotonic()
         self.off_after_s: float | None = None  # of its own seconds without a command, when the watchdog acted
         self.unknown: list[str] = []
         self._lock = threading.Lock()

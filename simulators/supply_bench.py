@@ -4,8 +4,6 @@ Prints their VISA addresses as one line of JSON, for each role of the rig file. 
 is the clock's, times ``--speed``.
 """
 
-import threading
-import time
 from typing import Any
 
 import click
@@ -13,13 +11,12 @@ import click
 from simulators.meter import SimulatedMeter
 from simulators.on_the_clock import serve, wire_options
 from simulators.supply import SimulatedSupply
-from simulators.wire_quantities import WireQuantities
+from simulators.wire_by_clock import WireByClock
 from smarig.config import LinkFile, RigFile
 from smarig.core import UsageError
 from smarig.rig import TwinSettings
 
 MAKE = "keysight_n6700"
-IDLE_s = 0.02  # at most, between two looks at the clock
 QUANTITIES = {
     "encoder_daq": "position",
     "thermometer": "temperature",
@@ -34,16 +31,15 @@ class SupplyBench:
     def __init__(self, file: RigFile, settings: TwinSettings, make: str = MAKE, speed: float = 1.0) -> None:
         if file.links is None:
             raise UsageError(f"Rig '{file.name}' has no table [links].")
-        self.wire, self._speed, self._begin_s = WireQuantities(file, settings), speed, time.monotonic()
-        self._current_A, self._tick = 0.0, 0
-        self._lock = threading.Lock()
-        self.supply = SimulatedSupply(make, speed, self._drive, self._ohm)
+        self.by_clock = WireByClock(file, settings, speed)
+        self.wire = self.by_clock.wire
+        self.supply = SimulatedSupply(make, speed, self.by_clock.drive, self.by_clock.ohm)
         self.meters = {
             name: self._meter(link, quantity)
             for name, quantity in QUANTITIES.items()
             if (link := getattr(file.links, name)) is not None and link.driver == "visa_meter"
         }
-        threading.Thread(target=self._pass_time, daemon=True).start()
+        self.by_clock.pass_time_until(self.supply.over)
 
     @property
     def urls(self) -> dict[str, str]:
@@ -55,34 +51,13 @@ class SupplyBench:
         for server in (self.supply, *self.meters.values()):
             server.close()
 
-    def advance(self) -> None:
-        """Let the time until now act on the wire."""
-        with self._lock:
-            due = int((time.monotonic() - self._begin_s) * self._speed / self.wire.file.period_s)
-            for _ in range(self._tick, due):
-                self.wire.advance(self._current_A)
-            self._tick = max(self._tick, due)
-
-    def _drive(self, current_A: float) -> None:
-        self.advance()
-        self._current_A = current_A
-
-    def _ohm(self) -> float:
-        return self.wire.specimen.plant.resistance_ohm(self._current_A)
-
     def _meter(self, link: LinkFile, quantity: str) -> SimulatedMeter:
         scale, offset = link.settings.get("scale", 1.0), link.settings.get("offset", 0.0)
 
         def value() -> float:
-            self.advance()
-            return (self.wire.quantity(quantity) - offset) / scale
+            return (self.by_clock.quantity(quantity) - offset) / scale
 
         return SimulatedMeter(link.settings.get("query", "READ?"), value, f"smarig,meter of {quantity},1,0")
-
-    def _pass_time(self) -> None:
-        """Time also passes without requests."""
-        while not self.supply.over.wait(min(IDLE_s, self.wire.file.period_s / self._speed)):
-            self.advance()
 
 
 @click.command()

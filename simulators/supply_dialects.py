@@ -44,7 +44,9 @@ WATCHDOG = {
     "delay_of": r"outp:prot:wdog:del\?",
 }
 OUT1 = "inst out1;"
-DIALECTS: dict[str, tuple[str, list[tuple[re.Pattern[str], str]]]] = {  # make: (answer to *IDN?, commands)
+Commands = tuple[str, list[tuple[re.Pattern[str], str]]]  # the answer to *IDN?, and what follows each command
+BOX: Commands = ("smarig,BOX-1,1,1.0", dialect(**PLAIN, clear="outp:prot:cle"))
+DIALECTS: dict[str, Commands] = {  # by make
     "keysight_e36300": ("Keysight Technologies,E36312A,MY1,1.0", dialect(**KEYSIGHT)),
     "keysight_n6700": (
         "Keysight Technologies,N6702C,MY1,E.02",

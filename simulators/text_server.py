@@ -22,9 +22,14 @@ class TextServer(ABC):
         """The answer to a line; None if it has none."""
 
     @property
+    def port(self) -> int:
+        """The port on which it listens."""
+        return self._server.getsockname()[1]
+
+    @property
     def url(self) -> str:
         """Its VISA address."""
-        return f"TCPIP0::127.0.0.1::{self._server.getsockname()[1]}::SOCKET"
+        return f"TCPIP0::127.0.0.1::{self.port}::SOCKET"
 
     def drop(self) -> None:
         """Cut every connection."""

@@ -237,7 +237,9 @@ class SimulatorFile(TomlTable):
     already run at the addresses of the links.
     """
 
-    devices: Literal["reference", "labjack", "supply"] = "reference"  # those of firmware_protocol, or others
+    devices: Literal["reference", "labjack", "supply", "text"] = (
+        "reference"  # those of firmware_protocol, or others; text: the box of smarig new driver
+    )
     make: str = ""  # of a supply, as in makes.toml
     start: bool = True  # false: the devices already run at the addresses of the links
     speed: Number = Field(default=0.0, ge=0, le=1e6)  # × real time; 0: as fast as possible

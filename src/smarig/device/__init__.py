@@ -27,6 +27,8 @@ if TYPE_CHECKING:
     from smarig.device.encoding.register import from_words as from_words
     from smarig.device.encoding.register import load_register_map as load_register_map
     from smarig.device.encoding.register import to_words as to_words
+    from smarig.device.links.shared_text_line import SharedTextLine as SharedTextLine
+    from smarig.device.links.shared_text_line import shared_text_line as shared_text_line
     from smarig.device.links.text_line import TextLine as TextLine
     from smarig.device.polled.adapted import as_current_source as as_current_source
     from smarig.device.polled.adapted import as_force_input as as_force_input

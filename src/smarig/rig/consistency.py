@@ -21,6 +21,7 @@ SIMULATED = {  # links whose devices [simulator] starts
     "reference": ("amplifier", "encoder_daq"),
     "labjack": tuple(LinksFile.model_fields),  # one box serves all roles
     "supply": tuple(LinksFile.model_fields),  # and a meter for each other role
+    "text": ("amplifier", "encoder_daq"),  # one instrument serves both
 }
 PLACEHOLDER = "REPLACE"  # in the addresses of the templates
 OVER_CURRENT = 1.05  # of the largest current; above it the amplifier trips by itself

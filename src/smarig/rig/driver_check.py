@@ -69,6 +69,7 @@ def check_driver(rig: str, file: RigFile, role: Role, driver: str = "", url: str
             open_absent=lambda: in_role(role, _without_device(link), file),
             rig=file,
             wait=lambda seconds: time.sleep(seconds / speed),
+            clock=lambda: time.monotonic() * speed,
         )
         with case.opened():
             pass  # a device that is not there is one error, not a list of broken requirements

@@ -199,6 +199,7 @@ def _timed_command(how: SimulatorFile, speed: float) -> list[str]:
     name, module = {
         "labjack": ("LabJack", "simulators.labjack"),
         "supply": ("supply", "simulators.supply_bench"),
+        "text": ("text instrument", "simulators.text_bench"),
     }[how.devices]
     unknown = [key for key in ("faults", "library", "trace") if getattr(how, key)]
     if unknown or not speed:

@@ -56,13 +56,14 @@ class Limitation(str):
 class ContractCase:
     """``open`` opens the instrument in its role, ``open_absent`` at an address where there is none.
 
-    ``wait`` lets this many seconds of the devices pass.
+    ``wait`` lets this many seconds of the devices pass, or more on a busy machine; ``clock`` tells their seconds.
     """
 
     open: Callable[[], Any]
     open_absent: Callable[[], Any]
     rig: RigFile
     wait: Callable[[float], None] = time.sleep
+    clock: Callable[[], float] | None = None
 
     @property
     def largest_A(self) -> float:
@@ -79,9 +80,11 @@ class ContractCase:
         """The largest difference between an ordered and a measured current."""
         return TOLERANCE_SHARE * self.largest_A
 
-    def wait_ticks(self, ticks: float) -> None:
-        """Let this many ticks pass."""
+    def wait_ticks(self, ticks: float) -> float:
+        """Let this many ticks pass, and return how many periods have passed."""
+        begin_s = self.clock() if self.clock else 0.0
         self.wait(ticks * self.rig.period_s)
+        return (self.clock() - begin_s) / self.rig.period_s if self.clock else ticks
 
     @contextmanager
     def opened(self) -> Iterator[Any]:

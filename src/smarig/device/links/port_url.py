@@ -64,10 +64,19 @@ def send_at_once(port: serial.Serial) -> bool:
 def close_port(port: serial.Serial) -> None:
     """Close it; also a socket whose connection was cut, which pyserial would leave open. Never raises."""
     line = _socket_of(port)
+    if line is not None:
+        with contextlib.suppress(OSError):
+            line.shutdown(socket.SHUT_RDWR)
+        line.close()
+        port.is_open = False  # pyserial would wait for 0.3 s
+        return
     with contextlib.suppress(Exception):
         port.close()
-    if line is not None:
-        line.close()
+
+
+def error_of(url: str, error: BaseException) -> str:
+    """What pyserial says, with the address as it was given."""
+    return str(error).replace("socket://", "tcp://") if url.startswith("tcp://") else str(error)
 
 
 def _socket_of(port: serial.Serial) -> socket.socket | None:

@@ -12,7 +12,7 @@ carried out.
 import math
 
 from smarig.device.encoding.link_faults import Garbled, Silent
-from smarig.device.links.port_url import checked_url, close_port, send_at_once, unopened_port
+from smarig.device.links.port_url import checked_url, close_port, error_of, send_at_once, unopened_port
 from smarig.device.links.query import only_reads
 from smarig.device.links.serial_port import PORT_ERRORS
 
@@ -45,7 +45,7 @@ class TextLine:
             self._port = unopened_port(checked, baud, timeout_s, timeout_s)
             self._port.open()
         except PORT_ERRORS as error:
-            raise Silent(f"{url} cannot be opened: {error}. {Silent.remedy}") from None
+            raise Silent(f"{url} cannot be opened: {error_of(url, error)}. {Silent.remedy}") from None
         send_at_once(self._port)
 
     def identify(self) -> str:
@@ -148,7 +148,9 @@ class TextLine:
         try:
             self._port.open()
         except PORT_ERRORS as error:
-            raise Silent(f"{self.where} cannot be opened again: {error}. {Silent.remedy}") from None
+            raise Silent(
+                f"{self.where} cannot be opened again: {error_of(self.where, error)}. {Silent.remedy}"
+            ) from None
         if send_at_once(self._port):
             self._identities = 0  # those of another connection cannot come
         self._broken, self._late, self._heard = False, True, b""

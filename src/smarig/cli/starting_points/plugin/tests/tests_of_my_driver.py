@@ -13,9 +13,9 @@ DRIVERS = "smarig.device.drivers"
 
 
 class _Supply(socketserver.StreamRequestHandler):
-    """Keeps a current and an output switch; its load has 4 Ω."""
+    """Keeps a current, an output switch and a watchdog; its load has 4 Ω."""
 
-    current_A, on = 0.0, False
+    current_A, on, lease = 0.0, False, "0"
 
     def handle(self) -> None:
         with contextlib.suppress(OSError):
@@ -32,6 +32,12 @@ class _Supply(socketserver.StreamRequestHandler):
                 self.current_A = float(amount)
             case ["OUTP", switch]:
                 type(self).on = switch == "ON"
+            case ["SYST:WDOG", lease]:
+                self.lease = lease
+            case ["SYST:WDOG?"]:
+                return self.lease
+            case ["MEAS:POS?"]:
+                return "3.25"
             case ["CURR?"]:
                 return f"{self.current_A:.6f}"
             case ["OUTP?"]:
@@ -50,7 +56,7 @@ def source():
         threading.Thread(target=server.serve_forever, daemon=True).start()
         rig = load_rig("bench_one_wire")
         assert rig.links is not None
-        url = f"socket://127.0.0.1:{server.server_address[1]}"
+        url = f"tcp://127.0.0.1:{server.server_address[1]}"
         where = rig.links.amplifier.model_copy(update={"url": url, "timeout_s": 5.0})
         opened = catalogue_entry(DRIVERS, resolve_name(DRIVERS, "my_driver"))(where, rig)
         yield opened
@@ -60,9 +66,12 @@ def source():
 
 def test_it_sets_reads_and_switches_off(source):
     assert not _Supply.on
+    source.arm()
+    assert source.has_lease
     source.set_current(0.5)
     assert _Supply.on
     reading = source.measure()
     assert (reading.current_A, reading.voltage_V) == (0.5, 2.0)
+    assert source.position() == 3.25
     assert source.off() == ""
     assert not _Supply.on
