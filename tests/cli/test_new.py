@@ -130,6 +130,7 @@ def test_the_driver_talks(made):
     try:
         source = catalogue_entry(DRIVERS, resolve_name(DRIVERS, str(made["driver"])))(where, rig)
         source.arm()
+        assert source.has_lease, "its watchdog was read back"
         source.set_current(0.5)
         assert supply.heard[:5] == ["OUTP OFF", "*IDN?", "CURR 0", "OUTP OFF", "OUTP?"]
         assert supply.heard[-3:] == ["CURR 0.500000", "OUTP ON", "CURR?"]

@@ -19,6 +19,7 @@ class Supply:
         self.identity, self.takes = identity, takes
         self.heard: list[str] = []
         self.current, self.on, self.stuck = 0.0, False, False
+        self.watchdog = "0"
         self._over = False
         self._keeping, self._kept = 0, list[bytes]()
         self._then: Callable[[], None] = lambda: None
@@ -63,6 +64,10 @@ class Supply:
                 self.on = state == "ON" or self.stuck
             case ["OUTP?"]:
                 return str(int(self.on))
+            case ["SYST:WDOG", seconds]:
+                self.watchdog = seconds
+            case ["SYST:WDOG?"]:
+                return self.watchdog
             case ["CURR?"]:
                 return f"{self.current:.6f}"  # "nan" where it takes nan
             case ["MEAS:CURR?"]:
