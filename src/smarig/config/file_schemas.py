@@ -232,14 +232,13 @@ class ProtectionFile(TomlTable):
 class SimulatorFile(TomlTable):
     """[simulator]: the command starts simulated devices. ``speed`` × real time; 0: as fast as possible.
 
+    ``devices``: "text" is the box that ``smarig new driver`` speaks to.
     ``faults``: file with faults to simulate. ``library``: the C firmware built for this computer, in place of the
     devices in Python. ``trace``: file for the true state of the simulated wire. With ``start = false`` the devices
     already run at the addresses of the links.
     """
 
-    devices: Literal["reference", "labjack", "supply", "text"] = (
-        "reference"  # those of firmware_protocol, or others; text: the box of smarig new driver
-    )
+    devices: Literal["reference", "labjack", "supply", "text"] = "reference"  # firmware_protocol's, or others
     make: str = ""  # of a supply, as in makes.toml
     start: bool = True  # false: the devices already run at the addresses of the links
     speed: Number = Field(default=0.0, ge=0, le=1e6)  # × real time; 0: as fast as possible

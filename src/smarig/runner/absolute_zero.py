@@ -9,7 +9,7 @@ from smarig.device import AbsoluteZero
 from smarig.record import Run
 
 _KEY = "absolute_zero"
-_TELLING = ("start", "zero")  # events that hold it, the last of which counts
+_EVENT_KINDS = ("start", "zero")  # the last of these counts
 
 
 def zero_data(zero: AbsoluteZero | None) -> dict[str, Any]:
@@ -19,8 +19,8 @@ def zero_data(zero: AbsoluteZero | None) -> dict[str, Any]:
 
 def recorded_zero(run: Run) -> AbsoluteZero | None:
     """The zero of a record; None if its sensor is not absolute, or the record is damaged."""
-    told = [event.data.get(_KEY) for event in run.events if event.kind in _TELLING]
-    match told[-1] if told else None:
+    zeros = [event.data.get(_KEY) for event in run.events if event.kind in _EVENT_KINDS]
+    match zeros[-1] if zeros else None:
         case {"sensor": str(sensor), "counts": int(counts)}:
             return AbsoluteZero(sensor, counts)
     return None

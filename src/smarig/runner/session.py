@@ -201,8 +201,8 @@ class Session:
         with recording(out):
             recorder = Recorder(out, meta, force=force, clock=self.clock())
             runner = self.runner([recorder, *listeners])
-            told = self.moment() | zero_data(self.guard.absolute_zero)
-            recorder.event(runner.t_s, "start", f"Run of {protocol} started.", **told)
+            data = self.moment() | zero_data(self.guard.absolute_zero)
+            recorder.event(runner.t_s, "start", f"Run of {protocol} started.", **data)
             if self.no_lease:
                 for listener in runner.listeners:
                     listener.event(runner.t_s, "no_lease", self.no_lease, level="warning")

@@ -13,21 +13,21 @@ from smarig.device.links.text_line import TextLine
 
 
 @dataclass
-class _Entry:
+class _OpenLine:
     """An open line and the number of its users."""
 
     line: TextLine
     users: int = 0
 
 
-_OPEN: dict[str, _Entry] = {}
+_OPEN: dict[str, _OpenLine] = {}
 _GUARD = threading.Lock()
 
 
 class SharedTextLine:
     """One user's part in a line. After its ``close`` it raises Silent; the other users keep theirs."""
 
-    def __init__(self, key: str, entry: _Entry) -> None:
+    def __init__(self, key: str, entry: _OpenLine) -> None:
         self._key, self._entry, self._open = key, entry, True
         entry.users += 1
 
@@ -89,5 +89,5 @@ def shared_text_line(where: LinkFile, who: str = "*IDN?") -> SharedTextLine:
     with _GUARD:
         entry = _OPEN.get(key)
         if entry is None:
-            entry = _OPEN[key] = _Entry(TextLine(where.url, where.baud, where.timeout_s, who))
+            entry = _OPEN[key] = _OpenLine(TextLine(where.url, where.baud, where.timeout_s, who))
         return SharedTextLine(key, entry)
