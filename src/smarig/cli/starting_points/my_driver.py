@@ -34,7 +34,7 @@ from smarig.plant import Actuator
 HEADROOM = 1.2  # times the voltage of the largest current through the largest resistance
 
 
-def my_driver(where: LinkFile, rig: RigFile) -> "Box":
+def my_driver(where: LinkFile, rig: RigFile) -> "SourceAndSensor":
     """Open the instrument, verify its identity, and leave it off. The function has the name of the file."""
     if rig.limits.current_min_A < 0:
         raise ConfigError(f"Rig '{rig.name}' has a negative current_min_A, but this source is unipolar.")
@@ -42,13 +42,13 @@ def my_driver(where: LinkFile, rig: RigFile) -> "Box":
     ohm = max(heating.resistance_martensite.value, heating.resistance_austenite.value)
     line = shared_text_line(where, who="*IDN?")
     try:
-        return Box(line, rig.lease_s, HEADROOM * rig.limits.current_max_A * ohm)
+        return SourceAndSensor(line, rig.lease_s, HEADROOM * rig.limits.current_max_A * ohm)
     except BaseException:
         line.close()
         raise
 
 
-class Box:
+class SourceAndSensor:
     """A current output and a position, with the methods that a bench calls, once in each tick."""
 
     unit = "mm"  # of the position: "mm", "deg" or "count"

@@ -17,7 +17,7 @@ from smarig.device.links.query import only_reads
 from smarig.device.links.serial_port import PORT_ERRORS
 
 QUIET = 8  # time-outs without a reply after which no answer can follow
-PATIENCE = (
+SECOND_WAIT = (
     2  # time-outs that a second attempt waits for the identity; a dead line is no reason to wait longer
 )
 TRIES = 3  # queries of the identity on a line that still answers
@@ -83,7 +83,7 @@ class TextLine:
             if not (only_reads(question) if reads is None else reads):
                 raise
             try:
-                self._make_ready(PATIENCE)
+                self._make_ready(SECOND_WAIT)
             except Silent:
                 raise unanswered from None
         self.repeats += 1
@@ -110,7 +110,7 @@ class TextLine:
         except Silent:
             if not self._broken:
                 raise
-            self._resynchronise(PATIENCE)
+            self._resynchronise(SECOND_WAIT)
 
     def _exchange(self, question: str) -> str:
         self._late = True
