@@ -96,7 +96,7 @@ class TickTrace:
     """A CSV file of the ticks. Each row is flushed as soon as its tick is over."""
 
     def __init__(self, path: Path) -> None:
-        self._file = path.open("w", encoding="utf-8", buffering=1)
+        self._file = path.open("x", encoding="utf-8", buffering=1)  # never in place of another file
         self._start_s = time.monotonic()
         self._file.write(HEAD)
 

@@ -195,7 +195,7 @@ def test_a_rig_file_may_bring_its_driver(capsys, here, monkeypatch):
     killed = cut(run.path, here / "elsewhere" / "k.run.sqlite", 1500)
     status, _, err = call(capsys, "resume", killed)
     assert status == 2
-    assert f"whose own driver {here / 'shunted.py'}" in err
+    assert f"names the rig file '{here / 'mine.toml'}', which is not read" in err
     assert session_for(load_run(killed), rig="../mine.toml").file.name == "mine"
 
 
@@ -251,7 +251,7 @@ def test_a_model_brings_no_driver_and_moves_no_hardware(capsys, here):
     simulate = ["--protocol", "validation", "--set", "points=2", "-o", "s.run.sqlite"]
     status, _, err = call(capsys, "simulate", "g.model.json", *simulate)
     assert status == 2
-    assert "whose own driver" in err
+    assert "g.model.json names the rig file './mine.toml', which is not read" in err
     assert call(capsys, "simulate", "g.model.json", *simulate, "--rig", "bench_one_wire")[0] == 0
     assert load_run("s.run.sqlite").meta["source"] == "simulation"
     assert not (here / "executed").exists()

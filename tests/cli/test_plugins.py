@@ -163,7 +163,7 @@ def test_a_driver_of_a_plugin_is_recorded_and_not_loaded_by_the_run(capsys, acme
         (entry,) = load_run("d.run.sqlite").meta["own_files"]
         assert (entry["kind"], entry["name"], entry["distribution"]) == ("driver", "relay", "relays")
         cut(Path("d.run.sqlite"), acme / "k.run.sqlite", 1500)
-        assert "whose own driver relay" in call(capsys, "resume", "k.run.sqlite")[2]
+        assert "which is not read" in call(capsys, "resume", "k.run.sqlite")[2]
         newer = (info / "METADATA").read_text().replace("Version: 1\n", "Version: 2\n")
         (info / "METADATA").write_text(newer)
         status, _, err = call(capsys, "resume", "k.run.sqlite", "--rig", "./bench.toml", "--quiet")

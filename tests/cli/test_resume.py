@@ -149,7 +149,7 @@ def test_another_scale_is_refused_before_anything_moves(capsys, killed_on_own_fi
 
 def test_a_comment_is_told_in_a_line(capsys, killed_on_own_files):
     edit(*COMMENT)
-    status, out, err = call(capsys, "resume", killed_on_own_files, "--quiet", "--json")
+    status, out, err = call(capsys, "resume", killed_on_own_files, "--rig", "mine.toml", "--quiet", "--json")
     assert status == 0
     assert "the actuator file has another text, but the same values" in json.loads(out)["how"]
     assert err.splitlines()[-1].endswith("the actuator file has another text, but the same values.")
@@ -160,7 +160,7 @@ def test_a_comment_is_told_in_a_line(capsys, killed_on_own_files):
 
 def test_a_raised_limit_is_told_in_the_log_before_the_run_goes_on(capsys, killed_on_own_files):
     edit("base.toml", "temperature_max_K = 185.0", "temperature_max_K = 190.0")
-    status, _, err = call(capsys, "resume", killed_on_own_files)
+    status, _, err = call(capsys, "resume", killed_on_own_files, "--rig", "mine.toml")
     assert status == 0
     lines = err.splitlines()
     told = next(k for k, line in enumerate(lines) if "MINOR rig: Since the interruption: limits" in line)
@@ -379,9 +379,12 @@ def test_a_run_that_a_fault_ended_says_how_to_continue_it(capsys, tmp_path):
     options = ("run", "step_currents", "--rig", rig, "-o", out, "--set", "currents_A=0.4", "--quiet")
     status, _, err = call(capsys, *options)
     assert status == 3
-    assert f"When the cause is removed, smarig resume {out} continues this run.\nsmarig: The encoder" in err
+    assert (
+        f"When the cause is removed, smarig resume {out} --rig {rig} continues this run.\nsmarig: The encoder"
+        in err
+    )
     faults.write_text(jump.format(9000))
-    assert call(capsys, "resume", out, "--quiet")[0] == 0
+    assert call(capsys, "resume", out, "--rig", rig, "--quiet")[0] == 0
     assert load_run(out).cause == "done"
     missing = tmp_path / "missing.toml"
     missing.write_text(

@@ -3,8 +3,7 @@
 import pytest
 
 from smarig.cli.output import report_error
-from smarig.config import load_rig, recorded_file, shipped_names
-from smarig.core import ConfigError, TomlTable, UsageError, load_toml, number_from_text
+from smarig.core import ConfigError, TomlTable, load_toml, number_from_text
 
 
 class Table(TomlTable):
@@ -54,17 +53,3 @@ def test_no_message_controls_the_terminal_or_floods_it(capsys):
     assert err.startswith(r"smarig: \x1b]0;owned\x07\x1b[2J\u202exxx")
     assert err.endswith("\\ud800 end\n")
     assert len(err) < 5000
-
-
-def test_a_file_that_only_a_record_names_is_not_quoted(tmp_path):
-    secret = tmp_path / "secret.toml"
-    secret.write_text('password = "hunter2"')
-    with pytest.raises(UsageError) as refusal, recorded_file("a.run.sqlite", str(secret), "Give --rig."):
-        load_rig(str(secret))
-    assert str(refusal.value) == (
-        f"a.run.sqlite names the file {secret}, which is not as expected here. Give --rig."
-    )
-    assert not refusal.value.__cause__
-    with pytest.raises(UsageError, match="There are: bench_one_wire"), recorded_file("a", "no_rig", ""):
-        load_rig("no_rig")
-    assert "one_wire_twin" in shipped_names("rigs")

@@ -18,7 +18,6 @@ FILES = Path(__file__).with_name("old_files")
 Questions = dict[str, Callable[[], Answer]]
 FAST = ("--speed", 1e6)  # some were begun at a speed that a person can watch
 ALONG = {"one_wire": "open_loop", "two_wire": "two_wire"}
-WRITTEN_IN = "/lab/box5"  # where the box lay when its model was written
 
 
 def names(folder: str, ending: str) -> list[str]:
@@ -121,9 +120,6 @@ def box(folder: Path) -> Answer:
     train = sorted((folder / "train").glob("*.run.sqlite"))
     given, kept = folder / "positive.model.json", folder / "again.model.json"
     extended, out = folder / "diagnosis/extended.model.json", folder / "simulated.run.sqlite"
-    # The runs that the model was made from are found by their paths.
-    at_its_place = extended.read_text(encoding="utf-8").replace(WRITTEN_IN, folder.as_posix())
-    extended.write_text(at_its_place, encoding="utf-8")
     return {
         "given": ask("verify", given, *held_out),
         "extended": ask("verify", extended, *held_out),

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import smarig
+from smarig.config import load_rig
 from smarig.plant.actuator import Actuator
 from smarig.plant.heating import temperature_along
 from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface
@@ -55,8 +56,10 @@ def test_fig_5_3_fast_loops_drift_slow_loops_do_not_and_the_operator_explains_bo
 
 
 def test_fig_5_4_initialisation():
+    rig = load_rig("two_wire_twin")
     none, thesis, planned = (
-        initialisation_spread("two_wire_twin", method) for method in ("none", "thesis", "planned")
+        initialisation_spread(rig, Actuator.named(rig.actuator), method)
+        for method in ("none", "thesis", "planned")
     )
     assert none.offset_counts > 20
     assert thesis.offset_counts > 2, "the thesis's 0.1 Hz for 180 s does not make loops agree"

@@ -330,7 +330,7 @@ def test_a_wire_that_was_changed_in_the_rig_file_is_refused(tmp_path):
     path = cut(run.path, tmp_path / "r.run.sqlite", 900)
     rig.write_text(text.replace("twin-one-wire", "a-new-wire"), encoding="utf-8")
     with pytest.raises(UsageError, match="belongs to wire 'twin-one-wire', not to 'a-new-wire'"):
-        resume(path)
+        resume(path, rig=str(rig))
 
 
 def test_an_actuator_may_be_a_file_of_ones_own(tmp_path):
@@ -338,12 +338,12 @@ def test_an_actuator_may_be_a_file_of_ones_own(tmp_path):
     actuator.write_text(Path("configs/actuators/gorbet_one_wire.toml").read_text("utf-8"), encoding="utf-8")
     rig.write_text(f'name = "mine"\nbase = "one_wire_twin"\nactuator = "{actuator}"\n', encoding="utf-8")
     run = smarig.run("validation", rig=str(rig), out=tmp_path / "w.run.sqlite", points=2)
-    assert resume(cut(run.path, tmp_path / "r.run.sqlite", 900)).cause == "done"
+    assert resume(cut(run.path, tmp_path / "r.run.sqlite", 900), rig=str(rig)).cause == "done"
     actuator.write_text(
         actuator.read_text("utf-8").replace('"gorbet_one_wire"', '"another"'), encoding="utf-8"
     )
     with pytest.raises(UsageError, match="on actuator 'gorbet_one_wire', not on 'another'"):
-        resume(cut(run.path, tmp_path / "s.run.sqlite", 900))
+        resume(cut(run.path, tmp_path / "s.run.sqlite", 900), rig=str(rig))
 
 
 def test_a_protocol_that_differs_from_its_record_is_refused(tmp_path):
@@ -354,7 +354,7 @@ def test_a_protocol_that_differs_from_its_record_is_refused(tmp_path):
     path = cut(run.path, tmp_path / "r.run.sqlite", 1900)
     rig.write_text(text.replace("current_max_A = 1.0", "current_max_A = 0.9"), encoding="utf-8")
     with pytest.raises(DataError, match="have changed"):
-        resume(path)
+        resume(path, rig=str(rig))
 
 
 @pytest.mark.parametrize(

@@ -15,7 +15,7 @@ from smarig.app.characterisation_runs import (
     check_folder,
     run_campaign,
 )
-from smarig.config import CampaignFile, load_actuator, load_rig
+from smarig.config import CampaignFile, RigFile, load_rig
 from smarig.core import DataError, UsageError
 from smarig.diagnosis import DIAGNOSIS_PAGE, Diagnosis, diagnose_commanded, write_diagnosis
 from smarig.identification import (
@@ -32,7 +32,7 @@ from smarig.identification import (
 )
 from smarig.plant import Actuator, effects_from_arguments
 from smarig.record import Run
-from smarig.replay import Model
+from smarig.replay import Model, recorded_actuator
 from smarig.report import (
     Evidence,
     ExtensionEvidence,
@@ -122,6 +122,7 @@ def characterise(
     )
     evidence = analyse(
         rig=rig,
+        file=load_rig(rig),
         out=out,
         options="".join(f" --effect {effect}" for effect in effects)
         + (f" --wire {wire}" if wire else "")
@@ -142,6 +143,7 @@ def characterise(
 
 def analyse(
     rig: str,
+    file: RigFile,
     out: Path,
     options: str,
     plan: CampaignFile,
@@ -149,12 +151,13 @@ def analyse(
     started: float,
     progress: Callable[[str], None],
 ) -> Evidence:
-    """The evidence of the runs of a campaign; ``out`` and ``options`` are those of the command, as text."""
+    """The evidence of the runs of a campaign on the rig ``file``; ``rig``, ``out`` and ``options`` are those of the
+    command, as text."""
     train, held_out = _runs_for(plan, runs, "train"), _runs_for(plan, runs, "held_out")
     results, identification_warnings = _identify_all(train)
     verified = {name: verify(result.model, held_out) for name, result in results.items()} if held_out else {}
     chosen, choice = _choose_surface(train, results)
-    actuator = Actuator.named(load_rig(rig).actuator)
+    actuator = _actuator(runs, file)
     diagnosis, diagnosis_warnings = _try_diagnosis(results[chosen].model, plan, runs, progress)
     representation = _representation(runs)
     extension = None
@@ -169,11 +172,11 @@ def analyse(
         chosen=chosen,
         verifications=verified,
         calibration=calibrate(list(runs.values()), actuator, results[chosen].model.hysteresis),
-        discoveries=_discoveries(rig, actuator),
+        discoveries=_discoveries(file, actuator),
         warnings=tuple(
             dict.fromkeys(
                 [
-                    *_twin_warnings(runs, hidden=load_rig(rig).hidden_effect),
+                    *_twin_warnings(runs, hidden=file.hidden_effect),
                     *identification_warnings,
                     *diagnosis_warnings,
                     *results[chosen].warnings,
@@ -250,11 +253,18 @@ def _representation(runs: Mapping[str, Run]) -> tuple[Representation, ...]:
     return tuple(tests[name](run) for name, run in runs.items() if name in tests)
 
 
-def _discoveries(rig: str, actuator: Actuator) -> tuple[str, ...]:
+def _actuator(runs: Mapping[str, Run], file: RigFile) -> Actuator:
+    """The actuator as recorded; else that of the rig file."""
+    return recorded_actuator(next(iter(runs.values()))) or Actuator.named(file.actuator)
+
+
+def _discoveries(rig: RigFile, actuator: Actuator) -> tuple[str, ...]:
     """Fig. 5.4 on the rig's own twin: only the differential rig has remnant hysteresis when cold."""
     if not actuator.two_wire:
         return ()
-    return tuple(initialisation_spread(rig, method).sentence() for method in ("none", "thesis", "planned"))
+    return tuple(
+        initialisation_spread(rig, actuator, method).sentence() for method in ("none", "thesis", "planned")
+    )
 
 
 def _surface_warning(name: str, injected: Sequence[str]) -> str:
@@ -271,7 +281,8 @@ def _surface_warning(name: str, injected: Sequence[str]) -> str:
 
 def _twin_warnings(runs: Mapping[str, Run], *, hidden: bool) -> list[str]:
     """Warnings for twins: most are Preisach models themselves, so that a good fit proves nothing about a wire."""
-    actuators = [load_actuator(run.info.actuator or "") for run in runs.values() if run.twin]
+    recorded = [recorded_actuator(run) for run in runs.values() if run.twin]
+    actuators = [a.file for a in recorded if a is not None]
     names = {a.hysteresis.surface for a in actuators if a.thermomechanical is None}
     thermomechanical = sorted({a.name for a in actuators if a.thermomechanical is not None})
     if hidden:

@@ -2,11 +2,14 @@
 
 import time
 from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
 
+from pydantic import ValidationError
+
 from smarig.app.characterise import analyse
-from smarig.config import CampaignFile, load_campaign, shipped_names
-from smarig.core import DataError, UsageError
+from smarig.config import CampaignFile, RigFile, load_campaign, load_rig, shipped_names
+from smarig.core import DataError, Origin, Source, UsageError
 from smarig.record import Run, load_run
 from smarig.report import Evidence
 
@@ -29,9 +32,17 @@ def characterised_folder(folder: Path, progress: Callable[[str], None] = lambda 
     plan = _campaign(folder)
     started = time.monotonic()
     runs = {step.label: load_run(file) for step, file in zip(plan.step, plan.run_files(folder / RUNS_FOLDER))}
-    rig, options = _recorded_arguments(next(iter(runs.values())))
+    first = next(iter(runs.values()))
+    rig, options = _recorded_arguments(first)
     return analyse(
-        rig=rig, out=folder, options=options, plan=plan, runs=runs, started=started, progress=progress
+        rig=rig,
+        file=_recorded_rig(first, rig),
+        out=folder,
+        options=options,
+        plan=plan,
+        runs=runs,
+        started=started,
+        progress=progress,
     )
 
 
@@ -48,6 +59,14 @@ def _campaign(folder: Path) -> CampaignFile:
     )
 
 
+def _recorded_rig(run: Run, rig: str) -> RigFile:
+    """The rig with the values of the record, so that no file is read that a record names; else that of smarig."""
+    if run.info.rig_values:
+        with suppress(ValidationError):  # of another version
+            return RigFile.model_validate(run.info.rig_values, context=Source(run.path.name, Origin.INSIDE))
+    return load_rig(rig)
+
+
 def _recorded_arguments(run: Run) -> tuple[str, str]:
     """The rig file of a run, and the options of the command as text."""
     given = run.info.launch_args or {}
@@ -56,4 +75,4 @@ def _recorded_arguments(run: Run) -> tuple[str, str]:
         raise DataError(f"{run.path} does not name its rig, which the analysis needs.")
     effects = given.get("effects")
     pairs = [f" --effect {pair}" for pair in effects] if isinstance(effects, list) else []
-    return str(rig), "".join(pairs) + f" --seed {run.info.seed or 0}"
+    return rig, "".join(pairs) + f" --seed {run.info.seed or 0}"

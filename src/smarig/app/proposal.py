@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import Any
 
 from smarig.app.simulated_run import simulate_protocol
-from smarig.config import load_rig, recorded_file
+from smarig.config import load_rig
 from smarig.core import SmarigError, UsageError, atomic_file
 from smarig.diagnosis import LEAD_SCALE_NATS, Diagnosis, Explanation, Refit, fit_parameters, joint_density
 from smarig.record import load_run
@@ -122,8 +122,7 @@ def propose_run(result: Diagnosis, progress: Callable[[str], None] | None = None
     if len(rivals) < 2:
         report_progress("Nothing is left to be distinguished.")
         return None
-    with recorded_file(f"Model '{result.model.name}'", result.model.rig, "Correct 'rig' in the model file."):
-        rig = load_rig(result.model.rig)
+    rig = load_rig(result.model.rig)
     options = []
     with tempfile.TemporaryDirectory() as folder:
         for k, (protocol, settings) in enumerate(PROTOCOL_OPTIONS):

@@ -9,13 +9,12 @@ from typing import Any
 
 import numpy as np
 
-from smarig.config import load_rig, recorded_file
 from smarig.core import UsageError
-from smarig.plant import Actuator, effects_from_json
+from smarig.plant import effects_from_json
 from smarig.record import Run, Step, write_run
 from smarig.replay import Model, simulate, simulate_samples, with_heating_of
 from smarig.rig import TwinSettings
-from smarig.runner import Session, check_drivers
+from smarig.runner import Session
 
 
 def simulate_run(model: Model, along: Run, out: Path, *, force: bool = False) -> Path:
@@ -41,12 +40,6 @@ def simulate_protocol(
     name = rig or model.rig
     if not name:
         raise UsageError("The model names no rig. Give one with --rig to simulate a protocol.")
-    if not rig:
-        where = f"Model {model.name}"
-        with recorded_file(where, name, "Name the rig with --rig."):
-            file = load_rig(name)
-            Actuator.named(file.actuator)  # a file too, perhaps
-        check_drivers(file, where, f"to execute it, give --rig {name}")
     twin = TwinSettings(noise=False, hysteresis=model.hysteresis, effects=effects_from_json(model.effects))
     with Session(name, twin=twin, wire=f"simulation of {model.name}") as session:
         return session.run(protocol, settings, out, force=force, notes=f"simulation with model {model.name}")

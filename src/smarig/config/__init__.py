@@ -29,7 +29,6 @@ if TYPE_CHECKING:
     from smarig.config.quantity import InUnit as InUnit
     from smarig.config.quantity import PositiveIn as PositiveIn
     from smarig.config.quantity import Quantity as Quantity
-    from smarig.config.recorded_file import recorded_file as recorded_file
     from smarig.config.recorded_rig import rig_from_text as rig_from_text
     from smarig.config.thermomechanical_file import ThermomechanicalSection as ThermomechanicalSection
 else:

@@ -6,10 +6,13 @@ from typing import Any
 from smarig.config.file_schemas import ActuatorFile, CampaignFile, LinksFile, RigFile
 from smarig.core import (
     ConfigError,
+    Origin,
     UsageError,
     check_table,
     is_path,
     load_toml,
+    named,
+    passed,
     read_toml,
     shipped,
     suggestion,
@@ -26,15 +29,20 @@ def shipped_names(folder: str) -> list[str]:
 
 
 def locate(folder: str, name: str) -> Path:
-    """Path of a configuration file given by name or path. UsageError suggests the nearest name."""
+    """Path of a configuration file given by name or path. UsageError suggests the nearest name.
+
+    A name of smarig is never that of a file of the present folder, which may have come from anywhere: ./NAME is.
+    """
+    known = shipped_names(folder)
+    name = passed(name, known)
+    if name in known:
+        return shipped("configs") / folder / f"{name}.toml"
     path = Path(name)
     if path.suffix == ".toml" or path.is_file():
         if not path.is_file():
             raise UsageError(f"There is no file {path}.")
         return path
-    if name in shipped_names(folder):
-        return shipped("configs") / folder / f"{name}.toml"
-    raise UsageError(f"No {folder.rstrip('s')} '{name}'{suggestion(name, shipped_names(folder))}.")
+    raise UsageError(f"No {folder.rstrip('s')} '{name}'{suggestion(name, known)}.")
 
 
 def load_actuator(name: str) -> ActuatorFile:
@@ -128,7 +136,7 @@ def _rig_files(name: str) -> list[tuple[Path, dict[str, Any]]]:
         name = raw.get("base", "")
         if not isinstance(name, str):
             raise ConfigError(f"{path}: key 'base' must name another rig file.")
-        name = _sibling_path(name, path.parent)
+        name = _sibling_path(passed(named(name, "rig: base", path, Origin.FILE)), path.parent)
     return found
 
 
@@ -137,7 +145,7 @@ def load_campaign(name: str) -> CampaignFile:
     path = locate("campaigns", name)
     plan = load_toml(CampaignFile, path)
     steps = (
-        s.model_copy(update={"protocol": str((path.parent / s.protocol).resolve())})
+        s.model_copy(update={"protocol": str((path.parent / passed(s.protocol)).resolve())})
         if is_path(s.protocol)
         else s
         for s in plan.step

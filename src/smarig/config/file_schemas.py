@@ -4,16 +4,27 @@ Physical quantities have no defaults. The comment after each key is its text in 
 """
 
 import math
+import re
 from pathlib import Path
 from typing import Any, Literal
 
-from pydantic import Field, model_validator
+from pydantic import Field, field_validator, model_validator
 
 from smarig.config.load_file import LoadFile
+from smarig.config.named_things import (
+    ActuatorName,
+    DriverName,
+    FaultsPath,
+    LibraryPath,
+    LinkUrl,
+    ProtocolName,
+    TracePath,
+)
 from smarig.config.quantity import Amperes, Density, Kelvin, Millimetres, Ohms, PulleyRadius, SpecificHeat
 from smarig.config.thermomechanical_file import LARGEST_STRESS_MPA, ThermomechanicalSection
-from smarig.core import ACTUATOR_FILE, CAMPAIGN_FILE, RIG_FILE, Number, TomlTable
+from smarig.core import ACTUATOR_FILE, CAMPAIGN_FILE, RIG_FILE, Number, TomlTable, passed
 
+_PLAIN_NAME = re.compile(r"[\w .+()-]*")  # no folder: a run is written under this name
 LEAST_A, MOST_A = 1e-6, 1e4  # no wire needs less, or more
 TAU_RANGE_S = (1e-3, 1e5)  # of a wire in air: from micrometres to a bar
 
@@ -51,7 +62,7 @@ class TransmissionSection(TomlTable):
 class HysteresisSection(TomlTable):
     """The operator that a twin uses: a surface of Table 5.1 or a model file."""
 
-    surface: str  # name of a surface of Table 5.1, or path of a model file
+    surface: str  # name of a surface of Table 5.1
     initial: Literal["negative", "anhysteretic"]  # initial state of a twin's wire
 
 
@@ -198,15 +209,22 @@ class LinkFile(TomlTable):
     device's default.
     """
 
-    driver: str  # file in src/smarig/device/drivers
+    driver: DriverName  # file in src/smarig/device/drivers
     framing: Literal["lines", "modbus_tcp", "modbus_rtu"]  # how bytes form messages
-    url: str = ""  # port or address of the device; empty if a simulator supplies it
+    url: LinkUrl = ""  # port or address of the device; empty if a simulator supplies it
     baud: int = Field(default=115200, ge=300, le=4_000_000)  # baud rate of a serial port
     address: int = Field(default=0, ge=0, le=247)  # Modbus address; 0: the device's default
     timeout_s: Number = Field(default=0.3, gt=0, le=5)  # time limit for one reply
     settings: dict[str, Any] = Field(
         default_factory=dict
     )  # keys of the driver's own: channels, scales, ranges
+
+    @field_validator("url")
+    @classmethod
+    def _writes_no_file(cls, url: str) -> str:
+        if url.lower().startswith("spy:") and "file=" in url.lower():
+            raise ValueError("spy:// with file= would write a file; leave out file=")
+        return url
 
 
 class LinksFile(TomlTable):
@@ -234,17 +252,17 @@ class SimulatorFile(TomlTable):
 
     ``devices``: "text" is the box that ``smarig new driver`` speaks to.
     ``faults``: file with faults to simulate. ``library``: the C firmware built for this computer, in place of the
-    devices in Python. ``trace``: file for the true state of the simulated wire. With ``start = false`` the devices
-    already run at the addresses of the links.
+    devices in Python. ``trace``: file for the true state of the simulated wire, which must not exist yet. With
+    ``start = false`` the devices already run at the addresses of the links.
     """
 
     devices: Literal["reference", "labjack", "supply", "text"] = "reference"  # firmware_protocol's, or others
     make: str = ""  # of a supply, as in makes.toml
     start: bool = True  # false: the devices already run at the addresses of the links
     speed: Number = Field(default=0.0, ge=0, le=1e6)  # × real time; 0: as fast as possible
-    faults: str = ""  # file with faults to simulate
-    library: str = ""  # the C firmware built for this computer, in place of Python
-    trace: str = ""  # file for the true state of the simulated wire
+    faults: FaultsPath = ""  # file with faults to simulate
+    library: LibraryPath = ""  # the C firmware built for this computer, in place of Python
+    trace: TracePath = ""  # new file for the true state of the wire
 
 
 class RigFile(TomlTable):
@@ -254,7 +272,7 @@ class RigFile(TomlTable):
     name: str  # name of the file
     kind: Literal["twin", "bench"]  # twin: in this process; bench: over links
     base: str = ""  # another rig file, which supplies every key that is missing here
-    actuator: str  # file in configs/actuators, or path
+    actuator: ActuatorName  # file in configs/actuators, or path
     wire: str = Field(min_length=1, max_length=200)  # identity of the wire; its history is kept under it
     period_s: Number = Field(ge=1e-3, le=60)  # duration of a tick
     ambient_degC: Number = Field(ge=-273.15, le=1000)  # temperature of the room
@@ -310,15 +328,22 @@ class RigFile(TomlTable):
 class CampaignStep(TomlTable):
     """One protocol of a campaign with its settings."""
 
-    protocol: str  # name of the protocol
+    protocol: ProtocolName  # name of the protocol
     name: str = ""  # name of its run, needed if a protocol occurs twice
     purpose: Literal["prepare", "test", "train", "held_out"] = "train"  # use of its run
     set: dict[str, Any] = Field(default_factory=dict)  # settings of the protocol, as with --set
 
+    @field_validator("name")
+    @classmethod
+    def _plain_name(cls, name: str) -> str:
+        if len(name) > 100 or name.startswith(".") or not _PLAIN_NAME.fullmatch(name):
+            raise ValueError("a name of a run consists of letters, digits, spaces and - _ . + ( )")
+        return name
+
     @property
     def label(self) -> str:
         """The name of its run: the given name, or else that of the protocol."""
-        return self.name or Path(self.protocol).stem
+        return self.name or Path(passed(self.protocol)).stem
 
 
 class CampaignFile(TomlTable):

@@ -5,7 +5,8 @@ from typing import TYPE_CHECKING
 
 from pydantic import Field, model_validator
 
-from smarig.core import Number, TomlTable, UsageError, number_from_text, swapped_file
+from smarig.config.named_things import LoadFormula, LoadPath
+from smarig.core import Number, TomlTable, UsageError, number_from_text, passed, swapped_file
 
 if TYPE_CHECKING:
     from smarig.config.file_schemas import RigFile
@@ -15,8 +16,8 @@ class LoadFile(TomlTable):
     """[load]: the force on a single wire, constant or over the time t of the run file. Exactly one key is given."""
 
     force_N: Number | None = Field(default=None, gt=0, le=1e6)  # constant force, such as a weight
-    formula: str = ""  # force in N over the time t in s, such as 20+4*sin(2*pi*t/600)
-    file: str = ""  # CSV file with the columns time_s and force_N, linear in between
+    formula: LoadFormula = ""  # force in N over the time t in s, such as 20+4*sin(2*pi*t/600)
+    file: LoadPath = ""  # CSV file with the columns time_s and force_N, linear in between
 
     @model_validator(mode="after")
     def _one_key(self) -> "LoadFile":
@@ -41,6 +42,7 @@ def with_load(rig: "RigFile", text: str) -> "RigFile":
     try:
         force_N = number_from_text(text)
     except ValueError:
+        text = passed(text)
         if Path(text).is_file() and not text.lower().endswith(".csv"):
             unknown = f"{text} is no load. Give a force in N, a formula of t, or a CSV file (time_s,force_N)."
             raise UsageError(swapped_file(Path(text), "a load") or unknown) from None

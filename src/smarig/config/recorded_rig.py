@@ -6,7 +6,9 @@ from typing import Any
 
 from smarig.config.config_files import merged_tables
 from smarig.config.file_schemas import RigFile
+from smarig.core import Origin, Source
 
+_SOURCE = Source("A record", Origin.INSIDE)  # of what it names, which is compared and never opened
 MAX_LENGTH = 200_000  # of a text; rig files have 1000 to 3000 characters
 _MAX_FILES = 8  # a rig, its base, and so on
 _MAX_ATTEMPTS = 20_000  # a text made to have many divisions must not cost hours
@@ -30,7 +32,7 @@ def _rigs(
     whole = _table(lines, attempts)
     if whole is not None and not whole.get("base"):
         try:
-            yield RigFile.model_validate(merged_tables(whole, mine))
+            yield RigFile.model_validate(merged_tables(whole, mine), context=_SOURCE)
         except ValueError:
             return
     for k in range(1, len(lines) if files_left > 1 else 0):

@@ -55,6 +55,15 @@ if TYPE_CHECKING:
     from smarig.core.file_content import TOML as TOML
     from smarig.core.file_content import content_kind as content_kind
     from smarig.core.formula import Formula as Formula
+    from smarig.core.gate import Named as Named
+    from smarig.core.gate import came_inside as came_inside
+    from smarig.core.gate import named as named
+    from smarig.core.gate import named_where_text as named_where_text
+    from smarig.core.gate import passed as passed
+    from smarig.core.gated_keys import GATED_KEYS as GATED_KEYS
+    from smarig.core.gated_keys import GatedKey as GatedKey
+    from smarig.core.gated_keys import Origin as Origin
+    from smarig.core.linked_out import leads_out as leads_out
     from smarig.core.natural_order import natural_order as natural_order
     from smarig.core.natural_order import pattern_order as pattern_order
     from smarig.core.new_file import check_regular as check_regular
@@ -97,9 +106,11 @@ if TYPE_CHECKING:
     from smarig.core.stored_number import stored_number as stored_number
     from smarig.core.swapped_file import swapped_file as swapped_file
     from smarig.core.toml_file import Number as Number
+    from smarig.core.toml_file import Source as Source
     from smarig.core.toml_file import TomlTable as TomlTable
     from smarig.core.toml_file import check_table as check_table
     from smarig.core.toml_file import load_toml as load_toml
+    from smarig.core.toml_file import marked_as as marked_as
     from smarig.core.toml_file import read_toml as read_toml
     from smarig.core.toml_kind import ACTUATOR_FILE as ACTUATOR_FILE
     from smarig.core.toml_kind import CAMPAIGN_FILE as CAMPAIGN_FILE

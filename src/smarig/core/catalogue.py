@@ -18,6 +18,7 @@ from pathlib import Path
 from typing import Any
 
 from smarig.core.errors import UsageError
+from smarig.core.gate import passed
 from smarig.core.own_file import OwnFile, check_own_name, load_own_file, read_own_file
 from smarig.core.plugin import (
     PluginOffer,
@@ -143,6 +144,7 @@ def resolve_name(package: str, name: str) -> str:
     UsageError, with file and line or with the distribution, if the file or the plug-in is missing or wrong, or if it
     defines no object of its own name that the catalogue can use.
     """
+    name = passed(name, _shipped(package))
     if not is_path(name):
         if not ((package, name) in _OWN or _is_loaded(package, name) or name in _shipped(package)):
             offers = offers_of_name(package, name)

@@ -1,14 +1,17 @@
 """Reads a TOML file into a frozen, checked value. Each error is one sentence that names its key."""
 
 import tomllib
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, TypeVar, get_args
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError, ValidationInfo
 
 from smarig.core.catalogue import suggestion
 from smarig.core.errors import ConfigError, UsageError
 from smarig.core.file_content import TOML
+from smarig.core.gate import named
+from smarig.core.gated_keys import Origin
 from smarig.core.shown_text import shown
 from smarig.core.swapped_file import swapped_file
 from smarig.core.toml_kind import swapped_table
@@ -27,6 +30,27 @@ class TomlTable(BaseModel):
 
     model_config = ConfigDict(frozen=True, extra="forbid")
     file_kind: ClassVar[str] = ""
+
+
+@dataclass(frozen=True)
+class Source:
+    """A file whose keys are checked: the context of a schema, so that its texts are marked (``marked_as``)."""
+
+    where: str
+    origin: Origin
+
+
+def marked_as(key: str) -> AfterValidator:
+    """For the annotation of a key of a schema: its text is marked where the ``context`` of validation is a ``Source``.
+
+    Values given in Python have no such context, and count as the user's.
+    """
+
+    def mark(text: str, info: ValidationInfo) -> str:
+        source = info.context
+        return named(text, key, source.where, source.origin) if text and isinstance(source, Source) else text
+
+    return AfterValidator(mark)
 
 
 SchemaType = TypeVar("SchemaType", bound=BaseModel)
@@ -55,10 +79,13 @@ def read_toml(path: Path) -> dict[str, Any]:
         raise ConfigError(f"{path} contains an integer of too many digits.") from None
 
 
-def check_table(schema: type[SchemaType], data: Any, where: str) -> SchemaType:
-    """Check data against a schema. One ConfigError lists every problem, or says that it is a file of another kind."""
+def check_table(schema: type[SchemaType], data: Any, where: str, origin: Origin = Origin.FILE) -> SchemaType:
+    """Check data against a schema. One ConfigError lists every problem, or says that it is a file of another kind.
+
+    What it names is marked for the gate: by default as that of a file that the user named.
+    """
     try:
-        return schema.model_validate(data)
+        return schema.model_validate(data, context=Source(where, origin))
     except ValidationError as error:
         if swapped := _swapped(schema, data, where):
             raise ConfigError(swapped) from None

@@ -5,13 +5,14 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields
 from typing import Any, Literal, get_args
 
-from smarig.config import RigFile, load_rig
+from smarig.config import RigFile
 from smarig.core import Settled, SmarigError
 from smarig.live.plot_axes import Axis, rounded
 from smarig.plant import Actuator
 from smarig.preisach import Everett, thesis_surface
 from smarig.protocols import Setup
 from smarig.record import AnyRun
+from smarig.replay import recorded_actuator
 
 Start = Literal["negative", "positive", "anhysteretic"]
 _UNKNOWN = (0.0, 1.0)  # the range of a channel without values
@@ -86,8 +87,7 @@ def rig_display_info(
 
 def run_display_info(run: AnyRun) -> DisplayInfo:
     """The display information of a recorded or imported run."""
-    rig = _rig_of(run)
-    actuator = _actuator_of(run, rig)
+    actuator = _actuator_of(run)
     period_s, per_count = run.info.period_s, run.info.output.per_count
     low, high = run.extremes("input") or _UNKNOWN
     if actuator is not None and not actuator.two_wire:
@@ -125,22 +125,12 @@ def settled(settings: Mapping[str, Any]) -> Settled:
         return Settled()
 
 
-def _rig_of(run: AnyRun) -> RigFile | None:
-    launch_args = run.info.launch_args
-    name = str(run.info.rig or "" if launch_args is None else launch_args.get("rig"))
+def _actuator_of(run: AnyRun) -> Actuator | None:
+    """The actuator of the run, if it is recorded or known by its name."""
     with contextlib.suppress(SmarigError, OSError):
-        return load_rig(name) if name else None
-    return None
-
-
-def _actuator_of(run: AnyRun, rig: RigFile | None) -> Actuator | None:
-    """The actuator of the run, if it can be read from the rig's file or by its name."""
-    names = [rig.actuator if rig else "", str(run.info.actuator or "")]
-    for name in filter(None, names):
-        with contextlib.suppress(SmarigError, OSError):
-            actuator = Actuator.named(name)
-            if actuator.name == run.info.actuator and actuator.unit == run.unit:
-                return actuator
+        actuator = recorded_actuator(run)
+        if actuator is not None and actuator.unit == run.unit:
+            return actuator
     return None
 
 

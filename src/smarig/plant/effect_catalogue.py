@@ -12,6 +12,7 @@ from smarig.core import (
     catalogue_entry,
     catalogue_names,
     own_entries,
+    passed,
     resolve_name,
     stored_number,
 )
@@ -77,6 +78,7 @@ def effects_from_arguments(words: Iterable[str]) -> tuple[Effect, ...]:
 
 
 def _registered_name(word: str) -> str:
+    word = passed(word)
     path = re.fullmatch(r"(.+\.py)((?:\..*)?(?:=.*)?)", word)
     if path:
         return f"{resolve_name(EFFECTS, path[1])}{path[2]}"

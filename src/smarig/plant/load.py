@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from smarig.config import RigFile
-from smarig.core import ConfigError, DataError, Formula, UsageError, profile_numbers, profile_rows
+from smarig.core import ConfigError, DataError, Formula, UsageError, passed, profile_numbers, profile_rows
 from smarig.plant.actuator import Actuator
 
 Array = NDArray[np.float64]
@@ -120,8 +120,8 @@ def load_of(rig: RigFile, actuator: Actuator) -> Load | None:
             "a rig whose actuator has a table [thermomechanical]."
         )
     if stated.file:
-        return Load(section_mm2, None, "", *_knots(Path(stated.file))).checked()
-    return Load(section_mm2, stated.force_N, stated.formula).checked()
+        return Load(section_mm2, None, "", *_knots(Path(passed(stated.file)))).checked()
+    return Load(section_mm2, stated.force_N, passed(stated.formula)).checked()
 
 
 def _knots(path: Path) -> tuple[tuple[float, ...], tuple[float, ...]]:

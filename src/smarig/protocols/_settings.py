@@ -11,7 +11,15 @@ from typing import Annotated, Any, Literal, get_args, get_origin, get_type_hints
 from pydantic import TypeAdapter, ValidationError
 
 from smarig.config import CampaignFile
-from smarig.core import Protocol, UsageError, catalogue_entry, catalogue_names, resolve_name, suggestion
+from smarig.core import (
+    Protocol,
+    UsageError,
+    catalogue_entry,
+    catalogue_names,
+    passed,
+    resolve_name,
+    suggestion,
+)
 from smarig.protocols._setup import Setup
 from smarig.protocols._through_cold import through_cold
 from smarig.protocols.adaptive_fod import Chooser
@@ -123,6 +131,8 @@ def _grouped(settings: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _converted(name: str, key: str, value: Any, hint: Any) -> Any:
+    if isinstance(value, str):
+        value = passed(value)
     if isinstance(value, str) and "tuple" in str(hint):
         if ";" in value and "," in value:  # 2,5; 60: a decimal comma, or a list of four?
             raise UsageError(

@@ -60,7 +60,7 @@ class AnyRun(ABC):
     @cached_property
     def info(self) -> RunInfo:
         """The description, typed."""
-        return RunInfo.of(self.meta)
+        return RunInfo.of(self.meta, self.path.name)
 
     @property
     def name(self) -> str:

@@ -5,6 +5,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any, Self, final
 
+from smarig.core import named_where_text
 from smarig.record.metadata import KEY_TYPES, QUANTITY_KEYS, is_integer, is_table, is_text, is_timestamp
 
 _ATTRIBUTES = {"begun_with": "launch_args", "from": "from_"}  # attributes of keys with another name here
@@ -168,9 +169,12 @@ class RunInfo(StoredTable):
     along: str | None = None
 
     @classmethod
-    def of(cls, meta: Mapping[str, Any], /) -> Self:
-        """Read stored keys with any values."""
+    def of(cls, meta: Mapping[str, Any], where: str = "A run", /) -> Self:
+        """Read stored keys with any values. What leads anywhere is marked as named inside the run ``where``."""
         found = _by_attribute(meta, _TYPES)
+        found |= {key: named_where_text(found[key], f"run: {key}", where) for key in _NAMING if key in found}
+        if "launch_args" in found:
+            found["launch_args"] = _marked_launch_args(found["launch_args"], where)
         for key, table in _TABLES.items():
             if key in found:
                 found[key] = table.of(found[key])
@@ -183,6 +187,21 @@ class RunInfo(StoredTable):
 
 _IMPORT_KEYS = ("file", "format", "mapping", "sha256", "continues", "continues_sha256")
 _TABLES = {"input": SignalInfo, "output": SignalInfo, "end": EndInfo, "imported": ImportInfo}
+
+
+_NAMING = ("rig", "actuator", "protocol")
+_NAMING_AT_LAUNCH = ("rig", "load", "effects")
+
+
+def _marked_launch_args(launch: Mapping[str, Any], where: str) -> dict[str, Any]:
+    """The arguments of a run with marks, also on each text of a list."""
+
+    def marked(value: Any, key: str) -> Any:
+        if isinstance(value, list):
+            return [marked(part, key) for part in value]
+        return named_where_text(value, f"run: begun_with.{key}", where)
+
+    return {**launch, **{key: marked(launch[key], key) for key in _NAMING_AT_LAUNCH if key in launch}}
 
 
 def _filled_table(value: Any) -> bool:

@@ -4,7 +4,7 @@ import json
 import re
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -15,8 +15,11 @@ from smarig.core import (
     MODEL,
     DataError,
     NotebookDisplay,
+    Origin,
+    Source,
     UsageError,
     atomic_file,
+    marked_as,
     shown,
     spaced,
     swapped_file,
@@ -95,7 +98,7 @@ class _ModelFileSchema(_FrozenSchema):
     name: str  # of the model
     created: str  # date and time
     twin: bool  # whether the data are from a twin
-    rig: str  # of the measurements
+    rig: Annotated[str, marked_as("model: rig")]  # of the measurements
     actuator: ActuatorRecord  # the wire
     arrangement: str  # one_wire or two_wire
     input: SignalDescription  # of the hysteresis
@@ -229,7 +232,7 @@ def load_model(path: str | Path) -> Model:
             f"{file} has model schema version {shown(raw.get('schema_version'))}; this smarig reads {VERSION}."
         )
     try:
-        return _from_file(_ModelFileSchema.model_validate(raw))
+        return _from_file(_ModelFileSchema.model_validate(raw, context=Source(file.name, Origin.INSIDE)))
     except ValidationError as error:
         first = error.errors()[0]
         where = ".".join(str(part) for part in first["loc"])

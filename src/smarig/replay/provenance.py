@@ -1,15 +1,15 @@
 """The provenance of a model: what the runs record of rig, wire and units, and the identity of their files."""
 
 import hashlib
-from collections.abc import Sequence
-from pathlib import Path
+from collections.abc import Iterator, Sequence
+from pathlib import Path, PureWindowsPath
 from typing import Any
 
-from smarig.config import load_actuator
-from smarig.core import UsageError
+from smarig.core import UsageError, leads_out
 from smarig.record import CONTINUED, AnyRun, Run, SignalInfo, load_run
 from smarig.replay.conditions import recorded_conditions
 from smarig.replay.model_file import ActuatorRecord, Model, Provenance, SignalDescription
+from smarig.replay.recorded_actuator import recorded_actuator
 
 
 def provenance(run: Run) -> Provenance:
@@ -30,9 +30,13 @@ def provenance(run: Run) -> Provenance:
 
 def file_hash(run: AnyRun) -> str:
     """SHA-256 of the run's file, "" for a run that is only in memory."""
-    if not run.path.is_file():
+    return _sha256(run.path)
+
+
+def _sha256(path: Path) -> str:
+    if not path.is_file():
         return ""
-    with run.path.open("rb") as file:
+    with path.open("rb") as file:
         return hashlib.file_digest(file, "sha256").hexdigest()
 
 
@@ -40,7 +44,7 @@ def model_metadata(runs: Sequence[Run]) -> dict[str, Any]:
     """Fields of a Model that the first run records: rig, actuator, arrangement, input and output."""
     info = runs[0].info
     name = info.text_of("actuator", "")
-    parameters, arrangement = _actuator(name)
+    parameters, arrangement = _actuator(runs[0])
     return {
         "rig": info.text_of("rig", ""),
         "actuator": ActuatorRecord(name=name, parameters=parameters),
@@ -50,15 +54,16 @@ def model_metadata(runs: Sequence[Run]) -> dict[str, Any]:
     }
 
 
-def _actuator(name: str) -> tuple[dict[str, Any], str]:
+def _actuator(run: Run) -> tuple[dict[str, Any], str]:
     """Parameter set of a known actuator; empty for an unknown one."""
-    if not name:
-        return {}, ""
     try:
-        file = load_actuator(name)
+        actuator = recorded_actuator(run)
     except UsageError:
+        actuator = None
+    if actuator is None:
         return {}, ""
     sections = ("wire", "heating", "transmission")
+    file = actuator.file
     return {key: getattr(file, key).model_dump(mode="json") for key in sections}, file.arrangement
 
 
@@ -67,9 +72,21 @@ def _channel(signal: SignalInfo, fallback: str) -> SignalDescription:
 
 
 def earlier_runs(model: Model, runs: Sequence[Run]) -> list[Run]:
-    """Other runs of the same session that the model was made from, if their files still exist unchanged."""
-    found = [(p, load_run(p.run)) for p in _same_session_provenance(model, runs) if Path(p.run).is_file()]
-    return [run for p, run in found if file_hash(run) == p.sha256]
+    """Other runs of the same session that the model was made from, if they lie unchanged beside the given runs.
+
+    A model may come from anywhere, so the paths in it are not followed: a run is looked for by its name in the folders
+    of the given runs, and by that of its folder beside these (``train`` beside ``held_out``).
+    """
+    earlier = [(p, file) for p in _same_session_provenance(model, runs) for file in _places(p.run, runs)]
+    return list({p.sha256: load_run(file) for p, file in earlier if _sha256(file) == p.sha256}.values())
+
+
+def _places(recorded: str, runs: Sequence[Run]) -> Iterator[Path]:
+    """Where a run may lie, whatever its recorded path; no link leads out of there."""
+    path = PureWindowsPath(recorded)  # understands both kinds of separators
+    for folder in dict.fromkeys(run.path.parent for run in runs if run.path.is_file()):
+        places = (folder, folder / path.name), (folder.parent, folder.parent / path.parent.name / path.name)
+        yield from (file for top, file in places if file.is_file() and not leads_out(file, top))
 
 
 def missing_earlier_runs(model: Model, runs: Sequence[Run]) -> list[str]:

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from smarig.core import SmarigError, natural_order, spaced
+from smarig.core import SmarigError, leads_out, natural_order, spaced
 from smarig.replay import Model, load_model
 from smarig.report.components.numbers import number
 from smarig.report.components.page_summary import FoundPage, PageSummary, found_page
@@ -35,11 +35,14 @@ def folder_contents(folder: Path, left_out: Collection[Path]) -> FolderContents:
         if file not in left_out
         and _is_text(file)
         and file.is_file()
+        and not leads_out(file, folder)
         and (page := found_page(file)) is not None
     ]
     models, unreadable = [], []
     for file in natural_order(folder.rglob(f"*{MODEL_ENDING}")):
-        if not _is_text(file) or (file.name != MODEL_ENDING and not file.name.endswith(f".{MODEL_ENDING}")):
+        if not _is_text(file) or leads_out(file, folder):
+            continue
+        if file.name != MODEL_ENDING and not file.name.endswith(f".{MODEL_ENDING}"):
             continue
         try:
             models.append(FoundPage(file, model_name(file, folder), model_summary(load_model(file))))

@@ -11,13 +11,13 @@ from dataclasses import dataclass
 from pathlib import Path
 from urllib.parse import quote
 
-from smarig.core import DataError, UsageError, counted, natural_order
+from smarig.core import DataError, UsageError, counted, leads_out, natural_order
 from smarig.record import Run, load_run, stored_run
 from smarig.report.components.page import LIBRARY, is_smarig_page, write_library, write_page
 from smarig.report.folder_contents import folder_contents
 from smarig.report.index_page import IndexEntry, ResultEntry, index_page
 from smarig.report.runs.run_summary import RunSummary, summary_of
-from smarig.report.runs.summary_cache import SummaryCache, file_state
+from smarig.report.runs.summary_cache import CACHE_FILE, SummaryCache, file_state
 
 INDEX_FILE = "index.html"
 
@@ -41,8 +41,13 @@ class FolderReport:
 
 
 def run_files(folder: Path) -> list[Path]:
-    """The run files in a folder and its subfolders, sorted by name; UsageError if there are none."""
-    files = natural_order(file for file in folder.rglob("*.run.sqlite") if file.is_file())
+    """The run files in a folder and its subfolders, sorted by name; UsageError if there are none.
+
+    Links that lead out of the folder are left out.
+    """
+    files = natural_order(
+        file for file in folder.rglob("*.run.sqlite") if file.is_file() and not leads_out(file, folder)
+    )
     if not files:
         raise UsageError(f"Folder {folder} contains no run files (*.run.sqlite).")
     return files
@@ -72,6 +77,9 @@ def report_folder(folder: Path, *, force: bool = False) -> FolderReport:
     """
     files = run_files(folder)
     index = folder / INDEX_FILE
+    for page in (index, folder / LIBRARY, folder / CACHE_FILE, *map(page_path, files)):
+        if leads_out(page, folder):
+            raise UsageError(f"{page} is a link that leads out of the folder. Remove it.")
     for page in (index, *map(page_path, files)):
         if page.exists() and not (force or is_smarig_page(page)):
             raise UsageError(f"{page} was not written by smarig. Move it, or use --force to replace it.")

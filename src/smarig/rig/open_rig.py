@@ -23,6 +23,7 @@ from smarig.core import (
     UsageError,
     catalogue_entry,
     catalogue_names,
+    passed,
     resolve_name,
     shipped,
 )
@@ -214,7 +215,11 @@ def _reference_command(how: SimulatorFile, links: LinksFile, speed: float) -> li
         raise UsageError("Simulated devices use one framing. Give both links the same framing.")
     pace = ["--speed", str(speed)] if speed else ["--lock-step", "--gone-after", str(HOST_TIMEOUT_S)]
     files = {"--faults": how.faults, "--device-library": how.library, "--trace": how.trace}
-    extra = [word for option, path in files.items() if path for word in (option, path)]
+    extra = [word for option, path in files.items() if path for word in (option, passed(path))]
+    if how.trace and os.path.lexists(how.trace):
+        raise UsageError(
+            f"simulator.trace names {how.trace}, which exists and is not overwritten. Name a new file, or move it."
+        )
     return ["simulators", "--framing", links.amplifier.framing, *pace, *extra]
 
 

@@ -12,7 +12,6 @@ if TYPE_CHECKING:
     from smarig.runner.listener import Listener as Listener
     from smarig.runner.listener import StepStartListener as StepStartListener
     from smarig.runner.lock import rig_locks as rig_locks
-    from smarig.runner.own_files import check_drivers as check_drivers
     from smarig.runner.preview import Preview as Preview
     from smarig.runner.preview import ProtocolFactory as ProtocolFactory
     from smarig.runner.preview import preview as preview

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
 
-from smarig.config import load_rig
+from smarig.config import RigFile
 from smarig.core import Elapsed, Hold, Protocol, Sample, Settled, StepResult, Zero
 from smarig.plant import Actuator
 from smarig.protocols import Setup, initialise
@@ -45,11 +45,13 @@ class InitialisationSpread:
         return f"{what} the major loops of three histories are up to {self.offset_counts:.1f} counts apart{extremes}."
 
 
-def initialisation_spread(rig: str, method: InitialisationMethod) -> InitialisationSpread:
+def initialisation_spread(
+    rig: RigFile, actuator: Actuator, method: InitialisationMethod
+) -> InitialisationSpread:
     """Spread of major loops over three histories after one kind of initialisation; settled, noise-free counts."""
     loops, all_extremes = [], []
     for history in _HISTORIES:
-        loop, extremes = _major_loop(rig, method, history)
+        loop, extremes = _major_loop(rig, actuator, method, history)
         loops.append(loop)
         all_extremes.append(extremes)
     spread = max(max(end) - min(end) for end in zip(*loops, strict=True))
@@ -58,20 +60,18 @@ def initialisation_spread(rig: str, method: InitialisationMethod) -> Initialisat
 
 
 def _major_loop(
-    rig: str, method: InitialisationMethod, history: Sequence[float]
+    rig: RigFile, actuator: Actuator, method: InitialisationMethod, history: Sequence[float]
 ) -> tuple[list[float], tuple[float, float]]:
-    file = load_rig(rig)
-    actuator = Actuator.named(file.actuator)
-    twin = Twin(file, actuator, TwinSettings(noise=False))
+    twin = Twin(rig, actuator, TwinSettings(noise=False))
     extremes = _InputExtremes()
     ends: list[StepResult] = []
     watch = CallbackListener(extremes.sample, ends.append)
     runner = Runner(
-        Guard(twin, file.limits, actuator, stress=stress_limit(file, actuator)),
+        Guard(twin, rig.limits, actuator, stress=stress_limit(rig, actuator)),
         twin.position_per_count,
         [watch],
     )
-    setup = Setup(actuator, file.limits, file.period_s)
+    setup = Setup(actuator, rig.limits, rig.period_s)
     runner.run(_history(setup, history))
     extremes.max_K = extremes.min_K = 0.0
     runner.run(_zero_only() if method == "none" else initialise(setup, method=method))

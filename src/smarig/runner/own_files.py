@@ -13,10 +13,9 @@ from smarig.core import (
     DataError,
     UsageError,
     catalogue_kind,
-    catalogue_names,
-    is_path,
+    named,
     own_entries,
-    shown,
+    passed,
 )
 from smarig.plant import EFFECTS, Effect
 from smarig.protocols import PROTOCOLS, file_settings
@@ -88,8 +87,7 @@ def with_files_given(run: Run, settings: Mapping[str, Any], given: Mapping[str, 
 
     A record may name any file; only those that the user names are read.
     """
-    protocol, command = str(run.info.protocol), f"smarig resume {run.path.name}"
-    names = file_settings(protocol)
+    names = file_settings(str(run.info.protocol))
     for key in given:
         if key not in names:
             raise UsageError(
@@ -98,20 +96,8 @@ def with_files_given(run: Run, settings: Mapping[str, Any], given: Mapping[str, 
             )
     for key in names:
         if settings.get(key) and key not in given:
-            raise UsageError(
-                f"{run.path.name} was made with the file {shown(settings[key], 200)}, which would be read. To allow "
-                f"this, give it again: {command} --set {key}=FILE."
-            )
+            passed(named(str(settings[key]), "run: settings.file", run.path.name))
     return {**settings, **{key: given[key] for key in names if settings.get(key)}}
-
-
-def check_drivers(file: RigFile, where: str, remedy: str) -> None:
-    """Raise UsageError if a rig that only a file names has an own driver or one of a plug-in."""
-    for driver in driver_names(file):
-        if is_path(driver) or driver not in catalogue_names(DRIVERS):
-            raise UsageError(
-                f"{where} names rig '{file.name}', whose own driver {driver} would be executed. {remedy}."
-            )
 
 
 def own_file_entries(run: Run) -> list[tuple[str, str, str, str, str]]:

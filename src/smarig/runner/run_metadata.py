@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from smarig.config import RigFile
+from smarig.config import RigFile, shipped_names
 from smarig.core import Interrupted, SmarigError, catalogue_names
 from smarig.plant import EFFECTS, Actuator, Effect, Load, effects_to_pairs
 from smarig.rig import ForceStatistics, TwinSettings
@@ -96,10 +96,9 @@ def launch_args(
 
     ``load``: that given in place of the rig file's, "" for none.
     """
-    path = Path(rig)
     with_type = [e for e in twin.effects if isinstance(e, Effect) and e.kind.name in catalogue_names(EFFECTS)]
     return {
-        "rig": str(path.resolve()) if path.is_file() else rig,
+        "rig": rig if rig in shipped_names("rigs") else str(Path(rig).resolve()),
         "rig_wire": wire,
         "speed": speed,
         "effects": effects_to_pairs(with_type) if len(with_type) == len(twin.effects) else None,

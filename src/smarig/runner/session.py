@@ -4,6 +4,7 @@ The wire's memory, the device's ticks and the encoder's zero continue from run t
 its cause.
 """
 
+import shlex
 import time
 from collections.abc import Mapping, Sequence
 from contextlib import ExitStack, suppress
@@ -12,8 +13,8 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
 
-from smarig.config import RigFile, actuator_text, load_rig, rig_text, with_load
-from smarig.core import Protocol, Sample, SmarigError, resolve_name
+from smarig.config import RigFile, actuator_text, load_rig, rig_text, shipped_names, with_load
+from smarig.core import Protocol, Sample, SmarigError, passed, resolve_name
 from smarig.plant import Actuator, load_of
 from smarig.protocols import PROTOCOLS, Chooser, Setup, build_protocol
 from smarig.record import (
@@ -79,6 +80,7 @@ class Session:
         load: str = "",
     ) -> None:
         """``load``: force in N, formula of t or CSV file, in place of the rig file's."""
+        rig = passed(rig, shipped_names("rigs"))
         file = load_rig(rig)
         self.file: RigFile = with_load(file, load) if load else file
         self._given_load = self.file.load.text if load and self.file.load else ""
@@ -138,6 +140,11 @@ class Session:
         since_s = elapsed_s(last, self.device, self.rig.tick, self.file.period_s, twin=self.source == "twin")
         self.guard.start_hot(heat_left(last, self.actuator, since_s, has_lease=self.has_lease))
         self.wear = self.new_wear(self.guard.input_K)
+
+    def resume_command(self, run: Path) -> str:
+        """The command that resumes a run of this session; it names a rig file, because no record may."""
+        named_again = "" if self._name in shipped_names("rigs") else f" --rig {shlex.quote(self._name)}"
+        return f"smarig resume {shlex.quote(str(run))}{named_again}"
 
     @property
     def setup(self) -> Setup:

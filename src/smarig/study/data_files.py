@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from smarig.core import UsageError, natural_order, pattern_order
+from smarig.core import UsageError, leads_out, natural_order, pattern_order
 
 MOST_FILES = 100_000
 NOT_DATA = "not data, left out"
@@ -44,14 +44,16 @@ class FoundFiles:
 def find_files(places: Sequence[Path]) -> FoundFiles:
     """The files given, and all in the given folders and below; hidden files are ignored.
 
-    A file that is named is always used. Raises UsageError for a place that does not exist, or if nothing is left.
+    A file that is named is always used; a link in a folder that leads out of it is left out.
+    Raises UsageError for a place that does not exist, or if nothing is left.
     """
     data: dict[Path, None] = {}
     left_out: dict[Path, None] = {}
     for place in pattern_order(places):
         if place.is_dir():
             for file in natural_order(p for p in place.rglob("*") if p.is_file() and not _hidden(p, place)):
-                (left_out if _is_no_data(file) else data)[file] = None
+                unused = leads_out(file, place) or _is_no_data(file)
+                (left_out if unused else data)[file] = None
         elif place.is_file():
             data[place] = None
         else:

@@ -117,7 +117,7 @@ def _run_one(
             )
         except RigFault:
             if out.exists():
-                show_message(f"When the cause is removed, smarig resume {out} continues this run.")
+                show_message(f"When the cause is removed, {session.resume_command(out)} continues this run.")
             raise
     if message:
         show_message(message)

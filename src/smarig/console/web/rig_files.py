@@ -9,8 +9,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from smarig.config import RigFile, load_rig, shipped_names
-from smarig.core import SmarigError
-from smarig.rig import inconsistencies
+from smarig.core import SmarigError, is_path, offers_of_name
+from smarig.rig import DRIVERS, inconsistencies
 
 _LARGEST_BYTES = 100_000  # a larger file is no rig
 _MOST_DOTS = 200  # of a line: the time to read a key grows with their square
@@ -42,7 +42,7 @@ class RigEntry:
 
     @property
     def has_own_driver(self) -> bool:
-        """Whether a file of the user's drives a device, so that only a check can say whether it is in order."""
+        """Whether a file of the user's or a plug-in drives a device, so that only a check can say if it is in order."""
         return self.file is not None and _has_own_driver(self.file)
 
     @property
@@ -86,7 +86,9 @@ def _has_own_driver(file: RigFile) -> bool:
     links = (
         [] if file.links is None else [getattr(file.links, role) for role in type(file.links).model_fields]
     )
-    return any(link is not None and link.driver.endswith(".py") for link in links)
+    return any(
+        link is not None and (is_path(link.driver) or offers_of_name(DRIVERS, link.driver)) for link in links
+    )
 
 
 def _own_names(folder: Path) -> Iterator[str]:

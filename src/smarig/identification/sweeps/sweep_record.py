@@ -10,7 +10,6 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.config import recorded_file
 from smarig.core import DataError
 from smarig.identification.calibration.holds import valid_rows
 from smarig.identification.positive.observations import Observations
@@ -18,7 +17,7 @@ from smarig.identification.sweeps.sweep_heat import SweepHeat, heated_along
 from smarig.plant import Actuator
 from smarig.preisach import turning_points
 from smarig.record import Run
-from smarig.replay import memory_states
+from smarig.replay import memory_states, recorded_actuator
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -205,11 +204,10 @@ def is_sweep_run(run: Run) -> bool:
 
 
 def _actuator(run: Run) -> Actuator:
-    name = run.info.text_of("actuator", "")
-    if not name:
+    actuator = recorded_actuator(run)
+    if actuator is None:
         raise DataError(f"{run.path} does not name its actuator, so its currents give no temperatures.")
-    with recorded_file(str(run.path), name, "Give the actuator file that the run was made with."):
-        return Actuator.named(name)
+    return actuator
 
 
 def _held(values: Array) -> Array:

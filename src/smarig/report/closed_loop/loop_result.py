@@ -11,7 +11,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.config import recorded_file
 from smarig.control import (
     REGULATION_PLANNED,
     SETPOINT_DISTURBED,
@@ -25,9 +24,9 @@ from smarig.control import (
     tracking_performance,
 )
 from smarig.control import SETPOINT_LOOP_CLOSED as REGULATED
-from smarig.core import SmarigError
-from smarig.plant import Actuator
+from smarig.core import DataError, SmarigError
 from smarig.record import Event, Run
+from smarig.replay import recorded_actuator
 from smarig.report.closed_loop.hold_end import HoldEnd, hold_end
 from smarig.report.closed_loop.observed_position import ObservedPosition, observed_position
 from smarig.report.closed_loop.velocity_result import VelocityResult
@@ -160,9 +159,11 @@ def _tracking_result(run: Run, mark: Event) -> TrackingResult:
     measures = None
     if t.size >= 2 and loop.count:
         columns = (loop.position, loop.current_A, loop.input_K)
-        name = run.info.actuator or ""
-        with recorded_file(run.path.name, name, "The figures of this loop need its actuator file."):
-            actuator = Actuator.named(name)
+        actuator = recorded_actuator(run)
+        if actuator is None:
+            raise DataError(
+                f"{run.path.name} does not name its actuator, which the figures of this loop need."
+            )
         ahead_s = _lead_time_s(run.info.settings.get("lead_s"))
         measures = tracking_performance(
             reference, t, *columns, actuator, loop.count, skip_s=skip_s, ahead_s=ahead_s

@@ -1,17 +1,13 @@
 """What a page and its JSON state of a run beyond its record: the stress of two wires, and the electrical energy."""
 
-from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any
 
-from pydantic import ValidationError
-
-from smarig.config import ActuatorFile
 from smarig.core import SmarigError
 from smarig.plant import Actuator
 from smarig.preisach import thesis_surface
 from smarig.record import AnyRun
-from smarig.replay import ElectricalEnergy, StressRange, electrical_energy, stress_over_run
+from smarig.replay import ElectricalEnergy, StressRange, electrical_energy, recorded_actuator, stress_over_run
 
 
 @dataclass(frozen=True)
@@ -46,11 +42,3 @@ def _stress(run: AnyRun, actuator: Actuator) -> StressRange | None:
         return stress_over_run(run, actuator, thesis_surface(actuator.file.hysteresis.surface))
     except SmarigError:
         return None
-
-
-def recorded_actuator(run: AnyRun) -> Actuator | None:
-    """The actuator as it was in the run, else that of the file of this name. Raises SmarigError if there is none."""
-    if run.info.actuator_values:
-        with suppress(ValidationError):  # of another version
-            return Actuator(ActuatorFile.model_validate(run.info.actuator_values))
-    return Actuator.named(run.info.actuator) if run.info.actuator else None

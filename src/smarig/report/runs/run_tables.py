@@ -11,7 +11,7 @@ import numpy as np
 
 from smarig.core import SmarigError
 from smarig.record import Run
-from smarig.replay import condition_text, recorded_conditions
+from smarig.replay import condition_text, recorded_actuator, recorded_conditions
 from smarig.report.components.html import Html, joined, paragraph, table, tag
 from smarig.report.components.numbers import duration, number, signed, thousands, to_uncertainty
 from smarig.report.components.run_description import (
@@ -23,7 +23,7 @@ from smarig.report.components.run_description import (
     quality_counts,
 )
 from smarig.report.components.severity_mark import severity_mark
-from smarig.report.runs.derived_quantities import DerivedQuantities, derived_quantities, recorded_actuator
+from smarig.report.runs.derived_quantities import DerivedQuantities, derived_quantities
 
 Row = Sequence[Any]
 

@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from smarig.core import Quality, SmarigError
-from smarig.plant import Actuator
 from smarig.record import Run
+from smarig.replay import recorded_actuator
 from smarig.report.components.decimate import POINTS, envelope
 from smarig.report.components.figure import Figure, Panel, Trace, axis, dots, line, plotly_escaped
 from smarig.report.components.numbers import thousands
@@ -185,8 +185,8 @@ def initialisation_figure(run: Run) -> Figure | None:
 
 
 def _gain_K_per_A2(run: Run) -> float | None:
-    name = run.info.actuator
     try:
-        return Actuator.named(name).gain_K_per_A2 if name else None
+        actuator = recorded_actuator(run)
+        return actuator.gain_K_per_A2 if actuator else None
     except SmarigError:
         return None

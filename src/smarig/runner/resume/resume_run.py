@@ -9,14 +9,13 @@ from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from smarig.config import load_actuator, load_rig, recorded_file
+from smarig.config import load_actuator, load_rig
 from smarig.core import Elapsed, Hold, Protocol, StepResult, UsageError
 from smarig.plant import effects_from_pairs
 from smarig.protocols import Chooser, build_protocol
 from smarig.record import Continuation, Recorder, Run, load_run, recording
 from smarig.rig import TwinSettings
 from smarig.runner.listener import Listener
-from smarig.runner.own_files import check_drivers
 from smarig.runner.preview import Preview, preview
 from smarig.runner.resume.attempts import AttemptRecorder, attempts, interrupted_rows
 from smarig.runner.resume.damaged_record import damaged_record_as_data_error
@@ -42,13 +41,10 @@ def session_for(
 ) -> Session:
     """A session at the rig of a run, not yet opened. Refuses finished runs and other rigs."""
     launch = read_launch_args(run, settings)
-    name = rig or str(launch["rig"])
-    with recorded_file(run.path.name, "" if rig else name, "Name the rig with --rig."):
-        file = load_rig(name)
-        actuator = load_actuator(file.actuator)
+    name = rig or launch["rig"]
+    file = load_rig(name)
+    actuator = load_actuator(file.actuator)
     check_names(run, file, actuator)
-    if not rig:
-        check_drivers(file, run.path.name, f"To allow this, give --rig {name}")
     run_wire = str(run.info.wire)
     expected_wire = (
         run_wire if run_wire != launch["rig_wire"] else file.wire
@@ -66,7 +62,7 @@ def session_for(
             speed=speed or launch["speed"],
             wire=run_wire,
             control=control,
-            load=str(launch.get(LOAD, "")),
+            load=launch.get(LOAD, ""),
         )
         if session.load and session.load.changes:
             raise UsageError(

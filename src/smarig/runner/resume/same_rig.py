@@ -10,7 +10,7 @@ from pathlib import PurePath
 from typing import Any
 
 from smarig.config import ActuatorFile, RigFile, rig_from_text
-from smarig.core import DataError, TomlTable, UsageError, is_path
+from smarig.core import DataError, Origin, Source, TomlTable, UsageError, is_path
 from smarig.record import Run
 from smarig.runner.own_files import own_file_entries
 from smarig.runner.resume.damaged_record import damaged_record_as_data_error
@@ -30,6 +30,7 @@ from smarig.runner.session import Session
 
 _FILES = {RIG_VALUES: ("rig file", RIG_TEXT), ACTUATOR_VALUES: ("actuator file", ACTUATOR_TEXT)}
 _MOST_SHOWN = 3
+_SOURCE = Source("A record", Origin.INSIDE)  # of what it names, which is compared and never opened
 
 
 @dataclass(frozen=True)
@@ -140,7 +141,7 @@ def _all_changes(run: Run, session: Session) -> tuple[list[RigChange], str]:
 def _completed(schema: type[TomlTable], values: Mapping[str, Any]) -> Mapping[str, Any]:
     """Recorded values with the defaults of keys that files have only since then; others stay as they are."""
     try:
-        return schema.model_validate(values).model_dump(mode="json")
+        return schema.model_validate(values, context=_SOURCE).model_dump(mode="json")
     except ValueError:
         return values
 
