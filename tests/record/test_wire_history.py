@@ -74,7 +74,7 @@ def test_an_interrupted_run_counts_once_however_it_ended(tmp_path, rig):
     whole = smarig.run("congruency", rig=rig, out=tmp_path / "a.run.sqlite", **LOOPS)
     undisturbed = of()
     path = cut(whole.path, tmp_path / "killed.run.sqlite", int(whole["tick"][0]) + HOT_TICK)
-    resume(path)
+    resume(path, rig=rig)
     after = of()
     assert after.runs == 2
     assert after.cycles == 2 + 1, "the peak was reached before death, and once more on the way back or later"
@@ -87,7 +87,7 @@ def test_an_interrupted_run_counts_once_however_it_ended(tmp_path, rig):
             session.run("congruency", LOOPS, tmp_path / "stopped.run.sqlite", listeners=[stop])
     stopped = of()
     assert (stopped.runs, stopped.cycles) == (3, after.cycles + 1)
-    resume(tmp_path / "stopped.run.sqlite")
+    resume(tmp_path / "stopped.run.sqlite", rig=rig)
     assert of().runs == 3
     assert of().hours_hot - after.hours_hot == pytest.approx(
         after.hours_hot - undisturbed.hours_hot, rel=0.05

@@ -110,7 +110,7 @@ def killed_and_resumed(devices, whole: Run, share: float, out: Path) -> Run:
     late = devices.driven()[killed_at + devices.lease_ticks + slack :]
     assert late.size, "time went on"
     assert not np.any(late), "the output is off"
-    _resume(out)
+    _resume(devices, out)
     resumed = load_run(out)
     assert committed <= set(resumed["tick"].astype(int).tolist()), "no committed sample is lost"
     return resumed
@@ -125,10 +125,10 @@ def same_table(resumed: Run, whole: Run) -> None:
     assert np.abs(one.y - other.y).max() <= float(whole.meta["output"]["per_count"])
 
 
-def _resume(out: Path) -> None:
+def _resume(devices, out: Path) -> None:
     """To its end; on a busy machine, a tenth of a second's lease may run out on the way, which is resumed as well."""
     for _ in range(TRIPS + 1):
-        again = host("resume", str(out))
+        again = host("resume", str(out), "--rig", str(devices.rig))
         said, err = again.communicate(timeout=RESUMES_S)
         if again.returncode != 3 or "switched its output off: lease" not in err:
             break

@@ -77,7 +77,7 @@ def test_a_run_that_is_resumed_at_once_starts_as_hot_as_its_wire(devices, tmp_pa
     run.send_signal(signal.SIGKILL)
     run.communicate()
     control, before = RunControl(), load_run(out)
-    with session_for(before, control=control) as session:
+    with session_for(before, rig=str(devices.rig), control=control) as session:
         hot_K = true_K(devices)
         assert hot_K > HOT_K
         with pytest.raises(Interrupted):
