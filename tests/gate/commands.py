@@ -65,4 +65,5 @@ FAST = {  # of each kind, those that take less than a fifth of a second
     "run": ("export csv", "verify", "simulate", "check", "transformation", "import", "replace"),
     "model": ("verify", "simulate along", "simulate on its rig", "export c"),
     "folder": ("report", "report by force"),
+    "campaign": ("run", "run for real"),
 }

@@ -127,7 +127,6 @@ def test_a_study_leaves_out_links_that_lead_out_of_its_folder(tmp_path, material
         ("rig: links.DEVICE.driver", "exec"),
         ("rig: links.DEVICE.url", "socket."),
         ("rig: simulator.library", "evil.so"),
-        ("rig: simulator.faults", "secret.toml"),
     ],
 )
 def test_what_a_rig_names_is_used_when_the_user_names_the_rig(

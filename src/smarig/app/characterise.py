@@ -151,8 +151,10 @@ def analyse(
     started: float,
     progress: Callable[[str], None],
 ) -> Evidence:
-    """The evidence of the runs of a campaign on the rig ``file``; ``rig``, ``out`` and ``options`` are those of the
-    command, as text."""
+    """The evidence of the runs of a campaign on the rig ``file``.
+
+    ``rig``, ``out`` and ``options`` are those of the command, as text.
+    """
     train, held_out = _runs_for(plan, runs, "train"), _runs_for(plan, runs, "held_out")
     results, identification_warnings = _identify_all(train)
     verified = {name: verify(result.model, held_out) for name, result in results.items()} if held_out else {}

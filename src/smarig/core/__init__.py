@@ -56,7 +56,6 @@ if TYPE_CHECKING:
     from smarig.core.file_content import content_kind as content_kind
     from smarig.core.formula import Formula as Formula
     from smarig.core.gate import Named as Named
-    from smarig.core.gate import came_inside as came_inside
     from smarig.core.gate import named as named
     from smarig.core.gate import named_where_text as named_where_text
     from smarig.core.gate import passed as passed

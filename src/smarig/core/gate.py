@@ -68,8 +68,3 @@ def passed(text: str, known: Collection[str] = ()) -> str:
     if text not in known and (least is None or text.origin < least):
         raise UsageError(text.row.sentence.format(where=text.where, text=shown(str.__str__(text), 200)))
     return str.__str__(text)
-
-
-def came_inside(text: str) -> bool:
-    """Whether a text came inside a file that the user did not write: only known names pass."""
-    return isinstance(text, Named) and text.origin is Origin.INSIDE

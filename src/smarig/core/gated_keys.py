@@ -19,14 +19,6 @@ class Origin(IntEnum):
     """The user's own command line, click, or call in Python."""
 
 
-WHO = {
-    Origin.INSIDE: "any file",
-    Origin.FILE: "a file that you name",
-    Origin.USER: "you: command line, click",
-    None: "nobody",
-}
-
-
 @dataclass(frozen=True)
 class GatedKey:
     """A key that leads somewhere: ``place`` (the kind of file), ``key``, and what it leads to.

@@ -85,7 +85,7 @@ def report_folder(folder: Path, *, force: bool = False) -> FolderReport:
             raise UsageError(f"{page} was not written by smarig. Move it, or use --force to replace it.")
     write_library(folder)
     cache = SummaryCache(folder)
-    entries, pages, unreadable = [], [], []
+    entries, pages, unreadable = [], [], _links_left_out(folder)
     for file in counted(files, len(files)):
         try:
             check_name(file)
@@ -105,6 +105,12 @@ def report_folder(folder: Path, *, force: bool = False) -> FolderReport:
     title = f"Runs in {folder.resolve().name or folder}"
     write_page(index_page(title, entries, unreadable, results), index, force=True)
     return FolderReport(index, tuple(pages), tuple(unreadable))
+
+
+def _links_left_out(folder: Path) -> list[str]:
+    """A sentence for each run that is a link out of the folder."""
+    links = natural_order(file for file in folder.rglob("*.run.sqlite") if leads_out(file, folder))
+    return [f"{file} is a link that leads out of the folder. Report its target by name." for file in links]
 
 
 def _summary_and_page(file: Path, folder: Path, cache: SummaryCache, force: bool) -> RunSummary:
