@@ -54,7 +54,7 @@ class Amplifier(RegisterDevice):
     @property
     def arm_nonce(self) -> int:
         """What the next arm or rearm must carry: another number after every order and boot."""
-        return self.boot_count << 16 | self._orders & 0xFFFF
+        return (self.boot_count & 0xFFFF) << 16 | self._orders & 0xFFFF
 
     def status(self) -> dict[str, int]:
         """State, trip, output, lease, heat, settings and the nonce."""

@@ -18,7 +18,7 @@ def open_library(path: Path) -> ctypes.CDLL:
         library = ctypes.CDLL(str(path.resolve()))
         for short, ticked in (("amp", (ctypes.c_int32,) * 2), ("daq", (ctypes.c_int32,))):
             getattr(library, f"{short}_size").restype = ctypes.c_size_t
-            getattr(library, f"{short}_boot").argtypes = (ctypes.c_void_p, ctypes.c_uint16)
+            getattr(library, f"{short}_boot").argtypes = (ctypes.c_void_p, ctypes.c_uint32)
             tick = (ctypes.c_void_p, *ticked, ctypes.c_int16, ctypes.c_uint16)
             getattr(library, f"{short}_tick").argtypes = tick
             answer = getattr(library, f"{short}_answer")
@@ -49,7 +49,7 @@ class _Firmware:
 
     def boot(self, boot_count: int) -> None:
         """Boot the device."""
-        self._call("boot", self._memory, boot_count & 0xFFFF)
+        self._call("boot", self._memory, boot_count & 0xFFFFFFFF)
 
     def answer(self, request: bytes) -> bytes | None:
         """The reply to one request, or None."""
@@ -73,8 +73,13 @@ class _Firmware:
 
     @property
     def echo(self) -> int:
-        """The sequence word accepted last."""
+        """The sequence of the last executed command."""
         return self._register("echo")
+
+    @property
+    def boot_count(self) -> int:
+        """Boots so far."""
+        return self._register("boot_count")
 
     @property
     def newest_tick(self) -> int:

@@ -22,7 +22,12 @@ class Station(Protocol):
 
     @property
     def echo(self) -> int:
-        """The sequence word accepted last."""
+        """The sequence of the last executed command."""
+        ...
+
+    @property
+    def boot_count(self) -> int:
+        """Boots so far."""
         ...
 
     @property

@@ -1,6 +1,6 @@
 """The text framing on the device's side: one line is a request, one line is the reply.
 
-w 0100 0001 0000 000F 4240 r 0000 000C *3B7A
+w 0100 0000 0001 0000 0001 0000 000F 4240 r 0000 000E *E192
 """
 
 import re

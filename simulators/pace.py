@@ -5,7 +5,7 @@ from collections.abc import Callable
 from typing import Protocol
 
 from simulators.layout import RegisterLayout
-from simulators.register_device import is_new
+from simulators.register_device import is_new, ticks_after
 from simulators.simulated_bench import DAQ, SimulatedBench
 from smarig.device import Exchange, Refusal, load_register_map
 
@@ -93,7 +93,7 @@ class LockStep:
         if not wanted:
             return
         last_tick, most = wanted
-        while self._world.daq.newest_tick < last_tick and most > 0:
+        while ticks_after(last_tick, self._world.daq.newest_tick) > 0 and most > 0:
             self._tick()
             most -= 1
 
@@ -105,7 +105,7 @@ class LockStep:
         values = self._layout.values(exchange)
         if isinstance(values, Refusal) or "sequence" not in values:
             return None
-        if not is_new(values["sequence"], self._world.daq.echo):
+        if not is_new(values, self._world.daq.boot_count, self._world.daq.echo):
             return None
         most = values.get("ring_want", 0)
         return values.get("ring_next", 0) + most - 1, most

@@ -1,12 +1,14 @@
 """What both devices have in common: an exchange is checked, executed completely or not at all, and answered."""
 
 from collections import deque
+from collections.abc import Mapping
 from typing import NamedTuple
 
 from simulators.layout import RegisterLayout
 from smarig.device import Exchange, RawValues, Refusal, RegisterMap, load_register_map, to_words
 
 SEQUENCE_AHEAD = 256  # commands that may have been lost on the line
+COUNTED = 2**32  # boots and ticks are counted modulo this
 
 
 class RegisterDevice:
@@ -26,7 +28,7 @@ class RegisterDevice:
 
     def boot(self, boot_count: int) -> None:
         """Restart with nothing remembered except the boot count."""
-        self.boot_count = boot_count & 0xFFFF
+        self.boot_count = boot_count % COUNTED
         self.echo = 0
         self.ring = Ring(self._ring_samples)
         self.stored = RawValues(
@@ -36,8 +38,13 @@ class RegisterDevice:
 
     @property
     def newest_tick(self) -> int:
-        """Samples since boot."""
+        """Samples since boot, modulo 2**32."""
         return self.ring.newest
+
+    def start_at(self, sequence: int, tick: int) -> None:
+        """Just after boot: continue as if ``sequence`` and ``tick`` had been reached, for tests of their ends."""
+        self.echo = self.stored["sequence"] = sequence
+        self.ring.newest = tick
 
     def accept(self, exchange: Exchange) -> list[int] | Refusal:
         """Write, then read. A refused exchange changes nothing."""
@@ -59,7 +66,7 @@ class RegisterDevice:
         return refusal
 
     def _command(self, values: RawValues) -> Refusal | None:
-        if not is_new(values["sequence"], self.echo):  # repeated or late: only its window may differ
+        if not is_new(values, self.boot_count, self.echo):  # repeated or late: only its window may differ
             values = RawValues(
                 (name, raw) for name, raw in values.items() if name in ("ring_next", "ring_want")
             )
@@ -120,13 +127,26 @@ class RegisterDevice:
         raise NotImplementedError
 
 
-def is_new(sequence: int, last: int) -> bool:
-    """Whether a sequence word is one of the next after the last accepted one; 1 follows 65535.
+def is_new(values: Mapping[str, int], boot_count: int, echo: int) -> bool:
+    """Whether a command was made for this boot, with one of the numbers that follow ``echo``.
 
-    >>> is_new(1, 0), is_new(1, 65535), is_new(7, 7), is_new(6, 7), is_new(300, 7)
-    (True, True, False, False, False)
+    Numbers do not wrap and boots are counted, so each pair of both is executed once at most: no frame is new again.
+
+    >>> [is_new({"sequence": k, "epoch": 3}, 3, 7) for k in (6, 7, 8, 263, 264)]
+    [False, False, True, True, False]
+    >>> is_new({"sequence": 8, "epoch": 2}, 3, 7), is_new({"sequence": 8}, 3, 7)
+    (False, False)
     """
-    return 1 <= (sequence - last) % 0xFFFF <= SEQUENCE_AHEAD
+    return values.get("epoch") == boot_count and 1 <= values["sequence"] - echo <= SEQUENCE_AHEAD
+
+
+def ticks_after(tick: int, other: int) -> int:
+    """How much later a tick is than another, both modulo 2**32; less than 0 if it is earlier.
+
+    >>> ticks_after(5, 3), ticks_after(3, 5), ticks_after(2, 2**32 - 1)
+    (2, -2, 3)
+    """
+    return (tick - other + COUNTED // 2) % COUNTED - COUNTED // 2
 
 
 class RingWindow(NamedTuple):
@@ -141,7 +161,7 @@ EMPTY_WINDOW = RingWindow(0, 0, [])
 
 
 class Ring:
-    """A ring of samples. Ticks count from 1."""
+    """A ring of samples. Ticks count from 1, modulo 2**32."""
 
     def __init__(self, samples: int) -> None:
         self._samples: deque[list[int]] = deque(maxlen=samples)
@@ -150,15 +170,17 @@ class Ring:
     def put(self, words: list[int]) -> None:
         """Store the sample of the next tick."""
         self._samples.append(words)
-        self.newest += 1
+        self.newest = (self.newest + 1) % COUNTED
 
     def window(self, first: int, want: int) -> RingWindow:
         """Samples from tick ``first`` on, or from the oldest stored one; empty if ``first`` is in the
         future."""
-        oldest = self.newest - len(self._samples) + 1
-        if first > self.newest or not self._samples:
+        stored = len(self._samples)
+        ago = ticks_after(self.newest, first)
+        if ago < 0 or not stored:
             return RingWindow(first, 0, [])
-        first = max(first, oldest)
-        count = min(want, self.newest - first + 1)
-        words = [word for k in range(first - oldest, first - oldest + count) for word in self._samples[k]]
-        return RingWindow(first, count, words)
+        ago = min(ago, stored - 1)
+        count = min(want, ago + 1)
+        at = stored - 1 - ago
+        words = [word for k in range(at, at + count) for word in self._samples[k]]
+        return RingWindow((self.newest - ago) % COUNTED, count, words)

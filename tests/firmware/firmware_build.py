@@ -36,7 +36,7 @@ def open_library(path: Path) -> ctypes.CDLL:
     sample = (ctypes.c_int16, ctypes.c_uint16)
     for short, values in (("amp", 2), ("daq", 1)):
         getattr(library, f"{short}_size").restype = ctypes.c_size_t
-        getattr(library, f"{short}_boot").argtypes = (memory, word)
+        getattr(library, f"{short}_boot").argtypes = (memory, ctypes.c_uint32)
         getattr(library, f"{short}_tick").argtypes = (memory, *[ctypes.c_int32] * values, *sample)
         answer = getattr(library, f"{short}_answer")
         answer.argtypes = (memory, ctypes.c_int, ctypes.c_uint8, data, word, data, word)
@@ -96,8 +96,8 @@ class Device:
         self.boot(boot_count)
 
     def boot(self, boot_count: int) -> None:
-        """A start, after which sequence words begin anew."""
-        self._sequence = 0
+        """A start, after which sequences begin anew."""
+        self._sequence, self._epoch = 0, boot_count
         self._call("boot", self._memory, boot_count)
 
     def _call(self, what: str, *arguments):
@@ -151,14 +151,14 @@ class Device:
         return self.ask(_write(self.map.start("settings"), self.map.encode("settings", safe | values))).code
 
     def command(self, **values: int) -> int:
-        """Writes the command block up to the last value that is given, with a new sequence word unless one is given.
+        """Writes the command block up to the last value that is given, with a new sequence unless one is given.
 
         An order that arms carries the nonce of the status, unless another one is given.
         """
         self._sequence += 1
         arms = "nonce" in self.map.names["command"] and values.get("order") in (ARM, REARM)
         nonce = {"nonce": self.read("arm_nonce")} if arms else {}  # as a host does
-        values = {"sequence": self._sequence, **nonce, **values}
+        values = {"sequence": self._sequence, "epoch": self._epoch, **nonce, **values}
         words, length = [], 0
         for r in self.map.blocks["command"]:
             words += to_words(values.get(r.name, 0), r.words)

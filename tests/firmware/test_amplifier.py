@@ -32,10 +32,10 @@ def in_state(amp, state):
 
 
 def test_it_boots_off_with_safe_settings(library):
-    amp = Device(library, "amplifier", boot_count=65535)
+    amp = Device(library, "amplifier", boot_count=0xFFFF1234)
     status = amp.status()
-    known = {"kind": 0x5341, "version": 3, "map_hash": amp.map.hash, "boot_count": 65535}
-    known |= {"board_max": 2_000_000, "settings_crc": SAFE_CRC, "arm_nonce": 0xFFFF0000}
+    known = {"kind": 0x5341, "version": 4, "map_hash": amp.map.hash, "boot_count": 0xFFFF1234}
+    known |= {"board_max": 2_000_000, "settings_crc": SAFE_CRC, "arm_nonce": 0x12340000}
     assert {name: value for name, value in status.items() if value} == known
     safe = {r.name: r.safe for block in ("command", "settings") for r in amp.map.blocks[block]}
     assert {name: amp.read(name) for name in safe} == safe
@@ -108,29 +108,33 @@ def test_a_short_write_leaves_the_current_as_it_is(amp):
 @pytest.mark.parametrize(
     ("body", "code"),
     [
-        ("w 100 0", BAD_WORD),  # sequence is never 0
-        ("w 100 63 4", BAD_WORD),
-        ("w 100 63 1 0 1 0 0 d", BAD_WORD),
-        ("w 100 63 2 1 r 0 1", NO_REGISTER),  # half a current
-        ("w 100 63 1 0 1 0 0 0 0", NO_REGISTER),  # half a nonce
-        ("w 100 63 1 0 1 0 0 0 0 0 0", NO_REGISTER),  # beyond the block
+        ("w 100 0 0", BAD_WORD),  # sequence is never 0
+        ("w 100 63", NO_REGISTER),  # half a sequence
+        ("w 100 0 63 0", NO_REGISTER),  # half an epoch
+        ("w 100 0 63 0 7 4", BAD_WORD),
+        ("w 100 0 63 0 7 1 0 1 0 0 d", BAD_WORD),
+        ("w 100 0 63 0 7 2 1 r 0 1", NO_REGISTER),  # half a current
+        ("w 100 0 63 0 7 1 0 1 0 0 0 0", NO_REGISTER),  # half a nonce
+        ("w 100 0 63 0 7 1 0 1 0 0 0 0 0 0", NO_REGISTER),  # beyond the block
         ("w 101 1", NO_REGISTER),  # not from its first register on
-        ("w 102 0 0", NO_REGISTER),
+        ("w 105 0 0", NO_REGISTER),
         ("w 0 1", NO_REGISTER),  # not writable
         ("w ffff 1 1", NO_REGISTER),
-        ("w 100 63 1 r 77 1", NO_REGISTER),
-        ("w 100 63 1 r 0 78", NO_REGISTER),
-        ("w 100 63 1 r 4 1", NO_REGISTER),  # half a value, from the middle on
-        ("w 100 63 1 r 0 4", NO_REGISTER),  # and up to the middle
-        ("w 100 63 1 r 13 1", NO_REGISTER),  # of the nonce
-        ("w 100 63 1 r 16 1", NO_REGISTER),  # of board_max
-        ("w 100 63 1 r 17 1", NO_REGISTER),  # of a sample, too
-        ("w 100 63 1 r 0 1c", NO_REGISTER),  # up to the middle of its output
-        ("w 100 63 1 r 205 1", NO_REGISTER),
-        ("w 100 63 1 r ffff 2", NO_REGISTER),
-        ("w 100 63 1 r 0 0", BAD_WORD),
-        ("w 100 63 1 r 0 7e", BAD_WORD),
-        ("w 100 63 1 0 1 r 200 1", NOT_NOW),  # a current, and nothing that arms: see below
+        ("w 100 0 63 0 7 r 79 1", NO_REGISTER),
+        ("w 100 0 63 0 7 r 0 7a", NO_REGISTER),
+        ("w 100 0 63 0 7 r 4 1", NO_REGISTER),  # half a value, from the middle on
+        ("w 100 0 63 0 7 r 0 4", NO_REGISTER),  # and up to the middle
+        ("w 100 0 63 0 7 r 5 1", NO_REGISTER),  # of the boot count
+        ("w 100 0 63 0 7 r 8 1", NO_REGISTER),  # of the echo
+        ("w 100 0 63 0 7 r 15 1", NO_REGISTER),  # of the nonce
+        ("w 100 0 63 0 7 r 18 1", NO_REGISTER),  # of board_max
+        ("w 100 0 63 0 7 r 19 1", NO_REGISTER),  # of a sample, too
+        ("w 100 0 63 0 7 r 0 1e", NO_REGISTER),  # up to the middle of its output
+        ("w 100 0 63 0 7 r 205 1", NO_REGISTER),
+        ("w 100 0 63 0 7 r ffff 2", NO_REGISTER),
+        ("w 100 0 63 0 7 r 0 0", BAD_WORD),
+        ("w 100 0 63 0 7 r 0 7e", BAD_WORD),
+        ("w 100 0 63 0 7 1 0 1 r 200 1", NOT_NOW),  # a current, and nothing that arms: see below
         ("w 200 0", BAD_WORD),
         ("w 200 64 1f3", BAD_WORD),
         ("w 200 64 7d1", BAD_WORD),
@@ -142,7 +146,7 @@ def test_a_short_write_leaves_the_current_as_it_is(amp):
 )
 def test_a_refused_request_changes_nothing(amp, body, code):
     if code == NOT_NOW:
-        body = body.replace("63 1 ", "63 0 ")
+        body = body.replace("7 1 ", "7 0 ")
     before = amp.memory
     assert amp.ask(body).code == code
     assert amp.memory == before
@@ -151,17 +155,18 @@ def test_a_refused_request_changes_nothing(amp, body, code):
 @pytest.mark.parametrize(
     "body",
     [
-        "r 0 12",
+        "r 0 14",
         "r 3 2",
-        "r 5 1",
-        "r 13 2",
-        "r 17 2",
-        "r 19 4",
-        "r 1f 8",
+        "r 5 4",
+        "r 15 2",
+        "r 19 2",
+        "r 1b 4",
+        "r 21 8",
         "r 102 2",
-        "r 107 2",
+        "r 105 2",
+        "r 10a 2",
         "r 200 f",
-        "r 76 1",
+        "r 78 1",
     ],
 )
 def test_whole_values_can_be_read_from_anywhere(amp, body):
@@ -218,7 +223,8 @@ def test_a_repeated_exchange_chooses_its_window(amp):
         (5, 3, 0, 3, 0),
         (5, 5, 12, 5, 1),
         (5, 6, 12, 6, 0),
-        (5, 2**32 - 1, 12, 2**32 - 1, 0),
+        (5, 2**31 + 5, 12, 2**31 + 5, 0),
+        (5, 2**31 + 6, 12, 1, 5),
         (256, 1, 12, 1, 12),
         (257, 1, 12, 2, 12),
         (300, 0, 12, 45, 12),
@@ -243,7 +249,7 @@ def test_the_window_stays_until_the_next_command(amp):
     after = amp.status()
     assert after.samples == before.samples == [(1, 2, 0, -32768, 0)] * 2
     assert after["tick"] == 603
-    assert amp.ask("r 27 50").words == [0] * 80  # beyond the window
+    assert amp.ask("r 29 50").words == [0] * 80  # beyond the window
 
 
 def test_marks(amp):

@@ -20,6 +20,7 @@ from firmware.codes import (
 from firmware.firmware_build import RTU, Device, frame, make, open_library
 from firmware.python_device import PythonDevice
 from smarig.device.encoding.crc import crc16
+from smarig.device.encoding.register import to_words
 
 BOOT = 7
 WIDE = {"current_min": -2_000_000, "current_max": 2_000_000, "slew_max": 1_000_000, "heat_max": 2**32 - 1}
@@ -52,10 +53,10 @@ def test_every_order_and_every_boot_has_its_nonce(amp):
 
 
 def test_the_orders_are_counted_modulo_a_word(amp):
-    for word in range(65_536):
-        assert amp.answer(rtu_write(word % 65_535 + 1, OFF), RTU)
-        if word in (65_534, 65_535):
-            assert amp.read("arm_nonce") == nonce((word + 1) % 65_536)
+    for orders in range(1, 65_537):
+        assert amp.answer(rtu_write(orders, OFF), RTU)
+        if orders in (65_535, 65_536):
+            assert amp.read("arm_nonce") == nonce(orders % 65_536)
 
 
 def test_nothing_but_an_executed_order_changes_the_nonce(amp):
@@ -86,7 +87,7 @@ def test_arming_with_another_nonce_is_refused(amp, order, wrong):
     assert (amp.status()["state"], amp.output_uA) == (ARMED, 100_000)
 
 
-@pytest.mark.parametrize("words", ["1 1", "1 1 0 0", "1 1 0 0 0 0 0", "1 3 0 0"])
+@pytest.mark.parametrize("words", ["0 1 0 7 1", "0 1 0 7 1 0 0", "0 1 0 7 1 0 0 0 0 0", "0 1 0 7 3 0 0"])
 def test_a_write_without_the_word_arms_nothing(amp, words):
     assert amp.ask(f"w 100 {words}").code == NOT_NOW
     assert (amp.status()["state"], amp.status()["echo"]) == (IS_OFF, 0)
@@ -108,16 +109,16 @@ def test_off_and_no_order_need_no_nonce(amp):
 
 
 def rtu_write(sequence, order=NONE, current=0, with_nonce=None):
-    """A frame that writes the command block, or the first two words of it."""
-    words = [sequence, order]
+    """A frame that writes the command block, or what it begins with, up to the order."""
+    words = [*to_words(sequence, 2), *to_words(BOOT, 2), order]
     if with_nonce is not None:
-        words += [current >> 16, current & 0xFFFF, 0, 0, 0, with_nonce >> 16, with_nonce & 0xFFFF]
+        words += [*to_words(current, 2), 0, 0, 0, *to_words(with_nonce, 2)]
     body = b"".join(word.to_bytes(2, "big") for word in words)
     return frame(bytes([65, 16, 1, 0, 0, len(words), len(body)]) + body)
 
 
 def test_an_old_arm_frame_arms_nothing_at_any_later_moment(amp):
-    """Replayed after each of 65,535 further commands; with the last 256 of them its sequence word is ahead again."""
+    """Replayed after each of 65,535 further commands, with the last of which a word would be ahead again."""
     arming = rtu_write(300, ARM, 500_000, with_nonce=nonce(0))
     for last in (255, 299):
         amp.command(sequence=last)
@@ -128,10 +129,10 @@ def test_an_old_arm_frame_arms_nothing_at_any_later_moment(amp):
     for further in range(65_535):
         refused += amp.answer(arming, RTU)[1] >> 7
         assert amp.output_uA == 0
-        amp.answer(rtu_write((301 + further) % 65_535 + 1), RTU)
-    assert refused == 256, "the only moments in which its word was new"
+        amp.answer(rtu_write(302 + further), RTU)
+    assert refused == 0, "it is always a repetition"
     assert amp.status()["state"] == IS_OFF
-    assert amp.status()["echo"] == 301
+    assert amp.status()["echo"] == 301 + 65_535
 
 
 def test_a_repetition_takes_only_its_window(amp):

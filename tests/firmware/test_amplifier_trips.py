@@ -97,22 +97,26 @@ def test_an_old_arm_frame_after_off_lets_no_current_flow(amp):
 
 
 @pytest.mark.parametrize(
-    ("last", "word", "new"),
+    ("last", "sequence", "new"),
     [
-        (65535, 1, True),
-        (65535, 256, True),
-        (65535, 257, False),
-        (65300, 21, True),
-        (65300, 22, False),
-        (3, 65535, False),
+        (65_535, 65_536, True),
+        (65_535, 65_535 + 256, True),
+        (65_535, 65_535 + 257, False),
+        (65_535, 1, False),
+        (65_536, 1, False),
+        (65_300, 65_556, True),
+        (65_300, 65_557, False),
+        (65_300, 20, False),
+        (3, 65_535, False),
+        (3, 2**32 - 1, False),
     ],
 )
-def test_sequence_words_wrap_round(amp, last, word, new):
+def test_one_of_the_next_numbers_is_new_and_none_goes_round(amp, last, sequence, new):
     for between in range(256, last, 256):
         amp.command(sequence=between)
     amp.command(sequence=last)
-    amp.command(sequence=word)
-    assert amp.status()["echo"] == (word if new else last)
+    amp.command(sequence=sequence)
+    assert amp.status()["echo"] == (sequence if new else last)
 
 
 @pytest.mark.parametrize(

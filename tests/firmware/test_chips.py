@@ -8,7 +8,7 @@ import time
 
 from firmware.codes import ARMED, LEASE, NONE, REARM, TRIPPED
 from firmware.firmware_build import frame, read_line, sealed, status_of
-from smarig.device.encoding.register import load_register_map, to_words
+from smarig.device.encoding.register import from_words, load_register_map, to_words
 
 MAP = load_register_map("amplifier")
 WORDS = MAP.size("status")
@@ -16,22 +16,29 @@ LONG = bool(os.environ.get("SMARIG_LONG"))  # and a machine that keeps real time
 PATIENCE_S = 60.0  # ends a test that has failed
 
 
-def command(sequence, order, current, ring_next=0, nonce=0):
-    words = [sequence, order, *to_words(current, 2), *to_words(ring_next, 2), 12, *to_words(nonce, 2)]
-    return f"w 100 {' '.join(f'{word:x}' for word in words)} r 0 {WORDS:x}"
+def command(epoch, sequence, order, current, ring_next=0, nonce=0):
+    words = [
+        *to_words(sequence, 2),
+        *to_words(epoch, 2),
+        order,
+        *to_words(current, 2),
+        *to_words(ring_next, 2),
+    ]
+    return f"w 100 {' '.join(f'{word:x}' for word in (*words, 12, *to_words(nonce, 2)))} r 0 {WORDS:x}"
 
 
 def nonce_of(chip):
-    high, low = chip.line("r 13 2").words
+    high, low = chip.line("r 15 2").words
     return high << 16 | low
 
 
 def silent_until_tripped(chip, sequence):
     """Arms with 0.5 A, then only reads; the status when armed and the seconds until it tripped."""
     asked_s = time.monotonic()
-    armed = status_of(MAP, chip.line(command(sequence, REARM, 500_000, nonce=nonce_of(chip))).words)
+    arming = command(_boots(chip), sequence, REARM, 500_000, nonce=nonce_of(chip))
+    armed = status_of(MAP, chip.line(arming).words)
     assert (armed["echo"], armed["state"], armed["output"]) == (sequence, ARMED, 500_000)
-    _until(lambda: chip.line("r 8 1").words != [ARMED])
+    _until(lambda: chip.line("r 0 1").words != [ARMED])
     return armed, time.monotonic() - asked_s
 
 
@@ -41,8 +48,8 @@ def one_ohm(driven_uA):
 
 def test_the_amplifier_on_its_chip(start):
     chip = start("amplifier_lines", one_ohm, watched=True)
-    hello = chip.line("r 1 5").words
-    assert hello[:4] == [0x5341, 3, *to_words(MAP.hash, 2)]
+    hello = chip.line("r 1 6").words
+    assert hello[:4] == [0x5341, 4, *to_words(MAP.hash, 2)]
     limits = {r.name: r.safe for r in MAP.blocks["settings"]}
     limits |= {"current_max": 10**6, "slew_max": 10**5, "heat_max": 10**7}
     settings = MAP.encode("settings", limits)
@@ -53,9 +60,9 @@ def test_the_amplifier_on_its_chip(start):
         if 0.5 <= seconds <= 0.7 or not LONG:
             break
     assert 0.5 <= seconds <= 0.7 or not LONG
-    assert chip.line("r 8 2").words == [TRIPPED, LEASE]
+    assert (chip.line("r 0 1").words, chip.line("r 9 1").words) == ([TRIPPED], [LEASE])
 
-    ended = status_of(MAP, chip.line(command(4, NONE, 0, ring_next=armed["tick"] + 1)).words)
+    ended = status_of(MAP, chip.line(command(_boots(chip), 4, NONE, 0, ring_next=armed["tick"] + 1)).words)
     assert [marks for *_, marks in ended.samples[:6]] == [0] * 5 + [2]  # the lease lasts five ticks
     assert ended.samples[5][:4] == (500_000, 500_000, 500_000, 2150)
 
@@ -69,8 +76,8 @@ def test_the_amplifier_on_its_chip(start):
 
 def test_frames_end_by_silence(start):
     chip = start("encoder_daq_rtu", lambda _: "in -5 2000 4")
-    request = frame(bytes.fromhex("64 03 0008 0003"))
-    expected = frame(bytes.fromhex("64 03 06 0001 FFFF FFFB"))
+    request = frame(bytes.fromhex("64 03 000B 0002"))
+    expected = frame(bytes.fromhex("64 03 04 FFFF FFFB"))
 
     def whole(reply):
         return len(reply) == len(expected)
@@ -85,8 +92,8 @@ def test_frames_end_by_silence(start):
 
 def _boots(chip):
     """The boot count of a chip; 0 while there is no reply."""
-    heard = chip.ask(f"{sealed('r 5 1')}\n".encode(), lambda reply: reply.endswith(b"\n"), patience_s=0.5)
-    return read_line(heard.decode().strip()).words[0] if heard.startswith(b"=") else 0
+    heard = chip.ask(f"{sealed('r 5 2')}\n".encode(), lambda reply: reply.endswith(b"\n"), patience_s=0.5)
+    return from_words(read_line(heard.decode().strip()).words, "u32") if heard.startswith(b"=") else 0
 
 
 def _until(holds):

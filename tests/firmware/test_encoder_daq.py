@@ -7,7 +7,7 @@ INDEX, ILLEGAL_STEP, NO_SUPPLY = 1, 2, 4
 
 
 def test_it_boots(daq):
-    known = {"kind": 0x5344, "version": 2, "map_hash": daq.map.hash, "boot_count": 7}
+    known = {"kind": 0x5344, "version": 3, "map_hash": daq.map.hash, "boot_count": 7}
     assert {name: value for name, value in daq.status().items() if value} == known
     assert daq.read("period") == 100
 
@@ -31,6 +31,15 @@ def test_a_repeated_zero_is_not_done_again(daq):
     daq.now(80)
     assert daq.command(sequence=5, order=ZERO) == 0
     assert (daq.status()["counts"], daq.status()["echo"]) == (30, 5)
+
+
+def test_a_zero_of_another_boot_is_not_done(daq):
+    daq.now(50)
+    for sequence, epoch in ((1, 6), (1, 8), (1, 0), (2, 7 + 2**16)):
+        assert daq.command(sequence=sequence, epoch=epoch, order=ZERO) == 0
+        assert (daq.status()["counts"], daq.status()["echo"]) == (50, 0)
+    assert daq.command(sequence=1, order=ZERO) == 0
+    assert daq.status()["counts"] == 0
 
 
 def test_counts_go_round(daq):
@@ -76,17 +85,17 @@ def test_the_ring_loses_nothing_within_its_size(daq, ticks, ring_next, first, co
 @pytest.mark.parametrize(
     ("body", "code"),
     [
-        ("w 100 1 2", 3),
-        ("w 100 0", 3),
-        ("w 100 1 1 0 0 19", 3),
-        ("w 100 1 1 0", 2),
-        ("w 100 1 1 0 0 0 0", 2),
+        ("w 100 0 1 0 7 2", 3),
+        ("w 100 0 0", 3),
+        ("w 100 0 1 0 7 1 0 0 19", 3),
+        ("w 100 0 1 0 7 1 0", 2),
+        ("w 100 0 1 0 7 1 0 0 0 0", 2),
         ("w 200 0", 3),
         ("w 200 ea61", 3),
         ("w 200 1 1", 2),
-        ("w 100 1 1 r 6f 1", 2),
-        ("w 100 1 1 r 9 1", 2),
-        ("w 100 1 1 r 10 1", 2),
+        ("w 100 0 1 0 7 1 r 71 1", 2),
+        ("w 100 0 1 0 7 1 r b 1", 2),
+        ("w 100 0 1 0 7 1 r 12 1", 2),
     ],
 )
 def test_a_refused_request_changes_nothing(daq, body, code):

@@ -180,6 +180,6 @@ def test_a_hanging_program_is_reset_with_the_gate_closed(uno):
     board.tell("hang")
     board.go(400)
     status = board.command()
-    assert (status["boot_count"], status["state"]) == (boots + 1, IS_OFF)
+    assert (status["boot_count"], status["state"], status["echo"]) == (boots + 1, IS_OFF, 0)
     trace = board.close()
     assert last_flow_ms(trace) <= silence_ms(trace) + WAIT_MS + 130, "the watchdog's 120 ms"

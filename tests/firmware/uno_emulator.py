@@ -13,7 +13,7 @@ import numpy as np
 
 from firmware.architectures import SIMAVR
 from firmware.firmware_build import FIRMWARE, Status, frame, make, status_of
-from smarig.device.encoding.register import load_register_map, to_words
+from smarig.device.encoding.register import from_words, load_register_map, to_words
 
 UNO = FIRMWARE.parent / "boards" / "uno"
 NEEDS = ("avr-gcc", "avr-size", *SIMAVR)
@@ -54,6 +54,7 @@ class Uno:
         self.path = self.process.stdout.readline().split()[1].decode()
         self._line: int | None = None
         self._sequence = {65: 0, 100: 0}
+        self._epoch: list[int] = []  # as words
         self._wire: threading.Thread | None = None
         if wire:
             self._wire = threading.Thread(target=self._couple, args=(wire,))
@@ -118,11 +119,16 @@ class Uno:
     def command(self, order: int = 0, current: int = 0, ring_next: int = 0, nonce: int = 0) -> Status:
         """A new command to the amplifier, and its whole status."""
         self._sequence[65] += 1
-        words = [self._sequence[65], order, *to_words(current, 2), *to_words(ring_next, 2), 12]
+        words = [*self._proof(65), order, *to_words(current, 2), *to_words(ring_next, 2), 12]
         return status_of(
             AMPLIFIER,
             self.exchange(65, 0x100, [*words, *to_words(nonce, 2)], 0, AMPLIFIER.size("status")),
         )
+
+    def _proof(self, address: int) -> list[int]:
+        """What a command begins with: a new sequence, and the boot of the board."""
+        self._epoch = self._epoch or self.exchange_read(address, 5, 2)
+        return [*to_words(self._sequence[address], 2), *self._epoch]
 
     def arm(self, current: int = 0) -> Status:
         """Arms with a current in uA."""
@@ -145,7 +151,7 @@ class Uno:
 
     def command_after_noise(self) -> Status:
         """The status after frames of anybody may have been commands."""
-        self._sequence[65] = self.exchange_read(65, 0, 1)[0]
+        self._sequence[65] = from_words(self.exchange_read(65, 7, 2), "u32")
         return self.command()
 
     def exchange_read(self, address: int, at: int, count: int) -> list[int]:
@@ -158,7 +164,7 @@ class Uno:
     def position(self, ring_next: int = 0) -> Status:
         """A new command to the encoder DAQ, and its whole status."""
         self._sequence[100] += 1
-        words = [self._sequence[100], 0, *to_words(ring_next, 2), 24]
+        words = [*self._proof(100), 0, *to_words(ring_next, 2), 24]
         return status_of(DAQ, self.exchange(100, 0x100, words, 0, DAQ.size("status")))
 
     def free_ram(self) -> int:

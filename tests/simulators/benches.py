@@ -52,14 +52,16 @@ class Bench:
     def samples(self, sequence: int, first: int, want: int) -> list[tuple[int, ...]] | None:
         """Samples of the DAQ: (counts, ambient, marks) each."""
         m = self.daq.map
-        words = tuple(m.encode("command", {"sequence": sequence, "ring_next": first, "ring_want": want}))
+        window = {"ring_next": first, "ring_want": want}
+        words = tuple(m.encode("command", {"sequence": sequence, "epoch": self.daq.boot_count, **window}))
         status = self.ask("encoder_daq", Exchange(0, m.size("status"), m.start("command"), words))
         return None if status is None else m.records(status, m.decode("status", status)["ring_count"])
 
     def command(self, sequence: int, **values: int) -> list[int] | Refusal | None:
         """A command to the amplifier."""
-        words = tuple(self.amplifier.map.encode("command", {"sequence": sequence, **values}))
-        return self.ask("amplifier", Exchange(0, 18, self.amplifier.map.start("command"), words))
+        proof = {"sequence": sequence, "epoch": self.amplifier.boot_count}
+        words = tuple(self.amplifier.map.encode("command", {**proof, **values}))
+        return self.ask("amplifier", Exchange(0, 20, self.amplifier.map.start("command"), words))
 
     def armed(self, current_uA: int) -> None:
         """Set up, armed and driving; the lease is 2 s."""

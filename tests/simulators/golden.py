@@ -14,7 +14,7 @@ from simulators.modbus import Rtu
 from smarig.core.resources import shipped
 from smarig.device.encoding import lines, rtu
 from smarig.device.encoding.exchange import Exchange, Refusal
-from smarig.device.encoding.register import from_words, load_register_map
+from smarig.device.encoding.register import from_words, load_register_map, to_words
 
 FOLDER = shipped("firmware_protocol") / "golden"
 Samples = tuple[tuple[int, ...], ...]
@@ -56,7 +56,7 @@ class Script:
         self.steps: list[dict[str, Any]] = []
         self._device = made(self.head)
         self._framing = framing
-        self.word = 0  # the last sequence word given
+        self.word = 0  # the last sequence given
         self.orders = 0  # that were executed
 
     @property
@@ -65,9 +65,13 @@ class Script:
         return self.head["boot_count"] << 16 | self.orders & 0xFFFF
 
     def next_word(self) -> int:
-        """A new sequence word."""
+        """A new sequence."""
         self.word += 1
         return self.word
+
+    def proof(self, word: int) -> tuple[int, ...]:
+        """The words that a command begins with: a sequence, and the boot for which it is made."""
+        return (*to_words(word, 2), *to_words(self.head["boot_count"], 2))
 
     def raw(self, why: str, request: str, reply: str | None) -> None:
         """Bytes or text as they are, and the reply that the contract gives them."""
@@ -93,7 +97,7 @@ class Script:
         self.steps.append({"why": why, "request": request, "reply": reply})
 
     def command(self, why: str, refused: int = 0, again: bool = False, read: int = 0, **values: Any) -> None:
-        """The command block with a new sequence word (or the last one, ``again``), then the status block's head.
+        """The command block with a new sequence (or the last one, ``again``), then the status block's head.
 
         Values in capital letters are written, others are what is said. An order that arms carries the nonce, unless
         another one is given.
@@ -104,11 +108,12 @@ class Script:
             self.next_word()
         order = written.get("order", 0) if self.head["device"] == "amplifier" else 0
         nonce = {"nonce": self.nonce} if order in ARMING else {}
-        written = {"sequence": self.word, **nonce, **written}
+        written = {"sequence": self.word, "epoch": self.head["boot_count"], **nonce, **written}
         words = tuple(self._map.encode("command", written))
         head = self._map["ring"].address
         self.ask(why, Exchange(0, read or head, self._map.start("command"), words), refused, **says)
-        self.orders += bool(order and not again and not refused)
+        executed = not again and not refused and written["epoch"] == self.head["boot_count"]
+        self.orders += bool(order and executed)
 
     def settings(self, why: str, refused: int = 0, **values: int) -> None:
         """The whole settings block; what is not given is what is safe."""

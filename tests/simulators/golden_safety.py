@@ -32,17 +32,17 @@ def lease() -> Script:
     )
     s.command("1 A", CURRENT=AMPERE, output=AMPERE, lease_left=500)
     good(s, times=4)
-    s.ask("reading does not feed", Exchange(0, 0x12), state=ARMED, tick=4, lease_left=100)
+    s.ask("reading does not feed", Exchange(0, 0x14), state=ARMED, tick=4, lease_left=100)
     s.command("nor does what is refused", ORDER=ARM, refused=4)
     good(s)
-    s.ask("five ticks without a word", Exchange(0, 0x12), state=ARMED, output=AMPERE, lease_left=0, tick=5)
+    s.ask("five ticks without a word", Exchange(0, 0x14), state=ARMED, output=AMPERE, lease_left=0, tick=5)
     good(s)
-    s.ask("the sixth trips", Exchange(0, 0x12), state=TRIPPED, trip=LEASE, output=0, lease_left=0, tick=6)
+    s.ask("the sixth trips", Exchange(0, 0x14), state=TRIPPED, trip=LEASE, output=0, lease_left=0, tick=6)
     s.command("a trip is latched", state=TRIPPED, trip=LEASE)
     s.command("a current while tripped", CURRENT=1, refused=4)
     s.command("arm while tripped", ORDER=ARM, refused=4)
     s.command(
-        "the sample of the trip is marked", RING_NEXT=6, RING_WANT=1, read=0x1F, ring_first=6, ring_count=1
+        "the sample of the trip is marked", RING_NEXT=6, RING_WANT=1, read=0x21, ring_first=6, ring_count=1
     )
     s.command("rearm", ORDER=REARM, state=ARMED, trip=0, output=0, lease_left=500)
     s.command("off", ORDER=SWITCH_OFF, state=OFF)
@@ -50,16 +50,16 @@ def lease() -> Script:
     s.settings("ticks of 200 ms: 2.5 ticks of lease are 3", **slow)
     s.command("arm", ORDER=ARM, lease_left=600)
     s.tick(0, 0, NO_SENSOR, 0, times=3)
-    s.ask("three are not too many", Exchange(0, 0x12), state=ARMED)
+    s.ask("three are not too many", Exchange(0, 0x14), state=ARMED)
     s.tick(0, 0, NO_SENSOR, 0)
-    s.ask("four are", Exchange(0, 0x12), state=TRIPPED, trip=LEASE)
+    s.ask("four are", Exchange(0, 0x14), state=TRIPPED, trip=LEASE)
     s.settings("settings while tripped; a tick of half the lease is the longest", **(WIRE | {"period": 250}))
     s.command("off after a trip clears it", ORDER=SWITCH_OFF, state=OFF, trip=0)
     s.command("then arm", ORDER=ARM, state=ARMED, lease_left=500)
     s.tick(0, 0, NO_SENSOR, 0, times=2)
-    s.ask("two ticks at least", Exchange(0, 0x12), state=ARMED, lease_left=0)
+    s.ask("two ticks at least", Exchange(0, 0x14), state=ARMED, lease_left=0)
     s.tick(0, 0, NO_SENSOR, 0)
-    s.ask("three are too many", Exchange(0, 0x12), state=TRIPPED, trip=LEASE)
+    s.ask("three are too many", Exchange(0, 0x14), state=TRIPPED, trip=LEASE)
     return s
 
 
@@ -72,7 +72,7 @@ def driving(name: str, title: str) -> Script:
 
 def tripped(s: Script, cause: int, why: str) -> None:
     """It has, and is re-armed."""
-    s.ask(why, Exchange(0, 0x12), state=TRIPPED, trip=cause, output=0)
+    s.ask(why, Exchange(0, 0x14), state=TRIPPED, trip=cause, output=0)
     s.command("rearm, 1 A", ORDER=REARM, CURRENT=AMPERE, state=ARMED, trip=0, output=AMPERE)
 
 
@@ -96,7 +96,7 @@ def trips() -> Script:
     tripped(s, OVER_CURRENT, "nor below")
     s.command("off", ORDER=SWITCH_OFF, state=OFF)
     s.tick(5 * AMPERE, 0, NO_SENSOR, 2, times=3)
-    s.ask("nothing trips that is off", Exchange(0, 0x12), state=OFF, trip=0)
+    s.ask("nothing trips that is off", Exchange(0, 0x14), state=OFF, trip=0)
     return s
 
 
@@ -140,7 +140,7 @@ def slew() -> Script:
         output=0,
     )
     s.tick(AMPERE, 0, NO_SENSOR, 2)
-    s.ask("the first cause stays", Exchange(0, 0x12), state=TRIPPED, trip=SLEW)
+    s.ask("the first cause stays", Exchange(0, 0x14), state=TRIPPED, trip=SLEW)
     return s
 
 
@@ -150,32 +150,32 @@ def heat() -> Script:
     )
     s.command("1 A", CURRENT=AMPERE, output=AMPERE)
     good(s)
-    s.ask("1 A for 0.1 s", Exchange(0, 0x12), heat=100_000)
+    s.ask("1 A for 0.1 s", Exchange(0, 0x14), heat=100_000)
     good(s)
-    s.ask("a hundredth is forgotten", Exchange(0, 0x12), heat=199_000, state=ARMED)
+    s.ask("a hundredth is forgotten", Exchange(0, 0x14), heat=199_000, state=ARMED)
     s.command("fed", CURRENT=AMPERE)
     s.tick(999_999, 5_000_000, NO_SENSOR, 0)
     s.ask(
-        "999 whole mA; 1990 forgotten; just heat_max", Exchange(0, 0x12), heat=197_010 + 99_800, state=ARMED
+        "999 whole mA; 1990 forgotten; just heat_max", Exchange(0, 0x14), heat=197_010 + 99_800, state=ARMED
     )
     good(s)
     s.ask(
         "296810 − 2968 + 100000 is too much",
-        Exchange(0, 0x12),
+        Exchange(0, 0x14),
         heat=393_842,
         state=TRIPPED,
         trip=HEAT,
         output=0,
     )
     s.tick(-2000, 0, NO_SENSOR, 0)
-    s.ask("heat goes on when tripped: 0.4 rounds down", Exchange(0, 0x12), heat=393_842 - 3938)
+    s.ask("heat goes on when tripped: 0.4 rounds down", Exchange(0, 0x14), heat=393_842 - 3938)
     slow = WIRE | {"period": 1000, "lease": 2000, "heat_settle": 100, "heat_max": 2**32 - 1}
     s.settings("a tick longer than heat_settle forgets all", **slow)
     s.tick(-1_001_999, 0, NO_SENSOR, 0)
-    s.ask("1001² mA² · 1 s", Exchange(0, 0x12), heat=1_002_001)
+    s.ask("1001² mA² · 1 s", Exchange(0, 0x14), heat=1_002_001)
     s.tick(-2_147_483_648, -2_147_483_648, NO_SENSOR, 0)
-    s.ask("no more than the register holds", Exchange(0, 0x12), heat=2**32 - 1)
+    s.ask("no more than the register holds", Exchange(0, 0x14), heat=2**32 - 1)
     s.command("heat that is not above heat_max does not trip", ORDER=REARM, state=ARMED)
     s.tick(0, 0, NO_SENSOR, 0)
-    s.ask("nothing is left of it", Exchange(0, 0x12), heat=0, state=ARMED)
+    s.ask("nothing is left of it", Exchange(0, 0x14), heat=0, state=ARMED)
     return s

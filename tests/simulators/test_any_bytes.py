@@ -17,7 +17,7 @@ bits = st.binary(max_size=300)
 words = st.lists(st.integers(0, 0xFFFF), max_size=130).map(tuple)
 exchanges = st.builds(
     Exchange,
-    st.sampled_from([0, 1, 0x12, 0x100, 0x200, 0xFFFF]),
+    st.sampled_from([0, 1, 0x14, 0x100, 0x200, 0xFFFF]),
     st.integers(0, 200),
     st.sampled_from([0, 0x100, 0x101, 0x200]),
     words,

@@ -5,7 +5,7 @@ from benches import Bench, PERIOD_s
 from simulators.pace import MAX_CATCH_UP_TICKS, HOST_TIMEOUT_s, RealTime
 from smarig.device.encoding.exchange import Exchange, Refusal
 
-BEYOND_THE_MAP = Exchange(500, 1, 0x100, (1, 0, 0, 1, 5))
+BEYOND_THE_MAP = Exchange(500, 1, 0x100, (0, 1, 0, 1, 0, 0, 1, 5))
 
 
 def test_time_stands_until_future_samples_are_requested():

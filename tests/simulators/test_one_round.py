@@ -50,7 +50,7 @@ def test_delayed_devices_do_not_assume_that_their_host_has_ended():
     bench.pace.host_active(100.0)
     host = os.open(bench.port.url, os.O_RDWR | os.O_NOCTTY)
     tty.setraw(host)
-    os.write(host, lines.request(Exchange(8, 1)))
+    os.write(host, lines.request(Exchange(0, 1)))
     bench.serve_one()
     assert os.read(host, 100).startswith(b"= 0001 *")
     os.close(host)

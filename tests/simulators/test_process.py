@@ -20,7 +20,7 @@ from smarig.device.encoding.register import load_register_map
 
 AMPLIFIER = load_register_map("amplifier")
 DAQ = load_register_map("encoder_daq")
-STATUS = 23  # words of the amplifier's status block before its ring
+STATUS = 25  # words of the amplifier's status block before its ring
 ARM = {"order": 1, "nonce": 1 << 16}  # boot 1, no order yet
 LONG = bool(os.environ.get("SMARIG_LONG"))  # and a machine that keeps real time
 
@@ -40,13 +40,14 @@ def settings(lease_ms: int = 500, **others: int) -> Exchange:
 
 def command(sequence: int, **values: int) -> Exchange:
     """A command to the amplifier, and the head of its status."""
-    return Exchange(0, STATUS, 0x100, tuple(AMPLIFIER.encode("command", {"sequence": sequence, **values})))
+    raw = {"sequence": sequence, "epoch": 1, **values}
+    return Exchange(0, STATUS, 0x100, tuple(AMPLIFIER.encode("command", raw)))
 
 
 def sample(sequence: int, tick: int, want: int = 1) -> Exchange:
     """Samples of the DAQ, of which the first is read."""
-    raw = {"sequence": sequence, "ring_next": tick, "ring_want": want}
-    return Exchange(0, 19, 0x100, tuple(DAQ.encode("command", raw)))
+    raw = {"sequence": sequence, "epoch": 1, "ring_next": tick, "ring_want": want}
+    return Exchange(0, 21, 0x100, tuple(DAQ.encode("command", raw)))
 
 
 def status(talk: Talk) -> dict[str, int]:
@@ -118,7 +119,7 @@ def test_unplugged_and_plugged_in_again_under_the_same_name(devices, tmp_path):
 
     def passes(begin: int, end: int) -> None:
         for tick in range(begin, end, 20):
-            assert daq.ask(sample(tick, tick, 20))[0] == tick
+            assert daq.ask(sample(tick, tick, 20))[8] == tick
 
     before = Talk(str(path))
     passes(1, 281)
@@ -156,8 +157,8 @@ def test_late_and_lost_replies_over_a_real_line(devices, tmp_path):
         return [line.rpartition(" *")[0] for line in heard.decode().splitlines()]
 
     assert amplifier.ask(Exchange(1, 1)) == [0x5341]
-    assert asked(Exchange(1, 1), Exchange(2, 1), replies=2) == ["= 5341", "= 0003"]
-    assert asked(command(9), Exchange(0, 1), replies=1) == ["= 0009"]
+    assert asked(Exchange(1, 1), Exchange(2, 1), replies=2) == ["= 5341", "= 0004"]
+    assert asked(command(9), Exchange(7, 2), replies=1) == ["= 0000 0009"]
 
 
 @pytest.mark.parametrize(

@@ -30,18 +30,18 @@ def test_reads_writes_both_and_refusals(client):
     assert client.read_holding_registers(m.start("settings"), count=2, **me).registers == [100, 1000]
 
     def command(sequence, order=0):
-        values = [sequence, order, 0, 0, 0, 0, 0, 1, 0]  # the nonce of boot 1, before any order
+        values = [0, sequence, 0, 1, order, 0, 0, 0, 0, 0, 1, 0]  # boot 1 and its nonce, before any order
         return client.readwrite_registers(
             read_address=0, read_count=9, write_address=m.start("command"), values=values, **me
         )
 
-    assert command(41, 1).registers[0] == 41
-    assert command(42).registers[8] == 1  # armed
+    assert command(41, 1).registers[8] == 41
+    assert command(42).registers[0] == 1  # armed
     refused = {
         1: client.write_register(m.start("command"), 7, **me),
         2: client.read_holding_registers(m.size("status"), count=1, **me),
-        3: client.write_registers(m.start("command"), [0], **me),
+        3: client.write_registers(m.start("command"), [0, 0], **me),
         4: command(43, 1),
     }
     assert {code: reply.exception_code for code, reply in refused.items()} == {code: code for code in refused}
-    assert command(44).registers[0] == 44
+    assert command(44).registers[8] == 44

@@ -38,7 +38,8 @@ def test_no_current_unless_armed(steps):
         else:
             order, current, again = values
             sequence += not again
-            raw = {"sequence": sequence, "order": order, "current": current & 0xFFFFFFFF}
+            raw = {"sequence": sequence, "epoch": 1, "order": order, "nonce": amplifier.arm_nonce}
+            raw["current"] = current & 0xFFFFFFFF
             answer = amplifier.accept(Exchange(write_at=0x100, words=tuple(MAP.encode("command", raw))))
             order = 0 if isinstance(answer, Refusal) else order
         assert amplifier.state == "armed" or amplifier.output_uA == 0

@@ -8,14 +8,14 @@ if __name__ == "__main__":
     sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 
 from golden import FOLDER
-from golden_orders import board, nonce, outputs
+from golden_orders import board, epoch, nonce, outputs
 from golden_rings import daq_ring, daq_work, ring
 from golden_safety import contacts, heat, lease, slew, trips
 from golden_talking import frames, handshake, repeats, settings, text, work
 
 SCRIPTS = (
     *(handshake, frames, text, settings, work, repeats),
-    *(nonce, outputs, board),
+    *(nonce, epoch, outputs, board),
     *(lease, trips, contacts, slew, heat),
     *(ring, daq_work, daq_ring),
 )

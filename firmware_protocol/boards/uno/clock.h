@@ -6,6 +6,6 @@
 
 void clock_start(void);
 uint16_t clock_ms(void); /* wraps; use only differences */
-uint16_t clock_count_boot(void);
+uint32_t clock_count_boot(void);
 
 #endif

@@ -24,7 +24,7 @@ static struct timing {
 } amp_timing, daq_timing;
 static enum { WAITING, SETTLING, MEASURING } phase;
 
-void devices_boot(uint16_t boot_count)
+void devices_boot(uint32_t boot_count)
 {
     amplifier_boot(&amp, boot_count);
     encoder_daq_boot(&daq, boot_count);

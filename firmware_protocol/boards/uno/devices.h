@@ -5,7 +5,7 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-void devices_boot(uint16_t boot_count);
+void devices_boot(uint32_t boot_count);
 
 /* Advances both devices to this moment. Returns whether anything was done. */
 bool devices_tick(uint16_t now_ms);

@@ -6,7 +6,7 @@
 #include <util/atomic.h>
 
 static volatile uint16_t now_ms;
-static uint16_t EEMEM boots; /* 65535 in an erased EEPROM, which wraps to 0 */
+static uint32_t EEMEM boots; /* all ones in an erased EEPROM, which wraps to 0 */
 
 ISR(TIMER0_COMPA_vect)
 {
@@ -32,9 +32,11 @@ uint16_t clock_ms(void)
     return ms;
 }
 
-uint16_t clock_count_boot(void)
+/* From the high byte down: whatever the supply leaves half written is more than every count before. */
+uint32_t clock_count_boot(void)
 {
-    const uint16_t count = (uint16_t)(eeprom_read_word(&boots) + 1);
-    eeprom_update_word(&boots, count);
+    const uint32_t count = eeprom_read_dword(&boots) + 1;
+    for (uint8_t i = sizeof count; i--;)
+        eeprom_update_byte((uint8_t *)&boots + i, (uint8_t)(count >> 8 * i));
     return count;
 }

@@ -8,7 +8,7 @@
 #include "words.h"
 
 static const struct value COMMAND[] IN_FLASH = {
-    VALUE(AMP_SEQUENCE, 1),  VALUE(AMP_ORDER, 1),     VALUE(AMP_CURRENT, 2),
+    VALUE(AMP_SEQUENCE, 2),  VALUE(AMP_EPOCH, 2),     VALUE(AMP_ORDER, 1), VALUE(AMP_CURRENT, 2),
     VALUE(AMP_RING_NEXT, 2), VALUE(AMP_RING_WANT, 1), VALUE(AMP_NONCE, 2),
 };
 
@@ -30,9 +30,9 @@ static bool inside_value(uint16_t address)
         const uint16_t at = (uint16_t)((address - AMP_RING) % AMP_RING_RECORD_WORDS);
         return at == RECORD_CURRENT + 1 || at == RECORD_VOLTAGE + 1 || at == RECORD_OUTPUT + 1;
     }
-    return address == AMP_MAP_HASH + 1 || address == AMP_TICK + 1 || address == AMP_OUTPUT + 1 ||
-           address == AMP_HEAT + 1 || address == AMP_RING_FIRST + 1 || address == AMP_ARM_NONCE + 1 ||
-           address == AMP_BOARD_MAX + 1;
+    return address == AMP_MAP_HASH + 1 || address == AMP_BOOT_COUNT + 1 || address == AMP_ECHO + 1 ||
+           address == AMP_TICK + 1 || address == AMP_OUTPUT + 1 || address == AMP_HEAT + 1 ||
+           address == AMP_RING_FIRST + 1 || address == AMP_ARM_NONCE + 1 || address == AMP_BOARD_MAX + 1;
 }
 
 static const struct map MAP = {BLOCK(COMMAND, AMP_COMMAND), BLOCK(SETTINGS, AMP_SETTINGS), AMP_STATUS_FIRST, AMP_STATUS_WORDS,
@@ -49,11 +49,13 @@ static void update_settings_crc(struct amplifier *a)
     a->settings_crc = crc_modbus(bytes, sizeof bytes);
 }
 
-void amplifier_boot(struct amplifier *a, uint16_t boot_count)
+void amplifier_boot(struct amplifier *a, uint32_t boot_count)
 {
     memset(a, 0, sizeof *a); /* off, output 0, no sequence received */
     a->boot_count = boot_count;
+    a->tick = FIRST_TICK;
     block_boot(&MAP.command, a->command);
+    words_put32(a->command + AT(AMP_SEQUENCE), FIRST_SEQUENCE);
     block_boot(&MAP.settings, a->settings);
     update_settings_crc(a);
 }
@@ -87,13 +89,16 @@ void amplifier_tick(struct amplifier *a, const struct amplifier_inputs *in)
         trip(a, cause);
     keep_sample(a, in, driven_uA);
     a->tick++;
+    if (a->samples_kept < AMPLIFIER_RING_SIZE)
+        a->samples_kept++;
 }
 
 /* --- checking an exchange --- */
 
 static bool is_new(const struct amplifier *a, const struct exchange *asked)
 {
-    return sequence_is_new(a->command[AT(AMP_SEQUENCE)], asked->words[AT(AMP_SEQUENCE)]);
+    return asked->write_count > AT(AMP_EPOCH) && words_u32(asked->words + AT(AMP_EPOCH)) == a->boot_count &&
+           sequence_is_new(words_u32(a->command + AT(AMP_SEQUENCE)), words_u32(asked->words + AT(AMP_SEQUENCE)));
 }
 
 static uint16_t order_of(const struct exchange *asked)
@@ -116,7 +121,7 @@ static bool order_fits(uint16_t order, uint16_t state)
 /* The boot, then the number of orders since: another one after every order, the same only after 65,536 of them. */
 static uint32_t arm_nonce(const struct amplifier *a)
 {
-    return (uint32_t)a->boot_count << 16 | a->orders;
+    return a->boot_count << 16 | a->orders;
 }
 
 static bool nonce_fits(const struct amplifier *a, const struct exchange *asked)
@@ -210,7 +215,7 @@ static void carry_out(struct amplifier *a, const struct exchange *asked)
 
 static void choose_window(struct amplifier *a)
 {
-    a->window = ring_window(a->tick, AMPLIFIER_RING_SIZE, words_u32(a->command + AT(AMP_RING_NEXT)),
+    a->window = ring_window(a->tick, a->samples_kept, words_u32(a->command + AT(AMP_RING_NEXT)),
                             a->command[AT(AMP_RING_WANT)]);
     memset(a->window_words, 0, sizeof a->window_words);
     for (uint16_t i = 0; i < a->window.count; i++)
@@ -245,11 +250,11 @@ static uint16_t lease_left_ms(const struct amplifier *a)
 /* The status block before its ring. */
 static void status_head(const struct amplifier *a, uint16_t *words)
 {
-    words[AMP_ECHO] = a->command[AT(AMP_SEQUENCE)];
     words[AMP_KIND] = AMP_DEVICE_KIND;
     words[AMP_VERSION] = AMP_DEVICE_VERSION;
     words_put32(words + AMP_MAP_HASH, AMP_DEVICE_MAP_HASH);
-    words[AMP_BOOT_COUNT] = a->boot_count;
+    words_put32(words + AMP_BOOT_COUNT, a->boot_count);
+    memcpy(words + AMP_ECHO, a->command + AT(AMP_SEQUENCE), 2 * sizeof words[0]);
     words_put32(words + AMP_TICK, a->tick);
     words[AMP_STATE] = a->state;
     words[AMP_TRIP] = a->trip;

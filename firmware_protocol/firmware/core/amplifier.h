@@ -24,7 +24,7 @@ struct amplifier_spells {
 };
 
 struct amplifier {
-    uint16_t boot_count;
+    uint32_t boot_count;
     uint16_t command[AMP_COMMAND_WORDS]; /* as last accepted; `order` and `nonce` read 0 */
     uint16_t settings[AMP_SETTINGS_WORDS];
     uint16_t settings_crc;
@@ -33,6 +33,7 @@ struct amplifier {
     uint16_t ticks_unfed; /* since the lease was renewed or the amplifier armed */
     struct amplifier_spells spells;
     uint32_t tick;
+    uint16_t samples_kept; /* in the ring */
     int32_t output_uA;
     uint32_t heat; /* 1e-6 A^2 s */
     struct window window;
@@ -47,7 +48,7 @@ struct amplifier_inputs {
     uint16_t hardware;
 };
 
-void amplifier_boot(struct amplifier *a, uint16_t boot_count);
+void amplifier_boot(struct amplifier *a, uint32_t boot_count);
 
 /* Ends one tick, with the measurements taken while `output_uA` flowed. */
 void amplifier_tick(struct amplifier *a, const struct amplifier_inputs *in);

@@ -7,7 +7,8 @@
 #include "words.h"
 
 static const struct value COMMAND[] IN_FLASH = {
-    VALUE(DAQ_SEQUENCE, 1),
+    VALUE(DAQ_SEQUENCE, 2),
+    VALUE(DAQ_EPOCH, 2),
     VALUE(DAQ_ORDER, 1),
     VALUE(DAQ_RING_NEXT, 2),
     VALUE(DAQ_RING_WANT, 1),
@@ -25,18 +26,20 @@ static bool inside_value(uint16_t address)
 {
     if (address >= DAQ_RING)
         return (address - DAQ_RING) % DAQ_RING_RECORD_WORDS == RECORD_COUNTS + 1;
-    return address == DAQ_MAP_HASH + 1 || address == DAQ_TICK + 1 || address == DAQ_COUNTS + 1 ||
-           address == DAQ_RING_FIRST + 1;
+    return address == DAQ_MAP_HASH + 1 || address == DAQ_BOOT_COUNT + 1 || address == DAQ_ECHO + 1 ||
+           address == DAQ_TICK + 1 || address == DAQ_COUNTS + 1 || address == DAQ_RING_FIRST + 1;
 }
 
 static const struct map MAP = {BLOCK(COMMAND, DAQ_COMMAND), BLOCK(SETTINGS, DAQ_SETTINGS), DAQ_STATUS_FIRST, DAQ_STATUS_WORDS,
                                 inside_value};
 
-void encoder_daq_boot(struct encoder_daq *d, uint16_t boot_count)
+void encoder_daq_boot(struct encoder_daq *d, uint32_t boot_count)
 {
     memset(d, 0, sizeof *d); /* no sequence received, counts as in the hardware */
     d->boot_count = boot_count;
+    d->tick = FIRST_TICK;
     block_boot(&MAP.command, d->command);
+    words_put32(d->command + AT(DAQ_SEQUENCE), FIRST_SEQUENCE);
     block_boot(&MAP.settings, d->settings);
 }
 
@@ -62,6 +65,8 @@ void encoder_daq_tick(struct encoder_daq *d, const struct encoder_daq_inputs *in
         d->index_count++;
     keep_sample(d, in);
     d->tick++;
+    if (d->samples_kept < ENCODER_DAQ_RING_SIZE)
+        d->samples_kept++;
 }
 
 static uint8_t check(const void *device, const struct exchange *asked)
@@ -72,7 +77,8 @@ static uint8_t check(const void *device, const struct exchange *asked)
 
 static bool is_new(const struct encoder_daq *d, const struct exchange *asked)
 {
-    return sequence_is_new(d->command[AT(DAQ_SEQUENCE)], asked->words[AT(DAQ_SEQUENCE)]);
+    return asked->write_count > AT(DAQ_EPOCH) && words_u32(asked->words + AT(DAQ_EPOCH)) == d->boot_count &&
+           sequence_is_new(words_u32(d->command + AT(DAQ_SEQUENCE)), words_u32(asked->words + AT(DAQ_SEQUENCE)));
 }
 
 /* Copies the words from `at` on, as many as the exchange contains. */
@@ -92,7 +98,7 @@ static void carry_out(struct encoder_daq *d, const struct exchange *asked)
 
 static void choose_window(struct encoder_daq *d)
 {
-    d->window = ring_window(d->tick, ENCODER_DAQ_RING_SIZE, words_u32(d->command + AT(DAQ_RING_NEXT)),
+    d->window = ring_window(d->tick, d->samples_kept, words_u32(d->command + AT(DAQ_RING_NEXT)),
                             d->command[AT(DAQ_RING_WANT)]);
     memset(d->window_words, 0, sizeof d->window_words);
     for (uint16_t i = 0; i < d->window.count; i++)
@@ -116,11 +122,11 @@ static void write(void *device, const struct exchange *asked)
 /* The status block before its ring. */
 static void status_head(const struct encoder_daq *d, uint16_t *words)
 {
-    words[DAQ_ECHO] = d->command[AT(DAQ_SEQUENCE)];
     words[DAQ_KIND] = DAQ_DEVICE_KIND;
     words[DAQ_VERSION] = DAQ_DEVICE_VERSION;
     words_put32(words + DAQ_MAP_HASH, DAQ_DEVICE_MAP_HASH);
-    words[DAQ_BOOT_COUNT] = d->boot_count;
+    words_put32(words + DAQ_BOOT_COUNT, d->boot_count);
+    memcpy(words + DAQ_ECHO, d->command + AT(DAQ_SEQUENCE), 2 * sizeof words[0]);
     words_put32(words + DAQ_TICK, d->tick);
     words[DAQ_FAULT] = d->fault;
     words_put32(words + DAQ_COUNTS, d->raw - d->zero);

@@ -14,11 +14,12 @@
 enum { ENCODER_DAQ_INDEX = 1, ENCODER_DAQ_ILLEGAL_STEP = 2, ENCODER_DAQ_NO_SUPPLY = 4 }; /* bits of `hardware` */
 
 struct encoder_daq {
-    uint16_t boot_count;
+    uint32_t boot_count;
     uint16_t command[DAQ_COMMAND_WORDS]; /* as last accepted; `order` reads 0 */
     uint16_t settings[DAQ_SETTINGS_WORDS];
     uint16_t fault, index_count;
     uint32_t tick;
+    uint16_t samples_kept; /* in the ring */
     uint32_t raw, zero; /* counts of the hardware now and at the last zero; they may wrap */
     struct window window;
     uint16_t window_words[DAQ_RING_RECORDS][DAQ_RING_RECORD_WORDS]; /* a copy: later ticks do not change it */
@@ -32,7 +33,7 @@ struct encoder_daq_inputs {
     uint16_t hardware;
 };
 
-void encoder_daq_boot(struct encoder_daq *d, uint16_t boot_count);
+void encoder_daq_boot(struct encoder_daq *d, uint32_t boot_count);
 void encoder_daq_tick(struct encoder_daq *d, const struct encoder_daq_inputs *in);
 
 /* The present counts of the hardware, between ticks. */

@@ -1,13 +1,15 @@
 #include "ring.h"
 
-struct window ring_window(uint32_t tick, uint16_t size, uint32_t next, uint16_t want)
+#define HALF 0x80000000ul /* of all ticks: what is less than this ago is the past */
+
+struct window ring_window(uint32_t tick, uint16_t kept, uint32_t next, uint16_t want)
 {
-    const uint32_t oldest = tick > size ? tick - size + 1 : 1;
+    const uint32_t ago = tick - next; /* also right when `tick` has wrapped since `next` */
     struct window window = {next, 0};
-    if (next > tick || tick == 0)
+    if (kept == 0 || ago >= HALF)
         return window;
-    if (next < oldest)
-        window.first = oldest; /* the host sees the number of lost samples */
+    if (ago >= kept)
+        window.first = tick - kept + 1; /* the host sees the number of lost samples */
     const uint32_t there = tick - window.first + 1;
     window.count = there < want ? (uint16_t)there : want;
     return window;

@@ -1,5 +1,8 @@
-/* The order of commands. A word is new if it is one of the next after the last accepted one; all others are repetitions
- * or old frames that the line delivers late. 0, the value at boot, is before 1, and 1 follows 65535. */
+/*
+ * Which commands are executed: those made for this boot, with one of the next numbers. Numbers do not wrap and boots are
+ * counted, so each pair of both is executed once at most: no frame is new again. After the last number nothing is new
+ * until the device is restarted (100 commands a second count for 497 days).
+ */
 #ifndef SMARIG_SEQUENCE_H
 #define SMARIG_SEQUENCE_H
 
@@ -8,9 +11,17 @@
 
 #define SEQUENCE_AHEAD 256u /* commands that may have been lost on the line */
 
-static inline bool sequence_is_new(uint16_t last, uint16_t word)
+/* Where counting begins. A build for tests begins just below a wrap. */
+#ifndef FIRST_SEQUENCE
+#define FIRST_SEQUENCE 0ul
+#endif
+#ifndef FIRST_TICK
+#define FIRST_TICK 0ul
+#endif
+
+static inline bool sequence_is_new(uint32_t last, uint32_t sequence)
 {
-    return ((uint32_t)word + 65535u - last - 1u) % 65535u < SEQUENCE_AHEAD;
+    return sequence > last && sequence - last <= SEQUENCE_AHEAD;
 }
 
 #endif

@@ -32,11 +32,11 @@ static struct {
     uint32_t boots, inverted;
 } kept __attribute__((section(".kept")));
 
-uint16_t clock_count_boot(void)
+uint32_t clock_count_boot(void)
 {
     if (kept.boots != ~kept.inverted)
         kept.boots = 0;
     kept.boots++;
     kept.inverted = ~kept.boots;
-    return (uint16_t)kept.boots;
+    return kept.boots;
 }

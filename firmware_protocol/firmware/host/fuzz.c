@@ -52,7 +52,7 @@ static void plan(struct plan *e, bool is_amp)
 {
     static const uint16_t at[] = {AMP_COMMAND_FIRST, AMP_COMMAND_FIRST, AMP_SETTINGS_FIRST, AMP_STATUS_FIRST};
     static const uint16_t whole[] = {
-        1, 2, 4, DAQ_COMMAND_WORDS, AMP_COMMAND_WORDS, AMP_COMMAND_WORDS, AMP_SETTINGS_WORDS,
+        1, 4, 7, DAQ_COMMAND_WORDS, AMP_COMMAND_WORDS, AMP_COMMAND_WORDS, AMP_SETTINGS_WORDS,
     };
     enum { WHOLE = sizeof whole / sizeof whole[0] };
     memset(e, 0, sizeof *e);
@@ -61,13 +61,15 @@ static void plan(struct plan *e, bool is_amp)
     e->read_at = chance(4) ? at[chance(4)] : (uint16_t)chance(0x70);
     e->read_count = chance(2) ? whole[chance(WHOLE)] : (uint16_t)chance(130);
     for (uint16_t i = 0; i < e->write_count && i < WRITE_MOST; i++)
-        e->words[i] = i == 1 ? (uint16_t)chance(4) : random_word();
-    if (e->write_at == AMP_COMMAND_FIRST && chance(16)) /* else hardly any command would be new */
-        e->words[0] = (uint16_t)((is_amp ? pair.amp.command[0] : pair.daq.command[0]) + 1 + chance(2));
+        e->words[i] = i == AMP_ORDER - AMP_COMMAND_FIRST ? (uint16_t)chance(4) : random_word();
+    if (e->write_at == AMP_COMMAND_FIRST && chance(16)) { /* else hardly any command would be new */
+        words_put32(e->words, words_u32(is_amp ? pair.amp.command : pair.daq.command) + 1 + chance(2));
+        words_put32(e->words + AMP_EPOCH - AMP_COMMAND_FIRST, is_amp ? pair.amp.boot_count : pair.daq.boot_count);
+    }
     if (is_amp && e->write_at == AMP_COMMAND_FIRST && chance(2))
-        words_put32(e->words + 2, chance(10000) - 5000);
+        words_put32(e->words + AMP_CURRENT - AMP_COMMAND_FIRST, chance(10000) - 5000);
     if (is_amp && e->write_at == AMP_COMMAND_FIRST && chance(4)) /* else nothing would ever be armed */
-        words_put32(e->words + AMP_NONCE - AMP_COMMAND_FIRST, (uint32_t)pair.amp.boot_count << 16 | pair.amp.orders);
+        words_put32(e->words + AMP_NONCE - AMP_COMMAND_FIRST, pair.amp.boot_count << 16 | pair.amp.orders);
     if (is_amp && e->write_at == AMP_SETTINGS_FIRST && chance(2)) {
         e->words[0] = (uint16_t)(1 + chance(300));
         e->words[1] = (uint16_t)(500 + chance(1501));

@@ -55,8 +55,16 @@ static void promised_arming(const struct amplifier *was, const struct amplifier 
         return;
     promise(size > 6, "an order that arms is longer");
     const uint8_t *nonce = rtu + size - 6; /* the last words before the check word */
-    promise((nonce[0] << 8 | nonce[1]) == was->boot_count && (nonce[2] << 8 | nonce[3]) == was->orders,
+    promise((nonce[0] << 8 | nonce[1]) == (int)(was->boot_count & 0xFFFFu) && (nonce[2] << 8 | nonce[3]) == was->orders,
             "armed without the nonce");
+}
+
+/* Numbers go up, and only a number that was never there before feeds the lease. */
+static void promised_sequence(const struct amplifier *was, const struct amplifier *is)
+{
+    const uint32_t before = words_u32(was->command), after = words_u32(is->command);
+    promise(after >= before && after - before <= 256, "the sequence jumps, or goes back");
+    promise(after > before || is->ticks_unfed == was->ticks_unfed, "the lease is fed without a new number");
 }
 
 void promised_safe(const struct devices *pair)
@@ -100,6 +108,7 @@ int promised_answer(struct devices *pair, bool is_amp, uint8_t framing, const ui
     promise(n <= room, "a reply is too long");
     const int code = outcome(framing, reply, n);
     promise(!code || !memcmp(pair, &before, sizeof before), "a request that was not accepted changed something");
+    promised_sequence(&before.amp, &pair->amp);
     if (is_amp)
         promised_arming(&before.amp, &pair->amp, framing == FRAMING_RTU ? request : NULL, size);
     promised_safe(pair);

@@ -8,7 +8,7 @@ size_t amp_size(void)
     return sizeof(struct amplifier);
 }
 
-void amp_boot(void *amp, uint16_t boot_count)
+void amp_boot(void *amp, uint32_t boot_count)
 {
     amplifier_boot(amp, boot_count);
 }
@@ -35,7 +35,7 @@ size_t daq_size(void)
     return sizeof(struct encoder_daq);
 }
 
-void daq_boot(void *daq, uint16_t boot_count)
+void daq_boot(void *daq, uint32_t boot_count)
 {
     encoder_daq_boot(daq, boot_count);
 }

@@ -5,7 +5,7 @@
 
 static struct amplifier amp;
 
-void device_boot(uint16_t boot_count)
+void device_boot(uint32_t boot_count)
 {
     amplifier_boot(&amp, boot_count);
     hal_drive(0);

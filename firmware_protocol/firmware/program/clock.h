@@ -6,6 +6,8 @@
 
 void clock_start(void);
 uint16_t clock_ms(void); /* wraps; use only differences */
-uint16_t clock_count_boot(void);
+
+/* One more than at the last boot, whatever ended it: no two boots have the same count. */
+uint32_t clock_count_boot(void);
 
 #endif

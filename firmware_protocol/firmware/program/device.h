@@ -18,7 +18,7 @@
 #error "give -DFRAMING_rtu or -DFRAMING_lines"
 #endif
 
-void device_boot(uint16_t boot_count);
+void device_boot(uint32_t boot_count);
 uint16_t device_period_ms(void);
 
 /* Starts a tick: the last accepted command takes effect. */

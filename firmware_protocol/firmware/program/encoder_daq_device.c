@@ -5,7 +5,7 @@
 
 static struct encoder_daq daq;
 
-void device_boot(uint16_t boot_count)
+void device_boot(uint32_t boot_count)
 {
     encoder_daq_boot(&daq, boot_count);
     encoder_daq_now(&daq, hal_counts());

@@ -59,7 +59,7 @@ class Scripted:
     def _granted(self, e: Exchange) -> list[int] | Refusal:
         if e.words and e.write_at == self.map.start("command"):
             values = self.map.decode("command", e.words)
-            if values["sequence"] != self.status["echo"]:
+            if values["epoch"] == self.status["boot_count"] and values["sequence"] != self.status["echo"]:
                 self.done.append(values)
                 self.status["echo"] = values["sequence"]
                 self._follow(values)

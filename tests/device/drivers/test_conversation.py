@@ -6,7 +6,7 @@ import pytest
 from device.drivers.scripted import Scripted
 from smarig.core.errors import ConfigError
 from smarig.device.drivers._conversation import ATTEMPTS, PAUSES_S, STALE_REPLIES, Conversation
-from smarig.device.encoding.exchange import Refusal
+from smarig.device.encoding.exchange import Exchange, Refusal
 from smarig.device.encoding.link_faults import (
     Garbled,
     Rebooted,
@@ -40,11 +40,42 @@ def test_every_command_has_a_sequence_word_new_to_the_device(talk, link):
     assert [d["sequence"] for d in link.done] == [42, 43, 44]
 
 
-def test_the_sequence_goes_round_and_leaves_out_zero(link):
-    link.status["echo"] = 0xFFFF
+@pytest.mark.parametrize("last", [0xFFFF, 2**31 - 1, 2**32 - 2])
+def test_the_sequence_does_not_go_round(link, last):
+    link.status["echo"] = last
     talk = Conversation(link, MAP)
     talk.handshake()
+    assert talk.command({}).values["echo"] == last + 1
+
+
+def test_after_the_last_sequence_the_device_must_be_restarted(link):
+    link.status["echo"] = 2**32 - 1
+    talk = Conversation(link, MAP)
+    talk.handshake()
+    with pytest.raises(Refused, match="has executed 4,294,967,295 commands .* Switch its supply off and on"):
+        talk.command({})
+    assert not link.done
+    link.status |= {"echo": 0, "boot_count": 4}
+    talk.handshake()
     assert talk.command({}).values["echo"] == 1
+
+
+def test_ticks_go_on_where_those_of_the_device_wrap(link):
+    link.status["tick"] = 2**32 - 3
+    talk = Conversation(link, MAP)
+    talk.handshake()
+    for after, (tick, first) in enumerate([(2**32 - 2, 2**32 - 2), (3, 2**32 - 1), (5, 4), (5, 6)]):
+        link.status |= {"tick": tick, "ring_first": first}
+        values = talk.command({"ring_next": 2**32 + 1}).values
+        assert link.done[after]["ring_next"] == 1
+        assert (values["tick"] % 2**32, values["ring_first"] % 2**32) == (tick, first)
+        assert abs(values["tick"] - 2**32) <= 5
+        assert abs(values["ring_first"] - 2**32) <= 6
+    talk.handshake()
+    assert talk.command({}).values["tick"] == 2**32 + 5
+    link.status["boot_count"] = 4
+    talk.handshake()
+    assert talk.command({}).values["tick"] == 5
 
 
 @pytest.mark.parametrize("trouble", [Silent("-"), Garbled("-")])
@@ -59,14 +90,20 @@ def test_a_lost_reply_is_requested_again_with_the_same_sequence_and_executed_onc
 
 
 def test_a_stale_reply_is_thrown_away_and_the_right_one_waited_for(talk, link):
-    old = [41] + [0] * (MAP["ring"].address - 1)
+    old = reply_before(link)
     link.next_replies, link.late = [old], [old, None]
+    link.asked.clear()
     assert talk.command({}).values["echo"] == 42
     assert len(link.asked) == 1
 
 
+def reply_before(link):
+    """The head of the status as it was when the device had executed 41."""
+    return link.exchange(Exchange(0, MAP["ring"].address))
+
+
 def test_only_stale_replies_are_reported_as_stale(talk, link):
-    old = [41] + [0] * (MAP["ring"].address - 1)
+    old = reply_before(link)
     link.next_replies = [*[old] * ATTEMPTS, None, *[old] * ATTEMPTS]
     link.late = [old] * 2 * ATTEMPTS * STALE_REPLIES
     with pytest.raises(Stale, match="second program"):
@@ -121,10 +158,12 @@ def test_another_register_map_behind_a_reopened_line_is_found(talk, link):
 
 
 def test_a_device_restart_is_reported_once(talk, link):
-    link.status["boot_count"] = 4
+    link.status |= {"boot_count": 4, "echo": 0}
     with pytest.raises(Rebooted, match="boot 4"):
         talk.command({})
+    assert not link.done, "it was made for the boot before"
     talk.command({})
+    assert [(d["epoch"], d["sequence"]) for d in link.done] == [(4, 1)]
 
 
 def test_settings_that_are_not_kept_are_noticed(talk, link):

@@ -190,7 +190,7 @@ def test_switching_off_does_not_wait_for_a_line_to_be_resynchronised(late, frami
     before = len(device.answered)
     with pytest.raises(Silent):
         talk.command({"order": OFF})
-    assert device.answered[before][0].words[1] == OFF, "the first thing that is said"
+    assert device.answered[before][0].words[4] == OFF, "the first thing that is said"
     assert (device.state, device.output_uA) == ("off", 0)
 
 

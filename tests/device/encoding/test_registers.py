@@ -52,9 +52,18 @@ def test_no_reading_is_not_a_number():
 def test_blocks_fit_one_exchange_and_begin_with_what_proves_freshness(m):
     assert m.size("status") <= 125
     assert m.size("command") <= 121
-    assert m.blocks["status"][0].name == "echo"
-    assert m.blocks["command"][0].name == "sequence"
+    assert [r.name for r in m.blocks["command"]][:2] == ["sequence", "epoch"]
+    assert m["echo"].type == m["sequence"].type == m["epoch"].type == m["boot_count"].type == "u32"
     assert all(r.access == "rw" for block in ("command", "settings") for r in m.blocks[block])
+
+
+@pytest.mark.parametrize("m", MAPS, ids=DEVICES)
+def test_hosts_and_devices_of_any_version_can_tell_whom_to_update(m):
+    """These places never change, and the heads of all versions are whole values of this one."""
+    assert [m[name].address for name in ("kind", "version", "map_hash")] == [1, 2, 3]
+    former = {"amplifier": 23, "encoder_daq": 15}[m.device.name]
+    starts = {r.address for r in m.blocks["status"]}
+    assert former in starts
 
 
 @pytest.mark.parametrize("m", MAPS, ids=DEVICES)
@@ -67,7 +76,7 @@ def test_the_hash_distinguishes_maps_but_not_their_texts():
     first, second = MAPS
     assert first.hash != second.hash
     assert "switches off" not in first.canonical
-    assert "register current 0102 i32 rw 1e-06 A" in first.canonical
+    assert "register current 0105 i32 rw 1e-06 A" in first.canonical
 
 
 def test_the_header_and_the_reference_are_up_to_date():

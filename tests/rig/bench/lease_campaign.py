@@ -23,7 +23,7 @@ LEASE_TICKS = round(LEASE_s / PERIOD_s)
 AFTERLIFE_TICKS = 4 * LEASE_TICKS
 LEVELS_A = (0.0, 0.2, 0.35, 0.5, 0.65, 0.8)
 NOT_GOOD = int(Quality.SUSPECT | Quality.TRIPPED | Quality.STALE)
-FIRST_WORD = 65_400  # sequence word of the amplifier when the first host begins, about
+FIRST_SEQUENCE = 65_400  # of the amplifier when the first host begins, about
 LIFE = 60  # polls of one measurement, at most
 
 
@@ -82,14 +82,14 @@ class Campaign:
             for name in ("amplifier", "encoder_daq")
         }
         self._frames_left = 0  # until the host dies
-        self._approach_the_last_word()
+        self._approach_two_words()
 
-    def _approach_the_last_word(self) -> None:
-        """Sequence words go round soon after the first host has begun."""
+    def _approach_two_words(self) -> None:
+        """Sequences are longer than a word soon after the first host has begun."""
         link, to_host = self._world.link("amplifier", self._plainly, self._patch)
         self._to_host = to_host
-        for word in range(256, FIRST_WORD, 256):
-            link.exchange(Exchange(0, 1, 0x100, (word,)))
+        for sequence in range(256, FIRST_SEQUENCE, 256):
+            link.exchange(Exchange(0, 1, 0x100, (0, sequence, 0, 1)))
 
     def _plainly(self, request: bytes) -> None:
         self._to_host(self._world.answer("amplifier", request) or b"")

@@ -7,79 +7,17 @@ import re
 
 import pytest
 
-from rig.bench.wired_time import ADDRESSES, PERIOD_s, World
-from smarig.config import load_rig
+from rig.bench.wired_bench import FILE, POLLS, Wired
+from rig.bench.wired_time import ADDRESSES, PERIOD_s
 from smarig.core.errors import RigFault
 from smarig.core.sample import Quality
 from smarig.device.drivers.smarig_amplifier import SmarigAmplifier, _settings
-from smarig.device.drivers.smarig_encoder_daq import SmarigEncoderDaq
 from smarig.device.encoding import lines, rtu
 from smarig.device.encoding.exchange import Exchange
 from smarig.device.encoding.register import load_register_map, to_words
-from smarig.plant.actuator import Actuator
-from smarig.rig.bench import Bench
 
 MAP = load_register_map("amplifier")
-FILE = load_rig("one_wire_serial").model_copy(update={"lease_s": 1.0})
-NOT_GOOD = int(Quality.SUSPECT | Quality.TRIPPED | Quality.STALE)
-POLLS = 30
 OFF, ARM = 2, 1
-
-
-class Wired:
-    """A bench on a world, and the test's hand between them: ``change`` gets every frame for the amplifier."""
-
-    def __init__(self, framing: str, patch: pytest.MonkeyPatch) -> None:
-        self.world, self._patch = World(framing), patch
-        self.change = lambda request: request
-        self.lose_next_reply = False
-        self.repeated, self._last = 0, b""
-        self.source = SmarigAmplifier(self._link("amplifier"), _settings(FILE))
-        sensor = SmarigEncoderDaq(self._link("encoder_daq"), PERIOD_s)
-        time = self.world.time
-        self.bench = Bench(
-            FILE, Actuator.named(FILE.actuator), self.source, sensor, speed=1.0, clock=time, sleep=time.sleep
-        )
-        self.samples = []
-
-    def _link(self, name: str):
-        def sent(request: bytes) -> None:
-            self.repeated += request == self._last
-            self._last = request
-            reply = self.world.answer(name, self.change(request) if name == "amplifier" else request)
-            if reply is not None and not (self.lose_next_reply and name == "amplifier"):
-                arrive(reply)
-            self.lose_next_reply &= name != "amplifier"
-
-        link, arrive = self.world.link(name, sent, self._patch)
-        return link
-
-    def other_host(self):
-        """A second host's link to the amplifier."""
-        return self._link("amplifier")
-
-    def step(self, current_A: float):
-        new = self.bench.step(current_A)
-        self.samples += new
-        return new
-
-    def wrong(self) -> list[tuple[int, float, float]]:
-        """Samples recorded good whose command is not what flowed."""
-        flowed_A = [uA / 1e6 for uA in self.world.driven_uA]
-        return [
-            (s.tick, s.current_command_A, flowed_A[s.tick])
-            for s in self.samples
-            if not s.quality & NOT_GOOD and abs(s.current_command_A - flowed_A[s.tick]) > 2e-6
-        ]
-
-    def work(self, polls: int = POLLS) -> RigFault | None:
-        """Change the current now and then; the fault that ended it."""
-        for k in range(polls):
-            try:
-                self.step((0.3, 0.3, 0.758, 0.5)[k // 3 % 4])
-            except RigFault as fault:
-                return fault
-        return None
 
 
 @pytest.fixture(params=["lines", "modbus_rtu", "modbus_tcp"])
@@ -99,8 +37,8 @@ def test_a_second_host_that_sets_another_current(wired, moment):
     """F9: 0.479 A flowed between two polls, and the samples said 0.758 A."""
     wired.work(moment)
     other = wired.other_host()
-    echo = other.exchange(Exchange(0, 1))[0]
-    other.exchange(Exchange(0, 12, 0x100, (echo + 1, 0, *to_words(479_000, 2))))
+    echo = other.exchange(Exchange(7, 2))[1]
+    other.exchange(Exchange(0, 14, 0x100, (0, echo + 1, 0, 1, 0, *to_words(479_000, 2))))
     assert wired.world.amplifier.output_uA == 479_000
     wired.world.time.sleep(PERIOD_s)
     fault = wired.work()
@@ -116,12 +54,12 @@ def test_a_second_host_that_sets_another_current(wired, moment):
 
 
 def test_a_second_host_that_polls_all_the_time(wired):
-    """Each takes the other's words for repetitions, or executes them."""
+    """Each takes the other's commands for repetitions, or executes them."""
     other = wired.other_host()
     fault = None
     for k in range(POLLS):
-        echo = other.exchange(Exchange(0, 1))[0]
-        other.exchange(Exchange(0, 12, 0x100, (echo + 1, 0, *to_words(479_000 * (k % 2), 2))))
+        echo = other.exchange(Exchange(7, 2))[1]
+        other.exchange(Exchange(0, 14, 0x100, (0, echo + 1, 0, 1, 0, *to_words(479_000 * (k % 2), 2))))
         fault = wired.work(1)
         if fault is not None:
             break
@@ -164,7 +102,7 @@ def test_a_current_that_the_line_changed_with_a_right_check_word(wired, which, b
 
     def change(request: bytes) -> bytes:
         e = wired.world.bench.decoded("amplifier", request)
-        if e is None or e.write_at != 0x100 or len(e.words) < 4 or e.words[3] == e.words[2] == 0:
+        if e is None or e.write_at != 0x100 or len(e.words) < 7 or e.words[5] == e.words[6] == 0:
             return request
         commands.append(request)
         return resealed(wired.world.framing, request, e, bit) if len(commands) == which + 1 else request
@@ -184,8 +122,8 @@ def test_a_current_that_the_line_changed_with_a_right_check_word(wired, which, b
 
 def resealed(framing: str, request: bytes, e: Exchange, bit: int) -> bytes:
     """The same request with another current."""
-    raw = (e.words[2] << 16 | e.words[3]) ^ 1 << bit
-    other = Exchange(e.read_at, e.count, e.write_at, (*e.words[:2], *to_words(raw, 2), *e.words[4:]))
+    raw = (e.words[5] << 16 | e.words[6]) ^ 1 << bit
+    other = Exchange(e.read_at, e.count, e.write_at, (*e.words[:5], *to_words(raw, 2), *e.words[7:]))
     if framing == "lines":
         return lines.request(other).removesuffix(b"\n")
     frame = rtu.request(ADDRESSES["amplifier"], other)
@@ -244,11 +182,11 @@ def test_a_tick_that_says_another_output_than_its_reply_ends_the_run(wired):
     """The reply agrees, one record of the ring does not: a current flowed for a tick between two commands."""
     wired.work(3)
     other = wired.other_host()
-    echo = other.exchange(Exchange(0, 1))[0]
+    echo = other.exchange(Exchange(7, 2))[1]
     held = wired.world.amplifier.output_uA
-    other.exchange(Exchange(0, 12, 0x100, (echo + 1, 0, *to_words(479_000, 2))))
+    other.exchange(Exchange(0, 14, 0x100, (0, echo + 1, 0, 1, 0, *to_words(479_000, 2))))
     wired.world.time.sleep(PERIOD_s)
-    other.exchange(Exchange(0, 12, 0x100, (echo + 2, 0, *to_words(held, 2))))
+    other.exchange(Exchange(0, 14, 0x100, (0, echo + 2, 0, 1, 0, *to_words(held, 2))))
     wired.source.talk._sequence = echo + 2  # the host's word is new, so that only the ring tells
     fault = wired.work()
     assert fault is not None

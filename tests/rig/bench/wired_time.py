@@ -107,7 +107,7 @@ class World:
         """Whether a frame orders the amplifier to arm."""
         e = self.bench.decoded("amplifier", request)
         return (
-            isinstance(e, Exchange) and e.write_at == 0x100 and len(e.words) > 1 and e.words[1] in ARM_ORDERS
+            isinstance(e, Exchange) and e.write_at == 0x100 and len(e.words) > 4 and e.words[4] in ARM_ORDERS
         )
 
     def link(self, name: str, sent: Callable[[bytes], None], patch: pytest.MonkeyPatch):

@@ -13,13 +13,14 @@ static uint16_t in_ram(struct bench *b, const char *name, uint16_t offset)
     return (uint16_t)(chip_symbol(&b->chip, name) + offset);
 }
 
-static void boot(struct bench *b, const char *device, unsigned count)
+/* A 32-bit argument takes r20 to r23, its low word in the lower pair. */
+static void boot(struct bench *b, const char *device, uint32_t count)
 {
     char name[32];
     const bool amp = !strcmp(device, "amp");
-    const uint16_t words[] = {in_ram(b, amp ? "amp" : "daq", 0), (uint16_t)count};
+    const uint16_t words[] = {in_ram(b, amp ? "amp" : "daq", 0), (uint16_t)(count >> 16), (uint16_t)count};
     snprintf(name, sizeof name, "%s_boot", amp ? "amplifier" : "encoder_daq");
-    chip_call(&b->chip, name, words, 2);
+    chip_call(&b->chip, name, words, 3);
     puts("done");
 }
 
@@ -43,7 +44,6 @@ static void tick(struct bench *b, const char *device, const long *v)
 
 static void now(struct bench *b, long counts)
 {
-    /* a 32-bit argument takes r20 to r23, its low word in the lower pair */
     const uint16_t words[] = {in_ram(b, "daq", 0), (uint16_t)((uint32_t)counts >> 16), (uint16_t)counts};
     chip_call(&b->chip, "encoder_daq_now", words, 3);
     puts("done");

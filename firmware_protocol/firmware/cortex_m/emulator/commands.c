@@ -77,7 +77,7 @@ static void obey_held(const char *line)
         emulator.first = number[0];
     else if ((rest = after(line, "boot")) && read_numbers(rest, number) == 1) {
         emulator.first = 0;
-        device_boot((uint16_t)number[0]);
+        device_boot((uint32_t)number[0]);
     } else {
         plant_line_say("what?", 0, NONE);
         return;

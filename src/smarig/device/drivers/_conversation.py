@@ -1,11 +1,12 @@
 """Exchanges with one device: every reply is proven fresh, and a repeated request is never executed twice.
 
-A repeated exchange carries the same sequence word, and the device replies without executing it again. A lost reply
-therefore costs one repetition, and a lost request has no effect. A line without replies is reopened once. If the port
-has disappeared, the host waits briefly for it.
+A repeated exchange carries the same sequence, and the device replies without executing it again. A lost reply
+therefore costs one repetition, and a lost request has no effect. Every command also carries the boot for which it was
+made: a device that has restarted executes none of them, and its replies tell. A line without replies is reopened
+once. If the port has disappeared, the host waits briefly for it.
 
-A late reply is never taken for the reply to another request. The echo of its sequence word identifies the reply to a
-command. Refusals, handshakes and settings carry no sequence word: while a reply to an earlier request may still come,
+A late reply is never taken for the reply to another request. The echo of its sequence identifies the reply to a
+command. Refusals, handshakes and settings carry no sequence: while a reply to an earlier request may still come,
 they are accepted only after the line has been resynchronised by a read whose length differs from all pending replies.
 Replies come in the order of requests, so no reply to an earlier request can follow.
 """
@@ -27,13 +28,15 @@ from smarig.device.encoding.link_faults import (
     WrongDevice,
     WrongMap,
 )
-from smarig.device.encoding.register import RawValues, RegisterMap
+from smarig.device.encoding.register import RawValues, RegisterMap, from_words
 from smarig.device.links.link import Link
 
 ATTEMPTS = 3  # on an open line, and the same number again after it was reopened
 STALE_REPLIES = 4  # discarded before a request is repeated
-FINAL = (1, 2, 3, 4)  # refusals of a request that was received correctly: repeating it is useless
+NOT_NOW = 4  # the refusal of what is not possible in this state
+FINAL = (1, 2, 3, NOT_NOW)  # refusals of a request that was received correctly: repeating it is useless
 PAUSES_S = (0.1, 0.2)  # between attempts to open a missing port: in sum less than the shortest lease
+COUNTED = 2**32  # a device counts its ticks modulo this
 PROBED = 2  # largest number of ring records that a read of a probing length covers
 
 
@@ -54,7 +57,7 @@ class Conversation:
 
     def __init__(self, link: Link, map_: RegisterMap) -> None:
         self.link, self.map = link, map_
-        self._sequence = 0
+        self._sequence = self._tick = 0
         self._boots: int | None = None
         ring = map_["ring"]
         self._head = ring.address - map_.start("status")
@@ -82,9 +85,15 @@ class Conversation:
             self._status()
             self._late = True
         values = self._status()
+        self._follow(values)
+        return values
+
+    def _follow(self, values: Mapping[str, int]) -> None:
+        """Continue where the device is: with its boot, its last sequence and its tick."""
+        if self._boots != values["boot_count"]:
+            self._tick = values["tick"]
         self._boots = values["boot_count"]
         self._sequence = values["echo"]  # otherwise the device could take the first command for a repetition
-        return values
 
     def _status(self) -> RawValues:
         words, _ = self._insisted(Exchange(self.map.start("status"), self._head))
@@ -109,22 +118,35 @@ class Conversation:
             raise Garbled(f"The settings read back from the {self.name} differ. {Garbled.remedy}")
 
     def command(self, values: Mapping[str, int], records: int = 0) -> Status:
-        """Write the command block with a new sequence word; read the status with at most ``records`` samples."""
-        self._sequence = self._sequence % 0xFFFF + 1
+        """Write the command block with a new sequence; read the status with at most ``records`` samples.
+
+        Ticks, also ``ring_next``, go on where those of the device wrap.
+        """
+        self._count_command()
         records = min(records, self._most)
-        written = self.map.encode("command", {"ring_want": records, **values, "sequence": self._sequence})
+        proof = {"sequence": self._sequence, "epoch": self._boots or 0}
+        written = self.map.encode("command", {"ring_want": records, **values, **proof})
         count = self._head + records * self._record
         e = Exchange(self.map.start("status"), count, self.map.start("command"), tuple(written))
         words, retried = self._insisted(e, self._sequence)
         status = self.map.decode("status", words[: self._head])
-        if status["boot_count"] != self._boots:
-            self._boots = status["boot_count"]
-            raise Rebooted(
-                f"The {self.name} has restarted (boot {status['boot_count']}). Check for a brown-out or a "
-                "watchdog reset."
-            )
+        self._tick = status["tick"] = self._unwrapped(status["tick"])
+        status["ring_first"] = self._unwrapped(status["ring_first"])
         found = self.map.records(words, min(status["ring_count"], records))
         return Status(status, found, retried)
+
+    def _count_command(self) -> None:
+        if self._sequence == self.map["sequence"].limits[1]:
+            raise Refused(
+                f"The {self.name} has executed {self._sequence:,} commands since it started, the most that it "
+                "counts. Switch its supply off and on.",
+                NOT_NOW,
+            )
+        self._sequence += 1
+
+    def _unwrapped(self, tick: int) -> int:
+        """The number nearest to the last tick that is this one to the device."""
+        return self._tick + (tick - self._tick + COUNTED // 2) % COUNTED - COUNTED // 2
 
     def first_tick(self, status: Status, requested_tick: int) -> int:
         """The tick of the first record, checked: at or after the requested tick, and none after the device's tick."""
@@ -163,17 +185,32 @@ class Conversation:
                     raise type(failed)(f"The {self.map.device.name} cannot be reached. {failed}") from None
 
     def _fresh(self, e: Exchange, sequence: int | None) -> list[int] | Refusal:
-        """The reply; replies with another echo are skipped."""
+        """The reply; replies with another echo are skipped. Raises Rebooted if the device has restarted."""
         reply = self._send(e)
         for _ in range(STALE_REPLIES):
             if isinstance(reply, Refusal):
                 if reply.code in FINAL:
                     return reply  # other codes mean that the request was not received correctly
                 raise Garbled(f"{self.link.where}: the device refused: {reply}. {Garbled.remedy}")
-            if sequence is None or reply[0] == sequence:
+            if sequence is None or self._echo(reply) == sequence:
                 return reply
+            self._check_boot(reply)
             reply = self.link.more(e)
         raise Stale(f"{self.link.where}: only replies to other requests arrived. {Stale.remedy}")
+
+    def _echo(self, reply: list[int]) -> int:
+        echo = self.map["echo"]
+        return from_words(reply[echo.address - self.map.start("status") :][: echo.words], echo.type)
+
+    def _check_boot(self, reply: list[int]) -> None:
+        """Raise Rebooted if a reply to a command tells another boot: late replies are of this one, or of one before."""
+        status = self.map.decode("status", reply[: self._head])
+        if self._boots is not None and 0 < (status["boot_count"] - self._boots) % COUNTED < COUNTED // 2:
+            self._follow(status)
+            raise Rebooted(
+                f"The {self.name} has restarted (boot {status['boot_count']}). Check for a brown-out or a "
+                "watchdog reset."
+            )
 
     def _granted(self, reply: list[int] | Refusal) -> list[int]:
         if isinstance(reply, Refusal):
@@ -235,6 +272,6 @@ def probe_lengths(map_: RegisterMap) -> Iterator[int]:
     ends = [r.address + r.words - map_.start("status") for r in map_.blocks["status"][:-1]]
     ends += accumulate([f.words for f in ring.field] * PROBED, initial=head)
     taken = {map_.size("settings"), *(head + k * ring.record_words for k in range(PROBED + 1))}
-    identity = map_["boot_count"].address + 1 - map_.start("status")
+    identity = map_["boot_count"].address + map_["boot_count"].words - map_.start("status")
     lengths = sorted({end for end in ends if end >= identity} - taken)
     return islice(cycle(lengths), random.SystemRandom().randrange(len(lengths)), None)
