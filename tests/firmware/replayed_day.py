@@ -6,16 +6,17 @@ from typing import NamedTuple, Protocol
 from firmware.codes import ARM, ARMED, LEASE, OFF, TRIPPED
 from smarig.device.encoding import rtu
 from smarig.device.encoding.exchange import Exchange
-from smarig.device.encoding.register import RawValues, load_register_map
+from smarig.device.encoding.register import RawValues, load_register_map, to_words
 
 MAP = load_register_map("amplifier")
 ADDRESS = MAP.device.default_address
-HEAD = MAP["ring"].address
+HEAD, ECHO = MAP["ring"].address, MAP["echo"].address
 LAST = MAP["sequence"].limits[1]
 DAY = 864_000  # exchanges at 10 Hz
 LEASE_TICKS = 5
 CURRENT_uA = 500_000
 REARMED = 1000  # exchanges after which a host switches off and arms again
+AGAIN = 50  # frames of both ends of the day that are said in each tick after the lease
 
 
 class Amplifier(Protocol):
@@ -40,7 +41,7 @@ class Host:
     def __init__(self, amplifier: Amplifier, boot_count: int) -> None:
         self._amplifier, self._boot_count = amplifier, boot_count
         self.frames: list[bytes] = []
-        self._status = status(amplifier)
+        self._sequence = status(amplifier)["echo"]
         safe = {r.name: r.safe or 0 for r in MAP.blocks["settings"]}
         wide = {"current_max": 10**6, "slew_max": 10**6, "heat_max": 2**32 - 1}
         words = tuple(MAP.encode("settings", safe | wide))
@@ -48,13 +49,24 @@ class Host:
 
     def command(self, **values: int) -> RawValues:
         """A new command, which must be executed."""
-        sequence = self._status["echo"] + 1
-        proof = {"sequence": sequence, "epoch": self._boot_count}
+        proof = {"sequence": self._next(), "epoch": self._boot_count}
         e = Exchange(0, HEAD, 0x100, tuple(MAP.encode("command", {**proof, **values})))
         self.frames.append(rtu.request(ADDRESS, e))
-        self._status = _decoded(e, self._amplifier.answer(self.frames[-1]))
-        assert self._status["echo"] == sequence
-        return self._status
+        status_ = _decoded(e, self._amplifier.answer(self.frames[-1]))
+        assert status_["echo"] == self._sequence
+        return status_
+
+    def drive(self, current_uA: int) -> None:
+        """A new current, and its tick. Only the echo is read: a day is long."""
+        command = (*to_words(self._next(), 2), *to_words(self._boot_count, 2), 0, *to_words(current_uA, 2))
+        e = Exchange(ECHO, 2, 0x100, command)
+        self.frames.append(rtu.request(ADDRESS, e))
+        assert rtu.find(ADDRESS, e, self._amplifier.answer(self.frames[-1])) == to_words(self._sequence, 2)
+        _tick(self._amplifier, current_uA)
+
+    def _next(self) -> int:
+        self._sequence += 1
+        return self._sequence
 
     def work(self, exchanges: int) -> None:
         """Arm and drive, a tick for each current; after so many exchanges current flows."""
@@ -62,12 +74,12 @@ class Host:
         while len(self.frames) < exchanges - 1:
             if len(self.frames) % REARMED == 0 and len(self.frames) < exchanges - 4:
                 self._arm()
-            _tick(self._amplifier, self.command(current=len(self.frames) % CURRENT_uA)["output"])
+            self.drive(len(self.frames) % CURRENT_uA)
         assert self.command(current=CURRENT_uA)["output"] == CURRENT_uA
 
     def _arm(self) -> None:
         self.command(order=OFF)
-        self.command(order=ARM, nonce=self._status["arm_nonce"])
+        self.command(order=ARM, nonce=status(self._amplifier)["arm_nonce"])
 
 
 class Outcome(NamedTuple):
@@ -80,7 +92,7 @@ class Outcome(NamedTuple):
 def replayed(amplifier: Amplifier, frames: list[bytes]) -> Outcome:
     """All frames again within the lease; then again, from both ends, after it."""
     flowed = 0
-    for part in (*_parts(frames, LEASE_TICKS + 1), frames[:300], frames[-300:], frames[:300]):
+    for part in (*_parts(frames, LEASE_TICKS + 1), frames[:AGAIN], frames[-AGAIN:], frames[:AGAIN]):
         for frame in part:
             amplifier.answer(frame)
         output_uA = status(amplifier)["output"]

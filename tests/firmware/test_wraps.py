@@ -8,15 +8,21 @@ import pytest
 from firmware.codes import ARM, ARMED, LEASE, OFF, TRIPPED
 from firmware.firmware_build import RTU, Device, make, open_library
 from firmware.python_device import PythonDevice
-from firmware.replayed_day import DAY, LAST, Host, asked, assert_dead, replayed, status, survive
+from firmware.replayed_day import DAY, LAST, MAP, Host, asked, assert_dead, replayed, status, survive
 from simulators import register_device
 from smarig.device.encoding.exchange import Exchange
 
 SHORT = 400
 BOOT = 7
 WORD, HALF, ALL = 2**16, 2**31, 2**32
-DAY_IS_LONG = pytest.mark.long("some minutes each")
-EXCHANGES = [SHORT, pytest.param(DAY, marks=DAY_IS_LONG)]
+WRAPS = {  # the sequence at or before which the host begins, the tick, the boots
+    "a word": (WORD - 150, WORD - 100, (7, 8)),
+    "half of all": (HALF - 150, ALL - 100, (7, 7 + WORD)),
+    "the end of all": (None, HALF - 100, (ALL - 1, 0)),
+}
+DAYS = [(wrap, SHORT) for wrap in WRAPS]
+# a day passes 13 words
+DAYS += [pytest.param(wrap, DAY, marks=pytest.mark.long("some minutes each")) for wrap in list(WRAPS)[1:]]
 
 
 @pytest.fixture(scope="session")
@@ -50,23 +56,14 @@ class Framed:
 # --- a day of frames, said again ---
 
 
-@pytest.mark.parametrize("exchanges", EXCHANGES)
-@pytest.mark.parametrize(
-    ("wrap", "before", "tick", "boots"),
-    [
-        (WORD, 150, WORD - 100, (7, 8)),
-        (HALF, 150, HALF - 100, (7, 7 + WORD)),
-        (LAST, None, ALL - 100, (ALL - 1, 0)),
-    ],
-    ids=["a word", "half of all", "the end of all"],
-)
-@pytest.mark.parametrize("language", ["Python", "C"])
-def test_no_frame_of_a_day_is_new_again(begun, language, wrap, before, tick, boots, exchanges):
-    """After a wrap of sequence and tick within the day; after a restart, with another word or half of the boots."""
-    sequence = wrap - (before or exchanges)
-    amplifier = Framed(begun(language, sequence=sequence, tick=tick))
+@pytest.mark.parametrize(("wrap", "exchanges"), DAYS)
+@pytest.mark.parametrize("language", ["C", "Python"])
+def test_no_frame_of_a_day_is_new_again(begun, language, wrap, exchanges):
+    """Sequence and tick wrap, or end, within the day; in the boot after it numbers begin where they did before."""
+    sequence, tick, boots = WRAPS[wrap]
+    amplifier = Framed(begun(language, sequence=sequence or LAST - exchanges, tick=tick))
     said = survive(amplifier, exchanges, boots)
-    print(f"{language}: {said} frames said again, 0 A after the lease")
+    print(f"{language}, {wrap}: {said:,} frames said again, 0 A after the lease")
     assert said >= 2 * exchanges
 
 
@@ -95,8 +92,7 @@ def test_after_the_last_number_nothing_is_executed_until_a_restart(begun, langua
     host = Host(amplifier, BOOT)
     host.work(4)
     assert status(amplifier)["echo"] == LAST
-    off = begun(language, sequence=0)  # only to write requests: both have the same map
-    words = off.map.encode("command", {"sequence": 1, "epoch": BOOT, "order": OFF})
+    words = MAP.encode("command", {"sequence": 1, "epoch": BOOT, "order": OFF})
     assert asked(amplifier, Exchange(7, 2, 0x100, tuple(words))) == [0xFFFF, 0xFFFF]
     assert_dead(replayed(amplifier, host.frames), LAST)
 
