@@ -34,6 +34,7 @@ class RegisterDevice:
         self.stored = RawValues(
             (r.name, r.safe or 0) for r in self.map.registers.values() if r.access == "rw"
         )
+        self.stored["epoch"] = self.boot_count
         self._window: RingWindow = EMPTY_WINDOW
 
     @property

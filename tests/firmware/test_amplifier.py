@@ -38,6 +38,7 @@ def test_it_boots_off_with_safe_settings(library):
     known |= {"board_max": 2_000_000, "settings_crc": SAFE_CRC, "arm_nonce": 0x12340000}
     assert {name: value for name, value in status.items() if value} == known
     safe = {r.name: r.safe for block in ("command", "settings") for r in amp.map.blocks[block]}
+    safe["epoch"] = 0xFFFF1234
     assert {name: amp.read(name) for name in safe} == safe
 
 

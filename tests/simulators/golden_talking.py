@@ -26,7 +26,7 @@ def handshake() -> Script:
         "the command block is safe",
         Exchange(0x100, 12),
         sequence=0,
-        epoch=0,
+        epoch=7,
         order=0,
         current=0,
         ring_want=0,

@@ -52,10 +52,10 @@ static void update_settings_crc(struct amplifier *a)
 void amplifier_boot(struct amplifier *a, uint32_t boot_count)
 {
     memset(a, 0, sizeof *a); /* off, output 0, no sequence received */
-    a->boot_count = boot_count;
     a->tick = FIRST_TICK;
     block_boot(&MAP.command, a->command);
     words_put32(a->command + AT(AMP_SEQUENCE), FIRST_SEQUENCE);
+    words_put32(a->command + AT(AMP_EPOCH), boot_count);
     block_boot(&MAP.settings, a->settings);
     update_settings_crc(a);
 }
@@ -64,7 +64,7 @@ static void trip(struct amplifier *a, uint16_t cause)
 {
     a->output_uA = 0;
     a->state = AMP_STATE_TRIPPED;
-    a->trip = cause;
+    a->trip = (uint8_t)cause;
 }
 
 /* --- ticks --- */
@@ -95,9 +95,14 @@ void amplifier_tick(struct amplifier *a, const struct amplifier_inputs *in)
 
 /* --- checking an exchange --- */
 
+static uint32_t boot_count(const struct amplifier *a)
+{
+    return words_u32(a->command + AT(AMP_EPOCH));
+}
+
 static bool is_new(const struct amplifier *a, const struct exchange *asked)
 {
-    return asked->write_count > AT(AMP_EPOCH) && words_u32(asked->words + AT(AMP_EPOCH)) == a->boot_count &&
+    return asked->write_count > AT(AMP_EPOCH) && words_u32(asked->words + AT(AMP_EPOCH)) == boot_count(a) &&
            sequence_is_new(words_u32(a->command + AT(AMP_SEQUENCE)), words_u32(asked->words + AT(AMP_SEQUENCE)));
 }
 
@@ -121,7 +126,7 @@ static bool order_fits(uint16_t order, uint16_t state)
 /* The boot, then the number of orders since: another one after every order, the same only after 65,536 of them. */
 static uint32_t arm_nonce(const struct amplifier *a)
 {
-    return a->boot_count << 16 | a->orders;
+    return boot_count(a) << 16 | a->orders;
 }
 
 static bool nonce_fits(const struct amplifier *a, const struct exchange *asked)
@@ -253,7 +258,7 @@ static void status_head(const struct amplifier *a, uint16_t *words)
     words[AMP_KIND] = AMP_DEVICE_KIND;
     words[AMP_VERSION] = AMP_DEVICE_VERSION;
     words_put32(words + AMP_MAP_HASH, AMP_DEVICE_MAP_HASH);
-    words_put32(words + AMP_BOOT_COUNT, a->boot_count);
+    words_put32(words + AMP_BOOT_COUNT, boot_count(a));
     memcpy(words + AMP_ECHO, a->command + AT(AMP_SEQUENCE), 2 * sizeof words[0]);
     words_put32(words + AMP_TICK, a->tick);
     words[AMP_STATE] = a->state;

@@ -24,12 +24,11 @@ struct amplifier_spells {
 };
 
 struct amplifier {
-    uint32_t boot_count;
-    uint16_t command[AMP_COMMAND_WORDS]; /* as last accepted; `order` and `nonce` read 0 */
+    uint16_t command[AMP_COMMAND_WORDS]; /* as last accepted; `order` and `nonce` read 0, `epoch` the boot count */
     uint16_t settings[AMP_SETTINGS_WORDS];
     uint16_t settings_crc;
     uint16_t orders; /* executed since boot, for the nonce */
-    uint16_t state, trip;
+    uint8_t state, trip;
     uint16_t ticks_unfed; /* since the lease was renewed or the amplifier armed */
     struct amplifier_spells spells;
     uint32_t tick;

@@ -36,10 +36,10 @@ static const struct map MAP = {BLOCK(COMMAND, DAQ_COMMAND), BLOCK(SETTINGS, DAQ_
 void encoder_daq_boot(struct encoder_daq *d, uint32_t boot_count)
 {
     memset(d, 0, sizeof *d); /* no sequence received, counts as in the hardware */
-    d->boot_count = boot_count;
     d->tick = FIRST_TICK;
     block_boot(&MAP.command, d->command);
     words_put32(d->command + AT(DAQ_SEQUENCE), FIRST_SEQUENCE);
+    words_put32(d->command + AT(DAQ_EPOCH), boot_count);
     block_boot(&MAP.settings, d->settings);
 }
 
@@ -75,9 +75,14 @@ static uint8_t check(const void *device, const struct exchange *asked)
     return map_check(&MAP, asked);
 }
 
+static uint32_t boot_count(const struct encoder_daq *d)
+{
+    return words_u32(d->command + AT(DAQ_EPOCH));
+}
+
 static bool is_new(const struct encoder_daq *d, const struct exchange *asked)
 {
-    return asked->write_count > AT(DAQ_EPOCH) && words_u32(asked->words + AT(DAQ_EPOCH)) == d->boot_count &&
+    return asked->write_count > AT(DAQ_EPOCH) && words_u32(asked->words + AT(DAQ_EPOCH)) == boot_count(d) &&
            sequence_is_new(words_u32(d->command + AT(DAQ_SEQUENCE)), words_u32(asked->words + AT(DAQ_SEQUENCE)));
 }
 
@@ -125,7 +130,7 @@ static void status_head(const struct encoder_daq *d, uint16_t *words)
     words[DAQ_KIND] = DAQ_DEVICE_KIND;
     words[DAQ_VERSION] = DAQ_DEVICE_VERSION;
     words_put32(words + DAQ_MAP_HASH, DAQ_DEVICE_MAP_HASH);
-    words_put32(words + DAQ_BOOT_COUNT, d->boot_count);
+    words_put32(words + DAQ_BOOT_COUNT, boot_count(d));
     memcpy(words + DAQ_ECHO, d->command + AT(DAQ_SEQUENCE), 2 * sizeof words[0]);
     words_put32(words + DAQ_TICK, d->tick);
     words[DAQ_FAULT] = d->fault;

@@ -14,10 +14,10 @@
 enum { ENCODER_DAQ_INDEX = 1, ENCODER_DAQ_ILLEGAL_STEP = 2, ENCODER_DAQ_NO_SUPPLY = 4 }; /* bits of `hardware` */
 
 struct encoder_daq {
-    uint32_t boot_count;
-    uint16_t command[DAQ_COMMAND_WORDS]; /* as last accepted; `order` reads 0 */
+    uint16_t command[DAQ_COMMAND_WORDS]; /* as last accepted; `order` reads 0, `epoch` the boot count */
     uint16_t settings[DAQ_SETTINGS_WORDS];
-    uint16_t fault, index_count;
+    uint8_t fault;
+    uint16_t index_count;
     uint32_t tick;
     uint16_t samples_kept; /* in the ring */
     uint32_t raw, zero; /* counts of the hardware now and at the last zero; they may wrap */

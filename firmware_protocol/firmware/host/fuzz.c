@@ -64,12 +64,12 @@ static void plan(struct plan *e, bool is_amp)
         e->words[i] = i == AMP_ORDER - AMP_COMMAND_FIRST ? (uint16_t)chance(4) : random_word();
     if (e->write_at == AMP_COMMAND_FIRST && chance(16)) { /* else hardly any command would be new */
         words_put32(e->words, words_u32(is_amp ? pair.amp.command : pair.daq.command) + 1 + chance(2));
-        words_put32(e->words + AMP_EPOCH - AMP_COMMAND_FIRST, is_amp ? pair.amp.boot_count : pair.daq.boot_count);
+        memcpy(e->words + 2, (is_amp ? pair.amp.command : pair.daq.command) + 2, 2 * sizeof e->words[0]); /* its epoch */
     }
     if (is_amp && e->write_at == AMP_COMMAND_FIRST && chance(2))
         words_put32(e->words + AMP_CURRENT - AMP_COMMAND_FIRST, chance(10000) - 5000);
     if (is_amp && e->write_at == AMP_COMMAND_FIRST && chance(4)) /* else nothing would ever be armed */
-        words_put32(e->words + AMP_NONCE - AMP_COMMAND_FIRST, pair.amp.boot_count << 16 | pair.amp.orders);
+        words_put32(e->words + AMP_NONCE - AMP_COMMAND_FIRST, words_u32(pair.amp.command + 2) << 16 | pair.amp.orders);
     if (is_amp && e->write_at == AMP_SETTINGS_FIRST && chance(2)) {
         e->words[0] = (uint16_t)(1 + chance(300));
         e->words[1] = (uint16_t)(500 + chance(1501));

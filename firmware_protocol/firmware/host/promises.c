@@ -55,7 +55,7 @@ static void promised_arming(const struct amplifier *was, const struct amplifier 
         return;
     promise(size > 6, "an order that arms is longer");
     const uint8_t *nonce = rtu + size - 6; /* the last words before the check word */
-    promise((nonce[0] << 8 | nonce[1]) == (int)(was->boot_count & 0xFFFFu) && (nonce[2] << 8 | nonce[3]) == was->orders,
+    promise((nonce[0] << 8 | nonce[1]) == was->command[AMP_EPOCH + 1 - AMP_COMMAND_FIRST] && (nonce[2] << 8 | nonce[3]) == was->orders,
             "armed without the nonce");
 }
 
