@@ -18,9 +18,10 @@ timeout_s = 5.0
 
 
 @contextmanager
-def started(base: str = "one_wire_twin") -> Iterator[dict[str, str]]:
-    """The URL of each device while they run."""
-    words = ["--rig", base, "--framing", "modbus_tcp", "--lock-step", "--gone-after", "600"]
+def started(base: str = "one_wire_twin", *, trace: Path | None = None) -> Iterator[dict[str, str]]:
+    """The URL of each device while they run. With a trace, time goes on and the lease trips when the host is gone."""
+    words = ["--rig", base, "--framing", "modbus_tcp", "--lock-step", "--gone-after", "1" if trace else "600"]
+    words += ["--trace", str(trace)] if trace else []
     with subprocess.Popen(
         [sys.executable, "-m", "simulators", *words],
         cwd=ROOT,
@@ -33,6 +34,7 @@ def started(base: str = "one_wire_twin") -> Iterator[dict[str, str]]:
             yield {device: said[device]["url"] for device in ("amplifier", "encoder_daq")}
         finally:
             process.terminate()
+            process.wait()
 
 
 def rig_file(path: Path, urls: dict[str, str], *, wire: str = "lasting", limits: str = "") -> Path:

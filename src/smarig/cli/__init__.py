@@ -7,6 +7,7 @@ import os
 import signal
 import sys
 from collections.abc import Iterator, Sequence
+from types import FrameType
 
 import click
 
@@ -18,12 +19,15 @@ from smarig.core import (
     SmarigError,
     UsageError,
     catalogue_names,
+    exit_within,
+    forced_end,
     own_file_error,
     own_files,
     suggestion,
 )
 
 _FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
+EXIT_LIMIT_S = 10.0  # for what the interpreter clears up
 _ENDING = ("SIGINT", "SIGTERM", "SIGHUP")
 _SPELLINGS = {"characterize": "characterise"}
 EPILOG = """\b
@@ -79,11 +83,15 @@ def cli() -> None:
 
 def main(arguments: Sequence[str] | None = None) -> None:
     """Run a command and exit with its status (0, 2, 3, 4, 5 or 130; 1 for an internal error)."""
-    status = run(arguments)
-    for number in _signals(*_ENDING):  # the command is finished and its status is final
+    with forced_end(report_error):
+        status = run(arguments)
+        with _signals_without_effect():  # the command is finished and its status is final
+            status = close_output(status)
+    for number in _signals(*_ENDING):
         with contextlib.suppress(ValueError):
             signal.signal(number, signal.SIG_IGN)
-    sys.exit(close_output(status))
+    exit_within(EXIT_LIMIT_S, status)
+    sys.exit(status)
 
 
 def run(arguments: Sequence[str] | None = None) -> int:
@@ -104,7 +112,7 @@ def run(arguments: Sequence[str] | None = None) -> int:
     except SmarigError as error:
         return report_error(str(error), error.exit_status)
     except (KeyboardInterrupt, click.Abort):
-        with _signals_ignored():  # Ctrl-C pressed twice
+        with _signals_without_effect():  # Ctrl-C pressed twice
             return report_error("Interrupted.", Interrupted.exit_status)
     except MemoryError:
         return report_error("This needs more memory than is available. Request less.", 4)
@@ -153,12 +161,18 @@ def _interrupt_on(*signal_names: str) -> None:
 
 
 @contextlib.contextmanager
-def _signals_ignored() -> Iterator[None]:
+def _signals_without_effect() -> Iterator[None]:
+    """Let the signals do nothing but count for a forced end. One that was ignored at the start stays ignored."""
     with contextlib.ExitStack() as restored:
         for number in _signals(*_ENDING):
             with contextlib.suppress(ValueError):
-                restored.callback(signal.signal, number, signal.signal(number, signal.SIG_IGN))
+                if signal.getsignal(number) != signal.SIG_IGN:
+                    restored.callback(signal.signal, number, signal.signal(number, _nothing))
         yield
+
+
+def _nothing(_number: int, _frame: FrameType | None) -> None:
+    """Handle a signal by doing nothing."""
 
 
 def _signals(*signal_names: str) -> list[signal.Signals]:

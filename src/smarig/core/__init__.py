@@ -6,6 +6,7 @@ from smarig.core.lazy_exports import lazy_exports
 
 if TYPE_CHECKING:
     from smarig.core import file_content as file_content
+    from smarig.core import file_work as file_work
     from smarig.core.atomic_file import atomic_file as atomic_file
     from smarig.core.atomic_file import check_replaceable as check_replaceable
     from smarig.core.atomic_file import check_writable as check_writable
@@ -54,6 +55,11 @@ if TYPE_CHECKING:
     from smarig.core.file_content import TABLE as TABLE
     from smarig.core.file_content import TOML as TOML
     from smarig.core.file_content import content_kind as content_kind
+    from smarig.core.file_work import entered_in_time as entered_in_time
+    from smarig.core.file_work import in_time as in_time
+    from smarig.core.forced_end import at_forced_end as at_forced_end
+    from smarig.core.forced_end import exit_within as exit_within
+    from smarig.core.forced_end import forced_end as forced_end
     from smarig.core.formula import Formula as Formula
     from smarig.core.gate import Named as Named
     from smarig.core.gate import named as named

@@ -1,7 +1,7 @@
 """Locks between processes: files locked by the operating system, which releases them when a process ends.
 
 They exclude processes of one computer that use the same folder of locks. Links are not followed, and another user's
-file is locked without changing it.
+file is locked without changing it. A folder that does not answer delays nobody for more than seconds.
 """
 
 import contextlib
@@ -11,6 +11,7 @@ import stat
 import sys
 import tempfile
 import time
+import weakref
 import zlib
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -18,9 +19,11 @@ from pathlib import Path
 from typing import IO
 
 from smarig.core.errors import InUse, UsageError
+from smarig.core.file_work import entered_in_time, in_time
 
 _MOST = 200  # characters of a holder that are shown
 _held: set[str] = set()  # keys of the locks of this process
+_locked_files: "weakref.WeakSet[IO]" = weakref.WeakSet()
 
 
 def lock_folder() -> Path:
@@ -40,23 +43,48 @@ def process_lock(key: str, what: str, remedy: str, *, lasting: bool = True) -> I
     The file of a key that will not come back is removed at the end (``lasting=False``).
     """
     path = _path(key)
+    files: list[IO] = []
+    try:
+        with entered_in_time(_noted_lock(path, what, remedy, files, lasting=lasting), f"Lock {path}"):
+            _held.add(key)
+            yield
+    finally:
+        _held.discard(key)
+        for file in files:  # its folder did not answer: the lock itself is the kernel's
+            _give_back(file)
+
+
+@contextmanager
+def _noted_lock(path: Path, what: str, remedy: str, files: list[IO], *, lasting: bool) -> Iterator[None]:
+    """Hold a lock whose file says who holds it; ``files`` holds that file meanwhile."""
     with _locked(path, what, remedy) as file:
-        _held.add(key)
+        files.append(file)
         try:
             _note(file, holder_text())
             yield
         finally:
-            _held.discard(key)
             _note(file, "")
             if not lasting:
                 with contextlib.suppress(OSError):  # another user's, or a system that keeps open files
                     path.unlink()
+    files.clear()
+
+
+def give_back_locks() -> None:
+    """Give back all locks of this process, which is about to end; see ``forced_end``."""
+    for file in list(_locked_files):
+        _give_back(file)
 
 
 def check_free(key: str, what: str, remedy: str) -> None:
     """Raise InUse if another process holds the lock of a key. Nothing is written."""
-    path = _path(key)
-    if key in _held or not path.exists():
+    if key not in _held:
+        path = _path(key)
+        in_time(lambda: _check_free(path, what, remedy), f"Lock {path}")
+
+
+def _check_free(path: Path, what: str, remedy: str) -> None:
+    if not path.exists():
         return
     with contextlib.suppress(OSError), _opened(path, 0) as file:
         if not try_lock(file):
@@ -182,4 +210,14 @@ def _lock(file: IO, *, shared: bool) -> bool:
             fcntl.flock(file, (fcntl.LOCK_SH if shared else fcntl.LOCK_EX) | fcntl.LOCK_NB)
     except OSError:
         return False
+    _locked_files.add(file)
     return True
+
+
+def _give_back(file: IO) -> None:
+    """Unlock without touching the file, which its folder may delay."""
+    if os.name != "nt":
+        import fcntl
+
+        with contextlib.suppress(OSError, ValueError):  # closed meanwhile
+            fcntl.flock(file, fcntl.LOCK_UN)

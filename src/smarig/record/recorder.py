@@ -16,7 +16,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from smarig.core import Sample, Severity, StepResult, StorageError, printable, severity_of
+from smarig.core import Sample, Severity, StepResult, StorageError, in_time, printable, severity_of
 from smarig.record import schema
 from smarig.record.clock_watch import ClockWatch
 from smarig.record.continuation import Continuation, opened_for_recording, reopened
@@ -65,9 +65,11 @@ class Recorder:
         self._steps_given = 0
         meta = {"schema_version": schema.VERSION, "recorder_pid": os.getpid(), **meta}
         if continuation is None:
-            with new_run_file(path, meta, force=force):
-                pass
-            self._db = opened_for_recording(path)
+            self._db = in_time(
+                lambda: _created(path, meta, force=force),
+                f"Run file {path} was not created",
+                limit_s=CLOSE_LIMIT_S,
+            )
         else:
             self._db = reopened(path, meta, continuation)
         self._thread = threading.Thread(target=self._write, name="recorder", daemon=True)
@@ -289,12 +291,24 @@ class Recorder:
             text = f"Run {self.path} could not be closed in time: the disk does not answer. {self._stored_text()}"
         return f"{text} The current is at zero."
 
+    def on_disk(self) -> str:
+        """What is on disk, while the run or its closing goes on."""
+        if self._ended:
+            return f"Run {self.path} is closed."
+        return f"Run {self.path} is not closed; 'smarig resume' continues it. {self._stored_text()}"
+
     def _stored_text(self) -> str:
         """What is stored for certain."""
         stored = self._stored
         samples = "no new samples" if stored.t_s is None else f"the samples up to {stored.t_s:.1f} s"
         steps = f"{stored.steps} of {self._steps_given} steps"
         return f"It holds at least {samples} and {steps}; the later ones may be lost."
+
+
+def _created(path: Path, meta: dict[str, Any], *, force: bool) -> sqlite3.Connection:
+    with new_run_file(path, meta, force=force):
+        pass
+    return opened_for_recording(path)
 
 
 @dataclass(frozen=True)

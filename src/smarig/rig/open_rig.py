@@ -21,6 +21,7 @@ from smarig.core import (
     RigFault,
     SmarigError,
     UsageError,
+    at_forced_end,
     catalogue_entry,
     catalogue_names,
     passed,
@@ -43,6 +44,7 @@ from smarig.rig.rig import Rig
 from smarig.rig.twin import Twin, TwinSettings
 
 AT_ZERO_TEXT = " The current is at zero."  # removed from an error if the shutdown is not confirmed
+_NOT_ZEROED = "Make sure that no current flows: its source did not answer."
 START_TIMEOUT_S = 60.0  # for simulated devices to start
 STOP_TIMEOUT_S = 10.0  # for simulated devices to end
 LOCK_STEP_S = 5.0  # reply time of simulated devices that lose no reply: a busy machine delays them
@@ -77,8 +79,14 @@ def open_rig(
                 )
             found = _open_bench(file, actuator, links, pace, open_)
         open_.callback(found.close)
-        with _confirmed_shutdown(found):
+        with at_forced_end(lambda: _zeroed(found), _NOT_ZEROED, zeroes=True), _confirmed_shutdown(found):
             yield found
+
+
+def _zeroed(rig: Rig) -> str:
+    """Set the current to zero for a process that is ended by force, and say so."""
+    rig.safe()
+    return rig.shutdown_unconfirmed or AT_ZERO_TEXT.strip()
 
 
 @contextmanager

@@ -1,7 +1,8 @@
 """Requests to a running experiment: pause, resume, stop, record an event. The runner reads them at every tick."""
 
 from collections import deque
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 
 from smarig.core import Interrupted
 
@@ -11,6 +12,7 @@ class RunControl:
 
     def __init__(self) -> None:
         self.paused = False
+        self.closing = False  # the run has ended and is being closed, which no signal interrupts
         self.waiting_since_s: float | None = None  # monotonic, while a protocol computes its next command
         self._stop_cause = ""
         self._reports: deque[tuple[str, str, str]] = deque()
@@ -28,6 +30,15 @@ class RunControl:
     def stop(self, cause: str) -> None:
         """Request a safe end of the run; the first cause is kept."""
         self._stop_cause = self._stop_cause or cause
+
+    @contextmanager
+    def undisturbed(self) -> Iterator[None]:
+        """Let no signal interrupt the closing of a run, which is bounded in time. A request to stop is kept."""
+        self.closing = True
+        try:
+            yield
+        finally:
+            self.closing = False
 
     @property
     def cause(self) -> str:

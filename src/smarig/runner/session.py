@@ -14,7 +14,7 @@ from types import TracebackType
 from typing import Any, Self
 
 from smarig.config import RigFile, actuator_text, load_rig, rig_text, shipped_names, with_load
-from smarig.core import Protocol, Sample, SmarigError, passed, resolve_name
+from smarig.core import Protocol, Sample, SmarigError, at_forced_end, in_time, passed, resolve_name
 from smarig.plant import Actuator, load_of
 from smarig.protocols import PROTOCOLS, Chooser, Setup, build_protocol
 from smarig.record import (
@@ -226,6 +226,10 @@ class Session:
 
     def carry_out(self, recorder: Recorder, runner: Runner, protocol: Protocol, *, new_run: bool) -> None:
         """Run to the end, however it ends, and close the record with its cause."""
+        with at_forced_end(recorder.on_disk, f"What run {recorder.path} holds is not known."):
+            self._carry_out(recorder, runner, protocol, new_run)
+
+    def _carry_out(self, recorder: Recorder, runner: Runner, protocol: Protocol, new_run: bool) -> None:
         cause, severity, start_s = "done", end_severity(None), runner.t_s
         if (force := getattr(self.rig, "force", None)) is not None:
             force.reset()
@@ -235,13 +239,14 @@ class Session:
             cause, severity = cause_of(error), end_severity(error)
             raise
         finally:
-            recorder.describe("encoder_zero", self._zero)
-            recorder.describe("shift", asdict(runner.shift))
-            if self.load and self.load.changes and new_run:
-                self._describe_load(recorder, runner, start_s)
-            self._describe_force(recorder)
-            self._save_history(recorder, runner.t_s, new_run)
-            recorder.close(cause, t_s=runner.t_s, severity=severity)
+            with self.control.undisturbed():
+                recorder.describe("encoder_zero", self._zero)
+                recorder.describe("shift", asdict(runner.shift))
+                if self.load and self.load.changes and new_run:
+                    self._describe_load(recorder, runner, start_s)
+                self._describe_force(recorder)
+                self._save_history(recorder, runner, new_run)
+                recorder.close(cause, t_s=runner.t_s, severity=severity)
 
     def _describe_load(self, recorder: Recorder, runner: Runner, start_s: float) -> None:
         """The load between the first and the last sample. One that is not plausible has ended the run itself."""
@@ -267,23 +272,27 @@ class Session:
         """The history of the wire; None if it does not outlive the session: twins and simulations."""
         if self.source == "simulation" or not outlives_session(self.file):
             return None
-        return load_wire_history(self.wire, twin=self.source == "twin")
+        twin = self.source == "twin"
+        return in_time(lambda: load_wire_history(self.wire, twin=twin), f"The history of wire '{self.wire}'")
 
     def _count_wear(self, s: Sample, _step: int | None, input_K: float) -> None:
         self.wear.add(s.tick, input_K)
         self._last = s
 
-    def _save_history(self, recorder: Recorder, t_s: float, new_run: bool) -> None:
-        """Add the wear of the run to the wire's history. A failure to write is recorded and ends nothing."""
+    def _save_history(self, recorder: Recorder, runner: Runner, new_run: bool) -> None:
+        """Add the wear of the run to the wire's history. A failure to write is told and recorded, and ends nothing."""
         wear, self.wear = self.wear, self.new_wear()
         try:
             history = self.history()
             if history is not None:
-                history.after(wear, new_run=new_run, heat=self._heat()).save()
+                history = history.after(wear, new_run=new_run, heat=self._heat())
+                in_time(history.save, f"The history of wire '{self.wire}'")
                 if wear.last_tick:
                     recorder.describe("history_until_tick", wear.last_tick)
         except SmarigError as error:
-            recorder.event(t_s, "history", f"The wire's history was not written: {error}", level="warning")
+            text = f"The wire's history was not written: {error} The next session takes the wire to be cold."
+            for listener in runner.listeners:
+                listener.event(runner.t_s, "history", text, level="warning")
 
     def _heat(self) -> LastHeat | None:
         """The heat of the wires at the end of a run; None if their devices end with the session."""

@@ -21,7 +21,9 @@ from smarig.core import (
     SmarigError,
     StepResult,
     Waveform,
+    entered_in_time,
     error_text,
+    in_time,
     own_command,
     printable,
     try_lock,
@@ -34,6 +36,7 @@ from smarig.running.running_folder import SUFFIX, made_running_folder
 from smarig.running.status_text import description_of, status_of
 
 INTERVAL_S = 0.1
+_FOLDER = "The folder of the runs in progress"
 _FORGOTTEN_S = 86400.0  # after which the file of a killed run is removed, though nobody has asked for it
 _ANNOUNCEMENT_FAILED = (OSError, SmarigError, ValueError, TypeError, struct.error)
 
@@ -47,8 +50,9 @@ def announced(run_info: PanelRunInfo, control: RunControl, status: RunStatus) ->
     """
     with contextlib.ExitStack() as stack:
         try:
-            collect_ended(older_than_s=_FORGOTTEN_S)
-            listener: Listener = stack.enter_context(_announcement(run_info, control, status))
+            in_time(lambda: collect_ended(older_than_s=_FORGOTTEN_S), _FOLDER)
+            announcement = _announcement(run_info, control, status)
+            listener: Listener = stack.enter_context(entered_in_time(announcement, _FOLDER))
         except _ANNOUNCEMENT_FAILED as error:
             _report(control, f"Other processes cannot see this {run_info.kind}", error)
             listener = CallbackListener()

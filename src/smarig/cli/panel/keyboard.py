@@ -13,6 +13,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
+from smarig.core import at_forced_end
+
 if TYPE_CHECKING:
     from smarig.runner import RunControl
 
@@ -70,11 +72,17 @@ def _single_keys(file: int) -> Iterator[None]:
     new[6][termios.VMIN], new[6][termios.VTIME] = 1, 0
     new[6][termios.VSUSP] = os.fpathconf(file, "PC_VDISABLE").to_bytes(1, "little", signed=False)
     termios.tcsetattr(file, termios.TCSANOW, new)
-    try:
-        yield
-    finally:
+
+    def restore() -> str:
         with contextlib.suppress(OSError, termios.error):  # the terminal may be closed
             termios.tcsetattr(file, termios.TCSANOW, old)
+        return ""
+
+    try:
+        with at_forced_end(restore):
+            yield
+    finally:
+        restore()
 
 
 def _listen(file: int, control: "RunControl", stop_event: threading.Event) -> None:

@@ -13,6 +13,7 @@ from rich.live import Live
 
 from smarig.cli.panel.panel_layout import panel, summary
 from smarig.cli.panel.terminal import CLOSE_TIMEOUT_S, Terminal
+from smarig.core import at_forced_end
 from smarig.running import RunStatus
 
 REDRAW_S = 0.25
@@ -24,18 +25,26 @@ class PanelThread:
     def __init__(self, status: RunStatus, terminal: Terminal) -> None:
         self._status, self._terminal = status, terminal
         self._finished = threading.Event()
+        self._forced = contextlib.ExitStack()
         self._thread = threading.Thread(target=self._draw, name="panel", daemon=True)
 
     def __enter__(self) -> RunStatus:
         self._thread.start()
+        self._forced.enter_context(at_forced_end(self._stop))
         return self._status
 
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
+        self._forced.close()
         self._status.end(error)
+        self._stop()
+
+    def _stop(self) -> str:
+        """End the drawing, which shows the cursor again."""
         self._finished.set()
         self._thread.join(CLOSE_TIMEOUT_S)
+        return ""
 
     def _draw(self) -> None:
         plain = self._terminal.plain
