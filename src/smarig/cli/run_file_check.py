@@ -26,7 +26,7 @@ def check_run_file(run: Path, out: Path | None, force: bool) -> int:
         write_salvaged(saved, out, force=force)
         lines.append(f"Saved to {out}: {saved.amount()}. {saved.sentence()}")
         data["saved"] = {"run": str(out), **saved.to_json()}
-    elif check.salvaged or not check.whole and check.hashes != "not_compared":
+    elif not check.whole and check.hashes != "not_compared":
         lines.append(f"Save what it holds: smarig check {run} -o NEW.run.sqlite")
     emit(data, "\n".join(lines))
     return 0 if check.whole else DataError.exit_status

@@ -146,7 +146,8 @@ def _of_crowded(file: Path) -> RunCheck | None:
             if not crowded:
                 return None
             first_s, last_s = db.execute(
-                "SELECT (SELECT t_s FROM sample ORDER BY tick LIMIT 1), (SELECT t_s FROM sample ORDER BY tick DESC LIMIT 1)"
+                "SELECT (SELECT t_s FROM sample ORDER BY tick LIMIT 1), "
+                "(SELECT t_s FROM sample ORDER BY tick DESC LIMIT 1)"
             ).fetchone()
             end = db.execute("SELECT value FROM run WHERE key = 'end'").fetchone()
     except (sqlite3.Error, ValueError, DataError):
