@@ -68,6 +68,9 @@ if TYPE_CHECKING:
     from smarig.core.gated_keys import GATED_KEYS as GATED_KEYS
     from smarig.core.gated_keys import GatedKey as GatedKey
     from smarig.core.gated_keys import Origin as Origin
+    from smarig.core.leftover import Leftover as Leftover
+    from smarig.core.leftover import Writer as Writer
+    from smarig.core.leftover import leftovers as leftovers
     from smarig.core.linked_out import leads_out as leads_out
     from smarig.core.natural_order import natural_order as natural_order
     from smarig.core.natural_order import pattern_order as pattern_order

@@ -2,24 +2,22 @@
 
 import contextlib
 import os
-import secrets
 from collections.abc import Iterator
 from pathlib import Path
 
 from smarig.core.errors import UsageError
-
-_LONGEST = 120  # characters of the name that the one beside it repeats
+from smarig.core.leftover import part_name
 
 
 @contextlib.contextmanager
 def new_file(path: Path, *, force: bool) -> Iterator[Path]:
     """Yield an empty file beside ``path``; it becomes ``path`` if the block succeeds, and is deleted otherwise.
 
-    Its name cannot be guessed, and the name ``path`` survives a power cut. Raises UsageError if ``path`` is taken
-    meanwhile (without ``force``) or is no file, and OSError.
+    Its name cannot be guessed and tells this process (``leftover``), and the name ``path`` survives a power cut. Raises
+    UsageError if ``path`` is taken meanwhile (without ``force``) or is no file, and OSError.
     """
     check_regular(path)
-    part = path.with_name(f".{path.name[:_LONGEST]}.{secrets.token_hex(8)}.part")
+    part = path.with_name(part_name(path.name))
     os.close(os.open(part, os.O_CREAT | os.O_EXCL | os.O_RDWR, 0o666))  # O_EXCL follows no link
     try:
         yield part

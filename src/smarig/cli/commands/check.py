@@ -4,6 +4,7 @@ from pathlib import Path
 
 import click
 
+from smarig.cli.leftover_check import check_leftovers
 from smarig.cli.output import json_option
 from smarig.cli.parameter_types import DRIVER, FILE, PROTOCOL, RIG
 from smarig.cli.run_file_check import check_run_file, is_run_file
@@ -16,6 +17,7 @@ Examples:
   smarig check one_wire_twin --protocol first_order_descending
   smarig check validation.run.sqlite
   smarig check damaged.run.sqlite -o saved.run.sqlite
+  smarig check runs/ --remove-leftovers
   smarig check --driver smarig_encoder_daq --role encoder_daq
   smarig check ./my_bench.toml --driver ./my_driver.py --url tcp://192.168.1.30:5025
 """
@@ -23,10 +25,10 @@ Examples:
 
 @click.command(
     "check",
-    short_help="Check a rig, bring up a bench, preview a protocol; or check and save a run file.",
+    short_help="Check a rig, bring up a bench, preview a protocol; check a run file or a folder.",
     epilog=EPILOG,
 )
-@click.argument("rig", type=RIG, metavar="[RIG|RUN]", required=False)
+@click.argument("rig", type=RIG, metavar="[RIG|RUN|FOLDER]", required=False)
 @click.option(
     "--rig", "rig_option", type=RIG, help="The rig, as in other commands, in place of the argument."
 )
@@ -62,6 +64,11 @@ Examples:
     "-o", "--out", type=FILE, help="Run file: write what can be saved from it to this new run file."
 )
 @click.option("--force", is_flag=True, help="Replace an existing file.")
+@click.option(
+    "--remove-leftovers",
+    is_flag=True,
+    help="Folder: remove the unfinished files of processes that have ended.",
+)
 @json_option
 def command(
     rig: str | None,
@@ -77,6 +84,7 @@ def command(
     yes: bool,
     out: Path | None,
     force: bool,
+    remove_leftovers: bool,
 ) -> int:
     """Check a rig's file, constants and lease, and bring up a bench. With --protocol, preview it on the rig's twin.
 
@@ -86,10 +94,19 @@ def command(
 
     Of a run file, state what it holds and whether it is whole. With -o, save from a damaged file what its pages
     still hold. The file itself is never changed. The exit status is 4 if it is damaged, even if all was saved.
+
+    Of a folder, name the hidden files (.NAME.….part) that killed processes left unfinished.
     """
     if rig and rig_option:
         raise UsageError(f"Give one rig: {rig}, or --rig {rig_option}.")
     rig = rig or rig_option
+    if rig is not None and not driver and Path(rig).is_dir():
+        if protocol or pairs or preview_only or bring_up or yes or out or force or url or wire:
+            raise UsageError(f"{rig} is a folder; only --remove-leftovers and --json apply to it.")
+        check_leftovers(Path(rig), remove=remove_leftovers)
+        return 0
+    if remove_leftovers:
+        raise UsageError("--remove-leftovers needs a folder.")
     if driver:
         if protocol or pairs or preview_only or bring_up or out or force:
             raise UsageError("With --driver, only RIG, --role, --url, --wire, --yes and --json apply.")
