@@ -7,7 +7,8 @@ import pytest
 
 from record.runs import META, sample
 from smarig.cli import run
-from smarig.record import Recorder, load_run
+from smarig.record import Recorder, load_run, run_check
+from smarig.record.run import MOST_ROWS
 
 
 @pytest.fixture
@@ -78,3 +79,14 @@ def test_json_is_one_object(damaged, capsys):
         ["sample"],
     )
     assert [set(r) for r in found["missing_ticks"]] == [{"from", "to"}]
+
+
+def test_more_rows_than_a_run_is_read_with_are_counted(whole, monkeypatch, capsys):
+    """They are neither read nor salvaged, which takes a minute where they are a million."""
+    monkeypatch.setitem(MOST_ROWS, "event", 0)
+    monkeypatch.setattr(run_check, "salvage", lambda _: pytest.fail("salvaged"))
+    assert run(["check", str(whole), "--json"]) == 4
+    found = json.loads(capsys.readouterr().out)
+    assert (found["samples"], found["events"], found["closed"], found["cause"]) == (500, 1, True, "done")
+    assert (found["last_s"], found["hashes"]) == (49.9, "not_compared")
+    assert found["problems"] == ["table 'event' has 1 rows; a run is read with at most 0"]
