@@ -12,7 +12,7 @@ class RunControl:
 
     def __init__(self) -> None:
         self.paused = False
-        self.closing = False  # the run has ended and is being closed, which no signal interrupts
+        self.undisturbing = False  # the run is being created or closed, which no signal interrupts
         self.waiting_since_s: float | None = None  # monotonic, while a protocol computes its next command
         self._stop_cause = ""
         self._reports: deque[tuple[str, str, str]] = deque()
@@ -33,12 +33,12 @@ class RunControl:
 
     @contextmanager
     def undisturbed(self) -> Iterator[None]:
-        """Let no signal interrupt the closing of a run, which is bounded in time. A request to stop is kept."""
-        self.closing = True
+        """Let no signal interrupt file work, which is bounded in time. A request to stop is kept."""
+        before, self.undisturbing = self.undisturbing, True
         try:
             yield
         finally:
-            self.closing = False
+            self.undisturbing = before
 
     @property
     def cause(self) -> str:

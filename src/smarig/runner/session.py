@@ -205,8 +205,10 @@ class Session:
         meta |= {CLOSED_LOOP: True} if protocol_factory else {}
         if before is not None:
             meta["wire_history"] = before.sentence()
-        with recording(out):
-            recorder = Recorder(out, meta, force=force, clock=self.clock())
+        with ExitStack() as held:
+            with self.control.undisturbed():
+                held.enter_context(recording(out))
+                recorder = Recorder(out, meta, force=force, clock=self.clock())
             runner = self.runner([recorder, *listeners])
             data = self.moment() | zero_data(self.guard.absolute_zero)
             recorder.event(runner.t_s, "start", f"Run of {protocol} started.", **data)
@@ -273,7 +275,10 @@ class Session:
         if self.source == "simulation" or not outlives_session(self.file):
             return None
         twin = self.source == "twin"
-        return in_time(lambda: load_wire_history(self.wire, twin=twin), f"The history of wire '{self.wire}'")
+        with self.control.undisturbed():
+            return in_time(
+                lambda: load_wire_history(self.wire, twin=twin), f"The history of wire '{self.wire}'"
+            )
 
     def _count_wear(self, s: Sample, _step: int | None, input_K: float) -> None:
         self.wear.add(s.tick, input_K)

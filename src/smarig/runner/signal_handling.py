@@ -3,9 +3,9 @@
 The handler only sets a flag that the runner reads at its next tick, so no operation is cut off. For a while after such
 a stop, and after each forced one, further signals are ignored, so that a key held down does not interrupt the closing.
 In each case the end is reported as an interrupted run. A protocol that computes without returning is interrupted,
-because no tick would read the flag. The closing of a run is bounded in time, and no signal
-interrupts it. A main thread that does not come back is the matter of ``core/forced_end``. A signal that was ignored at
-the start (nohup) stays ignored. Only the main thread may install handlers; elsewhere this does nothing.
+because no tick would read the flag. The creation and the closing of a run are bounded in time, and no signal
+interrupts them. A main thread that does not come back is the matter of ``core/forced_end``. A signal that was ignored
+at the start (nohup) stays ignored. Only the main thread may install handlers; elsewhere this does nothing.
 """
 
 import _thread
@@ -45,7 +45,7 @@ def stop_on_signals(control: RunControl) -> Iterator[None]:
     def on_signal(number: int, _frame) -> None:
         nonlocal ignore_until_s
         now_s = time.monotonic()
-        if control.closing:
+        if control.undisturbing:
             control.stop(_CAUSES[signal.Signals(number).name])
             return
         if now_s < ignore_until_s:

@@ -50,9 +50,10 @@ def announced(run_info: PanelRunInfo, control: RunControl, status: RunStatus) ->
     """
     with contextlib.ExitStack() as stack:
         try:
-            in_time(lambda: collect_ended(older_than_s=_FORGOTTEN_S), _FOLDER)
-            announcement = _announcement(run_info, control, status)
-            listener: Listener = stack.enter_context(entered_in_time(announcement, _FOLDER))
+            with control.undisturbed():
+                in_time(lambda: collect_ended(older_than_s=_FORGOTTEN_S), _FOLDER)
+                announcement = _announcement(run_info, control, status)
+                listener: Listener = stack.enter_context(entered_in_time(announcement, _FOLDER))
         except _ANNOUNCEMENT_FAILED as error:
             _report(control, f"Other processes cannot see this {run_info.kind}", error)
             listener = CallbackListener()
