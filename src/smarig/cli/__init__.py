@@ -27,7 +27,7 @@ from smarig.core import (
 )
 
 _FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
-EXIT_LIMIT_S = 10.0  # for what the interpreter clears up
+EXIT_LIMIT_S = 4.0  # for what the interpreter clears up
 _ENDING = ("SIGINT", "SIGTERM", "SIGHUP")
 _SPELLINGS = {"characterize": "characterise"}
 EPILOG = """\b
