@@ -19,7 +19,7 @@ from runner.lasting_devices import ROOT, rig_file, started
 PARTS = ("out", "history", "locks", "running")
 PATIENCE_S = 90.0  # ends a case that has failed
 APART_S = 0.7  # between two Ctrl-C
-_VARYING = r"[0-9a-f]{16}|\d+-\w{8}|(?<=run_)\w+-[0-9a-f]{8}|(?<=#)\d+"  # in names of files
+_VARYING = r"[0-9a-f]{8}-\d+-[0-9a-f]{16}|.{30,}-[0-9a-f]{8}(?=\.lock)|\d+-\w{8}|(?<=#)\d+"  # in names
 COMMAND = """
 import sys
 from importlib import import_module
