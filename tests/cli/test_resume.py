@@ -139,7 +139,10 @@ def test_another_scale_is_refused_before_anything_moves(capsys, killed_on_own_fi
     before = killed_on_own_files.read_bytes()
     edit(*change)
     arguments = ("run", "validation", "--set", "points=2", "--rig", "mine.toml", "-o", killed_on_own_files)
-    for words in (("resume", killed_on_own_files, "--rig", "mine.toml"), (*arguments, "--continue", "--quiet")):
+    for words in (
+        ("resume", killed_on_own_files, "--rig", "mine.toml"),
+        (*arguments, "--continue", "--quiet"),
+    ):
         status, _, err = call(capsys, *words)
         assert status == 2
         assert says in err
