@@ -253,7 +253,9 @@ def test_a_thermometer_that_follows_is_plausible():
 
 def test_a_thermometer_that_does_not_rise_trips():
     guard, twin = guarded(thermometer(lambda _, __: 0.0))
-    with pytest.raises(LimitExceeded, match="measured at 0 K above ambient; its current gives"):
+    with pytest.raises(
+        LimitExceeded, match="The thermometer (is .* K away from all that a wire|stays the same)"
+    ):
         heated(guard, 800)
     assert twin.output_A == 0.0
 
@@ -271,7 +273,7 @@ def test_a_gross_excess_trips_at_its_second_sample(factor, samples):
 
 
 def test_the_resistance_of_a_twin_may_be_changed_by_its_effects():
-    lying = TamperedRig("one_wire_twin", from_tick(50, voltage_V=lambda x: 1.2 * x))
+    lying = TamperedRig("one_wire_twin", from_tick(0, voltage_V=lambda x: 1.2 * x))
     actuator = Actuator.named(lying.file.actuator)
     guard = Guard(lying, lying.file.limits, actuator, Plausibility(lying.file, actuator))
     heated(guard, 300)

@@ -160,6 +160,9 @@ class LimitsFile(TomlTable):
     resistance_tolerance: Number = Field(
         default=0.1, ge=1e-6, le=1
     )  # share by which V/I may differ from the wire's
+    model_tolerance: Number | None = Field(
+        default=None, ge=0.01, le=0.9
+    )  # share of temperature and stroke by which the wire may differ from its file; else 0.1 if simulated, 0.3
     voltage_max_V: Number | None = Field(
         default=None, ge=1e-6, le=1e9
     )  # across the wire; else what the largest current needs

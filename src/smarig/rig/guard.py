@@ -89,7 +89,7 @@ class Guard:
                 heat.step(heating_A)
             self._last_tick = sample.tick
             input_K = heat.step(heating_A)
-            answer.append((self._marked(sample), input_K))
+            answer.append((self._marked(sample, heating_A), input_K))
             if self._stress is not None:
                 self._stress.update(heat.wire_K)
             hottest_K = max(heat.wire_K)
@@ -123,11 +123,11 @@ class Guard:
             return sample.current_A
         return max(self._last_A, sample.current_A, key=abs)
 
-    def _marked(self, sample: Sample) -> Sample:
+    def _marked(self, sample: Sample, heating_A: float) -> Sample:
         """The sample, marked if it is implausible; trips on errors."""
         if self._plausibility is None:
             return sample
-        for alarm in self._plausibility.check(sample, self.heating.input_K):
+        for alarm in self._plausibility.check(sample, self.heating.input_K, heating_A):
             self._alarms.append(alarm)
             if alarm.level == "error" and not self.tripped:
                 self._trip(alarm.text)

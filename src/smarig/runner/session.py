@@ -125,7 +125,7 @@ class Session:
             self.rig,
             self.file.limits,
             self.actuator,
-            Plausibility(self.file, self.actuator),
+            Plausibility(self.file, self.actuator, own_wire=self.settings.hysteresis is None),
             stress_limit(self.file, self.actuator),
         )
         with suppress(SmarigError):  # a damaged history: a run reports it

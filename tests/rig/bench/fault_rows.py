@@ -2,7 +2,7 @@
 
 from rig.bench.broken_rig import TIMEOUT_S
 from rig.bench.fault_kinds import BOTH, NOISE, PORT, all_lost, anew, noise, on, restarted_message
-from rig.bench.fault_table import AMPLIFIER, DONE, ENCODER, Fault, Outcome
+from rig.bench.fault_table import AMPLIFIER, DONE, ENCODER, PHASES, Fault, Outcome
 
 GONE_S = 0.8  # device time: 0.2 s of the wall clock
 BROWN_S = 0.5
@@ -80,36 +80,35 @@ POWER = (
         for d in BOTH
     ),
 )
-UNSEEN = "continues, because no single sample shows the fault"
+ZERO = "The current is at zero."
+REMEDY = "Check encoder, coupling, cable and wire."
+SAME = f"The position stays the same to the last digit while the temperature of the wire changes. {REMEDY} {ZERO}"
+AWAY = f"The position is … counts away from all that a wire within … can have here, … {REMEDY} … {ZERO}"
 READINGS = (
     Fault(
         "stuck encoder",
         "reads the same position permanently",
-        "detects no motion of the fully heated wire, sets 0 A",
-        Outcome(
-            3,
-            "The wire was fully heated and did not move. Check the encoder and the wire. The current is at zero.",
-        ),
+        "marks samples that stay the same while the wire changes, or that contradict the heating; sets 0 A",
+        Outcome(3, f"{SAME}|{AWAY}"),
         on("stuck_encoder", ENCODER),
         by_time=True,
         usual="started",
-        phases=dict.fromkeys(("in a hold", "step change", "zeroing", "end"), DONE),
+        maybe_done=("in a hold", "step change", "zeroing", "end"),
     ),
     Fault(
         "slipping encoder",
         "loses half of every movement",
-        f"{UNSEEN}; repeated loops differ",
-        DONE,
+        "marks samples that contradict the heating and those before, at the latest when the wire returns; sets 0 A",
+        Outcome(3, AWAY),
         on("slipping_encoder", ENCODER, share=0.5),
         by_time=True,
+        maybe_done=PHASES,
     ),
     Fault(
         "jumping encoder",
         "reads 500 counts too much at once",
         "detects a jump that no wire can make, sets 0 A",
-        Outcome(
-            3, "The encoder jumped by … counts in one tick. Check cable and disc. The current is at zero."
-        ),
+        Outcome(3, f"The position jumped by … counts in one tick, faster than the wire can. {REMEDY} {ZERO}"),
         on("jumping_encoder", ENCODER, counts=500),
         by_time=True,
         phases={"opening": DONE, "zeroing": DONE},
@@ -140,7 +139,7 @@ READINGS = (
         Outcome(
             3,
             "… Check shunt, amplifier and clamps. …|… Check clamps, wire and shunt …|"
-            + TRIP.format("resistance"),
+            "… Check clamps, voltage leads and shunt. …|" + TRIP.format("resistance"),
         ),
         on("low_shunt", AMPLIFIER, factor=1.5),
         by_time=True,

@@ -32,7 +32,7 @@ def _run_of(name: str) -> Callable[..., dict[str, Any]] | None:
 @click.option("--quick", is_flag=True, help="Fewer samples: seconds instead of a minute.")
 @click.option("--boxes", type=int, help="diagnosis, mystery: number of boxes.")
 @click.option("--runs", type=click.IntRange(min=1), help="library: number of runs.")
-@click.option("--seed", type=int, help="diagnosis, mystery, critic, library: seed.")
+@click.option("--seed", type=int, help="diagnosis, mystery, critic, library, plausibility: seed.")
 @click.option("--workers", type=int, help="diagnosis, mystery: number of processes.")
 @click.option(
     "--left-out",
@@ -53,7 +53,7 @@ def command(name: str, quick: bool, **settings: Any) -> None:
     sealed boxes (synthetic data sets with hidden effects).
 
     NAME: adaptive, console, critic, density, diagnosis, fast_curves, forward, identify, inverse, large, library, links,
-    live, mystery, one_input, real, regulation, self_sensing, soak, tracking, tracking_effects.
+    live, mystery, one_input, plausibility, real, regulation, self_sensing, soak, tracking, tracking_effects.
     """
     make_importable("benchmarks")
     modules = catalogue_names("benchmarks")

@@ -50,6 +50,7 @@ REACH: dict[str, dict[str, Reach]] = {
         "limits.current_rate_A_per_s": Reach.SAFETY,
         "limits.temperature_max_K": Reach.SAFETY,
         "limits.resistance_tolerance": Reach.SAFETY,
+        "limits.model_tolerance": Reach.SAFETY,
         "limits.voltage_max_V": Reach.SAFETY,
         "limits.stress_max_MPa": Reach.SAFETY,
         "limits.cycles_max": Reach.SAFETY,

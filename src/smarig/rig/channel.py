@@ -1,0 +1,228 @@
+"""One measured channel against its prediction.
+
+A channel is predicted up to one constant: the zero of an encoder, the resistance of a wire, the gain of a shunt, the
+offset of a thermometer. Whatever the constant is, it stays. So three things cannot be:
+
+* contradiction: the constants that agree with this sample, [x − high − tol, x − low + tol], have none in common with
+  those that agreed with all samples before;
+* jump: between two samples the reading changes by more than the predicted rate and a step;
+* frozen: the reading stands still while every wire would move by twice the tolerance, or a reading that flickered in
+  its last digit is the same to the last digit while the wire changes.
+
+Evidence adds up and fades: a gap as large as the tolerance is enough after ``GAP_S`` seconds. A jump as large is enough
+at once for a counter, which is wrong from then on; a reading of its own each time may be wrong once or twice.
+"""
+
+import math
+from collections.abc import Sequence
+
+GAP_S = 2.0  # until a gap as large as the tolerance is enough
+LEAST, LARGEST = 0.05, 3.0  # weight of a gap, in tolerances
+ONE_GAP, ONE_JUMP = 0.15, 0.3  # most that a single sample adds where a reading may be wrong once
+FADE_PER_S = 0.05  # of what is enough
+KIND_FADE_PER_S = 1 / 1800  # a wire changes slowly from one kind to another
+MOST = 1.5  # evidence against a kind: what fades in a quarter of an hour
+FROZEN = 300  # equal readings, and
+FROZEN_RUNS = 4  # times the longest run of equal readings before
+STILL = 0.25  # of the step: a reading that changes by no more stands still
+HELD = 20  # samples that may repeat a reading
+FLICKER, FLICKER_WINDOW = 2, 100  # readings above and below, in a window of readings without motion
+
+
+class Constant:
+    """The values of an unknown constant that agree with every sample so far."""
+
+    def __init__(self) -> None:
+        self.low, self.high = -math.inf, math.inf
+
+    def gap(self, low: float, high: float) -> float:
+        """How far the constants of a new sample are from those; 0 if they have some in common, which are kept."""
+        gap = max(low - self.high, self.low - high)
+        if gap > 0:
+            return gap
+        self.low, self.high = max(self.low, low), min(self.high, high)
+        return 0.0
+
+    def widen(self, by: float) -> None:
+        """The constant may have changed by so much."""
+        self.low, self.high = self.low - by, self.high + by
+
+
+class Flicker:
+    """``frozen``: whether a reading stands still that has always flickered."""
+
+    def __init__(self, *, flickers: bool) -> None:
+        """``flickers``: whether it is known to; else it is learned from the readings."""
+        self._seen: list[float] = []
+        self._armed, self._longest = flickers, 0
+        self.run, self.n = 0, 0
+        self._last = math.nan
+
+    def add(self, value: float) -> None:
+        """One more reading."""
+        self.n += 1
+        if value == self._last:
+            self.run += 1
+        else:
+            self._longest = max(self._longest, self.run)
+            self.run = 0
+            self._last = value
+        if self._armed:
+            return
+        self._seen.append(value)
+        if len(self._seen) == FLICKER_WINDOW:
+            half = FLICKER_WINDOW // 2
+            self._armed = all(self._both_sides(part) for part in (self._seen[:half], self._seen[half:]))
+            self._seen = []
+
+    @staticmethod
+    def _both_sides(values: list[float]) -> bool:
+        middle = sorted(values)[len(values) // 2]
+        above, below = sum(v > middle for v in values), sum(v < middle for v in values)
+        return above >= FLICKER and below >= FLICKER
+
+    @property
+    def frozen(self) -> bool:
+        """Far more equal readings than ever before."""
+        return self._armed and self.run >= max(FROZEN, FROZEN_RUNS * self._longest)
+
+
+class Hypothesis:
+    """Wires of one kind, with the constant and the evidence against them."""
+
+    def __init__(self) -> None:
+        self.constant, self.gap, self.evidence = Constant(), 0.0, 0.0
+
+    def add(self, low: float, high: float, elapsed_s: float, tolerance: float) -> None:
+        """A sample with which the constants between two values agree."""
+        self.gap = self.constant.gap(low, high)
+        self.evidence = max(0.0, self.evidence - KIND_FADE_PER_S * elapsed_s)
+        if self.gap > 0:
+            weight = min(max(self.gap / tolerance, LEAST), LARGEST)
+            self.evidence = min(self.evidence + min(weight * elapsed_s / GAP_S, ONE_GAP), MOST)
+
+    @property
+    def excluded(self) -> bool:
+        """Whether the evidence is enough, or this sample does not agree."""
+        return self.gap > 0 or self.evidence >= 1.0
+
+
+class Channel:
+    """``add`` takes a sample; ``suspect`` tells whether it contradicts, ``fault`` names what has become certain."""
+
+    def __init__(
+        self,
+        tolerance: float,
+        step: float,
+        period_s: float,
+        *,
+        counter: bool = False,
+        kinds: int = 1,
+        flickers: bool = False,
+    ) -> None:
+        self._one_jump = math.inf if counter else ONE_JUMP
+        self.tolerance, self._step, self._period_s = tolerance, step, period_s
+        self._kinds = [Hypothesis() for _ in range(kinds)]
+        self._flicker = Flicker(flickers=flickers)
+        self._last: float | None = None
+        self._allowed, self._speed = 0.0, 0.0  # what the reading may still change by, and how it changed last
+        self._evidence = 0.0  # of jumps and of a frozen reading
+        self._widen_by, self._since_s = 0.0, 0.0  # since the kinds were judged last
+        self._excluded = self._all_excluded = self._still = False
+        self._still_from: tuple[float, Sequence[tuple[float, float]]] | None = None
+        self.jump, self.gap, self.ticks = 0.0, 0.0, 1
+        self.suspect, self.fault, self._certain = False, "", False
+
+    def add(
+        self,
+        value: float,
+        bounds: Sequence[tuple[float, float]] | None,
+        rate: float,
+        *,
+        ticks: int,
+        changes: bool,
+    ) -> None:
+        """A reading with the bounds of its prediction for each kind of wire, if there are any at this tick, and its
+        largest change in the ticks since the last reading.
+
+        ``changes``: whether the wire has changed since the reading last did.
+        """
+        self.jump, self.ticks = 0.0, ticks
+        elapsed_s = ticks * self._period_s
+        self._since_s += elapsed_s
+        self._evidence = max(0.0, self._evidence - FADE_PER_S * elapsed_s)
+        excess = self._excess(value, rate)
+        if bounds is not None:
+            self._judge(value, bounds)
+        frozen = self._still or (changes and self._flicker.frozen)
+        if frozen:
+            self._evidence += min(elapsed_s / GAP_S, ONE_GAP)
+        self.suspect = excess > 0 or frozen or self._excluded
+        certain = self._evidence >= 1.0 or self._all_excluded
+        self.fault = ""
+        if certain and not self._certain:
+            self.fault = "contradiction" if self._evidence < 1.0 else "frozen" if frozen else "jump"
+        self._certain = certain
+
+    def _judge(self, value: float, bounds: Sequence[tuple[float, float]]) -> None:
+        """Whether every kind of wire contradicts, and whether none stands as still as the reading."""
+        elapsed_s, self._since_s = self._since_s, 0.0
+        tolerance = self.tolerance
+        by, self._widen_by = self._widen_by, 0.0
+        for kind, (low, high) in zip(self._kinds, bounds):
+            kind.constant.widen(by)
+            kind.add(value - high - tolerance, value - low + tolerance, elapsed_s, tolerance)
+        self.gap = min(kind.gap for kind in self._kinds)
+        self._excluded = all(kind.excluded for kind in self._kinds)
+        self._all_excluded = all(kind.evidence >= 1.0 for kind in self._kinds)
+        if self._still_from is None or abs(value - self._still_from[0]) > STILL * self._step:
+            self._still_from = value, bounds
+        enough = 2 * tolerance
+        moved = [(now[0] - then[0], now[1] - then[1]) for now, then in zip(bounds, self._still_from[1])]
+        self._still = all(min(m) > enough or max(m) < -enough for m in moved)
+
+    def _excess(self, value: float, rate: float) -> float:
+        """By how much the reading has changed more than it can; adds the evidence."""
+        moved = 0.0 if self._last is None else value - self._last
+        self._last = value
+        excess = abs(moved) - self._allowed - rate - self._step
+        self._flicker.add(value)
+        # a reading that is repeated until the next query may then change by what has gathered
+        gathers = moved == 0.0 and self._flicker.run < HELD
+        self._allowed = self._allowed + rate if gathers else 0.0
+        if excess > 0:
+            self.jump = moved
+            self._evidence += min(abs(abs(moved) - self._speed) / self.tolerance, self._one_jump)
+        self._speed = abs(moved)
+        return excess
+
+    def widen(self, by: float) -> None:
+        """The constant may have changed by so much."""
+        self._widen_by += by
+
+    def pause(self) -> None:
+        """No reading now: the next one may be any."""
+        self._last, self.suspect = None, False
+
+    @property
+    def n(self) -> int:
+        """Readings so far."""
+        return self._flicker.n
+
+    @property
+    def run(self) -> int:
+        """Equal readings so far."""
+        return self._flicker.run
+
+    def forget(self) -> None:
+        """The constant is another one now, and the last reading of another kind."""
+        self._last, self._allowed, self.gap, self._still_from = None, 0.0, 0.0, None
+        self._excluded = self._still = False
+        for kind in self._kinds:
+            kind.constant, kind.gap = Constant(), 0.0
+
+    def rearm(self) -> None:
+        """A trip was cleared: what persists must trip again."""
+        self._evidence, self._certain, self._all_excluded = 0.0, False, False
+        self._kinds = [Hypothesis() for _ in self._kinds]
+        self.forget()

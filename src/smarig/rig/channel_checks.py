@@ -1,0 +1,248 @@
+"""Position, voltage, current and thermometer against what a wire within the tolerance of its file can do.
+
+| channel | quantity | predicted | constant | tolerance | step |
+|---|---|---|---|---|---|
+| position | counts | position bounds | zero of the encoder | g/2 of the stroke | 0.015 of the stroke |
+| voltage | ln V/I, of each wire | resistance bounds | ln of the wire's own resistance | 0.03 | 0.05 |
+| current | I − command, of the largest current | 0 | its offset | 0.03 | 0.03 |
+| thermometer | kelvin above ambient | temperature bounds | its offset | 0.03 of the range | 0.03 of the range |
+
+g: ``limits.model_tolerance``. ``Channel`` says what cannot be.
+"""
+
+import math
+from collections.abc import Sequence
+
+from smarig.config import RigFile
+from smarig.core import Quality, Sample
+from smarig.plant import Actuator, load_of
+from smarig.preisach import thesis_surface
+from smarig.rig.channel import Channel
+from smarig.rig.rig import Alarm
+from smarig.rig.wire_bounds import WireBounds
+
+SIMULATED_TOLERANCE, HARDWARE_TOLERANCE = 0.1, 0.3  # without limits.model_tolerance
+ZERO_SHARE = 0.5  # of the tolerance: uncertainty of the zero
+COUNT_STEP, KELVIN_STEP = 0.015, 0.03  # of stroke and range, besides what the wire moves
+FLICKERS_COUNTS = 0.3  # noise with which 300 equal samples do not occur
+LEAST_STEP_COUNTS = 4  # what the last digit flickers
+OHM_TOLERANCE, TWIN_OHM_TOLERANCE, OHM_STEP = 0.03, 0.06, 0.05  # effects of a twin change its resistance
+AMPERE_TOLERANCE, AMPERE_STEP = 0.03, 0.03  # of the largest current
+THERMOMETER_TOLERANCE = 0.03  # of the range
+MIN_SHARE = 0.15  # of the largest current: a smaller one does not determine a ratio
+STEADY_TICKS = 3  # of the command, until current and voltage have followed it
+DRIFT = 0.005  # of the stroke: by how much the zero may walk while the temperature crosses its range
+MOVED_SHARE = 0.02  # of the range: the wire has changed
+MISSING_S = 5.0  # without a reading of a thermometer that gave some
+WARN_S = 60.0  # between two warnings of jumps
+_SATURATED = int(Quality.SATURATED)
+UNKNOWN_OHM = -20.0  # ln of a resistance that is none
+
+
+def tolerance_of(rig: RigFile) -> float:
+    """``limits.model_tolerance``, or its default: simulated wires follow their files, others must be measured first."""
+    if rig.limits.model_tolerance is not None:
+        return rig.limits.model_tolerance
+    return SIMULATED_TOLERANCE if is_simulated(rig) else HARDWARE_TOLERANCE
+
+
+def is_simulated(rig: RigFile) -> bool:
+    """Whether its wire and instruments are those of its files."""
+    return rig.kind == "twin" or rig.simulator is not None
+
+
+class ChannelChecks:
+    """``check`` returns the alarms of a sample; ``suspect`` tells whether it contradicts the wire or those before."""
+
+    def __init__(self, rig: RigFile, actuator: Actuator, *, own_wire: bool = True) -> None:
+        """``own_wire``: whether it is the wire of the actuator file, and not a model that replaces it."""
+        limits, period_s = rig.limits, rig.period_s
+        load = load_of(rig, actuator)
+        force_N = load.force()(0.0) if load else None
+        self.tolerance = tolerance_of(rig)
+        self._name = actuator.name
+        self._bounds = WireBounds(
+            actuator, period_s, actuator.resolution(rig.encoder), self.tolerance, rig.ambient_degC, force_N
+        )
+        surface = thesis_surface(actuator.file.hysteresis.surface)
+        self._range_K, self._stroke = surface.upper - surface.lower, self._bounds.stroke
+        self._drift_per_K = DRIFT * self._stroke / self._range_K
+        zero = ZERO_SHARE * self.tolerance
+        step = max(COUNT_STEP * self._stroke, LEAST_STEP_COUNTS)
+        # the file states the noise of a simulated encoder; that of others is learned
+        flickers = rig.encoder.noise_counts >= FLICKERS_COUNTS and is_simulated(rig)
+        self._position = Channel(
+            zero * self._stroke, step, period_s, counter=True, kinds=self._bounds.kinds, flickers=flickers
+        )
+        self._thermometer = Channel(
+            THERMOMETER_TOLERANCE * self._range_K, KELVIN_STEP * self._range_K, period_s
+        )
+        ohm = TWIN_OHM_TOLERANCE if rig.kind == "twin" else OHM_TOLERANCE
+        self._voltages = [Channel(ohm, OHM_STEP, period_s) for _ in range(2)]
+        self._current = Channel(AMPERE_TOLERANCE, AMPERE_STEP, period_s)
+        self._all = {
+            "position": self._position,
+            "thermometer": self._thermometer,
+            "voltage": self._voltages[0],
+            "voltage of wire 2": self._voltages[1],
+            "current": self._current,
+        }
+        low, high = actuator.resistance_range_ohm
+        self._ohm_per_stroke = math.log(high / low)
+        self._largest_A = max(limits.current_max_A, -limits.current_min_A)
+        self._min_A = MIN_SHARE * self._largest_A
+        self._one_wire = not actuator.two_wire
+        self._wire_known = own_wire
+        self._position_known = own_wire and (load is None or not load.changes)
+        self._ticks, self._may_change, self._may_change_K = 0, 0.0, 0.0  # since the last sample
+        self._electrical_ticks, self._electrical_share = 0, 0.0  # since the last beat
+        self._steady, self._command_A = 0, 0.0
+        self._changed_from_K = dict.fromkeys(self._all, (0.0, 0))
+        self._missing, self._warn_from = 0, 0
+        self._missing_ticks, self._warn_ticks = round(MISSING_S / period_s), round(WARN_S / period_s)
+        self.suspect = False
+
+    def pass_ticks(self, heating_A: float, ticks: int) -> None:
+        """Time in which the wire carried a current, up to the tick of the next sample."""
+        bounds = self._bounds
+        for _ in range(ticks):
+            bounds.step(heating_A)
+            self._may_change += bounds.rate_counts
+            self._may_change_K += bounds.temperature.rate_K
+        self._ticks += ticks
+
+    def check(self, s: Sample, input_K: float) -> list[Alarm]:
+        """Alarms of a sample after the ticks that were passed since the last one."""
+        self.suspect = False
+        ticks, counts, kelvin = self._ticks, self._may_change, self._may_change_K
+        self._ticks, self._may_change, self._may_change_K = 0, 0.0, 0.0
+        self._position.widen(self._drift_per_K * kelvin)
+        found: list[Alarm] = []
+        if self._position_known:
+            found += self._of("position", s.counts, self._bounds.positions, counts, s.tick, ticks, input_K)
+        self._steady = self._steady + ticks if s.current_command_A == self._command_A else 0
+        self._command_A = s.current_command_A
+        self._electrical_ticks += ticks
+        self._electrical_share += counts / self._stroke
+        if self._wire_known and self._bounds.positions is not None:
+            found += self._check_electrical(s, input_K)
+        self.suspect |= any(channel.suspect for channel in (self._current, *self._voltages))
+        if self._one_wire:
+            found += self._check_thermometer(s, kelvin, ticks, input_K)
+        return found
+
+    def _check_electrical(self, s: Sample, input_K: float) -> list[Alarm]:
+        """At every beat: what happens faster, ``ElectricalPlausibility`` sees."""
+        ticks, share = self._electrical_ticks, self._electrical_share
+        self._electrical_ticks, self._electrical_share = 0, 0.0
+        known = min(abs(s.current_command_A), abs(s.current_A)) >= self._min_A
+        if self._steady < STEADY_TICKS or not known:
+            for channel in (*self._voltages, self._current):
+                channel.pause()
+            return []
+        found = []
+        if not s.quality & _SATURATED:
+            value = (abs(s.current_A) - abs(s.current_command_A)) / self._largest_A
+            found += self._of("current", value, [(0.0, 0.0)], 0.0, s.tick, ticks, input_K)
+        second = s.current_A < 0 and not self._one_wire
+        ohm = s.voltage_V / s.current_A
+        if not math.isnan(ohm):
+            low, high = self._bounds.resistance_ohm(s.current_A)
+            rate = share * self._ohm_per_stroke
+            value = math.log(ohm) if ohm > 0 else UNKNOWN_OHM
+            name = "voltage of wire 2" if second else "voltage"
+            found += self._of(name, value, [(math.log(low), math.log(high))], rate, s.tick, ticks, input_K)
+        return found
+
+    def _check_thermometer(self, s: Sample, rate_K: float, ticks: int, input_K: float) -> list[Alarm]:
+        measured_K = s.temperature_degC - s.ambient_degC
+        if math.isnan(measured_K):
+            given = self._thermometer.n > 0
+            self._missing += ticks if given else 0
+            self.suspect |= given
+            if self._missing - ticks < self._missing_ticks <= self._missing:
+                return [
+                    Alarm(
+                        "error",
+                        "lost",
+                        f"The thermometer has given no reading for {MISSING_S:g} s. Check its line.",
+                    )
+                ]
+            return []
+        self._missing = 0
+        t = self._bounds.temperature
+        bounds = [t.between(1 - self.tolerance, 1 + self.tolerance)]
+        return self._of("thermometer", measured_K, bounds, rate_K, s.tick, ticks, input_K)
+
+    def _of(
+        self,
+        name: str,
+        value: float,
+        bounds: Sequence[tuple[float, float]] | None,
+        rate: float,
+        tick: int,
+        ticks: int,
+        input_K: float,
+    ) -> list[Alarm]:
+        """The alarms of one channel."""
+        channel = self._all[name]
+        from_K, run = self._changed_from_K[name]
+        if run == 0 or channel.run < run:
+            from_K = input_K
+        changes = abs(input_K - from_K) > MOVED_SHARE * self._range_K
+        channel.add(value, bounds, rate, ticks=ticks, changes=changes)
+        self._changed_from_K[name] = from_K, channel.run
+        self.suspect |= channel.suspect
+        if channel.fault:
+            return [Alarm("error", channel.fault, self._text(name, channel))]
+        if channel.jump and tick >= self._warn_from:
+            self._warn_from = tick + self._warn_ticks
+            text = f"{self._jump_text(name, channel)} Readings from here on may be off by as much."
+            return [Alarm("warning", "jump", text)]
+        return []
+
+    def _jump_text(self, name: str, channel: Channel) -> str:
+        time = "one tick" if channel.ticks == 1 else f"{channel.ticks} ticks"
+        return f"The {name} jumped by {self._amount(name, channel.jump)} in {time}, faster than the wire can."
+
+    def _text(self, name: str, channel: Channel) -> str:
+        check = f" Check {_REMEDY[name]}."
+        if channel.fault == "jump":
+            return self._jump_text(name, channel) + check
+        if channel.fault == "frozen":
+            return f"The {name} stays the same to the last digit while the temperature of the wire changes.{check}"
+        return (
+            f"The {name} is {self._amount(name, channel.gap)} away from all that a wire within "
+            f"limits.model_tolerance = {self.tolerance:g} of {self._name} can have here, after the readings before."
+            f"{check} If they are in order, calibrate the wire, or raise that limit."
+        )
+
+    def _amount(self, name: str, by: float) -> str:
+        if name == "position":
+            return f"{by:.0f} counts"
+        if name == "thermometer":
+            return f"{by:.1f} K"
+        return f"{by * self._largest_A:.3g} A" if name == "current" else f"{100 * math.expm1(by):.0f} %"
+
+    def forget(self) -> None:
+        """The constants are others now: the encoder was zeroed, or the wire may be in another state than assumed."""
+        for channel in self._all.values():
+            channel.forget()
+
+    def zeroed(self) -> None:
+        """The encoder was zeroed."""
+        self._position.forget()
+
+    def rearmed(self) -> None:
+        """A trip was cleared: what persists must trip again."""
+        for channel in self._all.values():
+            channel.rearm()
+
+
+_REMEDY = {
+    "position": "encoder, coupling, cable and wire",
+    "thermometer": "thermometer, shunt and cooling",
+    "voltage": "clamps, voltage leads and shunt",
+    "voltage of wire 2": "clamps, voltage leads and shunt",
+    "current": "amplifier and shunt",
+}

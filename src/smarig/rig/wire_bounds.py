@@ -1,0 +1,284 @@
+"""What a wire within a tolerance of its actuator file can do under the measured current: bounds, tick by tick.
+
+Temperature: every wire whose time constant lies between 0.3 τ and 3 τ and whose R/hA differs by at most the share g:
+
+    T_low = (1 − g) min T(kτ),   T_high = (1 + g) max T(kτ),   k = 0.3, 1, 3;   u = T, or T₁ − T₂, ± δ
+
+Position: a Preisach operator with a measure that is not negative keeps the order of its inputs, so that
+
+    u_low(s) ≤ u(s) ≤ u_high(s) for all s ≤ t   ⇒   Γ[u_low](t) ≤ y(t) ≤ Γ[u_high](t)
+
+whatever the path between (Brokate and Sprekels, Hysteresis and Phase Transitions, 1996, section 2.2: monotone
+operators). The operator of the lower bound starts in negative saturation and that of the upper bound in positive, so no
+initial state is assumed; two bounds cost as much as two wires. The stroke may differ by the share g too.
+"""
+
+import math
+from itertools import pairwise
+from typing import Protocol
+
+import numpy as np
+
+from smarig.plant import Actuator, ThermomechanicalPlant, WirePhases, thermomechanical_travel
+from smarig.preisach import Everett, Preisach, thesis_surface
+
+LAGS = (0.3, 1.0, 3.0)  # of the time constant: insulated, thick, in moving air, with latent heat
+LEAST_SHARE = 0.015  # δ as a share of the range: ambient temperature, noise of the input
+BEATS_PER_TAU = 6  # how often the bounds of the position are computed
+RATE_FACTOR = 2.0  # of the steepest branch: minor effects make it steeper
+SENSOR_LAG_TAUS = 1.0  # lag of a position sensor
+HEAT_BANDS, THERMOMECHANICAL_BANDS, STROKE_BANDS = (
+    4,
+    2,
+    3,
+)  # groups of like wires; a model of Brinson costs more
+
+
+class TemperatureBounds:
+    """Bounds of the hysteresis input in kelvin; ``rate_K`` is the fastest change of any wire in the last tick.
+
+    >>> bounds = TemperatureBounds(Actuator.named("gorbet_one_wire"), 0.1, 0.1)
+    >>> for _ in range(3000):
+    ...     bounds.step(1.0)
+    >>> low_K, high_K = bounds.between(0.9, 1.1)
+    >>> round(low_K, 1), round(high_K, 1)
+    (153.2, 195.0)
+    """
+
+    def __init__(self, actuator: Actuator, period_s: float, tolerance: float) -> None:
+        surface = thesis_surface(actuator.file.hysteresis.surface)
+        self.least_K = LEAST_SHARE * max(surface.upper, -surface.lower)
+        self._fastest, self._two_wire = 1 + tolerance, actuator.two_wire
+        self._gain = actuator.gain_K_per_A2
+        self._approach = [-math.expm1(-period_s / (lag * actuator.tau_s)) for lag in LAGS]
+        self._wires = [[0.0] * len(LAGS) for _ in range(2 if actuator.two_wire else 1)]
+        self.rate_K = 0.0
+        self.coldest_K, self.hottest_K = [0.0, 0.0], [0.0, 0.0]  # of each wire, with its nominal heat
+        self._lowest_K, self._highest_K = [0.0, 0.0], [0.0, 0.0]  # of those, since ``forget_extremes``
+
+    def step(self, current_A: float) -> None:
+        """Advance one tick at a constant current."""
+        source = self._gain * current_A * current_A
+        hot = 1 if self._two_wire and current_A < 0 else 0
+        rate_K = 0.0
+        for number, wire in enumerate(self._wires):
+            end, fastest = source if number == hot else 0.0, 0.0
+            for k, share in enumerate(self._approach):
+                change = (end - wire[k]) * share
+                wire[k] += change
+                if change > fastest or -change > fastest:
+                    fastest = abs(change)
+            rate_K += fastest
+            coldest_K, hottest_K = min(wire), max(wire)
+            self.coldest_K[number], self.hottest_K[number] = coldest_K, hottest_K
+            if coldest_K < self._lowest_K[number]:
+                self._lowest_K[number] = coldest_K
+            if hottest_K > self._highest_K[number]:
+                self._highest_K[number] = hottest_K
+        self.rate_K = self._fastest * rate_K
+
+    def between(self, least: float, largest: float) -> tuple[float, float]:
+        """Bounds of the input of wires whose heat is between these shares of the nominal one."""
+        return self._input_K(self.coldest_K, self.hottest_K, least, largest)
+
+    def extremes(self, least: float, largest: float) -> tuple[float, float]:
+        """The same of all ticks since ``forget_extremes``."""
+        return self._input_K(self._lowest_K, self._highest_K, least, largest)
+
+    def forget_extremes(self) -> None:
+        """Later extremes are those from now on."""
+        self._lowest_K, self._highest_K = self.coldest_K[:], self.hottest_K[:]
+
+    def _input_K(
+        self, coldest_K: list[float], hottest_K: list[float], least: float, largest: float
+    ) -> tuple[float, float]:
+        low_K = least * coldest_K[0] - largest * hottest_K[1] - self.least_K
+        return low_K, largest * hottest_K[0] - least * coldest_K[1] + self.least_K
+
+
+class _Models(Protocol):
+    """Models of the wire with more and more heat; it lies between two of them, one after the other."""
+
+    def advance(self) -> list[tuple[float, float]]:
+        """The bounds of the position between each two, in the rig's unit, at the end of a beat."""
+        ...
+
+    def add(self, current_A: float) -> None:
+        """One more tick of the beat."""
+        ...
+
+    def ohm(self, current_A: float) -> tuple[float, float]:
+        """The bounds of the resistance of the wire that carries this current."""
+        ...
+
+
+class _PreisachModels:
+    def __init__(
+        self, actuator: Actuator, surface: Everett, temperature: TemperatureBounds, heats: list[float]
+    ) -> None:
+        self._actuator, self._temperature = actuator, temperature
+        self._bands = list(pairwise(heats))
+        self._low = [Preisach(surface, "negative", compiled=False) for _ in self._bands]
+        self._high = [Preisach(surface, "negative", compiled=False) for _ in self._bands]
+        for operator in self._high:
+            operator.step(surface.upper)
+        self._phases = [WirePhases(surface) for _ in range(2)] if actuator.two_wire else []
+        self._y_lower, self._stroke = surface.y_lower, surface.y_upper - surface.y_lower
+
+    def add(self, current_A: float) -> None:
+        del current_A  # the temperature has it
+
+    def advance(self) -> list[tuple[float, float]]:
+        temperature, found = self._temperature, []
+        for band, low, high in zip(self._bands, self._low, self._high):
+            low_K, high_K = temperature.extremes(*band)  # an extremum within a beat is remembered
+            low.step(low_K)
+            high.step(high_K)
+            low_K, high_K = temperature.between(*band)
+            found.append((low.step(low_K), high.step(high_K)))
+        temperature.forget_extremes()
+        wires = temperature.coldest_K, temperature.hottest_K
+        for phases, wires_K, heat in zip(self._phases, wires, (self._bands[0][0], self._bands[-1][1])):
+            phases.step([heat * wire_K for wire_K in wires_K])
+        return found
+
+    def ohm(self, current_A: float) -> tuple[float, float]:
+        if self._phases:
+            wire = 1 if current_A < 0 else 0
+            shares = [phases.fraction(wire) for phases in self._phases]
+        else:
+            shares = [
+                (operator.y - self._y_lower) / self._stroke for operator in (self._low[0], self._high[-1])
+            ]
+        a, b = (self._actuator.resistance_at_ohm(share) for share in shares)
+        return min(a, b), max(a, b)
+
+
+class _ThermomechanicalModels:
+    """Wires of Brinson's model, each with its own heat balance."""
+
+    def __init__(
+        self,
+        actuator: Actuator,
+        beat_s: float,
+        heats: list[float],
+        ambient_degC: float,
+        force_N: float | None,
+    ) -> None:
+        self._plants = [ThermomechanicalPlant(actuator, beat_s, ambient_degC, force_N) for _ in heats]
+        self._factors = [math.sqrt(heat) for heat in heats]
+        self._n, self._square_A2 = 0, 0.0
+
+    def add(self, current_A: float) -> None:
+        self._n += 1
+        self._square_A2 += math.copysign(current_A * current_A, current_A)
+
+    def advance(self) -> list[tuple[float, float]]:
+        square = self._square_A2 / self._n
+        current_A = math.copysign(math.sqrt(abs(square)), square)
+        self._n, self._square_A2 = 0, 0.0
+        positions = [plant.step(factor * current_A) for plant, factor in zip(self._plants, self._factors)]
+        return [(min(pair), max(pair)) for pair in pairwise(positions)]
+
+    def ohm(self, current_A: float) -> tuple[float, float]:
+        ohms = [plant.resistance_ohm(current_A) for plant in self._plants]
+        return min(ohms), max(ohms)
+
+
+class WireBounds:
+    """``step(current_A)`` advances. ``positions``: for each group of like wires the bounds in counts, or None between
+    two beats, at which they are computed. A group shares its heat and its stroke within a band of the tolerance.
+    """
+
+    def __init__(
+        self,
+        actuator: Actuator,
+        period_s: float,
+        position_per_count: float,
+        tolerance: float,
+        ambient_degC: float,
+        force_N: float | None = None,
+    ) -> None:
+        surface = thesis_surface(actuator.file.hysteresis.surface)
+        thermomechanical = actuator.file.thermomechanical
+        self.temperature = TemperatureBounds(actuator, period_s, tolerance)
+        self._beat = max(1, round(actuator.tau_s / BEATS_PER_TAU / period_s))
+        self._lag = -math.expm1(-self._beat * period_s / (SENSOR_LAG_TAUS * actuator.tau_s))
+        self._ticks, self._per_count = 0, position_per_count
+        self._strokes = list(pairwise(_edges(tolerance, STROKE_BANDS)))
+        if thermomechanical is None:
+            heats = _edges(tolerance, HEAT_BANDS)
+            self._models: _Models = _PreisachModels(actuator, surface, self.temperature, heats)
+            travel, steepest = abs(surface.y_upper - surface.y_lower), steepest_per_K(surface)
+            self._from = 0.0 if actuator.two_wire else surface.y_lower
+        else:
+            heats = _edges(tolerance, THERMOMECHANICAL_BANDS)
+            beat_s = self._beat * period_s
+            self._models = _ThermomechanicalModels(actuator, beat_s, heats, ambient_degC, force_N)
+            travel, self._from = thermomechanical_travel(actuator), 0.0
+            steepest = travel * math.pi / 2 / thermomechanical.width_K  # of a cosine
+        self.kinds = (len(heats) - 1) * len(self._strokes)
+        self.stroke = travel / position_per_count
+        self._per_K = RATE_FACTOR * steepest / position_per_count
+        self._readings: list[tuple[float, float]] = []
+        self._ohm: dict[int, tuple[float, float]] = {}  # of each wire, at the last beat
+        self.positions: list[tuple[float, float]] | None = None
+
+    def step(self, current_A: float) -> None:
+        """Advance one tick at a constant current."""
+        self.temperature.step(current_A)
+        self._models.add(current_A)
+        self._ticks += 1
+        self.positions = None
+        if self._ticks >= self._beat:
+            self._ticks = 0
+            self._ohm = {}
+            self._readings = self._lagging(self._models.advance())
+            self.positions = [
+                self._scaled(reading, stroke) for reading in self._readings for stroke in self._strokes
+            ]
+
+    def resistance_ohm(self, current_A: float) -> tuple[float, float]:
+        """Bounds of the resistance of the wire that carries this current, at the last beat."""
+        wire = 1 if current_A < 0 else 0
+        if wire not in self._ohm:
+            self._ohm[wire] = self._models.ohm(current_A)
+        return self._ohm[wire]
+
+    @property
+    def rate_counts(self) -> float:
+        """Counts that no wire exceeds in the last tick."""
+        return self._per_K * self.temperature.rate_K
+
+    def _scaled(self, bounds: tuple[float, float], stroke: tuple[float, float]) -> tuple[float, float]:
+        """Bounds in counts of wires whose stroke is between these shares of the nominal one."""
+        low, high = bounds[0] - self._from, bounds[1] - self._from
+        least, largest = stroke
+        low *= least if low > 0 else largest
+        high *= largest if high > 0 else least
+        return low / self._per_count, high / self._per_count
+
+    def _lagging(self, now: list[tuple[float, float]]) -> list[tuple[float, float]]:
+        """A sensor may still show what was: its bounds retreat at once and advance slowly."""
+        return [
+            (
+                min(low, last[0] + self._lag * (low - last[0])),
+                max(high, last[1] + self._lag * (high - last[1])),
+            )
+            for (low, high), last in zip(now, self._readings or now)
+        ]
+
+
+def _edges(tolerance: float, bands: int) -> list[float]:
+    return np.linspace(1 - tolerance, 1 + tolerance, bands + 1).tolist()
+
+
+def steepest_per_K(surface: Everett) -> float:
+    """The largest slope of both branches of the major loop, in the unit of position per kelvin."""
+    u = np.linspace(surface.lower, surface.upper, 201)
+    wire = Preisach(surface, "negative")
+    rising, falling = (
+        wire.simulate(u, "negative"),
+        wire.simulate(np.concatenate([u, u[::-1]]), "negative")[201:],
+    )
+    return float(max(np.abs(np.diff(rising)).max(), np.abs(np.diff(falling)).max()) / (u[1] - u[0]))

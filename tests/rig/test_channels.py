@@ -1,0 +1,155 @@
+"""Each channel is predicted up to one constant: what contradicts is marked, then trips; what a sound wire does is not.
+
+``smarig benchmark plausibility`` has the whole table; here is a slice of it.
+"""
+
+import copy
+import math
+import random
+
+import pytest
+
+from benchmarks.plausibility import cell_of, channels, guarded, healthy, levels_A, one_hold
+from smarig.config import load_rig
+from smarig.plant import Actuator
+from smarig.rig import TwinSettings
+from smarig.rig.channel import FROZEN, Channel, Constant
+from smarig.rig.channel_checks import tolerance_of
+from smarig.rig.wire_bounds import WireBounds
+from smarig.runner import Runner
+
+PERIOD_S = 0.1
+WIRE = Actuator.named("gorbet_one_wire")
+FILE = load_rig("one_wire_twin")
+
+
+def test_constants_that_agree_with_all_samples_are_kept_and_others_are_a_gap():
+    constant = Constant()
+    assert [constant.gap(0.0, 3.0), constant.gap(2.0, 5.0)] == [0.0, 0.0]
+    assert (constant.low, constant.high) == (2.0, 3.0)
+    assert constant.gap(3.5, 4.0) == 0.5
+    assert constant.gap(-1.0, 1.0) == 1.0
+    constant.widen(1.0)
+    assert constant.gap(3.5, 4.0) == 0.0
+
+
+def counter(**settings):
+    return Channel(10.0, 4.0, PERIOD_S, counter=True, **settings)
+
+
+def test_a_jump_larger_than_the_tolerance_is_certain_at_once_and_a_smaller_one_is_marked():
+    for by, fault, suspect in ((20.0, "jump", True), (8.0, "", True), (3.0, "", False)):
+        channel = counter()
+        channel.add(0.0, None, 0.0, ticks=1, changes=False)
+        channel.add(by, None, 0.0, ticks=1, changes=False)
+        assert (channel.fault, channel.suspect) == (fault, suspect)
+
+
+def test_a_single_wrong_reading_of_a_thermometer_is_no_fault():
+    channel = Channel(10.0, 4.0, PERIOD_S)
+    faults = []
+    for k in range(100):
+        channel.add(80.0 if k == 50 else 20.0, [(20.0, 20.0)], 0.0, ticks=1, changes=False)
+        faults.append(channel.fault)
+    assert set(faults) == {""}
+
+
+def test_a_contradiction_must_hold_against_every_kind_of_wire():
+    for kinds, expected in (([(50.0, 50.0)], "contradiction"), ([(50.0, 50.0), (0.0, 0.0)], "")):
+        channel = counter(kinds=len(kinds))
+        channel.add(0.0, [(0.0, 0.0)] * len(kinds), 0.0, ticks=1, changes=False)
+        found = []
+        for _ in range(100):
+            channel.add(0.0, kinds, 0.0, ticks=1, changes=False)
+            found.append(channel.fault)
+        assert max(found) == expected
+
+
+@pytest.mark.parametrize(("noise", "frozen"), [(0.4, True), (0.0, False)])
+def test_only_a_reading_that_has_flickered_is_frozen_when_it_stands_still(noise, frozen):
+    dice, channel = random.Random(1), counter()
+    for _ in range(300):
+        channel.add(round(dice.gauss(0.0, noise)), None, 1.0, ticks=1, changes=True)
+    assert not channel.suspect
+    for _ in range(FROZEN + 50):
+        channel.add(0.0, None, 1.0, ticks=1, changes=True)
+    assert channel.suspect == frozen
+
+
+def test_a_reading_that_stands_while_every_wire_moves_is_frozen():
+    channel = counter()
+    for k in range(100):
+        channel.add(0.0, [(k - 30.0, k + 30.0)], 1.0, ticks=1, changes=True)
+    assert channel.suspect
+
+
+@pytest.mark.parametrize("factor", [0.91, 1.09])
+@pytest.mark.parametrize("lag", [0.4, 2.5])
+def test_a_wire_within_the_tolerance_lies_between_the_bounds(factor, lag):
+    """Another heat, another time constant, reversals within a beat: the order of inputs is kept."""
+    from smarig.preisach import Preisach, thesis_surface
+
+    surface = thesis_surface("one_e")
+    wire, bounds = Preisach(surface, "negative"), WireBounds(WIRE, PERIOD_S, 1.0, 0.1, 22.0)
+    dice, input_K, current_A = random.Random(3), 0.0, 0.0
+    decay = math.exp(-PERIOD_S / (lag * WIRE.tau_s))
+    for k in range(3000):
+        if k % 37 == 0:
+            current_A = dice.uniform(0.0, 1.0)
+        source_K = factor * WIRE.input_for(current_A)
+        input_K = source_K + (input_K - source_K) * decay
+        y = wire.step(input_K)
+        bounds.step(current_A)
+        if bounds.positions is not None:
+            assert min(p[0] for p in bounds.positions) <= y <= max(p[1] for p in bounds.positions)
+
+
+def test_the_tolerance_is_that_of_the_file_or_of_the_kind_of_rig():
+    assert [tolerance_of(load_rig(n)) for n in ("one_wire_twin", "one_wire_serial", "bench_one_wire")] == [
+        0.1,
+        0.1,
+        0.3,
+    ]
+    limits = FILE.limits.model_copy(update={"model_tolerance": 0.2})
+    assert tolerance_of(FILE.model_copy(update={"limits": limits})) == 0.2
+
+
+# --- a slice of the table ------------------------------------------------------------------------------------------
+
+NOTICED = {  # channel, fault: seconds until it is marked at the latest, steps recorded as good with a false reading
+    ("position", "stuck"): 40.0,
+    ("position", "jumping by 50 counts"): 0.1,
+    ("position", "wrong sign"): 90.0,
+    ("position", "lost"): 1.0,
+    ("position", "noisy"): 2.0,
+    ("voltage", "lost"): 1.0,
+    ("current", "wrong sign"): 1.0,
+    ("thermometer", "stuck"): 40.0,
+    ("thermometer", "lost"): 1.0,
+}
+
+
+@pytest.fixture(scope="module")
+def warmed():
+    """A guard before the second hold, and what follows."""
+    guard, _ = guarded("one_wire_twin", TwinSettings(seed=1))
+    levels = levels_A(WIRE, FILE)
+    Runner(guard, 1.0, []).run(one_hold(levels[0], 150.0))
+    return guard, levels[1:4]
+
+
+@pytest.mark.parametrize(("channel", "fault"), NOTICED)
+def test_a_fault_in_the_middle_of_a_motion_is_marked_in_time(warmed, channel, fault):
+    guard, levels = warmed
+    entry = channels(FILE, WIRE)[channel]
+    cell = cell_of(copy.deepcopy(guard), levels, entry, entry.faults[fault])
+    assert cell.caught_s <= NOTICED[channel, fault]
+    if fault != "wrong sign":  # of the position: at the end of the hold
+        assert cell.unseen <= entry.tolerance
+    assert cell.tripped_s < 250.0
+
+
+def test_sound_wires_are_not_marked():
+    found = healthy(("one_wire_twin",), 2, 1)
+    assert (found["tripped"], found["marked"]) == ([], {})
+    assert found["steps"] == 24
