@@ -97,7 +97,7 @@ class ChannelChecks:
         self._ticks, self._may_change, self._may_change_K = 0, 0.0, 0.0  # since the last sample
         self._electrical_ticks, self._electrical_share = 0, 0.0  # since the last beat
         self._steady, self._command_A = 0, 0.0
-        self._changed_from_K = dict.fromkeys(self._all, (0.0, 0))
+        self._changed_from_K: dict[str, tuple[float, int]] = dict.fromkeys(self._all, (0.0, 0))
         self._missing, self._warn_from = 0, 0
         self._missing_ticks, self._warn_ticks = round(MISSING_S / period_s), round(WARN_S / period_s)
         self.suspect = False

@@ -10,6 +10,7 @@ import selectors
 import subprocess
 import sys
 import tempfile
+import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any
@@ -47,6 +48,7 @@ AT_ZERO_TEXT = " The current is at zero."  # removed from an error if the shutdo
 _NOT_ZEROED = "Make sure that no current flows: its source did not answer."
 START_TIMEOUT_S = 60.0  # for simulated devices to start
 STOP_TIMEOUT_S = 10.0  # for simulated devices to end
+OFF_ATTEMPTS, OFF_PAUSE_S = 5, 0.2  # more, to switch off a source that has no lease and did not confirm
 LOCK_STEP_S = 5.0  # reply time of simulated devices that lose no reply: a busy machine delays them
 HOST_TIMEOUT_S = 60.0  # time that they wait for a delayed host; they detect its end at once
 
@@ -95,7 +97,7 @@ def _confirmed_shutdown(rig: Rig) -> Iterator[None]:
     try:
         yield
     except BaseException as error:
-        rig.safe()
+        switch_off(rig)
         if not rig.shutdown_unconfirmed:
             raise
         if isinstance(error, Interrupted):
@@ -103,9 +105,21 @@ def _confirmed_shutdown(rig: Rig) -> Iterator[None]:
         if isinstance(error, SmarigError):
             error.args = (f"{str(error).removesuffix(AT_ZERO_TEXT)} {rig.shutdown_unconfirmed}",)
         raise
-    rig.safe()
+    switch_off(rig)
     if rig.shutdown_unconfirmed:
         raise RigFault(f"{rig.shutdown_unconfirmed} The recorded data are complete.")
+
+
+def switch_off(rig: Rig, sleep: Callable[[float], None] = time.sleep) -> None:
+    """Set the current to zero. A source without a lease that does not confirm it is asked again: nothing else switches
+    it off.
+    """
+    rig.safe()
+    for _ in range(OFF_ATTEMPTS):
+        if not rig.shutdown_unconfirmed or getattr(rig, "has_lease", True):
+            return
+        sleep(OFF_PAUSE_S)
+        rig.safe()
 
 
 def required_links(file: RigFile) -> LinksFile:

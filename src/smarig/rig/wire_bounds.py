@@ -123,7 +123,8 @@ class _PreisachModels:
         for operator in self._high:
             operator.step(surface.upper)
         self._phases = [WirePhases(surface) for _ in range(2)] if actuator.two_wire else []
-        self._y_lower, self._stroke = surface.y_lower, surface.y_upper - surface.y_lower
+        self._y_lower = surface.y_lower
+        self._stroke = surface.everett(surface.upper, surface.lower)
 
     def add(self, current_A: float) -> None:
         del current_A  # the temperature has it
@@ -209,7 +210,8 @@ class WireBounds:
         if thermomechanical is None:
             heats = _edges(tolerance, HEAT_BANDS)
             self._models: _Models = _PreisachModels(actuator, surface, self.temperature, heats)
-            travel, steepest = abs(surface.y_upper - surface.y_lower), steepest_per_K(surface)
+            travel = abs(surface.everett(surface.upper, surface.lower))
+            steepest = steepest_per_K(surface)
             self._from = 0.0 if actuator.two_wire else surface.y_lower
         else:
             heats = _edges(tolerance, THERMOMECHANICAL_BANDS)

@@ -1,0 +1,38 @@
+"""A source without a lease that ignores zero is asked again, and the run says so."""
+
+import pytest
+
+from smarig.rig.open_rig import OFF_ATTEMPTS, switch_off
+
+STILL_ON = "The supply did not confirm that it is off. It has no lease: switch it off by hand now."
+
+
+class IgnoresZero:
+    """Confirms only from the how manieth order on."""
+
+    def __init__(self, confirms_at, *, has_lease=False):
+        self.confirms_at, self.has_lease, self.orders = confirms_at, has_lease, 0
+
+    def safe(self):
+        self.orders += 1
+
+    @property
+    def shutdown_unconfirmed(self):
+        return "" if self.orders >= self.confirms_at else STILL_ON
+
+
+@pytest.mark.parametrize(
+    ("rig", "orders", "text"),
+    [
+        (IgnoresZero(1), 1, ""),
+        (IgnoresZero(3), 3, ""),
+        (IgnoresZero(99), 1 + OFF_ATTEMPTS, STILL_ON),
+        (IgnoresZero(99, has_lease=True), 1, STILL_ON),
+    ],
+    ids=["at once", "later", "never", "has a lease"],
+)
+def test_zero_is_ordered_until_it_is_confirmed(rig, orders, text):
+    pauses = []
+    switch_off(rig, pauses.append)
+    assert (rig.orders, rig.shutdown_unconfirmed) == (orders, text)
+    assert len(pauses) == orders - 1
