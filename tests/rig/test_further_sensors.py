@@ -47,7 +47,7 @@ def rig(folder, **links):
 
 def run_on(path, folder):
     with Session(path) as session:
-        session.run("step_currents", {"temperatures_K": (20.0,)}, folder / "a.run.sqlite")
+        session.run("step_currents", {"temperatures_K": (5.0,)}, folder / "a.run.sqlite")
         identities = session.rig.identity()
     return load_run(folder / "a.run.sqlite"), identities
 

@@ -1,5 +1,6 @@
 """``PYTHONPATH=tests python tests/rig/bench/fault_page.py`` writes the fault table to docs/reference/faults.md."""
 
+import json
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -35,10 +36,50 @@ In messages, … stands for varying text. "done" stands for a run that ends norm
 """
 
 
+CHANNELS = """## Faults of one channel
+
+Measured by `smarig benchmark plausibility`, with the default `limits.model_tolerance`
+(`tests/rig/bench/channel_faults.json`).
+A fault begins 3 s after the start of one of ten holds, which take the wire through its whole range and back; they go on,
+once more through the range, until the run ends. *Slipping to 0.7*: this share of every change arrives. *Phases*: how many
+of the ten were measured, how often a sample was marked, and how often the run ended. Times are the median and the
+longest. *Unseen*: the largest error of a step that was recorded as settled without a mark, until then.
+
+{rows}
+
+Sound wires: {tripped} of {campaigns} campaigns ended (random holds; every effect of the catalogue at its typical
+strength, {samples} samples). Marked samples: {marked}.
+"""
+CHANNEL_FIGURES = Path(__file__).with_name("channel_faults.json")
+UNITS = {"position": "counts", "current": "A", "voltage": "V", "thermometer": "K"}
+
+
+def channel_table() -> str:
+    """What ``smarig benchmark plausibility`` has measured."""
+    figures = json.loads(CHANNEL_FIGURES.read_text(encoding="utf-8"))
+    rows = [
+        "| rig | channel | fault | phases: all, marked, ended | marked after, s | ended after, s | unseen |"
+    ]
+    rows.append("|---|---|---|---|---|---|---|")
+    for f in figures["faults"]:
+        marked, ended = (
+            "; ".join(f"{x:g}" for x in f[key] or ()) or "–" for key in ("marked_s", "tripped_s")
+        )
+        rows.append(
+            f"| {f['rig']} | {f['channel']} | {f['fault']} | {f['phases']}, {f['marked']}, {f['tripped']} "
+            f"| {marked} | {ended} | {f['unseen']:.3g} {UNITS[f['channel']]} |"
+        )
+    sound = figures["sound"]
+    marked = ", ".join(f"{n} ({name})" for name, n in sound["marked"].items()) or "none"
+    return CHANNELS.format(
+        rows="\n".join(rows), **{**sound, "samples": f"{sound['samples']:,}", "marked": marked}
+    )
+
+
 def page() -> str:
     """The text of the page."""
     parts = [HEAD, *("\n".join([f"## {name}", "", *_rows(rows)]) + "\n" for name, rows in GROUPS.items())]
-    return "\n".join([*parts, "\n".join(["## By phase", "", *_phases()]) + "\n"])
+    return "\n".join([*parts, "\n".join(["## By phase", "", *_phases()]) + "\n", channel_table()])
 
 
 def _rows(rows: tuple[Fault, ...]) -> Iterator[str]:
