@@ -3,6 +3,7 @@
 One middleware guards every route. A request must name this server as its host, so that another name that resolves to
 loopback (DNS rebinding) reaches nothing. It must carry the token, in the address once and in a cookie afterwards. What
 changes something must come from a page of the console (``Origin``, or ``Sec-Fetch-Site``), whatever cookies it has.
+A null character has no meaning in an address, and what lies behind (files, SQLite) fails on it: it is refused here.
 """
 
 import hmac
@@ -35,11 +36,15 @@ _HEADERS = {
 
 @dataclass(frozen=True)
 class AccessGuard:
-    """ASGI middleware before ``app``; ``port`` is that of the server."""
+    """ASGI middleware before ``app``; ``port`` is that of the server.
+
+    ``admit`` is told the address of each client that has shown the token.
+    """
 
     app: Application
     token: str
     port: int
+    admit: Callable[[Any], None] = lambda _client: None
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Pass a request on, or answer it."""
@@ -58,14 +63,19 @@ class AccessGuard:
             await self.app(scope, receive, _with_headers(send))
             return
         query = parse_qsl(scope["query_string"].decode("latin-1"), keep_blank_values=True)
-        if self._is_token(dict(query).get(TOKEN, "")):
-            await self._remember(scope, query, send)
-        elif self._is_token(_cookies(headers).get(self.cookie, "")):
-            await self.app(scope, receive, _with_headers(send))
-        else:
+        in_address = self._is_token(dict(query).get(TOKEN, ""))
+        if not in_address and not self._is_token(_cookies(headers).get(self.cookie, "")):
             await _answer(
                 send, 403, "The token is missing or wrong. Open the address that smarig console printed."
             )
+            return
+        self.admit(scope.get("client"))
+        if _is_malformed(scope, query):
+            await _answer(send, 400, "The address holds a null character, or one that is not ASCII.")
+        elif in_address:
+            await self._remember(scope, query, send)
+        else:
+            await self.app(scope, receive, _with_headers(send))
 
     @property
     def cookie(self) -> str:
@@ -96,6 +106,11 @@ class AccessGuard:
         await _answer(send, 303, "", {"location": place, "set-cookie": cookie})
 
 
+def _is_malformed(scope: Scope, query: list[tuple[str, str]]) -> bool:
+    texts = [scope["path"], *(text for pair in query for text in pair)]
+    return not scope["query_string"].isascii() or any("\0" in text for text in texts)
+
+
 def _cookies(headers: dict[str, str]) -> dict[str, str]:
     """Cookies of all ports of this computer arrive together: one that is badly formed must not hide the console's."""
     pairs = (part.partition("=") for part in headers.get("cookie", "").split(";"))
@@ -115,7 +130,8 @@ def _with_headers(send: Send) -> Send:
 
 
 async def _answer(send: Send, status: int, text: str, headers: dict[str, str] | None = None) -> None:
-    every = {"content-type": "text/plain; charset=utf-8", **_HEADERS, **(headers or {})}
+    closing = {"connection": "close"} if status == 403 else {}  # it has shown nothing that would keep it open
+    every = {"content-type": "text/plain; charset=utf-8", **_HEADERS, **closing, **(headers or {})}
     start = {
         "type": "http.response.start",
         "status": status,

@@ -1,6 +1,8 @@
 """The web application: all pages of the console behind its guard, with a sentence for whatever goes wrong."""
 
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 from starlette.applications import Starlette
 from starlette.exceptions import HTTPException
@@ -20,13 +22,15 @@ from smarig.console.web.pages import (
     overview_page,
     rig_page,
 )
-from smarig.core import DataError, SmarigError, UsageError
+from smarig.core import DataError, InUse, SmarigError, UsageError
 
-_STATUS = ((UsageError, 422), (DataError, 422))
+_STATUS = ((InUse, 409), (UsageError, 422), (DataError, 422))
 
 
-def console_application(context: ConsoleContext, token: str, port: int) -> AccessGuard:
-    """The application for a context, for browsers that have the token."""
+def console_application(
+    context: ConsoleContext, token: str, port: int, admit: Callable[[Any], None] = lambda _client: None
+) -> AccessGuard:
+    """The application for a context, for browsers that have the token; ``admit`` is told of each."""
     application = Starlette(
         routes=[
             *report_response.ROUTES,
@@ -41,7 +45,7 @@ def console_application(context: ConsoleContext, token: str, port: int) -> Acces
         exception_handlers={SmarigError: _refused, HTTPException: _not_found, Exception: _failed},
     )
     application.state.context = context
-    return AccessGuard(application, token, port)
+    return AccessGuard(application, token, port, admit)
 
 
 def _refused(request: Request, error: Exception) -> Response:

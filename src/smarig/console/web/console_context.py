@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 from urllib.parse import urlencode
 
+from starlette.convertors import Convertor, register_url_convertor
 from starlette.requests import Request
 from starlette.responses import HTMLResponse, RedirectResponse, Response
 from starlette.templating import Jinja2Templates
@@ -18,6 +19,7 @@ from smarig.console.web.evaluation_jobs import EvaluationJobs
 from smarig.console.web.library_scanner import LibraryScanner
 from smarig.console.web.rig_checks import RigChecks
 from smarig.console.web.viewers import Viewers
+from smarig.core import UsageError, shown
 
 
 def _encodable(value: Any) -> Any:
@@ -48,9 +50,44 @@ class ConsoleContext:
     closing: threading.Event = field(default_factory=threading.Event)
 
 
+class EntryNumber(Convertor[int]):
+    """A number of an entry in an address, ``{number:entry}``: as many digits as the database can hold."""
+
+    regex = "[0-9]{1,18}"
+
+    def convert(self, value: str) -> int:
+        """The number."""
+        return int(value)
+
+    def to_string(self, value: int) -> str:
+        """The digits."""
+        return str(value)
+
+
+register_url_convertor("entry", EntryNumber())
+
+
 def context_of(request: Request) -> ConsoleContext:
     """The context of the application that answers a request."""
     return request.app.state.context
+
+
+async def form_texts(request: Request) -> list[tuple[str, str]]:
+    """The texts of a form, in order. Files that came with it are closed. Raises UsageError for a null character."""
+    async with request.form() as form:
+        texts = [(name, value) for name, value in form.multi_items() if isinstance(value, str)]
+    if any("\0" in value for _, value in texts):
+        raise UsageError("A text of the form holds a null character.")
+    return texts
+
+
+def named_file(text: str) -> Path:
+    """The file that an address names, without links. Raises UsageError for a text that no file can have as its name."""
+    try:
+        text.encode()
+        return Path(text).resolve()
+    except (OSError, ValueError, RuntimeError):  # too long, no characters of a name, links in a circle
+        raise UsageError(f"{shown(text)} is no name of a file.") from None
 
 
 def page(

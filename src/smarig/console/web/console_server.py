@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterator
 from contextlib import closing, contextmanager
 from pathlib import Path
 from types import FrameType
+from typing import Any, cast
 
 import uvicorn
 
@@ -16,15 +17,18 @@ from smarig.console.queue.ensure_worker import ensure_worker
 from smarig.console.queue.queue import Queue
 from smarig.console.web.access_guard import TOKEN
 from smarig.console.web.application import console_application
+from smarig.console.web.connection_limit import ACCEPTED_AT_ONCE, ConnectionLimit
 from smarig.console.web.console_context import ConsoleContext
 from smarig.console.web.ended_runs import EndedRuns
 from smarig.console.web.library_scanner import LibraryScanner
+from smarig.console.web.log_limit import limit_logs
 from smarig.console.web.rig_checks import RigChecks
 from smarig.console.web.viewers import Viewers
 from smarig.core import SmarigError, UsageError
 
 HOST = "127.0.0.1"
 _SHUTDOWN_S = 1  # that open pages may take
+WAITING_TO_BE_ACCEPTED = 100  # connections
 
 
 def serve_console(
@@ -49,7 +53,8 @@ def serve_console(
             closing(RigChecks(root)) as rig_checks,
         ):
             context = ConsoleContext(root, rig, queue, library, scanner, EndedRuns(root), viewers, rig_checks)
-            application = console_application(context, token, port)
+            limit = ConnectionLimit()
+            application = console_application(context, token, port, limit.admit)
             address = f"http://{HOST}:{port}/?{TOKEN}={token}"
             announce(address)
             _go_on(queue, folder, announce)
@@ -60,11 +65,13 @@ def serve_console(
                 log_level="warning",
                 access_log=False,
                 lifespan="off",
-                http="h11",  # refuses two Host headers; others pass them on
+                http=cast(Any, limit.protocol),  # h11, which refuses two Host headers; others pass them on
+                backlog=ACCEPTED_AT_ONCE,
                 ws="none",
                 timeout_graceful_shutdown=_SHUTDOWN_S,
                 server_header=False,
             )
+            limit_logs("uvicorn.error", "asyncio", "python_multipart.multipart")
             _Server(config, context).run(sockets=[listening])
 
 
@@ -74,6 +81,12 @@ class _Server(uvicorn.Server):
     def __init__(self, config: uvicorn.Config, context: ConsoleContext) -> None:
         super().__init__(config)
         self._context = context
+
+    async def startup(self, sockets: list[socket.socket] | None = None) -> None:
+        """``backlog`` bounds what is accepted in one round, and not what may wait to be accepted."""
+        await super().startup(sockets)
+        for listening in sockets or ():
+            listening.listen(WAITING_TO_BE_ACCEPTED)
 
     @contextmanager
     def capture_signals(self) -> Iterator[None]:
@@ -105,7 +118,9 @@ def _bound(port: int) -> socket.socket:
     listening.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
     try:
         listening.bind((HOST, port))
-        listening.listen(100)  # before the address is told: a browser that is faster than the server waits
+        listening.listen(
+            WAITING_TO_BE_ACCEPTED
+        )  # before the address is told: a browser that is faster than the server waits
     except (OSError, OverflowError) as error:
         listening.close()
         reason = getattr(error, "strerror", None) or error

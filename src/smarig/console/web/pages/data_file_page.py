@@ -15,7 +15,7 @@ from starlette.responses import HTMLResponse, Response
 from starlette.routing import Route
 
 from smarig.console.command_process import run_command
-from smarig.console.web.console_context import ConsoleContext, back, context_of, page
+from smarig.console.web.console_context import ConsoleContext, back, context_of, form_texts, page
 from smarig.console.web.loop_path import loop_path
 from smarig.console.web.report_response import report_response
 from smarig.core import SmarigError, UsageError, printable
@@ -71,10 +71,7 @@ def draft(request: Request) -> HTMLResponse:
 
 async def start(request: Request) -> Response:
     """Study the file with the answers, and show its page."""
-    form = {key: value for key, value in (await request.form()).items() if isinstance(value, str)}
-    if any("\0" in value for value in form.values()):
-        raise UsageError("A column and a unit have no NUL character.")
-    return await run_in_threadpool(_studied, request, form)
+    return await run_in_threadpool(_studied, request, dict(await form_texts(request)))
 
 
 def alone(request: Request) -> Response:

@@ -3,7 +3,6 @@
 import time
 import zlib
 from collections.abc import Mapping
-from pathlib import Path
 from typing import Any
 from urllib.parse import urlencode
 
@@ -15,7 +14,14 @@ from starlette.routing import Route
 from smarig.console.library.library_entry import RECORDING, RUN, Entry
 from smarig.console.library.library_search import FACETS, ORDERS
 from smarig.console.library.run_content import is_recording
-from smarig.console.web.console_context import ConsoleContext, back, context_of, page
+from smarig.console.web.console_context import (
+    ConsoleContext,
+    back,
+    context_of,
+    form_texts,
+    named_file,
+    page,
+)
 from smarig.console.web.evaluations import (
     compared_page,
     evaluations_of,
@@ -43,7 +49,7 @@ def library(request: Request) -> HTMLResponse:
     }
     query |= {name: request.query_params.get(name, "") for name, _ in _FILTERS}
     query["order"] = query["order"] if query["order"] in ORDERS else next(iter(ORDERS))
-    offset = int(query["offset"]) if query["offset"].isdecimal() else 0
+    offset = int(query["offset"]) if query["offset"].isdecimal() and len(query["offset"]) < 10 else 0
     found = context.library.search(
         query["text"],
         tags=[query["tag"]] if query["tag"] else [],
@@ -109,7 +115,7 @@ def _entry_now(context: ConsoleContext, id: str) -> Entry:
 
 def run_entry(request: Request) -> Response:
     """The entry of a run that has just ended; its file is read first if the library does not have it yet."""
-    context, file = context_of(request), Path(request.query_params.get("file", "")).resolve()
+    context, file = context_of(request), named_file(request.query_params.get("file", ""))
     if not file.is_relative_to(context.folder):
         return back("/library", f"This run is not in the folder of this console. It is {file}.", "warning")
     until_s = time.monotonic() + _WAIT_S
@@ -135,7 +141,7 @@ def entry_page(request: Request) -> Response:
 
 async def change(request: Request) -> Response:
     """Tags, a note, or an evaluation."""
-    form = {key: value for key, value in (await request.form()).items() if isinstance(value, str)}
+    form = dict(await form_texts(request))
     return await run_in_threadpool(_changed, request, form)
 
 
@@ -172,7 +178,7 @@ async def open_viewer(request: Request) -> Response:
 
 async def compare(request: Request) -> Response:
     """A page that compares the chosen runs."""
-    ids = [value for value in (await request.form()).getlist("id") if isinstance(value, str)]
+    ids = [value for name, value in await form_texts(request) if name == "id"]
     return await run_in_threadpool(_compared, request, ids)
 
 

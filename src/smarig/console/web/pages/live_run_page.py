@@ -10,7 +10,7 @@ from starlette.responses import HTMLResponse, JSONResponse, RedirectResponse, Re
 from starlette.routing import Route
 
 from smarig.console.library.library_entry import Entry
-from smarig.console.web.console_context import back, context_of, page
+from smarig.console.web.console_context import back, context_of, named_file, page
 from smarig.console.web.run_feed import ENDED_MESSAGE, RunFeed
 from smarig.console.web.run_outcome import run_outcome
 from smarig.console.web.run_words import ENDED, run_card
@@ -80,7 +80,7 @@ def state(request: Request) -> JSONResponse:
     run, context = _run(request), context_of(request)
     if run is not None:
         return JSONResponse({"in_progress": True})
-    file = Path(request.query_params.get("file", "")).resolve()
+    file = named_file(request.query_params.get("file", ""))
     inside = file.is_relative_to(context.folder) and file.is_file()
     return JSONResponse(
         {"in_progress": False, **(run_outcome(file) if inside else {"state": ENDED, "level": ""})}

@@ -1,5 +1,6 @@
 """The form of a new run, or of an entry that waits: made from a protocol's settings, previewed before it starts."""
 
+import math
 from collections.abc import Mapping
 from itertools import groupby
 from pathlib import Path, PurePath
@@ -16,10 +17,10 @@ from smarig.console.queue.entry_command import shown_command
 from smarig.console.queue.entry_preview import EntryPreview, preview_entry
 from smarig.console.queue.entry_request import EntryRequest, Kind
 from smarig.console.queue.queue_entry import EntryState
-from smarig.console.web.console_context import ConsoleContext, back, context_of, page
+from smarig.console.web.console_context import ConsoleContext, back, context_of, form_texts, page
 from smarig.console.web.protocol_form import FormField, protocol_form
 from smarig.console.web.rig_files import rig_names
-from smarig.core import SmarigError, UsageError, catalogue_names, catalogue_summary
+from smarig.core import SmarigError, UsageError, catalogue_names, catalogue_summary, shown
 from smarig.protocols import PROTOCOLS
 from smarig.report import duration
 from smarig.rig import inconsistencies
@@ -47,8 +48,7 @@ async def _form(request: Request, number: int | None) -> Response:
         if number is not None and "experiment" not in values:
             values = _values_of(context.queue.entry(number).request)
         return await run_in_threadpool(_shown, request, context, values, number)
-    form = await request.form()
-    values = {key: value for key, value in form.items() if isinstance(value, str)}
+    values = dict(await form_texts(request))
     return await run_in_threadpool(_requested, request, context, values, number)
 
 
@@ -104,9 +104,12 @@ def entry_request_of(values: Mapping[str, str]) -> EntryRequest:
 
 def _number(name: str, text: str) -> float:
     try:
-        return float(text)
+        number = float(text)
     except ValueError:
-        raise UsageError(f"{name}: '{text}' is not a number.") from None
+        number = math.nan
+    if not math.isfinite(number):
+        raise UsageError(f"{name}: {shown(text)} is not a number.")
+    return number
 
 
 def _values_of(request: EntryRequest) -> dict[str, str]:
@@ -259,5 +262,5 @@ def _current(run: Mapping[str, Any]) -> str:
 
 ROUTES = [
     Route("/new", new_run, methods=["GET", "POST"]),
-    Route("/queue/{number:int}/edit", edit_entry, methods=["GET", "POST"]),
+    Route("/queue/{number:entry}/edit", edit_entry, methods=["GET", "POST"]),
 ]

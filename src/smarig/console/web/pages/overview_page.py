@@ -210,7 +210,7 @@ ROUTES = [
     Route("/overview/parts", parts),
     Route("/overview/version", version),
     Route("/queue/{wanted:str}", queue_request, methods=["POST"]),
-    Route("/queue/{number:int}/{wanted:str}", entry_request, methods=["POST"]),
+    Route("/queue/{number:entry}/{wanted:str}", entry_request, methods=["POST"]),
     Route("/ended/{key:str}/dismiss", dismiss, methods=["POST"]),
     Route("/stop-all", stop_all, methods=["POST"]),
 ]

@@ -11,7 +11,7 @@ from starlette.responses import HTMLResponse, Response
 from starlette.routing import Route
 
 from smarig.config import RigFile
-from smarig.console.web.console_context import ConsoleContext, back, context_of, page
+from smarig.console.web.console_context import ConsoleContext, back, context_of, form_texts, page
 from smarig.console.web.rig_checks import RigCheck
 from smarig.console.web.rig_files import RigEntry, rig_entry, rigs_of
 from smarig.core import UsageError
@@ -45,8 +45,8 @@ def one_rig(request: Request) -> HTMLResponse:
 
 async def check_rig(request: Request) -> Response:
     """Start the bring-up of a rig. A real wire is heated only after a tick in the box that says so."""
-    context, form = context_of(request), await request.form()
-    name = str(form.get("rig", ""))
+    context, form = context_of(request), dict(await form_texts(request))
+    name = form.get("rig", "")
     entry = await run_in_threadpool(rig_entry, name, context.folder)
     if not entry.is_bench or entry.problems:
         raise UsageError(entry.problems[0] if entry.problems else f"{name} has no devices to check.")
