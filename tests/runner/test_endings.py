@@ -6,6 +6,7 @@ The delay of the ending is measured with ``SMARIG_LONG``, on a machine that keep
 
 import contextlib
 import os
+import pwd
 import random
 import signal
 import subprocess
@@ -17,6 +18,7 @@ import pytest
 
 import smarig
 from smarig.core.errors import Interrupted, StorageError
+from smarig.record import check_run
 from smarig.record import recorder as recorder_module
 from smarig.runner import signal_handling
 from smarig.runner.listener import CallbackListener
@@ -96,6 +98,11 @@ def test_a_signal_ends_the_run_with_the_next_tick(tmp_path, name):
             signal.signal(number, handler)
     run = smarig.load_run(out)
     assert (len(run), run.complete) == (50, True)
+    asked = run.stopped_by
+    assert asked.kind == ("user" if name == "SIGINT" else "signal")
+    assert asked.account == pwd.getpwuid(os.getuid()).pw_name
+    assert f"Its end was requested by {asked.text}." in check_run(out).sentences()[1]
+    assert check_run(out).to_json()["stopped_by"] == {"kind": asked.kind, "account": asked.account}
 
 
 @posix

@@ -1,6 +1,7 @@
 """The bring-up of a bench: announced and stopped as a run is, and never without the list of the checks it has made."""
 
 from collections.abc import Callable
+from pathlib import Path
 from typing import NamedTuple
 
 from smarig.cli.output import show_message
@@ -41,7 +42,7 @@ def announced_bring_up(rig: str, file: RigFile, actuator: Actuator) -> BringUp:
 
 def _bring_up(rig: str, file: RigFile, actuator: Actuator, on_check: Callable[[Check], None]) -> None:
     """Announced before the devices are opened: from then on, current may flow."""
-    control, info = RunControl(), check_info(file)
+    control, info = RunControl(), check_info(file, _folder_of(rig))
 
     def raise_if_stopped() -> None:
         if control.stopping:
@@ -64,6 +65,11 @@ def _bring_up(rig: str, file: RigFile, actuator: Actuator, on_check: Callable[[C
                 raise _stopped(control.cause) from None
     except Interrupted as error:  # a second Ctrl-C while the devices were opened or closed
         raise CheckStopped(f"The check was {error}. Make sure that no current flows.") from None
+
+
+def _folder_of(rig: str) -> Path:
+    """The folder that a check belongs to: that of the rig's file, or the present one for a rig of smarig."""
+    return Path(rig).absolute().parent if rig.endswith(".toml") else Path.cwd()
 
 
 def _stopped(cause: str) -> CheckStopped:

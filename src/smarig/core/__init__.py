@@ -100,6 +100,7 @@ if TYPE_CHECKING:
     from smarig.core.profile_table import profile_rows as profile_rows
     from smarig.core.progress_share import counted as counted
     from smarig.core.progress_share import share_done as share_done
+    from smarig.core.requester import Requester as Requester
     from smarig.core.resources import make_importable as make_importable
     from smarig.core.resources import shipped as shipped
     from smarig.core.sample import NAN as NAN

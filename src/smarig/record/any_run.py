@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from smarig.core import Severity, highest_severity
 from smarig.record.run_info import RunInfo
+from smarig.record.stopped_by import StoppedBy
 
 if TYPE_CHECKING:
     from smarig.record.run import Event, Step
@@ -77,6 +78,11 @@ class AnyRun(ABC):
         """Why the run ended: 'done', what interrupted it, or that it was never closed."""
         end = self.info.end
         return "incomplete: the run was never closed" if end is None or end.cause is None else end.cause
+
+    @property
+    def stopped_by(self) -> StoppedBy | None:
+        """Who asked for the end; None if nobody did, or if it was not recorded."""
+        return self.info.end.stopped_by if self.info.end is not None else None
 
     @property
     def severity(self) -> Severity:

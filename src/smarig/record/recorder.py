@@ -24,6 +24,7 @@ from smarig.record.metadata import MAX_LINE_LENGTH
 from smarig.record.new_run_file import new_run_file
 from smarig.record.run_end import end_event, leave_one_file, store_end
 from smarig.record.sample_hashes import SampleHashes
+from smarig.record.stopped_by import StoppedBy
 
 COMMIT_INTERVAL_S = 0.5
 STALL_S = 3.0  # a sample that waits longer for the disk ends the run
@@ -54,6 +55,7 @@ class Recorder:
         self._wake = threading.Event()
         self._closing = threading.Event()
         self._end: tuple[float, str, Severity | None] = (0.0, "done", None)  # time, cause, severity
+        self._stopped_by: StoppedBy | None = None
         self._ended = False  # the end is stored; only the merging into one file is left
         self._hashes = SampleHashes()
         self._hashed_blocks = 0  # while closing
@@ -185,7 +187,9 @@ class Recorder:
     def _store_end(self) -> None:
         with self._db:
             self._db.execute(schema.INSERT_EVENT, end_event(*self._end))
-            store_end(self._db, self._end[1], self._hashes, self._count_hashed_block)
+            store_end(
+                self._db, self._end[1], self._hashes, self._count_hashed_block, stopped_by=self._stopped_by
+            )
         self._ended = True
 
     def _count_hashed_block(self) -> None:
@@ -261,14 +265,21 @@ class Recorder:
 
     # --- the end ---------------------------------------------------------------------------------
 
-    def close(self, cause: str = "done", *, t_s: float = 0.0, severity: Severity | None = None) -> None:
+    def close(
+        self,
+        cause: str = "done",
+        *,
+        t_s: float = 0.0,
+        severity: Severity | None = None,
+        stopped_by: StoppedBy | None = None,
+    ) -> None:
         """Write the rest, record the cause, and leave one file (its -wal is removed with the last reader).
 
         Raises StorageError if the rest could not be written, or not in time; committed samples stay readable.
         """
         if self._closing.is_set():
             return
-        self._end = (t_s, printable(cause, MAX_LINE_LENGTH), severity)
+        self._end, self._stopped_by = (t_s, printable(cause, MAX_LINE_LENGTH), severity), stopped_by
         self._closing.set()
         self._wake.set()
         self._wait_for_writer()

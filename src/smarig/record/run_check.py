@@ -12,6 +12,7 @@ from smarig.record.run import MOST_ROWS, Run, load_run
 from smarig.record.salvage import Salvaged, salvage
 from smarig.record.salvaged_rows import readable_keys
 from smarig.record.schema import READ, VERSION
+from smarig.record.stopped_by import StoppedBy
 from smarig.record.table_hashes import is_hashed
 from smarig.record.tick_ranges import Ticks, ticks_json, ticks_text
 
@@ -35,6 +36,7 @@ class RunCheck:
     damaged_tables: tuple[str, ...] = ()
     problems: tuple[str, ...] = ()
     salvaged: Salvaged | None = field(default=None, repr=False)
+    stopped_by: StoppedBy | None = None
     remarks: tuple[str, ...] = ()
 
     @property
@@ -64,6 +66,8 @@ class RunCheck:
             "events": self.events,
             "closed": self.closed,
             "cause": self.cause,
+            "stopped_by": self.stopped_by
+            and {"kind": self.stopped_by.kind, "account": self.stopped_by.account},
             "hashes": self.hashes,
             "damaged_tables": list(self.damaged_tables),
             "missing_ticks": ticks_json(self.missing),
@@ -75,7 +79,7 @@ class RunCheck:
         """The check in plain sentences."""
         span = "" if self.first_s is None else f" from {self.first_s:.1f} s to {self.last_s:.1f} s"
         closed = {
-            True: f"It was closed; cause: {self.cause.rstrip('.')}.",
+            True: f"It was closed; cause: {self.cause.rstrip('.')}.{self._asked}",
             False: "It was never closed: it is being recorded, or was interrupted (then smarig resume continues it).",
             None: "Whether it was closed is not known, because its description is damaged.",
         }[self.closed]
@@ -93,6 +97,10 @@ class RunCheck:
         if self.unverified:
             found.append(f"A value may be wrong in ticks {ticks_text(self.unverified)}.")
         return [*found, "The file is whole." if self.whole else "The file is damaged."]
+
+    @property
+    def _asked(self) -> str:
+        return f" Its end was requested by {self.stopped_by.text}." if self.stopped_by else ""
 
     def _hash_sentence(self) -> str:
         tables = " and ".join(f"'{table}'" for table in self.damaged_tables)
@@ -197,6 +205,7 @@ def _of_run(run: Run, problems: list[str]) -> RunCheck:
         "right" if is_hashed(run.meta) else "none",
         problems=tuple(problems),
         remarks=tuple(_remarks_on(run)),
+        stopped_by=run.stopped_by,
     )
 
 
@@ -215,4 +224,5 @@ def _of_damaged(file: Path, found: Salvaged, problems: list[str], error: str) ->
         found.damaged_tables,
         tuple(problems) or (error.split(" `smarig check")[0].rstrip("."),),
         found,
+        stopped_by=found.stopped_by,
     )

@@ -10,6 +10,7 @@ from smarig.core import Severity, printable, severity_of
 from smarig.record import schema
 from smarig.record.metadata import MAX_LINE_LENGTH
 from smarig.record.sample_hashes import SampleHashes
+from smarig.record.stopped_by import StoppedBy
 from smarig.record.table_hashes import KEY, TICKS, block_hash, blocks
 
 
@@ -18,12 +19,16 @@ def store_end(
     cause: str,
     samples: SampleHashes | None = None,
     progress: Callable[[], object] = lambda: None,
+    *,
+    stopped_by: StoppedBy | None = None,
 ) -> None:
-    """Store cause and time of the end, and the hashes of all tables. Nothing may be written afterwards.
+    """Store cause and time of the end, who asked for it, and the hashes of all tables. Nothing may be written after it.
 
     ``samples`` may have been hashed in part; ``progress`` is called for each block of the rest.
     """
     end = {"cause": cause, "epoch": time.time(), "hashed": True}
+    if stopped_by is not None:
+        end["stopped_by"] = {"kind": stopped_by.kind, "account": stopped_by.account}
     db.execute(schema.UPSERT_KEY, ("end", json.dumps(end)))
     hashes = _hashes_of(db, samples or SampleHashes(), progress)
     db.execute(schema.UPSERT_KEY, (KEY, json.dumps(hashes)))

@@ -7,6 +7,7 @@ from typing import Any, Self, final
 
 from smarig.core import named_where_text
 from smarig.record.metadata import KEY_TYPES, QUANTITY_KEYS, is_integer, is_table, is_text, is_timestamp
+from smarig.record.stopped_by import StoppedBy
 
 _ATTRIBUTES = {"begun_with": "launch_args", "from": "from_"}  # attributes of keys with another name here
 Types = Mapping[str, Callable[[Any], bool]]
@@ -73,15 +74,17 @@ class SignalInfo(StoredTable):
 @final
 @dataclass(frozen=True, kw_only=True)
 class EndInfo(StoredTable):
-    """Cause and time (seconds since 1970) of the end of a run."""
+    """Cause and time (seconds since 1970) of the end of a run; who asked for it, if somebody did."""
 
     cause: str | None = None
     epoch: float | None = None
+    stopped_by: StoppedBy | None = None
 
     @classmethod
     def of(cls, table: Mapping[str, Any], /) -> Self:
         """Read a stored table."""
-        return cls(**_by_attribute(table, {"cause": is_text, "epoch": is_timestamp}))
+        kept = _by_attribute(table, {"cause": is_text, "epoch": is_timestamp})
+        return cls(**kept, stopped_by=StoppedBy.of(table.get("stopped_by")))
 
 
 @final

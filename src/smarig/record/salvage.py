@@ -16,6 +16,7 @@ from smarig.record.opened_run import recovered_file
 from smarig.record.page_scan import PageScan
 from smarig.record.run_end import store_end
 from smarig.record.salvaged_rows import placed, readable_keys
+from smarig.record.stopped_by import StoppedBy
 from smarig.record.table_hashes import damaged_rows, is_hashed
 from smarig.record.tick_ranges import Ticks, missing_and_unverified, ticks_json, ticks_text
 
@@ -46,6 +47,12 @@ class Salvaged:
         if isinstance(end, dict):
             return str(end.get("cause") or _UNKNOWN)
         return _UNKNOWN if "run" in self.damaged_tables else _NEVER_CLOSED
+
+    @property
+    def stopped_by(self) -> StoppedBy | None:
+        """Who asked for the end, as far as it is known."""
+        end = self.meta.get("end")
+        return StoppedBy.of(end.get("stopped_by")) if isinstance(end, dict) else None
 
     @property
     def cut_text(self) -> str:
@@ -159,4 +166,4 @@ def write_salvaged(found: Salvaged, out: Path, *, force: bool) -> None:
         db.executemany(schema.INSERT_SAMPLE, found.samples)
         db.executemany(schema.INSERT_STEP, found.steps)
         db.executemany(schema.INSERT_EVENT, [*found.events, event])
-        store_end(db, found.cause)
+        store_end(db, found.cause, stopped_by=found.stopped_by)

@@ -206,6 +206,7 @@ def ending_notices(runs: list[Run]) -> list[Html]:
                 tag("b", f"Incomplete run {run.path.name}: "),
                 run.cause.removeprefix("incomplete: ").rstrip("."),
                 ".",
+                f" Its end was requested by {run.stopped_by.text}." if run.stopped_by else "",
             ),
         )
         for run in runs

@@ -4,7 +4,7 @@ from collections import deque
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 
-from smarig.core import Interrupted
+from smarig.core import Interrupted, Requester
 
 
 class RunControl:
@@ -15,6 +15,7 @@ class RunControl:
         self.undisturbing = False  # the run is being created or closed, which no signal interrupts
         self.waiting_since_s: float | None = None  # monotonic, while a protocol computes its next command
         self._stop_cause = ""
+        self._stopped_by = Requester.PROGRAM
         self._reports: deque[tuple[str, str, str]] = deque()
 
     def report(self, kind: str, text: str, *, level: str) -> None:
@@ -27,9 +28,10 @@ class RunControl:
             return ()
         return [self._reports.popleft() for _ in range(len(self._reports))]
 
-    def stop(self, cause: str) -> None:
-        """Request a safe end of the run; the first cause is kept."""
-        self._stop_cause = self._stop_cause or cause
+    def stop(self, cause: str, by: Requester = Requester.PROGRAM) -> None:
+        """Request a safe end of the run; the first cause is kept, and who asked."""
+        if not self._stop_cause:
+            self._stop_cause, self._stopped_by = cause, by
 
     @contextmanager
     def undisturbed(self) -> Iterator[None]:
@@ -44,6 +46,11 @@ class RunControl:
     def cause(self) -> str:
         """The cause of a requested stop, "" if there is none."""
         return self._stop_cause
+
+    @property
+    def stopped_by(self) -> Requester | None:
+        """Who requested the stop, None if nobody did."""
+        return self._stopped_by if self._stop_cause else None
 
     @property
     def stopping(self) -> bool:

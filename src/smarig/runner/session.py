@@ -14,7 +14,17 @@ from types import TracebackType
 from typing import Any, Self
 
 from smarig.config import RigFile, actuator_text, load_rig, rig_text, shipped_names, with_load
-from smarig.core import Protocol, Sample, SmarigError, at_forced_end, in_time, passed, resolve_name
+from smarig.core import (
+    Interrupted,
+    Protocol,
+    Requester,
+    Sample,
+    SmarigError,
+    at_forced_end,
+    in_time,
+    passed,
+    resolve_name,
+)
 from smarig.plant import Actuator, load_of
 from smarig.protocols import PROTOCOLS, Chooser, Setup, build_protocol
 from smarig.record import (
@@ -23,6 +33,7 @@ from smarig.record import (
     LastHeat,
     Recorder,
     Run,
+    StoppedBy,
     Wear,
     WireHistory,
     load_wire_history,
@@ -232,13 +243,13 @@ class Session:
             self._carry_out(recorder, runner, protocol, new_run)
 
     def _carry_out(self, recorder: Recorder, runner: Runner, protocol: Protocol, new_run: bool) -> None:
-        cause, severity, start_s = "done", end_severity(None), runner.t_s
+        cause, severity, stopped_by, start_s = "done", end_severity(None), None, runner.t_s
         if (force := getattr(self.rig, "force", None)) is not None:
             force.reset()
         try:
             runner.run(protocol)
         except BaseException as error:
-            cause, severity = cause_of(error), end_severity(error)
+            cause, severity, stopped_by = cause_of(error), end_severity(error), self._who_asked(error)
             raise
         finally:
             with self.control.undisturbed():
@@ -248,7 +259,13 @@ class Session:
                     self._describe_load(recorder, runner, start_s)
                 self._describe_force(recorder)
                 self._save_history(recorder, runner, new_run)
-                recorder.close(cause, t_s=runner.t_s, severity=severity)
+                recorder.close(cause, t_s=runner.t_s, severity=severity, stopped_by=stopped_by)
+
+    def _who_asked(self, error: BaseException) -> StoppedBy | None:
+        """Who asked for this end; None for a run that ended by itself, though somebody may have asked as well."""
+        if not isinstance(error, Interrupted | KeyboardInterrupt):
+            return None
+        return StoppedBy.this_account(self.control.stopped_by or Requester.USER)
 
     def _describe_load(self, recorder: Recorder, runner: Runner, start_s: float) -> None:
         """The load between the first and the last sample. One that is not plausible has ended the run itself."""

@@ -16,7 +16,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any
 
-from smarig.core import Interrupted
+from smarig.core import Interrupted, Requester
 from smarig.runner.run_control import RunControl
 
 INSISTS_S = 0.5  # after the first Ctrl-C; an earlier one counts as the same request
@@ -54,7 +54,8 @@ def stop_on_signals(control: RunControl) -> Iterator[None]:
             ignore_until_s = now_s + SHUTDOWN_S
             raise KeyboardInterrupt
         ignore_until_s = now_s + INSISTS_S
-        control.stop(_CAUSES[signal.Signals(number).name])
+        by = Requester.USER if number == signal.SIGINT else Requester.SIGNAL
+        control.stop(_CAUSES[signal.Signals(number).name], by)
         threading.Thread(
             target=_interrupt_stuck_protocol,
             args=(control, finished, accept_signals),

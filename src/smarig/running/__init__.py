@@ -19,5 +19,6 @@ if TYPE_CHECKING:
     from smarig.running.run_status import SettlingProgress as SettlingProgress
     from smarig.running.run_status import check_info as check_info
     from smarig.running.run_status import run_info as run_info
+    from smarig.running.stop_runs import stop_runs as stop_runs
 else:
     __getattr__, __dir__, __all__ = lazy_exports(__name__)

@@ -17,6 +17,7 @@ from typing import IO, Any
 
 from smarig.core import (
     Hold,
+    Requester,
     Sample,
     SmarigError,
     StepResult,
@@ -127,14 +128,14 @@ class Announcement:
 
     def _look_for(self, name: str, memory: mmap.mmap) -> None:
         at = layout.request_at(name)
-        mark, request, who = layout.unpacked_request(memory[at : at + layout.REQUEST_SIZE])
+        mark, request, who, by = layout.unpacked_request(memory[at : at + layout.REQUEST_SIZE])
         if request and mark != self._obeyed[name]:
             self._obeyed[name] = mark
-            self._obey(request, printable(who))
+            self._obey(request, printable(who), by)
 
-    def _obey(self, request: str, who: str) -> None:
+    def _obey(self, request: str, who: str, by: Requester) -> None:
         if request == "stop":
-            self._control.stop(f"stopped by the operator ({who})")
+            self._control.stop(f"stopped by the operator ({who})", by)
             return
         self._control.paused = request == "pause"
         self._control.report("request", f"{who} asked this run to {request}.", level="info")

@@ -2,6 +2,7 @@
 
 import contextlib
 import time
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -50,23 +51,27 @@ def runs_in_progress() -> tuple[RunInProgress, ...]:
     return tuple(sorted(found, key=lambda run: run.info["start_epoch"]))
 
 
-def collect_ended(*, older_than_s: float = 0.0) -> tuple[EndedRun, ...]:
+def collect_ended(
+    wanted: Callable[[Mapping[str, Any]], bool] = lambda _info: True, *, older_than_s: float = 0.0
+) -> tuple[EndedRun, ...]:
     """The runs whose processes ended without closing them. Each is returned once, to one process; its file is removed.
 
-    ``older_than_s``: only those that started so long ago.
+    ``wanted``: only those with such a description. ``older_than_s``: only those that started so long ago.
     """
     collected = []
     for path in _paths():
         with contextlib.suppress(OSError, SmarigError):
             with opened(path) as file:
-                ended = _take(file, older_than_s)
+                ended = _take(file, wanted, older_than_s)
             if ended is not None:
                 collected += [ended] if ended.info else []
                 path.unlink(missing_ok=True)
     return tuple(collected)
 
 
-def _take(file: AnnouncedFile, older_than_s: float) -> EndedRun | None:
+def _take(
+    file: AnnouncedFile, wanted: Callable[[Mapping[str, Any]], bool], older_than_s: float
+) -> EndedRun | None:
     """What a dead process left, taken from all others by the state; without a description if it was told before."""
     if file.state not in (layout.RUNNING, layout.ENDED) or file.is_held() or not file.lock_alone():
         return None
@@ -75,7 +80,7 @@ def _take(file: AnnouncedFile, older_than_s: float) -> EndedRun | None:
         file.state == layout.ENDED or not info
     ):  # the process, or whoever told of it, could not remove the file
         return EndedRun({}, {})
-    if time.time() - info["start_epoch"] < older_than_s:
+    if time.time() - info["start_epoch"] < older_than_s or not wanted(info):
         return None
     ended = EndedRun(info, file.status())
     file.write(0, layout.HEAD.pack(layout.ENDED, layout.VERSION, layout.RECORDS))

@@ -3,7 +3,8 @@
     0      state (eight letters), version, number of records
     64     number of the newest sample
     128    number of the newest status
-    256    two requests: one to stop, one to pause or continue; each with a mark, who asks, and a checksum
+    256    two requests: one to stop, one to pause or continue; each with a mark, who asks, and a checksum; the kind of
+           the one who asks is the byte before the checksum
     1024   description of the run: length, checksum, JSON; written once
     33792  two statuses, written in turn: length, checksum, JSON
     66560  a ring of samples; each record begins and ends with its number
@@ -18,6 +19,8 @@ import zlib
 from typing import Any
 
 import numpy as np
+
+from smarig.core import Requester
 
 VERSION, RECORDS = 1, 4096
 RUNNING, ENDED = b"smarigRP", b"smarigEN"  # the states; anything else is no announcement, or not one yet
@@ -48,6 +51,13 @@ SIZE = RING_AT + RECORDS * RECORD.size
 REQUESTS = ("stop", "pause", "continue")
 REQUEST = struct.Struct("<8sBB")  # mark, number of the request, length of who asks
 REQUEST_SIZE, WHO_SIZE = 256, 200
+_CHECKSUM_SIZE = 4
+_REQUESTERS = (
+    Requester.PROGRAM,
+    Requester.CONSOLE,
+    Requester.USER,
+    Requester.SIGNAL,
+)  # by the byte that is stored
 
 
 def record_at(number: int) -> int:
@@ -81,18 +91,20 @@ def request_at(request: str) -> int:
     return REQUESTS_AT + (0 if request == "stop" else REQUEST_SIZE)
 
 
-def packed_request(mark: bytes, request: str, who: str) -> bytes:
+def packed_request(mark: bytes, request: str, who: str, by: Requester = Requester.PROGRAM) -> bytes:
     """A request; ``mark`` (8 bytes) tells it from the last one."""
     name = who.encode("utf-8", "replace")[:WHO_SIZE]
-    body = (REQUEST.pack(mark, REQUESTS.index(request), len(name)) + name).ljust(REQUEST_SIZE - 4, b"\0")
-    return body + zlib.crc32(body).to_bytes(4, "little")
+    start = REQUEST.pack(mark, REQUESTS.index(request), len(name)) + name
+    body = start.ljust(REQUEST_SIZE - _CHECKSUM_SIZE - 1, b"\0") + bytes([_REQUESTERS.index(by)])
+    return body + zlib.crc32(body).to_bytes(_CHECKSUM_SIZE, "little")
 
 
-def unpacked_request(stored: bytes) -> tuple[bytes, str, str]:
-    """(mark, request, who asks); the request is "" if there is none, or only a part of it."""
-    body, checksum = stored[:-4], int.from_bytes(stored[-4:], "little")
+def unpacked_request(stored: bytes) -> tuple[bytes, str, str, Requester]:
+    """(mark, request, who asks, of which kind); the request is "" if there is none, or only a part of it."""
+    body, checksum = stored[:-_CHECKSUM_SIZE], int.from_bytes(stored[-_CHECKSUM_SIZE:], "little")
     mark, number, length = REQUEST.unpack_from(body)
     if zlib.crc32(body) != checksum or number >= len(REQUESTS):
-        return b"", "", ""
+        return b"", "", "", Requester.PROGRAM
     who = body[REQUEST.size : REQUEST.size + min(length, WHO_SIZE)].decode("utf-8", "replace")
-    return mark, REQUESTS[number], who
+    by = _REQUESTERS[body[-1]] if body[-1] < len(_REQUESTERS) else Requester.PROGRAM
+    return mark, REQUESTS[number], who, by

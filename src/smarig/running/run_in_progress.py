@@ -18,7 +18,7 @@ from typing import IO, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.core import UsageError, shared_lock, try_lock
+from smarig.core import Requester, UsageError, shared_lock, try_lock
 from smarig.running import memory_layout as layout
 
 _TRIES = 5  # at a status that is being written
@@ -39,8 +39,9 @@ class RunInProgress:
 
     ``info`` has pid, start_epoch, command, protocol, rig, wire, source ("twin" or "bench"), two_wire, unit, period_s,
     steps, duration_s, out (absolute path of the run file or folder), place ("run 2 of 7" or ""), done_steps, done_s
-    (what a resumed run had finished before), limits (of the rig file, in force) and kind ("run", or "check" for the
-    bring-up of a rig, whose out is ""). ``status``, ``samples`` and ``ask`` raise UsageError when the run has ended.
+    (what a resumed run had finished before), limits (of the rig file, in force), kind ("run", or "check" for the
+    bring-up of a rig, whose out is "") and folder (absolute, the one that it belongs to). ``status``, ``samples`` and
+    ``ask`` raise UsageError when the run has ended.
     """
 
     key: str
@@ -78,8 +79,9 @@ class RunInProgress:
         with self._opened() as file:
             return file.samples(max(after, 0))
 
-    def ask(self, request: str, who: str) -> None:
-        """Ask the run to "pause", "continue" or "stop". It obeys within 0.1 s, at its next tick; ``who`` is recorded.
+    def ask(self, request: str, who: str, by: Requester = Requester.PROGRAM) -> None:
+        """Ask the run to "pause", "continue" or "stop". It obeys within 0.1 s, at its next tick; ``who`` is recorded in
+        the cause of its end, and ``by`` as the kind of the one who asked.
 
         A stop is never lost. Of two requests to pause or continue within 0.1 s only the later one counts.
         """
@@ -90,7 +92,7 @@ class RunInProgress:
         with self._opened() as file:
             if not file.is_held():
                 raise UsageError(_ENDED)
-            file.write(layout.request_at(request), layout.packed_request(os.urandom(8), request, who))
+            file.write(layout.request_at(request), layout.packed_request(os.urandom(8), request, who, by))
 
     def terminate(self) -> None:
         """Send SIGTERM to its process, which then ends the run safely even while a protocol computes.

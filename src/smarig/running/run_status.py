@@ -35,7 +35,7 @@ class PanelRunInfo:
     """Facts about a run that are known at its start. ``done_…``: what a resumed run had finished before.
 
     ``limits``: those in force that are set, by the names of the rig file. ``kind``: "run", or "check" for the bring-up
-    of a rig, which has no steps and writes no file.
+    of a rig, which has no steps and writes no file. ``folder``: the one that it belongs to; that of ``out`` for a run.
     """
 
     protocol: str
@@ -53,6 +53,7 @@ class PanelRunInfo:
     done_s: float = 0.0
     limits: Mapping[str, float] = field(default_factory=dict)
     kind: str = "run"
+    folder: Path | None = None
 
     @property
     def label(self) -> str:
@@ -108,12 +109,13 @@ def run_info(
     return PanelRunInfo(expected.protocol, *rig, *cost, out, place, done_steps, done_s, limits)
 
 
-def check_info(file: RigFile) -> PanelRunInfo:
-    """The facts about the bring-up of a bench."""
+def check_info(file: RigFile, folder: Path) -> PanelRunInfo:
+    """The facts about the bring-up of a bench; ``folder``: that of its rig file, or else that it is started in."""
     actuator = Actuator.named(file.actuator)
     rig = (file.name, file.wire, "bench", actuator.two_wire, actuator.unit, file.period_s)
     limits = file.limits.model_dump(exclude_none=True)
-    return PanelRunInfo("check", *rig, steps=0, duration_s=0.0, out=Path(), limits=limits, kind="check")
+    none = {"steps": 0, "duration_s": 0.0, "out": Path()}
+    return PanelRunInfo("check", *rig, **none, limits=limits, kind="check", folder=folder)
 
 
 class RunStatus:

@@ -13,7 +13,9 @@ _LONGEST = 300  # characters of a text
 def description_of(run_info: PanelRunInfo, *, pid: int, start_epoch: float, command: str) -> dict[str, Any]:
     """The facts about a run, its process and its command."""
     facts = {name: _plain(value) for name, value in asdict(run_info).items()}
-    facts["out"] = "" if run_info.kind == "check" else str(run_info.out.absolute())  # whole, however long
+    out = run_info.out.absolute()
+    facts["out"] = "" if run_info.kind == "check" else str(out)  # whole, however long
+    facts["folder"] = str((run_info.folder or out.parent).absolute())
     return facts | {"pid": pid, "start_epoch": start_epoch, "command": _plain(command)}
 
 

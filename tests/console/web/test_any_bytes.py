@@ -18,6 +18,7 @@ from smarig.console.web import evaluations, rig_checks, viewers
 from smarig.console.web.access_guard import AccessGuard
 from smarig.console.web.application import console_application
 from smarig.console.web.console_context import ConsoleContext
+from smarig.console.web.console_scope import ConsoleScope
 from smarig.console.web.ended_runs import EndedRuns
 from smarig.console.web.library_scanner import LibraryScanner
 from smarig.console.web.pages import data_file_page, library_page
@@ -78,8 +79,9 @@ def application(tmp_path_factory):
         library = Library.open(folder)
         scanner = stack.enter_context(LibraryScanner(library))
         started = [stack.enter_context(closing(each)) for each in (Viewers(), RigChecks(folder))]
+        scope = ConsoleScope(folder)
         context = ConsoleContext(
-            folder, "one_wire_twin", queue, library, scanner, EndedRuns(folder), *started
+            folder, "one_wire_twin", queue, library, scanner, scope, EndedRuns(scope), *started
         )
         yield console_application(context, TOKEN, PORT)
 

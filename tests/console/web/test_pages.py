@@ -13,6 +13,7 @@ import pytest
 
 from console.web.started_console import Console, started_console
 from running.started_run import found_run, started_run, waited
+from smarig.console.web.console_scope import ConsoleScope
 from smarig.console.web.ended_runs import EndedRuns
 from smarig.record import stored_run
 from smarig.runner import RunControl
@@ -23,11 +24,15 @@ HOSTILE = "<script>alert(1)</script>\"'javascript:\n&"
 
 
 @pytest.fixture(scope="module")
-def console(tmp_path_factory):
-    folder = tmp_path_factory.mktemp("console")
+def folder(tmp_path_factory):
+    return tmp_path_factory.mktemp("console") / "runs"
+
+
+@pytest.fixture(scope="module")
+def console(folder):
     with pytest.MonkeyPatch.context() as patch:
-        patch.setenv("SMARIG_RUNNING_DIR", str(folder / "running"))
-        with started_console(folder / "runs") as found:
+        patch.setenv("SMARIG_RUNNING_DIR", str(folder.parent / "running"))
+        with started_console(folder) as found:
             yield found
 
 
@@ -36,8 +41,8 @@ def own_running_dir(tmp_path, monkeypatch):
     monkeypatch.setenv("SMARIG_RUNNING_DIR", str(tmp_path / "running"))
 
 
-def test_hostile_names_of_a_run_are_shown_as_text(console: Console, tmp_path):
-    out = tmp_path / '<img src=x>\udcff".run.sqlite'
+def test_hostile_names_of_a_run_are_shown_as_text(console: Console, folder):
+    out = folder / '<img src=x>\udcff".run.sqlite'
     info = PanelRunInfo(
         HOSTILE, HOSTILE, HOSTILE + "\udc80", "twin", False, HOSTILE, 0.1, 5, 300.0, out, HOSTILE
     )
@@ -158,7 +163,7 @@ def test_a_signal_ends_it_with_status_0_while_a_stream_is_open(tmp_path, own_run
 def test_a_run_outlives_a_killed_console_and_the_next_one_shows_it(tmp_path, own_running_dir):
     with started_run(tmp_path, *SLOW, "-o", "a.run.sqlite") as process:
         run = found_run(process)
-        with started_console(tmp_path / "runs") as first, started_console(tmp_path / "runs") as second:
+        with started_console(tmp_path) as first, started_console(tmp_path) as second:
             assert run.key in first.ask("/").body
             assert run.key in second.ask("/").body
             os.kill(first.process.pid, signal.SIGKILL)
@@ -169,6 +174,7 @@ def test_a_run_outlives_a_killed_console_and_the_next_one_shows_it(tmp_path, own
         assert process.wait(90) == 130
     with stored_run(tmp_path / "a.run.sqlite") as stored:
         assert stored.cause == "stopped by the operator (test)"
+        assert stored.stopped_by.kind == "program"
 
 
 def test_a_killed_run_is_shown_until_it_is_dismissed_also_by_the_next_console(tmp_path, own_running_dir):
@@ -205,7 +211,7 @@ def test_a_killed_run_is_shown_until_it_is_dismissed_also_by_the_next_console(tm
 def test_a_strange_file_of_ended_runs_is_no_harm(tmp_path, own_running_dir, content):
     (tmp_path / "runs").mkdir()
     (tmp_path / "runs" / "console.ended_runs.json").write_text(content, errors="surrogateescape")
-    ended = EndedRuns(tmp_path / "runs")
+    ended = EndedRuns(ConsoleScope(tmp_path / "runs"))
     assert ended.found() == []
     ended.dismiss("nothing")
 

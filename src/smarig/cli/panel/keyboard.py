@@ -13,7 +13,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
-from smarig.core import at_forced_end
+from smarig.core import Requester, at_forced_end
 
 if TYPE_CHECKING:
     from smarig.runner import RunControl
@@ -47,7 +47,7 @@ def press(control: "RunControl", key: str) -> None:
     elif key == "r":
         control.paused = False
     elif key in ("s", "q"):
-        control.stop(f"stopped by the operator (key {key})")
+        control.stop(f"stopped by the operator (key {key})", Requester.USER)
 
 
 def _terminal() -> int | None:

@@ -57,7 +57,7 @@ class _Connection(H11Protocol):
         self._limit = limit
         self._look_again: asyncio.TimerHandle | None = None
 
-    def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]
+    def connection_made(self, transport: asyncio.Transport) -> None:
         super().connection_made(transport)
         self._limit.begin(self)
         self._look_again = self.loop.call_later(LONGEST_S, self._close_if_silent)

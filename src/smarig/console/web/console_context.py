@@ -14,6 +14,7 @@ from starlette.templating import Jinja2Templates
 
 from smarig.console.library.library import Library
 from smarig.console.queue.queue import Queue
+from smarig.console.web.console_scope import ConsoleScope
 from smarig.console.web.ended_runs import EndedRuns
 from smarig.console.web.evaluation_jobs import EvaluationJobs
 from smarig.console.web.library_scanner import LibraryScanner
@@ -43,6 +44,7 @@ class ConsoleContext:
     queue: Queue
     library: Library
     scanner: LibraryScanner
+    scope: ConsoleScope
     ended_runs: EndedRuns
     viewers: Viewers
     rig_checks: RigChecks

@@ -19,10 +19,12 @@ from smarig.console.web.access_guard import TOKEN
 from smarig.console.web.application import console_application
 from smarig.console.web.connection_limit import ACCEPTED_AT_ONCE, ConnectionLimit
 from smarig.console.web.console_context import ConsoleContext
+from smarig.console.web.console_scope import ConsoleScope
 from smarig.console.web.ended_runs import EndedRuns
 from smarig.console.web.library_scanner import LibraryScanner
 from smarig.console.web.log_limit import limit_logs
 from smarig.console.web.rig_checks import RigChecks
+from smarig.console.web.rig_files import rig_entry
 from smarig.console.web.viewers import Viewers
 from smarig.core import SmarigError, UsageError
 
@@ -52,7 +54,12 @@ def serve_console(
             closing(Viewers()) as viewers,
             closing(RigChecks(root)) as rig_checks,
         ):
-            context = ConsoleContext(root, rig, queue, library, scanner, EndedRuns(root), viewers, rig_checks)
+            scope = ConsoleScope(root)
+            scope.open_rig(rig_entry(rig, root).file)
+            ended_runs = EndedRuns(scope)
+            context = ConsoleContext(
+                root, rig, queue, library, scanner, scope, ended_runs, viewers, rig_checks
+            )
             limit = ConnectionLimit()
             application = console_application(context, token, port, limit.admit)
             address = f"http://{HOST}:{port}/?{TOKEN}={token}"

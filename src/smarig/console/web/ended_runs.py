@@ -1,6 +1,8 @@
 """Runs and checks whose processes ended without finishing them: shown on the overview until somebody dismisses them.
 
 ``smarig.running`` reports each of them once, so they are kept in a file of the folder, which a later console reads.
+Only those of the console are taken. The file may have come with the folder: what it says is shown as text, and the
+command that continues a run is made here, for a file inside of the folder.
 """
 
 import json
@@ -12,6 +14,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
+from smarig.console.web.console_scope import ConsoleScope
 from smarig.core import SmarigError, atomic_file, printable
 from smarig.running import EndedRun, collect_ended
 
@@ -21,29 +24,30 @@ _MOST = 100  # the oldest are dropped first
 
 @dataclass(frozen=True)
 class UnfinishedRun:
-    """A run without an end: what happened in one sentence, its file, and the command that continues it.
-
-    A check of a rig has neither: both are "".
-    """
+    """A run without an end: what happened in one sentence, and its file; "" for a check of a rig."""
 
     key: str
     sentence: str
     file: str
-    command: str
+
+    @property
+    def command(self) -> str:
+        """The command that continues it."""
+        return f"smarig resume {shlex.quote(self.file)}"
 
 
 class EndedRuns:
     """``found()`` collects and returns those that were not dismissed, oldest first."""
 
-    def __init__(self, folder: Path) -> None:
-        self._path = folder / FILE
+    def __init__(self, scope: ConsoleScope) -> None:
+        self._scope, self._path = scope, scope.folder / FILE
         self._lock = threading.Lock()
         self._not_stored: list[UnfinishedRun] = []  # because the disk is full
 
     def found(self) -> list[UnfinishedRun]:
         """All that are to be shown."""
         with self._lock:
-            new = [_described(run) for run in collect_ended()]
+            new = [_described(run) for run in collect_ended(self._scope.has)]
             if new or self._not_stored:
                 self._store([*self._stored(), *self._not_stored, *new])
             return [*self._stored(), *self._not_stored]
@@ -56,9 +60,13 @@ class EndedRuns:
     def _stored(self) -> list[UnfinishedRun]:
         try:
             content = json.loads(self._path.read_text(encoding="utf-8"))
-            return [UnfinishedRun(**each) for each in content if _is_description(each)]
-        except (OSError, ValueError, TypeError, RecursionError):  # missing, or written by somebody else
+            found = [_read(each) for each in content if isinstance(each, dict)]
+            return [run for run in found if run is not None and self._may_show(run)]
+        except (OSError, ValueError, TypeError, RuntimeError):  # missing, or written by somebody else
             return []
+
+    def _may_show(self, run: UnfinishedRun) -> bool:
+        return not run.file or Path(run.file).resolve().is_relative_to(self._scope.folder)
 
     def _store(self, runs: list[UnfinishedRun]) -> None:
         kept = runs[-_MOST:]
@@ -76,14 +84,14 @@ def _described(ended: EndedRun) -> UnfinishedRun:
     key = f"{info['pid']}-{info['start_epoch']:.3f}"
     if ended.is_check:
         began = time.strftime("%Y-%m-%d %H:%M", time.localtime(info["start_epoch"]))
-        return UnfinishedRun(key, f"{ended.sentence.removesuffix('.')}; it began at {began}.", "", "")
+        return UnfinishedRun(key, f"{ended.sentence.removesuffix('.')}; it began at {began}.", "")
     protocol, rig, file = (printable(str(info[name])) for name in ("protocol", "rig", "out"))
     when = time.strftime(
         "%Y-%m-%d %H:%M", time.localtime(_last_written(Path(info["out"]), info["start_epoch"]))
     )
     what = f"{protocol[:1].upper()}{protocol[1:].replace('_', ' ')} on {rig}"
     sentence = f"{what} (process {info['pid']}), which wrote {file}, ended at about {when} without finishing."
-    return UnfinishedRun(key, sentence, file, f"smarig resume {shlex.quote(file)}")
+    return UnfinishedRun(key, sentence, file)
 
 
 def _last_written(file: Path, otherwise: float) -> float:
@@ -95,10 +103,7 @@ def _last_written(file: Path, otherwise: float) -> float:
     return max(times)
 
 
-def _is_description(content: Any) -> bool:
-    names = set(UnfinishedRun.__dataclass_fields__)
-    return (
-        isinstance(content, dict)
-        and set(content) == names
-        and all(isinstance(text, str) for text in content.values())
-    )
+def _read(content: dict[str, Any]) -> UnfinishedRun | None:
+    """One as it was stored; None for anything else."""
+    texts = [content.get(name) for name in UnfinishedRun.__dataclass_fields__]
+    return UnfinishedRun(*texts) if all(isinstance(text, str) for text in texts) else None  # type: ignore[arg-type]

@@ -11,10 +11,11 @@ from starlette.routing import Route
 
 from smarig.console.library.library_entry import Entry
 from smarig.console.web.console_context import back, context_of, named_file, page
+from smarig.console.web.console_scope import folder_of
 from smarig.console.web.run_feed import ENDED_MESSAGE, RunFeed
 from smarig.console.web.run_outcome import run_outcome
 from smarig.console.web.run_words import ENDED, run_card
-from smarig.core import UsageError
+from smarig.core import Requester, UsageError, printable
 from smarig.running import RunInProgress, runs_in_progress
 
 _DONE = {wanted: f"The run is asked to {wanted}." for wanted in ("pause", "continue", "stop")}
@@ -22,8 +23,9 @@ _MODELS_OFFERED = 50
 
 
 def run_page(request: Request) -> HTMLResponse:
-    """The page of a run, with its buttons."""
-    return _page(request, reading=False)
+    """The page of a run, with its buttons if the console may press them."""
+    run = _run(request)
+    return _page(request, reading=run is not None and not context_of(request).scope.has(run.info))
 
 
 def phone_page(request: Request) -> HTMLResponse:
@@ -38,7 +40,12 @@ def ask(request: Request) -> Response:
         return back("/", "It has ended already.", "warning")
     if wanted not in _DONE:
         raise UsageError("A run can be paused, continued and stopped.")
-    run.ask(wanted, "console")
+    if not context_of(request).scope.has(run.info):
+        raise UsageError(
+            f"This run belongs to {printable(folder_of(run.info))}. Ask it from the console of that folder, or stop "
+            "its rig on the page of the rig."
+        )
+    run.ask(wanted, "console", Requester.CONSOLE)
     if run.is_check:
         return back("/", "The check is asked to stop.", "warning")
     kept = {"file": str(run.info["out"])}  # by which a run that ends at once is found

@@ -1,9 +1,7 @@
-"""The overview: runs and checks in progress on this computer, the queue of the folder, and how its entries ended."""
+"""The overview: runs and checks of the console, the queue of the folder, and how its entries ended; others apart."""
 
 import time
 import zlib
-from contextlib import suppress
-from pathlib import Path
 from typing import Any
 
 from starlette.requests import Request
@@ -13,10 +11,11 @@ from starlette.routing import Route
 from smarig.console.queue.ensure_worker import ensure_worker
 from smarig.console.queue.queue_entry import CONTINUABLE, ENDED, EntryState, QueueEntry
 from smarig.console.web.console_context import TEMPLATES, ConsoleContext, back, context_of, page
+from smarig.console.web.console_scope import folder_of
 from smarig.console.web.run_words import run_card
-from smarig.core import SmarigError, UsageError, printable
+from smarig.core import Requester, SmarigError, UsageError, printable
 from smarig.report import duration
-from smarig.running import RunInProgress, runs_in_progress
+from smarig.running import RunInProgress, runs_in_progress, stop_runs
 
 _ENDED_SHOWN = 20
 
@@ -37,6 +36,14 @@ def parts(request: Request) -> HTMLResponse:
 def version(request: Request) -> JSONResponse:
     """A text that differs whenever the page would; the runs, and why the queue has paused by itself."""
     return JSONResponse(_state(_parts(context_of(request))))
+
+
+def elsewhere(request: Request) -> HTMLResponse:
+    """The runs and checks of other folders, to look at only."""
+    runs = [
+        run_card(run) | {"folder": printable(folder_of(run.info))} for run in _others(context_of(request))
+    ]
+    return page(request, "elsewhere.html", {"runs": runs}, here="runs")
 
 
 def _state(shown: dict[str, Any]) -> dict[str, Any]:
@@ -94,24 +101,20 @@ def dismiss(request: Request) -> Response:
 
 
 def stop_all(request: Request) -> Response:
-    """Stop every run and check of this user on this computer at once, and start no further entry of the queue."""
-    problems = []
+    """Stop every run and check of this console at once, and start no further entry of the queue."""
+    problems, context = [], context_of(request)
     try:
-        context_of(request).queue.pause()
+        context.queue.pause()
     except SmarigError as error:  # a damaged queue must not keep a current on
         problems.append(str(error))
-    runs = runs_in_progress()
-    for run in runs:
-        with suppress(UsageError):  # it has just ended; the others must be stopped all the same
-            run.ask("stop", "'Stop everything' in the console")
-    for run in runs:
-        run.terminate()
+    runs = context.scope.own(runs_in_progress())
+    stop_runs(runs, "'Stop everything' in the console", Requester.CONSOLE)
     checked = [str(run.info["rig"]) for run in runs if run.is_check]
-    checked += context_of(request).rig_checks.terminate(but={run.info["pid"] for run in runs})
+    checked += context.rig_checks.terminate(but={run.info["pid"] for run in runs})
     n = sum(not run.is_check for run in runs)
     sentences = [f"{_number_of(n, 'run')} asked to stop."] if n else []
     sentences += [f"The check of {printable(rig)} was asked to stop." for rig in checked]
-    text = " ".join([*(sentences or ["No run and no check was in progress."]), *problems])
+    text = " ".join([*(sentences or ["No run and no check of this console was in progress."]), *problems])
     return back(
         "/",
         text if problems else f"{text} The queue is paused.",
@@ -120,18 +123,16 @@ def stop_all(request: Request) -> Response:
 
 
 def _parts(context: ConsoleContext) -> dict[str, Any]:
-    runs = [run_card(run) | {"elsewhere": _elsewhere(run, context)} for run in runs_in_progress()]
-    queue, unfinished = _queue(context), context.ended_runs.found()
-    words = repr((runs, queue, unfinished)).encode("utf-8", "replace")
-    return {"runs": runs, "unfinished": unfinished, "queue": queue, "version": f"{zlib.crc32(words):08x}"}
+    runs = [run_card(run) for run in context.scope.own(runs_in_progress())]
+    queue, unfinished, n = _queue(context), context.ended_runs.found(), len(_others(context))
+    others = f"{_number_of(n, 'run')} of other folders {'is' if n == 1 else 'are'} in progress" if n else ""
+    words = repr((runs, queue, unfinished, others)).encode("utf-8", "replace")
+    version = f"{zlib.crc32(words):08x}"
+    return {"runs": runs, "others": others, "unfinished": unfinished, "queue": queue, "version": version}
 
 
-def _elsewhere(run: RunInProgress, context: ConsoleContext) -> str:
-    """The folder that a run writes to, if it is not in that of the console: perhaps another person's."""
-    if run.is_check:
-        return ""
-    folder = Path(str(run.info["out"])).resolve().parent
-    return "" if folder.is_relative_to(context.folder) else printable(str(folder))
+def _others(context: ConsoleContext) -> list[RunInProgress]:
+    return context.scope.others(runs_in_progress())
 
 
 def _queue(context: ConsoleContext) -> dict[str, Any]:
@@ -207,6 +208,7 @@ def _moment(epoch: float) -> str:
 
 ROUTES = [
     Route("/", overview),
+    Route("/elsewhere", elsewhere),
     Route("/overview/parts", parts),
     Route("/overview/version", version),
     Route("/queue/{wanted:str}", queue_request, methods=["POST"]),

@@ -14,9 +14,9 @@ from smarig.config import RigFile
 from smarig.console.web.console_context import ConsoleContext, back, context_of, form_texts, page
 from smarig.console.web.rig_checks import RigCheck
 from smarig.console.web.rig_files import RigEntry, rig_entry, rigs_of
-from smarig.core import UsageError
+from smarig.core import Requester, UsageError
 from smarig.plant import Actuator
-from smarig.running import RunInProgress, runs_in_progress
+from smarig.running import RunInProgress, runs_in_progress, stop_runs
 
 
 def rigs(request: Request) -> HTMLResponse:
@@ -39,6 +39,7 @@ def one_rig(request: Request) -> HTMLResponse:
         "is_bench": entry.is_bench and not entry.problems,
         "is_real": entry.is_real,
         "check": _check(_check_in_progress(entry, runs) or context.rig_checks.of(name)),
+        "is_driven": bool(_on_its_wire(entry, runs)),
     }
     return page(request, "rig.html", shown, here="rigs")
 
@@ -55,7 +56,23 @@ async def check_rig(request: Request) -> Response:
             "The wire is heated gently, and its lease expires once. Tick the box if you are beside the rig."
         )
     await run_in_threadpool(context.rig_checks.start, name)
+    context.scope.open_rig(entry.file)
     return back(f"/rigs/rig?{urlencode({'rig': name})}")
+
+
+async def stop_rig(request: Request) -> Response:
+    """Stop whatever drives the wire of a rig, of any folder: somebody beside the rig must not look for its owner."""
+    context, name = context_of(request), dict(await form_texts(request)).get("rig", "")
+    return await run_in_threadpool(_stopped, context, name)
+
+
+def _stopped(context: ConsoleContext, name: str) -> Response:
+    runs = _on_its_wire(rig_entry(name, context.folder), runs_in_progress())
+    stop_runs(runs, f"'Stop this rig' in the console of {context.folder}", Requester.CONSOLE)
+    text = "The rig is asked to stop: the current goes to zero." if runs else "Nothing drives this rig."
+    return back(
+        f"/rigs/rig?{urlencode({'rig': name}, errors='replace')}", text, "warning" if runs else "good"
+    )
 
 
 def _row(entry: RigEntry, context: ConsoleContext, runs: Sequence[RunInProgress]) -> dict[str, Any]:
@@ -155,4 +172,5 @@ ROUTES = [
     Route("/rigs", rigs),
     Route("/rigs/rig", one_rig),
     Route("/rigs/check", check_rig, methods=["POST"]),
+    Route("/rigs/stop", stop_rig, methods=["POST"]),
 ]
