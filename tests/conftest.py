@@ -72,6 +72,7 @@ def _private_locks(tmp_path_factory):
     """Test processes run side by side: each has its own idea of which wires are in use. Nothing is left at home."""
     os.environ["SMARIG_LOCK_DIR"] = str(tmp_path_factory.mktemp("locks"))
     os.environ["SMARIG_HISTORY_DIR"] = str(tmp_path_factory.mktemp("wires"))
+    os.environ["SMARIG_STATE_DIR"] = str(tmp_path_factory.mktemp("state"))
     os.environ["SMARIG_RUNNING_DIR"] = str(tmp_path_factory.mktemp("running", numbered=True))
 
 

@@ -153,7 +153,15 @@ def test_nothing_is_started_that_could_not_be_marked_as_running(tmp_path, monkey
 def test_a_pause_in_the_last_moment_is_obeyed(tmp_path, monkeypatch):
     with opened(tmp_path) as queue, worker(tmp_path) as one:
         queue.add(request())
-        monkeypatch.setattr(worker_module, "_has_work", lambda _file: queue.pause() or True)
+        look = one._next
+
+        def pausing_after_a_look():
+            found = look()
+            monkeypatch.setattr(one, "_next", look)
+            queue.pause()
+            return found
+
+        monkeypatch.setattr(one, "_next", pausing_after_a_look)
         monkeypatch.setattr(worker_module, "start_process", lambda *_: pytest.fail("it was started"))
         assert not one.step()
 

@@ -45,6 +45,14 @@ def check_system() -> None:
         raise UsageError("The queue needs locks that a process inherits, which Windows does not have.")
 
 
+def check_logs(folder: Path) -> None:
+    """Raise UsageError if the logs would be written elsewhere."""
+    if (folder / LOGS).is_symlink():
+        raise UsageError(
+            f"{folder / LOGS} is a link to another folder. Remove it; the logs of the queue belong there."
+        )
+
+
 def start_process(entry: QueueEntry, folder: Path) -> subprocess.Popen[bytes]:
     """Start the command of an entry. Raises InUse if its process is alive already, and OSError."""
     files = EntryFiles.of(folder, entry.id)

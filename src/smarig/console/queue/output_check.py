@@ -21,17 +21,22 @@ def with_checked_output(request: EntryRequest, folder: Path) -> EntryRequest:
     """The request, its output relative to the folder. Raises UsageError, or InUse if it is being recorded."""
     if request.out.endswith("/") and request.kind == "protocol":
         raise UsageError(f"{shown(request.out)} is a folder. Name a run file.")
-    target = Path(folder.resolve() / request.out)
+    inside = check_inside(request, folder)
+    _check_absent(folder.resolve() / request.out, request)
+    return replace(request, out=str(inside))
+
+
+def check_inside(request: EntryRequest, folder: Path) -> Path:
+    """The output relative to the folder. Raises UsageError if it is outside, or a file of the console itself."""
     try:
-        inside = target.resolve().relative_to(folder.resolve())
+        inside = (folder.resolve() / request.out).resolve().relative_to(folder.resolve())
     except ValueError:
         raise UsageError(f"{shown(request.out)} is outside {folder}. Name an output inside it.") from None
     except OSError as error:
         raise UsageError(f"{shown(request.out)} is no usable name: {error.strerror or error}.") from None
     if inside == Path() or inside.parts[0].startswith(_RESERVED):
         raise UsageError(f"{shown(request.out)} is a name of the console itself. Give another name.")
-    _check_absent(target, request)
-    return replace(request, out=str(inside))
+    return inside
 
 
 def check_no_other(request: EntryRequest, others: Iterable[QueueEntry]) -> None:

@@ -7,10 +7,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Self
 
+from smarig.console.own_code import OwnCode
+from smarig.console.queue.allowed_entries import AllowedEntries, own_code_of_request
 from smarig.console.queue.entry_preview import EntryPreview, Previewer, preview_entry
 from smarig.console.queue.entry_process import check_system
 from smarig.console.queue.entry_request import EntryRequest, check_request
-from smarig.console.queue.output_check import check_no_other, with_checked_output
+from smarig.console.queue.output_check import check_inside, check_no_other, with_checked_output
 from smarig.console.queue.queue_entry import CONTINUABLE, ENDED, EntryState, QueueEntry
 from smarig.console.queue.queue_file import QueueFile
 from smarig.core import StorageError, UsageError
@@ -28,14 +30,26 @@ class QueueState:
     stop_after_this: bool
 
 
+@dataclass(frozen=True)
+class AskingEntry:
+    """An entry with the own code that it runs, and the mark of both: it differs whenever one of them does."""
+
+    entry: QueueEntry
+    code: tuple[OwnCode, ...]
+    mark: str
+
+
 class Queue:
     """``with Queue.open(folder) as queue: queue.add(request); ensure_worker(folder)``.
 
-    It only changes the file; the worker starts the entries. It may be used by several threads and processes at once.
+    It only changes the file; the worker starts the entries that a person has asked for: by ``add``, ``edit``, ``allow``
+    or ``continue_interrupted`` here, under this account of this computer (``AllowedEntries``). It may be used by
+    several threads and processes at once.
     """
 
     def __init__(self, folder: Path, file: QueueFile, previewer: Previewer) -> None:
         self.folder, self._file, self._previewer = folder, file, previewer
+        self._allowed = AllowedEntries(folder)
 
     @classmethod
     def open(cls, folder: Path, previewer: Previewer = preview_entry) -> Self:
@@ -64,7 +78,9 @@ class Queue:
             check_no_other(request, self._unfinished())
             place = self._file.place("max") + 1
             columns = _columns(request, preview)
-            return self._file.insert(state=WAITING, place=place, added=time.time(), **columns)
+            number = self._file.insert(state=WAITING, place=place, added=time.time(), **columns)
+            self._allowed.allow(number, request)
+        return number
 
     def edit(self, number: int, request: EntryRequest) -> None:
         """Replace what an entry that waits will do. Checked as in ``add``."""
@@ -74,7 +90,9 @@ class Queue:
             if self._waiting(number).continued:
                 raise UsageError(f"Entry {number} continues a run, so it cannot be edited. Add a new one.")
             check_no_other(request, [e for e in self._unfinished() if e.id != number])
+            self._allowed.take(self._waiting(number))
             self._file.update(number, **_columns(request, preview))
+            self._allowed.allow(number, request)
 
     def move(self, number: int, before: int | None = None) -> None:
         """Place an entry that waits before another that waits, or at the end."""
@@ -94,8 +112,29 @@ class Queue:
     def remove(self, number: int) -> None:
         """Take an entry that waits out of the queue."""
         with self._file.transaction():
-            self._waiting(number)
+            self._allowed.take(self._waiting(number))
             self._file.update(number, state=EntryState.REMOVED, ended=time.time())
+
+    def asking(self) -> list[AskingEntry]:
+        """The entries that wait for a person: those that came with the folder, or whose own code has changed since."""
+        waiting = self._file.entries(WAITING)
+        return [self._asking(entry) for entry in waiting if not self._allowed.has(entry)]
+
+    def asked(self, number: int) -> AskingEntry:
+        """An entry with what a person must see before it is started."""
+        return self._asking(self._file.entry(number))
+
+    def allow(self, number: int, mark: str) -> None:
+        """Let the worker start an entry that waits, as it was shown with this mark. UsageError if it has changed."""
+        with self._file.transaction():
+            entry = self._waiting(number)
+            if self._allowed.mark_of(number, entry.request) != mark:
+                raise UsageError(f"Entry {number} has changed since it was shown. Look at it again.")
+            if entry.continued:
+                check_inside(entry.request, self.folder)
+            else:
+                with_checked_output(entry.request, self.folder)
+            self._allowed.allow(number, entry.request)
 
     def entry(self, number: int) -> QueueEntry:
         """One entry. Raises UsageError if there is none with this number."""
@@ -139,6 +178,8 @@ class Queue:
         """
         with self._decided(number) as entry:
             check_no_other(entry.request, [e for e in self._unfinished() if e.id != number])
+            check_inside(entry.request, self.folder)
+            self._allowed.allow(number, entry.request)
             place = self._file.place("min") - 1
             cleared: dict[str, Any] = {"ended": None, "exit_status": None, "sentence": ""}
             self._file.update(number, state=WAITING, place=place, continued=1, **cleared)
@@ -170,6 +211,10 @@ class Queue:
         check_request(request)
         request = with_checked_output(request, self.folder)
         return request, self._previewer(request, self.folder)
+
+    def _asking(self, entry: QueueEntry) -> AskingEntry:
+        code = own_code_of_request(entry.request, self.folder.resolve())
+        return AskingEntry(entry, code, self._allowed.mark_of(entry.id, entry.request))
 
     def _unfinished(self) -> list[QueueEntry]:
         return self._file.entries(RUNNING, WAITING)

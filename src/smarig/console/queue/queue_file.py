@@ -31,6 +31,7 @@ PRAGMA application_id = {_APPLICATION_ID};
 PRAGMA user_version = {VERSION};
 """
 _SELECT = f"SELECT {','.join(COLUMNS)} FROM entry"
+_FOREIGN = "SELECT count(*) FROM sqlite_schema WHERE type NOT IN ('table', 'index')"
 _DAMAGED = (sqlite3.SQLITE_CORRUPT, sqlite3.SQLITE_NOTADB, sqlite3.SQLITE_SCHEMA, sqlite3.SQLITE_ERROR)
 _BUSY = (sqlite3.SQLITE_BUSY, sqlite3.SQLITE_LOCKED)
 
@@ -151,6 +152,8 @@ class QueueFile:
             raise UsageError(
                 f"{self.path} has version {version}, and this smarig knows versions up to {VERSION}. Update smarig."
             )
+        if self._db.execute(_FOREIGN).fetchone() != (0,):
+            raise DataError(_damaged(self.path, "it holds views or triggers, which no queue of smarig has"))
         if (fault := self._pragma("quick_check")) != "ok":
             raise DataError(_damaged(self.path, str(fault)))
 

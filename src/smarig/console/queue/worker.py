@@ -1,7 +1,8 @@
 """The process that starts the entries of a queue in order: ``python -m smarig.console.queue.worker FOLDER``.
 
-It holds nothing that a run needs. If it is killed, the run goes on; the next worker finds it alive, waits for it and
-stores its outcome. It never starts an entry that it finds started.
+It starts only what a person has asked for under this account (``AllowedEntries``), and keeps the order: the first entry
+that waits for a click holds up the rest. It holds nothing that a run needs. If it is killed, the run goes on; the next
+worker finds it alive, waits for it and stores its outcome. It never starts an entry that it finds started.
 """
 
 import contextlib
@@ -10,11 +11,14 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
+from smarig.console.queue.allowed_entries import AllowedEntries
 from smarig.console.queue.entry_process import (
     EntryFiles,
     bound_log,
+    check_logs,
     check_system,
     forget_result,
     is_alive,
@@ -40,7 +44,7 @@ class Worker:
     """Starts the entries of an open queue, one after the other."""
 
     def __init__(self, folder: Path, file: QueueFile) -> None:
-        self._folder, self._file = folder, file
+        self._folder, self._file, self._allowed = folder, file, AllowedEntries(folder)
         self._process: subprocess.Popen[bytes] | None = None  # None for an entry of an earlier worker
 
     def step(self) -> bool:
@@ -55,16 +59,28 @@ class Worker:
         return entry is not None
 
     def _take_next(self) -> QueueEntry | None:
-        """The next entry, marked as running on the disk before its process exists, so that none is started twice."""
-        if not _has_work(self._file):
+        """The next entry, marked as running on the disk before its process exists, so that none is started twice.
+
+        As it was when its mark was looked for: a trigger in a file of somebody else may change it meanwhile.
+        """
+        if self._next() is None:
             return None
         with self._file.transaction():
-            waiting = [] if self._file.get("paused") else self._file.entries(EntryState.WAITING)
-            if not waiting:
+            entry, now = self._next(), time.time()
+            if entry is None or not self._allowed.take(entry):
                 return None
-            forget_result(self._folder, waiting[0].id)
-            self._file.update(waiting[0].id, state=EntryState.RUNNING, started=time.time(), pid=None)
-        return self._file.entry(waiting[0].id)
+            forget_result(self._folder, entry.id)
+            self._file.update(entry.id, state=EntryState.RUNNING, started=now, pid=None)
+        return replace(entry, state=EntryState.RUNNING, started=now, pid=None)
+
+    def _next(self) -> QueueEntry | None:
+        """The entry that may be started now."""
+        waiting = [] if self._file.get("paused") else self._file.entries(EntryState.WAITING)
+        return waiting[0] if waiting and self._allowed.has(waiting[0]) else None
+
+    def has_work(self) -> bool:
+        """Whether an entry runs, or may be started now."""
+        return self._next() is not None or bool(self._file.entries(EntryState.RUNNING))
 
     def _start(self, entry: QueueEntry) -> None:
         try:
@@ -111,12 +127,14 @@ def work(folder: Path, idle_s: float = IDLE_S) -> None:
     after the release finds the entry.
     """
     check_system()
+    check_logs(folder)
     with QueueFile(folder) as file:
+        worker = Worker(folder, file)
         while True:
             remedy = "It does the work."
             with process_lock(lock_key(folder), f"The queue of {folder} is served", remedy, lasting=False):
-                _work_until_idle(Worker(folder, file), folder, idle_s)
-            if not _has_work(file):
+                _work_until_idle(worker, folder, idle_s)
+            if not worker.has_work():
                 return
 
 
@@ -136,11 +154,6 @@ def _work_until_idle(worker: Worker, folder: Path, idle_s: float) -> None:
             idle_since = time.monotonic()
         bound_log(folder / LOG)
         time.sleep(POLL_S)
-
-
-def _has_work(file: QueueFile) -> bool:
-    waits = bool(file.entries(EntryState.WAITING)) and not file.get("paused")
-    return waits or bool(file.entries(EntryState.RUNNING))
 
 
 def _until_stored(store: Callable[[], None]) -> None:

@@ -32,6 +32,7 @@ def _encodable(value: Any) -> Any:
 
 TEMPLATES = Jinja2Templates(Path(__file__).parent / "templates")
 TEMPLATES.env.finalize = _encodable
+LONGEST_NUMBER = 18  # digits of the number of an entry
 _LEVELS = ("good", "warning", "bad")
 
 
@@ -55,7 +56,7 @@ class ConsoleContext:
 class EntryNumber(Convertor[int]):
     """A number of an entry in an address, ``{number:entry}``: as many digits as the database can hold."""
 
-    regex = "[0-9]{1,18}"
+    regex = f"[0-9]{{1,{LONGEST_NUMBER}}}"
 
     def convert(self, value: str) -> int:
         """The number."""

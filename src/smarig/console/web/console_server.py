@@ -43,7 +43,8 @@ def serve_console(
 ) -> None:
     """Serve the console of a folder until Ctrl-C or SIGTERM; ``announce`` is told its address with the token.
 
-    ``port`` 0: any free one. Entries that wait in the queue go on. Raises UsageError if the port is taken.
+    ``port`` 0: any free one. Entries that were queued here go on; those that came with the folder wait for a click.
+    Raises UsageError if the port is taken.
     """
     with closing(_bound(port)) as listening, Queue.open(folder) as queue:
         library, token = Library.open(folder), secrets.token_urlsafe(24)
@@ -116,6 +117,9 @@ def _go_on(queue: Queue, folder: Path, announce: Callable[[str], None]) -> None:
     try:
         if queue.entries(newest=0):
             ensure_worker(folder)
+        if n := len(queue.asking()):
+            entries = "1 entry of the queue waits" if n == 1 else f"{n} entries of the queue wait"
+            announce(f"{entries} for you to look at: the queue was not filled here, or its code has changed.")
     except SmarigError as error:
         announce(str(error))
 

@@ -12,6 +12,8 @@ from starlette.responses import HTMLResponse, Response
 from starlette.routing import Route
 
 from smarig.config import RigFile, load_campaign, load_rig, shipped_names
+from smarig.console.own_code import own_code_digest, own_code_of_rig, own_code_text
+from smarig.console.queue.allowed_entries import own_code_of_request
 from smarig.console.queue.ensure_worker import ensure_worker
 from smarig.console.queue.entry_command import shown_command
 from smarig.console.queue.entry_preview import EntryPreview, preview_entry
@@ -57,6 +59,13 @@ def _requested(
 ) -> Response:
     try:
         wanted = entry_request_of(values)
+        code = own_code_of_request(wanted, context.folder)
+        if own_code_digest(code) != values.get("code", ""):
+            raise UsageError(
+                f"This runs {own_code_text(code)}. Press the button again to allow it."
+                if code
+                else "The own code that was shown is not run any more. Press the button again."
+            )
         if values.get("do") == "preview":
             return _shown(request, context, values, number, preview=preview_entry(wanted, context.folder))
         if number is None:
@@ -133,6 +142,7 @@ def _shown(
 ) -> HTMLResponse:
     rig = values.get("rig") or context.rig
     experiment = values.get("experiment") or _FIRST
+    own_driver = bool(own_code_of_rig(rig, context.folder))  # not to be imported by looking at a page
     try:
         file = load_rig(str(context.folder / rig) if rig.endswith(".toml") else rig)  # as the queue does
         text, fields = _experiment(experiment)
@@ -142,7 +152,7 @@ def _shown(
         **_choices(rig, context.folder),
         "rig": rig,
         "rig_text": _rig_text(file),
-        "rig_problems": inconsistencies(file) if file else [],
+        "rig_problems": inconsistencies(file) if file and not own_driver else [],
         "rig_wire": file.wire if file else "",
         "is_twin": file is not None and (file.kind == "twin" or file.simulator is not None),
         "experiment": experiment,
@@ -161,6 +171,7 @@ def _shown(
         "preview": _preview(preview, file) if preview else None,
         "error": error,
         "command": _command(context, values, rig, experiment),
+        **_code(context, values, rig, experiment),
         **{name: values.get(name, "") for name in ("wire", "load", "notes", "effects", "speed")},
         "seed": values.get("seed") or "0",
     }
@@ -231,6 +242,17 @@ def _command(context: ConsoleContext, values: Mapping[str, str], rig: str, exper
         )
     except SmarigError as error:
         return str(error)
+
+
+def _code(context: ConsoleContext, values: Mapping[str, str], rig: str, experiment: str) -> dict[str, str]:
+    """The own code that the buttons would run, in words, and its digest, which they send."""
+    try:
+        start = {"rig": rig, "experiment": experiment, "out": "x"}
+        wanted = entry_request_of({**start, **{k: v for k, v in values.items() if v}})
+    except SmarigError:
+        return {"code": "", "code_digest": ""}
+    code = own_code_of_request(wanted, context.folder)
+    return {"code": own_code_text(code), "code_digest": own_code_digest(code)}
 
 
 def _preview(found: EntryPreview, file: RigFile | None) -> dict[str, Any]:

@@ -4,13 +4,25 @@ import time
 import zlib
 from typing import Any
 
+from starlette.concurrency import run_in_threadpool
 from starlette.requests import Request
 from starlette.responses import HTMLResponse, JSONResponse, Response
 from starlette.routing import Route
 
+from smarig.console.own_code import own_code_text
 from smarig.console.queue.ensure_worker import ensure_worker
+from smarig.console.queue.entry_command import shown_command
+from smarig.console.queue.queue import AskingEntry
 from smarig.console.queue.queue_entry import CONTINUABLE, ENDED, EntryState, QueueEntry
-from smarig.console.web.console_context import TEMPLATES, ConsoleContext, back, context_of, page
+from smarig.console.web.console_context import (
+    LONGEST_NUMBER,
+    TEMPLATES,
+    ConsoleContext,
+    back,
+    context_of,
+    form_texts,
+    page,
+)
 from smarig.console.web.console_scope import folder_of
 from smarig.console.web.run_words import run_card
 from smarig.core import Requester, SmarigError, UsageError, printable
@@ -68,14 +80,43 @@ def queue_request(request: Request) -> Response:
     return back("/", "The queue is paused.", "warning")
 
 
-def entry_request(request: Request) -> Response:
+async def start_entries(request: Request) -> Response:
+    """Let entries go that nobody has queued here, as they were shown: each field has the number and the mark of one."""
+    marks = [value for name, value in await form_texts(request) if name == "entry"]
+    return await run_in_threadpool(_started, context_of(request), marks)
+
+
+def _started(context: ConsoleContext, marks: list[str]) -> Response:
+    for each in marks:
+        number, _, mark = each.partition(" ")
+        if not number.isdecimal() or len(number) > LONGEST_NUMBER:
+            raise UsageError("No entry was chosen.")
+        context.queue.allow(int(number), mark)
+    ensure_worker(context.folder)
+    text = f"{_number_of(len(marks), 'entry', 'entries')} will be started in order."
+    if context.queue.state().paused:
+        return back("/", f"{text} The queue is paused: continue it.", "warning")
+    return back("/", text)
+
+
+async def entry_request(request: Request) -> Response:
     """A button of one entry: up, down, remove, continue."""
+    form = dict(await form_texts(request))
+    return await run_in_threadpool(_entry_requested, request, form.get("mark", ""))
+
+
+def _entry_requested(request: Request, mark: str) -> Response:
     context = context_of(request)
     number, wanted = request.path_params["number"], request.path_params["wanted"]
     if wanted == "remove":
         context.queue.remove(number)
         return back("/", "The entry was removed.")
     if wanted == "continue":
+        asked = context.queue.asked(number)
+        if asked.code and asked.mark != mark:
+            raise UsageError(
+                f"Entry {number} runs {own_code_text(asked.code)}, which is not what was shown. Look at it again."
+            )
         context.queue.continue_interrupted(number)
         ensure_worker(context.folder)
         if context.queue.state().paused:
@@ -139,7 +180,7 @@ def _queue(context: ConsoleContext) -> dict[str, Any]:
     now = time.time()
     try:
         entries, state = context.queue.entries(newest=_ENDED_SHOWN), context.queue.state()
-        ends = context.queue.ends_at(now)
+        ends, asking = context.queue.ends_at(now), context.queue.asking()
     except SmarigError as error:
         return {
             "reason": str(error),
@@ -147,6 +188,7 @@ def _queue(context: ConsoleContext) -> dict[str, Any]:
             "summary": "",
             "paused": True,
             "runs": False,
+            "asking": None,
             "waiting": [],
             "ended": [],
         }
@@ -157,26 +199,46 @@ def _queue(context: ConsoleContext) -> dict[str, Any]:
     return {
         "reason": reason,
         "fault": state.sentence if state.paused_by is not None else "",
-        "summary": _summary(waiting, ends, paused=state.paused),
+        "summary": _summary(waiting, ends, paused=state.paused, held=bool(asking)),
+        "asking": _asking(asking, context) if asking else None,
         "paused": state.paused or state.stop_after_this,
         "runs": any(e.state is EntryState.RUNNING for e in waiting),
-        "waiting": [_row(e) for e in waiting],
-        "ended": [_row(e) for e in reversed(entries) if e.state in ENDED],
+        "waiting": [_row(e, context) for e in waiting],
+        "ended": [_row(e, context) for e in reversed(entries) if e.state in ENDED],
     }
 
 
-def _summary(waiting: list[QueueEntry], ends: float | None, *, paused: bool) -> str:
+def _asking(asking: list[AskingEntry], context: ConsoleContext) -> dict[str, Any]:
+    """What a person must see of entries that came with the folder, before a click starts them."""
+    rows = [
+        {
+            "id": each.entry.id,
+            "value": f"{each.entry.id} {each.mark}",
+            "command": shown_command(each.entry.request, context.folder, continued=each.entry.continued),
+            "rig": each.entry.request.rig,
+            "out": each.entry.request.out,
+            "code": [printable(code.text, 300) for code in each.code],
+        }
+        for each in asking
+    ]
+    return {"rows": rows, "plain": [row for row in rows if not row["code"]]}
+
+
+def _summary(waiting: list[QueueEntry], ends: float | None, *, paused: bool, held: bool) -> str:
     if ends is None:
         return "Nothing waits."
     n = sum(e.state is EntryState.WAITING for e in waiting)
     text = f"{_number_of(n, 'entry', 'entries')} waiting" if n else "Nothing waits"
     if paused and n:
         return f"{text}, until the queue continues."
+    if held:
+        return f"{text}. Those that you have not started hold up the ones behind them."
     return f"{text}. Everything will have ended at about {_moment(ends)}."
 
 
-def _row(entry: QueueEntry) -> dict[str, Any]:
-    request = entry.request
+def _row(entry: QueueEntry, context: ConsoleContext) -> dict[str, Any]:
+    request, continuable = entry.request, entry.state in CONTINUABLE
+    asked = context.queue.asked(entry.id) if continuable else None
     words = (
         request.experiment if request.kind != "characterise" else f"characterisation ({request.experiment})"
     )
@@ -191,7 +253,9 @@ def _row(entry: QueueEntry) -> dict[str, Any]:
         "sentence": entry.sentence,
         "level": good.get(entry.state, ""),
         "movable": entry.state is EntryState.WAITING,
-        "continuable": entry.state in CONTINUABLE,
+        "continuable": continuable,
+        "mark": asked.mark if asked else "",
+        "code": own_code_text(asked.code) if asked else "",
         "when": _moment(entry.ended) if entry.ended else "",
     }
 
@@ -211,6 +275,7 @@ ROUTES = [
     Route("/elsewhere", elsewhere),
     Route("/overview/parts", parts),
     Route("/overview/version", version),
+    Route("/queue/start", start_entries, methods=["POST"]),
     Route("/queue/{wanted:str}", queue_request, methods=["POST"]),
     Route("/queue/{number:entry}/{wanted:str}", entry_request, methods=["POST"]),
     Route("/ended/{key:str}/dismiss", dismiss, methods=["POST"]),

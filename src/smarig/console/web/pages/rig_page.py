@@ -11,6 +11,7 @@ from starlette.responses import HTMLResponse, Response
 from starlette.routing import Route
 
 from smarig.config import RigFile
+from smarig.console.own_code import own_code_digest, own_code_of_rig, own_code_text
 from smarig.console.web.console_context import ConsoleContext, back, context_of, form_texts, page
 from smarig.console.web.rig_checks import RigCheck
 from smarig.console.web.rig_files import RigEntry, rig_entry, rigs_of
@@ -30,7 +31,11 @@ def rigs(request: Request) -> HTMLResponse:
 def one_rig(request: Request) -> HTMLResponse:
     """The page of one rig."""
     context, name = context_of(request), request.query_params.get("rig", "")
-    entry, runs = rig_entry(name, context.folder), runs_in_progress()
+    entry, runs, code = (
+        rig_entry(name, context.folder),
+        runs_in_progress(),
+        own_code_of_rig(name, context.folder),
+    )
     shown = {
         **_row(entry, context, runs),
         "problems": entry.problems,
@@ -38,6 +43,8 @@ def one_rig(request: Request) -> HTMLResponse:
         "links": _links(entry.file) if entry.file else [],
         "is_bench": entry.is_bench and not entry.problems,
         "is_real": entry.is_real,
+        "code": own_code_text(code),
+        "code_digest": own_code_digest(code),
         "check": _check(_check_in_progress(entry, runs) or context.rig_checks.of(name)),
         "is_driven": bool(_on_its_wire(entry, runs)),
     }
@@ -51,6 +58,11 @@ async def check_rig(request: Request) -> Response:
     entry = await run_in_threadpool(rig_entry, name, context.folder)
     if not entry.is_bench or entry.problems:
         raise UsageError(entry.problems[0] if entry.problems else f"{name} has no devices to check.")
+    code = await run_in_threadpool(own_code_of_rig, name, context.folder)
+    if own_code_digest(code) != form.get("code", ""):
+        raise UsageError(
+            f"The check would run {own_code_text(code)}, which was not shown. Open the page again."
+        )
     if entry.is_real and form.get("heat") != "yes":
         raise UsageError(
             "The wire is heated gently, and its lease expires once. Tick the box if you are beside the rig."

@@ -1,0 +1,131 @@
+"""Code that no part of smarig is and that a command would run: what a person sees before the click that allows it.
+
+A rig file, a campaign or a queue that came with a folder may name a protocol, an effect or a driver in Python, a
+library, or an installed plug-in. Here they are only found and hashed; nothing is imported.
+"""
+
+import hashlib
+import os
+import re
+import stat
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+from smarig.config import LinksFile, RigFile, load_campaign, load_rig, shipped_names
+from smarig.core import SmarigError, catalogue_names, is_path, offers_of_name, printable
+from smarig.plant import EFFECTS
+from smarig.protocols import PROTOCOLS
+from smarig.rig import DRIVERS
+
+_NOT_READ = (SmarigError, OSError, ValueError, RecursionError)  # a file that no command can use either
+
+
+@dataclass(frozen=True)
+class OwnCode:
+    """A file or a plug-in: its role, its name for people, and the hash of the file ("" if there is none to read)."""
+
+    role: str
+    name: str
+    sha256: str = ""
+
+    @property
+    def text(self) -> str:
+        """In words, such as "driver of the amplifier mine.py"."""
+        return f"{self.role} {self.name}"
+
+
+def own_code_digest(code: Iterable[OwnCode]) -> str:
+    """A text that differs whenever the code does; "" for none."""
+    parts = [[each.role, each.name, each.sha256] for each in code]
+    return hashlib.sha256(repr(parts).encode("utf-8", "replace")).hexdigest() if parts else ""
+
+
+def own_code_text(code: Iterable[OwnCode]) -> str:
+    """The code in words, for a button or a sentence; "" for none."""
+    return printable(", ".join(each.text for each in code), 300)
+
+
+def own_code_of_rig(name: str, folder: Path) -> tuple[OwnCode, ...]:
+    """What a rig brings, by its name or the path of its file from a folder. ``trace`` is a file that it overwrites."""
+    given = folder / name
+    if name in shipped_names("rigs") and not _is_file(given):
+        return ()
+    try:
+        file = load_rig(str(given) if _is_file(given) else name)
+    except _NOT_READ:
+        return ()
+    return tuple(_of_rig(file, folder))
+
+
+def own_code_of_experiment(name: str, folder: Path) -> tuple[OwnCode, ...]:
+    """What a protocol or a campaign brings."""
+    if is_path(name):
+        return (_file("protocol", name, folder),)
+    given = folder / name
+    if not _is_file(given):
+        return _plugin("protocol", PROTOCOLS, name)
+    try:
+        plan = load_campaign(str(given))
+    except _NOT_READ:
+        return ()
+    return tuple(code for step in plan.step for code in own_code_of_experiment(step.protocol, folder))
+
+
+def own_code_of_effect(text: str, folder: Path) -> tuple[OwnCode, ...]:
+    """What an effect brings as the command line takes it: ``./mine.py=3``, ``name.parameter=3``."""
+    if path := re.fullmatch(r"(.+\.py)((?:\..*)?(?:=.*)?)", text.strip()):
+        return (_file("effect", path[1], folder),)
+    return _plugin("effect", EFFECTS, re.split("[.=]", text, maxsplit=1)[0].strip())
+
+
+def own_code_of_setting(text: str, folder: Path) -> tuple[OwnCode, ...]:
+    """What the value of a setting brings: a controller in Python."""
+    return (_file("controller", text, folder),) if is_path(text) else ()
+
+
+def _of_rig(file: RigFile, folder: Path) -> Iterator[OwnCode]:
+    for role in LinksFile.model_fields if file.links else ():
+        if (link := getattr(file.links, role)) is not None:
+            what = f"driver of the {role.replace('_', ' ')}"
+            yield from (
+                (_file(what, link.driver, folder),)
+                if is_path(link.driver)
+                else _plugin(what, DRIVERS, link.driver)
+            )
+    if file.simulator is not None and file.simulator.library:
+        yield _file("firmware library", file.simulator.library, folder)
+    if file.simulator is not None and file.simulator.trace:
+        yield OwnCode("file that is overwritten,", file.simulator.trace)
+
+
+def _plugin(role: str, package: str, name: str) -> tuple[OwnCode, ...]:
+    if name in catalogue_names(package):
+        return ()
+    return tuple(
+        OwnCode(role, f"{name} (plug-in of {offer.origin})") for offer in offers_of_name(package, name)
+    )
+
+
+def _file(role: str, name: str, folder: Path) -> OwnCode:
+    path = folder / name
+    inside = path.is_relative_to(folder)
+    return OwnCode(role, str(path.relative_to(folder)) if inside else str(path), _sha256(path))
+
+
+def _is_file(path: Path) -> bool:
+    try:
+        return path.is_file()
+    except (OSError, ValueError):  # no name of a file
+        return False
+
+
+def _sha256(path: Path) -> str:
+    """The hash of a regular file; "" for anything else, which no command can load either."""
+    try:
+        descriptor = os.open(path, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0))
+        with os.fdopen(descriptor, "rb") as file:
+            regular = stat.S_ISREG(os.fstat(descriptor).st_mode)
+            return hashlib.file_digest(file, "sha256").hexdigest() if regular else ""
+    except (OSError, ValueError):
+        return ""
