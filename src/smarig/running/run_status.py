@@ -36,6 +36,7 @@ class PanelRunInfo:
 
     ``limits``: those in force that are set, by the names of the rig file. ``kind``: "run", or "check" for the bring-up
     of a rig, which has no steps and writes no file. ``folder``: the one that it belongs to; that of ``out`` for a run.
+    ``rig_kind``: that of the rig file, "twin" or "bench"; simulated devices are a bench whose ``source`` is "twin".
     """
 
     protocol: str
@@ -54,6 +55,7 @@ class PanelRunInfo:
     limits: Mapping[str, float] = field(default_factory=dict)
     kind: str = "run"
     folder: Path | None = None
+    rig_kind: str = ""
 
     @property
     def label(self) -> str:
@@ -106,7 +108,8 @@ def run_info(
     rig = (file.name, wire, source, actuator.two_wire, actuator.unit, file.period_s)
     cost = (expected.steps, expected.duration_s)
     limits = file.limits.model_dump(exclude_none=True)
-    return PanelRunInfo(expected.protocol, *rig, *cost, out, place, done_steps, done_s, limits)
+    done = (done_steps, done_s)
+    return PanelRunInfo(expected.protocol, *rig, *cost, out, place, *done, limits, rig_kind=file.kind)
 
 
 def check_info(file: RigFile, folder: Path) -> PanelRunInfo:
@@ -115,7 +118,7 @@ def check_info(file: RigFile, folder: Path) -> PanelRunInfo:
     rig = (file.name, file.wire, "bench", actuator.two_wire, actuator.unit, file.period_s)
     limits = file.limits.model_dump(exclude_none=True)
     none = {"steps": 0, "duration_s": 0.0, "out": Path()}
-    return PanelRunInfo("check", *rig, **none, limits=limits, kind="check", folder=folder)
+    return PanelRunInfo("check", *rig, **none, limits=limits, kind="check", folder=folder, rig_kind="bench")
 
 
 class RunStatus:

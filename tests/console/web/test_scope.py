@@ -56,7 +56,7 @@ def console(folder):
 def world(console, folder):
     """Their process is that of the test, which ignores the signal that follows a request."""
     controls = [RunControl() for _ in range(3)]
-    told = [info("inside", folder / "deep"), info("outside", folder.parent)]
+    told = [info("inside", folder / "deep"), info("outside", folder.parent, wire="shared")]
     told.append(info("on_bench", folder.parent, "bench", "shared"))
     before = signal.signal(signal.SIGTERM, signal.SIG_IGN)
     with ExitStack() as stack:
@@ -117,6 +117,7 @@ def test_the_wire_of_a_rig_that_was_opened_is_in_scope(folder):
     scope.open_rig(rig_entry("bench.toml", folder).file)
     assert scope.has(bench)
     assert not scope.has(bench | {"source": "twin"}), "each twin has a wire of its own"
+    assert scope.has(bench | {"source": "twin", "rig_kind": "bench"}), "simulated devices are a bench"
     scope.open_rig(rig_entry("one_wire_twin", folder).file)
     scope.open_rig(None)
     assert not scope.has({"folder": "/elsewhere", "source": "twin", "wire": "twin-one-wire"})

@@ -26,7 +26,7 @@ class ConsoleScope:
 
     def has(self, info: Mapping[str, Any]) -> bool:
         """Whether a run or a check with this description belongs to the console."""
-        on_own_wire = info.get("source") == "bench" and info.get("wire") in self._wires
+        on_own_wire = drives_bench(info) and info.get("wire") in self._wires
         return on_own_wire or self._is_inside(folder_of(info))
 
     def own(self, runs: Iterable[RunInProgress]) -> list[RunInProgress]:
@@ -47,3 +47,8 @@ class ConsoleScope:
 def folder_of(info: Mapping[str, Any]) -> str:
     """The folder that a run or a check belongs to. Versions that did not announce it announced the file of the run."""
     return str(info.get("folder") or Path(str(info.get("out"))).parent)
+
+
+def drives_bench(info: Mapping[str, Any]) -> bool:
+    """Whether a run or a check has devices, real or simulated: their wire is one, whoever drives it."""
+    return (info.get("rig_kind") or info.get("source")) == "bench"

@@ -13,6 +13,7 @@ from starlette.routing import Route
 from smarig.config import RigFile
 from smarig.console.own_code import own_code_digest, own_code_of_rig, own_code_text
 from smarig.console.web.console_context import ConsoleContext, back, context_of, form_texts, page
+from smarig.console.web.console_scope import drives_bench
 from smarig.console.web.rig_checks import RigCheck
 from smarig.console.web.rig_files import RigEntry, rig_entry, rigs_of
 from smarig.core import Requester, UsageError
@@ -123,8 +124,8 @@ def _state(entry: RigEntry, context: ConsoleContext, runs: Sequence[RunInProgres
 
 def _on_its_wire(entry: RigEntry, runs: Sequence[RunInProgress]) -> list[RunInProgress]:
     """The runs and checks that use the wire of a bench; twins have one each."""
-    file = entry.file
-    return [run for run in runs if file and entry.is_bench and run.info["wire"] == file.wire]
+    file, driving = entry.file, [run for run in runs if drives_bench(run.info)]
+    return [run for run in driving if file and entry.is_bench and run.info["wire"] == file.wire]
 
 
 def _check_in_progress(entry: RigEntry, runs: Sequence[RunInProgress]) -> RigCheck | None:
