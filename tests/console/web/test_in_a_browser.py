@@ -74,7 +74,7 @@ def let_the_queue_continue(visitor):
 
 
 def test_a_newcomer_starts_a_first_look_by_clicks_and_finds_its_runs(visitor, console):
-    visitor.shows("No run is in progress")
+    visitor.shows("No run of this console is in progress")
     visitor.click("Start one")
     visitor.shows("a first look at a new wire")
     visitor.click("Preview")
@@ -394,7 +394,7 @@ def test_a_run_is_started_with_keys_alone(visitor, console):
 @pytest.fixture(scope="module")
 def pages(visitor, console):
     """Where each page is; those of a run need one in progress. The overview also has a run that was killed."""
-    killed = UnfinishedRun("1-2", "It ended.", f"/{'long_' * 30}/a.run.sqlite", f"smarig resume {'x' * 99}")
+    killed = UnfinishedRun("1-2", "It ended.", f"{console.folder.resolve()}/{'long_' * 30}/a.run.sqlite")
     (console.folder / FILE).write_text(json.dumps([asdict(killed)]))
     start(visitor, LONG, "a_long_name_that_somebody_has_given_to_a_run_on_purpose")
     run = visitor.tab.run("location.pathname")
@@ -403,6 +403,7 @@ def pages(visitor, console):
     wire = visitor.tab.run("document.querySelector('#wire option:last-child').value")
     yield {
         "overview": "/",
+        "other folders": "/elsewhere",
         "new campaign": "/new",
         "new run": SHORT.format("x"),
         "run": run,
@@ -423,6 +424,7 @@ def pages(visitor, console):
 
 PAGES = (
     "overview",
+    "other folders",
     "new campaign",
     "new run",
     "run",

@@ -201,9 +201,12 @@ def processes():
     return subprocess.run(["ps", "-eo", "args", "-ww"], capture_output=True, text=True, check=True).stdout
 
 
-@pytest.mark.parametrize(
-    "place", ["/library/run?file=%00", f"/rigs/rig?rig={'a' * 5000}", f"/new?rig={'a' * 5000}"]
-)
+def test_an_address_with_a_null_character_is_refused_in_a_sentence(console: Console):
+    reply = console.ask("/library/run?file=%00")
+    assert (reply.status, reply.body[:38]) == (400, "The address holds a null character, or")
+
+
+@pytest.mark.parametrize("place", [f"/rigs/rig?rig={'a' * 5000}", f"/new?rig={'a' * 5000}"])
 def test_whatever_an_address_asks_for_is_answered_in_a_sentence(console: Console, place):
     reply = console.ask(place)
     assert "<h1>" in reply.body
