@@ -255,6 +255,7 @@ def verified(capsys, model, run):
 def test_an_extended_model_is_verified_along_the_whole_session_or_reports_missing_runs(
     found, session_folder, tmp_path, capsys
 ):
+    """They are looked for beside the given run, whatever their recorded folder."""
     run = session_folder / "validation.run.sqlite"
     rms, warnings = verified(capsys, found["model"], run)
     assert "earlier in the session" not in warnings
@@ -262,6 +263,10 @@ def test_an_extended_model_is_verified_along_the_whole_session_or_reports_missin
     moved.write_text(
         (session_folder / "out/extended.model.json").read_text().replace(str(session_folder), "/nowhere")
     )
-    astray, warnings = verified(capsys, moved, run)
-    assert "depend on earlier runs of the session, but /nowhere/" in warnings
+    assert verified(capsys, moved, run) == (rms, warnings)
+    alone = tmp_path / "alone" / run.name
+    alone.parent.mkdir()
+    alone.write_bytes(run.read_bytes())
+    astray, warnings = verified(capsys, moved, alone)
+    assert "depend on earlier runs of the session, but" in warnings
     assert astray > 2 * rms
