@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from hostile.configurations import CONFIGURATIONS
+from hostile.hdf5_files import HDF5
 from hostile.material import Material
 from hostile.matlab_files import MATLAB
 from hostile.model_files import MODELS
@@ -17,13 +18,21 @@ Words = Callable[
     [Material, Path, Path], list[object]
 ]  # the honest files, the hostile file, a folder for outputs
 
-_ENDINGS = {"run": ".run.sqlite", "table": ".csv", "toml": ".toml", "model": ".model.json", "matlab": ".mat"}
+_ENDINGS = {
+    "run": ".run.sqlite",
+    "table": ".csv",
+    "toml": ".toml",
+    "model": ".model.json",
+    "matlab": ".mat",
+    "hdf5": ".h5",
+}
 CORPUS: dict[str, dict[str, Maker]] = {
     "run": STRUCTURES | CONTENTS,
     "table": TABLES,
     "toml": CONFIGURATIONS,
     "model": MODELS,
     "matlab": MATLAB,
+    "hdf5": HDF5,
 }
 COMMANDS: dict[str, dict[str, Words]] = {
     "run": {
@@ -111,6 +120,13 @@ COMMANDS: dict[str, dict[str, Words]] = {
         ],
         "import csv": lambda m, f, o: ["import", f, "--format", "csv", "-o", o / "i.run.sqlite"],
         "import forc": lambda m, f, o: ["import", f, "--format", "forc", "-o", o / "i.run.sqlite"],
+    },
+    "hdf5": {
+        "import hdf5": lambda m, f, o: [
+            *("import", f, "--format", "hdf5", "--map", m.folder / "hdf5.toml", "-o", o / "i.run.sqlite"),
+        ],
+        "study": lambda m, f, o: ["study", f, "-o", o / "study", "--yes"],
+        "import csv": lambda m, f, o: ["import", f, "--format", "csv", "-o", o / "i.run.sqlite"],
     },
 }
 

@@ -8,6 +8,7 @@ import json
 import shutil
 import sqlite3
 from dataclasses import dataclass
+from importlib.util import find_spec
 from pathlib import Path
 
 import numpy as np
@@ -37,6 +38,7 @@ unit = "A/m"
 quantity = "flux density"
 unit = "T"
 """
+HDF5_MAPPING = MAPPING.replace("[columns]", "[hdf5]\n[columns]")
 MAT_MAPPING = MAPPING.replace("[columns]", "[mat]\n[columns]")
 PROTOCOL = """from pathlib import Path
 Path({mark!r}).write_text("executed")
@@ -108,6 +110,7 @@ def make_material(folder: Path) -> Material:
     m.evil.write_text(PROTOCOL.format(mark=str(folder / "mark")), encoding="utf-8")
     (folder / "good.csv").write_text(CSV, encoding="utf-8")
     (folder / "map.toml").write_text(MAPPING, encoding="utf-8")
+    (folder / "hdf5.toml").write_text(HDF5_MAPPING, encoding="utf-8")
     (folder / "mat.toml").write_text(MAT_MAPPING, encoding="utf-8")
     rig = Path(smarig.__file__).parents[2] / "configs" / "rigs" / "one_wire_twin.toml"
     shutil.copy(rig, folder / "rig.toml")
@@ -115,6 +118,11 @@ def make_material(folder: Path) -> Material:
     (folder / "reference.csv").write_text("time_s,position_mm\n0,1\n5,2\n", encoding="utf-8")
     loop = np.sin(np.linspace(0, 6, 50))
     savemat(folder / "good.mat", {"H": 100 * loop, "B": 0.1 * loop})
+    if find_spec("h5py"):
+        import h5py
+
+        with h5py.File(folder / "good.h5", "w") as file:
+            file["H"], file["B"] = 100 * loop, 0.1 * loop
     return m
 
 

@@ -27,6 +27,7 @@ SLOW_COMMANDS = (
     "certify",
     "calibrate",
     "track",
+    "study",
 )
 
 
@@ -49,6 +50,8 @@ def material(tmp_path_factory) -> Material:
 
 @pytest.mark.parametrize("case", _chosen(), ids=str)
 def test_a_hostile_file_ends_a_command_properly(capfd, tmp_path, material, case):
+    if case.kind == "hdf5":
+        pytest.importorskip("h5py", reason="needs h5py (extra 'files')")
     out = tmp_path / "out"
     out.mkdir()
     status = run(case.words(material, case.make(material, tmp_path / "in"), out))
@@ -69,6 +72,8 @@ NAMED = [
     Case("run", "formula as unit", "export csv"),
     Case("model", "secret as rig", "simulate on its rig"),
     Case("model", "deep mirrors", "certify"),
+    Case("hdf5", "data in a pipe", "import hdf5"),
+    Case("hdf5", "odd names", "import hdf5"),
     Case("toml", "deep lists", "check"),
     Case("toml", "an endless integer", "import"),
 ]
@@ -97,6 +102,7 @@ HONEST = [
     ("model", "verify"),
     ("model", "simulate on its rig"),
     ("matlab", "import mat"),
+    ("hdf5", "import hdf5"),
 ]
 
 
@@ -104,6 +110,9 @@ HONEST = [
 def test_the_honest_files_are_accepted(capfd, tmp_path, material, kind, command):
     """Otherwise every hostile one would be refused for another reason than its own."""
     honest = {"table": "good.csv", "toml": "rig.toml", "model": "m.model.json", "matlab": "good.mat"}
+    if kind == "hdf5":
+        pytest.importorskip("h5py", reason="needs h5py (extra 'files')")
+    honest |= {"hdf5": "good.h5"}
     path = material.folder / honest[kind] if kind != "run" else tmp_path / "killed.run.sqlite"
     if kind == "run":
         path.write_bytes(material.killed.read_bytes())

@@ -1,6 +1,7 @@
 """Imports a package of an extra, or says in one sentence how to install it."""
 
 import importlib
+import importlib.util
 from pathlib import Path
 from types import ModuleType
 
@@ -15,3 +16,9 @@ def needed_package(name: str, path: Path, kind: str) -> ModuleType:
         return importlib.import_module(name)
     except ImportError:
         raise MissingExtra(f"{path}: {kind}", _EXTRAS[name]) from None
+
+
+def check_package(name: str, path: Path, kind: str) -> None:
+    """Raise MissingExtra unless the package that reads files of this kind is installed."""
+    if importlib.util.find_spec(name) is None:
+        raise MissingExtra(f"{path}: {kind}", _EXTRAS[name])
