@@ -1,5 +1,6 @@
 """Memory: wiping-out, congruency of comparable loops, and independence of time."""
 
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -356,12 +357,43 @@ def test_words_and_tables_of_inputs_are_refused():
         op.simulate(np.zeros((2, 2)))
 
 
+HUGE = 10**400  # an integer of 401 digits is no float
+
+
+@pytest.mark.parametrize(
+    "give",
+    [
+        lambda op: op.simulate([0.0, HUGE]),
+        lambda op: op.inverse(HUGE),
+        lambda op: op.inverse_trajectory([HUGE]),
+        lambda op: op.go_to_diagonal(HUGE),
+        lambda op: Preisach.from_table([0, HUGE], [0, HUGE], np.zeros((2, 2))),
+        lambda op: Preisach.from_table([0, 1], [0, 1], [[0, 0], [HUGE, 0]]),
+        lambda op: Preisach.from_measure([HUGE], [0], [1]),
+        lambda op: Preisach.from_measure([1], [0], [HUGE]),
+        lambda op: replace(op.hysteresis, x=(HUGE, *op.hysteresis.x[1:])),
+    ],
+)
+def test_an_integer_that_is_no_float_is_refused_in_a_sentence(give):
+    with pytest.raises((UsageError, DataError), match="number"):
+        give(Preisach(thesis_surface("two_e")))
+
+
+def test_a_step_to_a_huge_integer_saturates():
+    op = Preisach(thesis_surface("two_e"))
+    assert (
+        op.step(HUGE)
+        == op.hysteresis.everett(op.hysteresis.upper, op.hysteresis.lower) + op.hysteresis.y_lower
+    )
+    assert op.u == op.hysteresis.upper
+
+
 @pytest.mark.parametrize(
     ("build", "sentence"),
     [
         (lambda: Preisach.from_measure([1.0], [2.0], [1.0]), "A relay has α < β"),
         (lambda: Preisach.from_measure([1.0, 2.0], [0.0], [1.0]), "differ in length or are empty: 2, 1, 1"),
-        (lambda: Preisach.from_measure(["a"], [2.0], [1.0]), "needs numbers: thresholds α, β and masses"),
+        (lambda: Preisach.from_measure(["a"], [2.0], [1.0]), "needs numbers below 1.8e308: thresholds α"),
         (lambda: Preisach.from_table([0, 1], [0, 1], "y"), "inputs α, β and outputs y must be numbers"),
         (lambda: Preisach.from_measure([], [], []), "differ in length or are empty: 0, 0, 0"),
         (lambda: Preisach.from_table([0, 1], [0, 1], np.zeros((2, 3))), r"shape \(2, 3\), expected \(2, 2\)"),

@@ -1,5 +1,8 @@
 """Errors by cause, each with an exit status and a message that states what to do."""
 
+# What float and numpy raise for values that they cannot convert; the last one for integers of over 308 digits.
+NOT_NUMBERS = (TypeError, ValueError, OverflowError)
+
 
 class SmarigError(Exception):
     """Base class of all errors that smarig raises on purpose. ``exit_status`` is the exit status of the CLI."""

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from smarig.core import DataError, UsageError
+from smarig.core import NOT_NUMBERS, DataError, UsageError
 
 Array = NDArray[np.float64]
 NAN_INPUT = "The input of the Preisach operator is NaN."
@@ -26,7 +26,7 @@ def input_number(u: float) -> float:
     """One input as a float. UsageError if it is not a number, DataError for NaN."""
     try:
         nan = math.isnan(u)
-    except (TypeError, ValueError, OverflowError):
+    except NOT_NUMBERS:
         raise not_a_number(u) from None
     if nan:
         raise DataError(NAN_INPUT)
@@ -42,8 +42,8 @@ def vector(values: Sequence[float] | ArrayLike, what: str, of: str) -> Array:
     """Values (n,) as floats. UsageError for another shape: ``what`` needs a one-dimensional ``of``."""
     try:
         row = np.asarray(values, dtype=float)
-    except (TypeError, ValueError):
-        raise UsageError(f"{what} needs a one-dimensional {of} of numbers.") from None
+    except NOT_NUMBERS:
+        raise UsageError(f"{what} needs a one-dimensional {of} of numbers below 1.8e308.") from None
     if row.ndim != 1:
         raise UsageError(f"{what} needs a one-dimensional {of}, got shape {row.shape}.")
     return row

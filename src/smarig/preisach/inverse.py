@@ -19,7 +19,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from smarig.core import DataError, UsageError
+from smarig.core import NOT_NUMBERS, DataError, UsageError
 from smarig.preisach.everett import Everett, from_diagonal
 from smarig.preisach.kernel import ExtremaStack, KeyedEverett, keyed
 
@@ -78,7 +78,7 @@ def _weight(left: float) -> float:
 def _is_finite(target: float) -> bool:
     try:
         return isfinite(target)
-    except (TypeError, ValueError, OverflowError):  # text, an array, or an integer too large for a float
+    except NOT_NUMBERS:  # text, an array, or an integer too large for a float
         raise UsageError(f"The inverse needs a number as its output, got {target!r:.40}.") from None
 
 

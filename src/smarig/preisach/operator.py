@@ -17,7 +17,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from smarig.core import DataError, UsageError
+from smarig.core import NOT_NUMBERS, DataError, UsageError
 from smarig.preisach import compiled as fast
 from smarig.preisach.checked_input import NAN_INPUT, input_array, input_number, not_a_number, vector
 from smarig.preisach.everett import Everett, from_diagonal
@@ -165,7 +165,7 @@ class Preisach:
         """Move monotonically from the present input to u. Returns the output there."""
         try:
             inside = self._lower < u < self._upper
-        except (TypeError, ValueError):
+        except NOT_NUMBERS:
             raise not_a_number(u) from None
         if not inside:
             if u != u:
@@ -199,7 +199,7 @@ class Preisach:
         """The output that step(u) would give, without changing the memory."""
         try:
             u = min(max(u, self._lower), self._upper)
-        except (TypeError, ValueError):
+        except NOT_NUMBERS:
             raise not_a_number(u) from None
         if u != u or u in (self._lower, self._upper):
             saved = self._stack, self.u, self.y

@@ -10,7 +10,7 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from smarig.core import DataError
+from smarig.core import NOT_NUMBERS, DataError
 from smarig.preisach import Everett, Initial, load_hysteresis
 from smarig.theory import (
     AccommodatingPreisach,
@@ -42,7 +42,7 @@ def extended_operator(extension: dict[str, Any], hysteresis: Everett, initial: I
         operator = _OPERATORS[kind](extension, hysteresis)
     except KeyError as error:
         raise DataError(f"extension key {error} is missing") from None
-    except (TypeError, ValueError) as error:
+    except NOT_NUMBERS as error:
         raise DataError(f"the extension is damaged: {error}") from None
     operator.reset(initial)
     return operator

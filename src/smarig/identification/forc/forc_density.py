@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from smarig.core import DataError, UsageError
+from smarig.core import NOT_NUMBERS, DataError, UsageError
 from smarig.identification.fod_data import FodData
 from smarig.identification.forc.forc_density_local import LocalFits, local_fits
 from smarig.identification.forc.forc_density_smoothing import (
@@ -173,7 +173,7 @@ def _determined(requested: LocalFits, own: LocalFits, noise: float, unit: float)
 def _points(alpha: ArrayLike, beta: ArrayLike, y: ArrayLike) -> tuple[Array, Array, Array]:
     try:
         a, b, values = (np.asarray(x, dtype=float) for x in (alpha, beta, y))
-    except (TypeError, ValueError):
+    except NOT_NUMBERS:
         raise DataError("α, β and y must be three lists of numbers.") from None
     if a.ndim != 1 or not a.shape == b.shape == values.shape:
         raise DataError(
@@ -194,7 +194,7 @@ def _places(at: tuple[ArrayLike, ArrayLike]) -> tuple[Array, Array]:
     wrong = DataError("The places must be two lists of numbers, α and β, of one length.")
     try:
         a, b = np.broadcast_arrays(*(np.asarray(x, dtype=float) for x in at))
-    except (TypeError, ValueError):
+    except NOT_NUMBERS:
         raise wrong from None
     if a.ndim != 1 or not np.all(np.isfinite(a + b)):
         raise wrong
@@ -219,7 +219,7 @@ def _scale(steps: tuple[float, float]) -> Array:
     """(Δα, Δβ) as an array; UsageError unless they are two positive numbers."""
     try:
         scale = np.array(steps, dtype=float)
-    except (TypeError, ValueError):
+    except NOT_NUMBERS:
         scale = np.empty(0)
     if scale.shape != (2,) or not np.all((scale > 0) & np.isfinite(scale)):
         raise UsageError(f"The grid steps (Δα, Δβ) must be two positive numbers, got {steps!r:.60}.")

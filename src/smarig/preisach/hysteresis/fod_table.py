@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from smarig.core import DataError
+from smarig.core import NOT_NUMBERS, DataError
 from smarig.preisach.everett import DiagonalIntegrals
 from smarig.preisach.kernel import CompiledKeys, KeyedEverett
 
@@ -43,8 +43,8 @@ class FodTable(DiagonalIntegrals):
         """A table from y[i, j] at (α_i, β_j). Both axes are the same partition, or α is its upper part."""
         try:
             a, b, values = (np.asarray(x, dtype=float) for x in (alpha, beta, y))
-        except (TypeError, ValueError):
-            raise DataError("FOD table: inputs α, β and outputs y must be numbers.") from None
+        except NOT_NUMBERS:
+            raise DataError("FOD table: inputs α, β and outputs y must be numbers below 1.8e308.") from None
         if a.ndim != 1 or b.ndim != 1 or min(a.size, b.size) < 2:
             raise DataError("FOD table: each axis must be one row of at least two inputs.")
         if values.shape != (a.size, b.size):

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from smarig.core import DataError
+from smarig.core import NOT_NUMBERS, DataError
 from smarig.preisach.kernel import CompiledKeys, KeyedEverett
 
 Array = NDArray[np.float64]
@@ -35,8 +35,10 @@ class RelayMeasure:
         """A measure from arrays of one shape (n,), with its prefix sums."""
         try:
             a, b, m = (np.ravel(np.asarray(x, dtype=float)) for x in (alpha, beta, mass))
-        except (TypeError, ValueError):
-            raise DataError("A measure of relays needs numbers: thresholds α, β and masses.") from None
+        except NOT_NUMBERS:
+            raise DataError(
+                "A measure of relays needs numbers below 1.8e308: thresholds α, β and masses."
+            ) from None
         if not a.size == b.size == m.size > 0:
             raise DataError(f"Relay arrays differ in length or are empty: {a.size}, {b.size}, {m.size}.")
         if not (np.isfinite(a).all() and np.isfinite(b).all() and np.isfinite(m).all()):

@@ -18,7 +18,7 @@ from functools import singledispatch
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from smarig.core import UsageError
+from smarig.core import NOT_NUMBERS, UsageError
 from smarig.preisach import Everett, Mirrored, RelayMeasure
 
 Array = NDArray[np.float64]
@@ -163,6 +163,6 @@ def areas_on(hysteresis: Everett, levels: Array) -> Array:
 def _flat(alpha: ArrayLike, beta: ArrayLike) -> tuple[Array, Array, tuple[int, ...]]:
     try:
         a, b = np.broadcast_arrays(np.asarray(alpha, dtype=float), np.asarray(beta, dtype=float))
-    except (TypeError, ValueError):
+    except NOT_NUMBERS:
         raise UsageError("The ends of loops must be numbers, in arrays that broadcast.") from None
     return a.ravel(), b.ravel(), a.shape

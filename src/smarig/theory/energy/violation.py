@@ -12,7 +12,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.core import UsageError
+from smarig.core import NOT_NUMBERS, UsageError
 from smarig.preisach import Everett, Initial, Preisach
 from smarig.theory.energy.moments import breaks
 
@@ -59,7 +59,7 @@ def confirm(hysteresis: Everett, loop: tuple[float, float], initial: Initial = "
     """
     try:
         high, low = map(float, loop)
-    except (TypeError, ValueError):
+    except NOT_NUMBERS:
         raise UsageError(f"A loop is two numbers (M, m), got {loop!r:.40}.") from None
     if not low < high:
         raise UsageError(f"A loop (M, m) needs M > m, got M = {high} and m = {low}.")

@@ -17,7 +17,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from smarig.core import DataError
+from smarig.core import NOT_NUMBERS, DataError
 from smarig.preisach import Everett, Initial
 from smarig.theory.extended.operator_base import ExtendedOperator, corners
 
@@ -70,7 +70,7 @@ def _checked_tensor(nodes: ArrayLike, values: ArrayLike) -> tuple[Array, Array]:
     """A partition (n,) and a tensor (n, n, n) on it, as floats. DataError for anything else."""
     try:
         u, table = np.asarray(nodes, dtype=float), np.asarray(values, dtype=float)
-    except (TypeError, ValueError):
+    except NOT_NUMBERS:
         raise DataError("An excess needs numbers as inputs and values.") from None
     rising = u.ndim == 1 and u.size > 1 and np.isfinite(u).all() and np.all(np.diff(u) > 0)
     if not rising or table.shape != (u.size,) * 3:

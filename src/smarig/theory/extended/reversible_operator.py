@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from smarig.core import DataError
+from smarig.core import NOT_NUMBERS, DataError
 from smarig.preisach import Everett, Initial
 from smarig.theory.extended.operator_base import ExtendedOperator
 
@@ -29,7 +29,7 @@ class ReversiblePart:
     def __post_init__(self) -> None:
         try:
             nodes, values = np.asarray(self.nodes, dtype=float), np.asarray(self.values, dtype=float)
-        except (TypeError, ValueError):
+        except NOT_NUMBERS:
             raise DataError("A reversible part needs numbers as inputs and values.") from None
         if nodes.ndim != 1 or nodes.shape != values.shape or nodes.size == 0:
             raise DataError("A reversible part needs the same number of values and inputs, at least one.")
