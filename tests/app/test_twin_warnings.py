@@ -9,7 +9,9 @@ from smarig.app.characterise import _twin_warnings
 
 
 def run_on(actuator, *, twin=True, effects=()):
-    return SimpleNamespace(twin=twin, info=SimpleNamespace(actuator=actuator, actuator_values={}, effects=effects))
+    return SimpleNamespace(
+        twin=twin, info=SimpleNamespace(actuator=actuator, actuator_values={}, effects=effects)
+    )
 
 
 @pytest.mark.parametrize(

@@ -99,7 +99,7 @@ def import_everything(m: Material, folder: Path) -> None:
         "toml": m.folder / "rig.toml",
         "model": m.model,
     }
-    honest |= {"matlab": m.folder / "good.mat", "hdf5": m.folder / "good.h5"}
+    honest |= {"matlab": m.folder / "good.mat", "hdf5": m.folder / "good.h5", "numbers": m.killed}
     with (
         Path(os.devnull).open("w") as nowhere,
         contextlib.redirect_stdout(nowhere),

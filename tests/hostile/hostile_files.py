@@ -11,6 +11,7 @@ from hostile.material import Material
 from hostile.matlab_files import MATLAB
 from hostile.model_files import MODELS
 from hostile.run_contents import CONTENTS
+from hostile.run_numbers import NUMBERS
 from hostile.run_structures import STRUCTURES, Maker
 from hostile.tables import TABLES
 
@@ -25,6 +26,7 @@ _ENDINGS = {
     "model": ".model.json",
     "matlab": ".mat",
     "hdf5": ".h5",
+    "numbers": ".run.sqlite",
 }
 CORPUS: dict[str, dict[str, Maker]] = {
     "run": STRUCTURES | CONTENTS,
@@ -33,6 +35,7 @@ CORPUS: dict[str, dict[str, Maker]] = {
     "model": MODELS,
     "matlab": MATLAB,
     "hdf5": HDF5,
+    "numbers": NUMBERS,
 }
 COMMANDS: dict[str, dict[str, Words]] = {
     "run": {
@@ -120,6 +123,30 @@ COMMANDS: dict[str, dict[str, Words]] = {
         ],
         "import csv": lambda m, f, o: ["import", f, "--format", "csv", "-o", o / "i.run.sqlite"],
         "import forc": lambda m, f, o: ["import", f, "--format", "forc", "-o", o / "i.run.sqlite"],
+    },
+    "numbers": {
+        "report": lambda m, f, o: ["report", f, "-o", o / "page.html"],
+        "report of a model": lambda m, f, o: ["report", f, "--model", m.model, "-o", o / "page.html"],
+        "identify": lambda m, f, o: ["identify", f, "--surface", "best", "-o", o / "m.model.json"],
+        "identify a table": lambda m, f, o: ["identify", f, "--surface", "table", "-o", o / "m.model.json"],
+        "identify positive": lambda m, f, o: [
+            "identify",
+            f,
+            "--surface",
+            "positive",
+            "-o",
+            o / "m.model.json",
+        ],
+        "verify": lambda m, f, o: ["verify", m.model, f],
+        "transformation": lambda m, f, o: ["transformation", f],
+        "calibrate": lambda m, f, o: ["calibrate", f],
+        "simulate": lambda m, f, o: ["simulate", m.model, "--along", f, "-o", o / "s.run.sqlite"],
+        "diagnose": lambda m, f, o: [
+            *("diagnose", m.model, "--train", m.whole, "--held-out", f, "--nulls", "40", "-o", o / "found"),
+        ],
+        "diagnose trained on it": lambda m, f, o: [
+            *("diagnose", m.model, "--train", f, "--held-out", m.whole, "--nulls", "40", "-o", o / "found"),
+        ],
     },
     "hdf5": {
         "import hdf5": lambda m, f, o: [

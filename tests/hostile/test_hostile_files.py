@@ -74,6 +74,10 @@ NAMED = [
     Case("model", "deep mirrors", "certify"),
     Case("hdf5", "data in a pipe", "import hdf5"),
     Case("hdf5", "odd names", "import hdf5"),
+    Case("numbers", "input is 1e308 of both signs", "report"),
+    Case("numbers", "position is 1e308 of both signs", "verify"),
+    Case("numbers", "one position is 9e999", "verify"),
+    Case("numbers", "one position is NULL", "identify positive"),
     Case("toml", "deep lists", "check"),
     Case("toml", "an endless integer", "import"),
 ]

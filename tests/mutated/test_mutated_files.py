@@ -19,7 +19,7 @@ from smarig.exchange import hdf5_child, hdf5_process
 pytestmark = [
     pytest.mark.filterwarnings("ignore"),  # of libraries, on what they read
 ]
-EACH = 70
+EACH = 50
 LONGEST_SENTENCE = 5000
 
 

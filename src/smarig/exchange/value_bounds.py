@@ -6,9 +6,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from smarig.core import DataError, spaced
+from smarig.record import LARGEST
 
 Array = NDArray[np.float64]
-LARGEST = 1e30  # in any unit: nothing measured is larger, and the square of a larger number may overflow
 LONGEST_S = 1e14  # three million years: milliseconds since 1970 are allowed
 _LARGEST_MARK = 1e39  # instruments write numbers up to the largest of 32 bits for overload or no reading
 _BOUNDS = {  # channel: (lowest, highest, unit), with a wide margin

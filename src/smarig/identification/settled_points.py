@@ -48,6 +48,7 @@ def settled_points(run: Run) -> SettledPoints:
 
 def _uncertainty(run: Run, step: Step, per_count: float) -> float:
     window = run["position"][run.window(step)]
+    window = window[np.isfinite(window)]
     if window.size < 2 * _BLOCKS:
         return per_count / np.sqrt(12)
     used = window[: window.size // _BLOCKS * _BLOCKS].reshape(_BLOCKS, -1).mean(axis=1)

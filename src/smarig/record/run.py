@@ -30,13 +30,17 @@ from smarig.record.metadata import (
     decode_json,
 )
 from smarig.record.opened_run import opened_for_reading
-from smarig.record.sample_columns import read_columns
+from smarig.record.sample_columns import LARGEST, count_unmeasurable, read_columns
 from smarig.record.schema import READ, SAMPLE_COLUMNS, VERSION
 from smarig.record.table_hashes import block_hash, damaged_tables, hashes_of, is_hashed
 
 CONTINUED = "continued"  # ``initial`` of a run that starts in the final state of the one before
 OWN_ZERO = "own"  # ``encoder_zero`` of an imported run whose zero is unrelated to that of other runs
 FORC_PROTOCOL = "first_order_reversal_curves"  # protocol of runs imported from FORC files
+_UNMEASURABLE = (
+    f"{{count}} sample(s) hold a number over {LARGEST:g}, which nothing measured can be. "
+    "It counts as missing."
+)
 _NO_ROWS = slice(0, 0)
 _LARGEST_STEP = 2**53  # larger integers are not exact in a column of floats
 _SAME_TIME_S = 1e-6  # rounding of a clock
@@ -215,6 +219,8 @@ def _read(file: Path, db: sqlite3.Connection) -> Run:
     columns = read_columns(db, seen=(lambda block: hashes.append(block_hash(block))) if hashed else len)
     if hashed:
         refuse_damage(file, meta, {"sample": hashes})
+    if count := count_unmeasurable(db):
+        meta = meta | {"warnings": [*meta.get("warnings", ()), _UNMEASURABLE.format(count=count)]}
     return Run(file, meta, columns, steps, events)
 
 
@@ -283,7 +289,7 @@ def _line(value: Any) -> str:
 
 
 def _number(value: Any) -> float | None:
-    return None if value is None else float(value)
+    return float(value) if value is not None and abs(float(value)) <= LARGEST else None
 
 
 def _step(index, attempt, void, branch, target, t_start_s, t_end_s, verdict, position, n) -> Step:
@@ -293,7 +299,7 @@ def _step(index, attempt, void, branch, target, t_start_s, t_end_s, verdict, pos
         void=bool(void),
         branch=_line(branch),
         target=_number(target),
-        t_start_s=float(t_start_s or 0.0),
+        t_start_s=_number(t_start_s) or 0.0,
         t_end_s=_number(t_end_s),
         verdict=_line(verdict),
         position=_number(position),

@@ -10,6 +10,7 @@ from smarig.record.schema import SAMPLE_COLUMNS
 from smarig.record.table_hashes import BLOCK_ROWS
 
 Array = NDArray[np.float64]
+LARGEST = 1e30  # in any unit: nothing measured is larger, and the square of a larger number may overflow
 READ_ROWS = BLOCK_ROWS  # rows of Python objects at a time, as they are hashed: larger blocks are slower
 
 
@@ -19,7 +20,9 @@ def read_columns(
     seen: Callable[[list[tuple]], object] = len,
     rows: int = READ_ROWS,
 ) -> dict[str, Array]:
-    """The columns (n,) of all samples, NaN where NULL; ``seen`` is called with the rows of each block as stored.
+    """The columns (n,) of all samples, NaN where NULL or over ``LARGEST``.
+
+    ``seen`` is called with the rows of each block as stored.
 
     Raises ValueError or TypeError if a cell is no number.
     """
@@ -61,7 +64,15 @@ def row_blocks(db: sqlite3.Connection, names: Sequence[str], rows: int) -> Itera
 
 def _fill(columns: Array, rows: list[tuple]) -> None:
     for column, cells in zip(columns, zip(*rows, strict=True), strict=True):
-        column[:] = np.array(cells, dtype=float)  # None becomes NaN
+        numbers = np.array(cells, dtype=float)  # None becomes NaN
+        column[:] = np.where(np.abs(numbers) <= LARGEST, numbers, np.nan)
+
+
+def count_unmeasurable(db: sqlite3.Connection) -> int:
+    """The number of samples with a number over ``LARGEST``, which is read as missing."""
+    tests = (f'"{name}" > {LARGEST} OR "{name}" < -{LARGEST}' for name in SAMPLE_COLUMNS)
+    (count,) = db.execute(f"SELECT count(*) FROM sample WHERE {' OR '.join(tests)}").fetchone()
+    return count
 
 
 def _joined(names: Sequence[str], pieces: list[Array]) -> dict[str, Array]:

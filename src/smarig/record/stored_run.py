@@ -24,11 +24,9 @@ from smarig.record.run import (
     reading,
     refuse_damage,
 )
-from smarig.record.sample_columns import READ_ROWS, column_blocks, read_columns, row_blocks
+from smarig.record.sample_columns import LARGEST, READ_ROWS, column_blocks, read_columns, row_blocks
 from smarig.record.schema import SAMPLE_COLUMNS
 from smarig.record.table_hashes import block_hash, is_hashed
-
-LARGEST = 1.7976931348623157e308  # of the finite numbers
 
 
 class StoredRun(AnyRun):
@@ -106,7 +104,7 @@ class StoredRun(AnyRun):
 
 
 def _finite(name: str) -> str:
-    """The SQL condition that a cell of a column is a finite number."""
+    """The SQL condition that a cell of a column is a number that is read as one."""
     return f"{name} BETWEEN {-LARGEST!r} AND {LARGEST!r}"
 
 

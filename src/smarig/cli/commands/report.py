@@ -92,10 +92,6 @@ def command(
     place = _Target(out, force, figures is not None)
     if out is not None:
         check_writable(out, force=force)  # before anything is computed
-    import numpy as np
-
-    # what a number such as 1e308 in a file spoils is not drawn, or NaN
-    click.get_current_context().with_resource(np.errstate(over="ignore", invalid="ignore"))
     if figures is None:
         _pages(runs, models, place, diagram, smoothing, summary)
         return

@@ -20,9 +20,8 @@ from smarig.report.components.html import Html, joined, tag
 from smarig.report.components.numbers import number
 
 Trace = dict[str, Any]
-DRAWABLE = 1e30  # in any unit; the square of more, or its difference, would overflow
+MOST_DRAWN = 1e30  # in any unit
 AXIS_MARGIN = 1.15  # length of an axis relative to the largest value drawn
-_BEYOND = "beyond"  # number of values that are not drawn
 WATERMARK = {
     "xref": "paper",
     "yref": "paper",
@@ -75,19 +74,12 @@ class Figure:
         widths_px = [WIDE_PX if panel.wide else usual_px for panel in self.panels]
         save_if_active(self, widths_px)
         panels = [_panel(panel, self, width_px) for panel, width_px in zip(self.panels, widths_px)]
-        words = joined([part for part in (*self.caption, self._beyond_text) if part], " ")
+        words = joined([part for part in self.caption if part], " ")
         caption = tag("figcaption", tag("b", self.title), " ", words)
         is_single = len(panels) == 1 and not self.panels[0].wide
         scrolls = {"tabindex": 0, "role": "group", "aria_label": self.title} if self._is_scrollable else {}
         frame = tag("div", *panels, class_="panels", style=f"--least:{self.min_width_px}px", **scrolls)
         return tag("figure", frame, caption, class_="single" if is_single else "")
-
-    @property
-    def _beyond_text(self) -> str:
-        """That values are too large to be drawn; "" if none is."""
-        columns = (column for panel in self.panels for trace in panel.data for column in trace.values())
-        beyond = sum(int(column.get(_BEYOND, 0)) for column in columns if isinstance(column, Mapping))
-        return f"{beyond} values beyond ±{DRAWABLE:g} are not drawn." if beyond else ""
 
     @property
     def _is_scrollable(self) -> bool:
@@ -147,19 +139,15 @@ def _title(axis: Mapping[str, Any]) -> str:
 def packed(values: ArrayLike, *, single: bool = False) -> dict[str, str]:
     """An array as Plotly's typed-array specification; NaN is kept. ``single`` uses single precision.
 
-    A finite value beyond ±DRAWABLE becomes NaN and is counted.
+    Numbers over ``MOST_DRAWN`` become NaN: single precision ends near, and axes overflow at their distances.
 
     >>> packed([1.0, 2.0])["dtype"], packed([[1.0, 2.0]])["shape"]
     ('f8', '1, 2')
     """
-    whole = np.asarray(values, dtype=float)
-    beyond = np.isfinite(whole) & (np.abs(whole) > DRAWABLE)
-    if beyond.any():
-        whole = np.where(beyond, np.nan, whole)
-    array = np.ascontiguousarray(whole, dtype="<f4" if single else "<f8")
+    numbers = np.asarray(values, dtype=float)
+    drawn = np.where(np.abs(numbers) <= MOST_DRAWN, numbers, np.nan)
+    array = np.ascontiguousarray(drawn, dtype="<f4" if single else "<f8")
     spec = {"dtype": "f4" if single else "f8", "bdata": base64.b64encode(array.tobytes()).decode("ascii")}
-    if beyond.any():
-        spec[_BEYOND] = str(int(beyond.sum()))
     if array.ndim == 2:
         spec["shape"] = f"{array.shape[0]}, {array.shape[1]}"
     return spec

@@ -7,6 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure as MplFigure
 from matplotlib.ticker import MaxNLocator, MultipleLocator, NullFormatter, NullLocator, ScalarFormatter
 
+from smarig.report.components.figure import MOST_DRAWN
 from smarig.report.components.numbers import raised
 from smarig.report.drawing.colour_scales import colour, dash
 from smarig.report.drawing.markup import plain_text
@@ -117,7 +118,8 @@ def _set_range(axes: Axes, side: str, given: Mapping[str, Any]) -> None:
     limits = axes.set_xlim if side == "x" else axes.set_ylim
     if "range" in given:
         low, high = (10.0**end if given.get("type") == "log" else end for end in given["range"])
-        limits(low, high)
+        if max(abs(low), abs(high)) <= MOST_DRAWN:
+            limits(low, high)
     if given.get("autorange") == "reversed":
         (axes.invert_xaxis if side == "x" else axes.invert_yaxis)()
 
