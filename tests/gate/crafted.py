@@ -1,6 +1,6 @@
 """Crafted files for every key of the gate's table: what a hostile author would write there.
 
-``CRAFTED`` holds, by row of the table, files by name. ``ELSEWHERE`` holds the rows whose files other tests craft.
+``CRAFTED`` holds, by row of the table, files by name. ``ELSEWHERE`` names the tests that craft the files of other rows.
 """
 
 from collections.abc import Iterator
@@ -26,12 +26,19 @@ from gate.crafting import (
     workbook,
 )
 
+_QUEUE = "tests/console/queue/test_allowed.py::"
 ELSEWHERE = {
-    "HDF5: link, external or virtual storage": "tests/exchange/test_import_mapping_files.py",
-    "queue: experiment": "tests/console/queue/test_queue_file.py",
-    "queue: rig, load": "tests/console/queue/test_queue_file.py",
-    "queue: out": "tests/console/queue/test_queue_file.py",
-    "folder of a console: rig file": "tests/console/web/test_rig_checks.py",
+    "HDF5: link, external or virtual storage": (
+        "tests/exchange/test_import_hdf5.py::"
+        "test_what_is_not_in_the_file_is_refused_with_the_name_of_the_data_set"
+    ),
+    "queue: experiment": f"{_QUEUE}test_a_queue_that_came_with_the_folder_starts_nothing",
+    "queue: rig, load": f"{_QUEUE}test_an_entry_that_was_altered_waits",
+    "queue: out": f"{_QUEUE}test_an_entry_that_writes_elsewhere_is_not_allowed",
+    "folder of a console: rig file": (
+        "tests/console/web/test_foreign_queue.py::"
+        "test_pages_of_a_rig_with_own_code_run_nothing_before_a_click_that_shows_it"
+    ),
 }
 _WAYS = (
     *("absolute", "relative", "through the parent", "a link", "home", "UNC", "a server"),

@@ -47,7 +47,7 @@ def own_code_text(code: Iterable[OwnCode]) -> str:
 
 
 def own_code_of_rig(name: str, folder: Path) -> tuple[OwnCode, ...]:
-    """What a rig brings, by its name or the path of its file from a folder. ``trace`` is a file that it overwrites."""
+    """What a rig brings, by its name or the path of its file from a folder. ``trace`` is a file that it writes."""
     given = folder / name
     if name in shipped_names("rigs") and not _is_file(given):
         return ()
@@ -96,7 +96,7 @@ def _of_rig(file: RigFile, folder: Path) -> Iterator[OwnCode]:
     if file.simulator is not None and file.simulator.library:
         yield _file("firmware library", file.simulator.library, folder)
     if file.simulator is not None and file.simulator.trace:
-        yield OwnCode("file that is overwritten,", file.simulator.trace)
+        yield OwnCode("new file that is written,", file.simulator.trace)
 
 
 def _plugin(role: str, package: str, name: str) -> tuple[OwnCode, ...]:

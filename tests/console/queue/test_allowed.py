@@ -212,7 +212,7 @@ NAMED = {
     "trace": (
         "own.toml",
         RIG + '[simulator]\ntrace = "victim.csv"\n',
-        "file that is overwritten, victim.csv",
+        "new file that is written, victim.csv",
     ),
     "base": (
         "own.toml",
