@@ -78,7 +78,10 @@ def _batch(form: Format, seeds: list[bytes], folder: Path, numbers: range, score
     child = os.fork()
     if not child:
         os.close(ask)
-        _child(form, seeds, folder, numbers, tell)
+        try:
+            _child(form, seeds, folder, numbers, tell)
+        finally:
+            os._exit(1)  # a mistake of the campaign itself
     os.close(tell)
     done, began = numbers.start, time.monotonic()
     with os.fdopen(ask) as lines:

@@ -106,10 +106,13 @@ def _change_cell(db: sqlite3.Connection, table: str, dice: Random) -> None:
         )
     some = dice.random()
     where = "rowid = ?" if some < 0.6 else "rowid >= ?" if some < 0.8 else "? IS NOT NULL"
+    place = "?"
+    if isinstance(new, str):  # also what is no UTF-8
+        new, place = new.encode("utf-8", "surrogatepass"), "CAST(? AS TEXT)"
     if dice.random() < 0.1:
         db.execute(f'DELETE FROM "{table}" WHERE {where}', (row,))
     else:
-        db.execute(f'UPDATE OR IGNORE "{table}" SET "{column}" = ? WHERE {where}', (new, row))
+        db.execute(f'UPDATE OR IGNORE "{table}" SET "{column}" = {place} WHERE {where}', (new, row))
 
 
 def _flip(data: bytes, _: list[bytes], dice: Random) -> bytes:
