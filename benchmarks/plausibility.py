@@ -73,7 +73,7 @@ def noisy(sd: float) -> Change:
 
 
 @dataclass(frozen=True)
-class Channel:
+class FaultyChannel:
     """A channel: its field of a sample, unit, tolerance of its check in that unit, and faults."""
 
     field: str
@@ -82,7 +82,7 @@ class Channel:
     faults: dict[str, Change]
 
 
-def channels(file: RigFile, actuator: Actuator) -> dict[str, Channel]:
+def channels(file: RigFile, actuator: Actuator) -> dict[str, FaultyChannel]:
     """The channels of a rig with their faults."""
     plausibility = Plausibility(file, actuator)
     stroke = plausibility.stroke_counts
@@ -91,7 +91,7 @@ def channels(file: RigFile, actuator: Actuator) -> dict[str, Channel]:
     surface = thesis_surface(actuator.file.hysteresis.surface)
     common = {"slipping to 0.7": slipping(0.7), "slipping to 0.9": slipping(0.9), "stuck": stuck}
 
-    def analog(field: str, unit: str, scale: float, tolerance: float, lost: float) -> Channel:
+    def analog(field: str, unit: str, scale: float, tolerance: float, lost: float) -> FaultyChannel:
         others: dict[str, Change] = {
             "jumping by 0.2": jumping(0.2 * scale),
             "jumping by 0.05": jumping(0.05 * scale),
@@ -99,11 +99,11 @@ def channels(file: RigFile, actuator: Actuator) -> dict[str, Channel]:
             "lost": reading(lost),
             "noisy": noisy(0.1 * scale),
         }
-        return Channel(field, unit, tolerance * scale, common | others)
+        return FaultyChannel(field, unit, tolerance * scale, common | others)
 
     jumps = {f"jumping by {n} counts": jumping(n) for n in (50, 20, 10, 5)}
     found = {
-        "position": Channel(
+        "position": FaultyChannel(
             "counts",
             "counts",
             0.05 * stroke,
@@ -221,7 +221,7 @@ class Cell:
     marked_steps: int = 0
 
 
-def cell_of(guard: Guard, currents_A: list[float], channel: Channel, change: Change) -> Cell:
+def cell_of(guard: Guard, currents_A: list[float], channel: FaultyChannel, change: Change) -> Cell:
     """Run the holds with a fault that begins in the first of them."""
     rig: FaultyRig = guard.rig  # type: ignore[assignment]
     rig.begin = rig.tick + round(AFTER_S / guard.period_s)
@@ -264,7 +264,7 @@ def cell_of(guard: Guard, currents_A: list[float], channel: Channel, change: Cha
     return cell
 
 
-def summary(channel: Channel, cells: list[Cell]) -> dict[str, Any]:
+def summary(channel: FaultyChannel, cells: list[Cell]) -> dict[str, Any]:
     """The figures of one fault over its phases."""
     caught = [c for c in cells if not math.isnan(c.caught_s)]
     tripped = [c for c in cells if not math.isnan(c.tripped_s)]

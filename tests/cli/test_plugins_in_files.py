@@ -90,7 +90,7 @@ def test_opening_a_run_or_a_model_imports_no_plugin(acme):
     assert hint in said["verify effect.model.json r.run.sqlite"]
     assert hint in said["verify form.model.json r.run.sqlite"]
     assert hint in said["resume changed.run.sqlite"]
-    assert "whose own driver acme_driver would be executed" in said["resume benched.run.sqlite"]
+    assert "names the rig file './bench.toml', which is not read" in said["resume benched.run.sqlite"]
     assert "whose own driver acme_driver would be executed" in said[OPENING.strip().splitlines()[15]]
 
 

@@ -383,7 +383,7 @@ def test_a_run_that_a_fault_ended_says_how_to_continue_it(capsys, tmp_path):
     status, _, err = call(capsys, *options)
     assert status == 3
     assert (
-        f"When the cause is removed, smarig resume {out} --rig {rig} continues this run.\nsmarig: The encoder"
+        f"When the cause is removed, smarig resume {out} --rig {rig} continues this run.\nsmarig: The position"
         in err
     )
     faults.write_text(jump.format(9000))

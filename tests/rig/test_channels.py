@@ -13,7 +13,7 @@ from benchmarks.plausibility import cell_of, channels, guarded, healthy, levels_
 from smarig.config import load_rig
 from smarig.plant import Actuator
 from smarig.rig import TwinSettings
-from smarig.rig.channel import FROZEN, Channel, Constant
+from smarig.rig.channel import FROZEN, ChannelCheck, Constant
 from smarig.rig.channel_checks import tolerance_of
 from smarig.rig.wire_bounds import WireBounds
 from smarig.runner import Runner
@@ -34,7 +34,7 @@ def test_constants_that_agree_with_all_samples_are_kept_and_others_are_a_gap():
 
 
 def counter(**settings):
-    return Channel(10.0, 4.0, PERIOD_S, counter=True, **settings)
+    return ChannelCheck(10.0, 4.0, PERIOD_S, counter=True, **settings)
 
 
 def test_a_jump_larger_than_the_tolerance_is_certain_at_once_and_a_smaller_one_is_marked():
@@ -46,7 +46,7 @@ def test_a_jump_larger_than_the_tolerance_is_certain_at_once_and_a_smaller_one_i
 
 
 def test_a_single_wrong_reading_of_a_thermometer_is_no_fault():
-    channel = Channel(10.0, 4.0, PERIOD_S)
+    channel = ChannelCheck(10.0, 4.0, PERIOD_S)
     faults = []
     for k in range(100):
         channel.add(80.0 if k == 50 else 20.0, [(20.0, 20.0)], 0.0, ticks=1, changes=False)

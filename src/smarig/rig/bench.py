@@ -234,6 +234,11 @@ class Bench:
         self._pending_readings = [p._replace(counts=p.counts - pending[-1].counts) for p in pending]
 
     @property
+    def timed_by_host(self) -> bool:
+        """Whether the position is read when the host asks, not at a tick of the device."""
+        return getattr(self.sensor, "timed_by_host", False)
+
+    @property
     def absolute_zero(self) -> AbsoluteZero | None:
         """The zero of a sensor that keeps it through a restart; None for others."""
         return getattr(self.sensor, "absolute_zero", None)

@@ -6,8 +6,8 @@ offset of a thermometer. Whatever the constant is, it stays. So three things can
 * contradiction: the constants that agree with this sample, [x − high − tol, x − low + tol], have none in common with
   those that agreed with all samples before;
 * jump: between two samples the reading changes by more than the predicted rate and a step;
-* frozen: the reading stands still while every wire would move by twice the tolerance, or a reading that flickered in
-  its last digit is the same to the last digit while the wire changes.
+* frozen: the reading stands still while every wire would move by twice the tolerance, or a reading of known noise is
+  the same to the last digit while the wire changes.
 
 Evidence adds up and fades: a gap as large as the tolerance is enough after ``GAP_S`` seconds. A jump as large is enough
 at once for a counter, which is wrong from then on; a reading of its own each time may be wrong once or twice.
@@ -26,7 +26,6 @@ FROZEN = 300  # equal readings, and
 FROZEN_RUNS = 4  # times the longest run of equal readings before
 STILL = 0.25  # of the step: a reading that changes by no more stands still
 HELD = 20  # samples that may repeat a reading
-FLICKER, FLICKER_WINDOW = 2, 100  # readings above and below, in a window of readings without motion
 
 
 class Constant:
@@ -49,12 +48,10 @@ class Constant:
 
 
 class Flicker:
-    """``frozen``: whether a reading stands still that has always flickered."""
+    """``frozen``: whether a reading stands still that must flicker, because its noise is known."""
 
     def __init__(self, *, flickers: bool) -> None:
-        """``flickers``: whether it is known to; else it is learned from the readings."""
-        self._seen: list[float] = []
-        self._armed, self._longest = flickers, 0
+        self._flickers, self._longest = flickers, 0
         self.run, self.n = 0, 0
         self._last = math.nan
 
@@ -67,27 +64,14 @@ class Flicker:
             self._longest = max(self._longest, self.run)
             self.run = 0
             self._last = value
-        if self._armed:
-            return
-        self._seen.append(value)
-        if len(self._seen) == FLICKER_WINDOW:
-            half = FLICKER_WINDOW // 2
-            self._armed = all(self._both_sides(part) for part in (self._seen[:half], self._seen[half:]))
-            self._seen = []
-
-    @staticmethod
-    def _both_sides(values: list[float]) -> bool:
-        middle = sorted(values)[len(values) // 2]
-        above, below = sum(v > middle for v in values), sum(v < middle for v in values)
-        return above >= FLICKER and below >= FLICKER
 
     @property
     def frozen(self) -> bool:
         """Far more equal readings than ever before."""
-        return self._armed and self.run >= max(FROZEN, FROZEN_RUNS * self._longest)
+        return self._flickers and self.run >= max(FROZEN, FROZEN_RUNS * self._longest)
 
 
-class Hypothesis:
+class WireKind:
     """Wires of one kind, with the constant and the evidence against them."""
 
     def __init__(self) -> None:
@@ -107,7 +91,7 @@ class Hypothesis:
         return self.gap > 0 or self.evidence >= 1.0
 
 
-class Channel:
+class ChannelCheck:
     """``add`` takes a sample; ``suspect`` tells whether it contradicts, ``fault`` names what has become certain."""
 
     def __init__(
@@ -122,7 +106,7 @@ class Channel:
     ) -> None:
         self._one_jump = math.inf if counter else ONE_JUMP
         self.tolerance, self._step, self._period_s = tolerance, step, period_s
-        self._kinds = [Hypothesis() for _ in range(kinds)]
+        self._kinds = [WireKind() for _ in range(kinds)]
         self._flicker = Flicker(flickers=flickers)
         self._last: float | None = None
         self._allowed, self._speed = 0.0, 0.0  # what the reading may still change by, and how it changed last
@@ -224,5 +208,5 @@ class Channel:
     def rearm(self) -> None:
         """A trip was cleared: what persists must trip again."""
         self._evidence, self._certain, self._all_excluded = 0.0, False, False
-        self._kinds = [Hypothesis() for _ in self._kinds]
+        self._kinds = [WireKind() for _ in self._kinds]
         self.forget()

@@ -7,7 +7,7 @@
 | current | I − command, of the largest current | 0 | its offset | 0.03 | 0.03 |
 | thermometer | kelvin above ambient | temperature bounds | its offset | 0.03 of the range | 0.03 of the range |
 
-g: ``limits.model_tolerance``. ``Channel`` says what cannot be.
+g: ``limits.model_tolerance``. ``ChannelCheck`` says what cannot be.
 """
 
 import math
@@ -17,7 +17,7 @@ from smarig.config import RigFile
 from smarig.core import Quality, Sample
 from smarig.plant import Actuator, load_of
 from smarig.preisach import thesis_surface
-from smarig.rig.channel import Channel
+from smarig.rig.channel import ChannelCheck
 from smarig.rig.rig import Alarm
 from smarig.rig.wire_bounds import WireBounds
 
@@ -54,8 +54,19 @@ def is_simulated(rig: RigFile) -> bool:
 class ChannelChecks:
     """``check`` returns the alarms of a sample; ``suspect`` tells whether it contradicts the wire or those before."""
 
-    def __init__(self, rig: RigFile, actuator: Actuator, *, own_wire: bool = True) -> None:
-        """``own_wire``: whether it is the wire of the actuator file, and not a model that replaces it."""
+    def __init__(
+        self,
+        rig: RigFile,
+        actuator: Actuator,
+        *,
+        own_wire: bool = True,
+        noise: bool = True,
+        counter: bool = True,
+    ) -> None:
+        """``own_wire``: whether it is the wire of the actuator file, and not a model that replaces it. ``noise``:
+        whether simulated instruments have the noise of the rig file. ``counter``: whether positions are counts at the
+        ticks of a device; else each is a reading of its own, as late as the host.
+        """
         limits, period_s = rig.limits, rig.period_s
         load = load_of(rig, actuator)
         force_N = load.force()(0.0) if load else None
@@ -69,17 +80,17 @@ class ChannelChecks:
         self._drift_per_K = DRIFT * self._stroke / self._range_K
         zero = ZERO_SHARE * self.tolerance
         step = max(COUNT_STEP * self._stroke, LEAST_STEP_COUNTS)
-        # the file states the noise of a simulated encoder; that of others is learned
-        flickers = rig.encoder.noise_counts >= FLICKERS_COUNTS and is_simulated(rig)
-        self._position = Channel(
-            zero * self._stroke, step, period_s, counter=True, kinds=self._bounds.kinds, flickers=flickers
+        # the file states the noise of a simulated encoder; that of others is not known
+        flickers = noise and rig.encoder.noise_counts >= FLICKERS_COUNTS and is_simulated(rig)
+        self._position = ChannelCheck(
+            zero * self._stroke, step, period_s, counter=counter, kinds=self._bounds.kinds, flickers=flickers
         )
-        self._thermometer = Channel(
+        self._thermometer = ChannelCheck(
             THERMOMETER_TOLERANCE * self._range_K, KELVIN_STEP * self._range_K, period_s
         )
         ohm = TWIN_OHM_TOLERANCE if rig.kind == "twin" else OHM_TOLERANCE
-        self._voltages = [Channel(ohm, OHM_STEP, period_s) for _ in range(2)]
-        self._current = Channel(AMPERE_TOLERANCE, AMPERE_STEP, period_s)
+        self._voltages = [ChannelCheck(ohm, OHM_STEP, period_s) for _ in range(2)]
+        self._current = ChannelCheck(AMPERE_TOLERANCE, AMPERE_STEP, period_s)
         self._all = {
             "position": self._position,
             "thermometer": self._thermometer,
@@ -201,11 +212,11 @@ class ChannelChecks:
             return [Alarm("warning", "jump", text)]
         return []
 
-    def _jump_text(self, name: str, channel: Channel) -> str:
+    def _jump_text(self, name: str, channel: ChannelCheck) -> str:
         time = "one tick" if channel.ticks == 1 else f"{channel.ticks} ticks"
         return f"The {name} jumped by {self._amount(name, channel.jump)} in {time}, faster than the wire can."
 
-    def _text(self, name: str, channel: Channel) -> str:
+    def _text(self, name: str, channel: ChannelCheck) -> str:
         check = f" Check {_REMEDY[name]}."
         if channel.fault == "jump":
             return self._jump_text(name, channel) + check

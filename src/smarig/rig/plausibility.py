@@ -34,8 +34,19 @@ class Plausibility:
     ``suspect``: whether the last sample contradicts the command, the wire, or the sample before.
     """
 
-    def __init__(self, rig: RigFile, actuator: Actuator, *, own_wire: bool = True) -> None:
-        """``own_wire``: whether it is the wire of the actuator file, and not a model that replaces it."""
+    def __init__(
+        self,
+        rig: RigFile,
+        actuator: Actuator,
+        *,
+        own_wire: bool = True,
+        noise: bool = True,
+        counter: bool = True,
+    ) -> None:
+        """``own_wire``: whether it is the wire of the actuator file, and not a model that replaces it. ``noise``:
+        whether simulated instruments have the noise of the rig file. ``counter``: whether positions are counts at the
+        ticks of a device; else each is a reading of its own, as late as the host.
+        """
         limits = rig.limits
         if rig.kind == "twin" and limits.resistance_tolerance < TWIN_TOLERANCE:
             limits = limits.model_copy(update={"resistance_tolerance": TWIN_TOLERANCE})
@@ -53,7 +64,7 @@ class Plausibility:
         self._rest_point: tuple[float, int] | None = None  # input and counts at the start of rest
         self._settling_ticks = 0
         self._travel = travel / actuator.resolution(rig.encoder)
-        self._channels = ChannelChecks(rig, actuator, own_wire=own_wire)
+        self._channels = ChannelChecks(rig, actuator, own_wire=own_wire, noise=noise, counter=counter)
         self._last_tick: int | None = None
         self._unsure_until = 0
         self._rest_ticks = round(REST_TAUS * actuator.tau_s / rig.period_s)

@@ -42,7 +42,7 @@ class TemperatureBounds:
     ...     bounds.step(1.0)
     >>> low_K, high_K = bounds.between(0.9, 1.1)
     >>> round(low_K, 1), round(high_K, 1)
-    (153.2, 195.0)
+    (154.1, 194.1)
     """
 
     def __init__(self, actuator: Actuator, period_s: float, tolerance: float) -> None:

@@ -136,7 +136,13 @@ class Session:
             self.rig,
             self.file.limits,
             self.actuator,
-            Plausibility(self.file, self.actuator, own_wire=self.settings.hysteresis is None),
+            Plausibility(
+                self.file,
+                self.actuator,
+                own_wire=self.settings.hysteresis is None,
+                noise=self.settings.noise,
+                counter=not getattr(self.rig, "timed_by_host", False),
+            ),
             stress_limit(self.file, self.actuator),
         )
         with suppress(SmarigError):  # a damaged history: a run reports it

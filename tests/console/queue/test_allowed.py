@@ -69,7 +69,7 @@ def test_what_was_queued_here_goes_on_by_itself(folder, started):
     with opened(folder) as queue:
         queue.add(request("a"))
         queue.add(request("b", experiment="./evil.py", settings={}))
-        assert queue.asking() == []
+        assert queue.held() == []
     work(folder)
     assert [each.out for each in started] == ["a.run.sqlite", "b.run.sqlite"]
 
@@ -82,7 +82,7 @@ def test_a_queue_that_came_with_the_folder_starts_nothing(folder, started, elsew
         queue.add(request("c"))  # that of the person herself keeps its place behind them
         work(folder)
         assert started == []
-        plain, own = queue.asking()
+        plain, own = queue.held()
         assert [code.text for code in plain.code] == []
         assert [code.text for code in own.code] == ["protocol evil.py"]
         queue.allow(plain.entry.id, plain.mark)
@@ -98,7 +98,7 @@ def test_a_click_allows_what_was_shown_and_nothing_else(folder, started, elsewhe
         queue.add(request("a", experiment="./evil.py", settings={}))
         queue.add(request("b"))
     with opened(folder) as queue:
-        first, second = queue.asking()
+        first, second = queue.held()
         for mark in ("", "x", second.mark):
             with pytest.raises(UsageError, match="has changed since it was shown"):
                 queue.allow(first.entry.id, mark)
@@ -116,7 +116,7 @@ def test_own_code_that_changes_after_it_was_queued_waits_for_a_click(folder, sta
         (folder / "evil.py").write_text("open('/dev/null')\n")
         work(folder)
         assert started == []
-        assert len(queue.asking()) == 1
+        assert len(queue.held()) == 1
 
 
 def test_an_entry_is_started_once_whatever_becomes_of_the_file(folder, started):
@@ -170,7 +170,7 @@ def test_an_entry_that_writes_elsewhere_is_not_allowed(folder, started, elsewher
         queue.add(request("a"))
     _change(folder, f"UPDATE entry SET request = replace(request, 'a.run.sqlite', '{out}')")
     with opened(folder) as queue:
-        (asking,) = queue.asking()
+        (asking,) = queue.held()
         with pytest.raises(UsageError):
             queue.allow(asking.entry.id, asking.mark)
         _change(folder, "UPDATE entry SET state = 'interrupted'")

@@ -68,7 +68,7 @@ def test_a_tripped_rig_pauses_the_queue_and_a_refused_command_does_not(tmp_path)
         assert queue.entry(refused).exit_status == 2
         assert "refused.run.sqlite exists" in queue.entry(refused).sentence
         assert queue.entry(tripped).exit_status == 3
-        assert "encoder jumped" in queue.entry(tripped).sentence
+        assert "position jumped" in queue.entry(tripped).sentence
         state = queue.state()
     assert state.paused_by == tripped
     assert state.sentence.startswith(f"Entry {tripped} (validation) is failed: The encoder jumped")

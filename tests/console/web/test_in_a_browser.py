@@ -258,7 +258,7 @@ def test_a_fault_of_the_rig_is_seen_and_the_queue_pauses(visitor, notes):
     visitor.shows("This browser will notify you")
     visitor.go("/new?experiment=validation&rig=hot.toml&set.points=3&out=hot.run.sqlite")
     visitor.click("Start")
-    visitor.until("document.querySelector('td.bad')?.innerText.includes('encoder jumped')", "the fault")
+    visitor.until("document.querySelector('td.bad')?.innerText.includes('position jumped')", "the fault")
     assert "The queue is paused." in visitor.shows("failed")
     visitor.until("document.title === 'Queue paused'", "the title")
     assert "encoder jumped" in notes()[-1]

@@ -31,7 +31,7 @@ class QueueState:
 
 
 @dataclass(frozen=True)
-class AskingEntry:
+class HeldEntry:
     """An entry with the own code that it runs, and the mark of both: it differs whenever one of them does."""
 
     entry: QueueEntry
@@ -115,14 +115,14 @@ class Queue:
             self._allowed.take(self._waiting(number))
             self._file.update(number, state=EntryState.REMOVED, ended=time.time())
 
-    def asking(self) -> list[AskingEntry]:
+    def held(self) -> list[HeldEntry]:
         """The entries that wait for a person: those that came with the folder, or whose own code has changed since."""
         waiting = self._file.entries(WAITING)
-        return [self._asking(entry) for entry in waiting if not self._allowed.has(entry)]
+        return [self._held(entry) for entry in waiting if not self._allowed.has(entry)]
 
-    def asked(self, number: int) -> AskingEntry:
+    def held_entry(self, number: int) -> HeldEntry:
         """An entry with what a person must see before it is started."""
-        return self._asking(self._file.entry(number))
+        return self._held(self._file.entry(number))
 
     def allow(self, number: int, mark: str) -> None:
         """Let the worker start an entry that waits, as it was shown with this mark. UsageError if it has changed."""
@@ -212,9 +212,9 @@ class Queue:
         request = with_checked_output(request, self.folder)
         return request, self._previewer(request, self.folder)
 
-    def _asking(self, entry: QueueEntry) -> AskingEntry:
+    def _held(self, entry: QueueEntry) -> HeldEntry:
         code = own_code_of_request(entry.request, self.folder.resolve())
-        return AskingEntry(entry, code, self._allowed.mark_of(entry.id, entry.request))
+        return HeldEntry(entry, code, self._allowed.mark_of(entry.id, entry.request))
 
     def _unfinished(self) -> list[QueueEntry]:
         return self._file.entries(RUNNING, WAITING)

@@ -117,7 +117,7 @@ def _go_on(queue: Queue, folder: Path, announce: Callable[[str], None]) -> None:
     try:
         if queue.entries(newest=0):
             ensure_worker(folder)
-        if n := len(queue.asking()):
+        if n := len(queue.held()):
             entries = "1 entry of the queue waits" if n == 1 else f"{n} entries of the queue wait"
             announce(f"{entries} for you to look at: the queue was not filled here, or its code has changed.")
     except SmarigError as error:

@@ -22,9 +22,9 @@ def run_outcome(file: Path) -> dict[str, Any]:
         severity = max(
             (e.severity for e in run.events if e.kind == "end"), key=_is_bad, default=Severity.MINOR
         )
-        asked = f" Requested by {run.stopped_by.text}." if run.stopped_by else ""
+        requester = f" Requested by {run.stopped_by.text}." if run.stopped_by else ""
         return {
-            "state": f"Ended: {run.cause.rstrip('.')}.{asked}",
+            "state": f"Ended: {run.cause.rstrip('.')}.{requester}",
             "level": "bad" if _is_bad(severity) else "warning",
         }
     return {"state": ENDED, "level": ""}

@@ -22,6 +22,8 @@ class PolledPosition:
     of the room; without one, the rig file's ``ambient_degC`` is recorded.
     """
 
+    timed_by_host = True  # a reading is as late as the host, and wrong by itself only
+
     def __init__(
         self,
         sensor: PositionInput,

@@ -12,7 +12,7 @@ from starlette.routing import Route
 from smarig.console.own_code import own_code_text
 from smarig.console.queue.ensure_worker import ensure_worker
 from smarig.console.queue.entry_command import shown_command
-from smarig.console.queue.queue import AskingEntry
+from smarig.console.queue.queue import HeldEntry
 from smarig.console.queue.queue_entry import CONTINUABLE, ENDED, EntryState, QueueEntry
 from smarig.console.web.console_context import (
     LONGEST_NUMBER,
@@ -112,10 +112,10 @@ def _entry_requested(request: Request, mark: str) -> Response:
         context.queue.remove(number)
         return back("/", "The entry was removed.")
     if wanted == "continue":
-        asked = context.queue.asked(number)
-        if asked.code and asked.mark != mark:
+        entry_held = context.queue.held_entry(number)
+        if entry_held.code and entry_held.mark != mark:
             raise UsageError(
-                f"Entry {number} runs {own_code_text(asked.code)}, which is not what was shown. Look at it again."
+                f"Entry {number} runs {own_code_text(entry_held.code)}, which is not what was shown. Look at it again."
             )
         context.queue.continue_interrupted(number)
         ensure_worker(context.folder)
@@ -153,8 +153,8 @@ def stop_all(request: Request) -> Response:
     checked = [str(run.info["rig"]) for run in runs if run.is_check]
     checked += context.rig_checks.terminate(but={run.info["pid"] for run in runs})
     n = sum(not run.is_check for run in runs)
-    sentences = [f"{_number_of(n, 'run')} asked to stop."] if n else []
-    sentences += [f"The check of {printable(rig)} was asked to stop." for rig in checked]
+    sentences = [f"{_number_of(n, 'run')} entry_held to stop."] if n else []
+    sentences += [f"The check of {printable(rig)} was entry_held to stop." for rig in checked]
     text = " ".join([*(sentences or ["No run and no check of this console was in progress."]), *problems])
     return back(
         "/",
@@ -180,7 +180,7 @@ def _queue(context: ConsoleContext) -> dict[str, Any]:
     now = time.time()
     try:
         entries, state = context.queue.entries(newest=_ENDED_SHOWN), context.queue.state()
-        ends, asking = context.queue.ends_at(now), context.queue.asking()
+        ends, held = context.queue.ends_at(now), context.queue.held()
     except SmarigError as error:
         return {
             "reason": str(error),
@@ -188,7 +188,7 @@ def _queue(context: ConsoleContext) -> dict[str, Any]:
             "summary": "",
             "paused": True,
             "runs": False,
-            "asking": None,
+            "held": None,
             "waiting": [],
             "ended": [],
         }
@@ -199,8 +199,8 @@ def _queue(context: ConsoleContext) -> dict[str, Any]:
     return {
         "reason": reason,
         "fault": state.sentence if state.paused_by is not None else "",
-        "summary": _summary(waiting, ends, paused=state.paused, held=bool(asking)),
-        "asking": _asking(asking, context) if asking else None,
+        "summary": _summary(waiting, ends, paused=state.paused, held=bool(held)),
+        "held": _held(held, context) if held else None,
         "paused": state.paused or state.stop_after_this,
         "runs": any(e.state is EntryState.RUNNING for e in waiting),
         "waiting": [_row(e, context) for e in waiting],
@@ -208,7 +208,7 @@ def _queue(context: ConsoleContext) -> dict[str, Any]:
     }
 
 
-def _asking(asking: list[AskingEntry], context: ConsoleContext) -> dict[str, Any]:
+def _held(held: list[HeldEntry], context: ConsoleContext) -> dict[str, Any]:
     """What a person must see of entries that came with the folder, before a click starts them."""
     rows = [
         {
@@ -219,7 +219,7 @@ def _asking(asking: list[AskingEntry], context: ConsoleContext) -> dict[str, Any
             "out": each.entry.request.out,
             "code": [printable(code.text, 300) for code in each.code],
         }
-        for each in asking
+        for each in held
     ]
     return {"rows": rows, "plain": [row for row in rows if not row["code"]]}
 
@@ -238,7 +238,7 @@ def _summary(waiting: list[QueueEntry], ends: float | None, *, paused: bool, hel
 
 def _row(entry: QueueEntry, context: ConsoleContext) -> dict[str, Any]:
     request, continuable = entry.request, entry.state in CONTINUABLE
-    asked = context.queue.asked(entry.id) if continuable else None
+    entry_held = context.queue.held_entry(entry.id) if continuable else None
     words = (
         request.experiment if request.kind != "characterise" else f"characterisation ({request.experiment})"
     )
@@ -254,8 +254,8 @@ def _row(entry: QueueEntry, context: ConsoleContext) -> dict[str, Any]:
         "level": good.get(entry.state, ""),
         "movable": entry.state is EntryState.WAITING,
         "continuable": continuable,
-        "mark": asked.mark if asked else "",
-        "code": own_code_text(asked.code) if asked else "",
+        "mark": entry_held.mark if entry_held else "",
+        "code": own_code_text(entry_held.code) if entry_held else "",
         "when": _moment(entry.ended) if entry.ended else "",
     }
 
