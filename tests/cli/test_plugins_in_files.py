@@ -91,7 +91,7 @@ def test_opening_a_run_or_a_model_imports_no_plugin(acme):
     assert hint in said["verify form.model.json r.run.sqlite"]
     assert hint in said["resume changed.run.sqlite"]
     assert "names the rig file './bench.toml', which is not read" in said["resume benched.run.sqlite"]
-    assert "whose own driver acme_driver would be executed" in said[OPENING.strip().splitlines()[15]]
+    assert "names the rig file './bench.toml', which is not read" in said[OPENING.strip().splitlines()[15]]
 
 
 def _hidden_names(folder: Path) -> None:

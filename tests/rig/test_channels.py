@@ -65,15 +65,17 @@ def test_a_contradiction_must_hold_against_every_kind_of_wire():
         assert max(found) == expected
 
 
-@pytest.mark.parametrize(("noise", "frozen"), [(0.4, True), (0.0, False)])
-def test_only_a_reading_that_has_flickered_is_frozen_when_it_stands_still(noise, frozen):
-    dice, channel = random.Random(1), counter()
+@pytest.mark.parametrize("known", [True, False])
+def test_only_a_reading_of_known_noise_is_frozen_when_it_stands_still(known):
+    """A real encoder may flicker at the edge of a count, and rest in the middle of one for hours."""
+    dice = random.Random(1)
+    channel = counter(flickers=known)
     for _ in range(300):
-        channel.add(round(dice.gauss(0.0, noise)), None, 1.0, ticks=1, changes=True)
+        channel.add(round(dice.gauss(0.0, 0.4)), None, 1.0, ticks=1, changes=True)
     assert not channel.suspect
     for _ in range(FROZEN + 50):
         channel.add(0.0, None, 1.0, ticks=1, changes=True)
-    assert channel.suspect == frozen
+    assert channel.suspect == known
 
 
 def test_a_reading_that_stands_while_every_wire_moves_is_frozen():
@@ -124,7 +126,7 @@ NOTICED = {  # channel, fault: seconds until it is marked at the latest, steps r
     ("position", "noisy"): 2.0,
     ("voltage", "lost"): 1.0,
     ("current", "wrong sign"): 1.0,
-    ("thermometer", "stuck"): 40.0,
+    ("thermometer", "stuck"): 70.0,
     ("thermometer", "lost"): 1.0,
 }
 
@@ -145,7 +147,7 @@ def test_a_fault_in_the_middle_of_a_motion_is_marked_in_time(warmed, channel, fa
     cell = cell_of(copy.deepcopy(guard), levels, entry, entry.faults[fault])
     assert cell.caught_s <= NOTICED[channel, fault]
     if fault != "wrong sign":  # of the position: at the end of the hold
-        assert cell.unseen <= entry.tolerance
+        assert cell.unseen <= (3 if (channel, fault) == ("thermometer", "stuck") else 1) * entry.tolerance
     assert cell.tripped_s < 250.0
 
 

@@ -124,7 +124,7 @@ def ended(bench, protocol, tmp_path):
 
 def test_the_counts_continue_from_the_zero_of_the_sensor(ended):
     whole, killed = ended()
-    run = resume(killed)
+    run = resume(killed, rig=rig_file(tmp_path))
     positions = [np.array([s.position for s in r.settled[1:]]) for r in (run, whole)]
     assert np.ptp(positions[1]) > 2.0, "mm: the wire has moved"
     assert np.abs(positions[0] - positions[1]).max() < 0.1
@@ -136,7 +136,10 @@ def test_a_zero_of_the_session_before_the_run_counts_too(bench, tmp_path):
         session.run("initialise", {}, tmp_path / "i.run.sqlite")
         settings = {"temperatures_K": "0,60,110,80"}
         whole = load_run(session.run("step_currents", settings, tmp_path / "whole.run.sqlite"))
-    run = resume(cut(whole.path, tmp_path / "killed.run.sqlite", int(whole["tick"][int(0.8 * len(whole))])))
+    run = resume(
+        cut(whole.path, tmp_path / "killed.run.sqlite", int(whole["tick"][int(0.8 * len(whole))])),
+        rig=rig_file(tmp_path),
+    )
     positions = [np.array([s.position for s in r.settled]) for r in (run, whole)]
     assert np.abs(positions[0] - positions[1]).max() < 0.1
     assert [e for e in run.events if e.kind == "shift"] == [], "no state had to be found again for it"
@@ -147,4 +150,4 @@ def test_a_sensor_that_counts_from_0_or_another_one_has_lost_it(ended, bench, th
     _, killed = ended(absolute=then.get("absolute", True))
     bench.update(then)
     with pytest.raises(DataError, match="The zero of the encoder is lost"):
-        resume(killed)
+        resume(killed, rig=rig_file(tmp_path))

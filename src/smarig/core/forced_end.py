@@ -43,7 +43,7 @@ _UNFINISHED = (
 
 
 class LastAction(NamedTuple):
-    """What is done before a forced end: an action that returns what to say, and what is said if it does not return."""
+    """What is done before a forced end: an action that returns a sentence, and the sentence if it does not."""
 
     act: Callable[[], str]
     otherwise: str = ""
@@ -65,8 +65,8 @@ def at_forced_end(act: Callable[[], str], otherwise: str = "", *, zeroes: bool =
 
 
 @contextlib.contextmanager
-def forced_end(say: Callable[[str, int], object]) -> Iterator[None]:
-    """Force an end while the context lasts. ``say(sentence, exit_status)`` tells the user. For the main thread only."""
+def forced_end(write: Callable[[str, int], object]) -> Iterator[None]:
+    """Force an end while the context lasts. ``write(sentence, exit_status)`` informs the user. Main thread only."""
     if threading.current_thread() is not threading.main_thread():
         yield
         return
@@ -76,7 +76,7 @@ def forced_end(say: Callable[[str, int], object]) -> Iterator[None]:
         writer.setblocking(False)
         stack.callback(signal.set_wakeup_fd, signal.set_wakeup_fd(writer.fileno(), warn_on_full_buffer=False))
         over = threading.Event()
-        watch = _Watch(reader, over, say)
+        watch = _Watch(reader, over, write)
         thread = threading.Thread(target=watch.run, name="forced end", daemon=True)
         thread.start()
         stack.callback(thread.join)
@@ -98,9 +98,9 @@ class _Watch:
     """Counts the signals and looks at the main thread, a few times per second."""
 
     def __init__(
-        self, reader: socket.socket, over: threading.Event, say: Callable[[str, int], object]
+        self, reader: socket.socket, over: threading.Event, write: Callable[[str, int], object]
     ) -> None:
-        self._reader, self._over, self._say = reader, over, say
+        self._reader, self._over, self._write = reader, over, write
         self._main = threading.main_thread()
         self._waiting: set[signal.Signals] = (
             set()
@@ -174,7 +174,7 @@ class _Watch:
         words = [*_all_done(_actions), _UNFINISHED]
         status = Interrupted.exit_status if requested else StorageError.exit_status
         sentence = f"{why}{cause}. It was ended. {' '.join(words)}"
-        _done_in([give_back_locks, lambda: self._say(sentence, status)], LAST_S / 2)
+        _done_in([give_back_locks, lambda: self._write(sentence, status)], LAST_S / 2)
         os._exit(status)
 
 
@@ -203,10 +203,10 @@ def _file_waited_for(frame: FrameType | None) -> str:
 
 
 def _all_done(actions: list[LastAction]) -> list[str]:
-    """What the actions say, in order, without empty words."""
+    """What the actions write, in order, without empty words."""
     results = _done_in([action.act for action in actions], LAST_S)
-    said = [words if words is not None else action.otherwise for action, words in zip(actions, results)]
-    return [words for words in said if words]
+    written = [words if words is not None else action.otherwise for action, words in zip(actions, results)]
+    return [words for words in written if words]
 
 
 def _done_in(work: list[Callable[[], object]], limit_s: float) -> list[str | None]:

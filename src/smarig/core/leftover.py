@@ -48,11 +48,11 @@ def leftovers(folder: Path) -> list[Leftover]:
     found = []
     for place, _, names in os.walk(folder):
         for name in names:
-            told = _NAME.fullmatch(name)
+            parts = _NAME.fullmatch(name)
             path = Path(place, name)
-            if told and path.is_file() and not path.is_symlink():
-                writer = _writer(told["computer"], told["process"])
-                found.append(Leftover(path, told["of"], writer, path.stat().st_size))
+            if parts and path.is_file() and not path.is_symlink():
+                writer = _writer(parts["computer"], parts["process"])
+                found.append(Leftover(path, parts["of"], writer, path.stat().st_size))
     return sorted(found, key=lambda leftover: leftover.path)
 
 

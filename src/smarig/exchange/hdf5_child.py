@@ -43,11 +43,11 @@ def answer(path: str, group: str, out: BinaryIO) -> None:
     try:
         _answer(path, group, out)
     except _Refused as refusal:
-        _say(out, {"refused": str(refusal)})
+        _send(out, {"refused": str(refusal)})
     except MemoryError:
-        _say(out, {"refused": "reading it needs too much memory. Split it."})
+        _send(out, {"refused": "reading it needs too much memory. Split it."})
     except Exception as error:  # h5py raises what the library's message reminds it of
-        _say(out, {"damaged": type(error).__name__})
+        _send(out, {"damaged": type(error).__name__})
 
 
 def _answer(path: str, group: str, out: BinaryIO) -> None:
@@ -61,15 +61,15 @@ def _answer(path: str, group: str, out: BinaryIO) -> None:
             values += sum(column.length for column in columns)
             if values > MAX_VALUES:
                 raise _Refused(f"it holds more than {MAX_VALUES // 10**6} million values. Split it.")
-            _say(out, {"group": name, "header": _header(found), "left_out": left_out})
+            _send(out, {"group": name, "header": _header(found), "left_out": left_out})
             for column in columns:
                 for own, unit, numbers in column.values():
-                    _say(out, {"column": own, "unit": unit, "size": numbers.size})
+                    _send(out, {"column": own, "unit": unit, "size": numbers.size})
                     out.write(numbers.data)
-    _say(out, {"end": True})
+    _send(out, {"end": True})
 
 
-def _say(out: BinaryIO, words: dict[str, Any]) -> None:
+def _send(out: BinaryIO, words: dict[str, Any]) -> None:
     out.write(json.dumps(words).encode() + b"\n")
     out.flush()
 

@@ -47,10 +47,10 @@ def read_groups(path: Path, group: str = "") -> list[Hdf5Group]:
     late = threading.Timer(LONGEST_S, process.kill)
     late.start()
     try:
-        with process.stdout or io.BytesIO() as said:
-            return list(_groups(path, said))
+        with process.stdout or io.BytesIO() as output:
+            return list(_groups(path, output))
     finally:
-        process.kill()  # it has said all, or what follows is not wanted
+        process.kill()  # it has sent all, or what follows is not wanted
         late.cancel()
         process.wait()
 
@@ -70,9 +70,9 @@ def started(path: Path, group: str) -> _Process:
         raise UsageError(f"{path} cannot be read: no process can be started ({error.strerror}).") from None
 
 
-def _groups(path: Path, said: IO[bytes]) -> Iterator[Hdf5Group]:
+def _groups(path: Path, output: IO[bytes]) -> Iterator[Hdf5Group]:
     group: Hdf5Group | None = None
-    for words in _answers(said):
+    for words in _answers(output):
         if "refused" in words:
             raise DataError(printable(f"{path}: {words['refused']}"))
         if "damaged" in words:
@@ -80,7 +80,7 @@ def _groups(path: Path, said: IO[bytes]) -> Iterator[Hdf5Group]:
                 f"{path} is no HDF5 file, or is damaged or cut off ({words['damaged']}). Copy it again."
             )
         if group is not None and "column" in words:
-            group.columns.append(FoundColumn(words["column"], words["unit"], _values(said, words["size"])))
+            group.columns.append(FoundColumn(words["column"], words["unit"], _values(output, words["size"])))
         elif group is not None:
             yield group
         if "end" in words:
@@ -92,16 +92,16 @@ def _groups(path: Path, said: IO[bytes]) -> Iterator[Hdf5Group]:
     )
 
 
-def _answers(said: IO[bytes]) -> Iterator[dict[str, Any]]:
+def _answers(output: IO[bytes]) -> Iterator[dict[str, Any]]:
     """The answers until the child ends; one that is not complete is none."""
-    while (line := said.readline()).endswith(b"\n"):
+    while (line := output.readline()).endswith(b"\n"):
         with contextlib.suppress(ValueError):
             yield json.loads(line)
 
 
-def _values(said: IO[bytes], size: int) -> NDArray[np.float64]:
+def _values(output: IO[bytes], size: int) -> NDArray[np.float64]:
     """The values that follow a column, NaN where the child has ended before."""
     values = np.full(size, np.nan)
-    given = said.read(8 * size)
+    given = output.read(8 * size)
     values[: len(given) // 8] = np.frombuffer(given[: len(given) // 8 * 8])
     return values

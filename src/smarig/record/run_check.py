@@ -79,7 +79,7 @@ class RunCheck:
         """The check in plain sentences."""
         span = "" if self.first_s is None else f" from {self.first_s:.1f} s to {self.last_s:.1f} s"
         closed = {
-            True: f"It was closed; cause: {self.cause.rstrip('.')}.{self._asked}",
+            True: f"It was closed; cause: {self.cause.rstrip('.')}.{self._requester}",
             False: "It was never closed: it is being recorded, or was interrupted (then smarig resume continues it).",
             None: "Whether it was closed is not known, because its description is damaged.",
         }[self.closed]
@@ -99,7 +99,7 @@ class RunCheck:
         return [*found, "The file is whole." if self.whole else "The file is damaged."]
 
     @property
-    def _asked(self) -> str:
+    def _requester(self) -> str:
         return f" Its end was requested by {self.stopped_by.text}." if self.stopped_by else ""
 
     def _hash_sentence(self) -> str:

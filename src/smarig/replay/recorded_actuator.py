@@ -24,7 +24,7 @@ def recorded_actuator(run: AnyRun) -> Actuator | None:
     name = run.info.actuator
     if not name:
         return None
-    file = None if name in shipped_names("actuators") else _file_beside(run.path, name)
+    file = None if name in shipped_names("actuators") else _file_nearby(run.path, name)
     if file is None:
         return Actuator.named(name)
     try:
@@ -33,7 +33,7 @@ def recorded_actuator(run: AnyRun) -> Actuator | None:
         raise UsageError(f"{run.path.name} names the file {file}, which is no actuator file.") from None
 
 
-def _file_beside(run: Path, name: str) -> Path | None:
+def _file_nearby(run: Path, name: str) -> Path | None:
     """A file of this name, whatever its recorded folder, beside a run or in the folder above."""
     plain = PureWindowsPath(str.__str__(name)).name  # understands both kinds of separators
     folders = (run.parent, run.parent.parent)

@@ -103,15 +103,17 @@ class ChannelCheck:
         counter: bool = False,
         kinds: int = 1,
         flickers: bool = False,
+        moves: bool = True,
     ) -> None:
+        """``moves``: whether a reading must move with the prediction; the resistance of a wire may stay as it is."""
         self._one_jump = math.inf if counter else ONE_JUMP
         self.tolerance, self._step, self._period_s = tolerance, step, period_s
         self._kinds = [WireKind() for _ in range(kinds)]
-        self._flicker = Flicker(flickers=flickers)
+        self._flicker, self._moves = Flicker(flickers=flickers), moves
         self._last: float | None = None
         self._allowed, self._speed = 0.0, 0.0  # what the reading may still change by, and how it changed last
         self._evidence = 0.0  # of jumps and of a frozen reading
-        self._widen_by, self._since_s = 0.0, 0.0  # since the kinds were judged last
+        self._widen_by, self._since_s = 0.0, 0.0  # since the kinds were compared last
         self._excluded = self._all_excluded = self._still = False
         self._still_from: tuple[float, Sequence[tuple[float, float]]] | None = None
         self.jump, self.gap, self.ticks = 0.0, 0.0, 1
@@ -137,7 +139,7 @@ class ChannelCheck:
         self._evidence = max(0.0, self._evidence - FADE_PER_S * elapsed_s)
         excess = self._excess(value, rate)
         if bounds is not None:
-            self._judge(value, bounds)
+            self._compare(value, bounds)
         frozen = self._still or (changes and self._flicker.frozen)
         if frozen:
             self._evidence += min(elapsed_s / GAP_S, ONE_GAP)
@@ -148,7 +150,7 @@ class ChannelCheck:
             self.fault = "contradiction" if self._evidence < 1.0 else "frozen" if frozen else "jump"
         self._certain = certain
 
-    def _judge(self, value: float, bounds: Sequence[tuple[float, float]]) -> None:
+    def _compare(self, value: float, bounds: Sequence[tuple[float, float]]) -> None:
         """Whether every kind of wire contradicts, and whether none stands as still as the reading."""
         elapsed_s, self._since_s = self._since_s, 0.0
         tolerance = self.tolerance
@@ -163,7 +165,7 @@ class ChannelCheck:
             self._still_from = value, bounds
         enough = 2 * tolerance
         moved = [(now[0] - then[0], now[1] - then[1]) for now, then in zip(bounds, self._still_from[1])]
-        self._still = all(min(m) > enough or max(m) < -enough for m in moved)
+        self._still = self._moves and all(min(m) > enough or max(m) < -enough for m in moved)
 
     def _excess(self, value: float, rate: float) -> float:
         """By how much the reading has changed more than it can; adds the evidence."""

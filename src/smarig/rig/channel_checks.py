@@ -89,7 +89,7 @@ class ChannelChecks:
             THERMOMETER_TOLERANCE * self._range_K, KELVIN_STEP * self._range_K, period_s
         )
         ohm = TWIN_OHM_TOLERANCE if rig.kind == "twin" else OHM_TOLERANCE
-        self._voltages = [ChannelCheck(ohm, OHM_STEP, period_s) for _ in range(2)]
+        self._voltages = [ChannelCheck(ohm, OHM_STEP, period_s, moves=False) for _ in range(2)]
         self._current = ChannelCheck(AMPERE_TOLERANCE, AMPERE_STEP, period_s)
         self._all = {
             "position": self._position,

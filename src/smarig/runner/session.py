@@ -255,7 +255,7 @@ class Session:
         try:
             runner.run(protocol)
         except BaseException as error:
-            cause, severity, stopped_by = cause_of(error), end_severity(error), self._who_asked(error)
+            cause, severity, stopped_by = cause_of(error), end_severity(error), self._requester(error)
             raise
         finally:
             with self.control.undisturbed():
@@ -267,7 +267,7 @@ class Session:
                 self._save_history(recorder, runner, new_run)
                 recorder.close(cause, t_s=runner.t_s, severity=severity, stopped_by=stopped_by)
 
-    def _who_asked(self, error: BaseException) -> StoppedBy | None:
+    def _requester(self, error: BaseException) -> StoppedBy | None:
         """Who asked for this end; None for a run that ended by itself, though somebody may have asked as well."""
         if not isinstance(error, Interrupted | KeyboardInterrupt):
             return None

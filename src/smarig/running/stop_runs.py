@@ -7,7 +7,7 @@ from contextlib import suppress
 from smarig.core import Requester, UsageError
 from smarig.running.run_in_progress import RunInProgress
 
-_PATIENCE_S, _LOOK_S = 1.0, 0.02
+_LONGEST_S, _LOOK_S = 1.0, 0.02
 
 
 def stop_runs(runs: Sequence[RunInProgress], who: str, by: Requester) -> None:
@@ -19,7 +19,7 @@ def stop_runs(runs: Sequence[RunInProgress], who: str, by: Requester) -> None:
     for run in runs:
         with suppress(UsageError):  # it has just ended; the others must be stopped all the same
             run.ask("stop", who, by)
-    until_s = time.monotonic() + _PATIENCE_S
+    until_s = time.monotonic() + _LONGEST_S
     while any(map(_goes_on, runs)) and time.monotonic() < until_s:
         time.sleep(_LOOK_S)
     for run in runs:

@@ -71,7 +71,7 @@ def test_a_tripped_rig_pauses_the_queue_and_a_refused_command_does_not(tmp_path)
         assert "position jumped" in queue.entry(tripped).sentence
         state = queue.state()
     assert state.paused_by == tripped
-    assert state.sentence.startswith(f"Entry {tripped} (validation) is failed: The encoder jumped")
+    assert state.sentence.startswith(f"Entry {tripped} (validation) is failed: The position jumped")
     assert (tmp_path / "refused.run.sqlite").read_text() == "somebody else's"
 
 
