@@ -122,7 +122,7 @@ def ended(bench, protocol, tmp_path):
     return made
 
 
-def test_the_counts_continue_from_the_zero_of_the_sensor(ended):
+def test_the_counts_continue_from_the_zero_of_the_sensor(ended, tmp_path):
     whole, killed = ended()
     run = resume(killed, rig=rig_file(tmp_path))
     positions = [np.array([s.position for s in r.settled[1:]]) for r in (run, whole)]
@@ -146,7 +146,7 @@ def test_a_zero_of_the_session_before_the_run_counts_too(bench, tmp_path):
 
 
 @pytest.mark.parametrize("then", [{"absolute": False}, {"identity": "laser 43"}])
-def test_a_sensor_that_counts_from_0_or_another_one_has_lost_it(ended, bench, then):
+def test_a_sensor_that_counts_from_0_or_another_one_has_lost_it(ended, bench, then, tmp_path):
     _, killed = ended(absolute=then.get("absolute", True))
     bench.update(then)
     with pytest.raises(DataError, match="The zero of the encoder is lost"):

@@ -3,7 +3,7 @@
 | channel | quantity | predicted | constant | tolerance | step |
 |---|---|---|---|---|---|
 | position | counts | position bounds | zero of the encoder | g/2 of the stroke | 0.015 of the stroke |
-| voltage | ln V/I, of each wire | resistance bounds | ln of the wire's own resistance | 0.03 | 0.05 |
+| voltage | ln V/I, of each wire | resistance bounds | ln of its own resistance | ``resistance_tolerance`` | 0.05 |
 | current | I − command, of the largest current | 0 | its offset | 0.03 | 0.03 |
 | thermometer | kelvin above ambient | temperature bounds | its offset | 0.03 of the range | 0.03 of the range |
 
@@ -26,7 +26,7 @@ ZERO_SHARE = 0.5  # of the tolerance: uncertainty of the zero
 COUNT_STEP, KELVIN_STEP = 0.015, 0.03  # of stroke and range, besides what the wire moves
 FLICKERS_COUNTS = 0.3  # noise with which 300 equal samples do not occur
 LEAST_STEP_COUNTS = 4  # what the last digit flickers
-OHM_TOLERANCE, TWIN_OHM_TOLERANCE, OHM_STEP = 0.03, 0.06, 0.05  # effects of a twin change its resistance
+OHM_STEP = 0.05  # of the resistance
 AMPERE_TOLERANCE, AMPERE_STEP = 0.03, 0.03  # of the largest current
 THERMOMETER_TOLERANCE = 0.03  # of the range
 MIN_SHARE = 0.15  # of the largest current: a smaller one does not determine a ratio
@@ -88,8 +88,9 @@ class ChannelChecks:
         self._thermometer = ChannelCheck(
             THERMOMETER_TOLERANCE * self._range_K, KELVIN_STEP * self._range_K, period_s
         )
-        ohm = TWIN_OHM_TOLERANCE if rig.kind == "twin" else OHM_TOLERANCE
-        self._voltages = [ChannelCheck(ohm, OHM_STEP, period_s, moves=False) for _ in range(2)]
+        self._voltages = [
+            ChannelCheck(limits.resistance_tolerance, OHM_STEP, period_s, moves=False) for _ in range(2)
+        ]
         self._current = ChannelCheck(AMPERE_TOLERANCE, AMPERE_STEP, period_s)
         self._all = {
             "position": self._position,

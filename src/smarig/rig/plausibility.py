@@ -65,6 +65,7 @@ class Plausibility:
         self._settling_ticks = 0
         self._travel = travel / actuator.resolution(rig.encoder)
         self._channels = ChannelChecks(rig, actuator, own_wire=own_wire, noise=noise, counter=counter)
+        self._by_host = not counter
         self._last_tick: int | None = None
         self._unsure_until = 0
         self._rest_ticks = round(REST_TAUS * actuator.tau_s / rig.period_s)
@@ -128,10 +129,12 @@ class Plausibility:
         return found
 
     def _ticks_since(self, tick: int) -> int:
-        """Ticks since the last sample. A rig that ran before is in a state that only rest makes known."""
+        """Ticks since the last sample. A rig that ran before is in a state that only rest makes known; a clock of the
+        host does not tell whether it did.
+        """
         before, self._last_tick = self._last_tick, tick
         if before is None:
-            self._unsure_until = tick + self._rest_ticks if tick > 1 else 0
+            self._unsure_until = tick + self._rest_ticks if tick > 1 or self._by_host else 0
             return 1
         return max(tick - before, 1)
 
