@@ -289,7 +289,7 @@ def _line(value: Any) -> str:
 
 
 def _number(value: Any) -> float | None:
-    return None if value is None else float(value)
+    return float(value) if value is not None and abs(float(value)) <= LARGEST else None
 
 
 def _step(index, attempt, void, branch, target, t_start_s, t_end_s, verdict, position, n) -> Step:
@@ -299,7 +299,7 @@ def _step(index, attempt, void, branch, target, t_start_s, t_end_s, verdict, pos
         void=bool(void),
         branch=_line(branch),
         target=_number(target),
-        t_start_s=float(t_start_s or 0.0),
+        t_start_s=_number(t_start_s) or 0.0,
         t_end_s=_number(t_end_s),
         verdict=_line(verdict),
         position=_number(position),
