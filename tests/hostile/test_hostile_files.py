@@ -121,3 +121,9 @@ def test_the_honest_files_are_accepted(capfd, tmp_path, material, kind, command)
     if kind == "run":
         path.write_bytes(material.killed.read_bytes())
     assert run([str(word) for word in COMMANDS[kind][command](material, path, tmp_path)]) == 0
+
+
+def test_a_held_out_run_without_settled_steps_is_told(capfd, tmp_path, material):
+    case = Case("numbers", "position is nothing", "diagnose")
+    assert run(case.words(material, case.make(material, tmp_path / "in"), tmp_path)) == 4
+    assert "The held-out runs contain no settled steps." in capfd.readouterr().err

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 from threadpoolctl import threadpool_limits
 
-from smarig.core import UsageError
+from smarig.core import DataError, UsageError
 from smarig.diagnosis.commanded_diagnosis import diagnose_commanded
 from smarig.diagnosis.critique.critique import ALPHA, NULL_DATA_SETS
 from smarig.diagnosis.diagnosis_result import Diagnosis
@@ -47,6 +47,8 @@ def diagnose(
     if not train_runs or not driven_by_input(train_runs):
         if select is not None:
             raise UsageError("A selection of points needs runs with a measured input, not runs of a rig.")
+        if held_out_runs and not any(run.settled for run in held_out_runs):
+            raise DataError("The held-out runs contain no settled steps. Hold out a run that has some, or none.")
         settings = {"alpha": alpha, "nulls": nulls, "seed": seed}
         return diagnose_commanded(
             original, train_runs, held_out_runs, **settings, without=without, progress=progress
