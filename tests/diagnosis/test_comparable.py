@@ -62,13 +62,13 @@ def test_several_wires_are_refused(recorded, edited):
         ("update sample set current_A = -1e10", "values of current_A are larger"),
         ("update sample set ambient_degC = 1e20", "values of ambient_degC are no room temperatures"),
         ("update sample set ambient_degC = -300", "values of ambient_degC are no room temperatures"),
-        ("update step set t_end_s = 9e999", "lies outside the times of the samples or has"),
+        ("update step set t_end_s = 1e20", "lies outside the times of the samples or has"),
         ("update step set t_end_s = t_start_s", "lies outside the times of the samples or has"),
         ("update step set t_start_s = -1e9", "lies outside the times of the samples or has"),
         ("update step set n = 0", "has 0 samples"),
         ("update step set n = 1000000000000000000", "has 1000000000000000000 samples"),
-        ("update step set target = 9e999", "has an implausible target or position"),
-        ("update step set position = -9e999", "has an implausible target or position"),
+        ("update step set target = 1e20", "has an implausible target or position"),
+        ("update step set position = -1e20", "has an implausible target or position"),
     ],
 )
 def test_what_cannot_be_is_refused(edited, statement, said):

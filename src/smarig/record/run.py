@@ -38,7 +38,7 @@ CONTINUED = "continued"  # ``initial`` of a run that starts in the final state o
 OWN_ZERO = "own"  # ``encoder_zero`` of an imported run whose zero is unrelated to that of other runs
 FORC_PROTOCOL = "first_order_reversal_curves"  # protocol of runs imported from FORC files
 _UNMEASURABLE = (
-    f"{{count}} sample(s) hold a number over {LARGEST:g}, which nothing measured can be. "
+    f"{{count}} sample(s) or step(s) hold a number over {LARGEST:g}, which nothing measured can be. "
     "It counts as missing."
 )
 _NO_ROWS = slice(0, 0)

@@ -11,6 +11,7 @@ from smarig.record.table_hashes import BLOCK_ROWS
 
 Array = NDArray[np.float64]
 LARGEST = 1e30  # in any unit: nothing measured is larger, and the square of a larger number may overflow
+_STEP_NUMBERS = ("target", "t_start_s", "t_end_s", "position")
 READ_ROWS = BLOCK_ROWS  # rows of Python objects at a time, as they are hashed: larger blocks are slower
 
 
@@ -69,9 +70,11 @@ def _fill(columns: Array, rows: list[tuple]) -> None:
 
 
 def count_unmeasurable(db: sqlite3.Connection) -> int:
-    """The number of samples with a number over ``LARGEST``, which is read as missing."""
-    tests = (f'"{name}" > {LARGEST} OR "{name}" < -{LARGEST}' for name in SAMPLE_COLUMNS)
-    (count,) = db.execute(f"SELECT count(*) FROM sample WHERE {' OR '.join(tests)}").fetchone()
+    """The number of samples and steps with a number over ``LARGEST``, which is read as missing."""
+    count = 0
+    for table, names in (("sample", SAMPLE_COLUMNS), ("step", _STEP_NUMBERS)):
+        tests = (f'"{name}" > {LARGEST} OR "{name}" < -{LARGEST}' for name in names)
+        count += db.execute(f"SELECT count(*) FROM {table} WHERE {' OR '.join(tests)}").fetchone()[0]
     return count
 
 
