@@ -209,12 +209,13 @@ def test_events_without_words_do_not_stop_a_report(capsys, recorded):
 
 @pytest.mark.parametrize("value", ["1e999", "1e40"])
 def test_positions_beyond_all_measure_are_not_identified(capsys, tmp_path, value):
+    """What nothing can measure is missing, and with it its curve."""
     fod = small_fod(capsys, tmp_path)
     with edited(fod) as db:
         db.execute(f'UPDATE step SET position = {value} WHERE "index" = 6')
     status, _, err = call(capsys, "identify", fod, "-o", tmp_path / "m.json")
     assert status == 4
-    assert "not finite or implausibly large" in err
+    assert "needs at least 4; there are 3" in err
 
 
 def test_the_same_run_twice_is_refused(capsys, tmp_path, recorded):

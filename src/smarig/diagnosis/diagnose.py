@@ -48,7 +48,9 @@ def diagnose(
         if select is not None:
             raise UsageError("A selection of points needs runs with a measured input, not runs of a rig.")
         if held_out_runs and not any(run.settled for run in held_out_runs):
-            raise DataError("The held-out runs contain no settled steps. Hold out a run that has some, or none.")
+            raise DataError(
+                "The held-out runs contain no settled steps. Hold out a run that has some, or none."
+            )
         settings = {"alpha": alpha, "nulls": nulls, "seed": seed}
         return diagnose_commanded(
             original, train_runs, held_out_runs, **settings, without=without, progress=progress
