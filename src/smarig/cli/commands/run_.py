@@ -17,7 +17,15 @@ from smarig.cli.run_options import (
     run_options,
     run_summary,
 )
-from smarig.core import RigFault, UsageError, catalogue_names, offered_names, suggestion, swapped_file
+from smarig.core import (
+    Interrupted,
+    RigFault,
+    UsageError,
+    catalogue_names,
+    offered_names,
+    suggestion,
+    swapped_file,
+)
 
 if TYPE_CHECKING:
     from smarig.config import CampaignFile, CampaignStep
@@ -118,6 +126,10 @@ def _run_one(
         except RigFault:
             if out.exists():
                 show_message(f"When the cause is removed, {session.resume_command(out)} continues this run.")
+            raise
+        except Interrupted:
+            if out.exists() and " --rig " in (command := session.resume_command(out)):
+                show_message(f"To continue this run: {command}")
             raise
     if message:
         show_message(message)
