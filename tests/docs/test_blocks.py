@@ -100,11 +100,15 @@ def _in_shell(line: str, folder: Path) -> tuple[int, str]:
 
 
 LONG = ("self_sensing", "several_loads", "study_files")  # pages whose commands take long
+TIMED = (
+    "labjack",
+    "own_bench",
+)  # pages whose simulated instruments answer in real time, on a machine that keeps it
 
 
 @pytest.mark.parametrize(
     "page",
-    [pytest.param(p, marks=pytest.mark.long) if p.stem in LONG else p for p in WITH_BLOCKS],
+    [pytest.param(p, marks=pytest.mark.long) if p.stem in (*LONG, *TIMED) else p for p in WITH_BLOCKS],
     ids=lambda p: p.relative_to(DOCS).as_posix(),
 )
 def test_the_blocks_of_a_page(page, tmp_path, monkeypatch):
