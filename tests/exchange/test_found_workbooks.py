@@ -219,3 +219,14 @@ def test_a_zip_that_is_no_workbook_is_told_apart(tmp_path):
         parts.writestr("data.csv", "a,b\n1,2\n")
     with pytest.raises(DataError, match="a ZIP file, but no Excel workbook"):
         find_tables(tmp_path / "x.zip")
+
+
+def test_a_part_whose_name_is_no_utf_8_is_damage(tmp_path):
+    """Found by mutation 3794 of the campaign."""
+    pytest.importorskip("openpyxl", reason="needs openpyxl (extra 'files')")
+    path = tmp_path / "x.xlsx"
+    with zipfile.ZipFile(path, "w") as parts:
+        parts.writestr("xl/é.xml", "<a/>")  # a name in UTF-8, marked as such
+    path.write_bytes(path.read_bytes().replace("é".encode(), b"\xff\xfe"))
+    with pytest.raises(DataError, match="is no workbook .*, or is damaged"):
+        find_tables(path)

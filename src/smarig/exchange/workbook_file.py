@@ -125,7 +125,7 @@ def _check_size(path: Path) -> None:
         with zipfile.ZipFile(path) as parts:
             unpacked = sum(part.file_size for part in parts.infolist())
             names = {part.filename for part in parts.infolist()}
-    except (OSError, zipfile.BadZipFile, NotImplementedError):
+    except Exception:  # zipfile raises whatever a damaged directory leads to, such as a name that is no UTF-8
         raise DataError(f"{path} is no workbook (.xlsx), or is damaged. Save it again as .xlsx.") from None
     if unpacked > MAX_UNPACKED:
         raise DataError(
