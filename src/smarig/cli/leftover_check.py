@@ -4,7 +4,7 @@ import contextlib
 from pathlib import Path
 
 from smarig.cli.output import emit
-from smarig.core import Leftover, Writer, leftovers
+from smarig.core import Leftover, Writer, leftovers, printable
 
 _STATES = {
     Writer.ENDED: "its process has ended",
@@ -19,8 +19,9 @@ def check_leftovers(folder: Path, *, remove: bool) -> None:
     ended = [leftover for leftover in found if leftover.writer == Writer.ENDED]
     removed = [leftover.path for leftover in ended if remove and _removed(leftover)]
     lines = [
-        f"{shown.path} ({shown.n_bytes} bytes, instead of {shown.of}): {_state(shown, removed)}"
-        for shown in found
+        f"{printable(str(each.path), 300)} ({each.n_bytes} bytes, instead of {printable(each.of)}): "
+        f"{_state(each, removed)}"
+        for each in found
     ]
     noun = "file" if len(found) == 1 else "files"
     lines.append(f"{folder} holds {len(found)} unfinished {noun}; {len(removed)} removed.")

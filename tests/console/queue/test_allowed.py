@@ -2,10 +2,12 @@
 
 import shutil
 import sqlite3
+import struct
 
 import pytest
 
 from console.queue.entries import opened, request, worker
+from smarig.console import Library
 from smarig.console.own_code import own_code_digest, own_code_of_experiment, own_code_of_rig
 from smarig.console.queue import worker as worker_module
 from smarig.console.queue.allowed_entries import own_code_of_request
@@ -184,7 +186,7 @@ def test_a_queue_with_triggers_is_none_of_smarig(folder):
     with opened(folder):
         pass
     _change(folder, "CREATE TRIGGER t AFTER UPDATE ON entry BEGIN UPDATE entry SET request = ''; END")
-    with pytest.raises(DataError, match="views or triggers"):
+    with pytest.raises(DataError, match="are not those of a queue"):
         opened(folder)
 
 
@@ -262,3 +264,34 @@ def test_what_smarig_brings_is_no_own_code(folder):
         assert own_code_of_rig(rig, folder) == (), rig
     assert own_code_of_request(request(effects=("settling=2",)), folder) == ()
     assert own_code_digest(()) == ""
+
+
+@pytest.mark.parametrize("name", ["queue.sqlite", "library.sqlite"])
+def test_a_journal_that_names_another_file_deletes_nothing(folder, tmp_path, name):
+    """SQLite would delete the file that a journal of several databases names."""
+    victim = tmp_path / "victim.txt"
+    victim.write_text("precious")
+    opened(folder).close()
+    Library.open(folder).refresh()
+    place, text = struct.pack(">I", 0x40000000 // 4096 + 1), str(victim).encode()
+    magic = bytes.fromhex("d9d505f920a163d7")
+    head = (magic + struct.pack(">IIIII", 0, 0, 1, 512, 4096)).ljust(512, b"\0")
+    tail = struct.pack(">II", len(text), sum(text)) + magic
+    (folder / f"{name}-journal").write_bytes(head + place + text + tail)
+    with pytest.raises(DataError, match="belongs to several databases"):
+        opened(folder) if name == "queue.sqlite" else Library.open(folder).search("")
+    assert victim.read_text() == "precious"
+
+
+def test_a_link_in_place_of_the_queue_is_refused(folder, tmp_path):
+    (folder / "queue.sqlite").symlink_to(tmp_path / "created.sqlite")
+    with pytest.raises(DataError, match="is a link"):
+        opened(folder)
+    assert not (tmp_path / "created.sqlite").exists()
+
+
+def test_computed_columns_are_no_queue(folder):
+    opened(folder).close()
+    _change(folder, "ALTER TABLE queue ADD COLUMN x TEXT AS (hex(zeroblob(400000000)))")
+    with pytest.raises(DataError, match="are not those of a queue"):
+        opened(folder)

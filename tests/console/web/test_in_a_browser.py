@@ -83,7 +83,7 @@ def test_a_newcomer_starts_a_first_look_by_clicks_and_finds_its_runs(visitor, co
     visitor.shows("Ended")
     visitor.until("document.querySelector('td.good')?.innerText.startsWith('done')", "the campaign ends")
     visitor.click("Library")
-    visitor.reload_until("document.querySelectorAll('tbody tr').length >= 3")
+    visitor.reload_until("document.body.innerText.includes('02_step_currents')")
     visitor.click("02_step_currents")
     visitor.reload_until("document.body.innerText.includes('stroke')")
     runs = sorted((console.folder / "quick_look_001").rglob("*.run.sqlite"))

@@ -11,6 +11,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from smarig.core import DataError, InUse, StorageError, UsageError, printable
+from smarig.record import check_sidecars
 
 LIBRARY_FILE = "library.sqlite"
 DAMAGED_FILE = "library.damaged.sqlite"
@@ -90,6 +91,7 @@ class Database:
         return self._connect("rw")
 
     def _connect(self, mode: str) -> sqlite3.Connection:
+        check_sidecars(self.file)
         uri = f"{self.file.resolve().as_uri()}?mode={mode}"
         db = sqlite3.connect(uri, uri=True, timeout=_BUSY_S, isolation_level=None)
         db.execute("PRAGMA trusted_schema = OFF")

@@ -35,6 +35,7 @@ def ensure_worker(folder: Path) -> bool:
 
 def _start(folder: Path) -> subprocess.Popen[bytes]:
     append = os.O_WRONLY | os.O_CREAT | os.O_APPEND | getattr(os, "O_NOFOLLOW", 0)
+    append |= getattr(os, "O_NONBLOCK", 0)  # a pipe of this name must not hold the console up
     log = os.open(folder / LOG, append, 0o644)
     try:
         return subprocess.Popen(

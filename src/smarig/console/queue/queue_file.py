@@ -8,11 +8,13 @@ import json
 import sqlite3
 import threading
 from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 from typing import Any, Self
 
 from smarig.console.queue.queue_entry import COLUMNS, EntryState, QueueEntry
 from smarig.core import DataError, InUse, StorageError, UsageError, check_regular
+from smarig.record import check_sidecars
 
 NAME = "queue.sqlite"
 VERSION = 1
@@ -31,9 +33,17 @@ PRAGMA application_id = {_APPLICATION_ID};
 PRAGMA user_version = {VERSION};
 """
 _SELECT = f"SELECT {','.join(COLUMNS)} FROM entry"
-_FOREIGN = "SELECT count(*) FROM sqlite_schema WHERE type NOT IN ('table', 'index')"
+_SCHEMA = "SELECT type, name, sql FROM sqlite_schema WHERE name NOT LIKE 'sqlite_%' ORDER BY type, name"
 _DAMAGED = (sqlite3.SQLITE_CORRUPT, sqlite3.SQLITE_NOTADB, sqlite3.SQLITE_SCHEMA, sqlite3.SQLITE_ERROR)
 _BUSY = (sqlite3.SQLITE_BUSY, sqlite3.SQLITE_LOCKED)
+
+
+@cache
+def _own_schema() -> list[tuple[Any, ...]]:
+    """The tables and indices of a queue; a file with others, or with computed columns, triggers or views, is none."""
+    with contextlib.closing(sqlite3.connect(":memory:")) as db:
+        db.executescript(_CREATE)
+        return db.execute(_SCHEMA).fetchall()
 
 
 class QueueFile:
@@ -44,6 +54,9 @@ class QueueFile:
         self.path = folder / NAME
         self._lock = threading.RLock()
         check_regular(self.path)
+        if self.path.is_symlink():
+            raise DataError(f"{self.path} is a link to another file. Remove it, or copy the queue itself.")
+        check_sidecars(self.path)  # SQLite deletes the file that a journal of several databases names
         with self._explained():
             self._db = sqlite3.connect(
                 self.path, timeout=_BUSY_S, isolation_level=None, check_same_thread=False
@@ -152,8 +165,8 @@ class QueueFile:
             raise UsageError(
                 f"{self.path} has version {version}, and this smarig knows versions up to {VERSION}. Update smarig."
             )
-        if self._db.execute(_FOREIGN).fetchone() != (0,):
-            raise DataError(_damaged(self.path, "it holds views or triggers, which no queue of smarig has"))
+        if self._db.execute(_SCHEMA).fetchall() != _own_schema():
+            raise DataError(_damaged(self.path, "its tables are not those of a queue of smarig"))
         if (fault := self._pragma("quick_check")) != "ok":
             raise DataError(_damaged(self.path, str(fault)))
 

@@ -153,8 +153,8 @@ def stop_all(request: Request) -> Response:
     checked = [str(run.info["rig"]) for run in runs if run.is_check]
     checked += context.rig_checks.terminate(but={run.info["pid"] for run in runs})
     n = sum(not run.is_check for run in runs)
-    sentences = [f"{_number_of(n, 'run')} entry_held to stop."] if n else []
-    sentences += [f"The check of {printable(rig)} was entry_held to stop." for rig in checked]
+    sentences = [f"{_number_of(n, 'run')} asked to stop."] if n else []
+    sentences += [f"The check of {printable(rig)} was asked to stop." for rig in checked]
     text = " ".join([*(sentences or ["No run and no check of this console was in progress."]), *problems])
     return back(
         "/",
