@@ -1,13 +1,8 @@
 """What this environment lacks is a skip with its name, and ``--skipped`` runs what the last run skipped.
 
-``.ci/run`` runs all tests with what the README installs, and those it skipped once more with all extras. A worker
-gives back the memory of each file's tests, so that it stays below 500 MB.
+``.ci/run`` runs all tests with what the README installs, and those it skipped once more with all extras.
 """
 
-import contextlib
-import ctypes
-import gc
-import linecache
 import sys
 
 import pytest
@@ -53,21 +48,6 @@ def pytest_runtest_makereport(item, call):
         path, line, _ = item.location
         _skipped_for_an_extra(report, call, path, (line or 0) + 1)
     return report
-
-
-def pytest_collection_finish():
-    """What was collected stays to the end: no later collection of garbage looks at it again."""
-    linecache.clearcache()
-    gc.collect()
-    gc.freeze()
-
-
-@pytest.hookimpl(trylast=True)
-def pytest_runtest_teardown(item, nextitem):
-    if nextitem is None or nextitem.path != item.path:
-        gc.collect()
-        with contextlib.suppress(OSError, AttributeError):  # not glibc
-            ctypes.CDLL(None).malloc_trim(0)
 
 
 def pytest_configure(config):

@@ -48,9 +48,9 @@ def own_code_text(code: Iterable[OwnCode]) -> str:
 
 def own_code_of_rig(name: str, folder: Path) -> tuple[OwnCode, ...]:
     """What a rig brings, by its name or the path of its file from a folder. ``trace`` is a file that it writes."""
-    given = folder / name
-    if name in shipped_names("rigs") and not _is_file(given):
+    if name in shipped_names("rigs"):  # never replaced by a file of this name
         return ()
+    given = folder / name
     try:
         file = load_rig(str(given) if _is_file(given) else name)
     except _NOT_READ:

@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from smarig.record.continued_run import continues_run as continues_run
     from smarig.record.guarded_database import SIDECARS as SIDECARS
     from smarig.record.guarded_database import check_sidecars as check_sidecars
+    from smarig.record.guarded_database import restrict as restrict
     from smarig.record.last_heat import LastHeat as LastHeat
     from smarig.record.metadata import is_timestamp as is_timestamp
     from smarig.record.new_run_file import write_run as write_run

@@ -7,6 +7,7 @@ from smarig.core.lazy_exports import lazy_exports
 if TYPE_CHECKING:
     from smarig.rig.bench import Bench as Bench
     from smarig.rig.bring_up import bring_up as bring_up
+    from smarig.rig.channel_checks import RigReadings as RigReadings
     from smarig.rig.consistency import DRIVERS as DRIVERS
     from smarig.rig.consistency import inconsistencies as inconsistencies
     from smarig.rig.driver_check import check_driver as check_driver

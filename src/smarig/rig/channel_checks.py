@@ -3,15 +3,17 @@
 | channel | quantity | predicted | constant | tolerance | step |
 |---|---|---|---|---|---|
 | position | counts | position bounds | zero of the encoder | g/2 of the stroke | 0.015 of the stroke |
-| voltage | ln V/I, of each wire | resistance bounds | ln of its own resistance | ``resistance_tolerance`` | 0.05 |
+| voltage | ln V/I, of each wire | resistance bounds | ln of its resistance | r | 0.05 |
 | current | I − command, of the largest current | 0 | its offset | 0.03 | 0.03 |
 | thermometer | kelvin above ambient | temperature bounds | its offset | 0.03 of the range | 0.03 of the range |
 
-g: ``limits.model_tolerance``. ``ChannelCheck`` says what cannot be.
+g: ``limits.model_tolerance``. r: 0.03 of a simulated wire, which follows its file and is read at ticks,
+``limits.resistance_tolerance`` of others. ``ChannelCheck`` says what cannot be.
 """
 
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 from smarig.config import RigFile
 from smarig.core import Quality, Sample
@@ -26,7 +28,7 @@ ZERO_SHARE = 0.5  # of the tolerance: uncertainty of the zero
 COUNT_STEP, KELVIN_STEP = 0.015, 0.03  # of stroke and range, besides what the wire moves
 FLICKERS_COUNTS = 0.3  # noise with which 300 equal samples do not occur
 LEAST_STEP_COUNTS = 4  # what the last digit flickers
-OHM_STEP = 0.05  # of the resistance
+OHM_TOLERANCE, TWIN_OHM_TOLERANCE, OHM_STEP = 0.03, 0.06, 0.05  # effects of a twin change its resistance
 AMPERE_TOLERANCE, AMPERE_STEP = 0.03, 0.03  # of the largest current
 THERMOMETER_TOLERANCE = 0.03  # of the range
 MIN_SHARE = 0.15  # of the largest current: a smaller one does not determine a ratio
@@ -51,22 +53,25 @@ def is_simulated(rig: RigFile) -> bool:
     return rig.kind == "twin" or rig.simulator is not None
 
 
+@dataclass(frozen=True)
+class RigReadings:
+    """What is known of the readings of a rig besides its file."""
+
+    own_wire: bool = True
+    """Whether the wire is that of the actuator file, and not a model that replaces it."""
+    noise: bool = True
+    """Whether simulated instruments have the noise of the rig file."""
+    counter: bool = True
+    """Whether positions are counts at the ticks of a device; else each is a reading of its own, as late as the host."""
+
+
+AS_IN_FILES = RigReadings()
+
+
 class ChannelChecks:
     """``check`` returns the alarms of a sample; ``suspect`` tells whether it contradicts the wire or those before."""
 
-    def __init__(
-        self,
-        rig: RigFile,
-        actuator: Actuator,
-        *,
-        own_wire: bool = True,
-        noise: bool = True,
-        counter: bool = True,
-    ) -> None:
-        """``own_wire``: whether it is the wire of the actuator file, and not a model that replaces it. ``noise``:
-        whether simulated instruments have the noise of the rig file. ``counter``: whether positions are counts at the
-        ticks of a device; else each is a reading of its own, as late as the host.
-        """
+    def __init__(self, rig: RigFile, actuator: Actuator, readings: RigReadings = AS_IN_FILES) -> None:
         limits, period_s = rig.limits, rig.period_s
         load = load_of(rig, actuator)
         force_N = load.force()(0.0) if load else None
@@ -81,16 +86,22 @@ class ChannelChecks:
         zero = ZERO_SHARE * self.tolerance
         step = max(COUNT_STEP * self._stroke, LEAST_STEP_COUNTS)
         # the file states the noise of a simulated encoder; that of others is not known
-        flickers = noise and rig.encoder.noise_counts >= FLICKERS_COUNTS and is_simulated(rig)
+        flickers = readings.noise and rig.encoder.noise_counts >= FLICKERS_COUNTS and is_simulated(rig)
         self._position = ChannelCheck(
-            zero * self._stroke, step, period_s, counter=counter, kinds=self._bounds.kinds, flickers=flickers
+            zero * self._stroke,
+            step,
+            period_s,
+            counter=readings.counter,
+            kinds=self._bounds.kinds,
+            flickers=flickers,
         )
         self._thermometer = ChannelCheck(
             THERMOMETER_TOLERANCE * self._range_K, KELVIN_STEP * self._range_K, period_s
         )
-        self._voltages = [
-            ChannelCheck(limits.resistance_tolerance, OHM_STEP, period_s, moves=False) for _ in range(2)
-        ]
+        ohm = OHM_TOLERANCE if is_simulated(rig) and readings.counter else limits.resistance_tolerance
+        if rig.kind == "twin":
+            ohm = TWIN_OHM_TOLERANCE
+        self._voltages = [ChannelCheck(ohm, OHM_STEP, period_s, moves=False) for _ in range(2)]
         self._current = ChannelCheck(AMPERE_TOLERANCE, AMPERE_STEP, period_s)
         self._all = {
             "position": self._position,
@@ -104,8 +115,8 @@ class ChannelChecks:
         self._largest_A = max(limits.current_max_A, -limits.current_min_A)
         self._min_A = MIN_SHARE * self._largest_A
         self._one_wire = not actuator.two_wire
-        self._wire_known = own_wire
-        self._position_known = own_wire and (load is None or not load.changes)
+        self._wire_known = readings.own_wire
+        self._position_known = readings.own_wire and (load is None or not load.changes)
         self._ticks, self._may_change, self._may_change_K = 0, 0.0, 0.0  # since the last sample
         self._electrical_ticks, self._electrical_share = 0, 0.0  # since the last beat
         self._steady, self._command_A = 0, 0.0

@@ -16,7 +16,7 @@ from smarig.rig.rig import Alarm
 IN_A_ROW = 3  # consecutive samples that show a current: a single one may be wrong
 GROSS = 1.3  # times an upper limit: a wire heats too fast to wait for a third sample
 MIN_CURRENT_A = 0.05  # a smaller current does not determine a resistance
-READ_BACK_TOLERANCE = 0.06  # of the largest current: set-point against read-back
+READ_BACK_TOLERANCE = 0.05  # of the largest current: set-point against read-back
 
 _SATURATED = int(Quality.SATURATED)  # a plain integer, because it is used every tick
 

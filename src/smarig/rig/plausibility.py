@@ -9,7 +9,7 @@ from smarig.config import RigFile
 from smarig.core import Quality, Sample
 from smarig.plant import Actuator, load_of, thermomechanical_travel
 from smarig.preisach import thesis_surface
-from smarig.rig.channel_checks import ChannelChecks
+from smarig.rig.channel_checks import AS_IN_FILES, ChannelChecks, RigReadings
 from smarig.rig.electrical_plausibility import ElectricalPlausibility
 from smarig.rig.rig import Alarm
 
@@ -34,19 +34,7 @@ class Plausibility:
     ``suspect``: whether the last sample contradicts the command, the wire, or the sample before.
     """
 
-    def __init__(
-        self,
-        rig: RigFile,
-        actuator: Actuator,
-        *,
-        own_wire: bool = True,
-        noise: bool = True,
-        counter: bool = True,
-    ) -> None:
-        """``own_wire``: whether it is the wire of the actuator file, and not a model that replaces it. ``noise``:
-        whether simulated instruments have the noise of the rig file. ``counter``: whether positions are counts at the
-        ticks of a device; else each is a reading of its own, as late as the host.
-        """
+    def __init__(self, rig: RigFile, actuator: Actuator, readings: RigReadings = AS_IN_FILES) -> None:
         limits = rig.limits
         if rig.kind == "twin" and limits.resistance_tolerance < TWIN_TOLERANCE:
             limits = limits.model_copy(update={"resistance_tolerance": TWIN_TOLERANCE})
@@ -64,8 +52,8 @@ class Plausibility:
         self._rest_point: tuple[float, int] | None = None  # input and counts at the start of rest
         self._settling_ticks = 0
         self._travel = travel / actuator.resolution(rig.encoder)
-        self._channels = ChannelChecks(rig, actuator, own_wire=own_wire, noise=noise, counter=counter)
-        self._by_host = not counter
+        self._channels = ChannelChecks(rig, actuator, readings)
+        self._by_host = not readings.counter
         self._last_tick: int | None = None
         self._unsure_until = 0
         self._rest_ticks = round(REST_TAUS * actuator.tau_s / rig.period_s)

@@ -44,6 +44,7 @@ from smarig.rig import (
     Guard,
     Plausibility,
     Rig,
+    RigReadings,
     TwinSettings,
     limits_in_force,
     open_rig,
@@ -136,13 +137,7 @@ class Session:
             self.rig,
             self.file.limits,
             self.actuator,
-            Plausibility(
-                self.file,
-                self.actuator,
-                own_wire=self.settings.hysteresis is None,
-                noise=self.settings.noise,
-                counter=not getattr(self.rig, "timed_by_host", False),
-            ),
+            Plausibility(self.file, self.actuator, self._readings()),
             stress_limit(self.file, self.actuator),
         )
         with suppress(SmarigError):  # a damaged history: a run reports it
@@ -158,9 +153,18 @@ class Session:
         self.guard.start_hot(heat_left(last, self.actuator, since_s, has_lease=self.has_lease))
         self.wear = self.new_wear(self.guard.input_K)
 
+    def _readings(self) -> RigReadings:
+        counter = not getattr(self.rig, "timed_by_host", False)
+        return RigReadings(self.settings.hysteresis is None, self.settings.noise, counter)
+
+    @property
+    def on_own_rig_file(self) -> bool:
+        """Whether the rig is a file of the user's, which must be named again to resume a run."""
+        return self._name not in shipped_names("rigs")
+
     def resume_command(self, run: Path) -> str:
         """The command that resumes a run of this session; it names a rig file, because no record may."""
-        named_again = "" if self._name in shipped_names("rigs") else f" --rig {shlex.quote(self._name)}"
+        named_again = f" --rig {shlex.quote(self._name)}" if self.on_own_rig_file else ""
         return f"smarig resume {shlex.quote(str(run))}{named_again}"
 
     @property

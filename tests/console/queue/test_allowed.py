@@ -221,11 +221,6 @@ NAMED = {
         'name = "own"\nbase = "./base.toml"\n',
         "driver of the encoder daq evil.py",
     ),
-    "name of smarig": (
-        "one_wire_twin",
-        RIG + '[links.amplifier]\ndriver = "./evil.py"\n',
-        "driver of the amplifier",
-    ),
 }
 
 
@@ -238,6 +233,12 @@ def test_own_code_of_a_rig_is_found_before_it_runs(folder, name):
     )
     found = own_code_of_rig(rig, folder)
     assert words in " ".join(code.text for code in found)
+
+
+def test_a_file_with_the_name_of_a_rig_of_smarig_is_never_that_rig(folder):
+    (folder / "one_wire_twin").write_text(RIG + '[links.amplifier]\ndriver = "./evil.py"\n')
+    assert own_code_of_rig("one_wire_twin", folder) == ()
+    assert own_code_of_rig("./one_wire_twin", folder)
 
 
 def test_own_code_of_a_campaign_an_effect_and_a_setting_is_found(folder):

@@ -261,7 +261,7 @@ def test_a_fault_of_the_rig_is_seen_and_the_queue_pauses(visitor, notes):
     visitor.until("document.querySelector('td.bad')?.innerText.includes('position jumped')", "the fault")
     assert "The queue is paused." in visitor.shows("failed")
     visitor.until("document.title === 'Queue paused'", "the title")
-    assert "encoder jumped" in notes()[-1]
+    assert "position jumped" in notes()[-1]
     visitor.tab.key("Tab", 9)
     assert visitor.tab.run("document.title").startswith("Runs")
     let_the_queue_continue(visitor)

@@ -18,7 +18,7 @@ from smarig.device.links import shared_link
 def box():
     with running_box() as found:
         yield found
-    assert not shared_link._OPEN  # every test leaves the connection
+    assert not shared_link._LINKS._open  # every test leaves the connection
 
 
 @pytest.fixture
@@ -166,8 +166,8 @@ def test_two_roles_share_one_connection_and_the_last_closes_it(box):
     file = rig(box.url)
     output = labjack_output(link_of(file, "amplifier"), file)
     sensor = labjack_position(link_of(file, "encoder_daq"), file)
-    (entry,) = shared_link._OPEN.values()
-    assert entry.users == 2
+    ((_, users),) = shared_link._LINKS._open.values()
+    assert users == 2
     output.close()
     output.close()
     assert abs(sensor.position()) < 0.01

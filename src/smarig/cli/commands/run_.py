@@ -128,8 +128,8 @@ def _run_one(
                 show_message(f"When the cause is removed, {session.resume_command(out)} continues this run.")
             raise
         except Interrupted:
-            if out.exists() and " --rig " in (command := session.resume_command(out)):
-                show_message(f"To continue this run: {command}")
+            if out.exists() and session.on_own_rig_file:
+                show_message(f"To continue this run: {session.resume_command(out)}")
             raise
     if message:
         show_message(message)

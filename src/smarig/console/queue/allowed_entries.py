@@ -13,6 +13,7 @@ from pathlib import Path
 
 from smarig.console.own_code import (
     OwnCode,
+    own_code_digest,
     own_code_of_effect,
     own_code_of_experiment,
     own_code_of_rig,
@@ -48,7 +49,7 @@ class AllowedEntries:
 
     def mark_of(self, number: int, request: EntryRequest) -> str:
         """The name of the mark of an entry, as it and its own code are now."""
-        code = [[c.role, c.name, c.sha256] for c in own_code_of_request(request, self._folder)]
+        code = own_code_digest(own_code_of_request(request, self._folder))
         parts = [os.fsencode(self._folder).hex(), number, request.to_json(), code]
         return _hash(json.dumps(parts).encode())
 

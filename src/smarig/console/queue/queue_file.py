@@ -14,7 +14,7 @@ from typing import Any, Self
 
 from smarig.console.queue.queue_entry import COLUMNS, EntryState, QueueEntry
 from smarig.core import DataError, InUse, StorageError, UsageError, check_regular
-from smarig.record import check_sidecars
+from smarig.record import check_sidecars, restrict
 
 NAME = "queue.sqlite"
 VERSION = 1
@@ -151,7 +151,7 @@ class QueueFile:
             return self._db.execute(query, values).fetchall()
 
     def _prepare(self) -> None:
-        self._db.execute("PRAGMA trusted_schema = OFF")
+        restrict(self._db)
         self._db.execute("PRAGMA synchronous = FULL")
         if self._is_empty():
             self._db.execute("PRAGMA journal_mode = WAL")
