@@ -1,0 +1,143 @@
+"""The rules that turn probabilities into a verdict: the only place where a number decides a word.
+
+Each rule is a row of ``RULES``: its name, its value, why it is there. ``decide`` asks them in this order:
+
+    nothing can be tested                          not identifiable
+    nothing is likely, or too small to tell        silent if the model is adequate, else unknown
+    a cause is likely, and what competes is not    named, if blocks, design and held-out runs allow a name
+    likely causes are effects only                 ambiguous: the set
+    else                                           unknown, with the variable that the errors go with
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Literal
+
+from smarig.diagnosis.comparison.hypothesis import Part
+
+VerdictWord = Literal["silent", "named", "ambiguous", "unknown", "not_identifiable"]
+
+
+@dataclass(frozen=True)
+class Rule:
+    """A number that decides, and why it has this value."""
+
+    value: float
+    why: str
+
+
+RULES = {
+    "nothing": Rule(0.5, "the plain model is the likelier half"),
+    "name": Rule(
+        0.9, "one name of ten may be wrong at this probability, and the curve of reliability says which"
+    ),
+    "set": Rule(0.9, "the causes of a set hold the truth nine times of ten"),
+    "least_size": Rule(
+        0.005, "share of the range below which an effect changes nothing that a user would measure"
+    ),
+    "beside_block_errors": Rule(1.0, "an effect must remove more than the model's other errors of a block"),
+    "least_blocks": Rule(10, "with fewer excursions, how often they are resampled says little"),
+    "adequate": Rule(3.0, "times the noise: larger errors of blocks left out are seen in a plot"),
+    "worse": Rule(
+        1.05, "times the error of the plain model on held-out runs: a name must not predict them worse"
+    ),
+}
+SENTENCES = {
+    "not_testable": "These data cannot show any effect.",
+    "nothing": "The plain model predicts blocks that it has not seen as well as any other.",
+    "too_small": "What is likely changes too little to matter.",
+    "inadequate": "No effect and no variable predicts the errors.",
+    "few_blocks": "There are too few excursions for a name.",
+    "confounded": "In these data the cause varies together with others.",
+    "worse": "With the likeliest cause, the held-out runs are predicted worse.",
+    "beside": "The likeliest cause removes less than the errors that remain.",
+    "likely": "No other cause predicts the blocks as well.",
+    "shared": "Several causes predict the blocks about equally well.",
+    "variable": "The errors go with this variable, and no effect of the catalogue predicts them as well.",
+}
+
+
+@dataclass(frozen=True)
+class Evidence:
+    """What the verdict is decided from.
+
+    ``causes``: probability by part, and ``nothing`` of the plain model. ``size``: what each part removes of the
+    left-out error, in the output's unit; ``span``: range of the output. ``error``: left-out error of the plain model;
+    ``noise``: of one reading; ``block_error``: what the winner leaves between blocks. ``blocks``: real excursions.
+    ``confounded``: parts that these data cannot part from a part. ``held_out``: error on held-out runs with a part over
+    that without, where there are such runs. ``testable``: whether the data can show any effect. ``depends_on``: the
+    variables that an effect acts through.
+    """
+
+    causes: Mapping[Part, float]
+    nothing: float
+    size: Mapping[Part, float]
+    span: float
+    error: float
+    noise: float
+    block_error: float
+    blocks: int
+    confounded: Mapping[Part, tuple[Part, ...]] = field(default_factory=dict)
+    held_out: Mapping[Part, float] = field(default_factory=dict)
+    testable: bool = True
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """``word``; the ``names`` of the effects (the set, if ambiguous); the variable; and the key of ``SENTENCES``."""
+
+    word: VerdictWord
+    reason: str
+    names: tuple[str, ...] = ()
+    depends_on: str | None = None
+
+
+def decide(e: Evidence) -> Verdict:
+    """The verdict on a comparison of hypotheses."""
+    if not e.testable:
+        return Verdict("not_identifiable", "not_testable")
+    told = [p for p in e.causes if e.size[p] >= RULES["least_size"].value * e.span]
+    if e.nothing >= RULES["nothing"].value or not told:
+        return _nothing(e, "nothing" if e.nothing >= RULES["nothing"].value else "too_small")
+    likely = [p for p in told if e.causes[p] >= RULES["name"].value]
+    effects = [p for p in likely if p.kind == "effect"]
+    doubts = {p: _doubt(e, p) for p in effects}
+    sure = [p for p in effects if not doubts[p]]
+    if sure:
+        return Verdict("named", "likely", tuple(p.name for p in sure))
+    return _set(e, told, next((d for d in doubts.values() if d), ""))
+
+
+def _nothing(e: Evidence, reason: str) -> Verdict:
+    if e.error <= max(RULES["adequate"].value * e.noise, RULES["least_size"].value * e.span):
+        return Verdict("silent", reason)
+    return Verdict("unknown", "inadequate")
+
+
+def _doubt(e: Evidence, part: Part) -> str:
+    """Why a likely effect is no name, or nothing."""
+    if e.blocks < RULES["least_blocks"].value:
+        return "few_blocks"
+    if e.confounded.get(part):
+        return "confounded"
+    if e.held_out.get(part, 0.0) > RULES["worse"].value:
+        return "worse"
+    if e.size[part] < RULES["beside_block_errors"].value * e.block_error:
+        return "beside"
+    return ""
+
+
+def _set(e: Evidence, told: list[Part], doubt: str) -> Verdict:
+    """The smallest set of causes that holds the truth with the probability of the rule."""
+    kept: list[Part] = []
+    missing = 1.0 - e.nothing
+    for part in told:  # likeliest first
+        if missing <= (1.0 - RULES["set"].value) * (1.0 - e.nothing):
+            break
+        kept += [q for q in (part, *e.confounded.get(part, ())) if q not in kept]
+        missing -= e.causes[part]
+    names = tuple(p.name for p in kept if p.kind == "effect")
+    variables = [p.name for p in kept if p.kind == "variable"]
+    if doubt == "worse" or not names or variables:
+        return Verdict("unknown", doubt or "variable", names, variables[0] if variables else None)
+    return Verdict("ambiguous", doubt or "shared", names)

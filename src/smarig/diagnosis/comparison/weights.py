@@ -1,0 +1,82 @@
+"""The weights of hypotheses, and from them the probability of every cause.
+
+    w_H ∝ E_a [ softmax_H ( log prior_H + Σ_b a_b s_Hb / T ) ],     a ~ B · Dirichlet(1, …, 1) over the B blocks
+
+The Bayesian bootstrap over blocks says how far the choice of blocks decides (pseudo-BMA+, Yao et al., Bayesian Analysis
+13 (2018) 917). The prior is ½ on nothing; single parts share most of the rest, pairs what remains.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from smarig.diagnosis.comparison.hypothesis import Hypothesis, Part
+
+Array = NDArray[np.float64]
+PRIOR_NOTHING, PRIOR_SINGLE, PRIOR_PAIR = 0.5, 0.4, 0.1
+TEMPERATURE = 3.0  # readings of a block share errors of the model, so their scores count less
+DRAWS = 1000
+CREDIBLE = 0.95
+
+
+@dataclass(frozen=True, eq=False)
+class Weights:
+    """Hypotheses with their ``weight`` (H,); ``shares`` (draws, B) are the resampled weights of the blocks."""
+
+    hypotheses: tuple[Hypothesis, ...]
+    weight: Array
+    shares: Array
+
+    @property
+    def nothing(self) -> float:
+        """The probability that the plain model lacks nothing."""
+        return float(sum(w for h, w in zip(self.hypotheses, self.weight) if not h.parts))
+
+    @cached_property
+    def causes(self) -> dict[Part, float]:
+        """The probability of each part, summed over the hypotheses that hold it, likeliest first."""
+        total: dict[Part, float] = {}
+        for h, w in zip(self.hypotheses, self.weight.tolist()):
+            for part in h.parts:
+                total[part] = total.get(part, 0.0) + w
+        return dict(sorted(total.items(), key=lambda item: -item[1]))
+
+    def best_with(self, part: Part) -> Hypothesis:
+        """The heaviest hypothesis that holds a part."""
+        return max(self._with(part), key=lambda pair: pair[1])[0]
+
+    @property
+    def heaviest(self) -> Hypothesis:
+        """The hypothesis of largest weight."""
+        return self.hypotheses[int(self.weight.argmax())]
+
+    def _with(self, part: Part) -> list[tuple[Hypothesis, float]]:
+        return [(h, w) for h, w in zip(self.hypotheses, self.weight.tolist()) if h.has(part)]
+
+    def interval(self, hypothesis: Hypothesis, parameter: str) -> tuple[float, float]:
+        """The central 95 % of the best values of a parameter over resampled blocks."""
+        low, high = np.quantile(
+            hypothesis.resampled(self.shares)[parameter], [(1 - CREDIBLE) / 2, (1 + CREDIBLE) / 2]
+        )
+        return float(low), float(high)
+
+
+def weigh(hypotheses: Sequence[Hypothesis], seed: int = 0, temperature: float = TEMPERATURE) -> Weights:
+    """The weights of hypotheses that are scored on the same blocks; exactly one of them has no parts."""
+    scores = np.array([h.log_scores for h in hypotheses])
+    blocks = scores.shape[1]
+    shares = np.random.default_rng(seed).dirichlet(np.ones(blocks), DRAWS) * blocks
+    log_weight = shares @ scores.T / temperature + _log_prior(hypotheses)
+    weight = np.exp(log_weight - log_weight.max(axis=1, keepdims=True))
+    weight /= weight.sum(axis=1, keepdims=True)
+    return Weights(tuple(hypotheses), weight.mean(axis=0), shares)
+
+
+def _log_prior(hypotheses: Sequence[Hypothesis]) -> Array:
+    parts = np.array([min(len(h.parts), 2) for h in hypotheses])
+    prior = np.array([PRIOR_NOTHING, PRIOR_SINGLE, PRIOR_PAIR])
+    count = np.maximum(np.bincount(parts, minlength=3), 1)
+    return np.log(prior / count)[parts]
