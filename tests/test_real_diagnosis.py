@@ -63,6 +63,7 @@ def test_a_thermometer_in_a_glued_tube_lags_and_undoing_it_predicts_other_days(s
 
 
 @pytest.mark.parametrize(("train", "held_out"), [((50, 100), 150), pytest.param((50, 150), 100, marks=long)])
+@pytest.mark.long("its study is tested")
 def test_a_wire_under_other_loads_shifts_by_clausius_and_clapeyron(shared_data, tmp_path, train, held_out):
     """Known: about 8 MPa/K. A load between and one beyond are predicted with half the error of the nearest load."""
 
@@ -79,6 +80,7 @@ def test_a_wire_under_other_loads_shifts_by_clausius_and_clapeyron(shared_data, 
     assert found.gain.extended < 0.5 * verify(nearest, other).runs[0].settled.rms
 
 
+@pytest.mark.long("its study is tested")
 def test_the_thermometer_of_another_day_is_off(shared_data, tmp_path):
     """Known: about 3 K between the two runs."""
     runs = [
@@ -96,6 +98,7 @@ def test_the_thermometer_of_another_day_is_off(shared_data, tmp_path):
     assert 1.0 < offset.interval[0] < 3.0 < offset.interval[1]
 
 
+@pytest.mark.long("its study is tested")
 def test_cycles_leave_a_strain_behind(shared_data, tmp_path):
     run = imported(
         shared_data / "sma_cycles" / "cycles.txt", "sma_cycles_contraction", tmp_path / "c.run.sqlite"
@@ -171,6 +174,7 @@ def test_a_heating_step_shows_a_sensor_that_answers_late(shared_data, tmp_path):
 
 
 @pytest.mark.parametrize("pulse", [0, pytest.param(1, marks=long), pytest.param(2, marks=long)])
+@pytest.mark.long("takes ten seconds")
 def test_force_pulses_show_a_late_sensor_and_too_much_wandering_for_latent_heat(shared_data, tmp_path, pulse):
     """Expected was latent heat with half the residual; the thermometer wanders by 1 K over thousands of samples."""
     source = shared_data / "sma_force_pulse" / f"AB{pulse}.csv"
@@ -186,6 +190,7 @@ def test_force_pulses_show_a_late_sensor_and_too_much_wandering_for_latent_heat(
     assert found.extended.rms > 0.5 * found.base.rms
 
 
+@pytest.mark.long("takes ten seconds")
 def test_the_command_diagnoses_a_transient_and_writes_it(shared_data, tmp_path, capsys):
     run = imported(
         shared_data / "sma_heating_step" / "step.csv", "sma_heating_step", tmp_path / "s.run.sqlite"

@@ -65,6 +65,7 @@ def test_a_trend_that_slows_down_is_removed_as_well():
     assert np.sqrt(found.squares / found.freedom) == pytest.approx(0.01, rel=0.4)
 
 
+@pytest.mark.long("takes five seconds")
 def test_a_fit_that_follows_the_scatter_of_a_walking_wire_is_poor_and_its_verification_too(tmp_path):
     """Repeats that hold the drift would call its error noise."""
     run = run_of_twin(tmp_path, "first_order_descending", 1, ["walking=1"])

@@ -39,6 +39,7 @@ def test_a_non_congruency_of_a_tenth_of_a_count_is_found(tmp_path):
     assert "p = " in found.verdict
 
 
+@pytest.mark.long("takes five seconds")
 def test_what_a_figure_can_show_is_what_is_tested(tmp_path):
     """The differences without the offset of the corner, over their own σ: their sum of squares is χ²."""
     for name, test, free in (("congruency", congruency, 1), ("wiping_out", wiping_out, 0)):

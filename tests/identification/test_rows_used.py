@@ -29,6 +29,7 @@ def test_missing_values_and_dropouts_are_counted_apart():
     assert "2 missing values, 3 drop-outs" in rows.text
 
 
+@pytest.mark.long("takes five seconds")
 def test_rows_before_the_first_reversal_have_an_unknown_memory_if_the_run_starts_half_way():
     half_way = as_run("late", T[25:], STRAIN[25:])
     whole, late = identify([as_run("whole", T, STRAIN), half_way], "positive").rows

@@ -27,6 +27,7 @@ def session_folder(tmp_path_factory):
     return folder
 
 
+@pytest.mark.long("the whole way, as the README's first command goes it")
 def test_twin_to_model_to_verification(session_folder, tmp_path):
     fod = session_folder / "first_order_descending.run.sqlite"
     result = identify(str(fod), "best")

@@ -36,6 +36,7 @@ def test_measured_curves_are_the_measured_points(both):
         assert len(drawn) > 60
 
 
+@pytest.mark.long("identifies and diagnoses twice")
 def test_the_density_is_the_same_from_either_side(both):
     (_, descending), (_, ascending) = both
     assert not descending.data.mirrored

@@ -79,6 +79,7 @@ def test_positive_and_good_on_truths_that_are_not_positive(tmp_path, rig, name, 
         assert found.positive <= 0.45 * found.others["table"]
 
 
+@pytest.mark.long("takes ten seconds")
 def test_better_than_every_surface_on_truths_outside_all_families(tmp_path):
     wins = 0
     for seed in range(SEEDS):
@@ -105,6 +106,7 @@ def every_third(data: FodData) -> tuple[Observations, np.ndarray]:
 
 
 @pytest.mark.parametrize(("name", "most"), REAL)
+@pytest.mark.long("takes ten seconds a file")
 def test_real_curves_that_were_held_out_are_predicted_and_covered(shared_data, tmp_path, name, most):
     out = tmp_path / "forc.run.sqlite"
     file = shared_data / "forc_magnetic" / name
