@@ -196,7 +196,7 @@ def test_columns_of_a_second_branch_are_shown_with_the_role_of_the_first(tmp_pat
 def test_a_learned_term_is_told_beside_what_no_effect_explains(variable):
     def sentence(learned):
         d = SimpleNamespace(
-            verdict=SimpleNamespace(word="unknown", depends_on=variable), learned=learned, text=lambda: "-"
+            verdict=SimpleNamespace(word="unknown", depends_on=variable), learned=learned, lines=lambda: ["-"]
         )
         return finding_sentence(d, at_noise=False)  # pyright: ignore[reportArgumentType]
 

@@ -54,6 +54,7 @@ if TYPE_CHECKING:
     from smarig.diagnosis.measured.learned_law import LearnedLaw as LearnedLaw
     from smarig.diagnosis.measured.measured_diagnosis import MeasuredDiagnosis as MeasuredDiagnosis
     from smarig.diagnosis.measured.measured_diagnosis import diagnose_measured as diagnose_measured
+    from smarig.diagnosis.measured.measured_text import offset_sentence as offset_sentence
     from smarig.diagnosis.name_gates import DISCREPANCY_NATS as DISCREPANCY_NATS
     from smarig.diagnosis.name_gates import NORMAL_95 as NORMAL_95
     from smarig.diagnosis.name_gates import SILENT_RATIO as SILENT_RATIO

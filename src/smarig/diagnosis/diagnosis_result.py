@@ -112,9 +112,13 @@ class Diagnosis(NotebookDisplay):
         """Whether ``model`` is an extended one."""
         return self.verdict.word in ("named", "ambiguous") or self.learned is not None
 
+    def lines(self) -> list[str]:
+        """The findings, one or two sentences each; the verdict first."""
+        return list(text_lines(self))
+
     def text(self) -> str:
         """The findings as text."""
-        return "\n".join(text_lines(self))
+        return "\n".join(self.lines())
 
     def effects(self) -> list[dict[str, Any]]:
         """The effects of the best explanation: name, score, parameters with 95 % intervals."""

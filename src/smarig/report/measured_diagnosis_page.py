@@ -47,9 +47,7 @@ def measured_diagnosis_page(d: MeasuredDiagnosis) -> str:
         f"{run_lead(*d.runs)}; model {d.model.name}",
         sections,
         label=source_label(*d.runs),
-        summary=summary_with_loop(
-            "diagnosis", d.text().partition("\n")[0], SEVERITY_LEVELS[d.verdict.word], d.runs[0]
-        ),
+        summary=summary_with_loop("diagnosis", d.lines()[0], SEVERITY_LEVELS[d.verdict.word], d.runs[0]),
     )
 
 
@@ -60,7 +58,7 @@ def _learned(d: MeasuredDiagnosis) -> Iterator[Section]:
 
 
 def _summary(d: MeasuredDiagnosis) -> Iterator[Html]:
-    first, *rest = d.text().splitlines()
+    first, *rest = d.lines()
     yield notice(_BOX_STYLES[d.verdict.word], paragraph(tag("b", first)))
     unit = _in_brackets(d.unit)
     after = f" → {number(d.best.rms)}" if d.best else ""

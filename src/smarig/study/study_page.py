@@ -180,9 +180,8 @@ def _causes(result: StudyResult) -> Iterator[Html]:
     if result.diagnosis is None:
         yield paragraph(f"No diagnosis: {result.diagnosis_reason}")
         return
-    lines = result.diagnosis.text().splitlines()
     yield paragraph(tag("b", result.sentences()[-1]))
-    yield bullets(lines[1:])
+    yield bullets(result.diagnosis.lines()[1:])
 
 
 def _columns(result: StudyResult) -> Iterator[Html]:

@@ -4,7 +4,7 @@ import re
 from collections.abc import Sequence
 
 from smarig.core import capitalised, spaced
-from smarig.diagnosis import Diagnosis, MeasuredDiagnosis, variable_words
+from smarig.diagnosis import Diagnosis, MeasuredDiagnosis, offset_sentence, variable_words
 from smarig.identification import BETTER, LITTLE_UNPREDICTED, ErrorLevel, ratio_text
 from smarig.plant import parameter_words
 from smarig.report import display_unit, number
@@ -96,13 +96,17 @@ def unpredicted_sentence(share: float, *, whole_record: bool) -> str:
 
 def finding_sentence(d: Diagnosis | MeasuredDiagnosis, *, at_noise: bool) -> str:
     """What the diagnosis says of the errors that are left; they look like noise only if they are as small."""
-    lines = d.text().splitlines()
-    shifted = [_as_shown(line) for line in lines if "is shifted by" in line][:1]
+    shifted = _shift(d) if isinstance(d, MeasuredDiagnosis) else []
     if (
         shifted and d.verdict.word == "unknown" and d.verdict.depends_on == "run"
     ):  # that is what the run varies in
         return " ".join(shifted)
-    return " ".join([_finding(d, lines[0], at_noise=at_noise), *shifted])
+    return " ".join([_finding(d, d.lines()[0], at_noise=at_noise), *shifted])
+
+
+def _shift(d: MeasuredDiagnosis) -> list[str]:
+    """The sentence on the first held-out run whose input is shifted."""
+    return [_as_shown(offset_sentence(offset, d.runs[0].input_unit, d.unit)) for offset in d.offsets[:1]]
 
 
 def _as_shown(line: str) -> str:

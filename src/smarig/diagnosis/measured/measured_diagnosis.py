@@ -98,9 +98,13 @@ class MeasuredDiagnosis(NotebookDisplay):
         """All records, training first."""
         return self.comparison.plan.records
 
+    def lines(self) -> list[str]:
+        """The findings, one or two sentences each; the verdict first."""
+        return list(measured_lines(self))
+
     def text(self) -> str:
         """The findings as text."""
-        return "\n".join(measured_lines(self))
+        return "\n".join(self.lines())
 
     def rms(self, found: MeasuredHypothesis | None = None) -> float:
         """Rms error at the training readings: of the plain model, or of a hypothesis."""

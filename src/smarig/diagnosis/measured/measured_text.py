@@ -14,6 +14,7 @@ from smarig.diagnosis.diagnosis_text import (
     parameter_text,
 )
 from smarig.diagnosis.looks_like import looks_like
+from smarig.diagnosis.measured.held_out_runs import RunOffset
 from smarig.diagnosis.suspects import suspect_lines, suspects
 from smarig.identification import assumed_starts, assumed_starts_text
 
@@ -38,18 +39,23 @@ def measured_lines(d: "MeasuredDiagnosis") -> Iterator[str]:
     yield from _limits(d)
     yield from _held_out(d)
     for offset in d.offsets:
-        low, high = offset.interval
-        yield (
-            f"The input of held-out run {offset.run} is shifted by {offset.offset:.3g} [{low:.3g}, {high:.3g}] "
-            f"{d.runs[0].input_unit} against the training runs. With this offset its rms error falls from "
-            f"{offset.without:.4g} to {offset.with_offset:.4g}{spaced(d.unit)}."
-        )
+        yield offset_sentence(offset, d.runs[0].input_unit, d.unit)
     lost = sum(r.dropouts for r in d.records)
     if lost:
         yield f"{lost} rows in which the input reads exactly 0 are drop-outs of the instrument and were left out."
     yield from suspect_lines(suspects(d.runs), d.not_testable, d.verdict.names)
     if d.not_testable:
         yield f"Effects that these data cannot show: {', '.join(d.not_testable)}."
+
+
+def offset_sentence(offset: RunOffset, input_unit: str, unit: str) -> str:
+    """By how much the input of a held-out run is shifted, and what that explains."""
+    low, high = offset.interval
+    return (
+        f"The input of held-out run {offset.run} is shifted by {offset.offset:.3g} [{low:.3g}, {high:.3g}] "
+        f"{input_unit} against the training runs. With this offset its rms error falls from "
+        f"{offset.without:.4g} to {offset.with_offset:.4g}{spaced(unit)}."
+    )
 
 
 def _verdict(d: "MeasuredDiagnosis") -> Iterator[str]:

@@ -51,7 +51,7 @@ def changes_text(d: Diagnosis) -> str:
 
 def findings(d: Diagnosis) -> list[str]:
     """The lines of the diagnosis's text, with true minus signs."""
-    return [re.sub(r"(?<![\w])-(?=\d)", "−", line) for line in d.text().splitlines()]
+    return [re.sub(r"(?<![\w])-(?=\d)", "−", line) for line in d.lines()]
 
 
 def strengths_text(found: ParameterFit) -> str:
