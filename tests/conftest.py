@@ -7,13 +7,16 @@ os.environ.setdefault(
 )  # before numpy: one worker, one thread, or they fight for the cores
 import contextlib
 import signal
+import sys
 import warnings
+from functools import lru_cache
 from importlib import import_module
 from pathlib import Path
 
 import pytest
 from hypothesis import settings
 
+CACHE = type(lru_cache(len))
 CPU = Path("/proc/cpuinfo")
 if CPU.is_file() and " avx512f " in CPU.read_text(encoding="utf-8", errors="replace"):
     # Kernels for AVX2, which frozen answers were made with: with wider ones, optimisations end 1e-5 apart.
@@ -92,6 +95,18 @@ def _shared_by_workers(tmp_path_factory):
             module, "_computed", import_module("shared_previews").SharedPreviews(shared / "previews")
         )
         yield
+
+
+@pytest.fixture(scope="module", autouse=True)
+def _caches_of_a_file(request):
+    """What a file's tests have computed, its caches and those of smarig, is of no use to the next file."""
+    yield
+    modules = [m for name, m in sys.modules.items() if name.startswith("smarig.")]
+    for module in (*modules, request.module):
+        for value in list(vars(module).values()):
+            # a cache without a bound in smarig is small, and dear to fill
+            if isinstance(value, CACHE) and (module is request.module or value.cache_parameters()["maxsize"]):
+                value.cache_clear()
 
 
 @pytest.fixture(scope="session")
