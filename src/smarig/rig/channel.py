@@ -36,10 +36,14 @@ class Constant:
 
     def gap(self, low: float, high: float) -> float:
         """How far the constants of a new sample are from those; 0 if they have some in common, which are kept."""
-        gap = max(low - self.high, self.low - high)
-        if gap > 0:
-            return gap
-        self.low, self.high = max(self.low, low), min(self.high, high)
+        if low > self.high:
+            return low - self.high
+        if high < self.low:
+            return self.low - high
+        if low > self.low:
+            self.low = low
+        if high < self.high:
+            self.high = high
         return 0.0
 
     def widen(self, by: float) -> None:
@@ -79,16 +83,28 @@ class WireKind:
 
     def add(self, low: float, high: float, elapsed_s: float, tolerance: float) -> None:
         """A sample with which the constants between two values agree."""
-        self.gap = self.constant.gap(low, high)
-        self.evidence = max(0.0, self.evidence - KIND_FADE_PER_S * elapsed_s)
-        if self.gap > 0:
-            weight = min(max(self.gap / tolerance, LEAST), LARGEST)
-            self.evidence = min(self.evidence + min(weight * elapsed_s / GAP_S, ONE_GAP), MOST)
+        self.gap = gap = self.constant.gap(low, high)
+        evidence = self.evidence
+        if evidence > 0.0:
+            evidence -= KIND_FADE_PER_S * elapsed_s
+            self.evidence = evidence = evidence if evidence > 0.0 else 0.0
+        if gap > 0.0:
+            weight = gap / tolerance
+            weight = LEAST if weight < LEAST else LARGEST if weight > LARGEST else weight
+            by = weight * elapsed_s / GAP_S
+            evidence += by if by < ONE_GAP else ONE_GAP
+            self.evidence = evidence if evidence < MOST else MOST
 
-    @property
-    def excluded(self) -> bool:
-        """Whether the evidence is enough, or this sample does not agree."""
-        return self.gap > 0 or self.evidence >= 1.0
+
+def _all_moved(
+    then: Sequence[tuple[float, float]], now: Sequence[tuple[float, float]], enough: float
+) -> bool:
+    """Whether both bounds of every kind have moved by more than enough, in one direction."""
+    for (low, high), (low_now, high_now) in zip(then, now):
+        at_low, at_high = low_now - low, high_now - high
+        if not (at_low > enough < at_high) and not (at_low < -enough > at_high):
+            return False
+    return True
 
 
 class ChannelCheck:
@@ -136,7 +152,8 @@ class ChannelCheck:
         self.jump, self.ticks = 0.0, ticks
         elapsed_s = ticks * self._period_s
         self._since_s += elapsed_s
-        self._evidence = max(0.0, self._evidence - FADE_PER_S * elapsed_s)
+        if self._evidence > 0.0:
+            self._evidence = max(0.0, self._evidence - FADE_PER_S * elapsed_s)
         excess = self._excess(value, rate)
         if bounds is not None:
             self._compare(value, bounds)
@@ -144,8 +161,8 @@ class ChannelCheck:
         if frozen:
             self._evidence += min(elapsed_s / GAP_S, ONE_GAP)
         self.suspect = excess > 0 or frozen or self._excluded
-        certain = self._evidence >= 1.0 or self._all_excluded
         self.fault = ""
+        certain = self._evidence >= 1.0 or self._all_excluded
         if certain and not self._certain:
             self.fault = "contradiction" if self._evidence < 1.0 else "frozen" if frozen else "jump"
         self._certain = certain
@@ -155,31 +172,33 @@ class ChannelCheck:
         elapsed_s, self._since_s = self._since_s, 0.0
         tolerance = self.tolerance
         by, self._widen_by = self._widen_by, 0.0
+        least_gap, excluded, all_excluded = math.inf, True, True
         for kind, (low, high) in zip(self._kinds, bounds):
-            kind.constant.widen(by)
+            if by:
+                kind.constant.widen(by)
             kind.add(value - high - tolerance, value - low + tolerance, elapsed_s, tolerance)
-        self.gap = min(kind.gap for kind in self._kinds)
-        self._excluded = all(kind.excluded for kind in self._kinds)
-        self._all_excluded = all(kind.evidence >= 1.0 for kind in self._kinds)
+            gap, certain = kind.gap, kind.evidence >= 1.0
+            least_gap = gap if gap < least_gap else least_gap
+            all_excluded = all_excluded and certain
+            excluded = excluded and (certain or gap > 0)
+        self.gap, self._excluded, self._all_excluded = least_gap, excluded, all_excluded
         if self._still_from is None or abs(value - self._still_from[0]) > STILL * self._step:
             self._still_from = value, bounds
-        enough = 2 * tolerance
-        moved = [(now[0] - then[0], now[1] - then[1]) for now, then in zip(bounds, self._still_from[1])]
-        self._still = self._moves and all(min(m) > enough or max(m) < -enough for m in moved)
+        self._still = self._moves and _all_moved(self._still_from[1], bounds, 2 * tolerance)
 
     def _excess(self, value: float, rate: float) -> float:
         """By how much the reading has changed more than it can; adds the evidence."""
-        moved = 0.0 if self._last is None else value - self._last
-        self._last = value
-        excess = abs(moved) - self._allowed - rate - self._step
+        change = 0.0 if self._last is None else value - self._last
+        self._last, moved = value, abs(change)
+        excess = moved - self._allowed - rate - self._step
         self._flicker.add(value)
         # a reading that is repeated until the next query may then change by what has gathered
         gathers = moved == 0.0 and self._flicker.run < HELD
         self._allowed = self._allowed + rate if gathers else 0.0
         if excess > 0:
-            self.jump = moved
-            self._evidence += min(abs(abs(moved) - self._speed) / self.tolerance, self._one_jump)
-        self._speed = abs(moved)
+            self.jump = change
+            self._evidence += min(abs(moved - self._speed) / self.tolerance, self._one_jump)
+        self._speed = moved
         return excess
 
     def widen(self, by: float) -> None:
