@@ -38,7 +38,7 @@ class Plausibility:
         limits = rig.limits
         if rig.kind == "twin" and limits.resistance_tolerance < TWIN_TOLERANCE:
             limits = limits.model_copy(update={"resistance_tolerance": TWIN_TOLERANCE})
-        self._electrical = ElectricalPlausibility(limits, rig.amplifier.saturation_A, actuator)
+        self._electrical = ElectricalPlausibility(limits, rig.amplifier, actuator)
         h = thesis_surface(actuator.file.hysteresis.surface)
         self._range_K = h.upper - h.lower
         self._lower_K = h.lower

@@ -28,11 +28,8 @@ from smarig.rig.temperature_bounds import TemperatureBounds
 BEATS_PER_TAU = 6  # how often the bounds of the position are computed
 RATE_FACTOR = 2.0  # of the steepest branch: minor effects make it steeper
 SENSOR_LAG_TAUS = 1.0  # lag of a position sensor
-HEAT_BANDS, THERMOMECHANICAL_BANDS, STROKE_BANDS = (
-    4,
-    2,
-    3,
-)  # groups of like wires; a model of Brinson costs more
+HEAT_BANDS, STROKE_BANDS = 4, 3  # groups of like wires
+THERMOMECHANICAL_BANDS = 2  # of heat: a model of Brinson costs more
 
 
 class _Models(Protocol):
