@@ -87,6 +87,24 @@ def test_a_reading_that_stands_while_every_wire_moves_is_frozen():
     assert channel.suspect
 
 
+def test_a_reading_that_moves_against_every_wire_is_reversed():
+    for sign, expected in ((-1.0, "reversed"), (1.0, "")):
+        channel, found = counter(), []
+        for k in range(60):
+            channel.add(sign * k, [(k - 30.0, k + 30.0)], 1.0, ticks=1, changes=True)
+            found.append(channel.fault)
+        assert max(found) == expected
+
+
+def test_a_reading_that_goes_on_for_a_moment_while_the_wire_turns_is_sound():
+    """A slow sensor."""
+    channel = counter()
+    for k in range(60):
+        wire = min(k, 60 - k)
+        channel.add(min(k, 65 - k), [(wire - 30.0, wire + 30.0)], 2.0, ticks=1, changes=True)
+        assert not channel.suspect
+
+
 @pytest.mark.parametrize("factor", [0.91, 1.09])
 @pytest.mark.parametrize("lag", [0.4, 2.5])
 def test_a_wire_within_the_tolerance_lies_between_the_bounds(factor, lag):

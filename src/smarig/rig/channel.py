@@ -1,13 +1,14 @@
 """One measured channel against its prediction.
 
 A channel is predicted up to one constant: the zero of an encoder, the resistance of a wire, the gain of a shunt, the
-offset of a thermometer. Whatever the constant is, it stays. So three things cannot be:
+offset of a thermometer. Whatever the constant is, it stays. So four things cannot be:
 
 * contradiction: the constants that agree with this sample, [x − high − tol, x − low + tol], have none in common with
   those that agreed with all samples before;
 * jump: between two samples the reading changes by more than the predicted rate and a step;
 * frozen: the reading stands still while every wire would move by twice the tolerance, or a reading of known noise is
-  the same to the last digit while the wire changes.
+  the same to the last digit while the wire changes;
+* reversed: the reading moves in one direction while every wire would move by twice the tolerance in the other.
 
 Evidence adds up and fades: a gap as large as the tolerance is enough after ``GAP_S`` seconds. A jump as large is enough
 at once for a counter, which is wrong from then on; a reading of its own each time may be wrong once or twice.
@@ -26,6 +27,9 @@ FROZEN = 300  # equal readings, and
 FROZEN_RUNS = 4  # times the longest run of equal readings before
 STILL = 0.25  # of the step: a reading that changes by no more stands still
 HELD = 20  # samples that may repeat a reading
+
+
+Bounds = Sequence[tuple[float, float]]  # of the prediction for each kind of wire
 
 
 class Constant:
@@ -96,9 +100,15 @@ class WireKind:
             self.evidence = evidence if evidence < MOST else MOST
 
 
-def _all_moved(
-    then: Sequence[tuple[float, float]], now: Sequence[tuple[float, float]], enough: float
-) -> bool:
+def _all_against(change: float, then: Bounds, now: Bounds) -> bool:
+    """Whether both bounds of every kind have moved in the other direction than this change."""
+    for (low, high), (low_now, high_now) in zip(then, now):
+        if change * (low_now - low) >= 0 or change * (high_now - high) >= 0:
+            return False
+    return True
+
+
+def _all_moved(then: Bounds, now: Bounds, enough: float) -> bool:
     """Whether both bounds of every kind have moved by more than enough, in one direction."""
     for (low, high), (low_now, high_now) in zip(then, now):
         at_low, at_high = low_now - low, high_now - high
@@ -131,14 +141,15 @@ class ChannelCheck:
         self._evidence = 0.0  # of jumps and of a frozen reading
         self._widen_by, self._since_s = 0.0, 0.0  # since the kinds were compared last
         self._excluded = self._all_excluded = self._still = False
-        self._still_from: tuple[float, Sequence[tuple[float, float]]] | None = None
+        self._against = False  # the reading moves, and every wire in the other direction
+        self._still_from: tuple[float, Bounds] | None = None
         self.jump, self.gap, self.ticks = 0.0, 0.0, 1
         self.suspect, self.fault, self._certain = False, "", False
 
     def add(
         self,
         value: float,
-        bounds: Sequence[tuple[float, float]] | None,
+        bounds: Bounds | None,
         rate: float,
         *,
         ticks: int,
@@ -164,10 +175,11 @@ class ChannelCheck:
         self.fault = ""
         certain = self._evidence >= 1.0 or self._all_excluded
         if certain and not self._certain:
-            self.fault = "contradiction" if self._evidence < 1.0 else "frozen" if frozen else "jump"
+            unmoved = "reversed" if self._still and self._against else "frozen"
+            self.fault = "contradiction" if self._evidence < 1.0 else unmoved if frozen else "jump"
         self._certain = certain
 
-    def _compare(self, value: float, bounds: Sequence[tuple[float, float]]) -> None:
+    def _compare(self, value: float, bounds: Bounds) -> None:
         """Whether every kind of wire contradicts, and whether none stands as still as the reading."""
         elapsed_s, self._since_s = self._since_s, 0.0
         tolerance = self.tolerance
@@ -182,9 +194,19 @@ class ChannelCheck:
             all_excluded = all_excluded and certain
             excluded = excluded and (certain or gap > 0)
         self.gap, self._excluded, self._all_excluded = least_gap, excluded, all_excluded
-        if self._still_from is None or abs(value - self._still_from[0]) > STILL * self._step:
+        if self._moves:
+            self._follow(value, bounds)
+
+    def _follow(self, value: float, bounds: Bounds) -> None:
+        """Whether the reading has not moved along, since it last did, with what every wire has moved by."""
+        if self._still_from is None:
             self._still_from = value, bounds
-        self._still = self._moves and _all_moved(self._still_from[1], bounds, 2 * tolerance)
+        change, then = value - self._still_from[0], self._still_from[1]
+        self._against = abs(change) > STILL * self._step
+        if self._against and not _all_against(change, then, bounds):
+            self._still_from, self._still, self._against = (value, bounds), False, False
+        else:
+            self._still = _all_moved(then, bounds, 2 * self.tolerance)
 
     def _excess(self, value: float, rate: float) -> float:
         """By how much the reading has changed more than it can; adds the evidence."""
@@ -222,7 +244,7 @@ class ChannelCheck:
     def forget(self) -> None:
         """The constant is another one now, and the last reading of another kind."""
         self._last, self._allowed, self.gap, self._still_from = None, 0.0, 0.0, None
-        self._excluded = self._still = False
+        self._excluded = self._still = self._against = False
         for kind in self._kinds:
             kind.constant, kind.gap = Constant(), 0.0
 

@@ -238,6 +238,8 @@ class ChannelChecks:
             return self._jump_text(name, channel) + check
         if channel.fault == "frozen":
             return f"The {name} stays the same to the last digit while the temperature of the wire changes.{check}"
+        if channel.fault == "reversed":
+            return f"The {name} moves in the other direction than the wire can.{check}"
         return (
             f"The {name} is {self._amount(name, channel.gap)} away from all that a wire within "
             f"limits.model_tolerance = {self.tolerance:g} of {self._name} can have here, after the readings before."
