@@ -37,17 +37,21 @@ class Constant:
 
     def __init__(self) -> None:
         self.low, self.high = -math.inf, math.inf
+        self._low_tick = self._high_tick = 0  # when they were found
+        self.against_tick = 0  # of the sample that the last one with a gap contradicts
 
-    def gap(self, low: float, high: float) -> float:
+    def gap(self, low: float, high: float, tick: int = 0) -> float:
         """How far the constants of a new sample are from those; 0 if they have some in common, which are kept."""
         if low > self.high:
+            self.against_tick = self._high_tick
             return low - self.high
         if high < self.low:
+            self.against_tick = self._low_tick
             return self.low - high
         if low > self.low:
-            self.low = low
+            self.low, self._low_tick = low, tick
         if high < self.high:
-            self.high = high
+            self.high, self._high_tick = high, tick
         return 0.0
 
     def widen(self, by: float) -> None:
@@ -85,9 +89,9 @@ class WireKind:
     def __init__(self) -> None:
         self.constant, self.gap, self.evidence = Constant(), 0.0, 0.0
 
-    def add(self, low: float, high: float, elapsed_s: float, tolerance: float) -> None:
+    def add(self, low: float, high: float, tick: int, elapsed_s: float, tolerance: float) -> None:
         """A sample with which the constants between two values agree."""
-        self.gap = gap = self.constant.gap(low, high)
+        self.gap = gap = self.constant.gap(low, high, tick)
         evidence = self.evidence
         if evidence > 0.0:
             evidence -= KIND_FADE_PER_S * elapsed_s
@@ -138,6 +142,8 @@ class ChannelCheck:
         self._flicker, self._moves = Flicker(flickers=flickers), moves
         self._last: float | None = None
         self._allowed, self._speed = 0.0, 0.0  # what the reading may still change by, and how it changed last
+        self._tick, self._against_tick = 0, 0
+        self.doubtful_ticks = 0  # before a contradiction: since the readings with which it is one
         self._evidence = 0.0  # of jumps and of a frozen reading
         self._widen_by, self._since_s = 0.0, 0.0  # since the kinds were compared last
         self._excluded = self._all_excluded = self._still = False
@@ -163,6 +169,7 @@ class ChannelCheck:
         self.jump, self.ticks = 0.0, ticks
         elapsed_s = ticks * self._period_s
         self._since_s += elapsed_s
+        self._tick += ticks
         if self._evidence > 0.0:
             self._evidence = max(0.0, self._evidence - FADE_PER_S * elapsed_s)
         excess = self._excess(value, rate)
@@ -177,6 +184,7 @@ class ChannelCheck:
         if certain and not self._certain:
             unmoved = "reversed" if self._still and self._against else "frozen"
             self.fault = "contradiction" if self._evidence < 1.0 else unmoved if frozen else "jump"
+            self.doubtful_ticks = self._tick - self._against_tick if self.fault == "contradiction" else 0
         self._certain = certain
 
     def _compare(self, value: float, bounds: Bounds) -> None:
@@ -184,16 +192,21 @@ class ChannelCheck:
         elapsed_s, self._since_s = self._since_s, 0.0
         tolerance = self.tolerance
         by, self._widen_by = self._widen_by, 0.0
-        least_gap, excluded, all_excluded = math.inf, True, True
+        least_gap, excluded, all_excluded, tick = math.inf, True, True, self._tick
+        against_tick = tick
         for kind, (low, high) in zip(self._kinds, bounds):
             if by:
                 kind.constant.widen(by)
-            kind.add(value - high - tolerance, value - low + tolerance, elapsed_s, tolerance)
+            was_certain = kind.evidence >= 1.0
+            kind.add(value - high - tolerance, value - low + tolerance, tick, elapsed_s, tolerance)
             gap, certain = kind.gap, kind.evidence >= 1.0
+            if certain and not was_certain:  # the last that were possible
+                against_tick = min(against_tick, kind.constant.against_tick)
             least_gap = gap if gap < least_gap else least_gap
             all_excluded = all_excluded and certain
             excluded = excluded and (certain or gap > 0)
         self.gap, self._excluded, self._all_excluded = least_gap, excluded, all_excluded
+        self._against_tick = against_tick
         if self._moves:
             self._follow(value, bounds)
 

@@ -221,7 +221,8 @@ class ChannelChecks:
             return []
         self.suspect = self.suspect or channel.suspect
         if channel.fault:
-            return [Alarm("error", channel.fault, self._text(name, channel))]
+            doubtful_from = tick - channel.doubtful_ticks
+            return [Alarm("error", channel.fault, self._text(name, channel), doubtful_from)]
         if channel.jump and tick >= self._warn_from:
             self._warn_from = tick + self._warn_ticks
             text = f"{self._jump_text(name, channel)} Readings from here on may be off by as much."

@@ -43,7 +43,8 @@ Measured by `smarig benchmark plausibility`, with the default `limits.model_tole
 A fault begins 3 s after the start of one of ten holds, which take the wire through its whole range and back; they go
 on, once more through the range, until the run ends. *Slipping to 0.7*: this share of every change arrives. *Phases*:
 how many of the ten were measured, how often a sample was marked, and how often the run ended. Times are the median and
-the longest. *Unseen*: the largest error of a step that was recorded as settled without a mark, until then.
+the longest. *Unseen*: the largest error of a step that was recorded as settled without a mark, until then: when the
+channel contradicts itself, the steps that settled since the readings that it contradicts become `suspect` in the record.
 
 {rows}
 
