@@ -44,7 +44,7 @@ A fault begins 3 s after the start of one of ten holds, which take the wire thro
 on, once more through the range, until the run ends. *Slipping to 0.7*: this share of every change arrives. *Phases*:
 how many of the ten were measured, how often a sample was marked, and how often the run ended. Times are the median and
 the longest. *Unseen*: the largest error of a step that was recorded as settled without a mark, until then: when the
-channel contradicts itself, the steps that settled since the readings that it contradicts become `suspect` in the record.
+channel contradicts itself, the steps that settled since then, as far as the contradiction reaches, become `suspect`.
 
 {rows}
 
