@@ -30,13 +30,14 @@ from smarig.rig import Guard, Plausibility, RigReadings, TwinSettings, open_rig
 SPEED = 20.0  # device seconds per second
 BEGINS_MM = 3.0  # of 12.6: the wire is moving at its fastest
 SOUND_S = 70.0  # a bench that starts does not know how hot its wire is until it has rested
+LEASE_S = 40.0  # of device time: a busy machine must not expire it
 HOT_A, HOT_S, COLD_S = 0.95, 20.0, 50.0
 LONGEST_S = 2 * (HOT_S + COLD_S)
 FAULTS: dict[str, tuple[Callable[[float, float], float], float]] = {  # with seconds until the current is off
-    "stuck": (lambda _x, start: start, 15.0),
+    "stuck": (lambda _x, start: start, 25.0),
     "jump": (lambda x, _start: x + 3.0, 40.0),
-    "lost": (lambda _x, _start: 0.0, 15.0),
-    "wrong sign": (lambda x, start: 2 * start - x, 15.0),
+    "lost": (lambda _x, _start: 0.0, 25.0),
+    "wrong sign": (lambda x, start: 2 * start - x, 25.0),
 }
 
 
@@ -52,10 +53,10 @@ class Double:
 @contextmanager
 def labjack(_tmp_path) -> Iterator[Double]:
     """A T7 with a laser at an analogue input."""
-    wired = LabJackWire(labjack_file(), TwinSettings(seed=1))
+    wired = LabJackWire(labjack_file(lease_s=LEASE_S), TwinSettings(seed=1))
     server = LabJackServer(wired, SPEED).start()
     try:
-        yield Double(labjack_file(server.url), wired._wire, lambda: wired.box.dac_V[0])
+        yield Double(labjack_file(server.url, lease_s=LEASE_S), wired._wire, lambda: wired.box.dac_V[0])
     finally:
         server.close()
 
@@ -67,7 +68,7 @@ def visa(tmp_path) -> Iterator[Double]:
     from device.visa.supplies import bench_of
 
     path = tmp_path / "visa.toml"
-    bench = bench_of("keysight_n6700", path, 10.0, SPEED)
+    bench = bench_of("keysight_n6700", path, LEASE_S, SPEED)
     try:
         yield Double(load_rig(str(path)), bench.wire, lambda: bench.supply.flows_A)
     finally:
@@ -77,7 +78,9 @@ def visa(tmp_path) -> Iterator[Double]:
 @contextmanager
 def ni(_tmp_path) -> Iterator[Double]:
     """A card with an external amplifier and a laser; the world of the stub has a wire here."""
-    file = ni_file("encoder_daq", "ni_position", {**LASER, "minimum": -20.0, "maximum": 40.0})
+    file = ni_file(
+        "encoder_daq", "ni_position", {**LASER, "minimum": -20.0, "maximum": 40.0}, lease_s=LEASE_S
+    )
     output = ni_file("amplifier", "ni_output", CURRENT | {"watchdog": True})
     assert file.links is not None
     links = file.links.model_copy(update={"amplifier": link_of(output, "amplifier")})
