@@ -139,7 +139,7 @@ class ChannelCheck:
         self._one_jump = math.inf if counter else ONE_JUMP
         self.tolerance, self._step, self._period_s = tolerance, step, period_s
         self._kinds = [WireKind() for _ in range(kinds)]
-        self._flicker, self._moves = Flicker(flickers=flickers), moves
+        self.flicker, self._moves = Flicker(flickers=flickers), moves
         self._last: float | None = None
         self._allowed, self._speed = 0.0, 0.0  # what the reading may still change by, and how it changed last
         self._tick, self._against_tick = 0, 0
@@ -175,7 +175,7 @@ class ChannelCheck:
         excess = self._excess(value, rate)
         if bounds is not None:
             self._compare(value, bounds)
-        frozen = self._still or (changes and self._flicker.frozen)
+        frozen = self._still or (changes and self.flicker.frozen)
         if frozen:
             self._evidence += min(elapsed_s / GAP_S, ONE_GAP)
         self.suspect = excess > 0 or frozen or self._excluded
@@ -226,9 +226,9 @@ class ChannelCheck:
         change = 0.0 if self._last is None else value - self._last
         self._last, moved = value, abs(change)
         excess = moved - self._allowed - rate - self._step
-        self._flicker.add(value)
+        self.flicker.add(value)
         # a reading that is repeated until the next query may then change by what has gathered
-        gathers = moved == 0.0 and self._flicker.run < HELD
+        gathers = moved == 0.0 and self.flicker.run < HELD
         self._allowed = self._allowed + rate if gathers else 0.0
         if excess > 0:
             self.jump = change
@@ -243,16 +243,6 @@ class ChannelCheck:
     def pause(self) -> None:
         """No reading now: the next one may be any."""
         self._last, self.suspect = None, False
-
-    @property
-    def n(self) -> int:
-        """Readings so far."""
-        return self._flicker.n
-
-    @property
-    def run(self) -> int:
-        """Equal readings so far."""
-        return self._flicker.run
 
     def forget(self) -> None:
         """The constant is another one now, and the last reading of another kind."""

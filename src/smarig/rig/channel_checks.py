@@ -154,7 +154,7 @@ class ChannelChecks:
         if self._current.suspect or first.suspect or second.suspect:
             self.suspect = True
         measured = s.temperature_degC == s.temperature_degC  # no NaN
-        if self._one_wire and (measured or self._thermometer.n):
+        if self._one_wire and (measured or self._thermometer.flicker.n):
             found += self._check_thermometer(s, kelvin, ticks, input_K)
         return found
 
@@ -184,7 +184,7 @@ class ChannelChecks:
     def _check_thermometer(self, s: Sample, rate_K: float, ticks: int, input_K: float) -> list[Alarm]:
         measured_K = s.temperature_degC - s.ambient_degC
         if math.isnan(measured_K):
-            given = self._thermometer.n > 0
+            given = self._thermometer.flicker.n > 0
             self._missing += ticks if given else 0
             self.suspect |= given
             if self._missing - ticks < self._missing_ticks <= self._missing:
@@ -213,7 +213,7 @@ class ChannelChecks:
     ) -> list[Alarm]:
         """The alarms of one channel."""
         channel = self._all[name]
-        if channel.run == 0:  # the reading has just changed
+        if channel.flicker.run == 0:  # the reading has just changed
             self._changed_from_K[name] = input_K
         changes = abs(input_K - self._changed_from_K[name]) > self._moved_K
         channel.add(value, bounds, rate, ticks=ticks, changes=changes)
