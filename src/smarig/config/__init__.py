@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from smarig.config.config_files import rig_text as rig_text
     from smarig.config.config_files import shipped_names as shipped_names
     from smarig.config.file_schemas import ActuatorFile as ActuatorFile
+    from smarig.config.file_schemas import AmplifierFile as AmplifierFile
     from smarig.config.file_schemas import CampaignFile as CampaignFile
     from smarig.config.file_schemas import CampaignStep as CampaignStep
     from smarig.config.file_schemas import EncoderFile as EncoderFile

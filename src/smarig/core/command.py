@@ -96,6 +96,8 @@ class StepVerdict(StrEnum):
     TIMED_OUT = "timed_out"
     ELAPSED = "elapsed"
     INTERRUPTED = "interrupted"
+    SUSPECT = "suspect"
+    """It had settled, but its readings contradict later ones, and which are wrong is not known."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -36,7 +36,7 @@ _STEPS = {
     "target": ("", "target of the step, hysteresis input"),
     "t_start_s": ("s", "start, device time"),
     "t_end_s": ("s", "end, device time"),
-    "verdict": ("", "step verdict: settled, timed_out, elapsed, interrupted"),
+    "verdict": ("", "step verdict: settled, timed_out, elapsed, interrupted, suspect"),
     "position": ("", "mean position over the settled window"),
     "n": ("", "number of samples in that window"),
 }

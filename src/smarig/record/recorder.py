@@ -157,6 +157,10 @@ class Recorder:
         self._execute(schema.SHIFT_SAMPLES, (counts, counts * per_count, *ticks))
         self._execute(schema.SHIFT_STEPS, (counts * per_count, first_step))
 
+    def suspect(self, from_s: float) -> None:
+        """Mark the steps that settled since then: their readings contradict later ones."""
+        self._execute(schema.SUSPECT_STEPS, (from_s,))
+
     def _execute(self, sql: str, row: tuple) -> None:
         with self._lock:
             self._statements.append((sql, row))

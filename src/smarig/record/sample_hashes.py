@@ -8,7 +8,7 @@ from smarig.record.table_hashes import BLOCK_ROWS, block_hash, blocks
 
 _BEFORE_ALL_TICKS = -(2**63)
 _UNKNOWN = 2**63
-_OF_OTHER_TABLES = (schema.INSERT_STEP, schema.INSERT_EVENT, schema.UPSERT_KEY)
+_OF_OTHER_TABLES = (schema.INSERT_STEP, schema.SUSPECT_STEPS, schema.INSERT_EVENT, schema.UPSERT_KEY)
 
 
 class SampleHashes:

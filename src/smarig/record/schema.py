@@ -27,7 +27,7 @@ STEP_COLUMNS = (
     "target",  # target input; NULL for a step without one
     "t_start_s",  # of its first sample
     "t_end_s",  # of its last sample
-    "verdict",  # settled, timed_out, elapsed, interrupted
+    "verdict",  # settled, timed_out, elapsed, interrupted, suspect
     "position",  # mean over the settle window
     "n",  # samples in that window
 )
@@ -69,5 +69,6 @@ UPSERT_KEY = "INSERT OR REPLACE INTO run VALUES (?,?)"
 SHIFT_SAMPLES = """UPDATE sample SET counts = counts + ?, position = position + ?
 WHERE tick BETWEEN ? AND ?"""
 SHIFT_STEPS = 'UPDATE step SET position = position + ? WHERE "index" >= ?'
+SUSPECT_STEPS = """UPDATE step SET verdict = 'suspect' WHERE verdict = 'settled' AND t_end_s >= ?"""
 VOID_STEPS = "UPDATE step SET void = 1"
 DELETE_KEY = "DELETE FROM run WHERE key = ?"

@@ -16,7 +16,7 @@ from smarig.core import Quality, RigFault, Sample
 from smarig.device import Check
 from smarig.plant import Actuator
 from smarig.preisach import Preisach, thesis_surface
-from smarig.rig.electrical_plausibility import MIN_CURRENT_A, READ_BACK_TOLERANCE
+from smarig.rig.electrical_plausibility import MIN_CURRENT_A, read_back_tolerance_A
 from smarig.rig.expected_resistance import ExpectedResistance
 from smarig.rig.guard import Guard
 from smarig.rig.lease_limits import limits_in_force, without_lease_text
@@ -148,7 +148,7 @@ def _input_of_certain_motion_K(actuator: Actuator, file: RigFile, sign: int) -> 
 
 def _follows_command(sample: Sample, command_A: float, file: RigFile) -> bool:
     """Whether the measured current is the commanded one within the tolerance."""
-    near = abs(sample.current_A - command_A) <= READ_BACK_TOLERANCE * file.limits.current_max_A
+    near = abs(sample.current_A - command_A) <= read_back_tolerance_A(file.limits, file.amplifier)
     return near and not sample.quality & Quality.STALE
 
 
@@ -179,7 +179,7 @@ def _check_lease(rig: SupportsIdle, file: RigFile) -> Iterator[Check]:
         in_time, found = True, f"the output was off when it was asked {took_s:.2f} s after the last command"
     flows_A = max((abs(s.current_A) for s in later if s.tick > first), default=0.0)
     observed = f"{found}; lease {file.lease_s:g} s"
-    if flows_A > READ_BACK_TOLERANCE * file.limits.current_max_A:
+    if flows_A > read_back_tolerance_A(file.limits, file.amplifier):
         observed, in_time = (
             f"tripped {took_s:.2f} s after the last command, but {flows_A:.4f} A flowed after the trip",
             False,

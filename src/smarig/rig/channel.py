@@ -1,13 +1,14 @@
 """One measured channel against its prediction.
 
 A channel is predicted up to one constant: the zero of an encoder, the resistance of a wire, the gain of a shunt, the
-offset of a thermometer. Whatever the constant is, it stays. So three things cannot be:
+offset of a thermometer. Whatever the constant is, it stays. So four things cannot be:
 
 * contradiction: the constants that agree with this sample, [x − high − tol, x − low + tol], have none in common with
   those that agreed with all samples before;
 * jump: between two samples the reading changes by more than the predicted rate and a step;
 * frozen: the reading stands still while every wire would move by twice the tolerance, or a reading of known noise is
-  the same to the last digit while the wire changes.
+  the same to the last digit while the wire changes;
+* reversed: the reading moves in one direction while every wire would move by twice the tolerance in the other.
 
 Evidence adds up and fades: a gap as large as the tolerance is enough after ``GAP_S`` seconds. A jump as large is enough
 at once for a counter, which is wrong from then on; a reading of its own each time may be wrong once or twice.
@@ -28,18 +29,29 @@ STILL = 0.25  # of the step: a reading that changes by no more stands still
 HELD = 20  # samples that may repeat a reading
 
 
+Bounds = Sequence[tuple[float, float]]  # of the prediction for each kind of wire
+
+
 class Constant:
     """The values of an unknown constant that agree with every sample so far."""
 
     def __init__(self) -> None:
         self.low, self.high = -math.inf, math.inf
+        self._low_tick = self._high_tick = 0  # when they were found
+        self.against_tick = 0  # of the sample that the last one with a gap contradicts
 
-    def gap(self, low: float, high: float) -> float:
+    def gap(self, low: float, high: float, tick: int = 0) -> float:
         """How far the constants of a new sample are from those; 0 if they have some in common, which are kept."""
-        gap = max(low - self.high, self.low - high)
-        if gap > 0:
-            return gap
-        self.low, self.high = max(self.low, low), min(self.high, high)
+        if low > self.high:
+            self.against_tick = self._high_tick
+            return low - self.high
+        if high < self.low:
+            self.against_tick = self._low_tick
+            return self.low - high
+        if low > self.low:
+            self.low, self._low_tick = low, tick
+        if high < self.high:
+            self.high, self._high_tick = high, tick
         return 0.0
 
     def widen(self, by: float) -> None:
@@ -77,18 +89,36 @@ class WireKind:
     def __init__(self) -> None:
         self.constant, self.gap, self.evidence = Constant(), 0.0, 0.0
 
-    def add(self, low: float, high: float, elapsed_s: float, tolerance: float) -> None:
+    def add(self, low: float, high: float, tick: int, elapsed_s: float, tolerance: float) -> None:
         """A sample with which the constants between two values agree."""
-        self.gap = self.constant.gap(low, high)
-        self.evidence = max(0.0, self.evidence - KIND_FADE_PER_S * elapsed_s)
-        if self.gap > 0:
-            weight = min(max(self.gap / tolerance, LEAST), LARGEST)
-            self.evidence = min(self.evidence + min(weight * elapsed_s / GAP_S, ONE_GAP), MOST)
+        self.gap = gap = self.constant.gap(low, high, tick)
+        evidence = self.evidence
+        if evidence > 0.0:
+            evidence -= KIND_FADE_PER_S * elapsed_s
+            self.evidence = evidence = evidence if evidence > 0.0 else 0.0
+        if gap > 0.0:
+            weight = gap / tolerance
+            weight = LEAST if weight < LEAST else LARGEST if weight > LARGEST else weight
+            by = weight * elapsed_s / GAP_S
+            evidence += by if by < ONE_GAP else ONE_GAP
+            self.evidence = evidence if evidence < MOST else MOST
 
-    @property
-    def excluded(self) -> bool:
-        """Whether the evidence is enough, or this sample does not agree."""
-        return self.gap > 0 or self.evidence >= 1.0
+
+def _all_against(change: float, then: Bounds, now: Bounds) -> bool:
+    """Whether both bounds of every kind have moved in the other direction than this change."""
+    for (low, high), (low_now, high_now) in zip(then, now):
+        if change * (low_now - low) >= 0 or change * (high_now - high) >= 0:
+            return False
+    return True
+
+
+def _all_moved(then: Bounds, now: Bounds, enough: float) -> bool:
+    """Whether both bounds of every kind have moved by more than enough, in one direction."""
+    for (low, high), (low_now, high_now) in zip(then, now):
+        at_low, at_high = low_now - low, high_now - high
+        if not (at_low > enough < at_high) and not (at_low < -enough > at_high):
+            return False
+    return True
 
 
 class ChannelCheck:
@@ -109,20 +139,23 @@ class ChannelCheck:
         self._one_jump = math.inf if counter else ONE_JUMP
         self.tolerance, self._step, self._period_s = tolerance, step, period_s
         self._kinds = [WireKind() for _ in range(kinds)]
-        self._flicker, self._moves = Flicker(flickers=flickers), moves
+        self.flicker, self._moves = Flicker(flickers=flickers), moves
         self._last: float | None = None
         self._allowed, self._speed = 0.0, 0.0  # what the reading may still change by, and how it changed last
+        self._tick, self._against_tick = 0, 0
+        self.doubtful_ticks = 0  # before a contradiction: since the readings with which it is one
         self._evidence = 0.0  # of jumps and of a frozen reading
         self._widen_by, self._since_s = 0.0, 0.0  # since the kinds were compared last
         self._excluded = self._all_excluded = self._still = False
-        self._still_from: tuple[float, Sequence[tuple[float, float]]] | None = None
+        self._against = False  # the reading moves, and every wire in the other direction
+        self._still_from: tuple[float, Bounds] | None = None
         self.jump, self.gap, self.ticks = 0.0, 0.0, 1
         self.suspect, self.fault, self._certain = False, "", False
 
     def add(
         self,
         value: float,
-        bounds: Sequence[tuple[float, float]] | None,
+        bounds: Bounds | None,
         rate: float,
         *,
         ticks: int,
@@ -136,50 +169,71 @@ class ChannelCheck:
         self.jump, self.ticks = 0.0, ticks
         elapsed_s = ticks * self._period_s
         self._since_s += elapsed_s
-        self._evidence = max(0.0, self._evidence - FADE_PER_S * elapsed_s)
+        self._tick += ticks
+        if self._evidence > 0.0:
+            self._evidence = max(0.0, self._evidence - FADE_PER_S * elapsed_s)
         excess = self._excess(value, rate)
         if bounds is not None:
             self._compare(value, bounds)
-        frozen = self._still or (changes and self._flicker.frozen)
+        frozen = self._still or (changes and self.flicker.frozen)
         if frozen:
             self._evidence += min(elapsed_s / GAP_S, ONE_GAP)
         self.suspect = excess > 0 or frozen or self._excluded
-        certain = self._evidence >= 1.0 or self._all_excluded
         self.fault = ""
+        certain = self._evidence >= 1.0 or self._all_excluded
         if certain and not self._certain:
-            self.fault = "contradiction" if self._evidence < 1.0 else "frozen" if frozen else "jump"
+            unmoved = "reversed" if self._still and self._against else "frozen"
+            self.fault = "contradiction" if self._evidence < 1.0 else unmoved if frozen else "jump"
+            self.doubtful_ticks = self._tick - self._against_tick if self.fault == "contradiction" else 0
         self._certain = certain
 
-    def _compare(self, value: float, bounds: Sequence[tuple[float, float]]) -> None:
+    def _compare(self, value: float, bounds: Bounds) -> None:
         """Whether every kind of wire contradicts, and whether none stands as still as the reading."""
         elapsed_s, self._since_s = self._since_s, 0.0
         tolerance = self.tolerance
         by, self._widen_by = self._widen_by, 0.0
+        least_gap, excluded, all_excluded, tick = math.inf, True, True, self._tick
+        against_tick = tick
         for kind, (low, high) in zip(self._kinds, bounds):
-            kind.constant.widen(by)
-            kind.add(value - high - tolerance, value - low + tolerance, elapsed_s, tolerance)
-        self.gap = min(kind.gap for kind in self._kinds)
-        self._excluded = all(kind.excluded for kind in self._kinds)
-        self._all_excluded = all(kind.evidence >= 1.0 for kind in self._kinds)
-        if self._still_from is None or abs(value - self._still_from[0]) > STILL * self._step:
+            if by:
+                kind.constant.widen(by)
+            was_certain = kind.evidence >= 1.0
+            kind.add(value - high - tolerance, value - low + tolerance, tick, elapsed_s, tolerance)
+            gap, certain = kind.gap, kind.evidence >= 1.0
+            if certain and not was_certain:  # the last that were possible
+                against_tick = min(against_tick, kind.constant.against_tick)
+            least_gap = gap if gap < least_gap else least_gap
+            all_excluded = all_excluded and certain
+            excluded = excluded and (certain or gap > 0)
+        self.gap, self._excluded, self._all_excluded = least_gap, excluded, all_excluded
+        self._against_tick = against_tick
+        if self._moves:
+            self._follow(value, bounds)
+
+    def _follow(self, value: float, bounds: Bounds) -> None:
+        """Whether the reading has not moved along, since it last did, with what every wire has moved by."""
+        if self._still_from is None:
             self._still_from = value, bounds
-        enough = 2 * tolerance
-        moved = [(now[0] - then[0], now[1] - then[1]) for now, then in zip(bounds, self._still_from[1])]
-        self._still = self._moves and all(min(m) > enough or max(m) < -enough for m in moved)
+        change, then = value - self._still_from[0], self._still_from[1]
+        self._against = abs(change) > STILL * self._step
+        if self._against and not _all_against(change, then, bounds):
+            self._still_from, self._still, self._against = (value, bounds), False, False
+        else:
+            self._still = _all_moved(then, bounds, 2 * self.tolerance)
 
     def _excess(self, value: float, rate: float) -> float:
         """By how much the reading has changed more than it can; adds the evidence."""
-        moved = 0.0 if self._last is None else value - self._last
-        self._last = value
-        excess = abs(moved) - self._allowed - rate - self._step
-        self._flicker.add(value)
+        change = 0.0 if self._last is None else value - self._last
+        self._last, moved = value, abs(change)
+        excess = moved - self._allowed - rate - self._step
+        self.flicker.add(value)
         # a reading that is repeated until the next query may then change by what has gathered
-        gathers = moved == 0.0 and self._flicker.run < HELD
+        gathers = moved == 0.0 and self.flicker.run < HELD
         self._allowed = self._allowed + rate if gathers else 0.0
         if excess > 0:
-            self.jump = moved
-            self._evidence += min(abs(abs(moved) - self._speed) / self.tolerance, self._one_jump)
-        self._speed = abs(moved)
+            self.jump = change
+            self._evidence += min(abs(moved - self._speed) / self.tolerance, self._one_jump)
+        self._speed = moved
         return excess
 
     def widen(self, by: float) -> None:
@@ -190,20 +244,10 @@ class ChannelCheck:
         """No reading now: the next one may be any."""
         self._last, self.suspect = None, False
 
-    @property
-    def n(self) -> int:
-        """Readings so far."""
-        return self._flicker.n
-
-    @property
-    def run(self) -> int:
-        """Equal readings so far."""
-        return self._flicker.run
-
     def forget(self) -> None:
         """The constant is another one now, and the last reading of another kind."""
         self._last, self._allowed, self.gap, self._still_from = None, 0.0, 0.0, None
-        self._excluded = self._still = False
+        self._excluded = self._still = self._against = False
         for kind in self._kinds:
             kind.constant, kind.gap = Constant(), 0.0
 

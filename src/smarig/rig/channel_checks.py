@@ -82,6 +82,7 @@ class ChannelChecks:
         )
         surface = thesis_surface(actuator.file.hysteresis.surface)
         self._range_K, self._stroke = surface.upper - surface.lower, self._bounds.stroke
+        self._moved_K = MOVED_SHARE * self._range_K
         self._drift_per_K = DRIFT * self._stroke / self._range_K
         zero = ZERO_SHARE * self.tolerance
         step = max(COUNT_STEP * self._stroke, LEAST_STEP_COUNTS)
@@ -117,28 +118,28 @@ class ChannelChecks:
         self._one_wire = not actuator.two_wire
         self._wire_known = readings.own_wire
         self._position_known = readings.own_wire and (load is None or not load.changes)
-        self._ticks, self._may_change, self._may_change_K = 0, 0.0, 0.0  # since the last sample
+        self._ticks, self._may_change_K = 0, 0.0  # since the last sample
         self._electrical_ticks, self._electrical_share = 0, 0.0  # since the last beat
         self._steady, self._command_A = 0, 0.0
-        self._changed_from_K: dict[str, tuple[float, int]] = dict.fromkeys(self._all, (0.0, 0))
+        self._changed_from_K = dict.fromkeys(self._all, 0.0)
         self._missing, self._warn_from = 0, 0
         self._missing_ticks, self._warn_ticks = round(MISSING_S / period_s), round(WARN_S / period_s)
         self.suspect = False
 
     def pass_ticks(self, heating_A: float, ticks: int) -> None:
         """Time in which the wire carried a current, up to the tick of the next sample."""
-        bounds = self._bounds
+        bounds, kelvin = self._bounds, self._may_change_K
         for _ in range(ticks):
-            bounds.step(heating_A)
-            self._may_change += bounds.rate_counts
-            self._may_change_K += bounds.temperature.rate_K
+            kelvin += bounds.step(heating_A)
+        self._may_change_K = kelvin
         self._ticks += ticks
 
     def check(self, s: Sample, input_K: float) -> list[Alarm]:
         """Alarms of a sample after the ticks that were passed since the last one."""
         self.suspect = False
-        ticks, counts, kelvin = self._ticks, self._may_change, self._may_change_K
-        self._ticks, self._may_change, self._may_change_K = 0, 0.0, 0.0
+        ticks, kelvin = self._ticks, self._may_change_K
+        self._ticks, self._may_change_K = 0, 0.0
+        counts = self._bounds.counts_per_K * kelvin
         self._position.widen(self._drift_per_K * kelvin)
         found: list[Alarm] = []
         if self._position_known:
@@ -149,8 +150,11 @@ class ChannelChecks:
         self._electrical_share += counts / self._stroke
         if self._wire_known and self._bounds.positions is not None:
             found += self._check_electrical(s, input_K)
-        self.suspect |= any(channel.suspect for channel in (self._current, *self._voltages))
-        if self._one_wire:
+        first, second = self._voltages
+        if self._current.suspect or first.suspect or second.suspect:
+            self.suspect = True
+        measured = s.temperature_degC == s.temperature_degC  # no NaN
+        if self._one_wire and (measured or self._thermometer.flicker.n):
             found += self._check_thermometer(s, kelvin, ticks, input_K)
         return found
 
@@ -180,7 +184,7 @@ class ChannelChecks:
     def _check_thermometer(self, s: Sample, rate_K: float, ticks: int, input_K: float) -> list[Alarm]:
         measured_K = s.temperature_degC - s.ambient_degC
         if math.isnan(measured_K):
-            given = self._thermometer.n > 0
+            given = self._thermometer.flicker.n > 0
             self._missing += ticks if given else 0
             self.suspect |= given
             if self._missing - ticks < self._missing_ticks <= self._missing:
@@ -209,15 +213,16 @@ class ChannelChecks:
     ) -> list[Alarm]:
         """The alarms of one channel."""
         channel = self._all[name]
-        from_K, run = self._changed_from_K[name]
-        if run == 0 or channel.run < run:
-            from_K = input_K
-        changes = abs(input_K - from_K) > MOVED_SHARE * self._range_K
+        if channel.flicker.run == 0:  # the reading has just changed
+            self._changed_from_K[name] = input_K
+        changes = abs(input_K - self._changed_from_K[name]) > self._moved_K
         channel.add(value, bounds, rate, ticks=ticks, changes=changes)
-        self._changed_from_K[name] = from_K, channel.run
-        self.suspect |= channel.suspect
+        if not channel.suspect and not channel.fault:
+            return []
+        self.suspect = self.suspect or channel.suspect
         if channel.fault:
-            return [Alarm("error", channel.fault, self._text(name, channel))]
+            doubtful_from = tick - channel.doubtful_ticks
+            return [Alarm("error", channel.fault, self._text(name, channel), doubtful_from)]
         if channel.jump and tick >= self._warn_from:
             self._warn_from = tick + self._warn_ticks
             text = f"{self._jump_text(name, channel)} Readings from here on may be off by as much."
@@ -234,6 +239,8 @@ class ChannelChecks:
             return self._jump_text(name, channel) + check
         if channel.fault == "frozen":
             return f"The {name} stays the same to the last digit while the temperature of the wire changes.{check}"
+        if channel.fault == "reversed":
+            return f"The {name} moves in the other direction than the wire can.{check}"
         return (
             f"The {name} is {self._amount(name, channel.gap)} away from all that a wire within "
             f"limits.model_tolerance = {self.tolerance:g} of {self._name} can have here, after the readings before."

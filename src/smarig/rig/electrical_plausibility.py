@@ -7,7 +7,7 @@ be a resistance of this wire in its phase, and V no more than the largest curren
 import math
 from typing import NamedTuple
 
-from smarig.config import LimitsFile
+from smarig.config import AmplifierFile, LimitsFile
 from smarig.core import Quality, Sample
 from smarig.plant import Actuator, largest_voltage_V
 from smarig.rig.expected_resistance import ExpectedResistance
@@ -16,18 +16,24 @@ from smarig.rig.rig import Alarm
 IN_A_ROW = 3  # consecutive samples that show a current: a single one may be wrong
 GROSS = 1.3  # times an upper limit: a wire heats too fast to wait for a third sample
 MIN_CURRENT_A = 0.05  # a smaller current does not determine a resistance
-READ_BACK_TOLERANCE = 0.05  # of the largest current: set-point against read-back
+READ_BACK_TOLERANCE = 0.05  # of the largest current: set-point against read-back, and
+NOISE_SDS = 6.0  # standard deviations of the reading: a true difference of the tolerance may be read larger
 
 _SATURATED = int(Quality.SATURATED)  # a plain integer, because it is used every tick
+
+
+def read_back_tolerance_A(limits: LimitsFile, amplifier: AmplifierFile) -> float:
+    """Largest difference between the ordered current and a reading of it: as large as series diodes make it."""
+    largest_A = max(limits.current_max_A, -limits.current_min_A)
+    return READ_BACK_TOLERANCE * largest_A + NOISE_SDS * amplifier.current_noise_A
 
 
 class ElectricalPlausibility:
     """``check`` returns an alarm when a fault has lasted; ``suspect`` tells whether the last sample shows one."""
 
-    def __init__(self, limits: LimitsFile, saturation_A: float, actuator: Actuator) -> None:
-        largest_A = max(limits.current_max_A, -limits.current_min_A)
-        self._tolerance_A = READ_BACK_TOLERANCE * largest_A
-        self._saturation_A = saturation_A
+    def __init__(self, limits: LimitsFile, amplifier: AmplifierFile, actuator: Actuator) -> None:
+        self._tolerance_A = read_back_tolerance_A(limits, amplifier)
+        self._saturation_A = amplifier.saturation_A
         self._resistance = ExpectedResistance(actuator, limits.resistance_tolerance)
         self._largest_V = largest_voltage_V(limits, actuator)
         self._evidence = 0  # samples with a fault since the last one that shows none

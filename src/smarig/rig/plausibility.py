@@ -38,7 +38,7 @@ class Plausibility:
         limits = rig.limits
         if rig.kind == "twin" and limits.resistance_tolerance < TWIN_TOLERANCE:
             limits = limits.model_copy(update={"resistance_tolerance": TWIN_TOLERANCE})
-        self._electrical = ElectricalPlausibility(limits, rig.amplifier.saturation_A, actuator)
+        self._electrical = ElectricalPlausibility(limits, rig.amplifier, actuator)
         h = thesis_surface(actuator.file.hysteresis.surface)
         self._range_K = h.upper - h.lower
         self._lower_K = h.lower
@@ -100,20 +100,16 @@ class Plausibility:
             return [Alarm("error", "blind", text)]
         if sample.quality & _UNRELIABLE or math.isnan(sample.current_A):
             return []
-        found = [
-            *self._electrical.check(sample, input_K),
-            *self._channels.check(sample, input_K),
-            *self._check_slip(sample.counts, input_K),
-            *self._check_travel(sample.counts, (input_K - self._lower_K) / self._range_K),
-        ]
+        found = self._electrical.check(sample, input_K)
+        found += self._channels.check(sample, input_K)
+        found += self._check_slip(sample.counts, input_K)
+        found += self._check_travel(sample.counts, (input_K - self._lower_K) / self._range_K)
         if sample.tick < self._unsure_until:
             self._channels.forget()
-        found.sort(key=lambda alarm: alarm.level != "error")
-        self.suspect = (
-            self._electrical.suspect
-            or self._channels.suspect
-            or any(alarm.level == "error" for alarm in found)
-        )
+        self.suspect = self._electrical.suspect or self._channels.suspect
+        if found:
+            found.sort(key=lambda alarm: alarm.level != "error")
+            self.suspect = self.suspect or found[0].level == "error"
         return found
 
     def _ticks_since(self, tick: int) -> int:
@@ -143,7 +139,8 @@ class Plausibility:
     def _check_travel(self, counts: int, share: float) -> list[Alarm]:
         """Between cold and hot the wire must move."""
         low, high = self._extent
-        self._extent = low, high = min(low, counts), max(high, counts)
+        if not low <= counts <= high:
+            self._extent = low, high = min(low, counts), max(high, counts)
         end = "cold" if share < COLD else "hot" if share >= HOT else ""
         if not end:
             return []

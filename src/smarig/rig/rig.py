@@ -11,6 +11,8 @@ class Alarm(NamedTuple):
     level: str
     kind: str
     text: str
+    doubtful_from: int | None = None
+    """The tick since which the readings contradict each other, if it is known."""
 
 
 class Rig(Protocol):

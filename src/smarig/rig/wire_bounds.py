@@ -4,6 +4,8 @@ Temperature: every wire whose time constant lies between 0.3 τ and 3 τ and who
 
     T_low = (1 − g) min T(kτ),   T_high = (1 + g) max T(kτ),   k = 0.3, 1, 3;   u = T, or T₁ − T₂, ± δ
 
+(``temperature_bounds.py``).
+
 Position: a Preisach operator with a measure that is not negative keeps the order of its inputs, so that
 
     u_low(s) ≤ u(s) ≤ u_high(s) for all s ≤ t   ⇒   Γ[u_low](t) ≤ y(t) ≤ Γ[u_high](t)
@@ -21,79 +23,13 @@ import numpy as np
 
 from smarig.plant import Actuator, ThermomechanicalPlant, WirePhases, thermomechanical_travel
 from smarig.preisach import Everett, Preisach, thesis_surface
+from smarig.rig.temperature_bounds import TemperatureBounds
 
-LAGS = (0.3, 1.0, 3.0)  # of the time constant: insulated, thick, in moving air, with latent heat
-LEAST_SHARE = 0.015  # δ as a share of the range: ambient temperature, noise of the input
 BEATS_PER_TAU = 6  # how often the bounds of the position are computed
 RATE_FACTOR = 2.0  # of the steepest branch: minor effects make it steeper
 SENSOR_LAG_TAUS = 1.0  # lag of a position sensor
-HEAT_BANDS, THERMOMECHANICAL_BANDS, STROKE_BANDS = (
-    4,
-    2,
-    3,
-)  # groups of like wires; a model of Brinson costs more
-
-
-class TemperatureBounds:
-    """Bounds of the hysteresis input in kelvin; ``rate_K`` is the fastest change of any wire in the last tick.
-
-    >>> bounds = TemperatureBounds(Actuator.named("gorbet_one_wire"), 0.1, 0.1)
-    >>> for _ in range(3000):
-    ...     bounds.step(1.0)
-    >>> low_K, high_K = bounds.between(0.9, 1.1)
-    >>> round(low_K, 1), round(high_K, 1)
-    (154.1, 194.1)
-    """
-
-    def __init__(self, actuator: Actuator, period_s: float, tolerance: float) -> None:
-        surface = thesis_surface(actuator.file.hysteresis.surface)
-        self.least_K = LEAST_SHARE * max(surface.upper, -surface.lower)
-        self._fastest, self._two_wire = 1 + tolerance, actuator.two_wire
-        self._gain = actuator.gain_K_per_A2
-        self._approach = [-math.expm1(-period_s / (lag * actuator.tau_s)) for lag in LAGS]
-        self._wires = [[0.0] * len(LAGS) for _ in range(2 if actuator.two_wire else 1)]
-        self.rate_K = 0.0
-        self.coldest_K, self.hottest_K = [0.0, 0.0], [0.0, 0.0]  # of each wire, with its nominal heat
-        self._lowest_K, self._highest_K = [0.0, 0.0], [0.0, 0.0]  # of those, since ``forget_extremes``
-
-    def step(self, current_A: float) -> None:
-        """Advance one tick at a constant current."""
-        source = self._gain * current_A * current_A
-        hot = 1 if self._two_wire and current_A < 0 else 0
-        rate_K = 0.0
-        for number, wire in enumerate(self._wires):
-            end, fastest = source if number == hot else 0.0, 0.0
-            for k, share in enumerate(self._approach):
-                change = (end - wire[k]) * share
-                wire[k] += change
-                if change > fastest or -change > fastest:
-                    fastest = abs(change)
-            rate_K += fastest
-            coldest_K, hottest_K = min(wire), max(wire)
-            self.coldest_K[number], self.hottest_K[number] = coldest_K, hottest_K
-            if coldest_K < self._lowest_K[number]:
-                self._lowest_K[number] = coldest_K
-            if hottest_K > self._highest_K[number]:
-                self._highest_K[number] = hottest_K
-        self.rate_K = self._fastest * rate_K
-
-    def between(self, least: float, largest: float) -> tuple[float, float]:
-        """Bounds of the input of wires whose heat is between these shares of the nominal one."""
-        return self._input_K(self.coldest_K, self.hottest_K, least, largest)
-
-    def extremes(self, least: float, largest: float) -> tuple[float, float]:
-        """The same of all ticks since ``forget_extremes``."""
-        return self._input_K(self._lowest_K, self._highest_K, least, largest)
-
-    def forget_extremes(self) -> None:
-        """Later extremes are those from now on."""
-        self._lowest_K, self._highest_K = self.coldest_K[:], self.hottest_K[:]
-
-    def _input_K(
-        self, coldest_K: list[float], hottest_K: list[float], least: float, largest: float
-    ) -> tuple[float, float]:
-        low_K = least * coldest_K[0] - largest * hottest_K[1] - self.least_K
-        return low_K, largest * hottest_K[0] - least * coldest_K[1] + self.least_K
+HEAT_BANDS, STROKE_BANDS = 4, 3  # groups of like wires
+THERMOMECHANICAL_BANDS = 2  # of heat: a model of Brinson costs more
 
 
 class _Models(Protocol):
@@ -131,12 +67,15 @@ class _PreisachModels:
 
     def advance(self) -> list[tuple[float, float]]:
         temperature, found = self._temperature, []
-        for band, low, high in zip(self._bands, self._low, self._high):
-            low_K, high_K = temperature.extremes(*band)  # an extremum within a beat is remembered
-            low.step(low_K)
-            high.step(high_K)
-            low_K, high_K = temperature.between(*band)
-            found.append((low.step(low_K), high.step(high_K)))
+        extremes, present = temperature.extremes(self._bands), temperature.present(self._bands)
+        for low, high, extreme_K, present_K in zip(self._low, self._high, extremes, present):
+            # an extremum within a beat is remembered; most often the operator is there already, or goes on from it
+            for operator, first_K, last_K in zip((low, high), extreme_K, present_K):
+                if first_K != operator.u:
+                    operator.step(first_K)
+                if last_K != first_K:
+                    operator.step(last_K)
+            found.append((low.y, high.y))
         temperature.forget_extremes()
         wires = temperature.coldest_K, temperature.hottest_K
         for phases, wires_K, heat in zip(self._phases, wires, (self._bands[0][0], self._bands[-1][1])):
@@ -221,14 +160,15 @@ class WireBounds:
             steepest = travel * math.pi / 2 / thermomechanical.width_K  # of a cosine
         self.kinds = (len(heats) - 1) * len(self._strokes)
         self.stroke = travel / position_per_count
-        self._per_K = RATE_FACTOR * steepest / position_per_count
+        self.counts_per_K = RATE_FACTOR * steepest / position_per_count  # no wire is steeper
         self._readings: list[tuple[float, float]] = []
         self._ohm: dict[int, tuple[float, float]] = {}  # of each wire, at the last beat
         self.positions: list[tuple[float, float]] | None = None
 
-    def step(self, current_A: float) -> None:
-        """Advance one tick at a constant current."""
-        self.temperature.step(current_A)
+    def step(self, current_A: float) -> float:
+        """Advance one tick at a constant current. The fastest change of any wire in it, in kelvin."""
+        temperature = self.temperature
+        temperature.step(current_A)
         self._models.add(current_A)
         self._ticks += 1
         self.positions = None
@@ -236,9 +176,8 @@ class WireBounds:
             self._ticks = 0
             self._ohm = {}
             self._readings = self._lagging(self._models.advance())
-            self.positions = [
-                self._scaled(reading, stroke) for reading in self._readings for stroke in self._strokes
-            ]
+            self.positions = self._in_counts(self._readings)
+        return temperature.rate_K
 
     def resistance_ohm(self, current_A: float) -> tuple[float, float]:
         """Bounds of the resistance of the wire that carries this current, at the last beat."""
@@ -247,27 +186,28 @@ class WireBounds:
             self._ohm[wire] = self._models.ohm(current_A)
         return self._ohm[wire]
 
-    @property
-    def rate_counts(self) -> float:
-        """Counts that no wire exceeds in the last tick."""
-        return self._per_K * self.temperature.rate_K
-
-    def _scaled(self, bounds: tuple[float, float], stroke: tuple[float, float]) -> tuple[float, float]:
-        """Bounds in counts of wires whose stroke is between these shares of the nominal one."""
-        low, high = bounds[0] - self._from, bounds[1] - self._from
-        least, largest = stroke
-        low *= least if low > 0 else largest
-        high *= largest if high > 0 else least
-        return low / self._per_count, high / self._per_count
+    def _in_counts(self, readings: list[tuple[float, float]]) -> list[tuple[float, float]]:
+        """Bounds in counts of wires whose stroke is between two shares of the nominal one."""
+        from_, per_count = self._from, self._per_count
+        moved = [(low - from_, high - from_) for low, high in readings]
+        return [
+            (
+                low * (least if low > 0 else largest) / per_count,
+                high * (largest if high > 0 else least) / per_count,
+            )
+            for low, high in moved
+            for least, largest in self._strokes
+        ]
 
     def _lagging(self, now: list[tuple[float, float]]) -> list[tuple[float, float]]:
         """A sensor may still show what was: its bounds retreat at once and advance slowly."""
+        lag = self._lag
         return [
             (
-                min(low, last[0] + self._lag * (low - last[0])),
-                max(high, last[1] + self._lag * (high - last[1])),
+                low if low < low_before else low_before + lag * (low - low_before),
+                high if high > high_before else high_before + lag * (high - high_before),
             )
-            for (low, high), last in zip(now, self._readings or now)
+            for (low, high), (low_before, high_before) in zip(now, self._readings or now)
         ]
 
 

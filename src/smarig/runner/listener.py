@@ -33,6 +33,15 @@ class StepStartListener(Protocol):
         ...
 
 
+@runtime_checkable
+class SuspectListener(Protocol):
+    """An optional method of a listener: readings turned out to contradict each other."""
+
+    def suspect(self, from_s: float) -> None:
+        """The readings since then contradict each other."""
+        ...
+
+
 def _ignore(*_: Any) -> None:
     """Do nothing."""
 

@@ -24,7 +24,7 @@ from smarig.core import (
 from smarig.rig import Guard
 from smarig.runner.absolute_zero import zero_data
 from smarig.runner.checked_generator import CheckedGenerator
-from smarig.runner.listener import Listener, StepStartListener
+from smarig.runner.listener import Listener, StepStartListener, SuspectListener
 from smarig.runner.restart_shift import Shift
 from smarig.runner.run_control import RunControl
 from smarig.runner.settling_detection import Approach, SettleWindow
@@ -176,10 +176,21 @@ class Runner:
                 listener.sample(sample, self._step, input_K)
         for alarm in self.rig.alarms():
             self._notify(alarm.kind, alarm.text, level=alarm.level)
+            if alarm.level == "error" and alarm.doubtful_from is not None:
+                self._suspect((alarm.doubtful_from + self.shift.ticks) * self.rig.period_s)
         for kind, text, level in self.control.reports():
             self._notify(kind, text, level=level)
         self.rig.raise_if_tripped()
         return counted
+
+    def _suspect(self, from_s: float) -> None:
+        """Nobody knows when a fault began that only shows now."""
+        if from_s < self.t_s:
+            text = f"The readings since {from_s:.1f} s contradict each other: steps that settled since are suspect."
+            self._notify("suspect", text, level="warning")
+        for listener in self.listeners:
+            if isinstance(listener, SuspectListener):
+                listener.suspect(from_s)
 
     def _notify(self, kind: str, text: str, **data) -> None:
         for listener in self.listeners:

@@ -30,10 +30,10 @@ speed = {speed}
 """
 
 
-def bench_of(make, path, lease_s):
+def bench_of(make, path, lease_s, speed=SPEED):
     """The simulated devices of a rig file that is written to ``path``."""
-    path.write_text(RIG.format(supply="", meter="", speed=SPEED, lease=lease_s))
-    bench = SupplyBench(load_rig(str(path)), TwinSettings(seed=1), make, SPEED)
+    path.write_text(RIG.format(supply="", meter="", speed=speed, lease=lease_s))
+    bench = SupplyBench(load_rig(str(path)), TwinSettings(seed=1), make, speed)
     urls = {"supply": bench.urls["amplifier"], "meter": bench.urls["encoder_daq"]}
-    path.write_text(RIG.format(**urls, speed=SPEED, lease=lease_s))
+    path.write_text(RIG.format(**urls, speed=speed, lease=lease_s))
     return bench

@@ -43,7 +43,9 @@ Measured by `smarig benchmark plausibility`, with the default `limits.model_tole
 A fault begins 3 s after the start of one of ten holds, which take the wire through its whole range and back; they go
 on, once more through the range, until the run ends. *Slipping to 0.7*: this share of every change arrives. *Phases*:
 how many of the ten were measured, how often a sample was marked, and how often the run ended. Times are the median and
-the longest. *Unseen*: the largest error of a step that was recorded as settled without a mark, until then.
+the longest. *Error until then*: the largest before the first mark. *Unseen*: the largest error of a step that was
+recorded as settled without a mark. When the channel contradicts its own earlier readings, the steps that settled since
+those become `suspect` in the record; they then count as not settled.
 
 {rows}
 
@@ -58,16 +60,17 @@ def channel_table() -> str:
     """What ``smarig benchmark plausibility`` has measured."""
     figures = json.loads(CHANNEL_FIGURES.read_text(encoding="utf-8"))
     rows = [
-        "| rig | channel | fault | phases: all, marked, ended | marked after, s | ended after, s | unseen |"
+        "| rig | channel | fault | phases: all, marked, ended | marked after, s | error until then | ended after, s "
+        "| unseen |"
     ]
-    rows.append("|---|---|---|---|---|---|---|")
+    rows.append("|---|---|---|---|---|---|---|---|")
     for f in figures["faults"]:
         marked, ended = (
             "; ".join(f"{x:g}" for x in f[key] or ()) or "–" for key in ("marked_s", "tripped_s")
         )
         rows.append(
             f"| {f['rig']} | {f['channel']} | {f['fault']} | {f['phases']}, {f['marked']}, {f['tripped']} "
-            f"| {marked} | {ended} | {f['unseen']:.3g} {UNITS[f['channel']]} |"
+            f"| {marked} | {f['error']:.3g} | {ended} | {f['unseen']:.3g} {UNITS[f['channel']]} |"
         )
     sound = figures["sound"]
     marked = ", ".join(f"{n} ({name})" for name, n in sound["marked"].items()) or "none"

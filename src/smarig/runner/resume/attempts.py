@@ -54,7 +54,7 @@ class AttemptRecorder:
     """The recorder of a resumed run: numbers attempts and marks the path back as void."""
 
     def __init__(self, recorder: Recorder, attempts: dict[int, int]) -> None:
-        self.sample, self.event = recorder.sample, recorder.event
+        self.sample, self.event, self.suspect = recorder.sample, recorder.event, recorder.suspect
         self._recorder, self._attempts, self._done = recorder, attempts, 0
 
     def step(self, result: StepResult, *, branch: str, target: float | None) -> None:
