@@ -1,0 +1,102 @@
+"""The hypotheses about a wire: the base, effects, dependences on a variable, and the pairs that earn it.
+
+All effects are screened by linear traces; the best few are refined with a density of their own. A pair is tried if by
+screening it gains what its prior takes.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from smarig.diagnosis.comparison.commanded.effect_trials import refined
+from smarig.diagnosis.comparison.commanded.screening import Screened, candidates, screened
+from smarig.diagnosis.comparison.commanded.subject import Fitted, Subject
+from smarig.diagnosis.comparison.commanded.variable_trials import Discrepancies
+from smarig.diagnosis.comparison.hypothesis import Hypothesis, Part
+from smarig.diagnosis.comparison.weights import PRIOR_PAIR, PRIOR_SINGLE, TEMPERATURE
+
+REFINED, VARIABLES, PAIRS = 4, 4, 2  # most hypotheses of each kind that are fitted
+LEAST_SCREENED_NATS = 2.0  # a weaker effect stays at its linear traces
+PAIR_NATS = TEMPERATURE * float(np.log(PRIOR_SINGLE / PRIOR_PAIR))  # what the prior of a pair takes
+Progress = Callable[[str], None]
+
+
+@dataclass(frozen=True, eq=False)
+class Found:
+    """The hypotheses, the models of those that were fitted, by their parts, and all effects as screened."""
+
+    hypotheses: tuple[Hypothesis, ...]
+    models: dict[tuple[Part, ...], Fitted]
+    screened: tuple[Screened, ...]
+
+
+def search(subject: Subject, progress: Progress) -> Found:
+    """All hypotheses about a subject, scored."""
+    base, traces = subject.base, candidates(subject)
+    nothing = Hypothesis((), (subject.trial(base),))
+    smooth = Discrepancies.about(subject, base)
+    weak = screened(subject, base, traces, smooth.ranking)
+    models: dict[tuple[Part, ...], Fitted] = {(): base}
+    effects = _refined(subject, base, weak, models, progress, _score(nothing))
+    tried = {h.parts for h in effects}
+    effects += [s.hypothesis for s in weak if (s.part,) not in tried]
+    variables = [_told(smooth.hypothesis(v), nothing, progress) for v in smooth.variables[:VARIABLES]]
+    pairs = _pairs(subject, effects, variables, models, traces, progress)
+    return Found((nothing, *effects, *variables, *pairs), models, tuple(weak))
+
+
+def _refined(
+    subject: Subject,
+    base: Fitted,
+    weak: Sequence[Screened],
+    models: dict[tuple[Part, ...], Fitted],
+    progress: Progress,
+    nothing: float,
+) -> list[Hypothesis]:
+    """The best screened effects with a density of their own."""
+    found = []
+    for one in weak[:REFINED]:
+        if found and float(one.trial.log_scores.sum()) < nothing + LEAST_SCREENED_NATS:
+            continue
+        hypothesis, model = refined(subject, base, [one.effect])
+        models[hypothesis.parts] = model
+        found.append(hypothesis)
+        progress(f"{hypothesis.name}: {_score(hypothesis) - nothing:+.1f} nats on blocks left out")
+    return found
+
+
+def _pairs(
+    subject: Subject,
+    effects: Sequence[Hypothesis],
+    variables: Sequence[Hypothesis],
+    models: dict[tuple[Part, ...], Fitted],
+    traces: Sequence,
+    progress: Progress,
+) -> list[Hypothesis]:
+    """The best effect with further effects and with variables."""
+    best = max((h for h in effects if h.parts in models), key=_score, default=None)
+    if best is None:
+        return []
+    fitted, floor = models[best.parts], _score(best)
+    smooth = Discrepancies.about(subject, fitted)
+    found = []
+    for one in screened(subject, fitted, traces, smooth.ranking)[:PAIRS]:
+        if float(one.trial.log_scores.sum()) > floor + PAIR_NATS:
+            hypothesis, model = refined(subject, fitted, [*fitted.effects, one.effect])
+            models[hypothesis.parts] = model
+            found.append(_told(hypothesis, best, progress))
+    gains = dict(zip(smooth.variables, sorted(smooth.gains, reverse=True)))
+    for variable in smooth.variables[:PAIRS]:
+        if gains[variable] > PAIR_NATS:
+            found.append(_told(smooth.hypothesis(variable), best, progress))
+    return found
+
+
+def _told(hypothesis: Hypothesis, before: Hypothesis, progress: Progress) -> Hypothesis:
+    progress(f"{hypothesis.name}: {_score(hypothesis) - _score(before):+.1f} nats beyond {before.name}")
+    return hypothesis
+
+
+def _score(hypothesis: Hypothesis) -> float:
+    return float(hypothesis.log_scores.sum())
