@@ -11,6 +11,7 @@ Each rule is a row of ``RULES``: its name, its value, why it is there. ``decide`
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from math import inf
 from typing import Literal
 
 from smarig.diagnosis.comparison.hypothesis import Part
@@ -34,6 +35,9 @@ RULES = {
     "set": Rule(0.9, "the causes of a set hold the truth nine times of ten"),
     "least_size": Rule(
         0.005, "share of the range below which an effect changes nothing that a user would measure"
+    ),
+    "beside_noise": Rule(
+        0.5, "times what a settled reading scatters, where it is known: less is not seen in one reading"
     ),
     "beside_block_errors": Rule(1.0, "an effect must remove more than the model's other errors of a block"),
     "least_blocks": Rule(10, "with fewer excursions, how often they are resampled says little"),
@@ -65,7 +69,7 @@ class Evidence:
     left-out error, in the output's unit; ``span``: range of the output. ``error``: left-out error of the plain model;
     ``noise``: of one reading; ``block_error``: what the winner leaves between blocks. ``blocks``: real excursions.
     ``confounded``: parts that these data cannot part from a part. ``held_out``: error on held-out runs with a part over
-    that without, where there are such runs. ``testable``: whether the data can show any effect. ``depends_on``: the
+    that without, where there are such runs. ``repeatability``: what a settled reading scatters, if known. ``testable``: whether the data can show any effect. ``depends_on``: the
     variables that an effect acts through.
     """
 
@@ -80,6 +84,12 @@ class Evidence:
     confounded: Mapping[Part, tuple[Part, ...]] = field(default_factory=dict)
     held_out: Mapping[Part, float] = field(default_factory=dict)
     testable: bool = True
+    repeatability: float = inf
+
+    @property
+    def least_size(self) -> float:
+        """The least size of a cause that is told."""
+        return min(RULES["least_size"].value * self.span, RULES["beside_noise"].value * self.repeatability)
 
 
 @dataclass(frozen=True)
@@ -96,8 +106,8 @@ def decide(e: Evidence) -> Verdict:
     """The verdict on a comparison of hypotheses."""
     if not e.testable:
         return Verdict("not_identifiable", "not_testable")
-    told = [p for p in e.causes if e.size[p] >= RULES["least_size"].value * e.span]
-    if e.nothing >= RULES["nothing"].value or not told:
+    told = [p for p in e.causes if e.size[p] >= e.least_size]
+    if e.nothing >= RULES["nothing"].value or sum(e.causes[p] for p in told) < 1 - RULES["nothing"].value:
         return _nothing(e, "nothing" if e.nothing >= RULES["nothing"].value else "too_small")
     likely = [p for p in told if e.causes[p] >= RULES["name"].value]
     effects = [p for p in likely if p.kind == "effect"]
@@ -109,7 +119,7 @@ def decide(e: Evidence) -> Verdict:
 
 
 def _nothing(e: Evidence, reason: str) -> Verdict:
-    if e.error <= max(RULES["adequate"].value * e.noise, RULES["least_size"].value * e.span):
+    if e.error <= max(RULES["adequate"].value * e.noise, e.least_size):
         return Verdict("silent", reason)
     return Verdict("unknown", "inadequate")
 

@@ -1,6 +1,6 @@
 """How well a model of a wire predicts each block of a timeline from all others: positions, resistances, channels.
 
-    log p(y_b | y_−b) = Σ over the coupled readings and each independent channel,    in the readings' own units
+log p(y_b | y_−b) = Σ over the coupled readings and each independent channel,    in the readings' own units
 """
 
 from collections.abc import Mapping, Sequence

@@ -32,6 +32,7 @@ def evidence_of(subject: Subject, found: Found, weights: Weights, held_out: dict
         confounded=_confounded(found, weights),
         held_out=held_out,
         testable=bool(found.screened),
+        repeatability=_repeatability(found, weights),
     )
 
 
@@ -46,6 +47,12 @@ def _size(found: Found, weights: Weights, part: Part) -> float:
     before = next((h for h in found.hypotheses if h.parts == rest), None) or found.hypotheses[0]
     squares, less = _removed(before.best).squares, _removed(own.best).squares
     return float(np.sqrt(max(max(squares[k] - less[k] for k in squares), 0.0)))
+
+
+def _repeatability(found: Found, weights: Weights) -> float:
+    """What a settled reading scatters by the heaviest hypothesis that was fitted."""
+    effects = tuple(p for p in weights.heaviest.parts if p.kind == "effect")
+    return found.models.get(effects, found.models[()]).refitted.noise.settled
 
 
 def _median_block(x: Array, block: NDArray[np.int64]) -> float:

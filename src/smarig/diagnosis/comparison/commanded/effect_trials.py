@@ -7,42 +7,51 @@ from smarig.diagnosis.comparison.hypothesis import Hypothesis, Part, Trial
 from smarig.diagnosis.explain.parameter_fit import fit_parameters
 from smarig.plant import Effect
 
-STEPS = (1.5, 1.2, 1.08)  # factors of the strength from trial to trial
-MOST_TRIALS = 9
+STEPS = (1.3, 1.1)  # factors of the strength from trial to trial
+MOST_TRIALS = 8
+MIN_MOVE_SD = 0.3  # of a parameter: smaller moves change no score
 
 
-def refined(subject: Subject, start: Fitted, effects: Sequence[Effect]) -> tuple[Hypothesis, Fitted]:
-    """The hypothesis that these effects are present, with its trials, and the model of the best one."""
-    best = _with_density(subject, start, effects)
-    trials = [subject.trial(best)]
-    again = _refitted(subject, best)
-    if again is not None:
-        trials.append(subject.trial(again))
-        best = max((trials[0], best), (trials[1], again), key=lambda pair: pair[0].log_scores.sum())[1]
-    best = _along_strength(subject, best, trials)
-    parts = tuple(Part("effect", e.kind.name) for e in best.effects)
-    return Hypothesis(tuple(sorted(parts)), tuple(trials)), best
-
-
-def _with_density(subject: Subject, start: Fitted, effects: Sequence[Effect]) -> Fitted:
-    """The effects fitted with the density free about that of ``start``, then with a density of their own."""
+def fitted_with(subject: Subject, start: Fitted, effects: Sequence[Effect]) -> tuple[Hypothesis, Fitted]:
+    """The hypothesis that these effects are present, fitted about ``start`` and given a density of their own."""
     fit = fit_parameters(
         effects, subject.timeline, start.plant_model, start.refitted, start.plant_model.hysteresis
     )
-    return subject.with_joint_density(subject.with_effects(start, fit.effects), start.refitted)
+    best = subject.with_joint_density(subject.with_effects(start, fit.effects), start.refitted)
+    return _hypothesis(best, [subject.trial(best)]), best
+
+
+def refined(subject: Subject, hypothesis: Hypothesis, best: Fitted) -> tuple[Hypothesis, Fitted]:
+    """The hypothesis with trials of other parameters: fitted again about its density, and at other strengths."""
+    trials = list(hypothesis.trials)
+    again = _refitted(subject, best)
+    if again is not None:
+        trials.append(subject.trial(again))
+        best = again if _total(trials[-1]) > _total(trials[0]) else best
+    best = _along_strength(subject, best, trials)
+    return _hypothesis(best, trials), best
+
+
+def _hypothesis(fitted: Fitted, trials: Sequence[Trial]) -> Hypothesis:
+    return Hypothesis(tuple(sorted(Part("effect", e.kind.name) for e in fitted.effects)), tuple(trials))
+
+
+def _total(trial: Trial) -> float:
+    return float(trial.log_scores.sum())
 
 
 def _refitted(subject: Subject, fitted: Fitted) -> Fitted | None:
-    """The parameters fitted once more about the density identified with them."""
+    """Parameters and density fitted once more, each about the other."""
     model = subject.with_effects(fitted, ())
     fit = fit_parameters(fitted.effects, subject.timeline, model, fitted.refitted, model.hysteresis)
-    moved = subject.with_effects(fitted, fit.effects)
-    return subject.at(moved, fitted.refitted) if fit.effects != fitted.effects else None
+    if fit.moved < MIN_MOVE_SD:
+        return None
+    return subject.with_joint_density(subject.with_effects(fitted, fit.effects), fitted.refitted)
 
 
 def _along_strength(subject: Subject, best: Fitted, trials: list[Trial]) -> Fitted:
     """Trials at other strengths of the last effect, toward where other blocks are predicted better."""
-    top = subject.trial(best).log_scores.sum()
+    top = max(_total(t) for t in trials)
     for step in STEPS:
         for factor in (step, 1 / step):
             while len(trials) < MOST_TRIALS:
@@ -53,8 +62,7 @@ def _along_strength(subject: Subject, best: Fitted, trials: list[Trial]) -> Fitt
                     break
                 other = subject.at(subject.with_effects(best, (*others, last.at(value))), best.refitted)
                 trials.append(subject.trial(other))
-                score = trials[-1].log_scores.sum()
-                if score <= top:
+                if _total(trials[-1]) <= top:
                     break
-                best, top = other, score
+                best, top = other, _total(trials[-1])
     return best

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from smarig.diagnosis.comparison.commanded.drawn_values import drawn_values
 from smarig.diagnosis.comparison.commanded.search import Found
 from smarig.diagnosis.comparison.commanded.subject import Fitted, Subject
 from smarig.diagnosis.comparison.hypothesis import Hypothesis, Part
@@ -49,9 +50,8 @@ def extension_of(subject: Subject, found: Found, weights: Weights) -> Extension:
     parts = tuple(p for p in best.parts if p.kind == "effect")
     fitted = found.models[parts]
     extended = with_density_for_effects(subject.timeline, fitted.plant_model, fitted.refitted, base)
-    return Extension(
-        base, extended, fitted, parts, dict(best.best.parameters), best.resampled(weights.shares)
-    )
+    draws = {n: drawn_values(best, n, weights.shares) for n in best.best.parameters}
+    return Extension(base, extended, fitted, parts, dict(best.best.parameters), draws)
 
 
 def _heaviest_fitted(found: Found, weights: Weights) -> Hypothesis | None:

@@ -9,15 +9,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from smarig.diagnosis.comparison.commanded.effect_trials import refined
+from smarig.diagnosis.comparison.commanded.effect_trials import fitted_with, refined
 from smarig.diagnosis.comparison.commanded.screening import Screened, candidates, screened
 from smarig.diagnosis.comparison.commanded.subject import Fitted, Subject
 from smarig.diagnosis.comparison.commanded.variable_trials import Discrepancies
 from smarig.diagnosis.comparison.hypothesis import Hypothesis, Part
 from smarig.diagnosis.comparison.weights import PRIOR_PAIR, PRIOR_SINGLE, TEMPERATURE
 
-REFINED, VARIABLES, PAIRS = 4, 4, 2  # most hypotheses of each kind that are fitted
-LEAST_SCREENED_NATS = 2.0  # a weaker effect stays at its linear traces
+FITTED, VARIABLES, PAIRS = 5, 4, 2  # most hypotheses of each kind that are fitted
+LINEAR_SHARE = 0.2  # of the best gain: an effect with less by linear traces stays at them
+NEAR_NATS, NEAR_SHARE = 10.0, 0.2  # behind the best: farther, trials of the parameters change nothing
 PAIR_NATS = TEMPERATURE * float(np.log(PRIOR_SINGLE / PRIOR_PAIR))  # what the prior of a pair takes
 Progress = Callable[[str], None]
 
@@ -54,16 +55,30 @@ def _refined(
     progress: Progress,
     nothing: float,
 ) -> list[Hypothesis]:
-    """The best screened effects with a density of their own."""
-    found = []
-    for one in weak[:REFINED]:
-        if found and float(one.trial.log_scores.sum()) < nothing + LEAST_SCREENED_NATS:
+    """The best screened effects with a density of their own; those near the best with trials of their parameters."""
+    found: list[Hypothesis] = []
+    for one in weak[:FITTED]:
+        best = max([_score(h) for h in found], default=nothing)
+        if found and float(one.trial.log_scores.sum()) < nothing + LINEAR_SHARE * (best - nothing):
             continue
-        hypothesis, model = refined(subject, base, [one.effect])
+        hypothesis, model = fitted_with(subject, base, [one.effect])
         models[hypothesis.parts] = model
         found.append(hypothesis)
         progress(f"{hypothesis.name}: {_score(hypothesis) - nothing:+.1f} nats on blocks left out")
-    return found
+    best = max([_score(h) for h in found], default=nothing)
+    return [
+        _refined_one(subject, h, models)
+        if _score(h) > best - NEAR_NATS - NEAR_SHARE * (best - nothing)
+        else h
+        for h in found
+    ]
+
+
+def _refined_one(
+    subject: Subject, hypothesis: Hypothesis, models: dict[tuple[Part, ...], Fitted]
+) -> Hypothesis:
+    again, models[hypothesis.parts] = refined(subject, hypothesis, models[hypothesis.parts])
+    return again
 
 
 def _pairs(
@@ -83,7 +98,7 @@ def _pairs(
     found = []
     for one in screened(subject, fitted, traces, smooth.ranking)[:PAIRS]:
         if float(one.trial.log_scores.sum()) > floor + PAIR_NATS:
-            hypothesis, model = refined(subject, fitted, [*fitted.effects, one.effect])
+            hypothesis, model = fitted_with(subject, fitted, [*fitted.effects, one.effect])
             models[hypothesis.parts] = model
             found.append(_told(hypothesis, best, progress))
     gains = dict(zip(smooth.variables, sorted(smooth.gains, reverse=True)))

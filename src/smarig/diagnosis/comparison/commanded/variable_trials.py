@@ -84,7 +84,9 @@ class Discrepancies:
     def variables(self) -> list[str]:
         """The variables, the most promising first."""
         order = np.argsort(-self.gains)
-        return list(dict.fromkeys(PLAIN.get(self.kernels[j].variable, self.kernels[j].variable) for j in order))
+        return list(
+            dict.fromkeys(PLAIN.get(self.kernels[j].variable, self.kernels[j].variable) for j in order)
+        )
 
     def hypothesis(self, variable: str, most: int = 2) -> Hypothesis:
         """The fitted model with a dependence on a variable; the ``most`` promising kernels are its trials."""
@@ -127,9 +129,7 @@ class Discrepancies:
         return channel_problems(timeline, self.fitted.prediction, models)
 
 
-def _screened(
-    C: Array, readings: CoupledReadings, kernels: Sequence[Kernel]
-) -> tuple[Array, Array]:
+def _screened(C: Array, readings: CoupledReadings, kernels: Sequence[Kernel]) -> tuple[Array, Array]:
     """(gain in nats, size s²) of each kernel beside the covariance, closed form in its eigenvalues."""
     factor = cholesky(C, lower=True, check_finite=False)
     slope = readings.covariance.slope
@@ -188,7 +188,5 @@ def _variables(subject: Subject, fitted: Fitted, coupled: Sequence) -> Mapping[s
         if name == "time":
             continue
         own = by_kind(positions, z)
-        whole[name] = np.concatenate(
-            [own[r.kind] if r.kind in own else z[:settled][r.step] for r in coupled]
-        )
+        whole[name] = np.concatenate([own[r.kind] if r.kind in own else z[:settled][r.step] for r in coupled])
     return whole
