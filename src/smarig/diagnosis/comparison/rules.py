@@ -37,7 +37,7 @@ RULES = {
         0.005, "share of the range below which an effect changes nothing that a user would measure"
     ),
     "beside_noise": Rule(
-        0.5, "times what a settled reading scatters, where it is known: less is not seen in one reading"
+        1.0, "times what a settled reading scatters, where it is known: less is not seen in one reading"
     ),
     "beside_block_errors": Rule(1.0, "an effect must remove more than the model's other errors of a block"),
     "least_blocks": Rule(10, "with fewer excursions, how often they are resampled says little"),
@@ -54,6 +54,7 @@ SENTENCES = {
     "few_blocks": "There are too few excursions for a name.",
     "confounded": "In these data the cause varies together with others.",
     "worse": "With the likeliest cause, the held-out runs are predicted worse.",
+    "left_over": "Beside the likeliest cause, errors go with a variable.",
     "beside": "The likeliest cause removes less than the errors that remain.",
     "likely": "No other cause predicts the blocks as well.",
     "shared": "Several causes predict the blocks about equally well.",
@@ -69,8 +70,9 @@ class Evidence:
     left-out error, in the output's unit; ``span``: range of the output. ``error``: left-out error of the plain model;
     ``noise``: of one reading; ``block_error``: what the winner leaves between blocks. ``blocks``: real excursions.
     ``confounded``: parts that these data cannot part from a part. ``held_out``: error on held-out runs with a part over
-    that without, where there are such runs. ``repeatability``: what a settled reading scatters, if known. ``testable``: whether the data can show any effect. ``depends_on``: the
-    variables that an effect acts through.
+    that without, where there are such runs. ``repeatability``: what a settled reading scatters, if known.
+    ``effects_alone``: probability that effects are enough, without a dependence on a variable beside them.
+    ``testable``: whether the data can show any effect.
     """
 
     causes: Mapping[Part, float]
@@ -85,6 +87,7 @@ class Evidence:
     held_out: Mapping[Part, float] = field(default_factory=dict)
     testable: bool = True
     repeatability: float = inf
+    effects_alone: float = 1.0
 
     @property
     def least_size(self) -> float:
@@ -130,6 +133,8 @@ def _doubt(e: Evidence, part: Part) -> str:
         return "few_blocks"
     if e.confounded.get(part):
         return "confounded"
+    if e.effects_alone < 1.0 - RULES["name"].value:
+        return "left_over"
     if e.held_out.get(part, 0.0) > RULES["worse"].value:
         return "worse"
     if e.size[part] < RULES["beside_block_errors"].value * e.block_error:
@@ -148,6 +153,7 @@ def _set(e: Evidence, told: list[Part], doubt: str) -> Verdict:
         missing -= e.causes[part]
     names = tuple(p.name for p in kept if p.kind == "effect")
     variables = [p.name for p in kept if p.kind == "variable"]
-    if doubt == "worse" or not names or variables:
-        return Verdict("unknown", doubt or "variable", names, variables[0] if variables else None)
+    if doubt in ("worse", "left_over") or not names or variables:
+        likeliest = next((p.name for p in e.causes if p.kind == "variable"), None)
+        return Verdict("unknown", doubt or "variable", names, variables[0] if variables else likeliest)
     return Verdict("ambiguous", doubt or "shared", names)

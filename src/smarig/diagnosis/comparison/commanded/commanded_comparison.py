@@ -8,7 +8,12 @@ from pathlib import Path
 from threadpoolctl import threadpool_limits
 
 from smarig.diagnosis.comparison.commanded.commanded_evidence import evidence_of
-from smarig.diagnosis.comparison.commanded.extension import Extension, extension_of, gain_with
+from smarig.diagnosis.comparison.commanded.extension import (
+    Extension,
+    extension_of,
+    gain_with,
+    learned_extension,
+)
 from smarig.diagnosis.comparison.commanded.records import subject_of
 from smarig.diagnosis.comparison.commanded.search import Found, search
 from smarig.diagnosis.comparison.commanded.subject import Subject
@@ -71,7 +76,13 @@ def compare_commanded(
     gain = gain_with(subject, extension, train_runs, held_out_runs)
     evidence = evidence_of(subject, found, weights, _held_out(extension, gain))
     verdict = decide(evidence)
-    offered = verdict.word in ("named", "ambiguous")
+    offered = verdict.word != "silent" and bool(extension.parts) and not _worse(gain)
+    if not offered and verdict.word == "unknown" and verdict.depends_on:
+        told(f"learning a law of {verdict.depends_on}")
+        learned = learned_extension(subject, extension, verdict.depends_on)
+        if learned is not None:
+            extension, gain = learned, gain_with(subject, learned, train_runs, held_out_runs)
+            offered = not _worse(gain)
     return CommandedComparison(
         subject=subject,
         found=found,
@@ -86,6 +97,11 @@ def compare_commanded(
         gain=gain if offered or gain is None else gain.without_extension(),
         seconds=time.monotonic() - started,
     )
+
+
+def _worse(gain: HeldOutGain | None) -> bool:
+    """Whether an extended model predicts held-out runs worse than the base model."""
+    return gain is not None and gain.extended > gain.base
 
 
 def _held_out(extension: Extension, gain: HeldOutGain | None) -> dict[Part, float]:

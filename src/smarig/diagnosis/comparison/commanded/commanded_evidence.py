@@ -33,6 +33,7 @@ def evidence_of(subject: Subject, found: Found, weights: Weights, held_out: dict
         held_out=held_out,
         testable=bool(found.screened),
         repeatability=_repeatability(found, weights),
+        effects_alone=_effects_alone(weights),
     )
 
 
@@ -55,6 +56,17 @@ def _repeatability(found: Found, weights: Weights) -> float:
     return found.models.get(effects, found.models[()]).refitted.noise.settled
 
 
+def _effects_alone(weights: Weights) -> float:
+    """The probability of hypotheses of effects only, among those that hold an effect."""
+    with_effect = [
+        (w, all(p.kind == "effect" for p in h.parts))
+        for h, w in zip(weights.hypotheses, weights.weight.tolist())
+        if any(p.kind == "effect" for p in h.parts)
+    ]
+    total = sum(w for w, _ in with_effect)
+    return sum(w for w, alone in with_effect if alone) / total if total else 1.0
+
+
 def _median_block(x: Array, block: NDArray[np.int64]) -> float:
     """The rms of settled values in a typical block."""
     return float(np.median([np.sqrt(np.mean(x[block == b] ** 2)) for b in np.unique(block)]))
@@ -71,11 +83,11 @@ def _confounded(found: Found, weights: Weights) -> dict[Part, tuple[Part, ...]]:
     return {
         part: others
         for part in weights.causes
-        if part in by_part and (others := tuple(_imitators(by_part[part], found, weights)))
+        if part in by_part and (others := tuple(_imitators(by_part[part], found)))
     }
 
 
-def _imitators(own: Screened, found: Found, weights: Weights) -> list[Part]:
+def _imitators(own: Screened, found: Found) -> list[Part]:
     nats = 0.5 * float(own.whitened @ own.whitened)
     nothing, best = found.hypotheses[0], _alone(found, own.part)
     gain = max(float(best.log_scores.sum() - nothing.log_scores.sum()), nats) if best else nats

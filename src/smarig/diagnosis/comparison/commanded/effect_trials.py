@@ -1,6 +1,6 @@
 """The trials of effects: parameters fitted to all readings, then strengths around them, with a joint density."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 from smarig.diagnosis.comparison.commanded.subject import Fitted, Subject
 from smarig.diagnosis.comparison.hypothesis import Hypothesis, Part, Trial
@@ -24,10 +24,9 @@ def fitted_with(subject: Subject, start: Fitted, effects: Sequence[Effect]) -> t
 def refined(subject: Subject, hypothesis: Hypothesis, best: Fitted) -> tuple[Hypothesis, Fitted]:
     """The hypothesis with trials of other parameters: fitted again about its density, and at other strengths."""
     trials = list(hypothesis.trials)
-    again = _refitted(subject, best)
-    if again is not None:
+    for again in _refitted(subject, best):
         trials.append(subject.trial(again))
-        best = again if _total(trials[-1]) > _total(trials[0]) else best
+        best = again if _total(trials[-1]) >= max(_total(t) for t in trials) else best
     best = _along_strength(subject, best, trials)
     return _hypothesis(best, trials), best
 
@@ -40,13 +39,15 @@ def _total(trial: Trial) -> float:
     return float(trial.log_scores.sum())
 
 
-def _refitted(subject: Subject, fitted: Fitted) -> Fitted | None:
-    """Parameters and density fitted once more, each about the other."""
+def _refitted(subject: Subject, fitted: Fitted) -> Iterator[Fitted]:
+    """The parameters fitted once more about the density identified with them; then a density about these."""
     model = subject.with_effects(fitted, ())
     fit = fit_parameters(fitted.effects, subject.timeline, model, fitted.refitted, model.hysteresis)
     if fit.moved < MIN_MOVE_SD:
-        return None
-    return subject.with_joint_density(subject.with_effects(fitted, fit.effects), fitted.refitted)
+        return
+    moved = subject.at(subject.with_effects(fitted, fit.effects), fitted.refitted)
+    yield moved
+    yield subject.with_joint_density(moved.plant_model, moved.refitted)
 
 
 def _along_strength(subject: Subject, best: Fitted, trials: list[Trial]) -> Fitted:

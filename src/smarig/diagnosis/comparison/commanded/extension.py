@@ -1,7 +1,7 @@
 """The model that the heaviest hypothesis extends, its parameters, and its gain on held-out runs."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +12,7 @@ from smarig.diagnosis.comparison.commanded.subject import Fitted, Subject
 from smarig.diagnosis.comparison.hypothesis import Hypothesis, Part
 from smarig.diagnosis.comparison.weights import Weights
 from smarig.diagnosis.explain.joint_density import with_density_for_effects, with_posterior_density
+from smarig.diagnosis.explain.learned_term_fit import law_of
 from smarig.diagnosis.held_out_gain import HeldOutGain, held_out_gain
 from smarig.record import Run
 from smarig.replay import PlantModel
@@ -62,6 +63,17 @@ def _heaviest_fitted(found: Found, weights: Weights) -> Hypothesis | None:
         and tuple(p for p in h.parts if p.kind == "effect") in found.models
     ]
     return max(pairs, key=lambda pair: pair[1])[0] if pairs else None
+
+
+def learned_extension(subject: Subject, extension: Extension, variable: str) -> Extension | None:
+    """The base with a law of a variable instead of effects, if it predicts blocks left out better."""
+    law = law_of(
+        subject.timeline, subject.base.plant_model, subject.base.refitted, subject.original, variable
+    )
+    if law is None:
+        return None
+    model = with_posterior_density(subject.timeline, law.explanation.plant_model, law.explanation.refitted)
+    return replace(extension, extended=model, parts=(), parameters={}, draws={})
 
 
 def gain_with(

@@ -43,7 +43,7 @@ def search(subject: Subject, progress: Progress) -> Found:
     tried = {h.parts for h in effects}
     effects += [s.hypothesis for s in weak if (s.part,) not in tried]
     variables = [_told(smooth.hypothesis(v), nothing, progress) for v in smooth.variables[:VARIABLES]]
-    pairs = _pairs(subject, effects, variables, models, traces, progress)
+    pairs = _pairs(subject, effects, models, traces, progress)
     return Found((nothing, *effects, *variables, *pairs), models, tuple(weak))
 
 
@@ -84,7 +84,6 @@ def _refined_one(
 def _pairs(
     subject: Subject,
     effects: Sequence[Hypothesis],
-    variables: Sequence[Hypothesis],
     models: dict[tuple[Part, ...], Fitted],
     traces: Sequence,
     progress: Progress,
