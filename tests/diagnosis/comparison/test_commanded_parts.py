@@ -25,8 +25,8 @@ def problem(scale: float = 1.0) -> tuple[Problem, np.ndarray]:
 @pytest.mark.parametrize("block", range(6))
 def test_block_is_predicted_without_itself(block: int) -> None:
     found, y = problem()
-    changed = y + np.where(block == BLOCK, np.linspace(1, 3, 30), 0.0)
-    own = block == BLOCK
+    changed = y + np.where(np.equal(BLOCK, block), np.linspace(1, 3, 30), 0.0)
+    own = np.equal(BLOCK, block)
     predicted = [(v - found.scores(v, 6)[0])[own] for v in (y, changed)]
     np.testing.assert_allclose(predicted[0], predicted[1], atol=1e-9)
     expected = K[np.ix_(own, ~own)] @ np.linalg.solve(K[np.ix_(~own, ~own)], y[~own])

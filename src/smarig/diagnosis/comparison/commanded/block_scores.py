@@ -107,7 +107,7 @@ def trial_of(
             if kind == "settled":
                 settled, expected = own, _expected(p, size)
             at += size
-    per_block = np.bincount(timeline.block, settled**2, count)
+    per_block = np.bincount(timeline.block, settled**2, count).astype(float)
     return Trial(parameters, total, per_block, (plant_model, Removed(squares, settled, expected)))
 
 

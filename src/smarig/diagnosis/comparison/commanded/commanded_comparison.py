@@ -89,7 +89,7 @@ def compare_commanded(
         weights=weights,
         evidence=evidence,
         verdict=verdict,
-        parameters=extension.parameters,
+        parameters=dict(extension.parameters),
         intervals95=extension.intervals(0.95),
         intervals90=extension.intervals(0.90),
         base=extension.base,

@@ -88,14 +88,22 @@ def _confounded(found: Found, weights: Weights) -> dict[Part, tuple[Part, ...]]:
 
 
 def _imitators(own: Screened, found: Found) -> list[Part]:
-    nats = 0.5 * float(own.whitened @ own.whitened)
-    nothing, best = found.hypotheses[0], _alone(found, own.part)
-    gain = max(float(best.log_scores.sum() - nothing.log_scores.sum()), nats) if best else nats
+    """The effects that neither the geometry of the traces nor the scores part from one."""
+    gain = max(_gain(found, own.part), 0.5 * float(own.whitened @ own.whitened))
     return [
         s.part
         for s in found.screened
-        if s.part != own.part and gain * (1 - collinear(own, s)) < PARTED_NATS and gain > PARTED_NATS
+        if s.part != own.part
+        and gain > PARTED_NATS
+        and gain * (1 - collinear(own, s)) < PARTED_NATS
+        and _gain(found, own.part) - _gain(found, s.part) < PARTED_NATS
     ]
+
+
+def _gain(found: Found, part: Part) -> float:
+    """Nats that an effect alone gains over nothing on blocks left out."""
+    best, nothing = _alone(found, part), found.hypotheses[0]
+    return float(best.log_scores.sum() - nothing.log_scores.sum()) if best else 0.0
 
 
 def _alone(found: Found, part: Part) -> Hypothesis | None:

@@ -100,9 +100,12 @@ def _pairs(
             hypothesis, model = fitted_with(subject, fitted, [*fitted.effects, one.effect])
             models[hypothesis.parts] = model
             found.append(_told(hypothesis, best, progress))
-    gains = dict(zip(smooth.variables, sorted(smooth.gains, reverse=True)))
+    better = [h for h in found if _score(h) > floor + PAIR_NATS]
+    if better:
+        top = max(better, key=_score)
+        found[found.index(top)] = _refined_one(subject, top, models)
     for variable in smooth.variables[:PAIRS]:
-        if gains[variable] > PAIR_NATS:
+        if smooth.gain(variable) > PAIR_NATS:
             found.append(_told(smooth.hypothesis(variable), best, progress))
     return found
 

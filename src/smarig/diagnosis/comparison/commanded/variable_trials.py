@@ -49,6 +49,11 @@ class Kernel:
     place: str
     shape: Array
 
+    @property
+    def plain(self) -> str:
+        """The variable that a verdict names."""
+        return PLAIN.get(self.variable, self.variable)
+
 
 @dataclass(frozen=True, eq=False)
 class Discrepancies:
@@ -83,14 +88,16 @@ class Discrepancies:
     @property
     def variables(self) -> list[str]:
         """The variables, the most promising first."""
-        order = np.argsort(-self.gains)
-        return list(
-            dict.fromkeys(PLAIN.get(self.kernels[j].variable, self.kernels[j].variable) for j in order)
-        )
+        order = np.argsort(-self.gains).tolist()
+        return list(dict.fromkeys(self.kernels[j].plain for j in order))
+
+    def gain(self, variable: str) -> float:
+        """Nats that the likeliest kernel of a variable gains by screening."""
+        return max(g for k, g in zip(self.kernels, self.gains.tolist()) if k.plain == variable)
 
     def hypothesis(self, variable: str, most: int = 2) -> Hypothesis:
         """The fitted model with a dependence on a variable; the ``most`` promising kernels are its trials."""
-        own = [j for j, k in enumerate(self.kernels) if PLAIN.get(k.variable, k.variable) == variable]
+        own = [j for j, k in enumerate(self.kernels) if k.plain == variable]
         chosen = sorted(own, key=lambda j: -self.gains[j])[:most]
         channels = self._channels(variable)
         trials = [
