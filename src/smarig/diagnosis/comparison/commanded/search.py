@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from smarig.diagnosis.comparison.commanded.effect_trials import fitted_with, refined
+from smarig.diagnosis.comparison.commanded.periods import with_best_period
 from smarig.diagnosis.comparison.commanded.screening import Screened, candidates, screened
 from smarig.diagnosis.comparison.commanded.subject import Fitted, Subject
 from smarig.diagnosis.comparison.commanded.variable_trials import Discrepancies
@@ -34,9 +35,10 @@ class Found:
 
 def search(subject: Subject, progress: Progress) -> Found:
     """All hypotheses about a subject, scored."""
-    base, traces = subject.base, candidates(subject)
+    base = subject.base
     nothing = Hypothesis((), (subject.trial(base),))
     smooth = Discrepancies.about(subject, base)
+    traces = [with_best_period(subject, c, smooth) for c in candidates(subject)]
     weak = screened(subject, base, traces, smooth.ranking)
     models: dict[tuple[Part, ...], Fitted] = {(): base}
     effects = _refined(subject, base, weak, models, progress, _score(nothing))

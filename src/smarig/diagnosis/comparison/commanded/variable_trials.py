@@ -7,6 +7,7 @@ Places and lengths are the trials of a variable; their variances are the likelie
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -78,7 +79,7 @@ class Discrepancies:
         gains, sizes = _screened(readings.covariance.covariance(memory, start), readings, kernels)
         return cls(subject, fitted, readings, memory, start, kernels, gains, sizes)
 
-    @property
+    @cached_property
     def ranking(self) -> tuple[Problem, ...]:
         """The problems of the fitted model, without a fluctuation of the room that would hide a drift."""
         C = self.readings.covariance.covariance(self.memory, self.start)
