@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from smarig.diagnosis.comparison.commanded.block_scores import Problem, trial_of
-from smarig.diagnosis.comparison.commanded.subject import Fitted, Subject, by_kind
+from smarig.diagnosis.comparison.commanded.subject import Fitted, Subject, by_kind, less_optimism
 from smarig.diagnosis.comparison.hypothesis import Hypothesis, Part, Trial
 from smarig.diagnosis.critique.candidates import Candidate, named
 from smarig.plant import Effect, EffectType
@@ -79,6 +79,7 @@ def _screened(
     effect = kind(**{**candidate.variants[k].values, kind.primary.name: value})
     parameters = fitted.parameters | {f"{kind.name}.{n}": v for n, v in effect.values.items()}
     trial = trial_of(subject.timeline, fitted.problems, parameters, None, shifts)
+    trial = less_optimism(trial, [*fitted.effects, effect])
     white = np.concatenate([_whitened(p, s) for p, s in zip(fitted.problems, shifts)])
     ranked = trial_of(subject.timeline, ranking, parameters, None, shifts)
     return Screened(effect, trial, white), float(ranked.log_scores.sum())

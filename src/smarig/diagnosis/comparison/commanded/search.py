@@ -4,8 +4,8 @@ All effects are screened by linear traces; the best few are refined with a densi
 screening it gains what its prior takes.
 """
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -17,6 +17,7 @@ from smarig.diagnosis.comparison.commanded.variable_trials import Discrepancies
 from smarig.diagnosis.comparison.hypothesis import Hypothesis, Part
 from smarig.diagnosis.comparison.weights import PRIOR_PAIR, PRIOR_SINGLE, TEMPERATURE
 
+DENSITIES = 2  # of the base beside the first
 FITTED, VARIABLES, PAIRS = 5, 4, 2  # most hypotheses of each kind that are fitted
 LINEAR_SHARE = 0.2  # of the best gain: an effect with less by linear traces stays at them
 NEAR_NATS, NEAR_SHARE = 10.0, 0.2  # behind the best: farther, trials of the parameters change nothing
@@ -36,7 +37,7 @@ class Found:
 def search(subject: Subject, progress: Progress) -> Found:
     """All hypotheses about a subject, scored."""
     base = subject.base
-    nothing = Hypothesis((), (subject.trial(base),))
+    nothing = Hypothesis((), tuple(subject.trial(f) for f in _densities(subject)))
     smooth = Discrepancies.about(subject, base)
     traces = [with_best_period(subject, c, smooth) for c in candidates(subject)]
     weak = screened(subject, base, traces, smooth.ranking)
@@ -47,6 +48,16 @@ def search(subject: Subject, progress: Progress) -> Found:
     variables = [_told(smooth.hypothesis(v), nothing, progress) for v in smooth.variables[:VARIABLES]]
     pairs = _pairs(subject, effects, models, traces, progress)
     return Found((nothing, *effects, *variables, *pairs), models, tuple(weak))
+
+
+def _densities(subject: Subject) -> Iterator[Fitted]:
+    """The base with densities from several starts, as many as effects get with their trials."""
+    found = subject.base
+    yield found
+    for _ in range(DENSITIES):
+        found = subject.with_joint_density(found.plant_model, found.refitted)
+        yield found
+    yield subject.at(replace(found.plant_model, hysteresis=found.refitted.posterior.table()), found.refitted)
 
 
 def _refined(

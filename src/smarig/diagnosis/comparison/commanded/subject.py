@@ -87,8 +87,9 @@ class Subject:
         return replace(fitted.plant_model, effects=(*self.given.effects, *effects))
 
     def trial(self, fitted: Fitted) -> Trial:
-        """The scores of a fitted model."""
-        return trial_of(self.timeline, fitted.problems, fitted.parameters, fitted.plant_model)
+        """The scores of a fitted model, less what its parameters gain by being fitted to the scored blocks too."""
+        found = trial_of(self.timeline, fitted.problems, fitted.parameters, fitted.plant_model)
+        return less_optimism(found, fitted.effects)
 
     def readings(self, fitted: Fitted) -> tuple[CoupledReadings, Array]:
         """The coupled readings of a fitted model, and the covariance per K² of remembered noise."""
@@ -103,6 +104,12 @@ class Subject:
         coupled = coupled_problem(self.timeline, y, scale, factor @ factor.T, abs(model.stroke))
         channels = channel_problems(self.timeline, prediction, self.channels)
         return Fitted(model, prediction, refitted, (coupled, *channels))
+
+
+def less_optimism(trial: Trial, effects: Sequence[Effect]) -> Trial:
+    """A trial whose parameters were fitted to all blocks: each gains a nat by that (Akaike)."""
+    free = sum(len(e.kind.parameters[1:]) + 1 for e in effects)
+    return replace(trial, log_scores=trial.log_scores - free / trial.log_scores.size)
 
 
 def memory(slopes: csr_matrix, times: Array, fitted: Fitted) -> Array:
