@@ -17,6 +17,7 @@ from smarig.plant import Effect
 from smarig.replay import predict
 
 Array = NDArray[np.float64]
+ALIKE_NATS = 2.0  # behind the best: of periods that explain as much, the longest is the smoothest
 PERIODS = 80  # tried, evenly in the logarithm, from a few steps to several records
 
 
@@ -41,7 +42,7 @@ def with_best_period(subject: Subject, candidate: Candidate, smooth: Discrepanci
 
 
 def _best(subject: Subject, smooth: Discrepancies) -> tuple[float, float]:
-    """(period in h, phase in turns) of the sine that gains most, in closed form for each period."""
+    """(period in h, phase in turns) of the longest of the sines that gain most, in closed form for each period."""
     readings, timeline = smooth.readings, subject.timeline
     per_kelvin = (readings.covariance.slope / subject.base.plant_model.stroke)[:, None]
     longest = 4 * timeline.duration_h
@@ -63,7 +64,8 @@ def _best(subject: Subject, smooth: Discrepancies) -> tuple[float, float]:
         found.append(
             (float(size @ product), period_h, float(np.arctan2(size[1], size[0]) / (2 * np.pi)) % 1.0)
         )
-    return max(found)[1:]
+    top = max(gain for gain, _, _ in found)
+    return next(one[1:] for one in reversed(found) if one[0] > top - 2 * ALIKE_NATS)
 
 
 def _waves(t_s: Array, period_h: float) -> Array:

@@ -14,7 +14,7 @@ from smarig.diagnosis.comparison.commanded.periods import with_best_period
 from smarig.diagnosis.comparison.commanded.screening import Screened, candidates, screened
 from smarig.diagnosis.comparison.commanded.subject import Fitted, Subject
 from smarig.diagnosis.comparison.commanded.variable_trials import Discrepancies
-from smarig.diagnosis.comparison.hypothesis import Hypothesis, Part
+from smarig.diagnosis.comparison.hypothesis import Hypothesis, Part, Trial
 from smarig.diagnosis.comparison.weights import PRIOR_PAIR, PRIOR_SINGLE, TEMPERATURE
 
 DENSITIES = 2  # of the base beside the first
@@ -43,6 +43,7 @@ def search(subject: Subject, progress: Progress) -> Found:
     weak = screened(subject, base, traces, smooth.ranking)
     models: dict[tuple[Part, ...], Fitted] = {(): base}
     effects = _refined(subject, base, weak, models, progress, _score(nothing))
+    nothing = replace(nothing, trials=(*nothing.trials, *_without_effects(subject, models)))
     tried = {h.parts for h in effects}
     effects += [s.hypothesis for s in weak if (s.part,) not in tried]
     variables = [_told(smooth.hypothesis(v), nothing, progress) for v in smooth.variables[:VARIABLES]]
@@ -58,6 +59,14 @@ def _densities(subject: Subject) -> Iterator[Fitted]:
         found = subject.with_joint_density(found.plant_model, found.refitted)
         yield found
     yield subject.at(replace(found.plant_model, hysteresis=found.refitted.posterior.table()), found.refitted)
+
+
+def _without_effects(subject: Subject, models: dict[tuple[Part, ...], Fitted]) -> Iterator[Trial]:
+    """The base with the densities identified with effects: what is gained by them needs no effect."""
+    for parts, fitted in models.items():
+        if parts:
+            model = replace(fitted.plant_model, effects=subject.given.effects)
+            yield subject.trial(subject.at(model, fitted.refitted))
 
 
 def _refined(
