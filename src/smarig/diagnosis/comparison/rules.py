@@ -11,6 +11,7 @@ Each rule is a row of ``RULES``: its name, its value, why it is there. ``decide`
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from math import inf
 from typing import Literal
 
 from smarig.diagnosis.comparison.hypothesis import Part
@@ -35,6 +36,9 @@ RULES = {
     "least_size": Rule(
         0.005, "share of the range below which an effect changes nothing that a user would measure"
     ),
+    "beside_noise": Rule(
+        1.0, "times what a settled reading scatters, where it is known: less is not seen in one reading"
+    ),
     "beside_block_errors": Rule(1.0, "an effect must remove more than the model's other errors of a block"),
     "least_blocks": Rule(10, "with fewer excursions, how often they are resampled says little"),
     "adequate": Rule(3.0, "times the noise: larger errors of blocks left out are seen in a plot"),
@@ -50,6 +54,7 @@ SENTENCES = {
     "few_blocks": "There are too few excursions for a name.",
     "confounded": "In these data the cause varies together with others.",
     "worse": "With the likeliest cause, the held-out runs are predicted worse.",
+    "left_over": "Beside the likeliest cause, errors go with a variable.",
     "beside": "The likeliest cause removes less than the errors that remain.",
     "likely": "No other cause predicts the blocks as well.",
     "shared": "Several causes predict the blocks about equally well.",
@@ -65,8 +70,9 @@ class Evidence:
     left-out error, in the output's unit; ``span``: range of the output. ``error``: left-out error of the plain model;
     ``noise``: of one reading; ``block_error``: what the winner leaves between blocks. ``blocks``: real excursions.
     ``confounded``: parts that these data cannot part from a part. ``held_out``: error on held-out runs with a part over
-    that without, where there are such runs. ``testable``: whether the data can show any effect. ``depends_on``: the
-    variables that an effect acts through.
+    that without, where there are such runs. ``repeatability``: what a settled reading scatters, if known.
+    ``effects_alone``: probability that effects are enough, without a dependence on a variable beside them.
+    ``testable``: whether the data can show any effect.
     """
 
     causes: Mapping[Part, float]
@@ -80,6 +86,13 @@ class Evidence:
     confounded: Mapping[Part, tuple[Part, ...]] = field(default_factory=dict)
     held_out: Mapping[Part, float] = field(default_factory=dict)
     testable: bool = True
+    repeatability: float = inf
+    effects_alone: float = 1.0
+
+    @property
+    def least_size(self) -> float:
+        """The least size of a cause that is told."""
+        return min(RULES["least_size"].value * self.span, RULES["beside_noise"].value * self.repeatability)
 
 
 @dataclass(frozen=True)
@@ -96,8 +109,8 @@ def decide(e: Evidence) -> Verdict:
     """The verdict on a comparison of hypotheses."""
     if not e.testable:
         return Verdict("not_identifiable", "not_testable")
-    told = [p for p in e.causes if e.size[p] >= RULES["least_size"].value * e.span]
-    if e.nothing >= RULES["nothing"].value or not told:
+    told = [p for p in e.causes if e.size[p] >= e.least_size]
+    if e.nothing >= RULES["nothing"].value or sum(e.causes[p] for p in told) < 1 - RULES["nothing"].value:
         return _nothing(e, "nothing" if e.nothing >= RULES["nothing"].value else "too_small")
     likely = [p for p in told if e.causes[p] >= RULES["name"].value]
     effects = [p for p in likely if p.kind == "effect"]
@@ -109,7 +122,7 @@ def decide(e: Evidence) -> Verdict:
 
 
 def _nothing(e: Evidence, reason: str) -> Verdict:
-    if e.error <= max(RULES["adequate"].value * e.noise, RULES["least_size"].value * e.span):
+    if e.error <= max(RULES["adequate"].value * e.noise, e.least_size):
         return Verdict("silent", reason)
     return Verdict("unknown", "inadequate")
 
@@ -120,6 +133,8 @@ def _doubt(e: Evidence, part: Part) -> str:
         return "few_blocks"
     if e.confounded.get(part):
         return "confounded"
+    if e.effects_alone < 1.0 - RULES["name"].value:
+        return "left_over"
     if e.held_out.get(part, 0.0) > RULES["worse"].value:
         return "worse"
     if e.size[part] < RULES["beside_block_errors"].value * e.block_error:
@@ -138,6 +153,7 @@ def _set(e: Evidence, told: list[Part], doubt: str) -> Verdict:
         missing -= e.causes[part]
     names = tuple(p.name for p in kept if p.kind == "effect")
     variables = [p.name for p in kept if p.kind == "variable"]
-    if doubt == "worse" or not names or variables:
-        return Verdict("unknown", doubt or "variable", names, variables[0] if variables else None)
+    if doubt in ("worse", "left_over") or not names or variables:
+        likeliest = next((p.name for p in e.causes if p.kind == "variable"), None)
+        return Verdict("unknown", doubt or "variable", names, variables[0] if variables else likeliest)
     return Verdict("ambiguous", doubt or "shared", names)

@@ -79,4 +79,7 @@ def _log_prior(hypotheses: Sequence[Hypothesis]) -> Array:
     parts = np.array([min(len(h.parts), 2) for h in hypotheses])
     prior = np.array([PRIOR_NOTHING, PRIOR_SINGLE, PRIOR_PAIR])
     count = np.maximum(np.bincount(parts, minlength=3), 1)
+    count[2] = max(
+        count[2], 2 * (count[1] - 1)
+    )  # pairs that could be tried: the best two, each with all others
     return np.log(prior / count)[parts]

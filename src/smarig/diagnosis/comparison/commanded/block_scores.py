@@ -1,0 +1,127 @@
+"""How well a model of a wire predicts each block of a timeline from all others: positions, resistances, channels.
+
+log p(y_b | y_−b) = Σ over the coupled readings and each independent channel,    in the readings' own units
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import cholesky, solve_triangular
+from scipy.linalg.lapack import dpotri  # pyright: ignore[reportAttributeAccessIssue]
+
+from smarig.diagnosis.comparison.commanded.channel_model import ChannelModel
+from smarig.diagnosis.comparison.hypothesis import Trial
+from smarig.diagnosis.comparison.left_out_blocks import left_out
+from smarig.replay import OUTPUT_DEPENDENT_KINDS, PlantModel, Prediction, Timeline
+
+Array = NDArray[np.float64]
+Rows = NDArray[np.int64]
+
+
+@dataclass(frozen=True, eq=False)
+class Problem:
+    """Scaled readings ``y`` (n,) with ``precision`` (n, n), of the ``kinds`` that they hold; ``scale`` (n,)."""
+
+    kinds: tuple[str, ...]
+    y: Array
+    scale: Array
+    precision: Array
+    block: Rows
+    span: float
+
+    def trace(self, readings: Mapping[str, Array]) -> Array:
+        """Scaled changes (n,) or (n, m) of these readings."""
+        whole = np.concatenate([readings[k] for k in self.kinds])
+        return (whole.T / self.scale).T
+
+    def scores(self, y: Array, count: int) -> tuple[Array, Array]:
+        """(left-out errors (n,) in the readings' units, log scores (count,) of the blocks)."""
+        present = np.unique(self.block)
+        rows = [np.flatnonzero(self.block == b) for b in present.tolist()]
+        error, found = left_out(self.precision, self.precision @ y, rows)
+        whole = np.zeros(count)
+        whole[present] = found - [float(np.log(self.scale[r]).sum()) for r in rows]
+        return error * self.scale, whole
+
+
+@dataclass(frozen=True, eq=False)
+class Removed:
+    """What a trial leaves: the mean square (shares of the span) of left-out errors of each kind, and settled ones.
+
+    ``expected`` (n,) are the standard deviations that the trial predicts for the ``settled`` errors (n,).
+    """
+
+    squares: Mapping[str, float]
+    settled: Array
+    expected: Array
+
+
+def coupled_problem(timeline: Timeline, y: Array, scale: Array, covariance: Array, span: float) -> Problem:
+    """The positions and resistances with their covariance (n, n); all scaled."""
+    coupled = [r for r in timeline.all_readings if r.kind in OUTPUT_DEPENDENT_KINDS]
+    block = np.concatenate([timeline.block[r.step] for r in coupled])
+    return Problem(tuple(r.kind for r in coupled), y, scale, inverse(covariance), block, span)
+
+
+def channel_problems(
+    timeline: Timeline, prediction: Prediction, models: Sequence[ChannelModel]
+) -> tuple[Problem, ...]:
+    """The independent channels with the residuals of a prediction."""
+    readings = {r.kind: r for r in timeline.other_readings}
+    found = []
+    for m in models:
+        y = readings[m.kind].value - prediction.values[m.kind]
+        found.append(Problem((m.kind,), y, np.ones(y.size), m.precision(y), m.block, m.span))
+    return tuple(found)
+
+
+def inverse(covariance: Array) -> Array:
+    """The inverse of a positive definite matrix."""
+    factor = cholesky(covariance, lower=True, check_finite=False)
+    half = np.tril(dpotri(factor, lower=1)[0])
+    return half + np.tril(half, -1).T
+
+
+def trial_of(
+    timeline: Timeline,
+    problems: Sequence[Problem],
+    parameters: Mapping[str, float],
+    plant_model: PlantModel | None,
+    shifts: Sequence[Array] = (),
+) -> Trial:
+    """The scores of all blocks; ``shifts`` are taken from the readings of each problem."""
+    count = int(timeline.block.max()) + 1
+    total, squares = np.zeros(count), {}
+    settled = expected = np.empty(0)
+    for k, p in enumerate(problems):
+        error, scores = p.scores(p.y - shifts[k] if len(shifts) else p.y, count)
+        total += scores
+        at = 0
+        for kind in p.kinds:
+            size = next(len(r) for r in timeline.all_readings if r.kind == kind)
+            own = error[at : at + size]
+            span = p.span if kind != "resistance" else _span_of(timeline, kind)
+            squares[kind] = float(np.mean((own / span) ** 2))
+            if kind == "settled":
+                settled, expected = own, _expected(p, size)
+            at += size
+    per_block = np.bincount(timeline.block, settled**2, count).astype(float)
+    return Trial(parameters, total, per_block, (plant_model, Removed(squares, settled, expected)))
+
+
+def _span_of(timeline: Timeline, kind: str) -> float:
+    return float(np.ptp(next(r.value for r in timeline.all_readings if r.kind == kind)))
+
+
+def _expected(p: Problem, size: int) -> Array:
+    """Standard deviations of the left-out errors of the first readings."""
+    sd = np.empty(size)
+    for b in np.unique(p.block[:size]).tolist():
+        rows = np.flatnonzero(p.block == b)
+        factor = cholesky(p.precision[np.ix_(rows, rows)], lower=True, check_finite=False)
+        root = solve_triangular(factor, np.eye(rows.size), lower=True, check_finite=False)
+        own = rows < size
+        sd[rows[own]] = (np.linalg.norm(root, axis=0) * p.scale[rows])[own]
+    return sd

@@ -1,0 +1,111 @@
+"""The diagnosis of runs with a commanded current by the comparison of hypotheses."""
+
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from threadpoolctl import threadpool_limits
+
+from smarig.diagnosis.comparison.commanded.commanded_evidence import evidence_of
+from smarig.diagnosis.comparison.commanded.extension import (
+    Extension,
+    extension_of,
+    gain_with,
+    learned_extension,
+)
+from smarig.diagnosis.comparison.commanded.records import subject_of
+from smarig.diagnosis.comparison.commanded.search import Found, search
+from smarig.diagnosis.comparison.commanded.subject import Subject
+from smarig.diagnosis.comparison.hypothesis import Part
+from smarig.diagnosis.comparison.rules import Evidence, Verdict, decide
+from smarig.diagnosis.comparison.weights import Weights, weigh
+from smarig.diagnosis.held_out_gain import HeldOutGain
+from smarig.record import Run, loaded_runs
+from smarig.replay import Model, PlantModel, load_model
+
+
+@dataclass(frozen=True, eq=False)
+class CommandedComparison:
+    """The hypotheses about a wire with their weights, and the verdict.
+
+    ``extended`` is the model that the likeliest cause extends, or the base model; ``gain`` its errors on held-out
+    runs, None if there are none. ``intervals95`` and ``intervals90`` belong to "effect.parameter".
+    """
+
+    subject: Subject
+    found: Found
+    weights: Weights
+    evidence: Evidence
+    verdict: Verdict
+    parameters: dict[str, float]
+    intervals95: dict[str, tuple[float, float]]
+    intervals90: dict[str, tuple[float, float]]
+    base: PlantModel
+    extended: PlantModel
+    gain: HeldOutGain | None
+    seconds: float
+
+    @property
+    def causes(self) -> dict[Part, float]:
+        """The probability of each cause, likeliest first."""
+        return self.weights.causes
+
+
+@threadpool_limits.wrap(limits=1, user_api="blas")  # small matrices: threads would only wait for each other
+def compare_commanded(
+    model: Model | str | Path,
+    train: Sequence[Run | str | Path] | Run | str | Path,
+    held_out: Sequence[Run | str | Path] | Run | str | Path = (),
+    *,
+    without: Sequence[str] = (),
+    progress: Callable[[str], None] | None = None,
+) -> CommandedComparison:
+    """Compare what the model of a wire may lack, by predictions of blocks of its runs that were left out.
+
+    ``held_out`` runs only measure the gain, and that a named cause does not predict them worse. ``without`` names
+    effects to leave out of the catalogue.
+    """
+    started, told = time.monotonic(), progress or (lambda _: None)
+    original = model if isinstance(model, Model) else load_model(model)
+    train_runs, held_out_runs = loaded_runs(train), loaded_runs(held_out)
+    subject = subject_of(original, train_runs, held_out_runs, without)
+    found = search(subject, told)
+    weights = weigh(found.hypotheses)
+    extension = extension_of(subject, found, weights)
+    gain = gain_with(subject, extension, train_runs, held_out_runs)
+    evidence = evidence_of(subject, found, weights, _held_out(extension, gain))
+    verdict = decide(evidence)
+    offered = verdict.word != "silent" and bool(extension.parts) and not _worse(gain)
+    if not offered and verdict.word == "unknown" and verdict.depends_on:
+        told(f"learning a law of {verdict.depends_on}")
+        learned = learned_extension(subject, extension, verdict.depends_on)
+        if learned is not None:
+            extension, gain = learned, gain_with(subject, learned, train_runs, held_out_runs)
+            offered = not _worse(gain)
+    return CommandedComparison(
+        subject=subject,
+        found=found,
+        weights=weights,
+        evidence=evidence,
+        verdict=verdict,
+        parameters=dict(extension.parameters),
+        intervals95=extension.intervals(0.95),
+        intervals90=extension.intervals(0.90),
+        base=extension.base,
+        extended=extension.extended if offered else extension.base,
+        gain=gain if offered or gain is None else gain.without_extension(),
+        seconds=time.monotonic() - started,
+    )
+
+
+def _worse(gain: HeldOutGain | None) -> bool:
+    """Whether an extended model predicts held-out runs worse than the base model."""
+    return gain is not None and gain.extended > gain.base
+
+
+def _held_out(extension: Extension, gain: HeldOutGain | None) -> dict[Part, float]:
+    """The error on held-out runs with the causes of the extension, over that without."""
+    if gain is None or not gain.base:
+        return {}
+    return dict.fromkeys(extension.parts, gain.extended / gain.base)

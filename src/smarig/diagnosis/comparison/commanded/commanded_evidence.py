@@ -1,0 +1,110 @@
+"""From weighted hypotheses to what the rules of the verdict ask."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from smarig.diagnosis.comparison.commanded.block_scores import Removed
+from smarig.diagnosis.comparison.commanded.screening import Screened, collinear
+from smarig.diagnosis.comparison.commanded.search import Found
+from smarig.diagnosis.comparison.commanded.subject import Subject
+from smarig.diagnosis.comparison.hypothesis import Hypothesis, Part, Trial
+from smarig.diagnosis.comparison.rules import RULES, Evidence
+from smarig.diagnosis.comparison.weights import TEMPERATURE, Weights
+
+Array = NDArray[np.float64]
+PARTED_NATS = TEMPERATURE * float(np.log(RULES["name"].value / (1 - RULES["name"].value)))
+
+
+def evidence_of(subject: Subject, found: Found, weights: Weights, held_out: dict[Part, float]) -> Evidence:
+    """What a verdict is decided from."""
+    nothing = next(h for h in found.hypotheses if not h.parts)
+    left, span = _removed(nothing.best), abs(subject.given.stroke)
+    block = subject.timeline.block
+    return Evidence(
+        causes=weights.causes,
+        nothing=weights.nothing,
+        size={p: span * _size(found, weights, p) for p in weights.causes},
+        span=span,
+        error=_median_block(left.settled, block),
+        noise=_median_block(left.expected, block),
+        block_error=_between_blocks(_removed(weights.heaviest.best).settled, block),
+        blocks=int(np.unique(block).size),
+        confounded=_confounded(found, weights),
+        held_out=held_out,
+        testable=bool(found.screened),
+        repeatability=_repeatability(found, weights),
+        effects_alone=_effects_alone(weights),
+    )
+
+
+def _removed(trial: Trial) -> Removed:
+    return trial.state[1]
+
+
+def _size(found: Found, weights: Weights, part: Part) -> float:
+    """What a part removes of the left-out error, in shares of a channel's span: the most of any channel."""
+    own = weights.best_with(part)
+    rest = tuple(p for p in own.parts if p != part)
+    before = next((h for h in found.hypotheses if h.parts == rest), None) or found.hypotheses[0]
+    squares, less = _removed(before.best).squares, _removed(own.best).squares
+    return float(np.sqrt(max(max(squares[k] - less[k] for k in squares), 0.0)))
+
+
+def _repeatability(found: Found, weights: Weights) -> float:
+    """What a settled reading scatters by the heaviest hypothesis that was fitted."""
+    effects = tuple(p for p in weights.heaviest.parts if p.kind == "effect")
+    return found.models.get(effects, found.models[()]).refitted.noise.settled
+
+
+def _effects_alone(weights: Weights) -> float:
+    """The probability of hypotheses of effects only, among those that hold an effect."""
+    with_effect = [
+        (w, all(p.kind == "effect" for p in h.parts))
+        for h, w in zip(weights.hypotheses, weights.weight.tolist())
+        if any(p.kind == "effect" for p in h.parts)
+    ]
+    total = sum(w for w, _ in with_effect)
+    return sum(w for w, alone in with_effect if alone) / total if total else 1.0
+
+
+def _median_block(x: Array, block: NDArray[np.int64]) -> float:
+    """The rms of settled values in a typical block."""
+    return float(np.median([np.sqrt(np.mean(x[block == b] ** 2)) for b in np.unique(block)]))
+
+
+def _between_blocks(error: Array, block: NDArray[np.int64]) -> float:
+    """The typical mean error of a block."""
+    return float(np.median([abs(error[block == b].mean()) for b in np.unique(block)]))
+
+
+def _confounded(found: Found, weights: Weights) -> dict[Part, tuple[Part, ...]]:
+    """Effects whose traces explain so much of each other that these blocks are not expected to part them."""
+    by_part = {s.part: s for s in found.screened}
+    return {
+        part: others
+        for part in weights.causes
+        if part in by_part and (others := tuple(_imitators(by_part[part], found)))
+    }
+
+
+def _imitators(own: Screened, found: Found) -> list[Part]:
+    """The effects that neither the geometry of the traces nor the scores part from one."""
+    gain = max(_gain(found, own.part), 0.5 * float(own.whitened @ own.whitened))
+    return [
+        s.part
+        for s in found.screened
+        if s.part != own.part
+        and gain > PARTED_NATS
+        and gain * (1 - collinear(own, s)) < PARTED_NATS
+        and _gain(found, own.part) - _gain(found, s.part) < PARTED_NATS
+    ]
+
+
+def _gain(found: Found, part: Part) -> float:
+    """Nats that an effect alone gains over nothing on blocks left out."""
+    best, nothing = _alone(found, part), found.hypotheses[0]
+    return float(best.log_scores.sum() - nothing.log_scores.sum()) if best else 0.0
+
+
+def _alone(found: Found, part: Part) -> Hypothesis | None:
+    return next((h for h in found.hypotheses if h.parts == (part,)), None)

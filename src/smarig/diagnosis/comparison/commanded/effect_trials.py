@@ -1,0 +1,92 @@
+"""The trials of effects: parameters fitted to all readings, then strengths around them, with a joint density."""
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from smarig.diagnosis.comparison.commanded.subject import Fitted, Subject
+from smarig.diagnosis.comparison.hypothesis import Hypothesis, Part, Trial
+from smarig.diagnosis.explain.parameter_fit import ParameterFit, fit_parameters
+from smarig.plant import Effect
+
+STEPS_SD = (3.0, 1.0)  # standard deviations of the strength from trial to trial
+STEP_BOUNDS = (0.003, 0.3)  # of the strength: bounds of a step
+ROUNDS = 3  # of parameters, then density
+MOST_TRIALS = 11
+MIN_ROUND_NATS = 2.0  # a round that gains less is the last
+MIN_MOVE_SD = 0.3  # of a parameter: smaller moves change no score
+
+
+def fitted_with(subject: Subject, start: Fitted, effects: Sequence[Effect]) -> tuple[Hypothesis, Fitted]:
+    """The hypothesis that these effects are present, fitted about ``start`` and given a density of their own."""
+    fit = fit_parameters(
+        effects, subject.timeline, start.plant_model, start.refitted, start.plant_model.hysteresis
+    )
+    best = subject.with_joint_density(subject.with_effects(start, fit.effects), start.refitted)
+    return _hypothesis(best, [subject.trial(best)]), best
+
+
+def refined(subject: Subject, hypothesis: Hypothesis, best: Fitted) -> tuple[Hypothesis, Fitted]:
+    """The hypothesis with trials of other parameters: fitted again about its density, and at other strengths."""
+    trials = list(hypothesis.trials)
+    step = STEP_BOUNDS[1]
+    for _ in range(ROUNDS):
+        before, start = max(_total(t) for t in trials), best
+        fit = _fit_about_own_density(subject, best)
+        step = _relative_spread(fit)
+        for again in _moved(subject, best, fit):
+            trials.append(subject.trial(again))
+            best = again if _total(trials[-1]) >= max(_total(t) for t in trials) else best
+        if best is start or max(_total(t) for t in trials) < before + MIN_ROUND_NATS:
+            break
+    best = _along_strength(subject, best, trials, step)
+    return _hypothesis(best, trials), best
+
+
+def _fit_about_own_density(subject: Subject, fitted: Fitted) -> ParameterFit:
+    model = subject.with_effects(fitted, ())
+    return fit_parameters(fitted.effects, subject.timeline, model, fitted.refitted, model.hysteresis)
+
+
+def _relative_spread(fit: ParameterFit) -> float:
+    """The standard deviation of the last effect's strength, all else known, in shares of the strength."""
+    last = fit.effects[-1]
+    sd = fit.conditional_spread[(last.kind.name, last.kind.primary.name)]
+    return sd / abs(last.strength) if last.strength else STEP_BOUNDS[1]
+
+
+def _hypothesis(fitted: Fitted, trials: Sequence[Trial]) -> Hypothesis:
+    return Hypothesis(tuple(sorted(Part("effect", e.kind.name) for e in fitted.effects)), tuple(trials))
+
+
+def _total(trial: Trial) -> float:
+    return float(trial.log_scores.sum())
+
+
+def _moved(subject: Subject, fitted: Fitted, fit: ParameterFit) -> Iterator[Fitted]:
+    """The parameters of a fit with the density as it is; then with a density about them."""
+    if fit.moved < MIN_MOVE_SD:
+        return
+    moved = subject.at(subject.with_effects(fitted, fit.effects), fitted.refitted)
+    yield moved
+    yield subject.with_joint_density(moved.plant_model, moved.refitted)
+
+
+def _along_strength(subject: Subject, best: Fitted, trials: list[Trial], spread: float) -> Fitted:
+    """Trials at other strengths of the last effect, toward where other blocks are predicted better."""
+    top = max(_total(t) for t in trials)
+    for sds in STEPS_SD:
+        step = 1 + float(np.clip(sds * spread, *STEP_BOUNDS))
+        for factor in (step, 1 / step):
+            while len(trials) < MOST_TRIALS:
+                *others, last = best.effects
+                primary = last.kind.primary
+                value = min(max(last.strength * factor, primary.lower), primary.upper)
+                if value == last.strength:
+                    break
+                other = subject.at(subject.with_effects(best, (*others, last.at(value))), best.refitted)
+                trials.append(subject.trial(other))
+                if _total(trials[-1]) <= top:
+                    break
+                best, top = other, _total(trials[-1])
+    return best

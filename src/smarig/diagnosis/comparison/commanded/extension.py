@@ -1,0 +1,94 @@
+"""The model that the heaviest hypothesis extends, its parameters, and its gain on held-out runs."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from smarig.diagnosis.comparison.commanded.drawn_values import drawn_values
+from smarig.diagnosis.comparison.commanded.search import Found
+from smarig.diagnosis.comparison.commanded.subject import Fitted, Subject
+from smarig.diagnosis.comparison.hypothesis import Hypothesis, Part
+from smarig.diagnosis.comparison.weights import Weights
+from smarig.diagnosis.explain.joint_density import with_density_for_effects, with_posterior_density
+from smarig.diagnosis.explain.learned_term_fit import law_of
+from smarig.diagnosis.held_out_gain import HeldOutGain, held_out_gain
+from smarig.record import Run
+from smarig.replay import PlantModel
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Extension:
+    """The ``extended`` model with the effects ``parts``, and the ``base`` model, both with their densities.
+
+    ``draws`` are values of each parameter under resampled blocks.
+    """
+
+    base: PlantModel
+    extended: PlantModel
+    fitted: Fitted
+    parts: tuple[Part, ...]
+    parameters: Mapping[str, float]
+    draws: Mapping[str, Array]
+
+    def intervals(self, share: float) -> dict[str, tuple[float, float]]:
+        """The central share of the values of each parameter."""
+        cuts = [(1 - share) / 2, (1 + share) / 2]
+        return {n: (float(q[0]), float(q[1])) for n, d in self.draws.items() for q in [np.quantile(d, cuts)]}
+
+
+def extension_of(subject: Subject, found: Found, weights: Weights) -> Extension:
+    """The extension by the heaviest hypothesis with effects that were fitted; by none, if the base outweighs all."""
+    base = with_posterior_density(
+        subject.timeline, subject.base.plant_model, subject.base.refitted, subject.given
+    )
+    best = _heaviest_fitted(found, weights)
+    if best is None:
+        return Extension(base, base, subject.base, (), {}, {})
+    parts = tuple(p for p in best.parts if p.kind == "effect")
+    fitted = found.models[parts]
+    extended = with_density_for_effects(subject.timeline, fitted.plant_model, fitted.refitted, base)
+    draws = {n: drawn_values(best, n, weights.shares) for n in best.best.parameters}
+    return Extension(base, extended, fitted, parts, dict(best.best.parameters), draws)
+
+
+def _heaviest_fitted(found: Found, weights: Weights) -> Hypothesis | None:
+    pairs = [
+        (h, w)
+        for h, w in zip(weights.hypotheses, weights.weight.tolist())
+        if any(p.kind == "effect" for p in h.parts)
+        and tuple(p for p in h.parts if p.kind == "effect") in found.models
+    ]
+    return max(pairs, key=lambda pair: pair[1])[0] if pairs else None
+
+
+def learned_extension(subject: Subject, extension: Extension, variable: str) -> Extension | None:
+    """The base with a law of a variable instead of effects, if it predicts blocks left out better."""
+    law = law_of(
+        subject.timeline, subject.base.plant_model, subject.base.refitted, subject.original, variable
+    )
+    if law is None:
+        return None
+    model = with_posterior_density(subject.timeline, law.explanation.plant_model, law.explanation.refitted)
+    return replace(extension, extended=model, parts=(), parameters={}, draws={})
+
+
+def gain_with(
+    subject: Subject, extension: Extension, train: Sequence[Run], held_out: Sequence[Run]
+) -> HeldOutGain | None:
+    """The errors of base and extended model on held-out runs."""
+    if not held_out:
+        return None
+    refitted = extension.fitted.refitted
+    return held_out_gain(
+        train=train,
+        held_out=held_out,
+        base=extension.base,
+        extended=extension.extended,
+        noise=refitted.noise,
+        variances=refitted.posterior.variances,
+        original=subject.given,
+    )

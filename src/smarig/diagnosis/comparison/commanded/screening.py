@@ -1,0 +1,113 @@
+"""Screening of all effects: the left-out scores of the readings without what a weak effect changes, times a strength.
+
+    e_b(θ) = P_bb⁻¹ (P (y − θ t))_b,    θ = tᵀPy / tᵀPt
+
+Exact where a trace is proportional to the strength and the input is not moved; the best effects are then refined.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from smarig.diagnosis.comparison.commanded.block_scores import Problem, trial_of
+from smarig.diagnosis.comparison.commanded.subject import Fitted, Subject, by_kind, less_optimism
+from smarig.diagnosis.comparison.hypothesis import Hypothesis, Part, Trial
+from smarig.diagnosis.critique.candidates import Candidate, named
+from smarig.plant import Effect, EffectType
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Screened:
+    """An effect of the catalogue at the strength that its traces suggest, with its scores by linear traces.
+
+    ``whitened`` (N,) is its trace at this strength after the density and the constants have taken their part.
+    """
+
+    effect: Effect
+    trial: Trial
+    whitened: Array
+
+    @property
+    def part(self) -> Part:
+        """The part of a hypothesis."""
+        return Part("effect", self.effect.kind.name)
+
+    @property
+    def hypothesis(self) -> Hypothesis:
+        """The effect alone, at this strength."""
+        return Hypothesis((self.part,), (self.trial,))
+
+
+def candidates(subject: Subject) -> tuple[Candidate, ...]:
+    """The traces of all effects about the base model, in the readings' units."""
+    base = subject.base
+    return tuple(named(subject.timeline, base.plant_model, base.prediction, subject.catalogue))
+
+
+def screened(
+    subject: Subject, fitted: Fitted, found: Sequence[Candidate], ranking: Sequence[Problem] | None = None
+) -> list[Screened]:
+    """All effects that change a reading, the best first; ``ranking``: problems in which they are compared."""
+    names = {e.kind.name for e in fitted.effects}
+    problems = ranking or fitted.problems
+    all_found = [
+        one
+        for c in found
+        if c.name not in names and (one := _screened(subject, fitted, c, problems)) is not None
+    ]
+    return [one for one, _ in sorted(all_found, key=lambda pair: -pair[1])]
+
+
+def _screened(
+    subject: Subject, fitted: Fitted, candidate: Candidate, ranking: Sequence[Problem]
+) -> tuple[Screened, float] | None:
+    kind = candidate.kind
+    if kind is None or not np.any(candidate.traces):
+        return None
+    readings = by_kind(subject.timeline, candidate.traces)
+    traces = [p.trace(readings) for p in fitted.problems]
+    strengths, gains = _best_strengths(ranking, traces)
+    own = np.array([_bounded(kind, e, s) for e, s in zip(candidate.variants, strengths)])
+    gains = gains * np.where(strengths != 0, 1 - (1 - own / np.where(strengths, strengths, 1.0)) ** 2, 0.0)
+    k = int(np.argmax(gains))
+    shifts = [t[:, k] * own[k] for t in traces]
+    value = candidate.variants[k].strength * float(own[k])
+    effect = kind(**{**candidate.variants[k].values, kind.primary.name: value})
+    parameters = fitted.parameters | {f"{kind.name}.{n}": v for n, v in effect.values.items()}
+    trial = trial_of(subject.timeline, fitted.problems, parameters, None, shifts)
+    trial = less_optimism(trial, [*fitted.effects, effect])
+    white = np.concatenate([_whitened(p, s) for p, s in zip(fitted.problems, shifts)])
+    ranked = trial_of(subject.timeline, ranking, parameters, None, shifts)
+    return Screened(effect, trial, white), float(ranked.log_scores.sum())
+
+
+def _best_strengths(problems: Sequence[Problem], traces: Sequence[Array]) -> tuple[Array, Array]:
+    """(least-squares multiples (m,) of traces, nats (m,) that they gain)."""
+    square = sum(np.sum(t * (p.precision @ t), axis=0) for p, t in zip(problems, traces))
+    product = sum(t.T @ (p.precision @ p.y) for p, t in zip(problems, traces))
+    square, product = np.asarray(square), np.asarray(product)
+    safe = np.where(square > 0, square, 1.0)
+    strength = np.where(square > 0, product / safe, 0.0)
+    return strength, 0.5 * strength * product
+
+
+def _bounded(kind: EffectType, variant: Effect, multiple: float) -> float:
+    """The multiple of a variant's strength within the bounds of the strength."""
+    value = float(np.clip(variant.strength * multiple, kind.primary.lower, kind.primary.upper))
+    return value / variant.strength
+
+
+def _whitened(p: Problem, shift: Array) -> Array:
+    """A root of the precision times a trace."""
+    values, vectors = np.linalg.eigh(p.precision)
+    return np.sqrt(np.maximum(values, 0.0)) * (vectors.T @ shift)
+
+
+def collinear(a: Screened, b: Screened) -> float:
+    """cos² of two whitened traces: the share of what an effect explains that the other one explains as well."""
+    norm = float(a.whitened @ a.whitened) * float(b.whitened @ b.whitened)
+    return float(a.whitened @ b.whitened) ** 2 / norm if norm else 0.0

@@ -1,0 +1,141 @@
+"""The hypotheses about a wire: the base, effects, dependences on a variable, and the pairs that earn it.
+
+All effects are screened by linear traces; the best few are refined with a density of their own. A pair is tried if by
+screening it gains what its prior takes.
+"""
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from smarig.diagnosis.comparison.commanded.effect_trials import fitted_with, refined
+from smarig.diagnosis.comparison.commanded.periods import with_best_period
+from smarig.diagnosis.comparison.commanded.screening import Screened, candidates, screened
+from smarig.diagnosis.comparison.commanded.subject import Fitted, Subject
+from smarig.diagnosis.comparison.commanded.variable_trials import Discrepancies
+from smarig.diagnosis.comparison.hypothesis import Hypothesis, Part, Trial
+from smarig.diagnosis.comparison.weights import PRIOR_PAIR, PRIOR_SINGLE, TEMPERATURE
+
+DENSITIES = 2  # of the base beside the first
+FITTED, VARIABLES, PAIRS = 5, 4, 2  # most hypotheses of each kind that are fitted
+LINEAR_SHARE = 0.2  # of the best gain: an effect with less by linear traces stays at them
+NEAR_NATS, NEAR_SHARE = 10.0, 0.2  # behind the best: farther, trials of the parameters change nothing
+PAIR_NATS = TEMPERATURE * float(np.log(PRIOR_SINGLE / PRIOR_PAIR))  # what the prior of a pair takes
+Progress = Callable[[str], None]
+
+
+@dataclass(frozen=True, eq=False)
+class Found:
+    """The hypotheses, the models of those that were fitted, by their parts, and all effects as screened."""
+
+    hypotheses: tuple[Hypothesis, ...]
+    models: dict[tuple[Part, ...], Fitted]
+    screened: tuple[Screened, ...]
+
+
+def search(subject: Subject, progress: Progress) -> Found:
+    """All hypotheses about a subject, scored."""
+    base = subject.base
+    nothing = Hypothesis((), tuple(subject.trial(f) for f in _densities(subject)))
+    smooth = Discrepancies.about(subject, base)
+    traces = [with_best_period(subject, c, smooth) for c in candidates(subject)]
+    weak = screened(subject, base, traces, smooth.ranking)
+    models: dict[tuple[Part, ...], Fitted] = {(): base}
+    effects = _refined(subject, base, weak, models, progress, _score(nothing))
+    nothing = replace(nothing, trials=(*nothing.trials, *_without_effects(subject, models)))
+    tried = {h.parts for h in effects}
+    effects += [s.hypothesis for s in weak if (s.part,) not in tried]
+    variables = [_told(smooth.hypothesis(v), nothing, progress) for v in smooth.variables[:VARIABLES]]
+    pairs = _pairs(subject, effects, models, traces, progress)
+    return Found((nothing, *effects, *variables, *pairs), models, tuple(weak))
+
+
+def _densities(subject: Subject) -> Iterator[Fitted]:
+    """The base with densities from several starts, as many as effects get with their trials."""
+    found = subject.base
+    yield found
+    for _ in range(DENSITIES):
+        found = subject.with_joint_density(found.plant_model, found.refitted)
+        yield found
+    yield subject.at(replace(found.plant_model, hysteresis=found.refitted.posterior.table()), found.refitted)
+
+
+def _without_effects(subject: Subject, models: dict[tuple[Part, ...], Fitted]) -> Iterator[Trial]:
+    """The base with the densities identified with effects: what is gained by them needs no effect."""
+    for parts, fitted in models.items():
+        if parts:
+            model = replace(fitted.plant_model, effects=subject.given.effects)
+            yield subject.trial(subject.at(model, fitted.refitted))
+
+
+def _refined(
+    subject: Subject,
+    base: Fitted,
+    weak: Sequence[Screened],
+    models: dict[tuple[Part, ...], Fitted],
+    progress: Progress,
+    nothing: float,
+) -> list[Hypothesis]:
+    """The best screened effects with a density of their own; those near the best with trials of their parameters."""
+    found: list[Hypothesis] = []
+    for one in weak[:FITTED]:
+        best = max([_score(h) for h in found], default=nothing)
+        if found and float(one.trial.log_scores.sum()) < nothing + LINEAR_SHARE * (best - nothing):
+            continue
+        hypothesis, model = fitted_with(subject, base, [one.effect])
+        models[hypothesis.parts] = model
+        found.append(hypothesis)
+        progress(f"{hypothesis.name}: {_score(hypothesis) - nothing:+.1f} nats on blocks left out")
+    best = max([_score(h) for h in found], default=nothing)
+    return [
+        _refined_one(subject, h, models)
+        if _score(h) > best - NEAR_NATS - NEAR_SHARE * (best - nothing)
+        else h
+        for h in found
+    ]
+
+
+def _refined_one(
+    subject: Subject, hypothesis: Hypothesis, models: dict[tuple[Part, ...], Fitted]
+) -> Hypothesis:
+    again, models[hypothesis.parts] = refined(subject, hypothesis, models[hypothesis.parts])
+    return again
+
+
+def _pairs(
+    subject: Subject,
+    effects: Sequence[Hypothesis],
+    models: dict[tuple[Part, ...], Fitted],
+    traces: Sequence,
+    progress: Progress,
+) -> list[Hypothesis]:
+    """The best effect with further effects and with variables."""
+    best = max((h for h in effects if h.parts in models), key=_score, default=None)
+    if best is None:
+        return []
+    fitted, floor = models[best.parts], _score(best)
+    smooth = Discrepancies.about(subject, fitted)
+    found = []
+    for one in screened(subject, fitted, traces, smooth.ranking)[:PAIRS]:
+        if float(one.trial.log_scores.sum()) > floor + PAIR_NATS:
+            hypothesis, model = fitted_with(subject, fitted, [*fitted.effects, one.effect])
+            models[hypothesis.parts] = model
+            found.append(_told(hypothesis, best, progress))
+    better = [h for h in found if _score(h) > floor + PAIR_NATS]
+    if better:
+        top = max(better, key=_score)
+        found[found.index(top)] = _refined_one(subject, top, models)
+    for variable in smooth.variables[:PAIRS]:
+        if smooth.gain(variable) > PAIR_NATS:
+            found.append(_told(smooth.hypothesis(variable), best, progress))
+    return found
+
+
+def _told(hypothesis: Hypothesis, before: Hypothesis, progress: Progress) -> Hypothesis:
+    progress(f"{hypothesis.name}: {_score(hypothesis) - _score(before):+.1f} nats beyond {before.name}")
+    return hypothesis
+
+
+def _score(hypothesis: Hypothesis) -> float:
+    return float(hypothesis.log_scores.sum())

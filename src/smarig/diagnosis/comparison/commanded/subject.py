@@ -1,0 +1,124 @@
+"""What is compared: a wire's timeline, its base model with the density identified from it, and the catalogue."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import csr_matrix
+
+from smarig.diagnosis.comparison.commanded.block_scores import (
+    Problem,
+    channel_problems,
+    coupled_problem,
+    trial_of,
+)
+from smarig.diagnosis.comparison.commanded.channel_model import ChannelModel, channel_models
+from smarig.diagnosis.comparison.hypothesis import Trial
+from smarig.diagnosis.explain.joint_density import joint_density_from_best_start
+from smarig.diagnosis.refit.coupled_readings import CoupledReadings, coupled_readings
+from smarig.diagnosis.refit.memory_noise import memory_covariance
+from smarig.diagnosis.refit.refit import Refit, refit
+from smarig.plant import Effect, EffectType
+from smarig.preisach import Everett
+from smarig.replay import PlantModel, Prediction, Timeline, predict
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Fitted:
+    """A plant model with its prediction, its readings refitted, and the Gaussian problems of its blocks."""
+
+    plant_model: PlantModel
+    prediction: Prediction
+    refitted: Refit
+    problems: tuple[Problem, ...]
+
+    @property
+    def effects(self) -> tuple[Effect, ...]:
+        """The effects of the catalogue that it has."""
+        return self.plant_model.catalogue_effects
+
+    @property
+    def parameters(self) -> dict[str, float]:
+        """Values by "effect.parameter"."""
+        return {f"{e.kind.name}.{n}": v for e in self.effects for n, v in e.values.items()}
+
+
+@dataclass(frozen=True, eq=False)
+class Subject:
+    """The timeline of the training runs, the hysteresis of the given model, and the ``catalogue`` to try."""
+
+    timeline: Timeline
+    given: PlantModel
+    catalogue: tuple[EffectType, ...]
+    channels: tuple[ChannelModel, ...]
+
+    @classmethod
+    def of(cls, timeline: Timeline, given: PlantModel, catalogue: Sequence[EffectType]) -> "Subject":
+        """The subject of a comparison, with the models of its independent channels."""
+        h = given.hysteresis
+        return cls(timeline, given, tuple(catalogue), channel_models(timeline, h.upper - h.lower))
+
+    @cached_property
+    def original(self) -> Everett:
+        """The hysteresis of the given model."""
+        return self.given.hysteresis
+
+    @cached_property
+    def base(self) -> Fitted:
+        """The given model with the density identified from the timeline."""
+        return self.with_joint_density(self.given)
+
+    def with_joint_density(self, plant_model: PlantModel, warm: Refit | None = None) -> Fitted:
+        """A plant model with the density identified together with its effects."""
+        model, refitted = joint_density_from_best_start(self.timeline, plant_model, self.original, warm)
+        return self._fitted(model, predict(self.timeline, model), refitted)
+
+    def at(self, plant_model: PlantModel, warm: Refit) -> Fitted:
+        """A plant model as it is, with the likeliest variances."""
+        prediction = predict(self.timeline, plant_model)
+        return self._fitted(plant_model, prediction, refit(self.timeline, prediction, plant_model, (), warm))
+
+    def with_effects(self, fitted: Fitted, effects: Sequence[Effect]) -> PlantModel:
+        """The plant model with these effects of the catalogue beside those that the given model has."""
+        return replace(fitted.plant_model, effects=(*self.given.effects, *effects))
+
+    def trial(self, fitted: Fitted) -> Trial:
+        """The scores of a fitted model, less what its parameters gain by being fitted to the scored blocks too."""
+        found = trial_of(self.timeline, fitted.problems, fitted.parameters, fitted.plant_model)
+        return less_optimism(found, fitted.effects)
+
+    def readings(self, fitted: Fitted) -> tuple[CoupledReadings, Array]:
+        """The coupled readings of a fitted model, and the covariance per K² of remembered noise."""
+        found = coupled_readings(self.timeline, fitted.prediction, fitted.plant_model)
+        return found, memory(found.slopes, found.times, fitted)
+
+    def _fitted(self, model: PlantModel, prediction: Prediction, refitted: Refit) -> Fitted:
+        n = refitted.coupled
+        factor, scale = refitted.factor[:n, :n], refitted.scale[:n]
+        output = prediction.output_slope * (prediction.output - model.hysteresis.y_lower)
+        y = factor @ refitted.data[:n] + output / scale  # a mean density, fitted to all blocks, would leak
+        coupled = coupled_problem(self.timeline, y, scale, factor @ factor.T, abs(model.stroke))
+        channels = channel_problems(self.timeline, prediction, self.channels)
+        return Fitted(model, prediction, refitted, (coupled, *channels))
+
+
+def less_optimism(trial: Trial, effects: Sequence[Effect]) -> Trial:
+    """A trial whose parameters were fitted to all blocks: each gains a nat by that (Akaike)."""
+    free = sum(len(e.kind.parameters[1:]) + 1 for e in effects)
+    return replace(trial, log_scores=trial.log_scores - free / trial.log_scores.size)
+
+
+def memory(slopes: csr_matrix, times: Array, fitted: Fitted) -> Array:
+    """The covariance of remembered noise per K² (n, n), in strokes², with the fitted correlation time."""
+    seconds = fitted.refitted.noise.correlation_s
+    return memory_covariance(slopes, times, seconds) / fitted.plant_model.stroke**2
+
+
+def by_kind(timeline: Timeline, stacked: Array) -> Mapping[str, Array]:
+    """Stacked readings (N,) or (N, m) by kind."""
+    ends = np.cumsum([len(r) for r in timeline.all_readings])
+    return dict(zip([r.kind for r in timeline.all_readings], np.split(stacked, ends[:-1])))
