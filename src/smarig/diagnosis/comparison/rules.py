@@ -37,6 +37,13 @@ RULES = {
     ),
     "beside_block_errors": Rule(1.0, "an effect must remove more than the model's other errors of a block"),
     "least_blocks": Rule(10, "with fewer excursions, how often they are resampled says little"),
+    "replaces_blocks": Rule(
+        0.5,
+        "of the plain model's error on runs that no fit has seen: such a run tells more than many excursions",
+    ),
+    "not_determined": Rule(
+        0.5, "most of the held-out error lies where training determines nothing: missing knowledge, no change"
+    ),
     "adequate": Rule(3.0, "times the noise: larger errors of blocks left out are seen in a plot"),
     "worse": Rule(
         1.05, "times the error of the plain model on held-out runs: a name must not predict them worse"
@@ -116,7 +123,8 @@ def _nothing(e: Evidence, reason: str) -> Verdict:
 
 def _doubt(e: Evidence, part: Part) -> str:
     """Why a likely effect is no name, or nothing."""
-    if e.blocks < RULES["least_blocks"].value:
+    seen = e.held_out.get(part, 1.0) <= RULES["replaces_blocks"].value
+    if e.blocks < RULES["least_blocks"].value and not seen:
         return "few_blocks"
     if e.confounded.get(part):
         return "confounded"

@@ -1,0 +1,98 @@
+"""How an effect of the catalogue becomes a hypothesis: the input that acts, and covariances of what it adds.
+
+An effect that adds terms gets φφᵀ with an unknown amplitude, and a small smooth deviation from its fixed shape, because
+no drift is an exponential. An effect of a condition gets a gain and a zero that are smooth in the condition.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from smarig.diagnosis.comparison.measured.reading_problem import ReadingProblem, alike
+from smarig.measurement import (
+    InputRecord,
+    MeasurementEffect,
+    MeasurementEffectType,
+    changed,
+    measurement_effect_types,
+    reversals,
+    width_of_leading_loops,
+)
+
+Array = NDArray[np.float64]
+DEVIATION = 0.02  # variance of the deviation from the shape, over that of the shape
+DEVIATION_LENGTH = 0.35  # of the range of the variable
+CONDITION_LENGTH = 1.0  # of the range of a condition: gain and zero between two loads lie near a line
+LAGS = 9
+MAX_CYCLE_SHARE = 0.25  # of a cycle: a longer lag is no lag
+Tries = dict[str, tuple[float, ...]]
+
+
+def acting_inputs(problem: ReadingProblem, effects: Sequence[MeasurementEffect]) -> list[Array]:
+    """The input (n,) of each record that acts on the wire."""
+    return [changed(r, effects).input for r in problem.records]
+
+
+def added_parts(problem: ReadingProblem, effect: MeasurementEffect, level: Array) -> list[Array]:
+    """Covariances (m, m) of what an effect adds to the output; ``level`` (m,) is the output without it."""
+    if effect.kind.by_condition:
+        zero = centred(alike(problem.variables[effect.kind.by_condition], CONDITION_LENGTH), problem.train)
+        return [zero, zero * np.outer(level, level)]
+    terms = np.concatenate(
+        [changed(r, [effect]).terms[rows] for r, rows in zip(problem.records, problem.rows)]
+    )
+    parts = []
+    for column in terms.T:
+        own = column[problem.train]
+        x = (column - own.mean()) / (float(own.std()) or 1.0)
+        parts.append(np.outer(x, x) + DEVIATION * _deviation(problem, effect.kind))
+    return parts
+
+
+def _deviation(problem: ReadingProblem, kind: MeasurementEffectType) -> Array:
+    if kind.name == "output_jump":  # its shape is exact
+        return np.zeros((problem.y.size, problem.y.size))
+    name = next(n for n in kind.depends_on if n in problem.variables)
+    return centred(alike(problem.variables[name], DEVIATION_LENGTH), problem.train)
+
+
+def centred(k: Array, train: NDArray[np.bool_]) -> Array:
+    """A covariance (m, m) of functions whose mean over the training readings is zero."""
+    column = k[:, train].mean(axis=1)
+    return k - column[:, None] - column + float(column[train].mean())
+
+
+def testable_effects(problem: ReadingProblem) -> list[tuple[MeasurementEffectType, Tries]]:
+    """The effects that these records can be asked for, with the values to try of each parameter."""
+    trained = [r for k, r in enumerate(problem.records) if (problem.train & (problem.record == k)).any()]
+    found: list[tuple[MeasurementEffectType, Tries]] = []
+    for kind in measurement_effect_types():
+        if kind.descriptive:  # the plain model has a smooth reversible part of any sign
+            continue
+        tries = _lags(trained) if kind.name == "input_lag" else _tries(kind, trained)
+        if tries:
+            found.append((kind, tries))
+    return found
+
+
+def _tries(kind: MeasurementEffectType, records: Sequence[InputRecord]) -> Tries:
+    parameters = kind.parameters(records)
+    return {p.name: p.tries for p in parameters or ()}
+
+
+def _lags(records: Sequence[InputRecord]) -> Tries:
+    """Two rows to a quarter of a cycle; in rows, where no clock was recorded and the output leads as no wire does."""
+    clocks = {r.clock for r in records}
+    if len(clocks) > 1 or (clocks == {False} and not any(_leads(r) for r in records)):
+        return {}
+    step = max(float(np.median(np.diff(r.t))) for r in records)
+    cycle = float(np.median([np.ptp(r.t) / max(r.cycle[-1] - r.cycle[0], 0.5) for r in records]))
+    low, high = 2 * step, MAX_CYCLE_SHARE * cycle
+    if high <= 2 * low or step <= 0:
+        return {}
+    return {"lag_s" if clocks == {True} else "lag_rows": tuple(np.geomspace(low, high, LAGS).tolist())}
+
+
+def _leads(record: InputRecord) -> bool:
+    return width_of_leading_loops(record.u, record.y, reversals(record.u)) is not None

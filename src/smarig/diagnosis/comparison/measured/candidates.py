@@ -1,0 +1,183 @@
+"""A candidate: effects and variables added to the plain model, fitted to the readings and scored by blocks."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import cholesky, solve_triangular
+
+from smarig.diagnosis.comparison.hypothesis import Part, Trial
+from smarig.diagnosis.comparison.left_out_blocks import log_t_density
+from smarig.diagnosis.comparison.measured.acting_effects import acting_inputs, added_parts
+from smarig.diagnosis.comparison.measured.density_prior import (
+    SLOPE_STEP,
+    DensityPrior,
+    density_prior,
+)
+from smarig.diagnosis.comparison.measured.gaussian_fit import LEVEL, GaussianFit, fit_gaussian
+from smarig.diagnosis.comparison.measured.plain_variables import Surface, variable_parts
+from smarig.diagnosis.comparison.measured.reading_problem import ReadingProblem
+from smarig.measurement import MeasurementEffect
+
+Array = NDArray[np.float64]
+Rows = NDArray[np.int64]
+SLOPE_SIZE = 0.3  # of the output's standard deviation: slopes are comparable with the level
+FIRST_SIZE, ADDED_SIZE, BLOCK_SIZE, NOISE_SIZE = 0.3, 0.005, 1e-3, 1e-4
+SMALL = 1e-2
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """What is added to the plain model: effects with their values, and variables."""
+
+    effects: tuple[MeasurementEffect, ...] = ()
+    variables: tuple[str, ...] = ()
+
+    @property
+    def parts(self) -> tuple[Part, ...]:
+        """The parts of a hypothesis."""
+        effects = [Part("effect", e.kind.name) for e in self.effects]
+        return (*effects, *(Part("variable", v) for v in self.variables))
+
+    def with_effect(self, effect: MeasurementEffect) -> "Candidate":
+        """With one more effect."""
+        return replace(self, effects=(*self.effects, effect))
+
+    @property
+    def moves_input(self) -> bool:
+        """Whether an effect changes the input that acts."""
+        return any(not e.kind.additive for e in self.effects)
+
+
+@dataclass(frozen=True, eq=False)
+class Fitted:
+    """A candidate with its covariances (m, m): ``common`` of every hypothesis, ``own`` of its parts."""
+
+    candidate: Candidate
+    prior: DensityPrior
+    common: tuple[Array, ...]
+    own: tuple[Array, ...]
+    fit: GaussianFit
+    problem: ReadingProblem
+
+    @property
+    def matrices(self) -> list[Array]:
+        """In the order of the sizes."""
+        return [*self.common, *self.own, self.problem.within_block]
+
+    def predicted(self, matrices: Sequence[Array] | None = None, sizes: Array | None = None) -> Array:
+        """Outputs (m,) of all readings, from the training readings."""
+        train, dual = self.problem.train, self.fit.dual
+        matrices = self.matrices[:-1] if matrices is None else matrices
+        sizes = self.fit.sizes[: len(matrices)] if sizes is None else sizes
+        level = LEVEL * float(dual.sum())
+        return level + np.add.reduce([s * (k[:, train] @ dual) for s, k in zip(sizes, matrices)])
+
+    @property
+    def misfit(self) -> float:
+        """Rms of what the model leaves of the training readings that it is fitted to."""
+        train = self.problem.train
+        return float(np.sqrt(np.mean((self.problem.y - self.predicted())[train] ** 2)))
+
+    @property
+    def added(self) -> float:
+        """Standard deviation of what the own parts add to the training readings."""
+        if not self.own:
+            return 0.0
+        begin = len(self.common)
+        sizes = self.fit.sizes[begin : begin + len(self.own)]
+        train, dual = self.problem.train, self.fit.dual
+        return float(
+            np.std([s * (k[np.ix_(train, train)] @ dual) for s, k in zip(sizes, self.own)], axis=1).max()
+        )
+
+    def held_out_error(self) -> Array:
+        """Errors of the held-out readings."""
+        held = ~self.problem.train
+        return (self.problem.y - self.predicted())[held]
+
+    def trial(self) -> Trial:
+        """The trial of the hypothesis; its state is the candidate."""
+        values = {k: v for e in self.candidate.effects for k, v in e.values.items() if k != "reference"}
+        squares = [float(np.sum(self.fit.error[b] ** 2)) for b in self.problem.blocks]
+        unseen = [self._unseen(rows) for rows in self.problem.unseen]
+        scores = np.r_[self.fit.scores, [s for s, _ in unseen]]
+        return Trial(values, scores, np.r_[squares, [q for _, q in unseen]], (self.candidate, self.fit.sizes))
+
+    def _unseen(self, rows: Rows) -> tuple[float, float]:
+        """(log predictive density, sum of squared errors) of the held-out readings at ``rows`` of m."""
+        train, sizes = self.problem.train, self.fit.sizes
+        cross = LEVEL + np.add.reduce([s * k[rows][:, train] for s, k in zip(sizes, self.matrices)])
+        own = LEVEL + np.add.reduce([s * k[np.ix_(rows, rows)] for s, k in zip(sizes, self.matrices)])
+        own = own - cross @ self.fit.precision @ cross.T + sizes[-1] * np.eye(rows.size)
+        factor = cholesky(own, lower=True, check_finite=False)
+        error = self.problem.y[rows] - cross @ self.fit.dual
+        white = solve_triangular(factor, error, lower=True, check_finite=False)
+        score = log_t_density(float(white @ white), rows.size, -float(np.log(np.diag(factor)).sum()))
+        return score, float(error @ error)
+
+
+def surface_of(fitted: Fitted) -> Surface:
+    """Level and slope of a fit at all readings; those of training readings from blocks left out."""
+    problem = fitted.problem
+    level = fitted.predicted()
+    level[problem.train] = problem.y[problem.train] - fitted.fit.error
+    up, down = (fitted.prior.shifted(problem, step) for step in (SLOPE_STEP, -SLOPE_STEP))
+    slope = (up - down)[:, problem.train] @ fitted.fit.dual
+    own = slope[problem.train]
+    size = SLOPE_SIZE * float(problem.y[problem.train].std()) / max(float(np.sqrt(np.mean(own**2))), 1e-12)
+    return Surface(level - level[problem.train].mean(), slope * size)
+
+
+@dataclass(frozen=True, eq=False)
+class Scene:
+    """What candidates of one search share: the problem, a fit without them, and its surface."""
+
+    problem: ReadingProblem
+    prior: DensityPrior
+    surface: Surface | None
+    sizes: Array
+
+    @property
+    def slope_noise(self) -> list[Array]:
+        """Covariance (m, m) of the noise of the input."""
+        return [np.diag(self.surface.slope**2)] if self.surface is not None else []
+
+    def fitted(
+        self, candidate: Candidate, iterations: int, sizes: Array | None = None, start: Array | None = None
+    ) -> Fitted:
+        """A candidate with sizes found from those of the scene, or from given ones (``iterations`` 0 keeps them)."""
+        problem = self.problem
+        moved = candidate.moves_input
+        prior = density_prior(problem, acting_inputs(problem, candidate.effects)) if moved else self.prior
+        common = (prior.covariance, *problem.always, *self.slope_noise)
+        own: list[Array] = []
+        if self.surface is not None:
+            for effect in candidate.effects:
+                if effect.kind.additive or effect.kind.by_condition:
+                    own += added_parts(problem, effect, self.surface.level)
+            for name in candidate.variables:
+                own += variable_parts(problem, name, self.surface)
+        at = np.ix_(problem.train, problem.train)
+        matrices = [*common, *own, problem.within_block]
+        if sizes is None:
+            n = len(common)
+            sizes = np.r_[self.sizes[:n], [ADDED_SIZE] * len(own), self.sizes[-2:]]
+        fit = fit_gaussian(
+            problem.y[problem.train], [k[at] for k in matrices], problem.blocks, sizes, iterations
+        )
+        return Fitted(candidate, prior, common, tuple(own), fit, problem)
+
+
+def first_scene(problem: ReadingProblem, iterations: int) -> tuple[Scene, Fitted]:
+    """The scene of the plain model, and the plain model."""
+    prior = density_prior(problem, acting_inputs(problem, ()))
+    count = 1 + len(problem.always)
+    rough = Scene(problem, prior, None, np.r_[FIRST_SIZE, [SMALL] * (count - 1), BLOCK_SIZE, NOISE_SIZE])
+    first = rough.fitted(Candidate(), iterations)
+    surface = surface_of(first)
+    sizes = np.r_[first.fit.sizes[:-2], BLOCK_SIZE / 10, first.fit.sizes[-2:]]
+    scene = replace(rough, surface=surface, sizes=sizes)
+    base = scene.fitted(Candidate(), iterations)
+    return replace(scene, sizes=base.fit.sizes), base
