@@ -16,6 +16,7 @@ from smarig.record.schema import SAMPLE_COLUMNS
 Array = NDArray[np.float64]
 RELAYS = 2000
 INNER_STEPS = 20
+DRIFT_S = 500.0  # time constant of a drift, times its strength; a run lasts 500 to 1500 s
 TRUTHS: dict[
     str, tuple[tuple[str, ...], tuple[str, ...]]
 ] = {  # right effects, right variables of an unknown verdict
@@ -122,7 +123,7 @@ def _changed(y: Array, kind: str, strength: float, t: Array, u: Array, number: i
     """The output after mechanisms that act on it: 5 to 15 % of its range."""
     size = 0.09 * strength * float(np.ptp(y))
     if kind == "drift":
-        return y + size * (t / t[-1] if number % 2 == 0 else 1 - np.exp(-3 * t / t[-1]))
+        return y + size * (1 - np.exp(-t / (DRIFT_S * strength)))
     if kind == "ratcheting":
         turned = np.cumsum(np.abs(np.diff(u, prepend=u[0]))) / (2 * 45.0)
         return y + size * (1 - np.exp(-(turned + 12 * number) / 4.0))

@@ -2,10 +2,11 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import cholesky, solve_triangular
+from scipy.linalg import eigh
 
 from smarig.diagnosis.comparison.hypothesis import Part, Trial
 from smarig.diagnosis.comparison.left_out_blocks import log_t_density
@@ -81,16 +82,12 @@ class Fitted:
         return float(np.sqrt(np.mean((self.problem.y - self.predicted())[train] ** 2)))
 
     @property
-    def added(self) -> float:
-        """Standard deviation of what the own parts add to the training readings."""
-        if not self.own:
-            return 0.0
-        begin = len(self.common)
+    def added(self) -> Array:
+        """What the own parts add to the readings (m,)."""
+        begin, train = len(self.common), self.problem.train
         sizes = self.fit.sizes[begin : begin + len(self.own)]
-        train, dual = self.problem.train, self.fit.dual
-        return float(
-            np.std([s * (k[np.ix_(train, train)] @ dual) for s, k in zip(sizes, self.own)], axis=1).max()
-        )
+        parts = [s * (k[:, train] @ self.fit.dual) for s, k in zip(sizes, self.own)]
+        return np.add.reduce(parts) if parts else np.zeros(train.size)
 
     def held_out_error(self) -> Array:
         """Errors of the held-out readings."""
@@ -98,23 +95,23 @@ class Fitted:
         return (self.problem.y - self.predicted())[held]
 
     def trial(self) -> Trial:
-        """The trial of the hypothesis; its state is the candidate."""
+        """The trial of the hypothesis; its state is what fits it again."""
         values = {k: v for e in self.candidate.effects for k, v in e.values.items() if k != "reference"}
         squares = [float(np.sum(self.fit.error[b] ** 2)) for b in self.problem.blocks]
         unseen = [self._unseen(rows) for rows in self.problem.unseen]
         scores = np.r_[self.fit.scores, [s for s, _ in unseen]]
-        return Trial(values, scores, np.r_[squares, [q for _, q in unseen]], (self.candidate, self.fit.sizes))
+        return Trial(values, scores, np.r_[squares, [q for _, q in unseen]], self)
 
     def _unseen(self, rows: Rows) -> tuple[float, float]:
         """(log predictive density, sum of squared errors) of the held-out readings at ``rows`` of m."""
         train, sizes = self.problem.train, self.fit.sizes
         cross = LEVEL + np.add.reduce([s * k[rows][:, train] for s, k in zip(sizes, self.matrices)])
         own = LEVEL + np.add.reduce([s * k[np.ix_(rows, rows)] for s, k in zip(sizes, self.matrices)])
-        own = own - cross @ self.fit.precision @ cross.T + sizes[-1] * np.eye(rows.size)
-        factor = cholesky(own, lower=True, check_finite=False)
+        values, vectors = eigh(own - cross @ self.fit.precision @ cross.T, check_finite=False)
+        variance = np.maximum(values, 0.0) + sizes[-1]  # differences of large numbers may be negative
         error = self.problem.y[rows] - cross @ self.fit.dual
-        white = solve_triangular(factor, error, lower=True, check_finite=False)
-        score = log_t_density(float(white @ white), rows.size, -float(np.log(np.diag(factor)).sum()))
+        square = float(np.sum((vectors.T @ error) ** 2 / variance))
+        score = log_t_density(square, rows.size, -0.5 * float(np.log(variance).sum()))
         return score, float(error @ error)
 
 
@@ -132,25 +129,37 @@ def surface_of(fitted: Fitted) -> Surface:
 
 @dataclass(frozen=True, eq=False)
 class Scene:
-    """What candidates of one search share: the problem, a fit without them, and its surface."""
+    """What candidates of one search share: the problem, a fit without them, and its surface.
+
+    ``target`` (m,) is what the density alone has to explain.
+    """
 
     problem: ReadingProblem
     prior: DensityPrior
     surface: Surface | None
     sizes: Array
+    target: Array
 
-    @property
+    def of(self, fitted: Fitted) -> "Scene":
+        """With the density and the slopes of a fit: those of the plain model contain the errors that it explains."""
+        target = self.problem.y - fitted.added
+        prior = density_prior(self.problem, acting_inputs(self.problem, fitted.candidate.effects), target)
+        sizes = np.r_[fitted.fit.sizes[: len(fitted.common)], fitted.fit.sizes[-2:]]
+        return Scene(self.problem, prior, surface_of(fitted), sizes, target)
+
+    @cached_property
     def slope_noise(self) -> list[Array]:
         """Covariance (m, m) of the noise of the input."""
         return [np.diag(self.surface.slope**2)] if self.surface is not None else []
 
-    def fitted(
-        self, candidate: Candidate, iterations: int, sizes: Array | None = None, start: Array | None = None
-    ) -> Fitted:
-        """A candidate with sizes found from those of the scene, or from given ones (``iterations`` 0 keeps them)."""
-        problem = self.problem
-        moved = candidate.moves_input
-        prior = density_prior(problem, acting_inputs(problem, candidate.effects)) if moved else self.prior
+    def fitted(self, candidate: Candidate, iterations: int, *, same_input: bool = False) -> Fitted:
+        """A candidate with sizes found from those of the scene (``iterations`` 0 keeps them).
+
+        ``same_input``: the scene's density is that of the input that the candidate moves.
+        """
+        problem, prior = self.problem, self.prior
+        if candidate.moves_input and not same_input:
+            prior = density_prior(problem, acting_inputs(problem, candidate.effects), self.target)
         common = (prior.covariance, *problem.always, *self.slope_noise)
         own: list[Array] = []
         if self.surface is not None:
@@ -161,9 +170,8 @@ class Scene:
                 own += variable_parts(problem, name, self.surface)
         at = np.ix_(problem.train, problem.train)
         matrices = [*common, *own, problem.within_block]
-        if sizes is None:
-            n = len(common)
-            sizes = np.r_[self.sizes[:n], [ADDED_SIZE] * len(own), self.sizes[-2:]]
+        n = len(common)
+        sizes = np.r_[self.sizes[:n], [ADDED_SIZE] * len(own), self.sizes[-2:]]
         fit = fit_gaussian(
             problem.y[problem.train], [k[at] for k in matrices], problem.blocks, sizes, iterations
         )
@@ -172,9 +180,10 @@ class Scene:
 
 def first_scene(problem: ReadingProblem, iterations: int) -> tuple[Scene, Fitted]:
     """The scene of the plain model, and the plain model."""
-    prior = density_prior(problem, acting_inputs(problem, ()))
+    prior = density_prior(problem, acting_inputs(problem, ()), problem.y)
     count = 1 + len(problem.always)
-    rough = Scene(problem, prior, None, np.r_[FIRST_SIZE, [SMALL] * (count - 1), BLOCK_SIZE, NOISE_SIZE])
+    sizes = np.r_[FIRST_SIZE, [SMALL] * (count - 1), BLOCK_SIZE, NOISE_SIZE]
+    rough = Scene(problem, prior, None, sizes, problem.y)
     first = rough.fitted(Candidate(), iterations)
     surface = surface_of(first)
     sizes = np.r_[first.fit.sizes[:-2], BLOCK_SIZE / 10, first.fit.sizes[-2:]]

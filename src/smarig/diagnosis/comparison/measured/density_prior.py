@@ -42,12 +42,12 @@ class DensityPrior:
         return GRID.covariance(moved, self.features, self.density) / self.variance
 
 
-def density_prior(problem: ReadingProblem, inputs: Sequence[Array]) -> DensityPrior:
-    """The prior for inputs (n,) of each record that act on the wire."""
+def density_prior(problem: ReadingProblem, inputs: Sequence[Array], target: Array) -> DensityPrior:
+    """The prior for inputs (n,) of each record that act on the wire, and a ``target`` (m,) of its positive fit."""
     warped = _warped(problem, inputs)
     features = _features(problem, warped)
     train = problem.train
-    density = _positive_fit(features[train], problem.y[train])
+    density = _positive_fit(features[train], target[train])
     covariance = GRID.covariance(features, features, density)
     variance = float(np.mean(np.diag(covariance)[train])) or 1.0
     return DensityPrior(features, density, covariance / variance, tuple(warped), variance)

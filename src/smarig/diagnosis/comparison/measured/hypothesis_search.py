@@ -11,7 +11,7 @@ import numpy as np
 
 from smarig.diagnosis.comparison.hypothesis import Hypothesis, Part, Trial
 from smarig.diagnosis.comparison.measured.acting_effects import Tries, testable_effects
-from smarig.diagnosis.comparison.measured.candidates import Candidate, Fitted, Scene, surface_of
+from smarig.diagnosis.comparison.measured.candidates import Candidate, Fitted, Scene
 from smarig.diagnosis.comparison.measured.plain_variables import testable_variables
 from smarig.measurement import MeasurementEffect, MeasurementEffectType
 
@@ -37,9 +37,9 @@ class Search:
     def variable(self, name: str) -> Hypothesis:
         """The hypothesis that adds a variable."""
         candidate = replace(self.start, variables=(*self.start.variables, name))
-        found = self.scene.fitted(candidate, FIT_STEPS)
+        fitted = self.scene.fitted(candidate, FIT_STEPS)
         self.progress(name)
-        return Hypothesis(candidate.parts, (found.trial(),))
+        return _slim(Hypothesis(candidate.parts, (fitted.trial(), *self._again(fitted))))
 
     def effect(self, kind: MeasurementEffectType, tries: Tries) -> Hypothesis:
         """The hypothesis that adds an effect, with the trials of its values; one parameter after the other."""
@@ -65,25 +65,33 @@ class Search:
                     scores[x] = fitted(values | {name: x})
             values[name] = max(scores, key=lambda x: scores[x])
         best = max(trials.values(), key=_score)
-        if best.state[0].moves_input and not self.start.effects:
-            best = self._with_own_surface(best)
-            trials[*best.parameters.values(), np.inf] = best
+        for again in self._again(best.state):
+            trials[*best.parameters.values(), np.inf] = again
         self.progress(f"{kind.name}: " + ", ".join(f"{v:.3g}" for v in best.parameters.values()))
-        return Hypothesis(best.state[0].parts, tuple(trials.values()))
+        return _slim(Hypothesis(best.state.candidate.parts, tuple(trials.values())))
 
     def _trial(self, effect: MeasurementEffect, iterations: int) -> Trial:
         return self.scene.fitted(self.start.with_effect(effect), iterations).trial()
 
-    def _with_own_surface(self, trial: Trial) -> Trial:
-        """The trial with the slopes of its own fit: those of the plain model belong to another input."""
-        candidate, sizes = trial.state
-        scene = _own_scene(self.scene, self.scene.fitted(candidate, 0, sizes=sizes))
-        return scene.fitted(candidate, FIT_STEPS).trial()
+    def _again(self, fitted: Fitted) -> list[Trial]:
+        """A candidate once more, in its own scene; pairs already stand in that of their first part."""
+        if self.start.parts:
+            return []
+        scene = self.scene.of(fitted)
+        return [scene.fitted(fitted.candidate, FIT_STEPS, same_input=True).trial()]
 
     def _reference(self, kind: MeasurementEffectType) -> dict[str, float]:
         if not kind.by_condition:
             return {}
         return {"reference": self.scene.problem.records[0].conditions[kind.by_condition]}
+
+
+def _slim(hypothesis: Hypothesis) -> Hypothesis:
+    """The fit of the best trial only: matrices of all would fill the memory."""
+    best = hypothesis.best
+    return replace(
+        hypothesis, trials=tuple(t if t is best else replace(t, state=None) for t in hypothesis.trials)
+    )
 
 
 def _score(trial: Trial) -> float:
@@ -152,14 +160,8 @@ def _pairs(
 
 
 def _extending(scene: Scene, best: Hypothesis, progress: Progress) -> Search:
-    candidate = best.best.state[0]
-    fitted = scene.fitted(candidate, 0, sizes=best.best.state[1])
-    return Search(_own_scene(scene, fitted) if candidate.moves_input else scene, candidate, progress)
-
-
-def _own_scene(scene: Scene, fitted: Fitted) -> Scene:
-    sizes = np.r_[fitted.fit.sizes[: len(fitted.common)], fitted.fit.sizes[-2:]]
-    return replace(scene, surface=surface_of(fitted), sizes=sizes)
+    fitted: Fitted = best.best.state
+    return Search(scene.of(fitted), fitted.candidate, progress)
 
 
 def _narrowed(tries: Tries, single: Hypothesis) -> Tries:

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from smarig.core import DataError
 from smarig.diagnosis.comparison.hypothesis import Hypothesis, Part
-from smarig.diagnosis.comparison.measured.candidates import Fitted, Scene, first_scene
+from smarig.diagnosis.comparison.measured.candidates import Fitted, first_scene
 from smarig.diagnosis.comparison.measured.hypothesis_search import searched_hypotheses
 from smarig.diagnosis.comparison.measured.missing_knowledge import missing_share
 from smarig.diagnosis.comparison.measured.reading_problem import ReadingProblem, reading_problem
@@ -77,12 +77,12 @@ def compare_measured(
         problem = problem.with_unseen()
         scene, base = replace(scene, problem=problem), replace(base, problem=problem)
     weights = weigh(searched_hypotheses(scene, base, progress, without=without))
-    held = _held_out_errors(scene, base, weights)
-    verdict = decide(_evidence(problem, scene, base, weights, held))
+    held = _held_out_errors(base, weights)
+    verdict = decide(_evidence(problem, base, weights, held))
     between = None
     if held and verdict.word in ("silent", "unknown"):
         verdict, between = _with_held_out_runs(wires, verdict, base, missing, without)
-    best = scene.fitted(weights.heaviest.best.state[0], 0, sizes=weights.heaviest.best.state[1])
+    best = _fitted(weights.heaviest)
     scale = abs(problem.scale)
     return MeasuredComparison(
         verdict=verdict,
@@ -100,31 +100,27 @@ def compare_measured(
     )
 
 
-def _refitted(scene: Scene, hypothesis: Hypothesis) -> Fitted:
-    candidate, sizes = hypothesis.best.state
-    return scene.fitted(candidate, 0, sizes=sizes)
+def _fitted(hypothesis: Hypothesis) -> Fitted:
+    return hypothesis.best.state
 
 
-def _held_out_errors(scene: Scene, base: Fitted, weights: Weights) -> dict[str, float]:
-    """The error on held-out readings of the plain model, of the heaviest hypothesis, and of the best with each cause."""
-    if scene.problem.train.all():
+def _held_out_errors(base: Fitted, weights: Weights) -> dict[str, float]:
+    """The error on held-out readings of the plain model, of the heaviest hypothesis, and with each cause."""
+    if base.problem.train.all():
         return {}
     asked = {weights.heaviest.name: weights.heaviest}
     asked |= {h.name: h for h in (weights.best_with(p) for p, w in weights.causes.items() if w > 0.01)}
     found = {"nothing": _rms(base.held_out_error())}
-    return found | {n: _rms(_refitted(scene, h).held_out_error()) for n, h in asked.items() if h.parts}
+    return found | {n: _rms(_fitted(h).held_out_error()) for n, h in asked.items() if h.parts}
 
 
-def _evidence(
-    problem: ReadingProblem, scene: Scene, base: Fitted, weights: Weights, held: Mapping[str, float]
-) -> Evidence:
-    winner = weights.heaviest.best
+def _evidence(problem: ReadingProblem, base: Fitted, weights: Weights, held: Mapping[str, float]) -> Evidence:
     sizes, ratios = {}, {}
     for part in weights.causes:
         best = weights.best_with(part)
         sizes[part] = _removed(problem, base, best)
         if weights.causes[part] > RULES["nothing"].value:
-            sizes[part] = max(sizes[part], _refitted(scene, best).added)
+            sizes[part] = max(sizes[part], float(np.std(_fitted(best).added[problem.train])))
         if best.name in held:
             ratios[part] = held[best.name] / max(held["nothing"], base.fit.noise)
     return Evidence(
@@ -134,7 +130,7 @@ def _evidence(
         span=1.0,
         error=base.misfit,
         noise=base.fit.noise,
-        block_error=float(np.sqrt(winner.state[1][-2])),
+        block_error=float(np.sqrt(_fitted(weights.heaviest).fit.sizes[-2])),
         blocks=problem.excursions + (problem.held_excursions if problem.unseen else 0),
         confounded=confounded(problem, weights.causes),
         held_out=ratios,
@@ -178,7 +174,7 @@ def _with_held_out_runs(
     problem = reading_problem([replace(w, held_out=np.zeros_like(w.held_out)) for w in wires])
     scene, plain = first_scene(problem, BASE_STEPS)
     weights = weigh(searched_hypotheses(scene, plain, lambda _: None, BETWEEN_RUNS, without))
-    found = decide(_evidence(problem, scene, plain, weights, {}))
+    found = decide(_evidence(problem, plain, weights, {}))
     return (found if found.names or found.depends_on else verdict), weights
 
 

@@ -39,10 +39,7 @@ def testable_variables(problem: ReadingProblem) -> list[str]:
 def variable_parts(problem: ReadingProblem, name: str, surface: Surface) -> list[Array]:
     """Covariances (m, m) of the discrepancies in a variable."""
     z = problem.variables[name]
-    if name == "run":
-        k = (z[:, None] == z).astype(float)
-    else:
-        k = alike(z, CONDITION_LENGTH if name == "stress" else LENGTH)
-    k = centred(k, problem.train)
+    length = CONDITION_LENGTH if name == "stress" else LENGTH
+    k = centred((z[:, None] == z) * 1.0 if name == "run" else alike(z, length), problem.train)
     width = surface.slope * problem.variables["direction"]
     return [k, *(k * np.outer(f, f) for f in (surface.level, surface.slope, width))]
