@@ -57,6 +57,7 @@ SENTENCES = {
     "few_blocks": "There are too few excursions for a name.",
     "confounded": "In these data the cause varies together with others.",
     "worse": "With the likeliest cause, the held-out runs are predicted worse.",
+    "incomplete": "With the likeliest cause, the errors still go with the variable that it acts through.",
     "beside": "The likeliest cause removes less than the errors that remain.",
     "likely": "No other cause predicts the blocks as well.",
     "shared": "Several causes predict the blocks about equally well.",
@@ -72,8 +73,8 @@ class Evidence:
     left-out error, in the output's unit; ``span``: range of the output. ``error``: left-out error of the plain model;
     ``noise``: of one reading; ``block_error``: what the winner leaves between blocks. ``blocks``: real excursions.
     ``confounded``: parts that these data cannot part from a part. ``held_out``: error on held-out runs with a part over
-    that without, where there are such runs. ``testable``: whether the data can show any effect. ``depends_on``: the
-    variables that an effect acts through.
+    that without, where there are such runs. ``testable``: whether the data can show any effect. ``acts_through``:
+    the variables of an effect.
     """
 
     causes: Mapping[Part, float]
@@ -86,6 +87,7 @@ class Evidence:
     blocks: int
     confounded: Mapping[Part, tuple[Part, ...]] = field(default_factory=dict)
     held_out: Mapping[Part, float] = field(default_factory=dict)
+    acts_through: Mapping[Part, tuple[Part, ...]] = field(default_factory=dict)
     testable: bool = True
 
 
@@ -130,6 +132,8 @@ def _doubt(e: Evidence, part: Part) -> str:
         return "confounded"
     if e.held_out.get(part, 0.0) > RULES["worse"].value:
         return "worse"
+    if any(e.causes.get(v, 0.0) >= RULES["name"].value for v in e.acts_through.get(part, ())):
+        return "incomplete"
     if e.size[part] < RULES["beside_block_errors"].value * e.block_error:
         return "beside"
     return ""

@@ -1,7 +1,7 @@
 """How an effect of the catalogue becomes a hypothesis: the input that acts, and covariances of what it adds.
 
 An effect that adds terms gets φφᵀ with an unknown amplitude, and a small smooth deviation from its fixed shape, because
-no drift is an exponential. An effect of a condition gets a gain and a zero that are smooth in the condition.
+no drift is an exponential. An effect of a condition gets a zero, a gain, a shift and a width that are smooth in it.
 """
 
 from collections.abc import Sequence
@@ -34,11 +34,11 @@ def acting_inputs(problem: ReadingProblem, effects: Sequence[MeasurementEffect])
     return [changed(r, effects).input for r in problem.records]
 
 
-def added_parts(problem: ReadingProblem, effect: MeasurementEffect, level: Array) -> list[Array]:
-    """Covariances (m, m) of what an effect adds to the output; ``level`` (m,) is the output without it."""
+def added_parts(problem: ReadingProblem, effect: MeasurementEffect, shapes: Sequence[Array]) -> list[Array]:
+    """Covariances (m, m) of what an effect adds to the output; ``shapes`` (m,) are its level, slope and width."""
     if effect.kind.by_condition:
         zero = centred(alike(problem.variables[effect.kind.by_condition], CONDITION_LENGTH), problem.train)
-        return [zero, zero * np.outer(level, level)]
+        return [zero, *(zero * np.outer(f, f) for f in shapes)]
     terms = np.concatenate(
         [changed(r, [effect]).terms[rows] for r, rows in zip(problem.records, problem.rows)]
     )

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from scipy.linalg import eigh
 
 from smarig.diagnosis.comparison.hypothesis import Part, Trial
-from smarig.diagnosis.comparison.left_out_blocks import log_t_density
+from smarig.diagnosis.comparison.left_out_blocks import left_out, log_t_density
 from smarig.diagnosis.comparison.measured.acting_effects import acting_inputs, added_parts
 from smarig.diagnosis.comparison.measured.density_prior import (
     SLOPE_STEP,
@@ -89,6 +89,15 @@ class Fitted:
         parts = [s * (k[:, train] @ self.fit.dual) for s, k in zip(sizes, self.own)]
         return np.add.reduce(parts) if parts else np.zeros(train.size)
 
+    @cached_property
+    def run_error(self) -> float:
+        """Rms of the errors of each training run predicted from the others."""
+        runs = self.problem.record[self.problem.train]
+        error, _ = left_out(
+            self.fit.precision, self.fit.dual, [np.flatnonzero(runs == r) for r in np.unique(runs)]
+        )
+        return float(np.sqrt(np.mean(error**2)))
+
     def held_out_error(self) -> Array:
         """Errors of the held-out readings."""
         held = ~self.problem.train
@@ -165,7 +174,7 @@ class Scene:
         if self.surface is not None:
             for effect in candidate.effects:
                 if effect.kind.additive or effect.kind.by_condition:
-                    own += added_parts(problem, effect, self.surface.level)
+                    own += added_parts(problem, effect, self.surface.shapes(problem))
             for name in candidate.variables:
                 own += variable_parts(problem, name, self.surface)
         at = np.ix_(problem.train, problem.train)

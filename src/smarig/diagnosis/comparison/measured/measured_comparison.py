@@ -18,12 +18,14 @@ from smarig.core import DataError
 from smarig.diagnosis.comparison.hypothesis import Hypothesis, Part
 from smarig.diagnosis.comparison.measured.candidates import Fitted, first_scene
 from smarig.diagnosis.comparison.measured.hypothesis_search import searched_hypotheses
+from smarig.diagnosis.comparison.measured.intervals import interval
 from smarig.diagnosis.comparison.measured.missing_knowledge import missing_share
 from smarig.diagnosis.comparison.measured.reading_problem import ReadingProblem, reading_problem
 from smarig.diagnosis.comparison.measured.varied_together import confounded
 from smarig.diagnosis.comparison.measured.wire_records import WireRecord, wire_records
 from smarig.diagnosis.comparison.rules import RULES, Evidence, Verdict, decide
 from smarig.diagnosis.comparison.weights import Weights, weigh
+from smarig.measurement import measurement_effect_types
 from smarig.record import Run
 
 Array = NDArray[np.float64]
@@ -123,6 +125,8 @@ def _evidence(problem: ReadingProblem, base: Fitted, weights: Weights, held: Map
             sizes[part] = max(sizes[part], float(np.std(_fitted(best).added[problem.train])))
         if best.name in held:
             ratios[part] = held[best.name] / max(held["nothing"], base.fit.noise)
+        elif not held and part.name in BETWEEN_RUNS:
+            ratios[part] = _fitted(best).run_error / base.run_error
     return Evidence(
         causes=weights.causes,
         nothing=weights.nothing,
@@ -134,8 +138,14 @@ def _evidence(problem: ReadingProblem, base: Fitted, weights: Weights, held: Map
         blocks=problem.excursions + (problem.held_excursions if problem.unseen else 0),
         confounded=confounded(problem, weights.causes),
         held_out=ratios,
+        acts_through={p: _acts_through(p) for p in weights.causes},
         testable=len(weights.hypotheses) > 1,
     )
+
+
+def _acts_through(part: Part) -> tuple[Part, ...]:
+    kinds = {k.name: k for k in measurement_effect_types()}
+    return tuple(Part("variable", v) for v in kinds[part.name].depends_on) if part.name in kinds else ()
 
 
 def _removed(problem: ReadingProblem, base: Fitted, hypothesis: Hypothesis) -> float:
@@ -147,14 +157,14 @@ def _removed(problem: ReadingProblem, base: Fitted, hypothesis: Hypothesis) -> f
 
 
 def _parameters(weights: Weights) -> dict[str, dict[str, tuple[float, float, float]]]:
+    """Value and interval of each parameter of each effect."""
     found: dict[str, dict[str, tuple[float, float, float]]] = {}
     for part in weights.causes:
         if part.kind == "effect":
-            best = weights.best_with(part)
             single = next(h for h in weights.hypotheses if h.parts == (part,))
+            best = weights.best_with(part).best.parameters
             found[part.name] = {
-                name: (best.best.parameters[name], *weights.interval(best, name))
-                for name in single.best.parameters
+                n: (best[n], *interval(single, n, weights.shares)) for n in single.best.parameters
             }
     return found
 
@@ -166,7 +176,7 @@ def _with_held_out_runs(
     runs = [w.held_out.all() for w in wires]
     error = _rms(base.held_out_error())
     if not any(runs) or error <= max(
-        RULES["worse"].value * base.fit.rms, RULES["adequate"].value * base.fit.noise
+        RULES["worse"].value * base.misfit, RULES["adequate"].value * base.fit.noise
     ):
         return verdict, None
     if missing >= RULES["not_determined"].value:

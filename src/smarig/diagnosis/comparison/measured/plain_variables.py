@@ -12,12 +12,14 @@ from numpy.typing import NDArray
 
 from smarig.diagnosis.comparison.measured.acting_effects import CONDITION_LENGTH, centred
 from smarig.diagnosis.comparison.measured.reading_problem import ReadingProblem, alike
+from smarig.diagnosis.comparison.measured.varied_together import between_runs
 
 Array = NDArray[np.float64]
 LENGTH = 0.35  # of the variable's range
 NEEDS_CLOCK = ("rate", "speed", "time", "since")
 VARIABLES = ("rate", "speed", "time", "cycle", "history", "since", "stress", "run")
-BETWEEN_RUNS = ("stress", "run")
+OVER_CYCLES = ("time", "cycle")
+FEWEST_CYCLES = 3  # of one record: with fewer, a drift is a part of the loop
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,13 +29,30 @@ class Surface:
     level: Array
     slope: Array
 
+    def shapes(self, problem: ReadingProblem) -> tuple[Array, Array, Array]:
+        """What a change of the gain, of the input, and of the width of the loop looks like, (m,) each."""
+        return self.level, self.slope, self.slope * problem.variables["direction"]
+
 
 def testable_variables(problem: ReadingProblem) -> list[str]:
-    """The variables that change over the training readings; "run" only where no stress says what differs."""
+    """The variables that change over the training readings.
+
+    "run" is one where no recorded condition says what differs between runs, a stress or a rate of each run.
+    """
     names = [n for n in VARIABLES if n in problem.variables]
     names = [n for n in names if problem.clock or n not in NEEDS_CLOCK]
     names = [n for n in names if np.ptp(problem.variables[n][problem.train]) > 1e-9]
-    return [n for n in names if not (n == "run" and "stress" in names)]
+    if _most_cycles(problem) < FEWEST_CYCLES:
+        names = [n for n in names if n not in OVER_CYCLES]
+    known = "stress" in names or ("rate" in names and "rate" in between_runs(problem))
+    return [n for n in names if not (n == "run" and known)]
+
+
+def _most_cycles(problem: ReadingProblem) -> float:
+    cycle = problem.variables["cycle"]
+    return max(
+        float(np.ptp(cycle[problem.record == r])) + 0.5 for r in np.unique(problem.record[problem.train])
+    )
 
 
 def variable_parts(problem: ReadingProblem, name: str, surface: Surface) -> list[Array]:
@@ -41,5 +60,4 @@ def variable_parts(problem: ReadingProblem, name: str, surface: Surface) -> list
     z = problem.variables[name]
     length = CONDITION_LENGTH if name == "stress" else LENGTH
     k = centred((z[:, None] == z) * 1.0 if name == "run" else alike(z, length), problem.train)
-    width = surface.slope * problem.variables["direction"]
-    return [k, *(k * np.outer(f, f) for f in (surface.level, surface.slope, width))]
+    return [k, *(k * np.outer(f, f) for f in surface.shapes(problem))]

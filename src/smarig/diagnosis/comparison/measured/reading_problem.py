@@ -22,6 +22,7 @@ Rows = NDArray[np.int64]
 TRAIN_READINGS, HELD_OUT_READINGS, FEWEST_READINGS = 240, 120, 20
 TURN_SHARE = 0.08  # of the input's range: a smaller turn ends no excursion
 FEWEST_BLOCKS = 10
+BLOCK_READINGS = 6
 BLOCK_PATH = 0.15  # of the input's range: path over which errors within a block are alike
 SMOOTH_ROWS = 50  # records of fewer rows are not smoothed
 
@@ -201,7 +202,8 @@ class _Readings:
     def blocks(self, branches: int) -> Rows:
         """The block of each reading (m,), given the number of training branches of all records."""
         if branches >= 2 * FEWEST_BLOCKS:
-            found = self.branch // 2
+            joined = int(np.ceil(BLOCK_READINGS * self.cycles / self.rows.size))  # of small excursions
+            found = self.branch // (2 * joined)
         elif branches >= FEWEST_BLOCKS:
             found = self.branch
         else:
