@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import LinAlgError, cholesky, lapack
+from scipy.linalg import LinAlgError, cholesky, get_lapack_funcs
 from scipy.optimize import minimize
 
 from smarig.diagnosis.comparison.left_out_blocks import left_out
@@ -79,7 +79,7 @@ def _inverted(n: int, stack: Array, sizes: Array) -> tuple[float, Array]:
     k[np.arange(n), np.arange(n)] += sizes[-1]
     factor = cholesky(k, lower=True, check_finite=False)
     half_log_det = float(np.log(np.diag(factor)).sum())
-    precision = lapack.dpotri(factor, lower=1)[0]  # its upper triangle stays zero
+    precision = get_lapack_funcs("potri", (factor,))(factor, lower=1)[0]  # its upper triangle stays zero
     precision = precision + precision.T
     precision[np.arange(n), np.arange(n)] /= 2
     return half_log_det, precision
