@@ -55,8 +55,9 @@ def command(name: str, quick: bool, **settings: Any) -> None:
     """Measure speed, memory and accuracy as ratios to a reference program, or the success rate of the diagnosis on
     sealed boxes (synthetic data sets with hidden effects).
 
-    NAME: adaptive, comparison, console, critic, density, diagnosis, fast_curves, forward, identify, inverse, large, library,
-    links, live, mystery, one_input, plausibility, real, regulation, self_sensing, soak, tracking, tracking_effects.
+    NAME: adaptive, comparison, console, critic, density, diagnosis, fast_curves, forward, identify, inverse, large,
+    library, links, live, mystery, one_input, plausibility, real, regulation, self_sensing, soak, tracking,
+    tracking_effects.
     """
     make_importable("benchmarks")
     modules = catalogue_names("benchmarks")

@@ -5,7 +5,7 @@ Each rule is a row of ``RULES``: its name, its value, why it is there. ``decide`
     nothing can be tested                          not identifiable
     nothing is likely, or too small to tell        silent if the model is adequate, else unknown
     a cause is likely, and what competes is not    named, if blocks, design and held-out runs allow a name
-    likely causes are effects only                 ambiguous: the set
+    likely causes are several effects              ambiguous: the set
     else                                           unknown, with the variable that the errors go with
 """
 
@@ -152,4 +152,7 @@ def _set(e: Evidence, told: list[Part], doubt: str) -> Verdict:
     variables = [p.name for p in kept if p.kind == "variable"]
     if doubt == "worse" or not names or variables:
         return Verdict("unknown", doubt or "variable", names, variables[0] if variables else None)
+    if len(names) == 1:  # no set: what it acts through is all that these data say
+        through = [v.name for v in e.acts_through.get(kept[0], ())]
+        return Verdict("unknown", doubt or "shared", names, through[0] if through else None)
     return Verdict("ambiguous", doubt or "shared", names)

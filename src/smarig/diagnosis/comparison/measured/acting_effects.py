@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from smarig.diagnosis.comparison.measured.reading_problem import ReadingProblem, alike
+from smarig.diagnosis.comparison.measured.varied_together import at_one_rate
 from smarig.measurement import (
     InputRecord,
     MeasurementEffect,
@@ -70,7 +71,7 @@ def testable_effects(problem: ReadingProblem) -> list[tuple[MeasurementEffectTyp
     for kind in measurement_effect_types():
         if kind.descriptive:  # the plain model has a smooth reversible part of any sign
             continue
-        tries = _lags(trained) if kind.name == "input_lag" else _tries(kind, trained)
+        tries = _lags(problem, trained) if kind.name == "input_lag" else _tries(kind, trained)
         if tries:
             found.append((kind, tries))
     return found
@@ -81,10 +82,14 @@ def _tries(kind: MeasurementEffectType, records: Sequence[InputRecord]) -> Tries
     return {p.name: p.tries for p in parameters or ()}
 
 
-def _lags(records: Sequence[InputRecord]) -> Tries:
-    """Two rows to a quarter of a cycle; in rows, where no clock was recorded and the output leads as no wire does."""
+def _lags(problem: ReadingProblem, records: Sequence[InputRecord]) -> Tries:
+    """Two rows to a quarter of a cycle.
+
+    Without a clock, or at one rate, only an output that leads its input shows a lag, for no wire leads.
+    """
     clocks = {r.clock for r in records}
-    if len(clocks) > 1 or (clocks == {False} and not any(_leads(r) for r in records)):
+    blind = clocks == {False} or at_one_rate(problem)
+    if len(clocks) > 1 or (blind and not any(_leads(r) for r in records)):
         return {}
     step = max(float(np.median(np.diff(r.t))) for r in records)
     cycle = float(np.median([np.ptp(r.t) / max(r.cycle[-1] - r.cycle[0], 0.5) for r in records]))

@@ -20,6 +20,7 @@ LEVEL = 10.0  # variance of the unknown constant
 USUAL, SPREAD = -6.0, 15.0  # log of a size, of outputs with a range of one
 LEAST_NOISE = 1e-3  # of the range
 BOUNDS = (-16.0, 4.0)
+(_POTRI,) = get_lapack_funcs(("potri",), dtype=np.float64)
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,7 +80,7 @@ def _inverted(n: int, stack: Array, sizes: Array) -> tuple[float, Array]:
     k[np.arange(n), np.arange(n)] += sizes[-1]
     factor = cholesky(k, lower=True, check_finite=False)
     half_log_det = float(np.log(np.diag(factor)).sum())
-    precision = get_lapack_funcs("potri", (factor,))(factor, lower=1)[0]  # its upper triangle stays zero
+    precision = _POTRI(factor, lower=1)[0]  # its upper triangle stays zero
     precision = precision + precision.T
     precision[np.arange(n), np.arange(n)] /= 2
     return half_log_det, precision

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from smarig.diagnosis.comparison.measured.acting_effects import CONDITION_LENGTH, centred
 from smarig.diagnosis.comparison.measured.reading_problem import ReadingProblem, alike
-from smarig.diagnosis.comparison.measured.varied_together import between_runs
+from smarig.diagnosis.comparison.measured.varied_together import at_one_rate, between_runs
 
 Array = NDArray[np.float64]
 LENGTH = 0.35  # of the variable's range
@@ -44,6 +44,8 @@ def testable_variables(problem: ReadingProblem) -> list[str]:
     names = [n for n in names if np.ptp(problem.variables[n][problem.train]) > 1e-9]
     if _most_cycles(problem) < FEWEST_CYCLES:
         names = [n for n in names if n not in OVER_CYCLES]
+    if at_one_rate(problem):
+        names = [n for n in names if n not in ("rate", "speed")]
     known = "stress" in names or ("rate" in names and "rate" in between_runs(problem))
     return [n for n in names if not (n == "run" and known)]
 

@@ -15,7 +15,14 @@ from smarig.diagnosis.comparison.measured.reading_problem import ReadingProblem
 
 Array = NDArray[np.float64]
 WITHIN = 0.1  # of a variable's variance: less of it lies within the runs
+RATE_RATIO = 1.5  # of the fast to the slow tenth of the readings: less is one rate
 ACTS_THROUGH = {"input_lag": "rate", "input_offset": "run", "stress_shift": "stress"}
+
+
+def at_one_rate(problem: ReadingProblem) -> bool:
+    """Whether the input changes at one rate throughout, but for its turns: a lag is then a part of every loop."""
+    slow, fast = np.quantile(problem.variables["speed"][problem.train], [0.1, 0.9])
+    return bool(fast - slow < np.log10(RATE_RATIO))
 
 
 def between_runs(problem: ReadingProblem) -> set[str]:
