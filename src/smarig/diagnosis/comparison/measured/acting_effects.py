@@ -40,6 +40,9 @@ def added_parts(problem: ReadingProblem, effect: MeasurementEffect, shapes: Sequ
     if effect.kind.by_condition:
         zero = centred(alike(problem.variables[effect.kind.by_condition], CONDITION_LENGTH), problem.train)
         return [zero, *(zero * np.outer(f, f) for f in shapes)]
+    if effect.kind.name == "input_offset":  # what the search has left of the offsets, and those of other runs
+        run = problem.record
+        return [centred((run[:, None] == run) * np.outer(shapes[1], shapes[1]), problem.train)]
     terms = np.concatenate(
         [changed(r, [effect]).terms[rows] for r, rows in zip(problem.records, problem.rows)]
     )
@@ -78,8 +81,11 @@ def testable_effects(problem: ReadingProblem) -> list[tuple[MeasurementEffectTyp
 
 
 def _tries(kind: MeasurementEffectType, records: Sequence[InputRecord]) -> Tries:
-    parameters = kind.parameters(records)
-    return {p.name: p.tries for p in parameters or ()}
+    found = {p.name: p.tries for p in kind.parameters(records) or ()}
+    if "cycles" in found:  # a ratcheting that does not slow down within the record is a drift
+        most = max(float(r.cycle[-1]) for r in records)
+        found["cycles"] = tuple(t for t in found["cycles"] if t <= most)
+    return found
 
 
 def _lags(problem: ReadingProblem, records: Sequence[InputRecord]) -> Tries:

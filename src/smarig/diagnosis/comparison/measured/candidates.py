@@ -173,8 +173,7 @@ class Scene:
         own: list[Array] = []
         if self.surface is not None:
             for effect in candidate.effects:
-                if effect.kind.additive or effect.kind.by_condition:
-                    own += added_parts(problem, effect, self.surface.shapes(problem))
+                own += added_parts(problem, effect, self.surface.shapes(problem))
             for name in candidate.variables:
                 own += variable_parts(problem, name, self.surface)
         at = np.ix_(problem.train, problem.train)

@@ -9,7 +9,7 @@ the scores are linear in θ, or in log θ if all have one sign.
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.diagnosis.comparison.hypothesis import Hypothesis
+from smarig.diagnosis.comparison.hypothesis import Hypothesis, Trial
 from smarig.diagnosis.comparison.weights import CREDIBLE, TEMPERATURE
 
 Array = NDArray[np.float64]
@@ -18,12 +18,13 @@ DRAWS = 200
 
 
 def interval(hypothesis: Hypothesis, parameter: str, shares: Array) -> tuple[float, float]:
-    """The central 95 % of a parameter, with the others at their best values; ``shares`` (draws, B) of the blocks."""
-    best = dict(hypothesis.best.parameters)
+    """The central 95 % of a parameter, with the others at their best for each value; ``shares`` (draws, B) of blocks."""
+    first: dict[tuple[float, ...], Trial] = {}
+    for trial in hypothesis.trials:  # the first of its values: later ones were fitted with other slopes
+        first.setdefault(tuple(trial.parameters.values()), trial)
     scores: dict[float, Array] = {}
-    for trial in hypothesis.trials:  # the first of a value: later ones were fitted with other slopes
-        if all(trial.parameters[n] == v for n, v in best.items() if n != parameter):
-            scores.setdefault(trial.parameters[parameter], trial.log_scores)
+    for trial in sorted(first.values(), key=lambda t: float(t.log_scores.sum())):
+        scores[trial.parameters[parameter]] = trial.log_scores
     values = np.array(sorted(scores))
     if values.size < 2:
         return float(values[0]), float(values[0])

@@ -157,15 +157,15 @@ def _removed(problem: ReadingProblem, base: Fitted, hypothesis: Hypothesis) -> f
 
 
 def _parameters(weights: Weights) -> dict[str, dict[str, tuple[float, float, float]]]:
-    """Value and interval of each parameter of each effect."""
+    """Value in the heaviest hypothesis, and interval, of each parameter of each effect."""
     found: dict[str, dict[str, tuple[float, float, float]]] = {}
     for part in weights.causes:
-        if part.kind == "effect":
-            single = next(h for h in weights.hypotheses if h.parts == (part,))
-            best = weights.best_with(part).best.parameters
-            found[part.name] = {
-                n: (best[n], *interval(single, n, weights.shares)) for n in single.best.parameters
-            }
+        single = next(h for h in weights.hypotheses if h.parts == (part,))
+        best = weights.best_with(part).best.parameters
+        for name in single.best.parameters:
+            low, high = interval(single, name, weights.shares)
+            value = best[name]
+            found.setdefault(part.name, {})[name] = (value, min(low, value), max(high, value))
     return found
 
 
