@@ -42,7 +42,7 @@ RULES = {
         "of the plain model's error on runs that no fit has seen: such a run tells more than many excursions",
     ),
     "not_determined": Rule(
-        0.5, "most of the held-out error lies where training determines nothing: missing knowledge, no change"
+        0.9, "of the held-out error vanishes with one density for all readings: missing knowledge, no change"
     ),
     "adequate": Rule(3.0, "times the noise: larger errors of blocks left out are seen in a plot"),
     "worse": Rule(

@@ -68,15 +68,17 @@ def centred(k: Array, train: NDArray[np.bool_]) -> Array:
 
 
 def testable_effects(problem: ReadingProblem) -> list[tuple[MeasurementEffectType, Tries]]:
-    """The effects that these records can be asked for, with the values to try of each parameter."""
+    """The effects that these records can be asked for, with the values to try; an effect may have alternatives."""
     trained = [r for k, r in enumerate(problem.records) if (problem.train & (problem.record == k)).any()]
     found: list[tuple[MeasurementEffectType, Tries]] = []
     for kind in measurement_effect_types():
         if kind.descriptive:  # the plain model has a smooth reversible part of any sign
             continue
-        tries = _lags(problem, trained) if kind.name == "input_lag" else _tries(kind, trained)
-        if tries:
-            found.append((kind, tries))
+        if kind.name == "output_jump":  # in any one of the records
+            options = [_tries(kind, [r]) for r in trained]
+        else:
+            options = [_lags(problem, trained) if kind.name == "input_lag" else _tries(kind, trained)]
+        found += [(kind, tries) for tries in options if tries]
     return found
 
 

@@ -121,9 +121,18 @@ def searched_hypotheses(
     variables = [v for v in testable_variables(scene.problem) if _asked(v, only, without)]
     search = Search(scene, Candidate(), progress)
     found = [search.nothing(base)]
-    found += [search.effect(k, t) for k, t in effects]
+    tried = [(search.effect(k, t), (k, t)) for k, t in effects]
+    tried = [
+        max((t for t in tried if t[1][0] is k), key=lambda t: _score(t[0].best)) for k in _kinds(effects)
+    ]
+    found += [h for h, _ in tried]
+    effects = [e for _, e in tried]
     found += [search.variable(v) for v in variables]
     return [*found, *_pairs(scene, found, effects, variables, progress)]
+
+
+def _kinds(effects: Sequence[tuple[MeasurementEffectType, Tries]]) -> list[MeasurementEffectType]:
+    return [k for n, (k, _) in enumerate(effects) if all(k is not other for other, _ in effects[:n])]
 
 
 def _asked(name: str, only: Iterable[str] | None, without: Sequence[str]) -> bool:

@@ -18,7 +18,7 @@ DRAWS = 200
 
 
 def interval(hypothesis: Hypothesis, parameter: str, shares: Array) -> tuple[float, float]:
-    """The central 95 % of a parameter, with the others at their best for each value; ``shares`` (draws, B) of blocks."""
+    """The central 95 % of a parameter, with the others at their best for each value, for ``shares`` (draws, B)."""
     first: dict[tuple[float, ...], Trial] = {}
     for trial in hypothesis.trials:  # the first of its values: later ones were fitted with other slopes
         first.setdefault(tuple(trial.parameters.values()), trial)

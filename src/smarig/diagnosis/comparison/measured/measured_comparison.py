@@ -185,7 +185,8 @@ def _with_held_out_runs(
     scene, plain = first_scene(problem, BASE_STEPS)
     weights = weigh(searched_hypotheses(scene, plain, lambda _: None, BETWEEN_RUNS, without))
     found = decide(_evidence(problem, plain, weights, {}))
-    return (found if found.names or found.depends_on else verdict), weights
+    clearer = found.word in ("named", "ambiguous") or found.depends_on is not None
+    return (found if clearer and verdict.depends_on is None else verdict), weights
 
 
 def _rms(x: Array) -> float:

@@ -10,21 +10,17 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import gaussian_filter1d
 
 from smarig.core import DataError
+from smarig.diagnosis.comparison.measured.record_readings import FEWEST_READINGS, RecordReadings, smooth
 from smarig.diagnosis.comparison.measured.wire_records import WireRecord, large_turns
-from smarig.measurement import InputRecord, starting_state
+from smarig.measurement import InputRecord
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 Rows = NDArray[np.int64]
-TRAIN_READINGS, HELD_OUT_READINGS, FEWEST_READINGS = 240, 120, 20
 TURN_SHARE = 0.08  # of the input's range: a smaller turn ends no excursion
-FEWEST_BLOCKS = 10
-BLOCK_READINGS = 6
 BLOCK_PATH = 0.15  # of the input's range: path over which errors within a block are alike
-SMOOTH_ROWS = 50  # records of fewer rows are not smoothed
 
 
 @dataclass(frozen=True, eq=False)
@@ -108,8 +104,8 @@ def reading_problem(wires: Sequence[WireRecord]) -> ReadingProblem:
         raise DataError("The training runs hold too few readings, or their input or output never changes.")
     span, ends = float(np.ptp(u)), np.quantile(u, [0.2, 0.8])
     sign = 1.0 if y[u >= ends[1]].mean() >= y[u <= ends[0]].mean() else -1.0
-    turns = [large_turns(_smooth(r.u, 1.0), TURN_SHARE * span) for r in records]
-    parts = [_Readings.of(w, t, wires) for w, t in zip(wires, turns)]
+    turns = [large_turns(smooth(r.u, 1.0), TURN_SHARE * span) for r in records]
+    parts = [RecordReadings.of(w, t, wires) for w, t in zip(wires, turns)]
     branches = sum(p.train_branches for p in parts)
     block, before, cycles = [], 0, 0.0
     variables: dict[str, list[Array]] = {}
@@ -157,92 +153,3 @@ def _whole_blocks(block: Rows, record: Rows, train: Mask) -> Rows:
                 found[at] = found[near]
                 break
     return np.unique(found, return_inverse=True)[1]
-
-
-def _smooth(u: Array, rows: float) -> Array:
-    return gaussian_filter1d(u, rows) if u.size > SMOOTH_ROWS else u
-
-
-@dataclass(frozen=True, eq=False)
-class _Readings:
-    """The readings of one record, with its turns and the path of its input."""
-
-    record: InputRecord
-    rows: Rows
-    turns: Rows
-    path: Array
-    branch: Rows
-    train_branches: int
-    held_branches: int
-    first: Mask
-
-    @classmethod
-    def of(cls, wire: WireRecord, turns: Rows, wires: Sequence[WireRecord]) -> "_Readings":
-        record = wire.record
-        path = np.r_[0.0, np.cumsum(np.abs(np.diff(_smooth(record.u, 2.0))))]
-        low = min(float(w.record.u.min()) for w in wires)
-        high = max(float(w.record.u.max()) for w in wires)
-        state = starting_state(record.initial, record.u, (low, high), turns=turns.tolist(), outputs=record.y)
-        ruler = path / (path[-1] or 1.0) + np.arange(len(record)) / len(record)
-        possible = np.arange(len(record)) >= state.first
-        rows = np.union1d(
-            _spread(ruler, possible & ~wire.held_out, TRAIN_READINGS, [~w.held_out for w in wires]),
-            _spread(ruler, possible & wire.held_out, HELD_OUT_READINGS, [w.held_out for w in wires]),
-        ).astype(np.int64)
-        branch = np.clip(np.searchsorted(turns, rows, side="right") - 1, 0, len(turns) - 2)
-        first = (branch == 0) & state.assumed
-        own, held = (np.unique(branch[wire.held_out[rows] == h]).size for h in (False, True))
-        return cls(record, rows, turns, path, branch, own, held, first)
-
-    @property
-    def cycles(self) -> float:
-        """Excursions of the record."""
-        return (len(self.turns) - 1) / 2
-
-    def blocks(self, branches: int) -> Rows:
-        """The block of each reading (m,), given the number of training branches of all records."""
-        if branches >= 2 * FEWEST_BLOCKS:
-            joined = int(np.ceil(BLOCK_READINGS * self.cycles / self.rows.size))  # of small excursions
-            found = self.branch // (2 * joined)
-        elif branches >= FEWEST_BLOCKS:
-            found = self.branch
-        else:
-            cut = int(np.ceil(FEWEST_BLOCKS / max(branches, 1)))
-            begin, end = self.path[self.turns[self.branch]], self.path[self.turns[self.branch + 1]]
-            share = (self.path[self.rows] - begin) / np.maximum(end - begin, 1e-9)
-            found = self.branch * cut + np.clip((share * cut).astype(int), 0, cut - 1)
-        return np.unique(found, return_inverse=True)[1]
-
-    def variables(self, number: float, cycles: float) -> dict[str, Array]:
-        """The plain variables at the readings, by name."""
-        r, rows, turns, branch = self.record, self.rows, self.turns, self.branch
-        t = r.t - r.t[0]
-        rate = np.abs(np.diff(r.u[turns])) / np.maximum(np.diff(t[turns]), 1e-9)
-        clock = np.maximum.accumulate(t + 1e-9 * np.arange(t.size))
-        local = np.abs(np.gradient(_smooth(r.u, 3.0), clock))
-        usual = float(np.median(local[local > 0])) if (local > 0).any() else 1.0
-        step = float(np.median(np.diff(t))) + 1e-9
-        found = {
-            "level": r.u[rows],
-            "direction": np.sign(np.diff(r.u[turns]))[branch],
-            "cycle": cycles + branch / 2,
-            "history": r.u[turns[branch]],
-            "run": np.full(rows.size, number),
-            "rate": np.log10(rate[branch] + 1e-3 * rate.max()),
-            "speed": np.log10(np.clip(local[rows], 0.03 * usual, 30 * usual)),
-            "time": t[rows],
-            "since": np.log10(t[rows] - t[turns[branch]] + step),
-        }
-        if "stress" in r.conditions:
-            found["stress"] = r.condition("stress")[rows]
-        return found
-
-
-def _spread(ruler: Array, mask: Mask, most: int, all_masks: Sequence[Mask]) -> Rows:
-    """Rows of a mask, spread evenly over a ruler (n,), as many as the record's share of all rows."""
-    at = np.flatnonzero(mask)
-    if not at.size:
-        return at
-    count = max(int(most * at.size / sum(int(m.sum()) for m in all_masks)), FEWEST_READINGS)
-    own = np.cumsum(np.diff(ruler[at], prepend=ruler[at[0]]).clip(0))
-    return at[np.unique(np.searchsorted(own, np.linspace(0, own[-1], count)).clip(0, at.size - 1))]
