@@ -30,6 +30,9 @@ TRUTHS: dict[
     "rate_gain": ((), ("rate", "speed")),
     "jump": (("output_jump",), ("time", "cycle")),
     "second_population": ((), ()),
+    "input_drift": (("input_drift",), ("time", "cycle")),
+    "training": ((), ("cycle", "time")),
+    "creep": ((), ("since", "speed", "rate", "history")),
 }
 
 
@@ -99,6 +102,8 @@ def _recorded(
     step, read, stress, acting = float(t[1] - t[0]), u, None, u
     if kind == "lag":
         read = _lagging(u, step, 4.0 * strength)
+    if kind == "input_drift":
+        read = u + 5.0 * strength * t / 1000.0
     if kind == "offset":
         acting = u + 3.0 * strength * number * (1 if number % 2 else -0.7)
     if kind == "stress":
@@ -130,9 +135,23 @@ def _changed(y: Array, kind: str, strength: float, t: Array, u: Array, number: i
     if kind == "rate_gain":
         speed = np.abs(np.gradient(u, t))
         return y + (y.max() - y) * 0.12 * strength * np.log(speed + 0.05)
+    if kind == "training":
+        turned = np.cumsum(np.abs(np.diff(u, prepend=u[0]))) / (2 * 45.0) + 12 * number
+        return y.max() - (y.max() - y) * (1 + 0.25 * strength * (1 - np.exp(-turned / 6.0)))
+    if kind == "creep":
+        return _relaxing(y, float(t[1] - t[0]) / (12.0 * strength))
     if kind == "jump":
         return y + 1.2 * size * (t > 0.55 * t[-1]) * (number == 0)
     return y
+
+
+def _relaxing(y: Array, share: float) -> Array:
+    """The output, of which a third follows with a time constant of its own."""
+    late, out = float(y[0]), []
+    for x in y.tolist():
+        late += (x - late) * (1 - np.exp(-share))
+        out.append(late)
+    return (2 * y + np.array(out)) / 3
 
 
 def _run(name: str, rng: np.random.Generator, t: Array, u: Array, y: Array, stress: float | None) -> Run:
