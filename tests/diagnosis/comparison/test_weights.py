@@ -57,7 +57,8 @@ def test_an_interval_narrows_with_the_number_of_blocks():
     def width(blocks):
         per_block = -2 * np.log(lags / 4.0) ** 2
         trials = [Trial({"lag_s": v}, np.full(blocks, s), np.zeros(blocks)) for v, s in zip(lags, per_block)]
-        low, high = interval(Hypothesis((LAG,), tuple(trials)), "lag_s", np.ones((3, blocks)))
+        lag = Hypothesis((LAG,), tuple(trials))
+        low, high = interval(lag, "lag_s", weigh([hypothesis((), np.zeros(blocks)), lag]))
         assert low < 4.0 < high
         return np.log(high / low)
 

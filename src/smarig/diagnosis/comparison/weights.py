@@ -31,6 +31,7 @@ class Weights:
     hypotheses: tuple[Hypothesis, ...]
     weight: Array
     shares: Array
+    temperature: float = TEMPERATURE
 
     @property
     def nothing(self) -> float:
@@ -74,7 +75,7 @@ def weigh(hypotheses: Sequence[Hypothesis], seed: int = 0, temperature: float = 
     log_weight = shares @ scores.T / temperature + _log_prior(hypotheses)
     weight = np.exp(log_weight - log_weight.max(axis=1, keepdims=True))
     weight /= weight.sum(axis=1, keepdims=True)
-    return Weights(tuple(hypotheses), weight.mean(axis=0), shares)
+    return Weights(tuple(hypotheses), weight.mean(axis=0), shares, temperature)
 
 
 def _log_prior(hypotheses: Sequence[Hypothesis]) -> Array:

@@ -38,8 +38,12 @@ def acting_inputs(problem: ReadingProblem, effects: Sequence[MeasurementEffect])
 def added_parts(problem: ReadingProblem, effect: MeasurementEffect, shapes: Sequence[Array]) -> list[Array]:
     """Covariances (m, m) of what an effect adds to the output; ``shapes`` (m,) are its level, slope and width."""
     if effect.kind.by_condition:
-        zero = centred(alike(problem.variables[effect.kind.by_condition], CONDITION_LENGTH), problem.train)
-        return [zero, *(zero * np.outer(f, f) for f in shapes)]
+        z, (level, slope, width) = problem.variables[effect.kind.by_condition], shapes
+        k = centred(alike(z, CONDITION_LENGTH), problem.train)
+        curved = _without_line(
+            k, z, problem.train
+        )  # a shift in proportion to the condition is the effect itself
+        return [k, k * np.outer(level, level), curved * np.outer(slope, slope), k * np.outer(width, width)]
     if effect.kind.name == "input_offset":  # what the search has left of the offsets, and those of other runs
         run = problem.record
         return [centred((run[:, None] == run) * np.outer(shapes[1], shapes[1]), problem.train)]
@@ -65,6 +69,14 @@ def centred(k: Array, train: NDArray[np.bool_]) -> Array:
     """A covariance (m, m) of functions whose mean over the training readings is zero."""
     column = k[:, train].mean(axis=1)
     return k - column[:, None] - column + float(column[train].mean())
+
+
+def _without_line(k: Array, z: Array, train: NDArray[np.bool_]) -> Array:
+    """A covariance (m, m) of functions without a constant and a linear part in z over the training readings."""
+    line = np.column_stack([np.ones(z.size), (z - z.mean()) / (float(np.ptp(z)) or 1.0)])
+    weights = np.linalg.pinv(line[train])
+    half = k - line @ (weights @ k[train])
+    return half - (half[:, train] @ weights.T) @ line.T
 
 
 def testable_effects(problem: ReadingProblem) -> list[tuple[MeasurementEffectType, Tries]]:

@@ -10,15 +10,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from smarig.diagnosis.comparison.hypothesis import Hypothesis, Trial
-from smarig.diagnosis.comparison.weights import CREDIBLE, TEMPERATURE
+from smarig.diagnosis.comparison.weights import CREDIBLE, Weights
 
 Array = NDArray[np.float64]
 POINTS = 400
 DRAWS = 200
 
 
-def interval(hypothesis: Hypothesis, parameter: str, shares: Array) -> tuple[float, float]:
-    """The central 95 % of a parameter, with the others at their best for each value, for ``shares`` (draws, B)."""
+def interval(hypothesis: Hypothesis, parameter: str, weights: Weights) -> tuple[float, float]:
+    """The central 95 % of a parameter, with the others at their best for each value."""
     first: dict[tuple[float, ...], Trial] = {}
     for trial in hypothesis.trials:  # the first of its values: later ones were fitted with other slopes
         first.setdefault(tuple(trial.parameters.values()), trial)
@@ -31,7 +31,7 @@ def interval(hypothesis: Hypothesis, parameter: str, shares: Array) -> tuple[flo
     logarithmic = bool(np.all(values > 0))
     x = np.log(values) if logarithmic else values
     grid = np.linspace(x[0], x[-1], POINTS)
-    totals = shares[:DRAWS] @ np.array([scores[v] for v in values.tolist()]).T / TEMPERATURE
+    totals = weights.shares[:DRAWS] @ np.array([scores[v] for v in values.tolist()]).T / weights.temperature
     density = np.zeros(POINTS)
     for row in totals:
         p = np.exp(np.interp(grid, x, row - row.max()))

@@ -24,7 +24,7 @@ from smarig.diagnosis.comparison.measured.reading_problem import ReadingProblem,
 from smarig.diagnosis.comparison.measured.varied_together import confounded
 from smarig.diagnosis.comparison.measured.wire_records import WireRecord, wire_records
 from smarig.diagnosis.comparison.rules import RULES, Evidence, Verdict, decide
-from smarig.diagnosis.comparison.weights import Weights, weigh
+from smarig.diagnosis.comparison.weights import TEMPERATURE, Weights, weigh
 from smarig.measurement import measurement_effect_types
 from smarig.record import Run
 
@@ -78,7 +78,7 @@ def compare_measured(
     if missing < RULES["not_determined"].value:
         problem = problem.with_unseen()
         scene, base = replace(scene, problem=problem), replace(base, problem=problem)
-    weights = weigh(searched_hypotheses(scene, base, progress, without=without))
+    weights = _weighed(problem, searched_hypotheses(scene, base, progress, without=without))
     held = _held_out_errors(base, weights)
     verdict = decide(_evidence(problem, base, weights, held))
     between = None
@@ -100,6 +100,12 @@ def compare_measured(
         between=between,
         seconds=time.monotonic() - started,
     )
+
+
+def _weighed(problem: ReadingProblem, hypotheses: Sequence[Hypothesis]) -> Weights:
+    """The weights; the segments of a branch count as one, for their errors are not independent."""
+    cut = problem.counts.size / max(2 * problem.independent, 1)
+    return weigh(hypotheses, temperature=TEMPERATURE * max(cut, 1.0))
 
 
 def _fitted(hypothesis: Hypothesis) -> Fitted:
@@ -135,7 +141,7 @@ def _evidence(problem: ReadingProblem, base: Fitted, weights: Weights, held: Map
         error=base.misfit,
         noise=base.fit.noise,
         block_error=float(np.sqrt(_fitted(weights.heaviest).fit.sizes[-2])),
-        blocks=problem.excursions + (problem.held_excursions if problem.unseen else 0),
+        blocks=problem.independent,
         confounded=confounded(problem, weights.causes),
         held_out=ratios,
         acts_through={p: _acts_through(p) for p in weights.causes},
@@ -163,7 +169,7 @@ def _parameters(weights: Weights) -> dict[str, dict[str, tuple[float, float, flo
         single = next(h for h in weights.hypotheses if h.parts == (part,))
         best = weights.best_with(part).best.parameters
         for name in single.best.parameters:
-            low, high = interval(single, name, weights.shares)
+            low, high = interval(single, name, weights)
             value = best[name]
             found.setdefault(part.name, {})[name] = (value, min(low, value), max(high, value))
     return found
@@ -183,7 +189,7 @@ def _with_held_out_runs(
         return verdict, None
     problem = reading_problem([replace(w, held_out=np.zeros_like(w.held_out)) for w in wires])
     scene, plain = first_scene(problem, BASE_STEPS)
-    weights = weigh(searched_hypotheses(scene, plain, lambda _: None, BETWEEN_RUNS, without))
+    weights = _weighed(problem, searched_hypotheses(scene, plain, lambda _: None, BETWEEN_RUNS, without))
     found = decide(_evidence(problem, plain, weights, {}))
     clearer = found.word in ("named", "ambiguous") or found.depends_on is not None
     return (found if clearer and verdict.depends_on is None else verdict), weights

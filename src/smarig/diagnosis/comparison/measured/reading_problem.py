@@ -62,6 +62,11 @@ class ReadingProblem:
         return np.array([b.size for b in (*self.blocks, *self.unseen)], dtype=float)
 
     @property
+    def independent(self) -> int:
+        """Excursions that are predicted."""
+        return self.excursions + (self.held_excursions if self.unseen else 0)
+
+    @property
     def clock(self) -> bool:
         """Whether all records have a clock."""
         return all(r.clock for r in self.records)
