@@ -17,8 +17,7 @@ import numpy as np
 
 from benchmarks.boxes.relay_worlds import TRUTHS, relay_world
 from benchmarks.real import CASES, DATA, QUICK, _imported
-from smarig.diagnosis import MeasuredDiagnosis, diagnose
-from smarig.diagnosis.comparison.measured.measured_comparison import MeasuredComparison, compare_measured
+from smarig.diagnosis import MeasuredComparison, MeasuredDiagnosis, compare_measured, diagnose
 from smarig.identification import identify
 from smarig.record import Run
 from smarig.study import StudyOptions, study

@@ -10,8 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.record import Run
-from smarig.record.schema import SAMPLE_COLUMNS
+from smarig.record import SAMPLE_COLUMNS, Run
 
 Array = NDArray[np.float64]
 RELAYS = 2000

@@ -8,7 +8,7 @@ from smarig.diagnosis.comparison.rules import SENTENCES
 from smarig.diagnosis.comparison.weights import Weights
 
 
-def to_json(found: MeasuredComparison) -> dict[str, Any]:
+def comparison_json(found: MeasuredComparison) -> dict[str, Any]:
     """The verdict, every cause with its probability, every hypothesis with its score and weight, and the errors."""
     verdict = found.verdict
     return {
