@@ -12,6 +12,11 @@ from smarig.core.lazy_exports import lazy_exports
 
 if TYPE_CHECKING:
     from smarig.diagnosis.commanded_diagnosis import diagnose_commanded as diagnose_commanded
+    from smarig.diagnosis.comparison.measured.comparison_json import comparison_json as comparison_json
+    from smarig.diagnosis.comparison.measured.measured_comparison import (
+        MeasuredComparison as MeasuredComparison,
+    )
+    from smarig.diagnosis.comparison.measured.measured_comparison import compare_measured as compare_measured
     from smarig.diagnosis.critique.calibration import CALIBRATION_BOXES as CALIBRATION_BOXES
     from smarig.diagnosis.critique.calibration import p_text as p_text
     from smarig.diagnosis.critique.candidates import DETECTION_SD as DETECTION_SD

@@ -32,7 +32,7 @@ def _run_of(name: str) -> Callable[..., dict[str, Any]] | None:
 @click.option("--quick", is_flag=True, help="Fewer samples: seconds instead of a minute.")
 @click.option("--boxes", type=int, help="diagnosis, mystery: number of boxes.")
 @click.option("--runs", type=click.IntRange(min=1), help="library: number of runs.")
-@click.option("--seed", type=int, help="diagnosis, mystery, critic, library, plausibility: seed.")
+@click.option("--seed", type=int, help="diagnosis, mystery, critic, library, plausibility, comparison: seed.")
 @click.option("--workers", type=int, help="diagnosis, mystery: number of processes.")
 @click.option(
     "--left-out",
@@ -45,15 +45,19 @@ def _run_of(name: str) -> Callable[..., dict[str, Any]] | None:
 )
 @click.option("--dask", help="diagnosis: address of a Dask scheduler (extra 'scale').")
 @click.option(
-    "-o", "--out", type=FILE, help="diagnosis: file for the answers; an existing file is continued."
+    "-o",
+    "--out",
+    type=FILE,
+    help="diagnosis, comparison: file for the answers; an existing file is continued.",
 )
 @json_option
 def command(name: str, quick: bool, **settings: Any) -> None:
     """Measure speed, memory and accuracy as ratios to a reference program, or the success rate of the diagnosis on
     sealed boxes (synthetic data sets with hidden effects).
 
-    NAME: adaptive, console, critic, density, diagnosis, fast_curves, forward, identify, inverse, large, library, links,
-    live, mystery, one_input, plausibility, real, regulation, self_sensing, soak, tracking, tracking_effects.
+    NAME: adaptive, comparison, console, critic, density, diagnosis, fast_curves, forward, identify, inverse, large,
+    library, links, live, mystery, one_input, plausibility, real, regulation, self_sensing, soak, tracking,
+    tracking_effects.
     """
     make_importable("benchmarks")
     modules = catalogue_names("benchmarks")

@@ -5,7 +5,7 @@ Each rule is a row of ``RULES``: its name, its value, why it is there. ``decide`
     nothing can be tested                          not identifiable
     nothing is likely, or too small to tell        silent if the model is adequate, else unknown
     a cause is likely, and what competes is not    named, if blocks, design and held-out runs allow a name
-    likely causes are effects only                 ambiguous: the set
+    likely causes are several effects              ambiguous: the set
     else                                           unknown, with the variable that the errors go with
 """
 
@@ -41,6 +41,13 @@ RULES = {
     ),
     "beside_block_errors": Rule(1.0, "an effect must remove more than the model's other errors of a block"),
     "least_blocks": Rule(10, "with fewer excursions, how often they are resampled says little"),
+    "replaces_blocks": Rule(
+        0.5,
+        "of the plain model's error on runs that no fit has seen: such a run tells more than many excursions",
+    ),
+    "not_determined": Rule(
+        0.9, "of the held-out error vanishes with one density for all readings: missing knowledge, no change"
+    ),
     "adequate": Rule(3.0, "times the noise: larger errors of blocks left out are seen in a plot"),
     "worse": Rule(
         1.05, "times the error of the plain model on held-out runs: a name must not predict them worse"
@@ -55,6 +62,7 @@ SENTENCES = {
     "confounded": "In these data the cause varies together with others.",
     "worse": "With the likeliest cause, the held-out runs are predicted worse.",
     "left_over": "Beside the likeliest cause, errors go with a variable.",
+    "incomplete": "With the likeliest cause, the errors still go with the variable that it acts through.",
     "beside": "The likeliest cause removes less than the errors that remain.",
     "likely": "No other cause predicts the blocks as well.",
     "shared": "Several causes predict the blocks about equally well.",
@@ -72,7 +80,7 @@ class Evidence:
     ``confounded``: parts that these data cannot part from a part. ``held_out``: error on held-out runs with a part over
     that without, where there are such runs. ``repeatability``: what a settled reading scatters, if known.
     ``effects_alone``: probability that effects are enough, without a dependence on a variable beside them.
-    ``testable``: whether the data can show any effect.
+    ``acts_through``: the variables of an effect. ``testable``: whether the data can show any effect.
     """
 
     causes: Mapping[Part, float]
@@ -85,6 +93,7 @@ class Evidence:
     blocks: int
     confounded: Mapping[Part, tuple[Part, ...]] = field(default_factory=dict)
     held_out: Mapping[Part, float] = field(default_factory=dict)
+    acts_through: Mapping[Part, tuple[Part, ...]] = field(default_factory=dict)
     testable: bool = True
     repeatability: float = inf
     effects_alone: float = 1.0
@@ -124,12 +133,18 @@ def decide(e: Evidence) -> Verdict:
 def _nothing(e: Evidence, reason: str) -> Verdict:
     if e.error <= max(RULES["adequate"].value * e.noise, e.least_size):
         return Verdict("silent", reason)
-    return Verdict("unknown", "inadequate")
+    nothing = e.nothing >= RULES["nothing"].value
+    return Verdict("unknown", "inadequate", depends_on=None if nothing else _likeliest_variable(e))
+
+
+def _likeliest_variable(e: Evidence) -> str | None:
+    return next((p.name for p in e.causes if p.kind == "variable"), None)
 
 
 def _doubt(e: Evidence, part: Part) -> str:
     """Why a likely effect is no name, or nothing."""
-    if e.blocks < RULES["least_blocks"].value:
+    seen = e.held_out.get(part, 1.0) <= RULES["replaces_blocks"].value
+    if e.blocks < RULES["least_blocks"].value and not seen:
         return "few_blocks"
     if e.confounded.get(part):
         return "confounded"
@@ -137,6 +152,8 @@ def _doubt(e: Evidence, part: Part) -> str:
         return "left_over"
     if e.held_out.get(part, 0.0) > RULES["worse"].value:
         return "worse"
+    if any(e.causes.get(v, 0.0) >= RULES["name"].value for v in e.acts_through.get(part, ())):
+        return "incomplete"
     if e.size[part] < RULES["beside_block_errors"].value * e.block_error:
         return "beside"
     return ""
@@ -154,6 +171,9 @@ def _set(e: Evidence, told: list[Part], doubt: str) -> Verdict:
     names = tuple(p.name for p in kept if p.kind == "effect")
     variables = [p.name for p in kept if p.kind == "variable"]
     if doubt in ("worse", "left_over") or not names or variables:
-        likeliest = next((p.name for p in e.causes if p.kind == "variable"), None)
-        return Verdict("unknown", doubt or "variable", names, variables[0] if variables else likeliest)
+        depends_on = variables[0] if variables else _likeliest_variable(e)
+        return Verdict("unknown", doubt or "variable", names, depends_on)
+    if len(names) == 1:  # no set: what it acts through is all that these data say
+        through = [v.name for v in e.acts_through.get(kept[0], ())]
+        return Verdict("unknown", doubt or "shared", names, through[0] if through else None)
     return Verdict("ambiguous", doubt or "shared", names)

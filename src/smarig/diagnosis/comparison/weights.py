@@ -3,7 +3,8 @@
     w_H ∝ E_a [ softmax_H ( log prior_H + Σ_b a_b s_Hb / T ) ],     a ~ B · Dirichlet(1, …, 1) over the B blocks
 
 The Bayesian bootstrap over blocks says how far the choice of blocks decides (pseudo-BMA+, Yao et al., Bayesian Analysis
-13 (2018) 917). The prior is ½ on nothing; single parts share most of the rest, pairs what remains.
+13 (2018) 917). The prior is ½ on nothing; single parts share most of the rest, pairs what remains. A dependence on a
+variable describes and is no cause: what an effect explains as well is the effect's, so each counts ``PRIOR_VARIABLE``.
 """
 
 from collections.abc import Sequence
@@ -17,6 +18,7 @@ from smarig.diagnosis.comparison.hypothesis import Hypothesis, Part
 
 Array = NDArray[np.float64]
 PRIOR_NOTHING, PRIOR_SINGLE, PRIOR_PAIR = 0.5, 0.4, 0.1
+PRIOR_VARIABLE = 0.1
 TEMPERATURE = 3.0  # readings of a block share errors of the model, so their scores count less
 DRAWS = 1000
 CREDIBLE = 0.95
@@ -29,6 +31,7 @@ class Weights:
     hypotheses: tuple[Hypothesis, ...]
     weight: Array
     shares: Array
+    temperature: float = TEMPERATURE
 
     @property
     def nothing(self) -> float:
@@ -72,14 +75,14 @@ def weigh(hypotheses: Sequence[Hypothesis], seed: int = 0, temperature: float = 
     log_weight = shares @ scores.T / temperature + _log_prior(hypotheses)
     weight = np.exp(log_weight - log_weight.max(axis=1, keepdims=True))
     weight /= weight.sum(axis=1, keepdims=True)
-    return Weights(tuple(hypotheses), weight.mean(axis=0), shares)
+    return Weights(tuple(hypotheses), weight.mean(axis=0), shares, temperature)
 
 
 def _log_prior(hypotheses: Sequence[Hypothesis]) -> Array:
     parts = np.array([min(len(h.parts), 2) for h in hypotheses])
     prior = np.array([PRIOR_NOTHING, PRIOR_SINGLE, PRIOR_PAIR])
     count = np.maximum(np.bincount(parts, minlength=3), 1)
-    count[2] = max(
-        count[2], 2 * (count[1] - 1)
-    )  # pairs that could be tried: the best two, each with all others
-    return np.log(prior / count)[parts]
+    # pairs that could be tried: the best two, each with all others
+    count[2] = max(count[2], 2 * (count[1] - 1))
+    variables = np.array([sum(p.kind == "variable" for p in h.parts) for h in hypotheses])
+    return np.log(prior / count)[parts] + variables * np.log(PRIOR_VARIABLE)

@@ -1,0 +1,200 @@
+"""A candidate: effects and variables added to the plain model, fitted to the readings and scored by blocks."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import eigh
+
+from smarig.diagnosis.comparison.hypothesis import Part, Trial
+from smarig.diagnosis.comparison.left_out_blocks import left_out, log_t_density
+from smarig.diagnosis.comparison.measured.acting_effects import acting_inputs, added_parts
+from smarig.diagnosis.comparison.measured.density_prior import (
+    SLOPE_STEP,
+    DensityPrior,
+    density_prior,
+)
+from smarig.diagnosis.comparison.measured.gaussian_fit import LEVEL, GaussianFit, fit_gaussian
+from smarig.diagnosis.comparison.measured.plain_variables import Surface, variable_parts
+from smarig.diagnosis.comparison.measured.reading_problem import ReadingProblem
+from smarig.measurement import MeasurementEffect
+
+Array = NDArray[np.float64]
+Rows = NDArray[np.int64]
+SLOPE_SIZE = 0.3  # of the output's standard deviation: slopes are comparable with the level
+FIRST_SIZE, ADDED_SIZE, BLOCK_SIZE, NOISE_SIZE = 0.3, 0.005, 1e-3, 1e-4
+SMALL = 1e-2
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """What is added to the plain model: effects with their values, and variables."""
+
+    effects: tuple[MeasurementEffect, ...] = ()
+    variables: tuple[str, ...] = ()
+
+    @property
+    def parts(self) -> tuple[Part, ...]:
+        """The parts of a hypothesis."""
+        effects = [Part("effect", e.kind.name) for e in self.effects]
+        return (*effects, *(Part("variable", v) for v in self.variables))
+
+    def with_effect(self, effect: MeasurementEffect) -> "Candidate":
+        """With one more effect."""
+        return replace(self, effects=(*self.effects, effect))
+
+    @property
+    def moves_input(self) -> bool:
+        """Whether an effect changes the input that acts."""
+        return any(not e.kind.additive for e in self.effects)
+
+
+@dataclass(frozen=True, eq=False)
+class Fitted:
+    """A candidate with its covariances (m, m): ``common`` of every hypothesis, ``own`` of its parts."""
+
+    candidate: Candidate
+    prior: DensityPrior
+    common: tuple[Array, ...]
+    own: tuple[Array, ...]
+    fit: GaussianFit
+    problem: ReadingProblem
+
+    @property
+    def matrices(self) -> list[Array]:
+        """In the order of the sizes."""
+        return [*self.common, *self.own, self.problem.within_block]
+
+    def predicted(self, matrices: Sequence[Array] | None = None, sizes: Array | None = None) -> Array:
+        """Outputs (m,) of all readings, from the training readings."""
+        train, dual = self.problem.train, self.fit.dual
+        matrices = self.matrices[:-1] if matrices is None else matrices
+        sizes = self.fit.sizes[: len(matrices)] if sizes is None else sizes
+        level = LEVEL * float(dual.sum())
+        return level + np.add.reduce([s * (k[:, train] @ dual) for s, k in zip(sizes, matrices)])
+
+    @property
+    def misfit(self) -> float:
+        """Rms of what the model leaves of the training readings that it is fitted to."""
+        train = self.problem.train
+        return float(np.sqrt(np.mean((self.problem.y - self.predicted())[train] ** 2)))
+
+    @property
+    def added(self) -> Array:
+        """What the own parts add to the readings (m,)."""
+        begin, train = len(self.common), self.problem.train
+        sizes = self.fit.sizes[begin : begin + len(self.own)]
+        parts = [s * (k[:, train] @ self.fit.dual) for s, k in zip(sizes, self.own)]
+        return np.add.reduce(parts) if parts else np.zeros(train.size)
+
+    @cached_property
+    def run_error(self) -> float:
+        """Rms of the errors of each training run predicted from the others."""
+        runs = self.problem.record[self.problem.train]
+        error, _ = left_out(
+            self.fit.precision, self.fit.dual, [np.flatnonzero(runs == r) for r in np.unique(runs)]
+        )
+        return float(np.sqrt(np.mean(error**2)))
+
+    def held_out_error(self) -> Array:
+        """Errors of the held-out readings."""
+        held = ~self.problem.train
+        return (self.problem.y - self.predicted())[held]
+
+    def trial(self) -> Trial:
+        """The trial of the hypothesis; its state is what fits it again."""
+        values = {k: v for e in self.candidate.effects for k, v in e.values.items() if k != "reference"}
+        squares = [float(np.sum(self.fit.error[b] ** 2)) for b in self.problem.blocks]
+        unseen = [self._unseen(rows) for rows in self.problem.unseen]
+        scores = np.r_[self.fit.scores, [s for s, _ in unseen]]
+        return Trial(values, scores, np.r_[squares, [q for _, q in unseen]], self)
+
+    def _unseen(self, rows: Rows) -> tuple[float, float]:
+        """(log predictive density, sum of squared errors) of the held-out readings at ``rows`` of m."""
+        train, sizes = self.problem.train, self.fit.sizes
+        cross = LEVEL + np.add.reduce([s * k[rows][:, train] for s, k in zip(sizes, self.matrices)])
+        own = LEVEL + np.add.reduce([s * k[np.ix_(rows, rows)] for s, k in zip(sizes, self.matrices)])
+        values, vectors = eigh(own - cross @ self.fit.precision @ cross.T, check_finite=False)
+        variance = np.maximum(values, 0.0) + sizes[-1]  # differences of large numbers may be negative
+        error = self.problem.y[rows] - cross @ self.fit.dual
+        square = float(np.sum((vectors.T @ error) ** 2 / variance))
+        score = log_t_density(square, rows.size, -0.5 * float(np.log(variance).sum()))
+        return score, float(error @ error)
+
+
+def surface_of(fitted: Fitted) -> Surface:
+    """Level and slope of a fit at all readings; those of training readings from blocks left out."""
+    problem = fitted.problem
+    level = fitted.predicted()
+    level[problem.train] = problem.y[problem.train] - fitted.fit.error
+    up, down = (fitted.prior.shifted(problem, step) for step in (SLOPE_STEP, -SLOPE_STEP))
+    slope = (up - down)[:, problem.train] @ fitted.fit.dual
+    own = slope[problem.train]
+    size = SLOPE_SIZE * float(problem.y[problem.train].std()) / max(float(np.sqrt(np.mean(own**2))), 1e-12)
+    return Surface(level - level[problem.train].mean(), slope * size)
+
+
+@dataclass(frozen=True, eq=False)
+class Scene:
+    """What candidates of one search share: the problem, a fit without them, and its surface.
+
+    ``target`` (m,) is what the density alone has to explain.
+    """
+
+    problem: ReadingProblem
+    prior: DensityPrior
+    surface: Surface | None
+    sizes: Array
+    target: Array
+
+    def of(self, fitted: Fitted) -> "Scene":
+        """With the density and the slopes of a fit: those of the plain model contain the errors that it explains."""
+        target = self.problem.y - fitted.added
+        prior = density_prior(self.problem, acting_inputs(self.problem, fitted.candidate.effects), target)
+        sizes = np.r_[fitted.fit.sizes[: len(fitted.common)], fitted.fit.sizes[-2:]]
+        return Scene(self.problem, prior, surface_of(fitted), sizes, target)
+
+    @cached_property
+    def slope_noise(self) -> list[Array]:
+        """Covariance (m, m) of the noise of the input."""
+        return [np.diag(self.surface.slope**2)] if self.surface is not None else []
+
+    def fitted(self, candidate: Candidate, iterations: int, *, same_input: bool = False) -> Fitted:
+        """A candidate with sizes found from those of the scene (``iterations`` 0 keeps them).
+
+        ``same_input``: the scene's density is that of the input that the candidate moves.
+        """
+        problem, prior = self.problem, self.prior
+        if candidate.moves_input and not same_input:
+            prior = density_prior(problem, acting_inputs(problem, candidate.effects), self.target)
+        common = (prior.covariance, *problem.always, *self.slope_noise)
+        own: list[Array] = []
+        if self.surface is not None:
+            for effect in candidate.effects:
+                own += added_parts(problem, effect, self.surface.shapes(problem))
+            for name in candidate.variables:
+                own += variable_parts(problem, name, self.surface)
+        at = np.ix_(problem.train, problem.train)
+        matrices = [*common, *own, problem.within_block]
+        n = len(common)
+        sizes = np.r_[self.sizes[:n], [ADDED_SIZE] * len(own), self.sizes[-2:]]
+        fit = fit_gaussian(
+            problem.y[problem.train], [k[at] for k in matrices], problem.blocks, sizes, iterations
+        )
+        return Fitted(candidate, prior, common, tuple(own), fit, problem)
+
+
+def first_scene(problem: ReadingProblem, iterations: int) -> tuple[Scene, Fitted]:
+    """The scene of the plain model, and the plain model."""
+    prior = density_prior(problem, acting_inputs(problem, ()), problem.y)
+    count = 1 + len(problem.always)
+    sizes = np.r_[FIRST_SIZE, [SMALL] * (count - 1), BLOCK_SIZE, NOISE_SIZE]
+    rough = Scene(problem, prior, None, sizes, problem.y)
+    first = rough.fitted(Candidate(), iterations)
+    surface = surface_of(first)
+    sizes = np.r_[first.fit.sizes[:-2], BLOCK_SIZE / 10, first.fit.sizes[-2:]]
+    scene = replace(rough, surface=surface, sizes=sizes)
+    base = scene.fitted(Candidate(), iterations)
+    return replace(scene, sizes=base.fit.sizes), base

@@ -1,0 +1,100 @@
+"""A Gaussian problem whose covariance is a sum of given matrices: sizes by evidence, then blocks left out.
+
+    y ~ N(0, 10·11ᵀ + Σ_k s_k K_k + σ² I),    s by L-BFGS on log s with the analytic gradient
+
+A weak prior keeps the log of a size near ``USUAL``, so that one that the data do not ask for is small, not random.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import LinAlgError, cholesky, get_lapack_funcs
+from scipy.optimize import minimize
+
+from smarig.diagnosis.comparison.left_out_blocks import left_out
+
+Array = NDArray[np.float64]
+LEVEL = 10.0  # variance of the unknown constant
+USUAL, SPREAD = -6.0, 15.0  # log of a size, of outputs with a range of one
+LEAST_NOISE = 1e-3  # of the range
+BOUNDS = (-16.0, 4.0)
+(_POTRI,) = get_lapack_funcs(("potri",), dtype=np.float64)
+
+
+@dataclass(frozen=True, eq=False)
+class GaussianFit:
+    """Sizes (k + 1,), the last that of the noise; K⁻¹ and K⁻¹y; error (n,) and score (B,) of blocks left out."""
+
+    sizes: Array
+    precision: Array
+    dual: Array
+    error: Array
+    scores: Array
+
+    @property
+    def noise(self) -> float:
+        """Standard deviation of a reading."""
+        return float(np.sqrt(self.sizes[-1]))
+
+    @property
+    def rms(self) -> float:
+        """Of the left-out errors."""
+        return float(np.sqrt(np.nanmean(self.error**2)))
+
+
+def fit_gaussian(
+    y: Array,
+    parts: Sequence[Array],
+    blocks: Sequence[NDArray[np.int64]],
+    start: Array,
+    iterations: int,
+) -> GaussianFit:
+    """The fit of outputs (n,) with covariances (n, n); ``start`` (k + 1,) are sizes, ``iterations`` 0 keeps them."""
+    stack = np.array(parts).reshape(len(parts), -1)
+    low = np.full(start.size, BOUNDS[0])
+    low[-1] = 2 * np.log(LEAST_NOISE)
+    x = np.clip(np.log(np.maximum(start, 1e-12)), low, BOUNDS[1])
+    if iterations:
+        found = minimize(
+            _misfit,
+            x,
+            (y, stack),
+            jac=True,
+            method="L-BFGS-B",
+            bounds=[(b, BOUNDS[1]) for b in low],
+            options={"maxiter": iterations},
+        )
+        x = found.x
+    sizes = np.exp(x)
+    _, precision = _inverted(y.size, stack, sizes)
+    dual = precision @ y
+    error, scores = left_out(precision, dual, blocks)
+    return GaussianFit(sizes, precision, dual, error, scores)
+
+
+def _inverted(n: int, stack: Array, sizes: Array) -> tuple[float, Array]:
+    """(log det K / 2, K⁻¹)."""
+    k = (sizes[:-1] @ stack).reshape(n, n) + LEVEL
+    k[np.arange(n), np.arange(n)] += sizes[-1]
+    factor = cholesky(k, lower=True, check_finite=False)
+    half_log_det = float(np.log(np.diag(factor)).sum())
+    precision = _POTRI(factor, lower=1)[0]  # its upper triangle stays zero
+    precision = precision + precision.T
+    precision[np.arange(n), np.arange(n)] /= 2
+    return half_log_det, precision
+
+
+def _misfit(x: Array, y: Array, stack: Array) -> tuple[float, Array]:
+    sizes = np.exp(x)
+    try:
+        half_log_det, precision = _inverted(y.size, stack, sizes)
+    except LinAlgError:
+        return 1e10, np.zeros(x.size)
+    dual = precision @ y
+    outer = precision - np.outer(dual, dual)
+    gradient = 0.5 * sizes * np.r_[stack @ outer.ravel(), np.trace(outer)]
+    away = (x - USUAL) / SPREAD
+    value = 0.5 * float(y @ dual) + half_log_det + float(away @ away) / 2
+    return value, gradient + away / SPREAD

@@ -1,0 +1,184 @@
+"""The search for hypotheses: nothing, each effect, each variable, and pairs with the best effect and the best variable.
+
+Values of an effect are first ranked with the sizes of the plain model, one factorisation each; the sizes are fitted at
+the best of them, and between them.
+"""
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from smarig.diagnosis.comparison.hypothesis import Hypothesis, Part, Trial
+from smarig.diagnosis.comparison.measured.acting_effects import Tries, testable_effects
+from smarig.diagnosis.comparison.measured.candidates import Candidate, Fitted, Scene
+from smarig.diagnosis.comparison.measured.plain_variables import testable_variables
+from smarig.measurement import MeasurementEffect, MeasurementEffectType
+
+FIT_STEPS = 12  # iterations of the sizes
+KEPT = 3  # values of a parameter whose sizes are fitted
+ROUNDS = 2  # of values half way to the neighbours of the best
+WORTH_A_PAIR = 2.0  # nats that the best part must gain, before pairs are tried
+Progress = Callable[[str], None]
+
+
+@dataclass(frozen=True, eq=False)
+class Search:
+    """A search in a scene, for candidates that extend ``start``."""
+
+    scene: Scene
+    start: Candidate
+    progress: Progress = lambda _: None
+
+    def nothing(self, base: Fitted) -> Hypothesis:
+        """The hypothesis without parts."""
+        return Hypothesis((), (base.trial(),))
+
+    def variable(self, name: str) -> Hypothesis:
+        """The hypothesis that adds a variable."""
+        candidate = replace(self.start, variables=(*self.start.variables, name))
+        fitted = self.scene.fitted(candidate, FIT_STEPS)
+        self.progress(name)
+        return _slim(Hypothesis(candidate.parts, (fitted.trial(), *self._again(fitted))))
+
+    def effect(self, kind: MeasurementEffectType, tries: Tries) -> Hypothesis:
+        """The hypothesis that adds an effect, with the trials of its values; one parameter after the other."""
+        fixed = self._reference(kind)
+        values = fixed | {name: _neutral(t) for name, t in tries.items()}
+        trials: dict[tuple[float, ...], Trial] = {}
+
+        def ranked(v: dict[str, float]) -> float:
+            return _score(self._trial(kind(**v), 0))
+
+        def fitted(v: dict[str, float]) -> float:
+            key = tuple(v.values())
+            if key not in trials:
+                trials[key] = self._trial(kind(**v), FIT_STEPS)
+            return _score(trials[key])
+
+        kept, rounds = (1, 0) if self.start.parts else (KEPT, ROUNDS)
+        for name, options in tries.items():
+            best_first = sorted(options, key=lambda x, n=name: -ranked(values | {n: x}))
+            scores = {x: fitted(values | {name: x}) for x in best_first[:kept]}
+            for _ in range(rounds if kind.name != "output_jump" else 0):
+                for x in _between(sorted({*options, *scores}), max(scores, key=lambda x: scores[x])):
+                    scores[x] = fitted(values | {name: x})
+            values[name] = max(scores, key=lambda x: scores[x])
+        best = max(trials.values(), key=_score)
+        for again in self._again(best.state):
+            trials[*best.parameters.values(), np.inf] = again
+        self.progress(f"{kind.name}: " + ", ".join(f"{v:.3g}" for v in best.parameters.values()))
+        return _slim(Hypothesis(best.state.candidate.parts, tuple(trials.values())))
+
+    def _trial(self, effect: MeasurementEffect, iterations: int) -> Trial:
+        return self.scene.fitted(self.start.with_effect(effect), iterations).trial()
+
+    def _again(self, fitted: Fitted) -> list[Trial]:
+        """A candidate once more, in its own scene; pairs already stand in that of their first part."""
+        if self.start.parts:
+            return []
+        scene = self.scene.of(fitted)
+        return [scene.fitted(fitted.candidate, FIT_STEPS, same_input=True).trial()]
+
+    def _reference(self, kind: MeasurementEffectType) -> dict[str, float]:
+        if not kind.by_condition:
+            return {}
+        return {"reference": self.scene.problem.records[0].conditions[kind.by_condition]}
+
+
+def _slim(hypothesis: Hypothesis) -> Hypothesis:
+    """The fit of the best trial only: matrices of all would fill the memory."""
+    best = hypothesis.best
+    return replace(
+        hypothesis, trials=tuple(t if t is best else replace(t, state=None) for t in hypothesis.trials)
+    )
+
+
+def _score(trial: Trial) -> float:
+    return float(trial.log_scores.sum())
+
+
+def _neutral(tries: Sequence[float]) -> float:
+    return 0.0 if 0.0 in tries else tries[len(tries) // 2]
+
+
+def _between(values: Sequence[float], best: float) -> list[float]:
+    """Half way from the best value to its neighbours, on a logarithmic scale where all have one sign."""
+    k = values.index(best)
+    near = [values[n] for n in (k - 1, k + 1) if 0 <= n < len(values)]
+    return [float(np.sign(x) * np.sqrt(x * best)) if x * best > 0 else 0.5 * (x + best) for x in near]
+
+
+def searched_hypotheses(
+    scene: Scene,
+    base: Fitted,
+    progress: Progress,
+    only: Iterable[str] | None = None,
+    without: Sequence[str] = (),
+) -> list[Hypothesis]:
+    """All hypotheses; ``only`` and ``without`` are names of effects and variables."""
+    effects = [(k, t) for k, t in testable_effects(scene.problem) if _asked(k.name, only, without)]
+    variables = [v for v in testable_variables(scene.problem) if _asked(v, only, without)]
+    search = Search(scene, Candidate(), progress)
+    found = [search.nothing(base)]
+    tried = [(search.effect(k, t), (k, t)) for k, t in effects]
+    tried = [
+        max((t for t in tried if t[1][0] is k), key=lambda t: _score(t[0].best)) for k in _kinds(effects)
+    ]
+    found += [h for h, _ in tried]
+    effects = [e for _, e in tried]
+    found += [search.variable(v) for v in variables]
+    return [*found, *_pairs(scene, found, effects, variables, progress)]
+
+
+def _kinds(effects: Sequence[tuple[MeasurementEffectType, Tries]]) -> list[MeasurementEffectType]:
+    return [k for n, (k, _) in enumerate(effects) if all(k is not other for other, _ in effects[:n])]
+
+
+def _asked(name: str, only: Iterable[str] | None, without: Sequence[str]) -> bool:
+    return name not in without and (only is None or name in only)
+
+
+def _pairs(
+    scene: Scene,
+    singles: Sequence[Hypothesis],
+    effects: Sequence[tuple[MeasurementEffectType, Tries]],
+    variables: Sequence[str],
+    progress: Progress,
+) -> list[Hypothesis]:
+    """The best effect, and the best variable, each with every other part."""
+    found: list[Hypothesis] = []
+    nothing = float(singles[0].log_scores.sum())
+    for kind in ("effect", "variable"):
+        own = [h for h in singles if h.parts and h.parts[0].kind == kind]
+        best = max(own, key=lambda h: float(h.log_scores.sum()), default=None)
+        if best is None or float(best.log_scores.sum()) < nothing + WORTH_A_PAIR:
+            continue
+        search = _extending(scene, best, progress)
+        known = {frozenset(h.parts) for h in found}
+        for other, tries in effects:
+            part = Part("effect", other.name)
+            if part in best.parts or frozenset((part, *best.parts)) in known:
+                continue
+            found.append(
+                search.effect(other, _narrowed(tries, next(h for h in singles if h.parts == (part,))))
+            )
+        for name in variables if kind == "effect" else ():
+            found.append(search.variable(name))
+    return found
+
+
+def _extending(scene: Scene, best: Hypothesis, progress: Progress) -> Search:
+    fitted: Fitted = best.best.state
+    return Search(scene.of(fitted), fitted.candidate, progress)
+
+
+def _narrowed(tries: Tries, single: Hypothesis) -> Tries:
+    """The best value of a single effect and its neighbours in the first tries."""
+    found: Tries = {}
+    for name, options in tries.items():
+        best = single.best.parameters[name]
+        near = sorted({*options, best})
+        k = near.index(best)
+        found[name] = tuple(near[max(k - 1, 0) : k + 2])
+    return found

@@ -1,0 +1,35 @@
+"""The share of the held-out error that is missing knowledge: one density of relays predicts all readings as well.
+
+    share = 1 − (S_h(all) + S_t(all) − S_t(train)) / S_h,    S: sums of squares of positive fits
+
+S_h is the plain model's held-out error. A wire that changed, or an input that is shifted, cannot be fitted by one
+density without a larger error of the training readings; a turn inside the fitted loop can.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import nnls
+
+from smarig.diagnosis.comparison.measured.candidates import Fitted
+
+Array = NDArray[np.float64]
+CONSTANT = 10.0  # column of the unknown zero, of either sign
+
+
+def missing_share(base: Fitted) -> float:
+    """Share of the held-out square error that one density for all readings would not have."""
+    train, y = base.problem.train, base.problem.y
+    ones = np.full((y.size, 1), CONSTANT)
+    columns = np.hstack([base.prior.features, ones, -ones])
+    error = base.held_out_error()
+    total = float(error @ error)
+    if not total:
+        return 0.0
+    left = _positive_error(columns, y)
+    own = _positive_error(columns[train], y[train])
+    cost = max(float(left[train] @ left[train]) - float(own @ own), 0.0)
+    return max(1.0 - (float(left[~train] @ left[~train]) + cost) / total, 0.0)
+
+
+def _positive_error(columns: Array, y: Array) -> Array:
+    return y - columns @ nnls(columns, y, maxiter=10 * columns.shape[1])[0]

@@ -1,0 +1,68 @@
+"""Smooth discrepancies in one plain variable: of the output, the gain, the input, and the width of the loop.
+
+    k̃ = HkH,    k̃ · (1, ŷŷᵀ, ggᵀ, (g d)(g d)ᵀ),    g: local slope ∂y/∂v,  d: direction
+
+Each is centred, for the constant part is the density's, and every variable would win alike.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from smarig.diagnosis.comparison.measured.acting_effects import CONDITION_LENGTH, centred
+from smarig.diagnosis.comparison.measured.reading_problem import ReadingProblem, alike
+from smarig.diagnosis.comparison.measured.varied_together import at_one_rate, between_runs
+
+Array = NDArray[np.float64]
+LENGTH = 0.35  # of the variable's range
+NEEDS_CLOCK = ("rate", "speed", "time", "since")
+VARIABLES = ("rate", "speed", "time", "cycle", "history", "since", "stress", "run")
+CONDITIONS = ("stress", "run")
+OVER_CYCLES = ("time", "cycle")
+FEWEST_CYCLES = 3  # of one record: with fewer, a drift is a part of the loop
+
+
+@dataclass(frozen=True, eq=False)
+class Surface:
+    """Output ``level`` (m,) of a fit, centred, and its ``slope`` (m,) along the input, of a size like the level's."""
+
+    level: Array
+    slope: Array
+
+    def shapes(self, problem: ReadingProblem) -> tuple[Array, Array, Array]:
+        """What a change of the gain, of the input, and of the width of the loop looks like, (m,) each."""
+        return self.level, self.slope, self.slope * problem.variables["direction"]
+
+
+def testable_variables(problem: ReadingProblem) -> list[str]:
+    """The variables that change over the training readings.
+
+    "run" is one where no recorded condition says what differs between runs, a stress or a rate of each run.
+    """
+    names = [n for n in VARIABLES if n in problem.variables]
+    names = [n for n in names if problem.clock or n not in NEEDS_CLOCK]
+    names = [n for n in names if np.ptp(problem.variables[n][problem.train]) > 1e-9]
+    if _most_cycles(problem) < FEWEST_CYCLES:
+        names = [n for n in names if n not in OVER_CYCLES]
+    if at_one_rate(problem):
+        names = [n for n in names if n not in ("rate", "speed")]
+    known = "stress" in names or ("rate" in names and "rate" in between_runs(problem))
+    return [n for n in names if not (n == "run" and known)]
+
+
+def _most_cycles(problem: ReadingProblem) -> float:
+    cycle = problem.variables["cycle"]
+    return max(
+        float(np.ptp(cycle[problem.record == r])) + 0.5 for r in np.unique(problem.record[problem.train])
+    )
+
+
+def variable_parts(problem: ReadingProblem, name: str, surface: Surface) -> list[Array]:
+    """Covariances (m, m) of the discrepancies in a variable."""
+    z, own = problem.variables[name], problem.variables[name][problem.train]
+    if name not in CONDITIONS:  # nothing is known beyond the training readings: the last value goes on
+        z = np.clip(z, own.min(), own.max())
+    length = CONDITION_LENGTH if name == "stress" else LENGTH
+    k = centred((z[:, None] == z) * 1.0 if name == "run" else alike(z, length), problem.train)
+    return [k, *(k * np.outer(f, f) for f in surface.shapes(problem))]

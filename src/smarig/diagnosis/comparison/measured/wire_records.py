@@ -1,0 +1,102 @@
+"""Records of runs for a comparison: parts of one record joined, and the input without its own noise.
+
+    σ_u = median |Δ²u| / (0.6745 √6),    smoothing over (σ_u / 0.003 range)² / 2√π rows
+
+Noise of the input makes memory that the wire does not have. It is smoothed alike for all hypotheses; otherwise an
+effect that smooths the input would be credited with it.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import gaussian_filter1d
+
+from smarig.measurement import InputRecord, input_records
+from smarig.record import Run
+
+Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
+QUIET_SHARE = 0.003  # of the range: noise that makes no memory worth a name
+LONGEST_SHARE = 0.05  # of the rows, of the smoothing
+
+
+@dataclass(frozen=True, eq=False)
+class WireRecord:
+    """A ``record`` that starts in a state of its own, and its ``held_out`` rows (n,)."""
+
+    record: InputRecord
+    held_out: Mask
+
+
+def wire_records(train: Sequence[Run], held_out: Sequence[Run]) -> list[WireRecord]:
+    """The records of training and held-out runs; a run that continues the one before it is a part of its record."""
+    count = len(input_records(train))
+    joined: list[list[tuple[InputRecord, bool]]] = []
+    for number, record in enumerate(input_records([*train, *held_out])):
+        entry = (record, number >= count)
+        if record.continues and joined:
+            joined[-1].append(entry)
+        else:
+            joined.append([entry])
+    return [_joined(parts) for parts in joined]
+
+
+def _joined(parts: list[tuple[InputRecord, bool]]) -> WireRecord:
+    records = [r for r, _ in parts]
+    held = np.concatenate([np.full(len(r), h) for r, h in parts])
+    columns: dict[str, Any] = {
+        key: np.concatenate([getattr(r, key) for r in records]) for key in ("u", "y", "cycle", "row")
+    }
+    clock = all(r.clock for r in records)
+    t = _clock(records) if clock else np.arange(held.size, dtype=float)
+    whole = replace(records[0], **columns, t=t, clock=clock, readings=None)
+    return WireRecord(replace(whole, u=quiet_input(whole.u)), held)
+
+
+def _clock(records: Sequence[InputRecord]) -> Array:
+    """The time of joined records; a clock that starts again goes on from the last reading."""
+    parts: list[Array] = []
+    for record in records:
+        t = record.t
+        if parts and t[0] <= parts[-1][-1]:
+            t = t - t[0] + parts[-1][-1] + float(np.median(np.diff(t)))
+        parts.append(t)
+    return np.concatenate(parts)
+
+
+def quiet_input(u: Array) -> Array:
+    """The input smoothed as far as its own noise asks for.
+
+    >>> quiet_input(np.arange(5.0)).tolist()
+    [0.0, 1.0, 2.0, 3.0, 4.0]
+    """
+    span = float(np.ptp(u))
+    if u.size < 5 or not span:
+        return u
+    noise = float(np.median(np.abs(np.diff(u, 2)))) / 0.6745 / np.sqrt(6.0)
+    rows = (noise / (QUIET_SHARE * span)) ** 2 / (2 * np.sqrt(np.pi))
+    return gaussian_filter1d(u, min(rows, LONGEST_SHARE * u.size)) if rows > 0.3 else u
+
+
+def large_turns(u: Array, threshold: float) -> NDArray[np.int64]:
+    """Rows at which the input turns by more than a threshold, with both ends.
+
+    >>> large_turns(np.array([0.0, 5, 4.9, 9, 2, 3]), 1.0).tolist()
+    [0, 3, 4, 5]
+    """
+    found, low, high, direction = [0], 0, 0, 0
+    for k, x in enumerate(u.tolist()):
+        high = k if x > u[high] else high
+        low = k if x < u[low] else low
+        if direction >= 0 and x < u[high] - threshold:
+            found += [high] if high > found[-1] else []
+            direction, low = -1, k
+        elif direction <= 0 and x > u[low] + threshold:
+            found += [low] if low > found[-1] else []
+            direction, high = 1, k
+    if found[-1] != u.size - 1:
+        found.append(u.size - 1)
+    return np.array(found)

@@ -1,0 +1,87 @@
+"""Causes that the comparison of measured records names, on wires that share no code with it."""
+
+import numpy as np
+import pytest
+
+from benchmarks.boxes.relay_worlds import TRUTHS, relay_world
+from diagnosis.measured.independent_wire import RelayWire, as_run, lagged, triangles
+from smarig.diagnosis.comparison.measured import record_readings
+from smarig.diagnosis.comparison.measured.comparison_json import comparison_json
+from smarig.diagnosis.comparison.measured.measured_comparison import compare_measured
+
+WIRE = RelayWire(2)
+rng = np.random.default_rng(5)
+PEAKS = (88.0, *rng.uniform(58, 88, 11).round(1).tolist())
+ROWS = [40, 14, 70, 25, 50, 16, 30, 90, 20, 60, 18, 35]
+ASIDE = ("input_drift", "output_jump", "since", "speed", "history")  # asked for in other tests
+
+
+@pytest.fixture(autouse=True)
+def few_readings(monkeypatch):
+    monkeypatch.setattr(record_readings, "TRAIN_READINGS", 90)
+    monkeypatch.setattr(record_readings, "HELD_OUT_READINGS", 50)
+
+
+def drive(rows=ROWS):
+    return triangles(PEAKS, rows=rows)
+
+
+def test_a_thermometer_that_lags_is_named_though_the_output_leads():
+    u = drive()
+    function = 4 / (
+        1 + np.exp((u - 55) / 4)
+    )  # without hysteresis the lag alone makes loops, the wrong way round
+    for y in (WIRE.strain(u), function):
+        found = compare_measured([as_run("a", lagged(u, 5.0, 1.0), y, dt=1.0)], without=ASIDE)
+        assert found.verdict.names == ("input_lag",)
+        value, low, high = found.parameters["input_lag"]["lag_s"]
+        assert low <= value <= high
+        assert value == pytest.approx(5.0, rel=0.3)
+
+
+def test_a_drift_goes_on_in_the_held_out_part():
+    u = drive()
+    t = np.arange(u.size, dtype=float)
+    run = as_run("a", u, WIRE.strain(u) + 0.6 * t / t[-1], dt=1.0)
+    cut = int(0.6 * u.size)
+    parts = [
+        as_run(n, u[s], run["position"][s], dt=1.0) for n, s in (("a", slice(cut)), ("b", slice(cut, None)))
+    ]
+    whole = compare_measured([run], without=ASIDE)
+    assert whole.verdict.names == ("output_drift",)
+    continued = _compared_as_one(parts)
+    assert continued.verdict.names == ("output_drift",)
+    assert continued.held_out[continued.weights.heaviest.name] < 0.5 * continued.held_out["nothing"]
+
+
+def _compared_as_one(parts):
+    """Runs of which the second continues the first."""
+    parts[1].meta["initial"] = "continued"
+    parts[0].meta["imported"] = {"sha256": "a" * 64}
+    parts[1].meta["imported"] = {"sha256": "b" * 64, "continues_sha256": "a" * 64}
+    return compare_measured(parts[:1], parts[1:], without=ASIDE)
+
+
+def test_an_offset_of_a_held_out_run_is_told_by_its_run():
+    u = drive()
+    runs = [as_run(n, u + o, WIRE.strain(u), dt=1.0) for n, o in (("a", 0.0), ("b", 6.0))]
+    found = compare_measured(runs[:1], runs[1:], without=ASIDE)
+    assert found.missing < 0.9
+    assert found.between is not None
+    assert found.verdict.names == ("input_offset",) or found.verdict.depends_on == "run"
+
+
+def test_json_has_every_hypothesis_with_its_weight():
+    world = relay_world("stress", 8)
+    found = compare_measured(world.train, world.held_out, without=(*ASIDE, "output_drift", "ratcheting"))
+    answer = comparison_json(found)
+    assert answer["names"] == ["stress_shift"]
+    assert sum(h["weight"] for h in answer["hypotheses"]) == pytest.approx(1.0)
+    assert answer["held_out"][found.weights.heaviest.name] < 0.2 * answer["held_out"]["nothing"]
+
+
+@pytest.mark.parametrize("kind", TRUTHS)
+def test_worlds_are_alike_for_a_seed(kind):
+    a, b = relay_world(kind, 3), relay_world(kind, 3)
+    assert np.array_equal(a.train[0]["position"], b.train[0]["position"])
+    assert set(a.names) | set(a.variables) or kind in ("nothing", "memoryless", "second_population")

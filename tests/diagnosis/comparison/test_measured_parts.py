@@ -1,0 +1,150 @@
+"""The parts of the comparison of measured records: memory, density, Gaussian fit, records, what varies together."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.stats import multivariate_normal
+
+from diagnosis.measured.independent_wire import RelayWire, as_run, triangles
+from smarig.diagnosis.comparison.hypothesis import Part
+from smarig.diagnosis.comparison.measured import gaussian_fit
+from smarig.diagnosis.comparison.measured.density_prior import density_prior
+from smarig.diagnosis.comparison.measured.gaussian_fit import LEVEL, fit_gaussian
+from smarig.diagnosis.comparison.measured.memory_features import MemoryGrid
+from smarig.diagnosis.comparison.measured.reading_problem import reading_problem
+from smarig.diagnosis.comparison.measured.varied_together import at_one_rate, between_runs, confounded
+from smarig.diagnosis.comparison.measured.wire_records import (
+    WireRecord,
+    large_turns,
+    quiet_input,
+    wire_records,
+)
+from smarig.measurement import input_records
+
+PEAKS = (88.0, 62.0, 80.0, 58.0, 85.0, 66.0, 75.0, 60.0, 82.0, 70.0, 78.0)
+
+
+def relays_up(u, up, down, hot):
+    for x in u:
+        hot = (x > up) | (hot & (x >= down))
+    return hot
+
+
+@pytest.mark.parametrize("up_at_start", [False, True])
+def test_features_are_the_shares_of_each_cell_that_are_up(up_at_start):
+    rng = np.random.default_rng(3)
+    grid = MemoryGrid(cells=6)
+    u = np.r_[float(up_at_start), rng.uniform(0, 1, 40)]
+    features = grid.features(u, np.array([0, 7, 25, 40]), up=up_at_start)
+    i, j = grid.pairs
+    up = (i[:, None] + rng.uniform(0, 1, 4000)) / 6
+    down = (j[:, None] + rng.uniform(0, 1, 4000)) / 6
+    for row, n in enumerate((0, 7, 25, 40)):
+        hot = relays_up(u[: n + 1], up, down, np.full(up.shape, up_at_start))
+        assert features[row, : i.size] == pytest.approx(hot.mean(axis=1), abs=0.04)
+
+
+def test_nearly_equal_reversals_change_the_features_by_as_little():
+    grid = MemoryGrid()
+    a, b = np.array([0.0, 0.8, 0.3, 0.80001, 0.5]), np.array([0.0, 0.8, 0.3, 0.79999, 0.5])
+    change = grid.features(a, np.array([4]), up=False) - grid.features(b, np.array([4]), up=False)
+    assert np.abs(change).max() < 1e-3
+
+
+def test_the_gradient_of_the_evidence_is_that_of_finite_differences():
+    rng = np.random.default_rng(0)
+    parts = [a @ a.T for a in rng.standard_normal((2, 9, 9))]
+    stack, y, x = np.array(parts).reshape(2, -1), rng.standard_normal(9), np.array([-1.0, 0.3, -2.0])
+    _, gradient = gaussian_fit._misfit(x, y, stack)
+    for k in range(3):
+        step = 1e-5 * np.eye(3)[k]
+        slope = (
+            gaussian_fit._misfit(x + step, y, stack)[0] - gaussian_fit._misfit(x - step, y, stack)[0]
+        ) / 2e-5
+        assert gradient[k] == pytest.approx(slope, rel=1e-5)
+
+
+def test_sizes_are_those_of_the_largest_evidence():
+    rng = np.random.default_rng(1)
+    z = np.linspace(0, 1, 60)
+    k = np.exp(-0.5 * ((z[:, None] - z) / 0.1) ** 2)
+    y = rng.multivariate_normal(np.zeros(60), 0.5 * k + 0.01 * np.eye(60))
+    fit = fit_gaussian(y, [k], [np.arange(30), np.arange(30, 60)], np.array([0.1, 0.1]), 60)
+
+    def evidence(a, b):
+        return multivariate_normal(cov=LEVEL + a * k + b * np.eye(60)).logpdf(y)
+
+    best = evidence(*fit.sizes)
+    assert all(best > evidence(*(fit.sizes * f)) for f in ((3, 1), (0.3, 1), (1, 1.7), (1, 0.6)))
+    assert fit.noise == pytest.approx(0.1, rel=0.3)
+
+
+def split_run(dt=1.0):
+    u = triangles(PEAKS, rows=20)
+    run = as_run("a", u, RelayWire(1).strain(u), dt=dt)
+    [record] = input_records([run])
+    return [WireRecord(record, np.arange(len(record)) >= 200)]
+
+
+def test_a_run_that_continues_is_one_record_with_held_out_rows(monkeypatch):
+    u = triangles(PEAKS, rows=20)
+    runs = [as_run("a", u, u, dt=1.0), as_run("b", u, u, dt=1.0)]
+    first, second = input_records(runs)
+    where = "smarig.diagnosis.comparison.measured.wire_records.input_records"
+
+    def records(asked):
+        return [first, replace(second, continues=True)][: len(asked)]
+
+    monkeypatch.setattr(where, records)
+    [wire] = wire_records(runs[:1], runs[1:])
+    assert wire.held_out.sum() == len(second)
+    assert np.all(np.diff(wire.record.t) > 0)  # the clock that starts again goes on
+
+
+def test_blocks_hold_no_training_and_held_out_readings_at_once():
+    problem = reading_problem(split_run())
+    for b in np.unique(problem.block):
+        assert np.unique(problem.train[problem.block == b]).size == 1
+    assert problem.excursions + problem.held_excursions == pytest.approx(len(PEAKS), abs=1)
+    assert all(not problem.train[rows].any() for rows in problem.with_unseen().unseen)
+
+
+def test_a_positive_density_fits_a_wire_to_its_noise():
+    problem = reading_problem(split_run())
+    prior = density_prior(problem, [r.u for r in problem.records], problem.y)
+    assert (prior.density >= 0).all()
+    left = problem.y - prior.features @ prior.density
+    assert np.std(left) < 0.02
+
+
+def test_noise_of_the_input_is_smoothed_and_its_turns_stay():
+    u = triangles(PEAKS, rows=200)
+    noisy = u + np.random.default_rng(0).normal(0, 0.8, u.size)
+    assert np.std(quiet_input(noisy) - u) < 0.5 * np.std(noisy - u)
+    assert large_turns(quiet_input(noisy), 5.0).size == large_turns(u, 5.0).size
+    assert quiet_input(u) is u
+
+
+def runs_at(rates, stresses=None):
+    u = triangles(PEAKS[:4], rows=40)
+    stresses = stresses or [None] * len(rates)
+    return [
+        as_run(f"run {k}", u, RelayWire(1).strain(u), dt=1 / r, stress=s)
+        for k, (r, s) in enumerate(zip(rates, stresses))
+    ]
+
+
+def test_rate_and_stress_that_change_between_runs_only_cannot_be_parted():
+    lag, stress = Part("effect", "input_lag"), Part("effect", "stress_shift")
+    problem = reading_problem(wire_records(runs_at((0.1, 10.0), (50.0, 150.0)), ()))
+    assert {"rate", "stress", "run"} <= between_runs(problem)
+    assert confounded(problem, [lag, stress]) == {lag: (stress,), stress: (lag,)}
+
+
+def test_at_one_rate_a_lag_is_a_part_of_every_loop():
+    even = triangles((85.0,) * 5, rows=40)
+    uneven = triangles((85.0,) * 5, rows=[20, 80, 30, 100, 40])
+    for u, expected in ((even, True), (uneven, False)):
+        runs = [as_run("a", u, RelayWire(1).strain(u), dt=1.0)]
+        assert at_one_rate(reading_problem(wire_records(runs, ()))) is expected

@@ -1,0 +1,81 @@
+"""The verdict on probabilities: each rule decides, and alone."""
+
+import pytest
+
+from smarig.diagnosis.comparison.hypothesis import Part
+from smarig.diagnosis.comparison.rules import RULES, SENTENCES, Evidence, decide
+
+LAG, DRIFT = Part("effect", "input_lag"), Part("effect", "output_drift")
+RATE, TIME = Part("variable", "rate"), Part("variable", "time")
+
+
+def verdict(causes=None, nothing=0.0, **changes):
+    causes = causes or {LAG: 0.97}
+    given = {
+        "causes": causes,
+        "nothing": nothing,
+        "size": dict.fromkeys(causes, 0.1),
+        "span": 1.0,
+        "error": 0.1,
+        "noise": 0.01,
+        "block_error": 0.01,
+        "blocks": 20,
+        "acts_through": {LAG: (RATE,), DRIFT: (TIME,)},
+    }
+    found = decide(Evidence(**(given | changes)))
+    assert found.reason in SENTENCES
+    return found
+
+
+def test_a_likely_cause_is_named():
+    assert (verdict().word, verdict().names) == ("named", ("input_lag",))
+
+
+def test_nothing_is_silent_if_the_model_is_adequate_and_unknown_if_not():
+    assert verdict({LAG: 0.2}, 0.8, error=0.02).word == "silent"
+    assert verdict({LAG: 0.2}, 0.8, error=0.2).reason == "inadequate"
+
+
+def test_what_changes_too_little_is_not_told():
+    assert verdict(size={LAG: 0.001}, error=0.02).reason == "too_small"
+
+
+@pytest.mark.parametrize(
+    ("changes", "reason"),
+    [
+        ({"blocks": 4}, "few_blocks"),
+        ({"confounded": {LAG: (DRIFT,)}}, "confounded"),
+        ({"held_out": {LAG: 1.2}}, "worse"),
+        ({"block_error": 0.3}, "beside"),
+        ({"causes": {LAG: 0.97, RATE: 0.95}, "size": {LAG: 0.1, RATE: 0.1}}, "incomplete"),
+    ],
+)
+def test_each_doubt_takes_the_name_away(changes, reason):
+    found = verdict(**changes)
+    assert found.word != "named"
+    assert found.reason == reason
+
+
+def test_runs_that_no_fit_has_seen_replace_excursions():
+    better = 0.9 * RULES["replaces_blocks"].value
+    assert verdict(blocks=3, held_out={LAG: better}).word == "named"
+    assert verdict(blocks=3, held_out={LAG: 1.1 * RULES["replaces_blocks"].value}).word != "named"
+
+
+def test_one_candidate_is_no_set_but_the_variable_that_it_acts_through():
+    found = verdict(blocks=4)
+    assert (found.word, found.names, found.depends_on) == ("unknown", ("input_lag",), "rate")
+
+
+def test_effects_that_share_the_weight_are_a_set():
+    found = verdict({LAG: 0.55, DRIFT: 0.45})
+    assert (found.word, set(found.names)) == ("ambiguous", {"input_lag", "output_drift"})
+
+
+def test_a_variable_among_the_likely_causes_makes_the_cause_unknown():
+    found = verdict({TIME: 0.6, DRIFT: 0.4})
+    assert (found.word, found.depends_on) == ("unknown", "time")
+
+
+def test_at_most_fifteen_numbers_decide():
+    assert len(RULES) <= 15
