@@ -101,6 +101,8 @@ def ni(_tmp_path) -> Iterator[Double]:
 
 
 DOUBLES = {"labjack": labjack, "visa": visa, "ni": ni}
+REAL_TIME = pytest.mark.long("a minute of real time")
+NAMES = [pytest.param("labjack", marks=REAL_TIME), "visa", pytest.param("ni", marks=REAL_TIME)]
 
 
 def fail(wire: WireQuantities, change: Callable[[float, float], float]) -> list[float]:
@@ -146,7 +148,7 @@ def ended(double: Double, began: Callable[[], bool]) -> tuple[float, float, str]
 
 
 @pytest.mark.parametrize("fault", FAULTS)
-@pytest.mark.parametrize("double", DOUBLES)
+@pytest.mark.parametrize("double", NAMES)
 def test_a_failing_position_switches_the_current_off(double, fault, tmp_path):
     change, limit_s = FAULTS[fault]
     with DOUBLES[double](tmp_path) as bench:
@@ -158,7 +160,7 @@ def test_a_failing_position_switches_the_current_off(double, fault, tmp_path):
         assert bench.flows_A() == 0.0
 
 
-@pytest.mark.parametrize("double", DOUBLES)
+@pytest.mark.parametrize("double", NAMES)
 def test_a_sound_position_does_not(double, tmp_path):
     with DOUBLES[double](tmp_path) as bench:
         assert ended(bench, lambda: False)[2] == ""
