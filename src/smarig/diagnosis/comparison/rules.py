@@ -105,16 +105,16 @@ def decide(e: Evidence) -> Verdict:
     """The verdict on a comparison of hypotheses."""
     if not e.testable:
         return Verdict("not_identifiable", "not_testable")
-    told = [p for p in e.causes if e.size[p] >= RULES["least_size"].value * e.span]
-    if e.nothing >= RULES["nothing"].value or not told:
+    large = [p for p in e.causes if e.size[p] >= RULES["least_size"].value * e.span]
+    if e.nothing >= RULES["nothing"].value or not large:
         return _nothing(e, "nothing" if e.nothing >= RULES["nothing"].value else "too_small")
-    likely = [p for p in told if e.causes[p] >= RULES["name"].value]
+    likely = [p for p in large if e.causes[p] >= RULES["name"].value]
     effects = [p for p in likely if p.kind == "effect"]
     doubts = {p: _doubt(e, p) for p in effects}
     sure = [p for p in effects if not doubts[p]]
     if sure:
         return Verdict("named", "likely", tuple(p.name for p in sure))
-    return _set(e, told, next((d for d in doubts.values() if d), ""))
+    return _set(e, large, next((d for d in doubts.values() if d), ""))
 
 
 def _nothing(e: Evidence, reason: str) -> Verdict:
@@ -139,11 +139,11 @@ def _doubt(e: Evidence, part: Part) -> str:
     return ""
 
 
-def _set(e: Evidence, told: list[Part], doubt: str) -> Verdict:
+def _set(e: Evidence, large: list[Part], doubt: str) -> Verdict:
     """The smallest set of causes that holds the truth with the probability of the rule."""
     kept: list[Part] = []
     missing = 1.0 - e.nothing
-    for part in told:  # likeliest first
+    for part in large:  # likeliest first
         if missing <= (1.0 - RULES["set"].value) * (1.0 - e.nothing):
             break
         kept += [q for q in (part, *e.confounded.get(part, ())) if q not in kept]

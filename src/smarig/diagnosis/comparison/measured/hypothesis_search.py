@@ -11,12 +11,13 @@ import numpy as np
 
 from smarig.diagnosis.comparison.hypothesis import Hypothesis, Part, Trial
 from smarig.diagnosis.comparison.measured.acting_effects import Tries, testable_effects
-from smarig.diagnosis.comparison.measured.candidates import Candidate, Fitted, Scene
+from smarig.diagnosis.comparison.measured.additions import Addition, Fitted, Scene
 from smarig.diagnosis.comparison.measured.plain_variables import testable_variables
 from smarig.measurement import MeasurementEffect, MeasurementEffectType
 
 FIT_STEPS = 12  # iterations of the sizes
 KEPT = 3  # values of a parameter whose sizes are fitted
+PASSES = 3  # over several parameters, which depend on each other
 ROUNDS = 2  # of values half way to the neighbours of the best
 WORTH_A_PAIR = 2.0  # nats that the best part must gain, before pairs are tried
 Progress = Callable[[str], None]
@@ -27,7 +28,7 @@ class Search:
     """A search in a scene, for candidates that extend ``start``."""
 
     scene: Scene
-    start: Candidate
+    start: Addition
     progress: Progress = lambda _: None
 
     def nothing(self, base: Fitted) -> Hypothesis:
@@ -57,7 +58,8 @@ class Search:
             return _score(trials[key])
 
         kept, rounds = (1, 0) if self.start.parts else (KEPT, ROUNDS)
-        for name, options in tries.items():
+        passes = PASSES if len(tries) > 1 and not self.start.parts else 1
+        for name, options in passes * list(tries.items()):
             best_first = sorted(options, key=lambda x, n=name: -ranked(values | {n: x}))
             scores = {x: fitted(values | {name: x}) for x in best_first[:kept]}
             for _ in range(rounds if kind.name != "output_jump" else 0):
@@ -117,9 +119,9 @@ def searched_hypotheses(
     without: Sequence[str] = (),
 ) -> list[Hypothesis]:
     """All hypotheses; ``only`` and ``without`` are names of effects and variables."""
-    effects = [(k, t) for k, t in testable_effects(scene.problem) if _asked(k.name, only, without)]
-    variables = [v for v in testable_variables(scene.problem) if _asked(v, only, without)]
-    search = Search(scene, Candidate(), progress)
+    effects = [(k, t) for k, t in testable_effects(scene.problem) if _wanted(k.name, only, without)]
+    variables = [v for v in testable_variables(scene.problem) if _wanted(v, only, without)]
+    search = Search(scene, Addition(), progress)
     found = [search.nothing(base)]
     tried = [(search.effect(k, t), (k, t)) for k, t in effects]
     tried = [
@@ -135,7 +137,7 @@ def _kinds(effects: Sequence[tuple[MeasurementEffectType, Tries]]) -> list[Measu
     return [k for n, (k, _) in enumerate(effects) if all(k is not other for other, _ in effects[:n])]
 
 
-def _asked(name: str, only: Iterable[str] | None, without: Sequence[str]) -> bool:
+def _wanted(name: str, only: Iterable[str] | None, without: Sequence[str]) -> bool:
     return name not in without and (only is None or name in only)
 
 

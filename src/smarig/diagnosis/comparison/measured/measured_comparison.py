@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from smarig.core import DataError
 from smarig.diagnosis.comparison.hypothesis import Hypothesis, Part
-from smarig.diagnosis.comparison.measured.candidates import Fitted, first_scene
+from smarig.diagnosis.comparison.measured.additions import Fitted, first_scene
 from smarig.diagnosis.comparison.measured.hypothesis_search import searched_hypotheses
 from smarig.diagnosis.comparison.measured.intervals import interval
 from smarig.diagnosis.comparison.measured.missing_knowledge import missing_share
@@ -31,6 +31,7 @@ from smarig.record import Run
 Array = NDArray[np.float64]
 BASE_STEPS = 30
 TRIMMED = 0.1  # of the blocks, those that gain most: one block is no measure of a size
+OF_EACH_RUN = ("input_offset", "run")  # of a held-out run they say nothing
 BETWEEN_RUNS = ("input_offset", "stress_shift", "run", "stress")
 
 
@@ -116,10 +117,10 @@ def _held_out_errors(base: Fitted, weights: Weights) -> dict[str, float]:
     """The error on held-out readings of the plain model, of the heaviest hypothesis, and with each cause."""
     if base.problem.train.all():
         return {}
-    asked = {weights.heaviest.name: weights.heaviest}
-    asked |= {h.name: h for h in (weights.best_with(p) for p, w in weights.causes.items() if w > 0.01)}
+    relevant = {weights.heaviest.name: weights.heaviest}
+    relevant |= {h.name: h for h in (weights.best_with(p) for p, w in weights.causes.items() if w > 0.01)}
     found = {"nothing": _rms(base.held_out_error())}
-    return found | {n: _rms(_fitted(h).held_out_error()) for n, h in asked.items() if h.parts}
+    return found | {n: _rms(_fitted(h).held_out_error()) for n, h in relevant.items() if h.parts}
 
 
 def _evidence(problem: ReadingProblem, base: Fitted, weights: Weights, held: Mapping[str, float]) -> Evidence:
@@ -129,6 +130,8 @@ def _evidence(problem: ReadingProblem, base: Fitted, weights: Weights, held: Map
         sizes[part] = _removed(problem, base, best)
         if weights.causes[part] > RULES["nothing"].value:
             sizes[part] = max(sizes[part], float(np.std(_fitted(best).added[problem.train])))
+        if part.name in OF_EACH_RUN:
+            continue
         if best.name in held:
             ratios[part] = held[best.name] / max(held["nothing"], base.fit.noise)
         elif not held and part.name in BETWEEN_RUNS:
@@ -192,7 +195,7 @@ def _with_held_out_runs(
     weights = _weighed(problem, searched_hypotheses(scene, plain, lambda _: None, BETWEEN_RUNS, without))
     found = decide(_evidence(problem, plain, weights, {}))
     clearer = found.word in ("named", "ambiguous") or found.depends_on is not None
-    return (found if clearer and verdict.depends_on is None else verdict), weights
+    return (found if clearer and verdict.depends_on in (None, *BETWEEN_RUNS) else verdict), weights
 
 
 def _rms(x: Array) -> float:

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import nnls
 
-from smarig.diagnosis.comparison.measured.candidates import Fitted
+from smarig.diagnosis.comparison.measured.additions import Fitted
 
 Array = NDArray[np.float64]
 CONSTANT = 10.0  # column of the unknown zero, of either sign
