@@ -131,11 +131,11 @@ class _Kept:
         self.rows = {row["name"]: row for row in map(json.loads, lines)}
 
     def answer(self, case: ComparisonCase) -> dict[str, Any]:
-        row = self.rows.get(case.name) or self._asked(case)
-        named = set(row["names"]) if row["extended"] else set()
+        row = self.rows.get(case.name) or self._diagnosed(case)
+        named = set(row["names"]) if row["extended"] and row.get("word") == "named" else set()
         return row | {"outcome": outcome(case, named, row["depends_on"], row["names"])}
 
-    def _asked(self, case: ComparisonCase) -> dict[str, Any]:
+    def _diagnosed(self, case: ComparisonCase) -> dict[str, Any]:
         forc = case.train[0].name.startswith("forc")
         d = diagnose(
             identify(case.train[:1], "table" if forc else "positive").model, case.train, case.held_out

@@ -23,7 +23,7 @@ from benchmarks.boxes import Part, draw_world_box, write_box
 from benchmarks.boxes.label import EMPTY, HARD_NULL, KINETIC, UNLISTED_CATEGORY
 from benchmarks.boxes.unlisted_effects import UNLISTED
 from smarig.core import SmarigError
-from smarig.diagnosis.comparison.commanded.commanded_comparison import CommandedComparison, compare_commanded
+from smarig.diagnosis import CommandedComparison, compare_commanded
 from smarig.identification import identify
 from smarig.record import load_run
 

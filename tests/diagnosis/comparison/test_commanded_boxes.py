@@ -8,7 +8,7 @@ import pytest
 
 from benchmarks.boxes import write_box
 from smarig.diagnosis.comparison.commanded.commanded_comparison import CommandedComparison, compare_commanded
-from smarig.diagnosis.comparison.hypothesis import Part
+from smarig.diagnosis.comparison.compared_hypothesis import Part
 from smarig.identification import identify
 from smarig.record import load_run
 from tests.diagnosis.short_boxes import short_box

@@ -8,8 +8,8 @@ import pytest
 from smarig.diagnosis.comparison.commanded.block_scores import Problem, inverse
 from smarig.diagnosis.comparison.commanded.channel_model import ChannelModel, _basis
 from smarig.diagnosis.comparison.commanded.drawn_values import drawn_values
-from smarig.diagnosis.comparison.hypothesis import Hypothesis, Part, Trial
-from smarig.diagnosis.comparison.rules import Evidence, decide
+from smarig.diagnosis.comparison.compared_hypothesis import ComparedHypothesis, Part, Trial
+from smarig.diagnosis.comparison.rules import VerdictEvidence, decide
 from smarig.diagnosis.comparison.weights import weigh
 
 BLOCK = np.repeat(np.arange(6), 5)
@@ -69,9 +69,9 @@ def test_channel_that_fluctuates_expects_it() -> None:
     assert expects(y) < 0.7 * expects(white)
 
 
-def parabola(top: np.ndarray, x: np.ndarray) -> Hypothesis:
+def parabola(top: np.ndarray, x: np.ndarray) -> ComparedHypothesis:
     trials = tuple(Trial({"a.x": float(v)}, -((v - top) ** 2), np.zeros(top.size)) for v in x)
-    return Hypothesis((Part("effect", "a"),), trials)
+    return ComparedHypothesis((Part("effect", "a"),), trials)
 
 
 def test_values_of_a_parameter_lie_between_the_trials() -> None:
@@ -86,8 +86,8 @@ def test_parameter_of_two_trials_is_one_of_them() -> None:
     np.testing.assert_array_equal(found, 2.5)
 
 
-def hypothesis(*names: str, score: float) -> Hypothesis:
-    return Hypothesis(
+def hypothesis(*names: str, score: float) -> ComparedHypothesis:
+    return ComparedHypothesis(
         tuple(Part("effect", n) for n in names), (Trial({}, np.full(12, score / 12), np.zeros(12)),)
     )
 
@@ -99,9 +99,11 @@ def test_few_pairs_tried_share_the_prior_of_all() -> None:
     assert pair < single / 4
 
 
-def evidence(size: float, p: float, repeatability: float = np.inf) -> Evidence:
+def evidence(size: float, p: float, repeatability: float = np.inf) -> VerdictEvidence:
     part = Part("effect", "slip")
-    return Evidence({part: p}, 1 - p, {part: size}, 10.0, 0.03, 0.03, 0.0, 20, repeatability=repeatability)
+    return VerdictEvidence(
+        {part: p}, 1 - p, {part: size}, 10.0, 0.03, 0.03, 0.0, 20, repeatability=repeatability
+    )
 
 
 def test_size_that_a_precise_encoder_shows_is_told() -> None:

@@ -16,7 +16,7 @@ ASIDE = ("input_drift", "output_jump", "since", "speed", "history")  # asked for
 
 @pytest.fixture(autouse=True)
 def few_readings(monkeypatch):
-    monkeypatch.setattr(record_readings, "TRAIN_READINGS", 90)
+    monkeypatch.setattr(record_readings, "TRAIN_READINGS", 140)
     monkeypatch.setattr(record_readings, "HELD_OUT_READINGS", 50)
 
 

@@ -7,11 +7,11 @@ import pytest
 from scipy.stats import multivariate_normal
 
 from diagnosis.measured.independent_wire import RelayWire, as_run, triangles
-from smarig.diagnosis.comparison.hypothesis import Part
+from smarig.diagnosis.comparison.compared_hypothesis import Part
 from smarig.diagnosis.comparison.measured import gaussian_fit
-from smarig.diagnosis.comparison.measured.density_prior import density_prior
 from smarig.diagnosis.comparison.measured.gaussian_fit import LEVEL, fit_gaussian
 from smarig.diagnosis.comparison.measured.memory_features import MemoryGrid
+from smarig.diagnosis.comparison.measured.positive_prior import positive_prior
 from smarig.diagnosis.comparison.measured.reading_problem import reading_problem
 from smarig.diagnosis.comparison.measured.varied_together import at_one_rate, between_runs, confounded
 from smarig.diagnosis.comparison.measured.wire_records import (
@@ -112,7 +112,7 @@ def test_blocks_hold_no_training_and_held_out_readings_at_once():
 
 def test_a_positive_density_fits_a_wire_to_its_noise():
     problem = reading_problem(split_run())
-    prior = density_prior(problem, [r.u for r in problem.records], problem.y)
+    prior = positive_prior(problem, [r.u for r in problem.records], problem.y)
     assert (prior.density >= 0).all()
     left = problem.y - prior.features @ prior.density
     assert np.std(left) < 0.02

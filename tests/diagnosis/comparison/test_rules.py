@@ -2,8 +2,8 @@
 
 import pytest
 
-from smarig.diagnosis.comparison.hypothesis import Part
-from smarig.diagnosis.comparison.rules import RULES, SENTENCES, Evidence, decide
+from smarig.diagnosis.comparison.compared_hypothesis import Part
+from smarig.diagnosis.comparison.rules import RULES, SENTENCES, VerdictEvidence, decide
 
 LAG, DRIFT = Part("effect", "input_lag"), Part("effect", "output_drift")
 RATE, TIME = Part("variable", "rate"), Part("variable", "time")
@@ -22,7 +22,7 @@ def verdict(causes=None, nothing=0.0, **changes):
         "blocks": 20,
         "acts_through": {LAG: (RATE,), DRIFT: (TIME,)},
     }
-    found = decide(Evidence(**(given | changes)))
+    found = decide(VerdictEvidence(**(given | changes)))
     assert found.reason in SENTENCES
     return found
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from smarig.diagnosis.comparison.hypothesis import Hypothesis, Part, Trial
+from smarig.diagnosis.comparison.compared_hypothesis import ComparedHypothesis, Part, Trial
 from smarig.diagnosis.comparison.measured.intervals import interval
 from smarig.diagnosis.comparison.weights import weigh
 
@@ -12,7 +12,7 @@ LAG, DRIFT, TIME = Part("effect", "input_lag"), Part("effect", "output_drift"), 
 
 def hypothesis(parts, scores, **parameters):
     scores = np.asarray(scores, dtype=float)
-    return Hypothesis(tuple(parts), (Trial(parameters, scores, np.zeros(scores.size)),))
+    return ComparedHypothesis(tuple(parts), (Trial(parameters, scores, np.zeros(scores.size)),))
 
 
 NOTHING = hypothesis((), np.zeros(20))
@@ -48,7 +48,7 @@ def test_what_an_effect_explains_as_well_is_the_effects_and_not_the_variables():
 def test_parameters_are_chosen_without_the_block_that_they_are_scored_on():
     a = Trial({"lag_s": 1.0}, np.array([9.0, 0.0, 0.0]), np.zeros(3))
     b = Trial({"lag_s": 2.0}, np.array([0.0, 1.0, 1.0]), np.zeros(3))
-    assert Hypothesis((LAG,), (a, b)).log_scores.tolist() == [0.0, 0.0, 0.0]
+    assert ComparedHypothesis((LAG,), (a, b)).log_scores.tolist() == [0.0, 0.0, 0.0]
 
 
 def test_an_interval_narrows_with_the_number_of_blocks():
@@ -57,7 +57,7 @@ def test_an_interval_narrows_with_the_number_of_blocks():
     def width(blocks):
         per_block = -2 * np.log(lags / 4.0) ** 2
         trials = [Trial({"lag_s": v}, np.full(blocks, s), np.zeros(blocks)) for v, s in zip(lags, per_block)]
-        lag = Hypothesis((LAG,), tuple(trials))
+        lag = ComparedHypothesis((LAG,), tuple(trials))
         low, high = interval(lag, "lag_s", weigh([hypothesis((), np.zeros(blocks)), lag]))
         assert low < 4.0 < high
         return np.log(high / low)

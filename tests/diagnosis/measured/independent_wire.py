@@ -31,7 +31,7 @@ class RelayWire:
         return np.array(out)
 
 
-def triangles(peaks, rows=60, low=25.0):
+def triangles(peaks, rows: int | list[int] = 60, low=25.0):
     """Temperatures that rise from ``low`` to each peak and fall back; ``rows`` of each ramp, one number or several."""
     counts = [rows] * len(peaks) if isinstance(rows, int) else rows
     parts = [

@@ -14,7 +14,7 @@ from dataclasses import dataclass, field
 from math import inf
 from typing import Literal
 
-from smarig.diagnosis.comparison.hypothesis import Part
+from smarig.diagnosis.comparison.compared_hypothesis import Part
 
 VerdictWord = Literal["silent", "named", "ambiguous", "unknown", "not_identifiable"]
 
@@ -71,7 +71,7 @@ SENTENCES = {
 
 
 @dataclass(frozen=True)
-class Evidence:
+class VerdictEvidence:
     """What the verdict is decided from.
 
     ``causes``: probability by part, and ``nothing`` of the plain model. ``size``: what each part removes of the
@@ -114,34 +114,34 @@ class Verdict:
     depends_on: str | None = None
 
 
-def decide(e: Evidence) -> Verdict:
+def decide(e: VerdictEvidence) -> Verdict:
     """The verdict on a comparison of hypotheses."""
     if not e.testable:
         return Verdict("not_identifiable", "not_testable")
-    told = [p for p in e.causes if e.size[p] >= e.least_size]
-    if e.nothing >= RULES["nothing"].value or sum(e.causes[p] for p in told) < 1 - RULES["nothing"].value:
+    large = [p for p in e.causes if e.size[p] >= e.least_size]
+    if e.nothing >= RULES["nothing"].value or sum(e.causes[p] for p in large) < 1 - RULES["nothing"].value:
         return _nothing(e, "nothing" if e.nothing >= RULES["nothing"].value else "too_small")
-    likely = [p for p in told if e.causes[p] >= RULES["name"].value]
+    likely = [p for p in large if e.causes[p] >= RULES["name"].value]
     effects = [p for p in likely if p.kind == "effect"]
     doubts = {p: _doubt(e, p) for p in effects}
     sure = [p for p in effects if not doubts[p]]
     if sure:
         return Verdict("named", "likely", tuple(p.name for p in sure))
-    return _set(e, told, next((d for d in doubts.values() if d), ""))
+    return _set(e, large, next((d for d in doubts.values() if d), ""))
 
 
-def _nothing(e: Evidence, reason: str) -> Verdict:
+def _nothing(e: VerdictEvidence, reason: str) -> Verdict:
     if e.error <= max(RULES["adequate"].value * e.noise, e.least_size):
         return Verdict("silent", reason)
     nothing = e.nothing >= RULES["nothing"].value
     return Verdict("unknown", "inadequate", depends_on=None if nothing else _likeliest_variable(e))
 
 
-def _likeliest_variable(e: Evidence) -> str | None:
+def _likeliest_variable(e: VerdictEvidence) -> str | None:
     return next((p.name for p in e.causes if p.kind == "variable"), None)
 
 
-def _doubt(e: Evidence, part: Part) -> str:
+def _doubt(e: VerdictEvidence, part: Part) -> str:
     """Why a likely effect is no name, or nothing."""
     seen = e.held_out.get(part, 1.0) <= RULES["replaces_blocks"].value
     if e.blocks < RULES["least_blocks"].value and not seen:
@@ -159,11 +159,11 @@ def _doubt(e: Evidence, part: Part) -> str:
     return ""
 
 
-def _set(e: Evidence, told: list[Part], doubt: str) -> Verdict:
+def _set(e: VerdictEvidence, large: list[Part], doubt: str) -> Verdict:
     """The smallest set of causes that holds the truth with the probability of the rule."""
     kept: list[Part] = []
     missing = 1.0 - e.nothing
-    for part in told:  # likeliest first
+    for part in large:  # likeliest first
         if missing <= (1.0 - RULES["set"].value) * (1.0 - e.nothing):
             break
         kept += [q for q in (part, *e.confounded.get(part, ())) if q not in kept]

@@ -14,7 +14,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.diagnosis.comparison.hypothesis import Hypothesis, Part
+from smarig.diagnosis.comparison.compared_hypothesis import ComparedHypothesis, Part
 
 Array = NDArray[np.float64]
 PRIOR_NOTHING, PRIOR_SINGLE, PRIOR_PAIR = 0.5, 0.4, 0.1
@@ -28,7 +28,7 @@ CREDIBLE = 0.95
 class Weights:
     """Hypotheses with their ``weight`` (H,); ``shares`` (draws, B) are the resampled weights of the blocks."""
 
-    hypotheses: tuple[Hypothesis, ...]
+    hypotheses: tuple[ComparedHypothesis, ...]
     weight: Array
     shares: Array
     temperature: float = TEMPERATURE
@@ -47,19 +47,19 @@ class Weights:
                 total[part] = total.get(part, 0.0) + w
         return dict(sorted(total.items(), key=lambda item: -item[1]))
 
-    def best_with(self, part: Part) -> Hypothesis:
+    def best_with(self, part: Part) -> ComparedHypothesis:
         """The heaviest hypothesis that holds a part."""
         return max(self._with(part), key=lambda pair: pair[1])[0]
 
     @property
-    def heaviest(self) -> Hypothesis:
+    def heaviest(self) -> ComparedHypothesis:
         """The hypothesis of largest weight."""
         return self.hypotheses[int(self.weight.argmax())]
 
-    def _with(self, part: Part) -> list[tuple[Hypothesis, float]]:
+    def _with(self, part: Part) -> list[tuple[ComparedHypothesis, float]]:
         return [(h, w) for h, w in zip(self.hypotheses, self.weight.tolist()) if h.has(part)]
 
-    def interval(self, hypothesis: Hypothesis, parameter: str) -> tuple[float, float]:
+    def interval(self, hypothesis: ComparedHypothesis, parameter: str) -> tuple[float, float]:
         """The central 95 % of the best values of a parameter over resampled blocks."""
         low, high = np.quantile(
             hypothesis.resampled(self.shares)[parameter], [(1 - CREDIBLE) / 2, (1 + CREDIBLE) / 2]
@@ -67,7 +67,9 @@ class Weights:
         return float(low), float(high)
 
 
-def weigh(hypotheses: Sequence[Hypothesis], seed: int = 0, temperature: float = TEMPERATURE) -> Weights:
+def weigh(
+    hypotheses: Sequence[ComparedHypothesis], seed: int = 0, temperature: float = TEMPERATURE
+) -> Weights:
     """The weights of hypotheses that are scored on the same blocks; exactly one of them has no parts."""
     scores = np.array([h.log_scores for h in hypotheses])
     blocks = scores.shape[1]
@@ -78,7 +80,7 @@ def weigh(hypotheses: Sequence[Hypothesis], seed: int = 0, temperature: float = 
     return Weights(tuple(hypotheses), weight.mean(axis=0), shares, temperature)
 
 
-def _log_prior(hypotheses: Sequence[Hypothesis]) -> Array:
+def _log_prior(hypotheses: Sequence[ComparedHypothesis]) -> Array:
     parts = np.array([min(len(h.parts), 2) for h in hypotheses])
     prior = np.array([PRIOR_NOTHING, PRIOR_SINGLE, PRIOR_PAIR])
     count = np.maximum(np.bincount(parts, minlength=3), 1)

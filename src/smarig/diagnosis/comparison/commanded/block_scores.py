@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 from scipy.linalg import cholesky, solve_triangular
 from scipy.linalg.lapack import dpotri  # pyright: ignore[reportAttributeAccessIssue]
 
+from smarig.diagnosis.comparison.block_predictions import left_out
 from smarig.diagnosis.comparison.commanded.channel_model import ChannelModel
-from smarig.diagnosis.comparison.hypothesis import Trial
-from smarig.diagnosis.comparison.left_out_blocks import left_out
+from smarig.diagnosis.comparison.compared_hypothesis import Trial
 from smarig.replay import OUTPUT_DEPENDENT_KINDS, PlantModel, Prediction, Timeline
 
 Array = NDArray[np.float64]

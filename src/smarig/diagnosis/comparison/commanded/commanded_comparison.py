@@ -8,6 +8,7 @@ from pathlib import Path
 from threadpoolctl import threadpool_limits
 
 from smarig.diagnosis.comparison.commanded.commanded_evidence import evidence_of
+from smarig.diagnosis.comparison.commanded.commanded_search import Found, search
 from smarig.diagnosis.comparison.commanded.extension import (
     Extension,
     extension_of,
@@ -15,10 +16,9 @@ from smarig.diagnosis.comparison.commanded.extension import (
     learned_extension,
 )
 from smarig.diagnosis.comparison.commanded.records import subject_of
-from smarig.diagnosis.comparison.commanded.search import Found, search
-from smarig.diagnosis.comparison.commanded.subject import Subject
-from smarig.diagnosis.comparison.hypothesis import Part
-from smarig.diagnosis.comparison.rules import Evidence, Verdict, decide
+from smarig.diagnosis.comparison.commanded.subject import CommandedProblem
+from smarig.diagnosis.comparison.compared_hypothesis import Part
+from smarig.diagnosis.comparison.rules import Verdict, VerdictEvidence, decide
 from smarig.diagnosis.comparison.weights import Weights, weigh
 from smarig.diagnosis.held_out_gain import HeldOutGain
 from smarig.record import Run, loaded_runs
@@ -33,10 +33,10 @@ class CommandedComparison:
     runs, None if there are none. ``intervals95`` and ``intervals90`` belong to "effect.parameter".
     """
 
-    subject: Subject
+    subject: CommandedProblem
     found: Found
     weights: Weights
-    evidence: Evidence
+    evidence: VerdictEvidence
     verdict: Verdict
     parameters: dict[str, float]
     intervals95: dict[str, tuple[float, float]]
@@ -66,11 +66,11 @@ def compare_commanded(
     ``held_out`` runs only measure the gain, and that a named cause does not predict them worse. ``without`` names
     effects to leave out of the catalogue.
     """
-    started, told = time.monotonic(), progress or (lambda _: None)
+    started, report = time.monotonic(), progress or (lambda _: None)
     original = model if isinstance(model, Model) else load_model(model)
     train_runs, held_out_runs = loaded_runs(train), loaded_runs(held_out)
     subject = subject_of(original, train_runs, held_out_runs, without)
-    found = search(subject, told)
+    found = search(subject, report)
     weights = weigh(found.hypotheses)
     extension = extension_of(subject, found, weights)
     gain = gain_with(subject, extension, train_runs, held_out_runs)
@@ -78,7 +78,7 @@ def compare_commanded(
     verdict = decide(evidence)
     offered = verdict.word != "silent" and bool(extension.parts) and not _worse(gain)
     if not offered and verdict.word == "unknown" and verdict.depends_on:
-        told(f"learning a law of {verdict.depends_on}")
+        report(f"learning a law of {verdict.depends_on}")
         learned = learned_extension(subject, extension, verdict.depends_on)
         if learned is not None:
             extension, gain = learned, gain_with(subject, learned, train_runs, held_out_runs)

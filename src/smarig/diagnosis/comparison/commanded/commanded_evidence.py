@@ -4,23 +4,25 @@ import numpy as np
 from numpy.typing import NDArray
 
 from smarig.diagnosis.comparison.commanded.block_scores import Removed
+from smarig.diagnosis.comparison.commanded.commanded_search import Found
 from smarig.diagnosis.comparison.commanded.screening import Screened, collinear
-from smarig.diagnosis.comparison.commanded.search import Found
-from smarig.diagnosis.comparison.commanded.subject import Subject
-from smarig.diagnosis.comparison.hypothesis import Hypothesis, Part, Trial
-from smarig.diagnosis.comparison.rules import RULES, Evidence
+from smarig.diagnosis.comparison.commanded.subject import CommandedProblem
+from smarig.diagnosis.comparison.compared_hypothesis import ComparedHypothesis, Part, Trial
+from smarig.diagnosis.comparison.rules import RULES, VerdictEvidence
 from smarig.diagnosis.comparison.weights import TEMPERATURE, Weights
 
 Array = NDArray[np.float64]
 PARTED_NATS = TEMPERATURE * float(np.log(RULES["name"].value / (1 - RULES["name"].value)))
 
 
-def evidence_of(subject: Subject, found: Found, weights: Weights, held_out: dict[Part, float]) -> Evidence:
+def evidence_of(
+    subject: CommandedProblem, found: Found, weights: Weights, held_out: dict[Part, float]
+) -> VerdictEvidence:
     """What a verdict is decided from."""
     nothing = next(h for h in found.hypotheses if not h.parts)
     left, span = _removed(nothing.best), abs(subject.given.stroke)
     block = subject.timeline.block
-    return Evidence(
+    return VerdictEvidence(
         causes=weights.causes,
         nothing=weights.nothing,
         size={p: span * _size(found, weights, p) for p in weights.causes},
@@ -106,5 +108,5 @@ def _gain(found: Found, part: Part) -> float:
     return float(best.log_scores.sum() - nothing.log_scores.sum()) if best else 0.0
 
 
-def _alone(found: Found, part: Part) -> Hypothesis | None:
+def _alone(found: Found, part: Part) -> ComparedHypothesis | None:
     return next((h for h in found.hypotheses if h.parts == (part,)), None)

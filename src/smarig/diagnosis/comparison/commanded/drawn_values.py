@@ -8,13 +8,13 @@ Trials lie at a few values, so the best of them would make every interval as coa
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.diagnosis.comparison.hypothesis import Hypothesis
+from smarig.diagnosis.comparison.compared_hypothesis import ComparedHypothesis
 
 Array = NDArray[np.float64]
 NEAR_NATS = 30.0  # behind the best: trials farther away say nothing of the top
 
 
-def drawn_values(hypothesis: Hypothesis, parameter: str, shares: Array) -> Array:
+def drawn_values(hypothesis: ComparedHypothesis, parameter: str, shares: Array) -> Array:
     """The values (draws,) of a parameter that predict best under other ``shares`` (draws, B) of the blocks."""
     x = np.array([t.parameters[parameter] for t in hypothesis.trials])
     scores = np.array([t.log_scores for t in hypothesis.trials])

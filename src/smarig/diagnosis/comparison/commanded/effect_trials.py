@@ -4,8 +4,8 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from smarig.diagnosis.comparison.commanded.subject import Fitted, Subject
-from smarig.diagnosis.comparison.hypothesis import Hypothesis, Part, Trial
+from smarig.diagnosis.comparison.commanded.subject import CommandedProblem, FittedPlant
+from smarig.diagnosis.comparison.compared_hypothesis import ComparedHypothesis, Part, Trial
 from smarig.diagnosis.explain.parameter_fit import ParameterFit, fit_parameters
 from smarig.plant import Effect
 
@@ -17,7 +17,9 @@ MIN_ROUND_NATS = 2.0  # a round that gains less is the last
 MIN_MOVE_SD = 0.3  # of a parameter: smaller moves change no score
 
 
-def fitted_with(subject: Subject, start: Fitted, effects: Sequence[Effect]) -> tuple[Hypothesis, Fitted]:
+def fitted_with(
+    subject: CommandedProblem, start: FittedPlant, effects: Sequence[Effect]
+) -> tuple[ComparedHypothesis, FittedPlant]:
     """The hypothesis that these effects are present, fitted about ``start`` and given a density of their own."""
     fit = fit_parameters(
         effects, subject.timeline, start.plant_model, start.refitted, start.plant_model.hysteresis
@@ -26,7 +28,9 @@ def fitted_with(subject: Subject, start: Fitted, effects: Sequence[Effect]) -> t
     return _hypothesis(best, [subject.trial(best)]), best
 
 
-def refined(subject: Subject, hypothesis: Hypothesis, best: Fitted) -> tuple[Hypothesis, Fitted]:
+def refined(
+    subject: CommandedProblem, hypothesis: ComparedHypothesis, best: FittedPlant
+) -> tuple[ComparedHypothesis, FittedPlant]:
     """The hypothesis with trials of other parameters: fitted again about its density, and at other strengths."""
     trials = list(hypothesis.trials)
     step = STEP_BOUNDS[1]
@@ -43,7 +47,7 @@ def refined(subject: Subject, hypothesis: Hypothesis, best: Fitted) -> tuple[Hyp
     return _hypothesis(best, trials), best
 
 
-def _fit_about_own_density(subject: Subject, fitted: Fitted) -> ParameterFit:
+def _fit_about_own_density(subject: CommandedProblem, fitted: FittedPlant) -> ParameterFit:
     model = subject.with_effects(fitted, ())
     return fit_parameters(fitted.effects, subject.timeline, model, fitted.refitted, model.hysteresis)
 
@@ -55,15 +59,17 @@ def _relative_spread(fit: ParameterFit) -> float:
     return sd / abs(last.strength) if last.strength else STEP_BOUNDS[1]
 
 
-def _hypothesis(fitted: Fitted, trials: Sequence[Trial]) -> Hypothesis:
-    return Hypothesis(tuple(sorted(Part("effect", e.kind.name) for e in fitted.effects)), tuple(trials))
+def _hypothesis(fitted: FittedPlant, trials: Sequence[Trial]) -> ComparedHypothesis:
+    return ComparedHypothesis(
+        tuple(sorted(Part("effect", e.kind.name) for e in fitted.effects)), tuple(trials)
+    )
 
 
 def _total(trial: Trial) -> float:
     return float(trial.log_scores.sum())
 
 
-def _moved(subject: Subject, fitted: Fitted, fit: ParameterFit) -> Iterator[Fitted]:
+def _moved(subject: CommandedProblem, fitted: FittedPlant, fit: ParameterFit) -> Iterator[FittedPlant]:
     """The parameters of a fit with the density as it is; then with a density about them."""
     if fit.moved < MIN_MOVE_SD:
         return
@@ -72,7 +78,9 @@ def _moved(subject: Subject, fitted: Fitted, fit: ParameterFit) -> Iterator[Fitt
     yield subject.with_joint_density(moved.plant_model, moved.refitted)
 
 
-def _along_strength(subject: Subject, best: Fitted, trials: list[Trial], spread: float) -> Fitted:
+def _along_strength(
+    subject: CommandedProblem, best: FittedPlant, trials: list[Trial], spread: float
+) -> FittedPlant:
     """Trials at other strengths of the last effect, toward where other blocks are predicted better."""
     top = max(_total(t) for t in trials)
     for sds in STEPS_SD:

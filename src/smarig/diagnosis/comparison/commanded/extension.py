@@ -6,10 +6,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from smarig.diagnosis.comparison.commanded.commanded_search import Found
 from smarig.diagnosis.comparison.commanded.drawn_values import drawn_values
-from smarig.diagnosis.comparison.commanded.search import Found
-from smarig.diagnosis.comparison.commanded.subject import Fitted, Subject
-from smarig.diagnosis.comparison.hypothesis import Hypothesis, Part
+from smarig.diagnosis.comparison.commanded.subject import CommandedProblem, FittedPlant
+from smarig.diagnosis.comparison.compared_hypothesis import ComparedHypothesis, Part
 from smarig.diagnosis.comparison.weights import Weights
 from smarig.diagnosis.explain.joint_density import with_density_for_effects, with_posterior_density
 from smarig.diagnosis.explain.learned_term_fit import law_of
@@ -29,7 +29,7 @@ class Extension:
 
     base: PlantModel
     extended: PlantModel
-    fitted: Fitted
+    fitted: FittedPlant
     parts: tuple[Part, ...]
     parameters: Mapping[str, float]
     draws: Mapping[str, Array]
@@ -40,7 +40,7 @@ class Extension:
         return {n: (float(q[0]), float(q[1])) for n, d in self.draws.items() for q in [np.quantile(d, cuts)]}
 
 
-def extension_of(subject: Subject, found: Found, weights: Weights) -> Extension:
+def extension_of(subject: CommandedProblem, found: Found, weights: Weights) -> Extension:
     """The extension by the heaviest hypothesis with effects that were fitted; by none, if the base outweighs all."""
     base = with_posterior_density(
         subject.timeline, subject.base.plant_model, subject.base.refitted, subject.given
@@ -55,7 +55,7 @@ def extension_of(subject: Subject, found: Found, weights: Weights) -> Extension:
     return Extension(base, extended, fitted, parts, dict(best.best.parameters), draws)
 
 
-def _heaviest_fitted(found: Found, weights: Weights) -> Hypothesis | None:
+def _heaviest_fitted(found: Found, weights: Weights) -> ComparedHypothesis | None:
     pairs = [
         (h, w)
         for h, w in zip(weights.hypotheses, weights.weight.tolist())
@@ -65,7 +65,7 @@ def _heaviest_fitted(found: Found, weights: Weights) -> Hypothesis | None:
     return max(pairs, key=lambda pair: pair[1])[0] if pairs else None
 
 
-def learned_extension(subject: Subject, extension: Extension, variable: str) -> Extension | None:
+def learned_extension(subject: CommandedProblem, extension: Extension, variable: str) -> Extension | None:
     """The base with a law of a variable instead of effects, if it predicts blocks left out better."""
     law = law_of(
         subject.timeline, subject.base.plant_model, subject.base.refitted, subject.original, variable
@@ -77,7 +77,7 @@ def learned_extension(subject: Subject, extension: Extension, variable: str) -> 
 
 
 def gain_with(
-    subject: Subject, extension: Extension, train: Sequence[Run], held_out: Sequence[Run]
+    subject: CommandedProblem, extension: Extension, train: Sequence[Run], held_out: Sequence[Run]
 ) -> HeldOutGain | None:
     """The errors of base and extended model on held-out runs."""
     if not held_out:

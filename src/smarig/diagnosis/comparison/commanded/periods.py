@@ -10,18 +10,18 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.diagnosis.comparison.commanded.subject import Subject
+from smarig.diagnosis.comparison.commanded.subject import CommandedProblem
 from smarig.diagnosis.comparison.commanded.variable_trials import Discrepancies
 from smarig.diagnosis.critique.candidates import WEAK_SHARE, Candidate
 from smarig.plant import Effect
 from smarig.replay import predict
 
 Array = NDArray[np.float64]
-ALIKE_NATS = 2.0  # behind the best: of periods that explain as much, the longest is the smoothest
+EQUAL_NATS = 2.0  # behind the best: of periods that explain as much, the longest is the smoothest
 PERIODS = 80  # tried, evenly in the logarithm, from a few steps to several records
 
 
-def with_best_period(subject: Subject, candidate: Candidate, smooth: Discrepancies) -> Candidate:
+def with_best_period(subject: CommandedProblem, candidate: Candidate, smooth: Discrepancies) -> Candidate:
     """A periodic effect of the temperature with one more trace, at the best period; another candidate as it is."""
     kind = candidate.kind
     names = [p.name for p in kind.parameters if p.period_of] if kind else []
@@ -41,7 +41,7 @@ def with_best_period(subject: Subject, candidate: Candidate, smooth: Discrepanci
     )
 
 
-def _best(subject: Subject, smooth: Discrepancies) -> tuple[float, float]:
+def _best(subject: CommandedProblem, smooth: Discrepancies) -> tuple[float, float]:
     """(period in h, phase in turns) of the longest of the sines that gain most, in closed form for each period."""
     readings, timeline = smooth.readings, subject.timeline
     per_kelvin = (readings.covariance.slope / subject.base.plant_model.stroke)[:, None]
@@ -65,7 +65,7 @@ def _best(subject: Subject, smooth: Discrepancies) -> tuple[float, float]:
             (float(size @ product), period_h, float(np.arctan2(size[1], size[0]) / (2 * np.pi)) % 1.0)
         )
     top = max(gain for gain, _, _ in found)
-    return next(one[1:] for one in reversed(found) if one[0] > top - 2 * ALIKE_NATS)
+    return next(one[1:] for one in reversed(found) if one[0] > top - 2 * EQUAL_NATS)
 
 
 def _waves(t_s: Array, period_h: float) -> Array:

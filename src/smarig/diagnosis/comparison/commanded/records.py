@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from smarig.core import UsageError
-from smarig.diagnosis.comparison.commanded.subject import Subject
+from smarig.diagnosis.comparison.commanded.subject import CommandedProblem
 from smarig.diagnosis.run_checks import check_comparable
 from smarig.plant import EffectType, PassThroughActuator, effect_types, effect_types_only_on
 from smarig.record import Run
@@ -22,7 +22,7 @@ from smarig.replay import (
 
 def subject_of(
     model: Model, train: Sequence[Run], held_out: Sequence[Run], without: Sequence[str] = ()
-) -> Subject:
+) -> CommandedProblem:
     """The subject of a comparison on training runs. Raises UsageError or DataError if it cannot be compared."""
     if not train:
         raise UsageError("A diagnosis needs at least one training run.")
@@ -40,7 +40,7 @@ def subject_of(
     given = plant_model_of(model, timeline.runs[0])
     visible = [k for k in _catalogue(given, without) if timeline.drive.can_show(k, given.hysteresis)]
     present = {e.kind.name for e in given.catalogue_effects}
-    return Subject.of(timeline, given, [k for k in visible if k.name not in present])
+    return CommandedProblem.of(timeline, given, [k for k in visible if k.name not in present])
 
 
 def _same(a: Run, b: Run) -> bool:

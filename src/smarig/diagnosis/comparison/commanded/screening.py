@@ -12,8 +12,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from smarig.diagnosis.comparison.commanded.block_scores import Problem, trial_of
-from smarig.diagnosis.comparison.commanded.subject import Fitted, Subject, by_kind, less_optimism
-from smarig.diagnosis.comparison.hypothesis import Hypothesis, Part, Trial
+from smarig.diagnosis.comparison.commanded.subject import (
+    CommandedProblem,
+    FittedPlant,
+    by_kind,
+    less_optimism,
+)
+from smarig.diagnosis.comparison.compared_hypothesis import ComparedHypothesis, Part, Trial
 from smarig.diagnosis.critique.candidates import Candidate, named
 from smarig.plant import Effect, EffectType
 
@@ -37,19 +42,22 @@ class Screened:
         return Part("effect", self.effect.kind.name)
 
     @property
-    def hypothesis(self) -> Hypothesis:
+    def hypothesis(self) -> ComparedHypothesis:
         """The effect alone, at this strength."""
-        return Hypothesis((self.part,), (self.trial,))
+        return ComparedHypothesis((self.part,), (self.trial,))
 
 
-def candidates(subject: Subject) -> tuple[Candidate, ...]:
+def candidates(subject: CommandedProblem) -> tuple[Candidate, ...]:
     """The traces of all effects about the base model, in the readings' units."""
     base = subject.base
     return tuple(named(subject.timeline, base.plant_model, base.prediction, subject.catalogue))
 
 
 def screened(
-    subject: Subject, fitted: Fitted, found: Sequence[Candidate], ranking: Sequence[Problem] | None = None
+    subject: CommandedProblem,
+    fitted: FittedPlant,
+    found: Sequence[Candidate],
+    ranking: Sequence[Problem] | None = None,
 ) -> list[Screened]:
     """All effects that change a reading, the best first; ``ranking``: problems in which they are compared."""
     names = {e.kind.name for e in fitted.effects}
@@ -63,7 +71,7 @@ def screened(
 
 
 def _screened(
-    subject: Subject, fitted: Fitted, candidate: Candidate, ranking: Sequence[Problem]
+    subject: CommandedProblem, fitted: FittedPlant, candidate: Candidate, ranking: Sequence[Problem]
 ) -> tuple[Screened, float] | None:
     kind = candidate.kind
     if kind is None or not np.any(candidate.traces):

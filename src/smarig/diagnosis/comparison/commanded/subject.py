@@ -15,7 +15,7 @@ from smarig.diagnosis.comparison.commanded.block_scores import (
     trial_of,
 )
 from smarig.diagnosis.comparison.commanded.channel_model import ChannelModel, channel_models
-from smarig.diagnosis.comparison.hypothesis import Trial
+from smarig.diagnosis.comparison.compared_hypothesis import Trial
 from smarig.diagnosis.explain.joint_density import joint_density_from_best_start
 from smarig.diagnosis.refit.coupled_readings import CoupledReadings, coupled_readings
 from smarig.diagnosis.refit.memory_noise import memory_covariance
@@ -28,7 +28,7 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
-class Fitted:
+class FittedPlant:
     """A plant model with its prediction, its readings refitted, and the Gaussian problems of its blocks."""
 
     plant_model: PlantModel
@@ -48,7 +48,7 @@ class Fitted:
 
 
 @dataclass(frozen=True, eq=False)
-class Subject:
+class CommandedProblem:
     """The timeline of the training runs, the hysteresis of the given model, and the ``catalogue`` to try."""
 
     timeline: Timeline
@@ -57,7 +57,7 @@ class Subject:
     channels: tuple[ChannelModel, ...]
 
     @classmethod
-    def of(cls, timeline: Timeline, given: PlantModel, catalogue: Sequence[EffectType]) -> "Subject":
+    def of(cls, timeline: Timeline, given: PlantModel, catalogue: Sequence[EffectType]) -> "CommandedProblem":
         """The subject of a comparison, with the models of its independent channels."""
         h = given.hysteresis
         return cls(timeline, given, tuple(catalogue), channel_models(timeline, h.upper - h.lower))
@@ -68,42 +68,42 @@ class Subject:
         return self.given.hysteresis
 
     @cached_property
-    def base(self) -> Fitted:
+    def base(self) -> FittedPlant:
         """The given model with the density identified from the timeline."""
         return self.with_joint_density(self.given)
 
-    def with_joint_density(self, plant_model: PlantModel, warm: Refit | None = None) -> Fitted:
+    def with_joint_density(self, plant_model: PlantModel, warm: Refit | None = None) -> FittedPlant:
         """A plant model with the density identified together with its effects."""
         model, refitted = joint_density_from_best_start(self.timeline, plant_model, self.original, warm)
         return self._fitted(model, predict(self.timeline, model), refitted)
 
-    def at(self, plant_model: PlantModel, warm: Refit) -> Fitted:
+    def at(self, plant_model: PlantModel, warm: Refit) -> FittedPlant:
         """A plant model as it is, with the likeliest variances."""
         prediction = predict(self.timeline, plant_model)
         return self._fitted(plant_model, prediction, refit(self.timeline, prediction, plant_model, (), warm))
 
-    def with_effects(self, fitted: Fitted, effects: Sequence[Effect]) -> PlantModel:
+    def with_effects(self, fitted: FittedPlant, effects: Sequence[Effect]) -> PlantModel:
         """The plant model with these effects of the catalogue beside those that the given model has."""
         return replace(fitted.plant_model, effects=(*self.given.effects, *effects))
 
-    def trial(self, fitted: Fitted) -> Trial:
+    def trial(self, fitted: FittedPlant) -> Trial:
         """The scores of a fitted model, less what its parameters gain by being fitted to the scored blocks too."""
         found = trial_of(self.timeline, fitted.problems, fitted.parameters, fitted.plant_model)
         return less_optimism(found, fitted.effects)
 
-    def readings(self, fitted: Fitted) -> tuple[CoupledReadings, Array]:
+    def readings(self, fitted: FittedPlant) -> tuple[CoupledReadings, Array]:
         """The coupled readings of a fitted model, and the covariance per K² of remembered noise."""
         found = coupled_readings(self.timeline, fitted.prediction, fitted.plant_model)
         return found, memory(found.slopes, found.times, fitted)
 
-    def _fitted(self, model: PlantModel, prediction: Prediction, refitted: Refit) -> Fitted:
+    def _fitted(self, model: PlantModel, prediction: Prediction, refitted: Refit) -> FittedPlant:
         n = refitted.coupled
         factor, scale = refitted.factor[:n, :n], refitted.scale[:n]
         output = prediction.output_slope * (prediction.output - model.hysteresis.y_lower)
         y = factor @ refitted.data[:n] + output / scale  # a mean density, fitted to all blocks, would leak
         coupled = coupled_problem(self.timeline, y, scale, factor @ factor.T, abs(model.stroke))
         channels = channel_problems(self.timeline, prediction, self.channels)
-        return Fitted(model, prediction, refitted, (coupled, *channels))
+        return FittedPlant(model, prediction, refitted, (coupled, *channels))
 
 
 def less_optimism(trial: Trial, effects: Sequence[Effect]) -> Trial:
@@ -112,7 +112,7 @@ def less_optimism(trial: Trial, effects: Sequence[Effect]) -> Trial:
     return replace(trial, log_scores=trial.log_scores - free / trial.log_scores.size)
 
 
-def memory(slopes: csr_matrix, times: Array, fitted: Fitted) -> Array:
+def memory(slopes: csr_matrix, times: Array, fitted: FittedPlant) -> Array:
     """The covariance of remembered noise per K² (n, n), in strokes², with the fitted correlation time."""
     seconds = fitted.refitted.noise.correlation_s
     return memory_covariance(slopes, times, seconds) / fitted.plant_model.stroke**2

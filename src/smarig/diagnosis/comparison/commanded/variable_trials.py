@@ -19,8 +19,8 @@ from smarig.diagnosis.comparison.commanded.block_scores import (
     coupled_problem,
     trial_of,
 )
-from smarig.diagnosis.comparison.commanded.subject import Fitted, Subject, by_kind
-from smarig.diagnosis.comparison.hypothesis import Hypothesis, Part
+from smarig.diagnosis.comparison.commanded.subject import CommandedProblem, FittedPlant, by_kind
+from smarig.diagnosis.comparison.compared_hypothesis import ComparedHypothesis, Part
 from smarig.diagnosis.drive_statistics import DriveStatistics
 from smarig.diagnosis.explain.discrepancy import (
     PLAUSIBLE_ROOM_K,
@@ -60,8 +60,8 @@ class Kernel:
 class Discrepancies:
     """The kernels about a fitted model, with its readings, and what each may gain and its size, by screening."""
 
-    subject: Subject
-    fitted: Fitted
+    subject: CommandedProblem
+    fitted: FittedPlant
     readings: CoupledReadings
     memory: Array
     start: Array
@@ -70,7 +70,7 @@ class Discrepancies:
     sizes: Array
 
     @classmethod
-    def about(cls, subject: Subject, fitted: Fitted) -> "Discrepancies":
+    def about(cls, subject: CommandedProblem, fitted: FittedPlant) -> "Discrepancies":
         """All kernels about a fitted model, screened in closed form."""
         readings, memory = subject.readings(fitted)
         most = min(fitted.refitted.log_components[-1], np.log10(PLAUSIBLE_ROOM_K))
@@ -96,7 +96,7 @@ class Discrepancies:
         """Nats that the likeliest kernel of a variable gains by screening."""
         return max(g for k, g in zip(self.kernels, self.gains.tolist()) if k.plain == variable)
 
-    def hypothesis(self, variable: str, most: int = 2) -> Hypothesis:
+    def hypothesis(self, variable: str, most: int = 2) -> ComparedHypothesis:
         """The fitted model with a dependence on a variable; the ``most`` promising kernels are its trials."""
         own = [j for j, k in enumerate(self.kernels) if k.plain == variable]
         chosen = sorted(own, key=lambda j: -self.gains[j])[:most]
@@ -111,7 +111,7 @@ class Discrepancies:
             for j in chosen
         ]
         parts = [Part("effect", e.kind.name) for e in self.fitted.effects]
-        return Hypothesis((*sorted(parts), Part("variable", variable)), tuple(trials))
+        return ComparedHypothesis((*sorted(parts), Part("variable", variable)), tuple(trials))
 
     def _with(self, j: int) -> Problem:
         found = self.readings.covariance.with_shape(self.kernels[j].shape)
@@ -157,7 +157,7 @@ def _screened(C: Array, readings: CoupledReadings, kernels: Sequence[Kernel]) ->
     return np.array(gains), np.array(sizes)
 
 
-def _kernels(subject: Subject, fitted: Fitted, readings: CoupledReadings):
+def _kernels(subject: CommandedProblem, fitted: FittedPlant, readings: CoupledReadings):
     """Every kernel, over positions and resistances; an error of the position itself leaves resistances alone."""
     timeline, prediction, model = subject.timeline, fitted.prediction, fitted.plant_model
     coupled = [r for r in timeline.all_readings if r.kind in OUTPUT_DEPENDENT_KINDS]
@@ -183,7 +183,7 @@ def _kernels(subject: Subject, fitted: Fitted, readings: CoupledReadings):
     yield from both(WALK, _walk(session, t_s, prediction.output))
 
 
-def _variables(subject: Subject, fitted: Fitted, coupled: Sequence) -> Mapping[str, Array]:
+def _variables(subject: CommandedProblem, fitted: FittedPlant, coupled: Sequence) -> Mapping[str, Array]:
     """The variables at positions, and at resistances that of the settled position of their step.
 
     Time has kernels of its own.

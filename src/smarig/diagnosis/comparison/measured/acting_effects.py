@@ -9,7 +9,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.diagnosis.comparison.measured.reading_problem import ReadingProblem, alike
+from smarig.diagnosis.comparison.measured.reading_problem import ReadingProblem, smooth_kernel
 from smarig.diagnosis.comparison.measured.varied_together import at_one_rate
 from smarig.measurement import (
     InputRecord,
@@ -39,7 +39,7 @@ def added_parts(problem: ReadingProblem, effect: MeasurementEffect, shapes: Sequ
     """Covariances (m, m) of what an effect adds to the output; ``shapes`` (m,) are its level, slope and width."""
     if effect.kind.by_condition:
         z, (level, slope, width) = problem.variables[effect.kind.by_condition], shapes
-        k = centred(alike(z, CONDITION_LENGTH), problem.train)
+        k = centred(smooth_kernel(z, CONDITION_LENGTH), problem.train)
         curved = _without_line(
             k, z, problem.train
         )  # a shift in proportion to the condition is the effect itself
@@ -62,7 +62,7 @@ def _deviation(problem: ReadingProblem, kind: MeasurementEffectType) -> Array:
     if kind.name == "output_jump":  # its shape is exact
         return np.zeros((problem.y.size, problem.y.size))
     name = next(n for n in kind.depends_on if n in problem.variables)
-    return centred(alike(problem.variables[name], DEVIATION_LENGTH), problem.train)
+    return centred(smooth_kernel(problem.variables[name], DEVIATION_LENGTH), problem.train)
 
 
 def centred(k: Array, train: NDArray[np.bool_]) -> Array:

@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from smarig.diagnosis.comparison.hypothesis import Hypothesis
+from smarig.diagnosis.comparison.compared_hypothesis import ComparedHypothesis
 from smarig.diagnosis.comparison.measured.measured_comparison import MeasuredComparison
 from smarig.diagnosis.comparison.rules import SENTENCES
 from smarig.diagnosis.comparison.weights import Weights
@@ -37,7 +37,7 @@ def _hypotheses(weights: Weights) -> list[dict[str, Any]]:
     return sorted(rows, key=lambda row: -row["weight"])
 
 
-def _row(hypothesis: Hypothesis, weight: float) -> dict[str, Any]:
+def _row(hypothesis: ComparedHypothesis, weight: float) -> dict[str, Any]:
     return {
         "name": hypothesis.name,
         "weight": weight,

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from scipy.linalg import LinAlgError, cholesky, get_lapack_funcs
 from scipy.optimize import minimize
 
-from smarig.diagnosis.comparison.left_out_blocks import left_out
+from smarig.diagnosis.comparison.block_predictions import left_out
 
 Array = NDArray[np.float64]
 LEVEL = 10.0  # variance of the unknown constant

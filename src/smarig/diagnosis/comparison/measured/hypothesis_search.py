@@ -9,14 +9,15 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from smarig.diagnosis.comparison.hypothesis import Hypothesis, Part, Trial
+from smarig.diagnosis.comparison.compared_hypothesis import ComparedHypothesis, Part, Trial
 from smarig.diagnosis.comparison.measured.acting_effects import Tries, testable_effects
-from smarig.diagnosis.comparison.measured.candidates import Candidate, Fitted, Scene
+from smarig.diagnosis.comparison.measured.additions import Addition, FittedAddition, Scene
 from smarig.diagnosis.comparison.measured.plain_variables import testable_variables
 from smarig.measurement import MeasurementEffect, MeasurementEffectType
 
 FIT_STEPS = 12  # iterations of the sizes
 KEPT = 3  # values of a parameter whose sizes are fitted
+PASSES = 3  # over several parameters, which depend on each other
 ROUNDS = 2  # of values half way to the neighbours of the best
 WORTH_A_PAIR = 2.0  # nats that the best part must gain, before pairs are tried
 Progress = Callable[[str], None]
@@ -27,21 +28,21 @@ class Search:
     """A search in a scene, for candidates that extend ``start``."""
 
     scene: Scene
-    start: Candidate
+    start: Addition
     progress: Progress = lambda _: None
 
-    def nothing(self, base: Fitted) -> Hypothesis:
+    def nothing(self, base: FittedAddition) -> ComparedHypothesis:
         """The hypothesis without parts."""
-        return Hypothesis((), (base.trial(),))
+        return ComparedHypothesis((), (base.trial(),))
 
-    def variable(self, name: str) -> Hypothesis:
+    def variable(self, name: str) -> ComparedHypothesis:
         """The hypothesis that adds a variable."""
         candidate = replace(self.start, variables=(*self.start.variables, name))
         fitted = self.scene.fitted(candidate, FIT_STEPS)
         self.progress(name)
-        return _slim(Hypothesis(candidate.parts, (fitted.trial(), *self._again(fitted))))
+        return _slim(ComparedHypothesis(candidate.parts, (fitted.trial(), *self._again(fitted))))
 
-    def effect(self, kind: MeasurementEffectType, tries: Tries) -> Hypothesis:
+    def effect(self, kind: MeasurementEffectType, tries: Tries) -> ComparedHypothesis:
         """The hypothesis that adds an effect, with the trials of its values; one parameter after the other."""
         fixed = self._reference(kind)
         values = fixed | {name: _neutral(t) for name, t in tries.items()}
@@ -57,7 +58,8 @@ class Search:
             return _score(trials[key])
 
         kept, rounds = (1, 0) if self.start.parts else (KEPT, ROUNDS)
-        for name, options in tries.items():
+        passes = PASSES if len(tries) > 1 and not self.start.parts else 1
+        for name, options in passes * list(tries.items()):
             best_first = sorted(options, key=lambda x, n=name: -ranked(values | {n: x}))
             scores = {x: fitted(values | {name: x}) for x in best_first[:kept]}
             for _ in range(rounds if kind.name != "output_jump" else 0):
@@ -68,12 +70,12 @@ class Search:
         for again in self._again(best.state):
             trials[*best.parameters.values(), np.inf] = again
         self.progress(f"{kind.name}: " + ", ".join(f"{v:.3g}" for v in best.parameters.values()))
-        return _slim(Hypothesis(best.state.candidate.parts, tuple(trials.values())))
+        return _slim(ComparedHypothesis(best.state.candidate.parts, tuple(trials.values())))
 
     def _trial(self, effect: MeasurementEffect, iterations: int) -> Trial:
         return self.scene.fitted(self.start.with_effect(effect), iterations).trial()
 
-    def _again(self, fitted: Fitted) -> list[Trial]:
+    def _again(self, fitted: FittedAddition) -> list[Trial]:
         """A candidate once more, in its own scene; pairs already stand in that of their first part."""
         if self.start.parts:
             return []
@@ -86,7 +88,7 @@ class Search:
         return {"reference": self.scene.problem.records[0].conditions[kind.by_condition]}
 
 
-def _slim(hypothesis: Hypothesis) -> Hypothesis:
+def _slim(hypothesis: ComparedHypothesis) -> ComparedHypothesis:
     """The fit of the best trial only: matrices of all would fill the memory."""
     best = hypothesis.best
     return replace(
@@ -111,15 +113,15 @@ def _between(values: Sequence[float], best: float) -> list[float]:
 
 def searched_hypotheses(
     scene: Scene,
-    base: Fitted,
+    base: FittedAddition,
     progress: Progress,
     only: Iterable[str] | None = None,
     without: Sequence[str] = (),
-) -> list[Hypothesis]:
+) -> list[ComparedHypothesis]:
     """All hypotheses; ``only`` and ``without`` are names of effects and variables."""
-    effects = [(k, t) for k, t in testable_effects(scene.problem) if _asked(k.name, only, without)]
-    variables = [v for v in testable_variables(scene.problem) if _asked(v, only, without)]
-    search = Search(scene, Candidate(), progress)
+    effects = [(k, t) for k, t in testable_effects(scene.problem) if _wanted(k.name, only, without)]
+    variables = [v for v in testable_variables(scene.problem) if _wanted(v, only, without)]
+    search = Search(scene, Addition(), progress)
     found = [search.nothing(base)]
     tried = [(search.effect(k, t), (k, t)) for k, t in effects]
     tried = [
@@ -135,19 +137,19 @@ def _kinds(effects: Sequence[tuple[MeasurementEffectType, Tries]]) -> list[Measu
     return [k for n, (k, _) in enumerate(effects) if all(k is not other for other, _ in effects[:n])]
 
 
-def _asked(name: str, only: Iterable[str] | None, without: Sequence[str]) -> bool:
+def _wanted(name: str, only: Iterable[str] | None, without: Sequence[str]) -> bool:
     return name not in without and (only is None or name in only)
 
 
 def _pairs(
     scene: Scene,
-    singles: Sequence[Hypothesis],
+    singles: Sequence[ComparedHypothesis],
     effects: Sequence[tuple[MeasurementEffectType, Tries]],
     variables: Sequence[str],
     progress: Progress,
-) -> list[Hypothesis]:
+) -> list[ComparedHypothesis]:
     """The best effect, and the best variable, each with every other part."""
-    found: list[Hypothesis] = []
+    found: list[ComparedHypothesis] = []
     nothing = float(singles[0].log_scores.sum())
     for kind in ("effect", "variable"):
         own = [h for h in singles if h.parts and h.parts[0].kind == kind]
@@ -168,12 +170,12 @@ def _pairs(
     return found
 
 
-def _extending(scene: Scene, best: Hypothesis, progress: Progress) -> Search:
-    fitted: Fitted = best.best.state
+def _extending(scene: Scene, best: ComparedHypothesis, progress: Progress) -> Search:
+    fitted: FittedAddition = best.best.state
     return Search(scene.of(fitted), fitted.candidate, progress)
 
 
-def _narrowed(tries: Tries, single: Hypothesis) -> Tries:
+def _narrowed(tries: Tries, single: ComparedHypothesis) -> Tries:
     """The best value of a single effect and its neighbours in the first tries."""
     found: Tries = {}
     for name, options in tries.items():

@@ -9,7 +9,7 @@ the scores are linear in θ, or in log θ if all have one sign.
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.diagnosis.comparison.hypothesis import Hypothesis, Trial
+from smarig.diagnosis.comparison.compared_hypothesis import ComparedHypothesis, Trial
 from smarig.diagnosis.comparison.weights import CREDIBLE, Weights
 
 Array = NDArray[np.float64]
@@ -17,7 +17,7 @@ POINTS = 400
 DRAWS = 200
 
 
-def interval(hypothesis: Hypothesis, parameter: str, weights: Weights) -> tuple[float, float]:
+def interval(hypothesis: ComparedHypothesis, parameter: str, weights: Weights) -> tuple[float, float]:
     """The central 95 % of a parameter, with the others at their best for each value."""
     first: dict[tuple[float, ...], Trial] = {}
     for trial in hypothesis.trials:  # the first of its values: later ones were fitted with other slopes

@@ -15,15 +15,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from smarig.core import DataError
-from smarig.diagnosis.comparison.hypothesis import Hypothesis, Part
-from smarig.diagnosis.comparison.measured.candidates import Fitted, first_scene
+from smarig.diagnosis.comparison.compared_hypothesis import ComparedHypothesis, Part
+from smarig.diagnosis.comparison.measured.additions import FittedAddition, first_scene
 from smarig.diagnosis.comparison.measured.hypothesis_search import searched_hypotheses
 from smarig.diagnosis.comparison.measured.intervals import interval
 from smarig.diagnosis.comparison.measured.missing_knowledge import missing_share
 from smarig.diagnosis.comparison.measured.reading_problem import ReadingProblem, reading_problem
 from smarig.diagnosis.comparison.measured.varied_together import confounded
 from smarig.diagnosis.comparison.measured.wire_records import WireRecord, wire_records
-from smarig.diagnosis.comparison.rules import RULES, Evidence, Verdict, decide
+from smarig.diagnosis.comparison.rules import RULES, Verdict, VerdictEvidence, decide
 from smarig.diagnosis.comparison.weights import TEMPERATURE, Weights, weigh
 from smarig.measurement import measurement_effect_types
 from smarig.record import Run
@@ -31,6 +31,7 @@ from smarig.record import Run
 Array = NDArray[np.float64]
 BASE_STEPS = 30
 TRIMMED = 0.1  # of the blocks, those that gain most: one block is no measure of a size
+OF_EACH_RUN = ("input_offset", "run")  # of a held-out run they say nothing
 BETWEEN_RUNS = ("input_offset", "stress_shift", "run", "stress")
 
 
@@ -102,38 +103,42 @@ def compare_measured(
     )
 
 
-def _weighed(problem: ReadingProblem, hypotheses: Sequence[Hypothesis]) -> Weights:
+def _weighed(problem: ReadingProblem, hypotheses: Sequence[ComparedHypothesis]) -> Weights:
     """The weights; the segments of a branch count as one, for their errors are not independent."""
     cut = problem.counts.size / max(2 * problem.independent, 1)
     return weigh(hypotheses, temperature=TEMPERATURE * max(cut, 1.0))
 
 
-def _fitted(hypothesis: Hypothesis) -> Fitted:
+def _fitted(hypothesis: ComparedHypothesis) -> FittedAddition:
     return hypothesis.best.state
 
 
-def _held_out_errors(base: Fitted, weights: Weights) -> dict[str, float]:
+def _held_out_errors(base: FittedAddition, weights: Weights) -> dict[str, float]:
     """The error on held-out readings of the plain model, of the heaviest hypothesis, and with each cause."""
     if base.problem.train.all():
         return {}
-    asked = {weights.heaviest.name: weights.heaviest}
-    asked |= {h.name: h for h in (weights.best_with(p) for p, w in weights.causes.items() if w > 0.01)}
+    relevant = {weights.heaviest.name: weights.heaviest}
+    relevant |= {h.name: h for h in (weights.best_with(p) for p, w in weights.causes.items() if w > 0.01)}
     found = {"nothing": _rms(base.held_out_error())}
-    return found | {n: _rms(_fitted(h).held_out_error()) for n, h in asked.items() if h.parts}
+    return found | {n: _rms(_fitted(h).held_out_error()) for n, h in relevant.items() if h.parts}
 
 
-def _evidence(problem: ReadingProblem, base: Fitted, weights: Weights, held: Mapping[str, float]) -> Evidence:
+def _evidence(
+    problem: ReadingProblem, base: FittedAddition, weights: Weights, held: Mapping[str, float]
+) -> VerdictEvidence:
     sizes, ratios = {}, {}
     for part in weights.causes:
         best = weights.best_with(part)
         sizes[part] = _removed(problem, base, best)
         if weights.causes[part] > RULES["nothing"].value:
             sizes[part] = max(sizes[part], float(np.std(_fitted(best).added[problem.train])))
+        if part.name in OF_EACH_RUN:
+            continue
         if best.name in held:
             ratios[part] = held[best.name] / max(held["nothing"], base.fit.noise)
         elif not held and part.name in BETWEEN_RUNS:
             ratios[part] = _fitted(best).run_error / base.run_error
-    return Evidence(
+    return VerdictEvidence(
         causes=weights.causes,
         nothing=weights.nothing,
         size=sizes,
@@ -154,7 +159,7 @@ def _acts_through(part: Part) -> tuple[Part, ...]:
     return tuple(Part("variable", v) for v in kinds[part.name].depends_on) if part.name in kinds else ()
 
 
-def _removed(problem: ReadingProblem, base: Fitted, hypothesis: Hypothesis) -> float:
+def _removed(problem: ReadingProblem, base: FittedAddition, hypothesis: ComparedHypothesis) -> float:
     """Root of the mean square that a hypothesis removes of the left-out error, without the blocks that gain most."""
     count = problem.counts
     gain = base.trial().squares - hypothesis.best.squares
@@ -176,7 +181,11 @@ def _parameters(weights: Weights) -> dict[str, dict[str, tuple[float, float, flo
 
 
 def _with_held_out_runs(
-    wires: Sequence[WireRecord], verdict: Verdict, base: Fitted, missing: float, without: Sequence[str]
+    wires: Sequence[WireRecord],
+    verdict: Verdict,
+    base: FittedAddition,
+    missing: float,
+    without: Sequence[str],
 ) -> tuple[Verdict, Weights | None]:
     """The verdict with the held-out runs as blocks, if the plain model predicts them worse than its own blocks."""
     runs = [w.held_out.all() for w in wires]
@@ -192,7 +201,7 @@ def _with_held_out_runs(
     weights = _weighed(problem, searched_hypotheses(scene, plain, lambda _: None, BETWEEN_RUNS, without))
     found = decide(_evidence(problem, plain, weights, {}))
     clearer = found.word in ("named", "ambiguous") or found.depends_on is not None
-    return (found if clearer and verdict.depends_on is None else verdict), weights
+    return (found if clearer and verdict.depends_on in (None, *BETWEEN_RUNS) else verdict), weights
 
 
 def _rms(x: Array) -> float:

@@ -10,13 +10,13 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import nnls
 
-from smarig.diagnosis.comparison.measured.candidates import Fitted
+from smarig.diagnosis.comparison.measured.additions import FittedAddition
 
 Array = NDArray[np.float64]
 CONSTANT = 10.0  # column of the unknown zero, of either sign
 
 
-def missing_share(base: Fitted) -> float:
+def missing_share(base: FittedAddition) -> float:
     """Share of the held-out square error that one density for all readings would not have."""
     train, y = base.problem.train, base.problem.y
     ones = np.full((y.size, 1), CONSTANT)

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from smarig.diagnosis.comparison.measured.acting_effects import CONDITION_LENGTH, centred
-from smarig.diagnosis.comparison.measured.reading_problem import ReadingProblem, alike
+from smarig.diagnosis.comparison.measured.reading_problem import ReadingProblem, smooth_kernel
 from smarig.diagnosis.comparison.measured.varied_together import at_one_rate, between_runs
 
 Array = NDArray[np.float64]
@@ -64,5 +64,5 @@ def variable_parts(problem: ReadingProblem, name: str, surface: Surface) -> list
     if name not in CONDITIONS:  # nothing is known beyond the training readings: the last value goes on
         z = np.clip(z, own.min(), own.max())
     length = CONDITION_LENGTH if name == "stress" else LENGTH
-    k = centred((z[:, None] == z) * 1.0 if name == "run" else alike(z, length), problem.train)
+    k = centred((z[:, None] == z) * 1.0 if name == "run" else smooth_kernel(z, length), problem.train)
     return [k, *(k * np.outer(f, f) for f in surface.shapes(problem))]

@@ -80,7 +80,7 @@ class ReadingProblem:
     @cached_property
     def always(self) -> list[Array]:
         """Covariances (m, m) of every hypothesis: a smooth reversible part, and the first branches."""
-        smooth = alike(self.variables["level"], 0.3)
+        smooth = smooth_kernel(self.variables["level"], 0.3)
         if not self.first.any() or self.first.all():
             return [smooth]
         same = self.record[:, None] == self.record
@@ -93,7 +93,7 @@ class ReadingProblem:
         return (self.block[:, None] == self.block) * np.exp(-apart)
 
 
-def alike(z: Array, length: float) -> Array:
+def smooth_kernel(z: Array, length: float) -> Array:
     """exp(−Δ²/2) of a variable (m,), over a length as a share of its range."""
     x = (z - z.min()) / (float(np.ptp(z)) or 1.0)
     return np.exp(-0.5 * ((x[:, None] - x) / length) ** 2)

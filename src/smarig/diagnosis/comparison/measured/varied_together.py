@@ -10,7 +10,7 @@ from collections.abc import Iterable
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.diagnosis.comparison.hypothesis import Part
+from smarig.diagnosis.comparison.compared_hypothesis import Part
 from smarig.diagnosis.comparison.measured.reading_problem import ReadingProblem
 
 Array = NDArray[np.float64]

@@ -8,16 +8,16 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import eigh
 
-from smarig.diagnosis.comparison.hypothesis import Part, Trial
-from smarig.diagnosis.comparison.left_out_blocks import left_out, log_t_density
+from smarig.diagnosis.comparison.block_predictions import left_out, log_t_density
+from smarig.diagnosis.comparison.compared_hypothesis import Part, Trial
 from smarig.diagnosis.comparison.measured.acting_effects import acting_inputs, added_parts
-from smarig.diagnosis.comparison.measured.density_prior import (
-    SLOPE_STEP,
-    DensityPrior,
-    density_prior,
-)
 from smarig.diagnosis.comparison.measured.gaussian_fit import LEVEL, GaussianFit, fit_gaussian
 from smarig.diagnosis.comparison.measured.plain_variables import Surface, variable_parts
+from smarig.diagnosis.comparison.measured.positive_prior import (
+    SLOPE_STEP,
+    PositivePrior,
+    positive_prior,
+)
 from smarig.diagnosis.comparison.measured.reading_problem import ReadingProblem
 from smarig.measurement import MeasurementEffect
 
@@ -29,7 +29,7 @@ SMALL = 1e-2
 
 
 @dataclass(frozen=True)
-class Candidate:
+class Addition:
     """What is added to the plain model: effects with their values, and variables."""
 
     effects: tuple[MeasurementEffect, ...] = ()
@@ -41,7 +41,7 @@ class Candidate:
         effects = [Part("effect", e.kind.name) for e in self.effects]
         return (*effects, *(Part("variable", v) for v in self.variables))
 
-    def with_effect(self, effect: MeasurementEffect) -> "Candidate":
+    def with_effect(self, effect: MeasurementEffect) -> "Addition":
         """With one more effect."""
         return replace(self, effects=(*self.effects, effect))
 
@@ -52,11 +52,11 @@ class Candidate:
 
 
 @dataclass(frozen=True, eq=False)
-class Fitted:
+class FittedAddition:
     """A candidate with its covariances (m, m): ``common`` of every hypothesis, ``own`` of its parts."""
 
-    candidate: Candidate
-    prior: DensityPrior
+    candidate: Addition
+    prior: PositivePrior
     common: tuple[Array, ...]
     own: tuple[Array, ...]
     fit: GaussianFit
@@ -124,7 +124,7 @@ class Fitted:
         return score, float(error @ error)
 
 
-def surface_of(fitted: Fitted) -> Surface:
+def surface_of(fitted: FittedAddition) -> Surface:
     """Level and slope of a fit at all readings; those of training readings from blocks left out."""
     problem = fitted.problem
     level = fitted.predicted()
@@ -144,15 +144,15 @@ class Scene:
     """
 
     problem: ReadingProblem
-    prior: DensityPrior
+    prior: PositivePrior
     surface: Surface | None
     sizes: Array
     target: Array
 
-    def of(self, fitted: Fitted) -> "Scene":
+    def of(self, fitted: FittedAddition) -> "Scene":
         """With the density and the slopes of a fit: those of the plain model contain the errors that it explains."""
         target = self.problem.y - fitted.added
-        prior = density_prior(self.problem, acting_inputs(self.problem, fitted.candidate.effects), target)
+        prior = positive_prior(self.problem, acting_inputs(self.problem, fitted.candidate.effects), target)
         sizes = np.r_[fitted.fit.sizes[: len(fitted.common)], fitted.fit.sizes[-2:]]
         return Scene(self.problem, prior, surface_of(fitted), sizes, target)
 
@@ -161,14 +161,14 @@ class Scene:
         """Covariance (m, m) of the noise of the input."""
         return [np.diag(self.surface.slope**2)] if self.surface is not None else []
 
-    def fitted(self, candidate: Candidate, iterations: int, *, same_input: bool = False) -> Fitted:
+    def fitted(self, candidate: Addition, iterations: int, *, same_input: bool = False) -> FittedAddition:
         """A candidate with sizes found from those of the scene (``iterations`` 0 keeps them).
 
         ``same_input``: the scene's density is that of the input that the candidate moves.
         """
         problem, prior = self.problem, self.prior
         if candidate.moves_input and not same_input:
-            prior = density_prior(problem, acting_inputs(problem, candidate.effects), self.target)
+            prior = positive_prior(problem, acting_inputs(problem, candidate.effects), self.target)
         common = (prior.covariance, *problem.always, *self.slope_noise)
         own: list[Array] = []
         if self.surface is not None:
@@ -183,18 +183,18 @@ class Scene:
         fit = fit_gaussian(
             problem.y[problem.train], [k[at] for k in matrices], problem.blocks, sizes, iterations
         )
-        return Fitted(candidate, prior, common, tuple(own), fit, problem)
+        return FittedAddition(candidate, prior, common, tuple(own), fit, problem)
 
 
-def first_scene(problem: ReadingProblem, iterations: int) -> tuple[Scene, Fitted]:
+def first_scene(problem: ReadingProblem, iterations: int) -> tuple[Scene, FittedAddition]:
     """The scene of the plain model, and the plain model."""
-    prior = density_prior(problem, acting_inputs(problem, ()), problem.y)
+    prior = positive_prior(problem, acting_inputs(problem, ()), problem.y)
     count = 1 + len(problem.always)
     sizes = np.r_[FIRST_SIZE, [SMALL] * (count - 1), BLOCK_SIZE, NOISE_SIZE]
     rough = Scene(problem, prior, None, sizes, problem.y)
-    first = rough.fitted(Candidate(), iterations)
+    first = rough.fitted(Addition(), iterations)
     surface = surface_of(first)
     sizes = np.r_[first.fit.sizes[:-2], BLOCK_SIZE / 10, first.fit.sizes[-2:]]
     scene = replace(rough, surface=surface, sizes=sizes)
-    base = scene.fitted(Candidate(), iterations)
+    base = scene.fitted(Addition(), iterations)
     return replace(scene, sizes=base.fit.sizes), base

@@ -39,7 +39,7 @@ class Trial:
 
 
 @dataclass(frozen=True, eq=False)
-class Hypothesis:
+class ComparedHypothesis:
     """``parts`` with the ``trials`` of its parameters, in the order of the search; one trial if it has none."""
 
     parts: tuple[Part, ...]

@@ -24,7 +24,7 @@ SLOPE_STEP = 0.01
 
 
 @dataclass(frozen=True, eq=False)
-class DensityPrior:
+class PositivePrior:
     """Features (m, k) of all readings for an input that acts, density w₀ (k,), and their covariance (m, m).
 
     The covariance is that of deviations as large as w₀, over ``variance``, its mean over the training readings.
@@ -42,7 +42,7 @@ class DensityPrior:
         return GRID.covariance(moved, self.features, self.density) / self.variance
 
 
-def density_prior(problem: ReadingProblem, inputs: Sequence[Array], target: Array) -> DensityPrior:
+def positive_prior(problem: ReadingProblem, inputs: Sequence[Array], target: Array) -> PositivePrior:
     """The prior for inputs (n,) of each record that act on the wire, and a ``target`` (m,) of its positive fit."""
     warped = _warped(problem, inputs)
     features = _features(problem, warped)
@@ -50,7 +50,7 @@ def density_prior(problem: ReadingProblem, inputs: Sequence[Array], target: Arra
     density = _positive_fit(features[train], target[train])
     covariance = GRID.covariance(features, features, density)
     variance = float(np.mean(np.diag(covariance)[train])) or 1.0
-    return DensityPrior(features, density, covariance / variance, tuple(warped), variance)
+    return PositivePrior(features, density, covariance / variance, tuple(warped), variance)
 
 
 def _features(problem: ReadingProblem, inputs: Sequence[Array]) -> Array:

@@ -12,9 +12,9 @@ import numpy as np
 from smarig.diagnosis.comparison.commanded.effect_trials import fitted_with, refined
 from smarig.diagnosis.comparison.commanded.periods import with_best_period
 from smarig.diagnosis.comparison.commanded.screening import Screened, candidates, screened
-from smarig.diagnosis.comparison.commanded.subject import Fitted, Subject
+from smarig.diagnosis.comparison.commanded.subject import CommandedProblem, FittedPlant
 from smarig.diagnosis.comparison.commanded.variable_trials import Discrepancies
-from smarig.diagnosis.comparison.hypothesis import Hypothesis, Part, Trial
+from smarig.diagnosis.comparison.compared_hypothesis import ComparedHypothesis, Part, Trial
 from smarig.diagnosis.comparison.weights import PRIOR_PAIR, PRIOR_SINGLE, TEMPERATURE
 
 DENSITIES = 2  # of the base beside the first
@@ -29,29 +29,29 @@ Progress = Callable[[str], None]
 class Found:
     """The hypotheses, the models of those that were fitted, by their parts, and all effects as screened."""
 
-    hypotheses: tuple[Hypothesis, ...]
-    models: dict[tuple[Part, ...], Fitted]
+    hypotheses: tuple[ComparedHypothesis, ...]
+    models: dict[tuple[Part, ...], FittedPlant]
     screened: tuple[Screened, ...]
 
 
-def search(subject: Subject, progress: Progress) -> Found:
+def search(subject: CommandedProblem, progress: Progress) -> Found:
     """All hypotheses about a subject, scored."""
     base = subject.base
-    nothing = Hypothesis((), tuple(subject.trial(f) for f in _densities(subject)))
+    nothing = ComparedHypothesis((), tuple(subject.trial(f) for f in _densities(subject)))
     smooth = Discrepancies.about(subject, base)
     traces = [with_best_period(subject, c, smooth) for c in candidates(subject)]
     weak = screened(subject, base, traces, smooth.ranking)
-    models: dict[tuple[Part, ...], Fitted] = {(): base}
+    models: dict[tuple[Part, ...], FittedPlant] = {(): base}
     effects = _refined(subject, base, weak, models, progress, _score(nothing))
     nothing = replace(nothing, trials=(*nothing.trials, *_without_effects(subject, models)))
     tried = {h.parts for h in effects}
     effects += [s.hypothesis for s in weak if (s.part,) not in tried]
-    variables = [_told(smooth.hypothesis(v), nothing, progress) for v in smooth.variables[:VARIABLES]]
+    variables = [_reported(smooth.hypothesis(v), nothing, progress) for v in smooth.variables[:VARIABLES]]
     pairs = _pairs(subject, effects, models, traces, progress)
     return Found((nothing, *effects, *variables, *pairs), models, tuple(weak))
 
 
-def _densities(subject: Subject) -> Iterator[Fitted]:
+def _densities(subject: CommandedProblem) -> Iterator[FittedPlant]:
     """The base with densities from several starts, as many as effects get with their trials."""
     found = subject.base
     yield found
@@ -61,7 +61,9 @@ def _densities(subject: Subject) -> Iterator[Fitted]:
     yield subject.at(replace(found.plant_model, hysteresis=found.refitted.posterior.table()), found.refitted)
 
 
-def _without_effects(subject: Subject, models: dict[tuple[Part, ...], Fitted]) -> Iterator[Trial]:
+def _without_effects(
+    subject: CommandedProblem, models: dict[tuple[Part, ...], FittedPlant]
+) -> Iterator[Trial]:
     """The base with the densities identified with effects: what is gained by them needs no effect."""
     for parts, fitted in models.items():
         if parts:
@@ -70,15 +72,15 @@ def _without_effects(subject: Subject, models: dict[tuple[Part, ...], Fitted]) -
 
 
 def _refined(
-    subject: Subject,
-    base: Fitted,
+    subject: CommandedProblem,
+    base: FittedPlant,
     weak: Sequence[Screened],
-    models: dict[tuple[Part, ...], Fitted],
+    models: dict[tuple[Part, ...], FittedPlant],
     progress: Progress,
     nothing: float,
-) -> list[Hypothesis]:
+) -> list[ComparedHypothesis]:
     """The best screened effects with a density of their own; those near the best with trials of their parameters."""
-    found: list[Hypothesis] = []
+    found: list[ComparedHypothesis] = []
     for one in weak[:FITTED]:
         best = max([_score(h) for h in found], default=nothing)
         if found and float(one.trial.log_scores.sum()) < nothing + LINEAR_SHARE * (best - nothing):
@@ -97,19 +99,19 @@ def _refined(
 
 
 def _refined_one(
-    subject: Subject, hypothesis: Hypothesis, models: dict[tuple[Part, ...], Fitted]
-) -> Hypothesis:
+    subject: CommandedProblem, hypothesis: ComparedHypothesis, models: dict[tuple[Part, ...], FittedPlant]
+) -> ComparedHypothesis:
     again, models[hypothesis.parts] = refined(subject, hypothesis, models[hypothesis.parts])
     return again
 
 
 def _pairs(
-    subject: Subject,
-    effects: Sequence[Hypothesis],
-    models: dict[tuple[Part, ...], Fitted],
+    subject: CommandedProblem,
+    effects: Sequence[ComparedHypothesis],
+    models: dict[tuple[Part, ...], FittedPlant],
     traces: Sequence,
     progress: Progress,
-) -> list[Hypothesis]:
+) -> list[ComparedHypothesis]:
     """The best effect with further effects and with variables."""
     best = max((h for h in effects if h.parts in models), key=_score, default=None)
     if best is None:
@@ -121,21 +123,23 @@ def _pairs(
         if float(one.trial.log_scores.sum()) > floor + PAIR_NATS:
             hypothesis, model = fitted_with(subject, fitted, [*fitted.effects, one.effect])
             models[hypothesis.parts] = model
-            found.append(_told(hypothesis, best, progress))
+            found.append(_reported(hypothesis, best, progress))
     better = [h for h in found if _score(h) > floor + PAIR_NATS]
     if better:
         top = max(better, key=_score)
         found[found.index(top)] = _refined_one(subject, top, models)
     for variable in smooth.variables[:PAIRS]:
         if smooth.gain(variable) > PAIR_NATS:
-            found.append(_told(smooth.hypothesis(variable), best, progress))
+            found.append(_reported(smooth.hypothesis(variable), best, progress))
     return found
 
 
-def _told(hypothesis: Hypothesis, before: Hypothesis, progress: Progress) -> Hypothesis:
+def _reported(
+    hypothesis: ComparedHypothesis, before: ComparedHypothesis, progress: Progress
+) -> ComparedHypothesis:
     progress(f"{hypothesis.name}: {_score(hypothesis) - _score(before):+.1f} nats beyond {before.name}")
     return hypothesis
 
 
-def _score(hypothesis: Hypothesis) -> float:
+def _score(hypothesis: ComparedHypothesis) -> float:
     return float(hypothesis.log_scores.sum())

@@ -15,7 +15,7 @@ from scipy.special import gammaln
 
 Array = NDArray[np.float64]
 Rows = NDArray[np.int64]
-NU = 4.0  # degrees of freedom: tails of blocks
+NU = 4  # degrees of freedom: tails of blocks
 
 
 def left_out(precision: Array, dual: Array, blocks: Sequence[Rows]) -> tuple[Array, Array]:
