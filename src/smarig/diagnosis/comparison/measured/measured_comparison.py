@@ -127,8 +127,8 @@ def _evidence(problem: ReadingProblem, base: Fitted, weights: Weights, held: Map
     sizes, ratios = {}, {}
     for part in weights.causes:
         best = weights.best_with(part)
-        sizes[part] = _removed(problem, base, best)
-        if weights.causes[part] > RULES["nothing"].value:
+        sizes[part] = _removed(problem, _without(weights, best, part), best)
+        if best.parts == (part,):
             sizes[part] = max(sizes[part], float(np.std(_fitted(best).added[problem.train])))
         if part.name in OF_EACH_RUN:
             continue
@@ -157,10 +157,15 @@ def _acts_through(part: Part) -> tuple[Part, ...]:
     return tuple(Part("variable", v) for v in kinds[part.name].depends_on) if part.name in kinds else ()
 
 
-def _removed(problem: ReadingProblem, base: Fitted, hypothesis: Hypothesis) -> float:
-    """Root of the mean square that a hypothesis removes of the left-out error, without the blocks that gain most."""
+def _without(weights: Weights, hypothesis: Hypothesis, part: Part) -> Hypothesis:
+    rest = {p for p in hypothesis.parts if p != part}
+    return next(h for h in weights.hypotheses if set(h.parts) == rest)
+
+
+def _removed(problem: ReadingProblem, start: Hypothesis, hypothesis: Hypothesis) -> float:
+    """Root of the mean square that a hypothesis removes of the error of another, without the blocks that gain most."""
     count = problem.counts
-    gain = base.trial().squares - hypothesis.best.squares
+    gain = start.best.squares - hypothesis.best.squares
     kept = np.argsort(-gain / count)[int(TRIMMED * count.size) :]
     return float(np.sqrt(max(gain[kept].sum() / count[kept].sum(), 0.0)))
 
