@@ -127,7 +127,8 @@ def _evidence(problem: ReadingProblem, base: Fitted, weights: Weights, held: Map
     sizes, ratios = {}, {}
     for part in weights.causes:
         best = weights.best_with(part)
-        sizes[part] = _removed(problem, _without(weights, best, part), best)
+        alone = next(h for h in weights.hypotheses if h.parts == (part,))
+        sizes[part] = max(_removed(problem, _without(weights, h, part), h) for h in (best, alone))
         if best.parts == (part,):
             sizes[part] = max(sizes[part], float(np.std(_fitted(best).added[problem.train])))
         if part.name in OF_EACH_RUN:
