@@ -60,7 +60,8 @@ class Skipped:
     def __init__(self, config) -> None:
         self.config = config
         self.names: set[str] = set()
-        self.wanted = set(config.cache.get(SKIPPED, [])) if config.option.skipped else set()
+        self.cache = getattr(config, "cache", None)  # none with -p no:cacheprovider
+        self.wanted = set(self.cache.get(SKIPPED, [])) if self.cache and config.option.skipped else set()
         if self.wanted:
             config.args = sorted({name.partition("::")[0] for name in self.wanted})
 
@@ -77,5 +78,8 @@ class Skipped:
             self.names.add(report.nodeid)
 
     def pytest_sessionfinish(self):
-        if not (hasattr(self.config, "workerinput") or self.config.option.collectonly):  # a worker saw a part
-            self.config.cache.set(SKIPPED, sorted(self.names))
+        whole = not (
+            hasattr(self.config, "workerinput") or self.config.option.collectonly
+        )  # a worker saw a part
+        if whole and self.cache:
+            self.cache.set(SKIPPED, sorted(self.names))

@@ -22,7 +22,7 @@ from smarig.identification import identify
 from smarig.record import Run
 from smarig.study import StudyOptions, study
 
-DEVELOPED_ON = (0, 1, 2, 3, 6, 7, 8)  # seeds of worlds that were looked at while the engine was made
+DEVELOPED_ON = (0, 1, 2, 3, 6, 7, 8, 9)  # seeds of worlds that were looked at while the engine was made
 FINAL = (4, 5)
 FIELD: dict[
     str, tuple[tuple[str, ...], tuple[str, ...]]

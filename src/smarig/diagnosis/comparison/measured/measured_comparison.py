@@ -129,8 +129,9 @@ def _evidence(
     sizes, ratios = {}, {}
     for part in weights.causes:
         best = weights.best_with(part)
-        sizes[part] = _removed(problem, base, best)
-        if weights.causes[part] > RULES["nothing"].value:
+        alone = next(h for h in weights.hypotheses if h.parts == (part,))
+        sizes[part] = max(_removed(problem, _without(weights, h, part), h) for h in (best, alone))
+        if best.parts == (part,):
             sizes[part] = max(sizes[part], float(np.std(_fitted(best).added[problem.train])))
         if part.name in OF_EACH_RUN:
             continue
@@ -159,10 +160,15 @@ def _acts_through(part: Part) -> tuple[Part, ...]:
     return tuple(Part("variable", v) for v in kinds[part.name].depends_on) if part.name in kinds else ()
 
 
-def _removed(problem: ReadingProblem, base: FittedAddition, hypothesis: ComparedHypothesis) -> float:
-    """Root of the mean square that a hypothesis removes of the left-out error, without the blocks that gain most."""
+def _without(weights: Weights, hypothesis: ComparedHypothesis, part: Part) -> ComparedHypothesis:
+    rest = {p for p in hypothesis.parts if p != part}
+    return next(h for h in weights.hypotheses if set(h.parts) == rest)
+
+
+def _removed(problem: ReadingProblem, start: ComparedHypothesis, hypothesis: ComparedHypothesis) -> float:
+    """Root of the mean square that a hypothesis removes of the error of another, without the blocks that gain most."""
     count = problem.counts
-    gain = base.trial().squares - hypothesis.best.squares
+    gain = start.best.squares - hypothesis.best.squares
     kept = np.argsort(-gain / count)[int(TRIMMED * count.size) :]
     return float(np.sqrt(max(gain[kept].sum() / count[kept].sum(), 0.0)))
 

@@ -18,7 +18,6 @@ Array = NDArray[np.float64]
 LENGTH = 0.35  # of the variable's range
 NEEDS_CLOCK = ("rate", "speed", "time", "since")
 VARIABLES = ("rate", "speed", "time", "cycle", "history", "since", "stress", "run")
-CONDITIONS = ("stress", "run")
 OVER_CYCLES = ("time", "cycle")
 FEWEST_CYCLES = 3  # of one record: with fewer, a drift is a part of the loop
 
@@ -61,7 +60,7 @@ def _most_cycles(problem: ReadingProblem) -> float:
 def variable_parts(problem: ReadingProblem, name: str, surface: Surface) -> list[Array]:
     """Covariances (m, m) of the discrepancies in a variable."""
     z, own = problem.variables[name], problem.variables[name][problem.train]
-    if name not in CONDITIONS:  # nothing is known beyond the training readings: the last value goes on
+    if name in OVER_CYCLES:  # nothing is known beyond the training readings: the last value goes on
         z = np.clip(z, own.min(), own.max())
     length = CONDITION_LENGTH if name == "stress" else LENGTH
     k = centred((z[:, None] == z) * 1.0 if name == "run" else smooth_kernel(z, length), problem.train)
