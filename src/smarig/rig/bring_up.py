@@ -32,6 +32,9 @@ LEASE_MARGIN_S = 1.5
 MOTION_MARGIN = 10  # times the detected motion: no wire deviates that far from its model
 ProgressCallback = Callable[[str], None]
 BACKLOG_S = 10.0  # of samples after re-arming that may still show the trip
+_READ_BACK_REMEDY = "check the circuit of the wire, the amplifier, the shunt, and the unit of the driver"
+_DIRECTION_REMEDY = "exchange the encoder's lines, or negate the reading in the driver"
+_MOTION_REMEDY = "check encoder, coupling, wire, and the unit of the driver"
 
 
 class SupportsIdle(Rig, Protocol):
@@ -124,12 +127,18 @@ def _heating_checks(
     how = "(last reading, no new one)" if sample.quality & Quality.STALE else "measured"
     wire = ", wire 2" if sign < 0 else ""
     comparison = f"{sample.current_A:.4f} A {how} at {command_A:.4f} A"
-    yield Check(f"read-back{wire}", _follows_command(sample, command_A, file), comparison)
+    follows = _follows_command(sample, command_A, file)
+    yield Check(f"read-back{wire}", follows, comparison if follows else f"{comparison}; {_READ_BACK_REMEDY}")
     expected = ExpectedResistance(actuator, file.limits.resistance_tolerance)
     yield _resistance(sample, expected, guard.input_K)._replace(name=f"resistance{wire}")
     where = f"{moved:+d} counts at {command_A:.2f} A, {guard.input_K:.0f} K (heating model)"
     rule = f"heating must {'decrease' if sign < 0 else 'increase'} the counts"
-    yield Check(f"encoder direction{wire}", sign * moved >= MIN_MOTION_COUNTS, f"{where}; {rule}")
+    observed = f"{where}; {rule}"
+    if sign * moved <= -MIN_MOTION_COUNTS:
+        observed += f"; {_DIRECTION_REMEDY}"
+    elif sign * moved < MIN_MOTION_COUNTS:
+        observed += f"; {_MOTION_REMEDY}"
+    yield Check(f"encoder direction{wire}", sign * moved >= MIN_MOTION_COUNTS, observed)
     _last_sample(guard, 0.0, round(COOL_TAUS * tau_ticks))
 
 

@@ -64,7 +64,11 @@ def _verdict(run: "RunVerification", model: Path) -> str:
     from smarig.identification import ErrorLevel
 
     found = run.verdict
-    more = f" (smarig diagnose {model} looks for the cause)" if found.level == ErrorLevel.POOR else ""
+    more = (
+        f" (smarig diagnose {model} --train RUN… looks for the cause)"
+        if found.level == ErrorLevel.POOR
+        else ""
+    )
     return f"Verdict: {found.text}{more}."
 
 

@@ -15,7 +15,8 @@ from smarig.report.components.run_description import (
     quality_counts,
 )
 
-_IDENTIFIED_FROM = ("first_order_descending", "first_order_ascending", "minor_loops", "adaptive_fod")
+_WITH_CURVES = ("first_order_descending", "first_order_ascending", "adaptive_fod")
+_IDENTIFIED_FROM = (*_WITH_CURVES, "minor_loops")
 _SEVERE = (Severity.MAJOR, Severity.INVALID)
 
 
@@ -101,7 +102,8 @@ def _advice(run: AnyRun, level: str) -> str:
     if level == "bad":
         return "Resume the run (smarig resume), or repeat it, before using it."
     if run.info.protocol in _IDENTIFIED_FROM:
-        return f"Identify a model from it: smarig identify {run.path.name}."
+        surface = "" if run.info.protocol in _WITH_CURVES else "--surface positive "
+        return f"Identify a model from it: smarig identify {run.path.name} {surface}-o wire.model.json."
     if run.info.protocol == "validation":
         return f"Verify a model on it: smarig verify MODEL {run.path.name}."
     return ""
