@@ -84,7 +84,7 @@ def quiet_input(u: Array) -> Array:
 def large_turns(u: Array, threshold: float) -> NDArray[np.int64]:
     """Rows at which the input turns by more than a threshold, with both ends.
 
-    >>> large_turns(np.array([0.0, 5, 4.9, 9, 2, 3]), 1.0).tolist()
+    >>> large_turns(np.array([0.0, 5, 4.9, 9, 2, 3.5]), 1.0).tolist()
     [0, 3, 4, 5]
     """
     found, low, high, direction = [0], 0, 0, 0
