@@ -154,13 +154,15 @@ def _relaxing(y: Array, share: float) -> Array:
 
 
 def _run(name: str, rng: np.random.Generator, t: Array, u: Array, y: Array, stress: float | None) -> Run:
-    columns = {key: np.full(t.size, np.nan) for key in SAMPLE_COLUMNS}
-    columns |= {
-        "tick": np.arange(t.size, dtype=float),
-        "t_s": t,
-        "input": u + 0.05 * rng.standard_normal(t.size),
-        "position": y + 0.003 * float(np.ptp(y)) * rng.standard_normal(t.size),
-    }
+    read = u + 0.05 * rng.standard_normal(t.size)
+    return imported_run(name, read, y + 0.003 * float(np.ptp(y)) * rng.standard_normal(t.size), t, stress)
+
+
+def imported_run(name: str, u: Array, y: Array, t: Array | None, stress: float | None) -> Run:
+    """Temperatures (n,) and strains (n,) as somebody's file gives them; without times if ``t`` is None."""
+    columns = {key: np.full(u.size, np.nan) for key in SAMPLE_COLUMNS}
+    columns |= {"tick": np.arange(u.size, dtype=float), "input": u, "position": y}
+    columns |= {} if t is None else {"t_s": t}
     meta: dict[str, Any] = {
         "source": "import",
         "input": {"quantity": "temperature", "unit": "degC"},

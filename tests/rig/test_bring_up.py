@@ -41,6 +41,7 @@ def test_what_flows_at_rest_ends_it_before_any_heating():
 def test_a_shunt_that_shows_nothing_ends_it_within_the_first_stairs(change):
     found, driven = checked(change)
     assert not found["read-back"].passed
+    assert "check the circuit of the wire" in found["read-back"].observed
     assert "lease" not in found
     assert driven <= 0.1 + 1e-9, "of 1 A: two stairs of twenty"
 
@@ -48,7 +49,14 @@ def test_a_shunt_that_shows_nothing_ends_it_within_the_first_stairs(change):
 def test_an_encoder_that_does_not_count_ends_it_where_the_wire_must_have_moved():
     found, driven = checked(lambda s: s._replace(counts=0))
     assert (found["encoder direction"].passed, list(found)[-1]) == (False, "encoder direction")
+    assert "check encoder, coupling" in found["encoder direction"].observed
     assert driven <= 0.65, "not all of its 1 A"
+
+
+def test_an_encoder_that_counts_backwards_is_told_from_one_that_does_not_count():
+    found, _ = checked(lambda s: s._replace(counts=-s.counts))
+    assert not found["encoder direction"].passed
+    assert "exchange the encoder's lines" in found["encoder direction"].observed
 
 
 def test_a_coarse_encoder_is_given_all_the_travel_there_is():

@@ -15,6 +15,7 @@ from smarig.diagnosis.critique.settings import check_settings
 from smarig.diagnosis.critique.visibility import visibility
 from smarig.diagnosis.diagnosis_result import Diagnosis, ErrorSummary
 from smarig.diagnosis.diagnosis_verdict import DiagnosisVerdict, decide_verdict
+from smarig.diagnosis.effects_to_try import effects_to_try
 from smarig.diagnosis.explain.channel_misfit import channel_misfits
 from smarig.diagnosis.explain.discrepancy import likeliest_discrepancy
 from smarig.diagnosis.explain.joint_density import (
@@ -29,8 +30,8 @@ from smarig.diagnosis.explain.signed_density import find_explanations
 from smarig.diagnosis.explain.zero_of_output import with_zero_of_runs
 from smarig.diagnosis.held_out_gain import HeldOutGain, held_out_gain
 from smarig.diagnosis.name_gates import NameEvidence, gated
-from smarig.diagnosis.run_checks import check_comparable
-from smarig.plant import EffectType, PassThroughActuator, effect_types, effect_types_only_on
+from smarig.diagnosis.run_checks import check_comparable, check_held_out
+from smarig.plant import EffectType
 from smarig.record import Run, loaded_runs
 from smarig.replay import (
     Model,
@@ -39,7 +40,6 @@ from smarig.replay import (
     actuator_for_run,
     build_timeline,
     driven_by_input,
-    file_hash,
     load_model,
     numerics,
     plant_model_of,
@@ -79,7 +79,9 @@ def diagnose_commanded(
     timeline, plant_model = _timeline_and_subject(original, train_runs)
     if held_out_runs:
         _check_held_out(original, train_runs, held_out_runs)
-    catalogue, insensitive = _visible_effect_types(_catalogue(plant_model, without), timeline, plant_model)
+    catalogue, insensitive = _visible_effect_types(
+        effects_to_try(plant_model, without), timeline, plant_model
+    )
     report_progress(
         f"{len(timeline.settled)} settled points, {sum(len(r) for r in timeline.other_readings)} other readings"
     )
@@ -173,35 +175,14 @@ def _nearest(verdict: DiagnosisVerdict, found: NearestEffect | None) -> NearestE
 
 def _check_held_out(model: Model, train_runs: list[Run], held_out_runs: list[Run]) -> None:
     """Raise before any computation if the held-out runs cannot measure the gain."""
-    if any(_same(a, b) for a in train_runs for b in held_out_runs):
-        raise UsageError(
-            "A held-out run is a copy of a training run. Hold out a run that is not used for training."
-        )
+    check_held_out(train_runs, held_out_runs)
     build_timeline([*train_runs, *held_out_runs], actuator_for_run(model, train_runs[0]).tau_s)
 
 
-def _same(a: Run, b: Run) -> bool:
-    """Whether two runs are the same measurement, and not only parts of one file."""
-    return file_hash(a) == file_hash(b) != "" and np.array_equal(a["tick"], b["tick"])
-
-
 def _timeline_and_subject(model: Model, runs: list[Run]) -> tuple[Timeline, PlantModel]:
-    if not runs:
-        raise UsageError("A diagnosis needs at least one training run.")
+    check_held_out(runs, ())
     timeline = build_timeline(runs, actuator_for_run(model, runs[0]).tau_s)
     return timeline, plant_model_of(model, timeline.runs[0])
-
-
-def _catalogue(plant_model: PlantModel, without: Sequence[str]) -> list[EffectType]:
-    all_types = effect_types("two_wire" if plant_model.actuator.two_wire else "one_wire")
-    all_types += (
-        effect_types_only_on("untrained") if isinstance(plant_model.actuator, PassThroughActuator) else ()
-    )
-    names = [k.name for k in effect_types()]
-    for name in without:
-        if name not in names:
-            raise UsageError(f"Effect '{name}' cannot be left out: the catalogue has no such effect.")
-    return [k for k in all_types if k.name not in without]
 
 
 def _visible_effect_types(

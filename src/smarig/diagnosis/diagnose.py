@@ -12,11 +12,11 @@ from smarig.diagnosis.commanded_diagnosis import diagnose_commanded
 from smarig.diagnosis.critique.critique import ALPHA, NULL_DATA_SETS
 from smarig.diagnosis.diagnosis_result import Diagnosis
 from smarig.diagnosis.measured.measured_diagnosis import MeasuredDiagnosis, diagnose_measured
-from smarig.diagnosis.run_checks import check_comparable
+from smarig.diagnosis.run_checks import check_comparable, check_held_out, check_left_out
 from smarig.measurement import has_measured_input, measurement_effect_types
 from smarig.plant import effect_types
 from smarig.record import Run, Runs, loaded_runs
-from smarig.replay import Model, driven_by_input, file_hash, load_model
+from smarig.replay import Model, driven_by_input, load_model
 
 
 @threadpool_limits.wrap(limits=1, user_api="blas")
@@ -56,23 +56,11 @@ def diagnose(
             original, train_runs, held_out_runs, **settings, without=without, progress=progress
         )
     check_comparable(original, [*train_runs, *held_out_runs])
-    _check(train_runs, held_out_runs, without)
+    check_held_out(train_runs, held_out_runs)
+    check_left_out(without, [k.name for k in (*effect_types(), *measurement_effect_types())])
     return diagnose_measured(
         original, train_runs, held_out_runs, without, progress or (lambda _: None), select
     )
-
-
-def _check(train: Sequence[Run], held_out: Sequence[Run], without: Sequence[str]) -> None:
-    for a in train:
-        for b in held_out:
-            if file_hash(a) == file_hash(b) != "" and np.array_equal(a["tick"], b["tick"]):
-                raise UsageError(
-                    "A held-out run is a copy of a training run. Hold out a run that is not used for training."
-                )
-    known = {k.name for k in (*effect_types(), *measurement_effect_types())}
-    for name in without:
-        if name not in known:
-            raise UsageError(f"Effect '{name}' cannot be left out: the catalogue has no such effect.")
 
 
 def _by_input(runs: Sequence[Run]) -> list[Run]:

@@ -1,12 +1,12 @@
 """Checks that runs can be compared with a model: one wire, one unit, a valid clock and plausible readings."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 
-from smarig.core import DataError
+from smarig.core import DataError, UsageError
 from smarig.record import Run, Step
-from smarig.replay import Model, check_output
+from smarig.replay import Model, check_output, file_hash
 
 MAX_DURATION_S = 3.2e8  # ten years
 MAX_READING = 1e9  # a position in any unit, a current, a target
@@ -26,6 +26,25 @@ def check_comparable(model: Model, runs: Sequence[Run]) -> None:
     if len(wires) > 1:
         listing = ", ".join(f"{run.path.name} of '{wire}'" for wire, run in wires.items())
         raise DataError(f"A diagnosis needs runs of one wire, but these are of several: {listing}.")
+
+
+def check_held_out(train: Sequence[Run], held_out: Sequence[Run]) -> None:
+    """Raise UsageError without training runs, or if a held-out run is one of them, and not only a part of its file."""
+    if not train:
+        raise UsageError("A diagnosis needs at least one training run.")
+    for a in train:
+        for b in held_out:
+            if file_hash(a) == file_hash(b) != "" and np.array_equal(a["tick"], b["tick"]):
+                raise UsageError(
+                    "A held-out run is a copy of a training run. Hold out a run that is not used for training."
+                )
+
+
+def check_left_out(without: Sequence[str], known: Iterable[str]) -> None:
+    """Raise UsageError for a name that is not an effect of the catalogue."""
+    for name in without:
+        if name not in known:
+            raise UsageError(f"Effect '{name}' cannot be left out: the catalogue has no such effect.")
 
 
 def _readings(run: Run) -> None:

@@ -5,7 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from smarig.diagnosis.comparison.commanded.block_scores import Problem, inverse
+from smarig.diagnosis.comparison.block_predictions import inverse
+from smarig.diagnosis.comparison.commanded.block_scores import Problem
 from smarig.diagnosis.comparison.commanded.channel_model import ChannelModel, _basis
 from smarig.diagnosis.comparison.commanded.drawn_values import drawn_values
 from smarig.diagnosis.comparison.compared_hypothesis import ComparedHypothesis, Part, Trial
@@ -19,7 +20,7 @@ K = 4.0 * np.exp(-np.abs(T[:, None] - T) / 8.0) + 0.1 * np.eye(30)
 
 def problem(scale: float = 1.0) -> tuple[Problem, np.ndarray]:
     y = np.linalg.cholesky(K) @ np.random.default_rng(1).standard_normal(30)
-    return Problem(("settled",), y, np.full(30, scale), inverse(K), BLOCK, 1.0), y
+    return Problem(("settled",), y, np.full(30, scale), inverse(K)[0], BLOCK, 1.0), y
 
 
 @pytest.mark.parametrize("block", range(6))

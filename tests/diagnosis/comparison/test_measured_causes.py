@@ -4,26 +4,12 @@ import numpy as np
 import pytest
 
 from benchmarks.boxes.relay_worlds import TRUTHS, relay_world
-from diagnosis.measured.independent_wire import RelayWire, as_run, lagged, triangles
-from smarig.diagnosis.comparison.measured import record_readings
+from diagnosis.comparison.few_readings import ASIDE, WIRE, drive
+from diagnosis.measured.independent_wire import as_run, lagged
 from smarig.diagnosis.comparison.measured.comparison_json import comparison_json
 from smarig.diagnosis.comparison.measured.measured_comparison import compare_measured
 
-WIRE = RelayWire(2)
-rng = np.random.default_rng(5)
-PEAKS = (88.0, *rng.uniform(58, 88, 11).round(1).tolist())
-ROWS = [40, 14, 70, 25, 50, 16, 30, 90, 20, 60, 18, 35]
-ASIDE = ("input_drift", "output_jump", "since", "speed", "history")  # asked for in other tests
-
-
-@pytest.fixture(autouse=True)
-def few_readings(monkeypatch):
-    monkeypatch.setattr(record_readings, "TRAIN_READINGS", 90)
-    monkeypatch.setattr(record_readings, "HELD_OUT_READINGS", 50)
-
-
-def drive(rows=ROWS):
-    return triangles(PEAKS, rows=rows)
+pytestmark = pytest.mark.usefixtures("few_readings")
 
 
 def test_a_thermometer_that_lags_is_named_though_the_output_leads():

@@ -16,11 +16,11 @@ from smarig.diagnosis.comparison.measured.reading_problem import reading_problem
 from smarig.diagnosis.comparison.measured.varied_together import at_one_rate, between_runs, confounded
 from smarig.diagnosis.comparison.measured.wire_records import (
     WireRecord,
-    large_turns,
     quiet_input,
     wire_records,
 )
 from smarig.measurement import input_records
+from smarig.preisach import turning_points
 
 PEAKS = (88.0, 62.0, 80.0, 58.0, 85.0, 66.0, 75.0, 60.0, 82.0, 70.0, 78.0)
 
@@ -122,7 +122,7 @@ def test_noise_of_the_input_is_smoothed_and_its_turns_stay():
     u = triangles(PEAKS, rows=200)
     noisy = u + np.random.default_rng(0).normal(0, 0.8, u.size)
     assert np.std(quiet_input(noisy) - u) < 0.5 * np.std(noisy - u)
-    assert large_turns(quiet_input(noisy), 5.0).size == large_turns(u, 5.0).size
+    assert len(turning_points(quiet_input(noisy), 5.0)) == len(turning_points(u, 5.0))
     assert quiet_input(u) is u
 
 

@@ -3,12 +3,9 @@
 Thresholds are drawn, not gridded, and the output falls when the wire gets hot, as strain does.
 """
 
-from pathlib import Path
-
 import numpy as np
 
-from smarig.record import Run
-from smarig.record.schema import SAMPLE_COLUMNS
+from benchmarks.boxes.relay_worlds import imported_run
 
 RELAYS = 3000
 
@@ -53,21 +50,6 @@ def lagged(u, lag_s, dt):
 def as_run(name, u, y, *, dt=None, stress=None, noise=(0.05, 0.004), seed=0):
     """A run with a measured input: white noise on temperature and strain."""
     rng = np.random.default_rng([seed, len(name)])
-    n = len(u)
-    columns = {key: np.full(n, np.nan) for key in SAMPLE_COLUMNS}
-    columns |= {
-        "tick": np.arange(n, dtype=float),
-        "input": u + noise[0] * rng.standard_normal(n),
-        "position": y + noise[1] * rng.standard_normal(n),
-    }
-    if dt:
-        columns["t_s"] = dt * np.arange(n)
-    meta = {
-        "source": "import",
-        "input": {"quantity": "temperature", "unit": "degC"},
-        "output": {"quantity": "strain", "unit": "%"},
-        "end": {"cause": "done"},
-    }
-    if stress is not None:
-        meta["conditions"] = {"stress": {"unit": "MPa", "mean": stress, "min": stress, "max": stress}}
-    return Run(Path(f"{name}.run.sqlite"), meta, columns, (), ())
+    read = u + noise[0] * rng.standard_normal(len(u))
+    t = dt * np.arange(len(u)) if dt else None
+    return imported_run(name, read, y + noise[1] * rng.standard_normal(len(u)), t, stress)

@@ -10,12 +10,20 @@ from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import cholesky, solve_triangular
+from scipy.linalg import cholesky, get_lapack_funcs, solve_triangular
 from scipy.special import gammaln
 
 Array = NDArray[np.float64]
 Rows = NDArray[np.int64]
+(_POTRI,) = get_lapack_funcs(("potri",), dtype=np.float64)
 NU = 4  # degrees of freedom: tails of blocks
+
+
+def inverse(matrix: Array) -> tuple[Array, float]:
+    """(inverse (n, n), log of its root determinant) of a positive definite matrix. Raises LinAlgError if it is not."""
+    factor = cholesky(matrix, lower=True, check_finite=False)
+    lower = np.tril(_POTRI(factor, lower=1)[0])
+    return lower + np.tril(lower, -1).T, -float(np.log(np.diag(factor)).sum())
 
 
 def left_out(precision: Array, dual: Array, blocks: Sequence[Rows]) -> tuple[Array, Array]:

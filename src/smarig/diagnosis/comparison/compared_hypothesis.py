@@ -13,12 +13,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
-PartKind = Literal["effect", "variable", "learned"]
+PartKind = Literal["effect", "variable"]
 
 
 @dataclass(frozen=True, order=True)
 class Part:
-    """One thing that a hypothesis adds to the plain model: an effect, a dependence on a variable, or a learned law."""
+    """One thing that a hypothesis adds to the plain model: an effect, or a dependence on a variable."""
 
     kind: PartKind
     name: str
@@ -36,6 +36,11 @@ class Trial:
     log_scores: Array
     squares: Array
     state: Any = field(default=None, repr=False)
+
+    @property
+    def score(self) -> float:
+        """Of all blocks, in nats."""
+        return float(self.log_scores.sum())
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,9 +70,10 @@ class ComparedHypothesis:
         """The trial that predicts all blocks best."""
         return self.trials[int(self._scores.sum(axis=1).argmax())]
 
-    def has(self, part: Part) -> bool:
-        """Whether this is one of its parts."""
-        return part in self.parts
+    @property
+    def score(self) -> float:
+        """Of all blocks, in nats."""
+        return float(self.log_scores.sum())
 
     def resampled(self, shares: Array) -> dict[str, Array]:
         """The values (draws,) of each parameter that predict best under other ``shares`` (draws, B) of the blocks."""

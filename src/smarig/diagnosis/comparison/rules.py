@@ -1,4 +1,6 @@
-"""The rules that turn probabilities into a verdict: the only place where a number decides a word.
+"""The rules that turn probabilities into a verdict.
+
+Beside them only the priors and the temperature of ``weights.py`` decide a word.
 
 Each rule is a row of ``RULES``: its name, its value, why it is there. ``decide`` asks them in this order:
 

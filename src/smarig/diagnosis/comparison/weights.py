@@ -49,22 +49,13 @@ class Weights:
 
     def best_with(self, part: Part) -> ComparedHypothesis:
         """The heaviest hypothesis that holds a part."""
-        return max(self._with(part), key=lambda pair: pair[1])[0]
+        holders = [(w, h) for h, w in zip(self.hypotheses, self.weight.tolist()) if part in h.parts]
+        return max(holders, key=lambda pair: pair[0])[1]
 
     @property
     def heaviest(self) -> ComparedHypothesis:
         """The hypothesis of largest weight."""
         return self.hypotheses[int(self.weight.argmax())]
-
-    def _with(self, part: Part) -> list[tuple[ComparedHypothesis, float]]:
-        return [(h, w) for h, w in zip(self.hypotheses, self.weight.tolist()) if h.has(part)]
-
-    def interval(self, hypothesis: ComparedHypothesis, parameter: str) -> tuple[float, float]:
-        """The central 95 % of the best values of a parameter over resampled blocks."""
-        low, high = np.quantile(
-            hypothesis.resampled(self.shares)[parameter], [(1 - CREDIBLE) / 2, (1 + CREDIBLE) / 2]
-        )
-        return float(low), float(high)
 
 
 def weigh(

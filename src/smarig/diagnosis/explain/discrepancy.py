@@ -30,6 +30,7 @@ PLAUSIBLE_ROOM_K = 0.1  # fluctuation of the room assumed while candidates are s
 SIZES = 10.0 ** np.linspace(-9, 1, 41)  # s², strokes² or K², tried while candidates are screened
 JOINTLY_TRIED = 4
 WALK = "walk"
+PLAIN = {WALK: "history", "branch": "history"}  # the variable that a verdict names
 
 
 @dataclass(frozen=True)
@@ -55,7 +56,7 @@ class Discrepancy:
     @property
     def depends_on(self) -> str:
         """The plain variable of a verdict."""
-        return {WALK: "history", "branch": "history"}.get(self.variable, self.variable)
+        return PLAIN.get(self.variable, self.variable)
 
 
 @dataclass(frozen=True, eq=False)
@@ -163,7 +164,7 @@ def _kernels(problem: _Problem, variables: dict[str, Array]) -> Iterator[tuple[s
     slope = np.array([s[-1] for s in sensitivities(plant_model.hysteresis, prediction.states)]) / span
     for share in TIME_SHARES:
         seconds = share * float(np.ptp(t_s))
-        yield "time", "output", same_session * _falling(t_s, seconds)
+        yield "time", "output", same_session * falling(t_s, seconds)
         yield "time", "input", memory_covariance(readings.slopes, readings.times, seconds) / span**2
 
     def both(variable: str, kernel: Array) -> Iterator[tuple[str, str, Array]]:
@@ -172,24 +173,24 @@ def _kernels(problem: _Problem, variables: dict[str, Array]) -> Iterator[tuple[s
 
     for name, z in variables.items():
         if name != "time":
-            yield from both(name, _falling(_ranks(z), RANK_LENGTH))
+            yield from both(name, falling(ranks(z), RANK_LENGTH))
     same_branch = np.equal.outer(timeline.block[step], timeline.block[step])
-    yield from both("branch", same_branch * _falling(_ranks(prediction.output), RANK_LENGTH))
-    yield from both(WALK, _walk(timeline.session[step], t_s, prediction.output))
+    yield from both("branch", same_branch * falling(ranks(prediction.output), RANK_LENGTH))
+    yield from both(WALK, walk_kernel(timeline.session[step], t_s, prediction.output))
 
 
-def _falling(z: Array, length: float) -> Array:
+def falling(z: Array, length: float) -> Array:
     """exp(−|z − z'|/length), (n, n)."""
     return np.exp(-np.abs(z[:, None] - z[None, :]) / length)
 
 
-def _ranks(z: Array) -> Array:
+def ranks(z: Array) -> Array:
     """The share of distinct values up to each, (n,)."""
     values, place = np.unique(np.round(z, 9), return_inverse=True)
     return ((np.arange(values.size) + 0.5) / values.size)[place]
 
 
-def _walk(session: NDArray[np.int64], t_s: Array, output: Array) -> Array:
+def walk_kernel(session: NDArray[np.int64], t_s: Array, output: Array) -> Array:
     """A random walk along the travel since the last saturation, (n, n)."""
     low, high = float(output.min()), float(output.max())
     span = (high - low) or 1.0

@@ -92,12 +92,12 @@ def law_of(
     timeline: Timeline, base: PlantModel, plain: Refit, original: Everett, variable: str
 ) -> LearnedTermFit | None:
     """The law of one variable, at the likelier place; None if it does not predict blocks left out better."""
-    prediction = predict(timeline, base)
-    places = [p for p in ranked_places(timeline, base, plain, {}) if p[0] == variable in LEARNED_FROM][:1]
-    shapes = [_shape(timeline, base, prediction, {}, *p) for p in places]
-    before = left_out_blocks(timeline, plain)
-    found = [_fitted(timeline, base, plain, original, s, before) for s in shapes if s is not None]
-    return next((f for f in found if f is not None), None)
+    places = (p for p in ranked_places(timeline, base, plain, {}) if p[0] == variable)
+    place = next(places, None)
+    if place is None or variable not in LEARNED_FROM:
+        return None
+    shape = _shape(timeline, base, predict(timeline, base), {}, *place)
+    return shape and _fitted(timeline, base, plain, original, shape, left_out_blocks(timeline, plain))
 
 
 def _shape(

@@ -9,9 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import cholesky, solve_triangular
-from scipy.linalg.lapack import dpotri  # pyright: ignore[reportAttributeAccessIssue]
 
-from smarig.diagnosis.comparison.block_predictions import left_out
+from smarig.diagnosis.comparison.block_predictions import inverse, left_out
 from smarig.diagnosis.comparison.commanded.channel_model import ChannelModel
 from smarig.diagnosis.comparison.compared_hypothesis import Trial
 from smarig.replay import OUTPUT_DEPENDENT_KINDS, PlantModel, Prediction, Timeline
@@ -62,7 +61,7 @@ def coupled_problem(timeline: Timeline, y: Array, scale: Array, covariance: Arra
     """The positions and resistances with their covariance (n, n); all scaled."""
     coupled = [r for r in timeline.all_readings if r.kind in OUTPUT_DEPENDENT_KINDS]
     block = np.concatenate([timeline.block[r.step] for r in coupled])
-    return Problem(tuple(r.kind for r in coupled), y, scale, inverse(covariance), block, span)
+    return Problem(tuple(r.kind for r in coupled), y, scale, inverse(covariance)[0], block, span)
 
 
 def channel_problems(
@@ -75,13 +74,6 @@ def channel_problems(
         y = readings[m.kind].value - prediction.values[m.kind]
         found.append(Problem((m.kind,), y, np.ones(y.size), m.precision(y), m.block, m.span))
     return tuple(found)
-
-
-def inverse(covariance: Array) -> Array:
-    """The inverse of a positive definite matrix."""
-    factor = cholesky(covariance, lower=True, check_finite=False)
-    half = np.tril(dpotri(factor, lower=1)[0])
-    return half + np.tril(half, -1).T
 
 
 def trial_of(

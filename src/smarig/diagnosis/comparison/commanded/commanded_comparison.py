@@ -8,15 +8,15 @@ from pathlib import Path
 from threadpoolctl import threadpool_limits
 
 from smarig.diagnosis.comparison.commanded.commanded_evidence import evidence_of
-from smarig.diagnosis.comparison.commanded.commanded_search import Found, search
+from smarig.diagnosis.comparison.commanded.commanded_problem import CommandedProblem
+from smarig.diagnosis.comparison.commanded.commanded_search import SearchedHypotheses, search
+from smarig.diagnosis.comparison.commanded.compared_runs import subject_of
 from smarig.diagnosis.comparison.commanded.extension import (
     Extension,
     extension_of,
     gain_with,
     learned_extension,
 )
-from smarig.diagnosis.comparison.commanded.records import subject_of
-from smarig.diagnosis.comparison.commanded.subject import CommandedProblem
 from smarig.diagnosis.comparison.compared_hypothesis import Part
 from smarig.diagnosis.comparison.rules import Verdict, VerdictEvidence, decide
 from smarig.diagnosis.comparison.weights import Weights, weigh
@@ -34,7 +34,7 @@ class CommandedComparison:
     """
 
     subject: CommandedProblem
-    found: Found
+    found: SearchedHypotheses
     weights: Weights
     evidence: VerdictEvidence
     verdict: Verdict

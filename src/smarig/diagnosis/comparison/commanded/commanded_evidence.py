@@ -4,9 +4,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from smarig.diagnosis.comparison.commanded.block_scores import Removed
-from smarig.diagnosis.comparison.commanded.commanded_search import Found
+from smarig.diagnosis.comparison.commanded.commanded_problem import CommandedProblem
+from smarig.diagnosis.comparison.commanded.commanded_search import SearchedHypotheses
 from smarig.diagnosis.comparison.commanded.screening import Screened, collinear
-from smarig.diagnosis.comparison.commanded.subject import CommandedProblem
 from smarig.diagnosis.comparison.compared_hypothesis import ComparedHypothesis, Part, Trial
 from smarig.diagnosis.comparison.rules import RULES, VerdictEvidence
 from smarig.diagnosis.comparison.weights import TEMPERATURE, Weights
@@ -16,7 +16,7 @@ PARTED_NATS = TEMPERATURE * float(np.log(RULES["name"].value / (1 - RULES["name"
 
 
 def evidence_of(
-    subject: CommandedProblem, found: Found, weights: Weights, held_out: dict[Part, float]
+    subject: CommandedProblem, found: SearchedHypotheses, weights: Weights, held_out: dict[Part, float]
 ) -> VerdictEvidence:
     """What a verdict is decided from."""
     nothing = next(h for h in found.hypotheses if not h.parts)
@@ -43,7 +43,7 @@ def _removed(trial: Trial) -> Removed:
     return trial.state[1]
 
 
-def _size(found: Found, weights: Weights, part: Part) -> float:
+def _size(found: SearchedHypotheses, weights: Weights, part: Part) -> float:
     """What a part removes of the left-out error, in shares of a channel's span: the most of any channel."""
     own = weights.best_with(part)
     rest = tuple(p for p in own.parts if p != part)
@@ -52,7 +52,7 @@ def _size(found: Found, weights: Weights, part: Part) -> float:
     return float(np.sqrt(max(max(squares[k] - less[k] for k in squares), 0.0)))
 
 
-def _repeatability(found: Found, weights: Weights) -> float:
+def _repeatability(found: SearchedHypotheses, weights: Weights) -> float:
     """What a settled reading scatters by the heaviest hypothesis that was fitted."""
     effects = tuple(p for p in weights.heaviest.parts if p.kind == "effect")
     return found.models.get(effects, found.models[()]).refitted.noise.settled
@@ -79,7 +79,7 @@ def _between_blocks(error: Array, block: NDArray[np.int64]) -> float:
     return float(np.median([abs(error[block == b].mean()) for b in np.unique(block)]))
 
 
-def _confounded(found: Found, weights: Weights) -> dict[Part, tuple[Part, ...]]:
+def _confounded(found: SearchedHypotheses, weights: Weights) -> dict[Part, tuple[Part, ...]]:
     """Effects whose traces explain so much of each other that these blocks are not expected to part them."""
     by_part = {s.part: s for s in found.screened}
     return {
@@ -89,7 +89,7 @@ def _confounded(found: Found, weights: Weights) -> dict[Part, tuple[Part, ...]]:
     }
 
 
-def _imitators(own: Screened, found: Found) -> list[Part]:
+def _imitators(own: Screened, found: SearchedHypotheses) -> list[Part]:
     """The effects that neither the geometry of the traces nor the scores part from one."""
     gain = max(_gain(found, own.part), 0.5 * float(own.whitened @ own.whitened))
     return [
@@ -102,11 +102,11 @@ def _imitators(own: Screened, found: Found) -> list[Part]:
     ]
 
 
-def _gain(found: Found, part: Part) -> float:
+def _gain(found: SearchedHypotheses, part: Part) -> float:
     """Nats that an effect alone gains over nothing on blocks left out."""
     best, nothing = _alone(found, part), found.hypotheses[0]
-    return float(best.log_scores.sum() - nothing.log_scores.sum()) if best else 0.0
+    return float(best.score - nothing.score) if best else 0.0
 
 
-def _alone(found: Found, part: Part) -> ComparedHypothesis | None:
+def _alone(found: SearchedHypotheses, part: Part) -> ComparedHypothesis | None:
     return next((h for h in found.hypotheses if h.parts == (part,)), None)

@@ -9,10 +9,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from smarig.diagnosis.comparison.commanded.commanded_problem import CommandedProblem, FittedPlant
 from smarig.diagnosis.comparison.commanded.effect_trials import fitted_with, refined
 from smarig.diagnosis.comparison.commanded.periods import with_best_period
 from smarig.diagnosis.comparison.commanded.screening import Screened, candidates, screened
-from smarig.diagnosis.comparison.commanded.subject import CommandedProblem, FittedPlant
 from smarig.diagnosis.comparison.commanded.variable_trials import Discrepancies
 from smarig.diagnosis.comparison.compared_hypothesis import ComparedHypothesis, Part, Trial
 from smarig.diagnosis.comparison.weights import PRIOR_PAIR, PRIOR_SINGLE, TEMPERATURE
@@ -26,7 +26,7 @@ Progress = Callable[[str], None]
 
 
 @dataclass(frozen=True, eq=False)
-class Found:
+class SearchedHypotheses:
     """The hypotheses, the models of those that were fitted, by their parts, and all effects as screened."""
 
     hypotheses: tuple[ComparedHypothesis, ...]
@@ -34,7 +34,7 @@ class Found:
     screened: tuple[Screened, ...]
 
 
-def search(subject: CommandedProblem, progress: Progress) -> Found:
+def search(subject: CommandedProblem, progress: Progress) -> SearchedHypotheses:
     """All hypotheses about a subject, scored."""
     base = subject.base
     nothing = ComparedHypothesis((), tuple(subject.trial(f) for f in _densities(subject)))
@@ -42,13 +42,13 @@ def search(subject: CommandedProblem, progress: Progress) -> Found:
     traces = [with_best_period(subject, c, smooth) for c in candidates(subject)]
     weak = screened(subject, base, traces, smooth.ranking)
     models: dict[tuple[Part, ...], FittedPlant] = {(): base}
-    effects = _refined(subject, base, weak, models, progress, _score(nothing))
+    effects = _refined(subject, base, weak, models, progress, nothing.score)
     nothing = replace(nothing, trials=(*nothing.trials, *_without_effects(subject, models)))
     tried = {h.parts for h in effects}
     effects += [s.hypothesis for s in weak if (s.part,) not in tried]
     variables = [_reported(smooth.hypothesis(v), nothing, progress) for v in smooth.variables[:VARIABLES]]
     pairs = _pairs(subject, effects, models, traces, progress)
-    return Found((nothing, *effects, *variables, *pairs), models, tuple(weak))
+    return SearchedHypotheses((nothing, *effects, *variables, *pairs), models, tuple(weak))
 
 
 def _densities(subject: CommandedProblem) -> Iterator[FittedPlant]:
@@ -82,18 +82,16 @@ def _refined(
     """The best screened effects with a density of their own; those near the best with trials of their parameters."""
     found: list[ComparedHypothesis] = []
     for one in weak[:FITTED]:
-        best = max([_score(h) for h in found], default=nothing)
-        if found and float(one.trial.log_scores.sum()) < nothing + LINEAR_SHARE * (best - nothing):
+        best = max([h.score for h in found], default=nothing)
+        if found and one.trial.score < nothing + LINEAR_SHARE * (best - nothing):
             continue
         hypothesis, model = fitted_with(subject, base, [one.effect])
         models[hypothesis.parts] = model
         found.append(hypothesis)
-        progress(f"{hypothesis.name}: {_score(hypothesis) - nothing:+.1f} nats on blocks left out")
-    best = max([_score(h) for h in found], default=nothing)
+        progress(f"{hypothesis.name}: {hypothesis.score - nothing:+.1f} nats on blocks left out")
+    best = max([h.score for h in found], default=nothing)
     return [
-        _refined_one(subject, h, models)
-        if _score(h) > best - NEAR_NATS - NEAR_SHARE * (best - nothing)
-        else h
+        _refined_one(subject, h, models) if h.score > best - NEAR_NATS - NEAR_SHARE * (best - nothing) else h
         for h in found
     ]
 
@@ -113,20 +111,20 @@ def _pairs(
     progress: Progress,
 ) -> list[ComparedHypothesis]:
     """The best effect with further effects and with variables."""
-    best = max((h for h in effects if h.parts in models), key=_score, default=None)
+    best = max((h for h in effects if h.parts in models), key=lambda t: t.score, default=None)
     if best is None:
         return []
-    fitted, floor = models[best.parts], _score(best)
+    fitted, floor = models[best.parts], best.score
     smooth = Discrepancies.about(subject, fitted)
     found = []
     for one in screened(subject, fitted, traces, smooth.ranking)[:PAIRS]:
-        if float(one.trial.log_scores.sum()) > floor + PAIR_NATS:
+        if one.trial.score > floor + PAIR_NATS:
             hypothesis, model = fitted_with(subject, fitted, [*fitted.effects, one.effect])
             models[hypothesis.parts] = model
             found.append(_reported(hypothesis, best, progress))
-    better = [h for h in found if _score(h) > floor + PAIR_NATS]
+    better = [h for h in found if h.score > floor + PAIR_NATS]
     if better:
-        top = max(better, key=_score)
+        top = max(better, key=lambda t: t.score)
         found[found.index(top)] = _refined_one(subject, top, models)
     for variable in smooth.variables[:PAIRS]:
         if smooth.gain(variable) > PAIR_NATS:
@@ -137,9 +135,5 @@ def _pairs(
 def _reported(
     hypothesis: ComparedHypothesis, before: ComparedHypothesis, progress: Progress
 ) -> ComparedHypothesis:
-    progress(f"{hypothesis.name}: {_score(hypothesis) - _score(before):+.1f} nats beyond {before.name}")
+    progress(f"{hypothesis.name}: {hypothesis.score - before.score:+.1f} nats beyond {before.name}")
     return hypothesis
-
-
-def _score(hypothesis: ComparedHypothesis) -> float:
-    return float(hypothesis.log_scores.sum())

@@ -4,7 +4,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from smarig.diagnosis.comparison.commanded.subject import CommandedProblem, FittedPlant
+from smarig.diagnosis.comparison.commanded.commanded_problem import CommandedProblem, FittedPlant
 from smarig.diagnosis.comparison.compared_hypothesis import ComparedHypothesis, Part, Trial
 from smarig.diagnosis.explain.parameter_fit import ParameterFit, fit_parameters
 from smarig.plant import Effect
@@ -35,13 +35,13 @@ def refined(
     trials = list(hypothesis.trials)
     step = STEP_BOUNDS[1]
     for _ in range(ROUNDS):
-        before, start = max(_total(t) for t in trials), best
+        before, start = max(t.score for t in trials), best
         fit = _fit_about_own_density(subject, best)
         step = _relative_spread(fit)
         for again in _moved(subject, best, fit):
             trials.append(subject.trial(again))
-            best = again if _total(trials[-1]) >= max(_total(t) for t in trials) else best
-        if best is start or max(_total(t) for t in trials) < before + MIN_ROUND_NATS:
+            best = again if trials[-1].score >= max(t.score for t in trials) else best
+        if best is start or max(t.score for t in trials) < before + MIN_ROUND_NATS:
             break
     best = _along_strength(subject, best, trials, step)
     return _hypothesis(best, trials), best
@@ -65,10 +65,6 @@ def _hypothesis(fitted: FittedPlant, trials: Sequence[Trial]) -> ComparedHypothe
     )
 
 
-def _total(trial: Trial) -> float:
-    return float(trial.log_scores.sum())
-
-
 def _moved(subject: CommandedProblem, fitted: FittedPlant, fit: ParameterFit) -> Iterator[FittedPlant]:
     """The parameters of a fit with the density as it is; then with a density about them."""
     if fit.moved < MIN_MOVE_SD:
@@ -82,7 +78,7 @@ def _along_strength(
     subject: CommandedProblem, best: FittedPlant, trials: list[Trial], spread: float
 ) -> FittedPlant:
     """Trials at other strengths of the last effect, toward where other blocks are predicted better."""
-    top = max(_total(t) for t in trials)
+    top = max(t.score for t in trials)
     for sds in STEPS_SD:
         step = 1 + float(np.clip(sds * spread, *STEP_BOUNDS))
         for factor in (step, 1 / step):
@@ -94,7 +90,7 @@ def _along_strength(
                     break
                 other = subject.at(subject.with_effects(best, (*others, last.at(value))), best.refitted)
                 trials.append(subject.trial(other))
-                if _total(trials[-1]) <= top:
+                if trials[-1].score <= top:
                     break
-                best, top = other, _total(trials[-1])
+                best, top = other, trials[-1].score
     return best

@@ -6,9 +6,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.diagnosis.comparison.commanded.commanded_search import Found
+from smarig.diagnosis.comparison.commanded.commanded_problem import CommandedProblem, FittedPlant
+from smarig.diagnosis.comparison.commanded.commanded_search import SearchedHypotheses
 from smarig.diagnosis.comparison.commanded.drawn_values import drawn_values
-from smarig.diagnosis.comparison.commanded.subject import CommandedProblem, FittedPlant
 from smarig.diagnosis.comparison.compared_hypothesis import ComparedHypothesis, Part
 from smarig.diagnosis.comparison.weights import Weights
 from smarig.diagnosis.explain.joint_density import with_density_for_effects, with_posterior_density
@@ -40,7 +40,7 @@ class Extension:
         return {n: (float(q[0]), float(q[1])) for n, d in self.draws.items() for q in [np.quantile(d, cuts)]}
 
 
-def extension_of(subject: CommandedProblem, found: Found, weights: Weights) -> Extension:
+def extension_of(subject: CommandedProblem, found: SearchedHypotheses, weights: Weights) -> Extension:
     """The extension by the heaviest hypothesis with effects that were fitted; by none, if the base outweighs all."""
     base = with_posterior_density(
         subject.timeline, subject.base.plant_model, subject.base.refitted, subject.given
@@ -55,7 +55,7 @@ def extension_of(subject: CommandedProblem, found: Found, weights: Weights) -> E
     return Extension(base, extended, fitted, parts, dict(best.best.parameters), draws)
 
 
-def _heaviest_fitted(found: Found, weights: Weights) -> ComparedHypothesis | None:
+def _heaviest_fitted(found: SearchedHypotheses, weights: Weights) -> ComparedHypothesis | None:
     pairs = [
         (h, w)
         for h, w in zip(weights.hypotheses, weights.weight.tolist())

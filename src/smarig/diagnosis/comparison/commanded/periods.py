@@ -10,7 +10,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.diagnosis.comparison.commanded.subject import CommandedProblem
+from smarig.diagnosis.comparison.commanded.commanded_problem import CommandedProblem
 from smarig.diagnosis.comparison.commanded.variable_trials import Discrepancies
 from smarig.diagnosis.critique.candidates import WEAK_SHARE, Candidate
 from smarig.plant import Effect

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from smarig.diagnosis.comparison.commanded.block_scores import Problem, trial_of
-from smarig.diagnosis.comparison.commanded.subject import (
+from smarig.diagnosis.comparison.commanded.commanded_problem import (
     CommandedProblem,
     FittedPlant,
     by_kind,
@@ -90,7 +90,7 @@ def _screened(
     trial = less_optimism(trial, [*fitted.effects, effect])
     white = np.concatenate([_whitened(p, s) for p, s in zip(fitted.problems, shifts)])
     ranked = trial_of(subject.timeline, ranking, parameters, None, shifts)
-    return Screened(effect, trial, white), float(ranked.log_scores.sum())
+    return Screened(effect, trial, white), ranked.score
 
 
 def _best_strengths(problems: Sequence[Problem], traces: Sequence[Array]) -> tuple[Array, Array]:

@@ -19,18 +19,19 @@ from smarig.diagnosis.comparison.commanded.block_scores import (
     coupled_problem,
     trial_of,
 )
-from smarig.diagnosis.comparison.commanded.subject import CommandedProblem, FittedPlant, by_kind
+from smarig.diagnosis.comparison.commanded.commanded_problem import CommandedProblem, FittedPlant, by_kind
 from smarig.diagnosis.comparison.compared_hypothesis import ComparedHypothesis, Part
 from smarig.diagnosis.drive_statistics import DriveStatistics
 from smarig.diagnosis.explain.discrepancy import (
+    PLAIN,
     PLAUSIBLE_ROOM_K,
     RANK_LENGTH,
     SIZES,
     TIME_SHARES,
     WALK,
-    _falling,
-    _ranks,
-    _walk,
+    falling,
+    ranks,
+    walk_kernel,
 )
 from smarig.diagnosis.refit.coupled_readings import CoupledReadings
 from smarig.diagnosis.refit.memory_noise import memory_covariance
@@ -38,7 +39,6 @@ from smarig.preisach import sensitivities
 from smarig.replay import OUTPUT_DEPENDENT_KINDS
 
 Array = NDArray[np.float64]
-PLAIN = {WALK: "history", "branch": "history"}  # the variable that a verdict names
 CHANNEL_VARIABLES = ("time", "level")
 
 
@@ -131,9 +131,9 @@ class Discrepancies:
             r = readings[m.kind]
             if variable == "time":
                 length = TIME_SHARES[1] * float(np.ptp(r.t_s))
-                models.append(m.with_kernel(_falling(r.t_s, length)))
+                models.append(m.with_kernel(falling(r.t_s, length)))
             else:
-                models.append(m.with_kernel(_falling(_ranks(timeline.target_K[r.step]), RANK_LENGTH)))
+                models.append(m.with_kernel(falling(ranks(timeline.target_K[r.step]), RANK_LENGTH)))
         return channel_problems(timeline, self.fitted.prediction, models)
 
 
@@ -173,14 +173,14 @@ def _kernels(subject: CommandedProblem, fitted: FittedPlant, readings: CoupledRe
 
     for share in TIME_SHARES:
         seconds = share * float(np.ptp(t_s))
-        yield Kernel("time", "output", is_position[:, None] * same * _falling(t_s, seconds) * is_position)
+        yield Kernel("time", "output", is_position[:, None] * same * falling(t_s, seconds) * is_position)
         remembered = memory_covariance(readings.slopes, readings.times, seconds) / model.stroke**2
         yield Kernel("time", "input", remembered)
     for name, z in _variables(subject, fitted, coupled).items():
-        yield from both(name, _falling(_ranks(z), RANK_LENGTH))
+        yield from both(name, falling(ranks(z), RANK_LENGTH))
     block = timeline.block[step]
-    yield from both("branch", np.equal.outer(block, block) * _falling(_ranks(prediction.output), RANK_LENGTH))
-    yield from both(WALK, _walk(session, t_s, prediction.output))
+    yield from both("branch", np.equal.outer(block, block) * falling(ranks(prediction.output), RANK_LENGTH))
+    yield from both(WALK, walk_kernel(session, t_s, prediction.output))
 
 
 def _variables(subject: CommandedProblem, fitted: FittedPlant, coupled: Sequence) -> Mapping[str, Array]:

@@ -137,7 +137,7 @@ def surface_of(fitted: FittedAddition) -> Surface:
 
 
 @dataclass(frozen=True, eq=False)
-class Scene:
+class SearchBasis:
     """What candidates of one search share: the problem, a fit without them, and its surface.
 
     ``target`` (m,) is what the density alone has to explain.
@@ -149,12 +149,12 @@ class Scene:
     sizes: Array
     target: Array
 
-    def of(self, fitted: FittedAddition) -> "Scene":
+    def of(self, fitted: FittedAddition) -> "SearchBasis":
         """With the density and the slopes of a fit: those of the plain model contain the errors that it explains."""
         target = self.problem.y - fitted.added
         prior = positive_prior(self.problem, acting_inputs(self.problem, fitted.candidate.effects), target)
         sizes = np.r_[fitted.fit.sizes[: len(fitted.common)], fitted.fit.sizes[-2:]]
-        return Scene(self.problem, prior, surface_of(fitted), sizes, target)
+        return SearchBasis(self.problem, prior, surface_of(fitted), sizes, target)
 
     @cached_property
     def slope_noise(self) -> list[Array]:
@@ -162,9 +162,9 @@ class Scene:
         return [np.diag(self.surface.slope**2)] if self.surface is not None else []
 
     def fitted(self, candidate: Addition, iterations: int, *, same_input: bool = False) -> FittedAddition:
-        """A candidate with sizes found from those of the scene (``iterations`` 0 keeps them).
+        """A candidate with sizes found from those of the basis (``iterations`` 0 keeps them).
 
-        ``same_input``: the scene's density is that of the input that the candidate moves.
+        ``same_input``: the basis's density is that of the input that the candidate moves.
         """
         problem, prior = self.problem, self.prior
         if candidate.moves_input and not same_input:
@@ -186,15 +186,15 @@ class Scene:
         return FittedAddition(candidate, prior, common, tuple(own), fit, problem)
 
 
-def first_scene(problem: ReadingProblem, iterations: int) -> tuple[Scene, FittedAddition]:
-    """The scene of the plain model, and the plain model."""
+def first_basis(problem: ReadingProblem, iterations: int) -> tuple[SearchBasis, FittedAddition]:
+    """The basis of the plain model, and the plain model."""
     prior = positive_prior(problem, acting_inputs(problem, ()), problem.y)
     count = 1 + len(problem.always)
     sizes = np.r_[FIRST_SIZE, [SMALL] * (count - 1), BLOCK_SIZE, NOISE_SIZE]
-    rough = Scene(problem, prior, None, sizes, problem.y)
+    rough = SearchBasis(problem, prior, None, sizes, problem.y)
     first = rough.fitted(Addition(), iterations)
     surface = surface_of(first)
     sizes = np.r_[first.fit.sizes[:-2], BLOCK_SIZE / 10, first.fit.sizes[-2:]]
-    scene = replace(rough, surface=surface, sizes=sizes)
-    base = scene.fitted(Addition(), iterations)
-    return replace(scene, sizes=base.fit.sizes), base
+    basis = replace(rough, surface=surface, sizes=sizes)
+    base = basis.fitted(Addition(), iterations)
+    return replace(basis, sizes=base.fit.sizes), base

@@ -41,6 +41,6 @@ def _row(hypothesis: ComparedHypothesis, weight: float) -> dict[str, Any]:
     return {
         "name": hypothesis.name,
         "weight": weight,
-        "log_score": float(hypothesis.log_scores.sum()),
+        "log_score": hypothesis.score,
         "parameters": dict(hypothesis.best.parameters),
     }

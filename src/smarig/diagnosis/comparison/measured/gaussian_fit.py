@@ -10,17 +10,16 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import LinAlgError, cholesky, get_lapack_funcs
+from scipy.linalg import LinAlgError
 from scipy.optimize import minimize
 
-from smarig.diagnosis.comparison.block_predictions import left_out
+from smarig.diagnosis.comparison.block_predictions import inverse, left_out
 
 Array = NDArray[np.float64]
 LEVEL = 10.0  # variance of the unknown constant
 USUAL, SPREAD = -6.0, 15.0  # log of a size, of outputs with a range of one
 LEAST_NOISE = 1e-3  # of the range
 BOUNDS = (-16.0, 4.0)
-(_POTRI,) = get_lapack_funcs(("potri",), dtype=np.float64)
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,12 +77,8 @@ def _inverted(n: int, stack: Array, sizes: Array) -> tuple[float, Array]:
     """(log det K / 2, K⁻¹)."""
     k = (sizes[:-1] @ stack).reshape(n, n) + LEVEL
     k[np.arange(n), np.arange(n)] += sizes[-1]
-    factor = cholesky(k, lower=True, check_finite=False)
-    half_log_det = float(np.log(np.diag(factor)).sum())
-    precision = _POTRI(factor, lower=1)[0]  # its upper triangle stays zero
-    precision = precision + precision.T
-    precision[np.arange(n), np.arange(n)] /= 2
-    return half_log_det, precision
+    precision, log_root = inverse(k)
+    return -log_root, precision
 
 
 def _misfit(x: Array, y: Array, stack: Array) -> tuple[float, Array]:

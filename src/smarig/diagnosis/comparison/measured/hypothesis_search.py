@@ -11,7 +11,7 @@ import numpy as np
 
 from smarig.diagnosis.comparison.compared_hypothesis import ComparedHypothesis, Part, Trial
 from smarig.diagnosis.comparison.measured.acting_effects import Tries, testable_effects
-from smarig.diagnosis.comparison.measured.additions import Addition, FittedAddition, Scene
+from smarig.diagnosis.comparison.measured.additions import Addition, FittedAddition, SearchBasis
 from smarig.diagnosis.comparison.measured.plain_variables import testable_variables
 from smarig.measurement import MeasurementEffect, MeasurementEffectType
 
@@ -25,9 +25,9 @@ Progress = Callable[[str], None]
 
 @dataclass(frozen=True, eq=False)
 class Search:
-    """A search in a scene, for candidates that extend ``start``."""
+    """A search in a basis, for candidates that extend ``start``."""
 
-    scene: Scene
+    basis: SearchBasis
     start: Addition
     progress: Progress = lambda _: None
 
@@ -38,7 +38,7 @@ class Search:
     def variable(self, name: str) -> ComparedHypothesis:
         """The hypothesis that adds a variable."""
         candidate = replace(self.start, variables=(*self.start.variables, name))
-        fitted = self.scene.fitted(candidate, FIT_STEPS)
+        fitted = self.basis.fitted(candidate, FIT_STEPS)
         self.progress(name)
         return _slim(ComparedHypothesis(candidate.parts, (fitted.trial(), *self._again(fitted))))
 
@@ -49,13 +49,13 @@ class Search:
         trials: dict[tuple[float, ...], Trial] = {}
 
         def ranked(v: dict[str, float]) -> float:
-            return _score(self._trial(kind(**v), 0))
+            return self._trial(kind(**v), 0).score
 
         def fitted(v: dict[str, float]) -> float:
             key = tuple(v.values())
             if key not in trials:
                 trials[key] = self._trial(kind(**v), FIT_STEPS)
-            return _score(trials[key])
+            return trials[key].score
 
         kept, rounds = (1, 0) if self.start.parts else (KEPT, ROUNDS)
         passes = PASSES if len(tries) > 1 and not self.start.parts else 1
@@ -66,26 +66,26 @@ class Search:
                 for x in _between(sorted({*options, *scores}), max(scores, key=lambda x: scores[x])):
                     scores[x] = fitted(values | {name: x})
             values[name] = max(scores, key=lambda x: scores[x])
-        best = max(trials.values(), key=_score)
+        best = max(trials.values(), key=lambda t: t.score)
         for again in self._again(best.state):
             trials[*best.parameters.values(), np.inf] = again
         self.progress(f"{kind.name}: " + ", ".join(f"{v:.3g}" for v in best.parameters.values()))
         return _slim(ComparedHypothesis(best.state.candidate.parts, tuple(trials.values())))
 
     def _trial(self, effect: MeasurementEffect, iterations: int) -> Trial:
-        return self.scene.fitted(self.start.with_effect(effect), iterations).trial()
+        return self.basis.fitted(self.start.with_effect(effect), iterations).trial()
 
     def _again(self, fitted: FittedAddition) -> list[Trial]:
-        """A candidate once more, in its own scene; pairs already stand in that of their first part."""
+        """A candidate once more, in its own basis; pairs already stand in that of their first part."""
         if self.start.parts:
             return []
-        scene = self.scene.of(fitted)
-        return [scene.fitted(fitted.candidate, FIT_STEPS, same_input=True).trial()]
+        basis = self.basis.of(fitted)
+        return [basis.fitted(fitted.candidate, FIT_STEPS, same_input=True).trial()]
 
     def _reference(self, kind: MeasurementEffectType) -> dict[str, float]:
         if not kind.by_condition:
             return {}
-        return {"reference": self.scene.problem.records[0].conditions[kind.by_condition]}
+        return {"reference": self.basis.problem.records[0].conditions[kind.by_condition]}
 
 
 def _slim(hypothesis: ComparedHypothesis) -> ComparedHypothesis:
@@ -94,10 +94,6 @@ def _slim(hypothesis: ComparedHypothesis) -> ComparedHypothesis:
     return replace(
         hypothesis, trials=tuple(t if t is best else replace(t, state=None) for t in hypothesis.trials)
     )
-
-
-def _score(trial: Trial) -> float:
-    return float(trial.log_scores.sum())
 
 
 def _neutral(tries: Sequence[float]) -> float:
@@ -112,25 +108,23 @@ def _between(values: Sequence[float], best: float) -> list[float]:
 
 
 def searched_hypotheses(
-    scene: Scene,
+    basis: SearchBasis,
     base: FittedAddition,
     progress: Progress,
     only: Iterable[str] | None = None,
     without: Sequence[str] = (),
 ) -> list[ComparedHypothesis]:
     """All hypotheses; ``only`` and ``without`` are names of effects and variables."""
-    effects = [(k, t) for k, t in testable_effects(scene.problem) if _wanted(k.name, only, without)]
-    variables = [v for v in testable_variables(scene.problem) if _wanted(v, only, without)]
-    search = Search(scene, Addition(), progress)
+    effects = [(k, t) for k, t in testable_effects(basis.problem) if _wanted(k.name, only, without)]
+    variables = [v for v in testable_variables(basis.problem) if _wanted(v, only, without)]
+    search = Search(basis, Addition(), progress)
     found = [search.nothing(base)]
     tried = [(search.effect(k, t), (k, t)) for k, t in effects]
-    tried = [
-        max((t for t in tried if t[1][0] is k), key=lambda t: _score(t[0].best)) for k in _kinds(effects)
-    ]
+    tried = [max((t for t in tried if t[1][0] is k), key=lambda t: t[0].best.score) for k in _kinds(effects)]
     found += [h for h, _ in tried]
     effects = [e for _, e in tried]
     found += [search.variable(v) for v in variables]
-    return [*found, *_pairs(scene, found, effects, variables, progress)]
+    return [*found, *_pairs(basis, found, effects, variables, progress)]
 
 
 def _kinds(effects: Sequence[tuple[MeasurementEffectType, Tries]]) -> list[MeasurementEffectType]:
@@ -142,7 +136,7 @@ def _wanted(name: str, only: Iterable[str] | None, without: Sequence[str]) -> bo
 
 
 def _pairs(
-    scene: Scene,
+    basis: SearchBasis,
     singles: Sequence[ComparedHypothesis],
     effects: Sequence[tuple[MeasurementEffectType, Tries]],
     variables: Sequence[str],
@@ -150,13 +144,13 @@ def _pairs(
 ) -> list[ComparedHypothesis]:
     """The best effect, and the best variable, each with every other part."""
     found: list[ComparedHypothesis] = []
-    nothing = float(singles[0].log_scores.sum())
+    nothing = singles[0].score
     for kind in ("effect", "variable"):
         own = [h for h in singles if h.parts and h.parts[0].kind == kind]
-        best = max(own, key=lambda h: float(h.log_scores.sum()), default=None)
-        if best is None or float(best.log_scores.sum()) < nothing + WORTH_A_PAIR:
+        best = max(own, key=lambda h: h.score, default=None)
+        if best is None or best.score < nothing + WORTH_A_PAIR:
             continue
-        search = _extending(scene, best, progress)
+        search = _extending(basis, best, progress)
         known = {frozenset(h.parts) for h in found}
         for other, tries in effects:
             part = Part("effect", other.name)
@@ -170,9 +164,9 @@ def _pairs(
     return found
 
 
-def _extending(scene: Scene, best: ComparedHypothesis, progress: Progress) -> Search:
+def _extending(basis: SearchBasis, best: ComparedHypothesis, progress: Progress) -> Search:
     fitted: FittedAddition = best.best.state
-    return Search(scene.of(fitted), fitted.candidate, progress)
+    return Search(basis.of(fitted), fitted.candidate, progress)
 
 
 def _narrowed(tries: Tries, single: ComparedHypothesis) -> Tries:

@@ -23,7 +23,7 @@ def interval(hypothesis: ComparedHypothesis, parameter: str, weights: Weights) -
     for trial in hypothesis.trials:  # the first of its values: later ones were fitted with other slopes
         first.setdefault(tuple(trial.parameters.values()), trial)
     scores: dict[float, Array] = {}
-    for trial in sorted(first.values(), key=lambda t: float(t.log_scores.sum())):
+    for trial in sorted(first.values(), key=lambda t: t.score):
         scores[trial.parameters[parameter]] = trial.log_scores
     values = np.array(sorted(scores))
     if values.size < 2:

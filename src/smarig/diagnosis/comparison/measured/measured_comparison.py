@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from smarig.core import DataError
 from smarig.diagnosis.comparison.compared_hypothesis import ComparedHypothesis, Part
-from smarig.diagnosis.comparison.measured.additions import FittedAddition, first_scene
+from smarig.diagnosis.comparison.measured.additions import FittedAddition, first_basis
 from smarig.diagnosis.comparison.measured.hypothesis_search import searched_hypotheses
 from smarig.diagnosis.comparison.measured.intervals import interval
 from smarig.diagnosis.comparison.measured.missing_knowledge import missing_share
@@ -74,12 +74,12 @@ def compare_measured(
     if not any((~w.held_out).any() for w in wires):
         raise DataError("The training runs contain no reading in which input and output are known.")
     problem = reading_problem(wires)
-    scene, base = first_scene(problem, BASE_STEPS)
+    basis, base = first_basis(problem, BASE_STEPS)
     missing = 0.0 if problem.train.all() else missing_share(base)
     if missing < RULES["not_determined"].value:
         problem = problem.with_unseen()
-        scene, base = replace(scene, problem=problem), replace(base, problem=problem)
-    weights = _weighed(problem, searched_hypotheses(scene, base, progress, without=without))
+        basis, base = replace(basis, problem=problem), replace(base, problem=problem)
+    weights = _weighed(problem, searched_hypotheses(basis, base, progress, without=without))
     held = _held_out_errors(base, weights)
     verdict = decide(_evidence(problem, base, weights, held))
     between = None
@@ -203,8 +203,8 @@ def _with_held_out_runs(
     if missing >= RULES["not_determined"].value:
         return verdict, None
     problem = reading_problem([replace(w, held_out=np.zeros_like(w.held_out)) for w in wires])
-    scene, plain = first_scene(problem, BASE_STEPS)
-    weights = _weighed(problem, searched_hypotheses(scene, plain, lambda _: None, BETWEEN_RUNS, without))
+    basis, plain = first_basis(problem, BASE_STEPS)
+    weights = _weighed(problem, searched_hypotheses(basis, plain, lambda _: None, BETWEEN_RUNS, without))
     found = decide(_evidence(problem, plain, weights, {}))
     clearer = found.word in ("named", "ambiguous") or found.depends_on is not None
     return (found if clearer and verdict.depends_on in (None, *BETWEEN_RUNS) else verdict), weights

@@ -12,13 +12,12 @@ from numpy.typing import NDArray
 
 from smarig.diagnosis.comparison.measured.acting_effects import CONDITION_LENGTH, centred
 from smarig.diagnosis.comparison.measured.reading_problem import ReadingProblem, smooth_kernel
-from smarig.diagnosis.comparison.measured.varied_together import at_one_rate, between_runs
+from smarig.diagnosis.comparison.measured.varied_together import OVER_CYCLES, at_one_rate, between_runs
 
 Array = NDArray[np.float64]
 LENGTH = 0.35  # of the variable's range
 NEEDS_CLOCK = ("rate", "speed", "time", "since")
 VARIABLES = ("rate", "speed", "time", "cycle", "history", "since", "stress", "run")
-OVER_CYCLES = ("time", "cycle")
 FEWEST_CYCLES = 3  # of one record: with fewer, a drift is a part of the loop
 
 

@@ -13,8 +13,9 @@ from numpy.typing import NDArray
 
 from smarig.core import DataError
 from smarig.diagnosis.comparison.measured.record_readings import FEWEST_READINGS, RecordReadings, smooth
-from smarig.diagnosis.comparison.measured.wire_records import WireRecord, large_turns
+from smarig.diagnosis.comparison.measured.wire_records import WireRecord
 from smarig.measurement import InputRecord
+from smarig.preisach import turning_points
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -109,7 +110,7 @@ def reading_problem(wires: Sequence[WireRecord]) -> ReadingProblem:
         raise DataError("The training runs hold too few readings, or their input or output never changes.")
     span, ends = float(np.ptp(u)), np.quantile(u, [0.2, 0.8])
     sign = 1.0 if y[u >= ends[1]].mean() >= y[u <= ends[0]].mean() else -1.0
-    turns = [large_turns(smooth(r.u, 1.0), TURN_SHARE * span) for r in records]
+    turns = [np.array(turning_points(smooth(r.u, 1.0), TURN_SHARE * span)) for r in records]
     parts = [RecordReadings.of(w, t, wires) for w, t in zip(wires, turns)]
     branches = sum(p.train_branches for p in parts)
     block, before, cycles = [], 0, 0.0

@@ -12,11 +12,12 @@ from numpy.typing import NDArray
 
 from smarig.diagnosis.comparison.compared_hypothesis import Part
 from smarig.diagnosis.comparison.measured.reading_problem import ReadingProblem
+from smarig.measurement import measurement_effect_types
 
 Array = NDArray[np.float64]
+OVER_CYCLES = ("time", "cycle")
 WITHIN = 0.1  # of a variable's variance: less of it lies within the runs
 RATE_RATIO = 1.5  # of the fast to the slow tenth of the readings: less is one rate
-ACTS_THROUGH = {"input_lag": "rate", "input_offset": "run", "stress_shift": "stress"}
 
 
 def at_one_rate(problem: ReadingProblem) -> bool:
@@ -47,6 +48,13 @@ def _share_within(z: Array, runs: NDArray[np.int64]) -> float:
 def confounded(problem: ReadingProblem, parts: Iterable[Part]) -> dict[Part, tuple[Part, ...]]:
     """The parts that these data cannot part from a part."""
     fixed = between_runs(problem)
-    within = [p for p in parts if ACTS_THROUGH.get(p.name, p.name) in fixed]
+    within = [p for p in parts if _steps_with(p) in fixed]
     effects = [p for p in within if p.kind == "effect"]
     return {p: tuple(q for q in effects if q != p) for p in within if len(effects) > 1}
+
+
+def _steps_with(part: Part) -> str:
+    """The variable by which a part would differ between runs; what grows with time or cycles goes on within them."""
+    kind = next((k for k in measurement_effect_types() if k.name == part.name), None)
+    variable = (kind.by_condition or kind.depends_on[0]) if kind else part.name
+    return "" if kind and variable in OVER_CYCLES else variable

@@ -79,24 +79,3 @@ def quiet_input(u: Array) -> Array:
     noise = float(np.median(np.abs(np.diff(u, 2)))) / 0.6745 / np.sqrt(6.0)
     rows = (noise / (QUIET_SHARE * span)) ** 2 / (2 * np.sqrt(np.pi))
     return gaussian_filter1d(u, min(rows, LONGEST_SHARE * u.size)) if rows > 0.3 else u
-
-
-def large_turns(u: Array, threshold: float) -> NDArray[np.int64]:
-    """Rows at which the input turns by more than a threshold, with both ends.
-
-    >>> large_turns(np.array([0.0, 5, 4.9, 9, 2, 3.5]), 1.0).tolist()
-    [0, 3, 4, 5]
-    """
-    found, low, high, direction = [0], 0, 0, 0
-    for k, x in enumerate(u.tolist()):
-        high = k if x > u[high] else high
-        low = k if x < u[low] else low
-        if direction >= 0 and x < u[high] - threshold:
-            found += [high] if high > found[-1] else []
-            direction, low = -1, k
-        elif direction <= 0 and x > u[low] + threshold:
-            found += [low] if low > found[-1] else []
-            direction, high = 1, k
-    if found[-1] != u.size - 1:
-        found.append(u.size - 1)
-    return np.array(found)
