@@ -22,3 +22,9 @@ def test_it_makes_a_model(protocol, tmp_path, monkeypatch):
     _, _, command = advice.partition(": smarig ")
     assert cli(shlex.split(command.removesuffix("."))) == 0
     assert (tmp_path / "wire.model.json").is_file()
+
+
+def test_a_waveform_has_no_holds_that_settle(tmp_path):
+    run = tmp_path / "a.run.sqlite"
+    assert cli(["run", "minor_loops", "--rig", "one_wire_twin", *RUNS["minor_loops"], "-o", str(run)]) == 0
+    assert "settled" not in run_assessment(load_run(run)).quality

@@ -5,6 +5,7 @@ import pytest
 from benchmarks.plausibility import guarded, levels_A, one_hold, slipping
 from smarig.core import LimitExceeded
 from smarig.record import Recorder, load_run
+from smarig.report.components.run_description import quality_counts
 from smarig.rig import TwinSettings
 from smarig.runner import Runner
 
@@ -36,6 +37,12 @@ def test_no_step_of_the_failing_encoder_counts_as_settled(run):
 def test_an_event_says_since_when_the_readings_contradict(run):
     (event,) = [event for event in run.events if event.kind == "suspect"]
     assert "steps that settled since are suspect" in event.text
-    since_s = float(event.text.split()[3])
+    since_s = event.data["since_s"]
     assert since_s < BEGINS_S
     assert {step.verdict for step in run.steps if step.end_s >= since_s} <= {"suspect", "timed_out"}
+
+
+def test_the_page_counts_them(run):
+    counts = quality_counts(run)
+    assert counts.suspect_steps == sum(step.verdict == "suspect" for step in run.steps) > 3
+    assert not counts.clean

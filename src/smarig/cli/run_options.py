@@ -163,7 +163,8 @@ def emit_previews(previews: "Sequence[Preview]") -> None:
 
 
 def run_warnings(run: "AnyRun") -> list[str]:
-    """Warnings about a finished run: holds that did not settle and saturated samples."""
+    """Warnings about a finished run: holds that did not settle, suspect steps and saturated samples."""
+    suspect = sum(s.verdict == "suspect" for s in run.steps)
     unsettled = sum(s.verdict == "timed_out" for s in run.steps)
     marks = (block["quality"].astype(int) for block in run.blocks(["quality"]))
     saturated = sum(int(((mark & Quality.SATURATED) > 0).sum()) for mark in marks)
@@ -172,6 +173,7 @@ def run_warnings(run: "AnyRun") -> list[str]:
         if unsettled
         else []
     )
+    found += [f"{run.path.name}: {suspect} of {len(run.steps)} steps are suspect."] if suspect else []
     return found + ([f"{run.path.name}: {saturated} samples were saturated."] if saturated else [])
 
 

@@ -177,7 +177,7 @@ def run_cards(run: Run) -> Html:
     m, size = quality_counts(run), 0.0 if run.info.imported else count_size(run)
     known = run["position"][np.isfinite(run["position"])]
     travel = f"{number(float(np.ptp(known)), 4)}{spaced(display_unit(run.unit))}" if known.size else "none"
-    bad = m.timed_out + m.interrupted
+    bad = m.timed_out + m.interrupted + m.suspect_steps
     timed = np.isfinite(duration_s(run))
     return cards(
         [

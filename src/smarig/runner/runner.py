@@ -187,7 +187,7 @@ class Runner:
         """Nobody knows when a fault began that only shows now."""
         if from_s < self.t_s:
             text = f"The readings since {from_s:.1f} s contradict each other: steps that settled since are suspect."
-            self._notify("suspect", text, level="warning")
+            self._notify("suspect", text, level="warning", since_s=from_s)
         for listener in self.listeners:
             if isinstance(listener, SuspectListener):
                 listener.suspect(from_s)

@@ -113,6 +113,7 @@ class QualityCounts:
     settled: int
     timed_out: int
     interrupted: int
+    suspect_steps: int
     void: int
     samples: int
     retried: int
@@ -127,7 +128,10 @@ class QualityCounts:
         return not any(getattr(self, name) for name in FLAG_NAMES)
 
 
-FLAG_NAMES = ("timed_out", "interrupted", "void", "retried", "stale", "saturated", "tripped", "suspect")
+FLAG_NAMES = (
+    *("timed_out", "interrupted", "void"),
+    *("retried", "stale", "saturated", "tripped", "suspect", "suspect_steps"),
+)
 
 
 def quality_counts(run: AnyRun) -> QualityCounts:
@@ -139,6 +143,7 @@ def quality_counts(run: AnyRun) -> QualityCounts:
         settled=verdicts.count("settled"),
         timed_out=verdicts.count("timed_out"),
         interrupted=verdicts.count("interrupted"),
+        suspect_steps=verdicts.count("suspect"),
         void=sum(step.void for step in run.steps),
         samples=len(run),
         **dict(zip(marks, run.marked(*marks.values()), strict=True)),

@@ -85,8 +85,9 @@ def _record_quality(run: AnyRun) -> tuple[str, str]:
             "warning",
             f"The import has {count} remark{'s' if count > 1 else ''} on this file; see Warnings.",
         )
-    steps = f" and all {m.steps} holds settled" if m.steps > 1 else " and its hold settled" if m.steps else ""
-    return "good", f"The run ended as planned{steps}."
+    # a waveform has steps that are no holds
+    holds = {0: "", 1: " and its hold settled"}.get(m.settled, f" and all {m.settled} holds settled")
+    return "good", f"The run ended as planned{holds}."
 
 
 def _unused_holds(late: int, interrupted: int, steps: int) -> str:

@@ -16,6 +16,7 @@ from smarig.report.components.html import Html
 from smarig.report.components.numbers import duration, number, thousands
 from smarig.report.components.page_summary import PageSummary
 from smarig.report.components.run_description import (
+    FLAG_NAMES,
     count_size,
     display_unit,
     duration_s,
@@ -111,7 +112,7 @@ def summary_of(run: AnyRun) -> RunSummary:
         samples=m.samples,
         steps=m.steps,
         settled=m.settled,
-        flagged=m.timed_out + m.interrupted + m.void + m.retried + m.stale + m.saturated + m.tripped,
+        flagged=sum(getattr(m, name) for name in FLAG_NAMES),
         travel=extremes[1] - extremes[0] if extremes else float("nan"),
         unit=display_unit(run.unit),
         input_unit=display_unit(run.input_unit),

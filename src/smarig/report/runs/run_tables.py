@@ -169,7 +169,8 @@ def quality_table(runs: Mapping[str, Run]) -> Html:
     """Numbers of steps and samples of each run, and how many of them have a mark. A mark of none has no column."""
     counts = [quality_counts(run) for run in runs.values()]
     seen = [key for key in FLAG_NAMES if any(getattr(c, key) for c in counts)]
-    unseen = [key.replace("_", " ") for key in FLAG_NAMES if key not in seen]
+    marks = {key: key.removesuffix("_steps").replace("_", " ") for key in FLAG_NAMES}
+    unseen = list(dict.fromkeys(m for m in marks.values() if m not in {marks[key] for key in seen}))
     rows = []
     for (name, run), c in zip(runs.items(), counts):
         ended = run.cause.partition(":")[0]  # all of it stands at the top of the page
