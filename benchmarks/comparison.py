@@ -1,12 +1,11 @@
-"""The comparison of hypotheses on records with a measured input, beside the earlier diagnosis.
+"""The diagnosis of records with a measured input: right, missed and false names.
 
 Sets by others with known causes (those of ``real``), folders of field cases, and random relay worlds that share no code
-with the engine. ``earlier``: also run the earlier diagnosis; its answers are kept in the file ``out``.
+with the engine.
 """
 
 import contextlib
 import io
-import json
 import tempfile
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -17,7 +16,7 @@ import numpy as np
 
 from benchmarks.boxes.relay_worlds import TRUTHS, relay_world
 from benchmarks.real import CASES, DATA, QUICK, _imported
-from smarig.diagnosis import MeasuredComparison, MeasuredDiagnosis, compare_measured, diagnose
+from smarig.diagnosis import MeasuredDiagnosis, diagnose_measured
 from smarig.identification import identify
 from smarig.record import Run
 from smarig.study import StudyOptions, study
@@ -50,14 +49,14 @@ class ComparisonCase:
     variables: tuple[str, ...]
 
 
-def run(quick: bool = False, seed: int | None = None, out: str | None = None) -> dict[str, Any]:
-    """Each case with both verdicts, and the counts; ``seed``: worlds of this seed alone."""
-    kept = _Kept(Path(out)) if out else None
+def run(quick: bool = False, seed: int | None = None) -> dict[str, Any]:
+    """Each case with its verdict, and the counts; ``seed``: worlds of this seed alone."""
     rows: dict[str, dict[str, Any]] = {}
     with tempfile.TemporaryDirectory() as folder:
         for case in _cases(Path(folder), quick, (seed,) if seed is not None else FINAL):
-            found = compare_measured(case.train, case.held_out)
-            rows[case.name] = _row(case, found) | ({"earlier": kept.answer(case)} if kept else {})
+            forc = case.train[0].name.startswith("forc")
+            model = identify(case.train[:1], "table" if forc else "positive").model
+            rows[case.name] = _row(case, diagnose_measured(model, case.train, case.held_out))
     return {"counts": _counts(list(rows.values())), "cases": rows}
 
 
@@ -93,20 +92,20 @@ def _field(folder: Path, quick: bool) -> Iterator[ComparisonCase]:
             yield ComparisonCase(name, split.train, held_out, names, variables)
 
 
-def _row(case: ComparisonCase, found: MeasuredComparison) -> dict[str, Any]:
-    verdict = found.verdict
+def _row(case: ComparisonCase, found: MeasuredDiagnosis) -> dict[str, Any]:
+    verdict, gain = found.verdict, found.gain
     named = set(verdict.names) if verdict.word == "named" else set()
-    truth = [w for p, w in found.causes.items() if p.name in (case.names or case.variables)]
-    best = found.held_out.get(found.weights.heaviest.name)
+    truth = [w for p, w in found.evidence.causes.items() if p.name in (case.names or case.variables)]
+    known = bool(case.names or case.variables)
     return {
         "outcome": outcome(case, named, verdict.depends_on, verdict.names),
         "verdict": verdict.word,
         "names": list(verdict.names),
         "depends_on": verdict.depends_on,
-        "probability_of_truth": max(truth, default=0.0)
-        if case.names or case.variables
-        else found.weights.nothing,
-        "held_out": [found.held_out.get("nothing"), best],
+        "probability_of_truth": max(truth, default=0.0) if known else found.evidence.weights.nothing,
+        "extended": found.extended,
+        "left_out": [found.base.rms, found.best.rms if found.best else None],
+        "held_out": [gain.base, gain.extended] if gain else None,
         "seconds": round(found.seconds, 1),
     }
 
@@ -122,45 +121,7 @@ def outcome(case: ComparisonCase, named: set[str], depends_on: str | None, candi
     return "missed" if case.names or case.variables else "right"
 
 
-class _Kept:
-    """Answers of the earlier diagnosis in a file, so that it need not run again."""
-
-    def __init__(self, path: Path):
-        self.path = path
-        lines = path.read_text(encoding="utf-8").splitlines() if path.exists() else []
-        self.rows = {row["name"]: row for row in map(json.loads, lines)}
-
-    def answer(self, case: ComparisonCase) -> dict[str, Any]:
-        row = self.rows.get(case.name) or self._diagnosed(case)
-        named = set(row["names"]) if row["extended"] and row.get("word") == "named" else set()
-        return row | {"outcome": outcome(case, named, row["depends_on"], row["names"])}
-
-    def _diagnosed(self, case: ComparisonCase) -> dict[str, Any]:
-        forc = case.train[0].name.startswith("forc")
-        d = diagnose(
-            identify(case.train[:1], "table" if forc else "positive").model, case.train, case.held_out
-        )
-        row: dict[str, Any] = {"name": case.name, "names": [], "depends_on": None, "extended": False}
-        if isinstance(d, MeasuredDiagnosis):
-            row |= {
-                "word": d.verdict.word,
-                "names": list(d.verdict.names),
-                "depends_on": d.verdict.depends_on,
-                "extended": d.extended,
-                "base": d.gain and d.gain.base,
-                "ext": d.gain and d.gain.extended,
-                "seconds": d.seconds,
-            }
-        with self.path.open("a", encoding="utf-8") as file:
-            file.write(json.dumps(row) + "\n")
-        return row
-
-
 def _counts(rows: Sequence[dict[str, Any]]) -> dict[str, Any]:
-    def of(answers: Sequence[dict[str, Any]]) -> dict[str, Any]:
-        found = [a["outcome"] for a in answers]
-        counts = {word: found.count(word) for word in ("right", "set", "missed", "false name")}
-        return counts | {"median_seconds": float(np.median([a.get("seconds", np.nan) for a in answers]))}
-
-    earlier = [row["earlier"] for row in rows if "earlier" in row]
-    return {"comparison": of(rows)} | ({"earlier": of(earlier)} if earlier else {})
+    found = [row["outcome"] for row in rows]
+    counts = {word: found.count(word) for word in ("right", "set", "missed", "false name")}
+    return counts | {"median_seconds": float(np.median([row["seconds"] for row in rows]))}

@@ -70,7 +70,7 @@ PAGES: dict[str, tuple[str, str, tuple[str, ...]]] = {
             "smarig.transformation.headline",
             "smarig.diagnosis.diagnose",
             "smarig.diagnosis.commanded_diagnosis",
-            "smarig.diagnosis.measured.measured_diagnosis",
+            "smarig.diagnosis.comparison.measured.measured_diagnosis",
             "smarig.diagnosis.explain.explanation",
         ),
     ),

@@ -48,7 +48,7 @@ def test_a_characterisation_loads_neither_scipy_stats_nor_scipy_signal():
     """All modules of it, in a process of its own: each of the two takes as long as a whole identification."""
     program = """
 import sys
-import smarig.app.characterise, smarig.diagnosis.diagnose, smarig.diagnosis.measured.measured_diagnosis
+import smarig.app.characterise, smarig.diagnosis.diagnose, smarig.diagnosis.comparison.measured.measured_diagnosis
 import smarig.identification.extended.choose_extension, smarig.report.drawing
 print([name for name in ("scipy.stats", "scipy.signal", "matplotlib.backends.backend_pdf") if name in sys.modules])
 """

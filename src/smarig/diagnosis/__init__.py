@@ -3,7 +3,7 @@
 In the order of the work, after ``smarig.replay``: ``explain.candidates`` (what may be wrong), ``critique.refit``
 (fit of density and noise), ``critique.critique`` (does anything exceed the noise?), ``explain.search`` (which
 effects explain it?), ``diagnosis_verdict`` and ``held_out_gain``. ``diagnose_commanded`` runs them all.
-``measured`` diagnoses runs that have only a measured input, ``thermal`` records of wire temperature.
+``comparison.measured`` diagnoses runs that have only a measured input, ``thermal`` records of wire temperature.
 """
 
 from typing import TYPE_CHECKING
@@ -18,11 +18,16 @@ if TYPE_CHECKING:
     from smarig.diagnosis.comparison.commanded.commanded_comparison import (
         compare_commanded as compare_commanded,
     )
-    from smarig.diagnosis.comparison.measured.comparison_json import comparison_json as comparison_json
+    from smarig.diagnosis.comparison.compared_hypothesis import ComparedHypothesis as ComparedHypothesis
+    from smarig.diagnosis.comparison.compared_hypothesis import Part as Part
+    from smarig.diagnosis.comparison.measured.learned_law import LearnedLaw as LearnedLaw
     from smarig.diagnosis.comparison.measured.measured_comparison import (
         MeasuredComparison as MeasuredComparison,
     )
     from smarig.diagnosis.comparison.measured.measured_comparison import compare_measured as compare_measured
+    from smarig.diagnosis.comparison.measured.measured_diagnosis import MeasuredDiagnosis as MeasuredDiagnosis
+    from smarig.diagnosis.comparison.measured.measured_diagnosis import diagnose_measured as diagnose_measured
+    from smarig.diagnosis.comparison.measured.measured_text import offset_sentence as offset_sentence
     from smarig.diagnosis.critique.calibration import CALIBRATION_BOXES as CALIBRATION_BOXES
     from smarig.diagnosis.critique.calibration import p_text as p_text
     from smarig.diagnosis.critique.candidates import DETECTION_SD as DETECTION_SD
@@ -62,10 +67,6 @@ if TYPE_CHECKING:
     from smarig.diagnosis.explain.parameter_fit import ParameterFit as ParameterFit
     from smarig.diagnosis.explain.parameter_fit import fit_parameters as fit_parameters
     from smarig.diagnosis.held_out_gain import HeldOutGain as HeldOutGain
-    from smarig.diagnosis.measured.learned_law import LearnedLaw as LearnedLaw
-    from smarig.diagnosis.measured.measured_diagnosis import MeasuredDiagnosis as MeasuredDiagnosis
-    from smarig.diagnosis.measured.measured_diagnosis import diagnose_measured as diagnose_measured
-    from smarig.diagnosis.measured.measured_text import offset_sentence as offset_sentence
     from smarig.diagnosis.name_gates import DISCREPANCY_NATS as DISCREPANCY_NATS
     from smarig.diagnosis.name_gates import NORMAL_95 as NORMAL_95
     from smarig.diagnosis.name_gates import SILENT_RATIO as SILENT_RATIO

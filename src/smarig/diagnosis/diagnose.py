@@ -9,9 +9,9 @@ from threadpoolctl import threadpool_limits
 
 from smarig.core import DataError, UsageError
 from smarig.diagnosis.commanded_diagnosis import diagnose_commanded
+from smarig.diagnosis.comparison.measured.measured_diagnosis import MeasuredDiagnosis, diagnose_measured
 from smarig.diagnosis.critique.critique import ALPHA, NULL_DATA_SETS
 from smarig.diagnosis.diagnosis_result import Diagnosis
-from smarig.diagnosis.measured.measured_diagnosis import MeasuredDiagnosis, diagnose_measured
 from smarig.diagnosis.run_checks import check_comparable, check_held_out, check_left_out
 from smarig.measurement import has_measured_input, measurement_effect_types
 from smarig.plant import effect_types

@@ -44,13 +44,15 @@ class SearchedParameter:
     """A parameter that is searched for: unit, and values to start from.
 
     The search ends at the smallest and largest start; an estimate there determines nothing. ``open_above``: the
-    largest start stands for all larger values.
+    largest start stands for all larger values. ``sudden``: the output changes suddenly with it, so that a value
+    between two is like neither.
     """
 
     name: str
     unit: str
     tries: tuple[float, ...]
     open_above: bool = False
+    sudden: bool = False
 
 
 @dataclass(frozen=True)

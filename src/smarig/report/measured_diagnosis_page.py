@@ -5,8 +5,8 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.core import capitalised, spaced
-from smarig.diagnosis import MeasuredDiagnosis
+from smarig.core import spaced
+from smarig.diagnosis import ComparedHypothesis, MeasuredDiagnosis, Part, variable_words
 from smarig.identification import MeasuredHypothesis
 from smarig.report.components.figure import Figure, Panel, axis, dots, line
 from smarig.report.components.html import Html, bullets, cards, notice, paragraph, table, tag
@@ -27,9 +27,17 @@ from smarig.report.runs.run_summary import summary_with_loop
 from smarig.report.runs.run_tables import conditions_table, provenance_table, quality_table
 
 Array = NDArray[np.float64]
-_BOX_STYLES = {"silent": "good", "named": "good", "ambiguous": "warning", "unknown": "bad"}
+_BOX_STYLES = {
+    "silent": "good",
+    "named": "good",
+    "ambiguous": "warning",
+    "unknown": "bad",
+    "not_identifiable": "warning",
+}
 _MOST_LOOPS = 4  # runs whose loops are drawn
 _PALE_OPACITY = 0.45
+_MOST_HYPOTHESES = 12  # that are listed
+_SMALLEST = 0.01  # probability that is written as a number
 
 
 def measured_diagnosis_page(d: MeasuredDiagnosis) -> str:
@@ -130,24 +138,38 @@ def _errors_figure(d: MeasuredDiagnosis) -> Figure:
 
 
 def _compared(d: MeasuredDiagnosis) -> Iterator[Html]:
-    unit = display_unit(d.unit)
-    for step in d.steps:
-        start = "the plain model" if not step.start.effects else f"the model with {step.start.name}"
-        rows = [
-            (h.effects[-1].kind.name, number(h.rms), number(h.fitted_rms), _outcome(step.failures, h))
-            for h in step.effects
-        ]
-        rows += [
-            (f"depends on {h.variable}", number(h.rms), number(h.fitted_rms), "variable")
-            for h in step.variables
-        ]
-        head = ("Added", f"Error on blocks left out ({unit})", f"Error of the fit ({unit})", "Result")
-        yield table(head, rows, f"Compared with {start}: {number(step.start.rms)} on blocks left out.")
+    weights = d.evidence.weights
+    causes = [("nothing", weights.nothing), *((_part(p), w) for p, w in weights.causes.items())]
+    rows = [(name, _probability(w)) for name, w in sorted(causes, key=lambda c: -c[1])]
+    yield table(
+        ("Cause", "Probability"),
+        rows,
+        "The probability of each cause, summed over the hypotheses that hold it.",
+    )
+    plain = weights.hypotheses[0].score
+    ranked = sorted(zip(weights.weight.tolist(), weights.hypotheses), key=lambda pair: -pair[0])
+    rows = [
+        (h.name, _probability(w), f"{h.score - plain:+.1f}".replace("-", "−"), _values(h))
+        for w, h in ranked[:_MOST_HYPOTHESES]
+    ]
+    yield table(
+        ("Hypothesis", "Weight", "Log score (nats)", "Best values"),
+        rows,
+        f"The {len(rows)} heaviest of {len(ranked)} hypotheses. The log score is that of predicting blocks left out, "
+        "above that of nothing.",
+    )
 
 
-def _outcome(failures: dict[str, str], found: MeasuredHypothesis) -> str:
-    failure = failures[found.effects[-1].kind.name]
-    return capitalised(failure) if failure else "Passes all gates"
+def _part(part: Part) -> str:
+    return part.name if part.kind == "effect" else f"depends on {variable_words(part.name)}"
+
+
+def _probability(weight: float) -> str:
+    return f"{weight:.2f}" if weight >= _SMALLEST else f"< {_SMALLEST}"
+
+
+def _values(hypothesis: ComparedHypothesis) -> str:
+    return ", ".join(f"{name} {number(v)}" for name, v in hypothesis.best.parameters.items())
 
 
 def _provenance(d: MeasuredDiagnosis) -> Iterator[Html]:

@@ -291,7 +291,7 @@ class StudyResult:
     def _gain_by_cause(self) -> str:
         """What a named cause explains of data that did not fit it."""
         d = self.diagnosis
-        if d is None or d.verdict.word != "named":
+        if d is None or d.verdict.word != "named" or not d.extended:
             return ""
         left_out = ""
         if isinstance(d, MeasuredDiagnosis) and d.best is not None and d.best.rms < d.base.rms:

@@ -97,10 +97,8 @@ def unpredicted_sentence(share: float, *, whole_record: bool) -> str:
 def finding_sentence(d: Diagnosis | MeasuredDiagnosis, *, at_noise: bool) -> str:
     """What the diagnosis says of the errors that are left; they look like noise only if they are as small."""
     shifted = _shift(d) if isinstance(d, MeasuredDiagnosis) else []
-    if (
-        shifted and d.verdict.word == "unknown" and d.verdict.depends_on == "run"
-    ):  # that is what the run varies in
-        return " ".join(shifted)
+    if shifted and (d.verdict.depends_on == "run" or d.verdict.names == ("input_offset",)):
+        return " ".join(shifted)  # that is what the run varies in
     return " ".join([_finding(d, d.lines()[0], at_noise=at_noise), *shifted])
 
 

@@ -31,8 +31,11 @@ def test_a_turn_inside_the_fitted_loop_is_missing_knowledge_and_no_change():
 
     found = compare_measured([run("a", (25.0, 90.0, 25.0))], [run("b", (25.0, 90.0, 48.0, 90.0, 25.0))])
     assert found.verdict.word == "silent"
-    assert found.missing > 0.9
-    assert found.between is None
+    assert found.missing is not None
+    assert found.missing.share > 0.9
+    low, high = found.missing.inputs
+    assert 40.0 < low < high < 95.0
+    assert not found.between_runs
 
 
 def test_a_left_out_effect_is_not_named():

@@ -84,7 +84,7 @@ def split_run(dt=1.0):
     u = triangles(PEAKS, rows=20)
     run = as_run("a", u, RelayWire(1).strain(u), dt=dt)
     [record] = input_records([run])
-    return [WireRecord(record, np.arange(len(record)) >= 200)]
+    return [WireRecord(record, np.arange(len(record)) >= 200, np.ones(len(record), dtype=bool))]
 
 
 def test_a_run_that_continues_is_one_record_with_held_out_rows(monkeypatch):

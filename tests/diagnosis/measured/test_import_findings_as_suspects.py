@@ -8,7 +8,7 @@ import pytest
 from diagnosis.measured.independent_wire import RelayWire, as_run, triangles
 from smarig.core import UsageError
 from smarig.diagnosis import diagnose
-from smarig.diagnosis.measured.measured_runs import selected_rows
+from smarig.diagnosis.comparison.measured.measured_runs import selected_rows
 from smarig.diagnosis.suspects import suspects
 from smarig.exchange.loop_faults import LoopRecord, loop_findings
 from smarig.identification import identify

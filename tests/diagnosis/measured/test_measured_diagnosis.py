@@ -153,7 +153,8 @@ def test_a_held_out_run_whose_thermometer_is_off_is_reported():
     assert offset.run == "second"
     assert offset.interval[0] <= 3.0 <= offset.interval[1]
     assert offset.with_offset < 0.5 * offset.without
-    assert found.verdict.depends_on == "run"
+    assert found.verdict.names == ("input_offset",)
+    assert not found.extended, "no run is left to measure a gain on"
     assert "is shifted by" in found.text()
 
 

@@ -105,6 +105,11 @@ class VerdictEvidence:
         """The least size of a cause that is told."""
         return min(RULES["least_size"].value * self.span, RULES["beside_noise"].value * self.repeatability)
 
+    @property
+    def adequate(self) -> bool:
+        """Whether the plain model misses the readings by hardly more than noise, or by what is not told."""
+        return self.error <= max(RULES["adequate"].value * self.noise, self.least_size)
+
 
 @dataclass(frozen=True)
 class Verdict:
@@ -133,7 +138,7 @@ def decide(e: VerdictEvidence) -> Verdict:
 
 
 def _nothing(e: VerdictEvidence, reason: str) -> Verdict:
-    if e.error <= max(RULES["adequate"].value * e.noise, e.least_size):
+    if e.adequate:
         return Verdict("silent", reason)
     nothing = e.nothing >= RULES["nothing"].value
     return Verdict("unknown", "inadequate", depends_on=None if nothing else _likeliest_variable(e))
@@ -154,7 +159,10 @@ def _doubt(e: VerdictEvidence, part: Part) -> str:
         return "left_over"
     if e.held_out.get(part, 0.0) > RULES["worse"].value:
         return "worse"
-    if any(e.causes.get(v, 0.0) >= RULES["name"].value for v in e.acts_through.get(part, ())):
+    if any(
+        e.causes.get(v, 0.0) >= RULES["name"].value and e.size[v] >= e.least_size
+        for v in e.acts_through.get(part, ())
+    ):
         return "incomplete"
     if e.size[part] < RULES["beside_block_errors"].value * e.block_error:
         return "beside"
@@ -170,6 +178,8 @@ def _set(e: VerdictEvidence, large: list[Part], doubt: str) -> Verdict:
             break
         kept += [q for q in (part, *e.confounded.get(part, ())) if q not in kept]
         missing -= e.causes[part]
+    if all(e.size[p] < RULES["beside_block_errors"].value * e.block_error for p in kept):
+        return Verdict("unknown", "beside", depends_on=_likeliest_variable(e))
     names = tuple(p.name for p in kept if p.kind == "effect")
     variables = [p.name for p in kept if p.kind == "variable"]
     if doubt in ("worse", "left_over") or not names or variables:

@@ -8,7 +8,7 @@ variable describes and is no cause: what an effect explains as well is the effec
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -51,6 +51,11 @@ class Weights:
         """The heaviest hypothesis that holds a part."""
         holders = [(w, h) for h, w in zip(self.hypotheses, self.weight.tolist()) if part in h.parts]
         return max(holders, key=lambda pair: pair[0])[1]
+
+    def without_states(self) -> "Weights":
+        """The same without what fits the hypotheses again, which is large."""
+        bare = [replace(h, trials=tuple(replace(t, state=None) for t in h.trials)) for h in self.hypotheses]
+        return replace(self, hypotheses=tuple(bare))
 
     @property
     def heaviest(self) -> ComparedHypothesis:

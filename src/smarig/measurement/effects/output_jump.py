@@ -25,7 +25,7 @@ def _parameters(records: Sequence[InputRecord]) -> tuple[SearchedParameter, ...]
     if not longest.clock or float(longest.cycle[-1] - longest.cycle[0]) < FEWEST_CYCLES:
         return None
     hours = float(np.ptp(longest.t)) / 3600
-    return (SearchedParameter(longest.name, "h", tuple((hours * TIMES).tolist())),)
+    return (SearchedParameter(longest.name, "h", tuple((hours * TIMES).tolist()), sudden=True),)
 
 
 def _change(p: Values, record: InputRecord) -> RecordChange:

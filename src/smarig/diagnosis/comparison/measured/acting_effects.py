@@ -13,9 +13,11 @@ from smarig.diagnosis.comparison.measured.reading_problem import ReadingProblem,
 from smarig.diagnosis.comparison.measured.varied_together import at_one_rate
 from smarig.measurement import (
     InputRecord,
+    LearnedTerm,
     MeasurementEffect,
     MeasurementEffectType,
     changed,
+    learned_input,
     measurement_effect_types,
     reversals,
     width_of_leading_loops,
@@ -30,9 +32,11 @@ MAX_CYCLE_SHARE = 0.25  # of a cycle: a longer lag is no lag
 Tries = dict[str, tuple[float, ...]]
 
 
-def acting_inputs(problem: ReadingProblem, effects: Sequence[MeasurementEffect]) -> list[Array]:
-    """The input (n,) of each record that acts on the wire."""
-    return [changed(r, effects).input for r in problem.records]
+def acting_inputs(
+    problem: ReadingProblem, effects: Sequence[MeasurementEffect], laws: Sequence[LearnedTerm] = ()
+) -> list[Array]:
+    """The input (n,) of each record that acts on the wire, under effects and laws."""
+    return [learned_input(r, changed(r, effects).input, laws) for r in problem.records]
 
 
 def added_parts(problem: ReadingProblem, effect: MeasurementEffect, shapes: Sequence[Array]) -> list[Array]:

@@ -19,7 +19,7 @@ from smarig.diagnosis.comparison.measured.positive_prior import (
     positive_prior,
 )
 from smarig.diagnosis.comparison.measured.reading_problem import ReadingProblem
-from smarig.measurement import MeasurementEffect
+from smarig.measurement import LearnedTerm, MeasurementEffect
 
 Array = NDArray[np.float64]
 Rows = NDArray[np.int64]
@@ -30,10 +30,13 @@ SMALL = 1e-2
 
 @dataclass(frozen=True)
 class Addition:
-    """What is added to the plain model: effects with their values, and variables."""
+    """What is added to the plain model: effects with their values, and variables, of which some move the input by
+    ``laws``.
+    """
 
     effects: tuple[MeasurementEffect, ...] = ()
     variables: tuple[str, ...] = ()
+    laws: tuple[LearnedTerm, ...] = ()
 
     @property
     def parts(self) -> tuple[Part, ...]:
@@ -47,8 +50,8 @@ class Addition:
 
     @property
     def moves_input(self) -> bool:
-        """Whether an effect changes the input that acts."""
-        return any(not e.kind.additive for e in self.effects)
+        """Whether an effect or a law changes the input that acts."""
+        return bool(self.laws) or any(not e.kind.additive for e in self.effects)
 
 
 @dataclass(frozen=True, eq=False)
@@ -152,7 +155,9 @@ class SearchBasis:
     def of(self, fitted: FittedAddition) -> "SearchBasis":
         """With the density and the slopes of a fit: those of the plain model contain the errors that it explains."""
         target = self.problem.y - fitted.added
-        prior = positive_prior(self.problem, acting_inputs(self.problem, fitted.candidate.effects), target)
+        prior = positive_prior(
+            self.problem, acting_inputs(self.problem, fitted.candidate.effects, fitted.candidate.laws), target
+        )
         sizes = np.r_[fitted.fit.sizes[: len(fitted.common)], fitted.fit.sizes[-2:]]
         return SearchBasis(self.problem, prior, surface_of(fitted), sizes, target)
 
@@ -161,14 +166,24 @@ class SearchBasis:
         """Covariance (m, m) of the noise of the input."""
         return [np.diag(self.surface.slope**2)] if self.surface is not None else []
 
-    def fitted(self, candidate: Addition, iterations: int, *, same_input: bool = False) -> FittedAddition:
+    def fitted(
+        self,
+        candidate: Addition,
+        iterations: int,
+        *,
+        same_input: bool = False,
+        near: FittedAddition | None = None,
+    ) -> FittedAddition:
         """A candidate with sizes found from those of the basis (``iterations`` 0 keeps them).
 
-        ``same_input``: the basis's density is that of the input that the candidate moves.
+        ``same_input``: the basis's density is that of the input that the candidate moves. ``near``: a fit of the same
+        parts with other values, to start from its sizes.
         """
         problem, prior = self.problem, self.prior
         if candidate.moves_input and not same_input:
-            prior = positive_prior(problem, acting_inputs(problem, candidate.effects), self.target)
+            prior = positive_prior(
+                problem, acting_inputs(problem, candidate.effects, candidate.laws), self.target
+            )
         common = (prior.covariance, *problem.always, *self.slope_noise)
         own: list[Array] = []
         if self.surface is not None:
@@ -180,6 +195,8 @@ class SearchBasis:
         matrices = [*common, *own, problem.within_block]
         n = len(common)
         sizes = np.r_[self.sizes[:n], [ADDED_SIZE] * len(own), self.sizes[-2:]]
+        if near is not None:
+            sizes = near.fit.sizes
         fit = fit_gaussian(
             problem.y[problem.train], [k[at] for k in matrices], problem.blocks, sizes, iterations
         )

@@ -13,14 +13,17 @@ from smarig.diagnosis.comparison.compared_hypothesis import ComparedHypothesis, 
 from smarig.diagnosis.comparison.measured.acting_effects import Tries, testable_effects
 from smarig.diagnosis.comparison.measured.additions import Addition, FittedAddition, SearchBasis
 from smarig.diagnosis.comparison.measured.plain_variables import testable_variables
-from smarig.measurement import MeasurementEffect, MeasurementEffectType
+from smarig.measurement import LearnedTerm, MeasurementEffect, MeasurementEffectType
 
 FIT_STEPS = 12  # iterations of the sizes
 KEPT = 3  # values of a parameter whose sizes are fitted
 PASSES = 3  # over several parameters, which depend on each other
+CLOSE = 1e-3  # relative: two values are one
+FINE = 31  # values of a sudden parameter between two tries
 ROUNDS = 2  # of values half way to the neighbours of the best
 WORTH_A_PAIR = 2.0  # nats that the best part must gain, before pairs are tried
 Progress = Callable[[str], None]
+LawOf = Callable[[str], LearnedTerm | None]
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,6 +37,13 @@ class Search:
     def nothing(self, base: FittedAddition) -> ComparedHypothesis:
         """The hypothesis without parts."""
         return ComparedHypothesis((), (base.trial(),))
+
+    def with_law(self, hypothesis: ComparedHypothesis, law: LearnedTerm) -> ComparedHypothesis:
+        """The hypothesis of a variable with one more trial, in which the law moves the input."""
+        (name,) = (p.name for p in hypothesis.parts)
+        fitted = self.basis.fitted(Addition(variables=(name,), laws=(law,)), FIT_STEPS)
+        again = (fitted.trial(), *self._again(fitted))
+        return _slim(replace(hypothesis, trials=(*hypothesis.trials, *again)))
 
     def variable(self, name: str) -> ComparedHypothesis:
         """The hypothesis that adds a variable."""
@@ -54,17 +64,23 @@ class Search:
         def fitted(v: dict[str, float]) -> float:
             key = tuple(v.values())
             if key not in trials:
-                trials[key] = self._trial(kind(**v), FIT_STEPS)
+                near = max(trials.values(), key=lambda t: t.score).state if trials else None
+                trials[key] = self._trial(kind(**v), FIT_STEPS, near)
             return trials[key].score
 
         kept, rounds = (1, 0) if self.start.parts else (KEPT, ROUNDS)
         passes = PASSES if len(tries) > 1 and not self.start.parts else 1
         for name, options in passes * list(tries.items()):
             best_first = sorted(options, key=lambda x, n=name: -ranked(values | {n: x}))
+            if any(p.sudden for p in kind.parameters(self.basis.problem.records) or ()):
+                best_first = self._ranked_again(kind, name, best_first, values)
             scores = {x: fitted(values | {name: x}) for x in best_first[:kept]}
-            for _ in range(rounds if kind.name != "output_jump" else 0):
+            for _ in range(rounds):
                 for x in _between(sorted({*options, *scores}), max(scores, key=lambda x: scores[x])):
                     scores[x] = fitted(values | {name: x})
+            top = vertex(scores) if rounds else None
+            if top is not None and min(abs(top - x) for x in scores) > CLOSE * abs(top):
+                scores[top] = fitted(values | {name: top})
             values[name] = max(scores, key=lambda x: scores[x])
         best = max(trials.values(), key=lambda t: t.score)
         for again in self._again(best.state):
@@ -72,8 +88,18 @@ class Search:
         self.progress(f"{kind.name}: " + ", ".join(f"{v:.3g}" for v in best.parameters.values()))
         return _slim(ComparedHypothesis(best.state.candidate.parts, tuple(trials.values())))
 
-    def _trial(self, effect: MeasurementEffect, iterations: int) -> Trial:
-        return self.basis.fitted(self.start.with_effect(effect), iterations).trial()
+    def _ranked_again(
+        self, kind: MeasurementEffectType, name: str, options: Sequence[float], values: dict[str, float]
+    ) -> list[float]:
+        """Values around the best option, best first, with the smaller errors that the model has there."""
+        first = self.basis.fitted(self.start.with_effect(kind(**(values | {name: options[0]}))), FIT_STEPS)
+        search = replace(self, basis=self.basis.of(first))
+        return sorted(
+            _around(options[0], options), key=lambda x: -search._trial(kind(**(values | {name: x})), 0).score
+        )
+
+    def _trial(self, effect: MeasurementEffect, iterations: int, near: FittedAddition | None = None) -> Trial:
+        return self.basis.fitted(self.start.with_effect(effect), iterations, near=near).trial()
 
     def _again(self, fitted: FittedAddition) -> list[Trial]:
         """A candidate once more, in its own basis; pairs already stand in that of their first part."""
@@ -96,6 +122,35 @@ def _slim(hypothesis: ComparedHypothesis) -> ComparedHypothesis:
     )
 
 
+def _around(best: float, options: Sequence[float]) -> list[float]:
+    """Values between the neighbours of the best option."""
+    k, ordered = sorted(options).index(best), sorted(options)
+    return np.linspace(ordered[max(k - 1, 0)], ordered[min(k + 1, len(ordered) - 1)], FINE).tolist()
+
+
+def vertex(scores: dict[float, float]) -> float | None:
+    """The top of the parabola through the best value and its neighbours, on a logarithmic scale where all have one
+    sign; None at an end of the values.
+
+    >>> vertex({1.0: -1.0, 2.0: 0.0, 3.0: -1.0}) is not None, vertex({1.0: 0.0, 2.0: -1.0})
+    (True, None)
+    """
+    values = sorted(scores)
+    k = values.index(max(scores, key=lambda x: scores[x]))
+    if not 0 < k < len(values) - 1:
+        return None
+    near = values[k - 1 : k + 2]
+    logarithmic = near[0] * near[-1] > 0
+    sign = np.sign(near[1]) if logarithmic else 1.0
+    a, b, c = np.log(np.abs(near)) if logarithmic else near
+    low, top, high = (scores[v] for v in near)
+    left, right = (top - low) / (b - a), (high - top) / (c - b)  # slopes on both sides
+    if left <= right:
+        return None
+    at = 0.5 * (a + b) + 0.5 * (c - a) * left / (left - right)
+    return float(sign * np.exp(at)) if logarithmic else float(at)
+
+
 def _neutral(tries: Sequence[float]) -> float:
     return 0.0 if 0.0 in tries else tries[len(tries) // 2]
 
@@ -113,8 +168,12 @@ def searched_hypotheses(
     progress: Progress,
     only: Iterable[str] | None = None,
     without: Sequence[str] = (),
+    law_of: LawOf = lambda _: None,
 ) -> list[ComparedHypothesis]:
-    """All hypotheses; ``only`` and ``without`` are names of effects and variables."""
+    """All hypotheses; ``only`` and ``without`` are names of effects and variables.
+
+    ``law_of`` gives the law of a variable, or None.
+    """
     effects = [(k, t) for k, t in testable_effects(basis.problem) if _wanted(k.name, only, without)]
     variables = [v for v in testable_variables(basis.problem) if _wanted(v, only, without)]
     search = Search(basis, Addition(), progress)
@@ -123,8 +182,23 @@ def searched_hypotheses(
     tried = [max((t for t in tried if t[1][0] is k), key=lambda t: t[0].best.score) for k in _kinds(effects)]
     found += [h for h, _ in tried]
     effects = [e for _, e in tried]
-    found += [search.variable(v) for v in variables]
+    found += _with_laws(search, [search.variable(v) for v in variables], found, law_of)
     return [*found, *_pairs(basis, found, effects, variables, progress)]
+
+
+def _with_laws(
+    search: Search, variables: list[ComparedHypothesis], others: list[ComparedHypothesis], law_of: LawOf
+) -> list[ComparedHypothesis]:
+    """The hypotheses of variables; those that predict better than all others also with a law that moves the input, for
+    to first order a large shift is described badly.
+    """
+    least = max(h.score for h in others) + WORTH_A_PAIR
+    found = []
+    for hypothesis in variables:
+        law = law_of(hypothesis.parts[0].name) if hypothesis.score > least else None
+        moves = law is not None and law.enters == "input"
+        found.append(search.with_law(hypothesis, law) if law is not None and moves else hypothesis)
+    return found
 
 
 def _kinds(effects: Sequence[tuple[MeasurementEffectType, Tries]]) -> list[MeasurementEffectType]:

@@ -16,47 +16,78 @@ from numpy.typing import NDArray
 
 from smarig.core import DataError
 from smarig.diagnosis.comparison.compared_hypothesis import ComparedHypothesis, Part
+from smarig.diagnosis.comparison.measured.acting_effects import testable_effects
 from smarig.diagnosis.comparison.measured.additions import FittedAddition, first_basis
-from smarig.diagnosis.comparison.measured.hypothesis_search import searched_hypotheses
+from smarig.diagnosis.comparison.measured.hypothesis_search import LawOf, searched_hypotheses
 from smarig.diagnosis.comparison.measured.intervals import interval
-from smarig.diagnosis.comparison.measured.missing_knowledge import missing_share
+from smarig.diagnosis.comparison.measured.missing_knowledge import (
+    MissingKnowledge,
+    missing_knowledge,
+    missing_share,
+)
 from smarig.diagnosis.comparison.measured.reading_problem import ReadingProblem, reading_problem
 from smarig.diagnosis.comparison.measured.varied_together import confounded
 from smarig.diagnosis.comparison.measured.wire_records import WireRecord, wire_records
 from smarig.diagnosis.comparison.rules import RULES, Verdict, VerdictEvidence, decide
 from smarig.diagnosis.comparison.weights import TEMPERATURE, Weights, weigh
-from smarig.measurement import measurement_effect_types
+from smarig.measurement import MeasurementEffect, measurement_effect_types
 from smarig.record import Run
 
 Array = NDArray[np.float64]
+Mask = NDArray[np.bool_]
 BASE_STEPS = 30
+OFFSET = "input_offset"
 TRIMMED = 0.1  # of the blocks, those that gain most: one block is no measure of a size
-OF_EACH_RUN = ("input_offset", "run")  # of a held-out run they say nothing
-BETWEEN_RUNS = ("input_offset", "stress_shift", "run", "stress")
+OF_EACH_RUN = (OFFSET, "run")  # of a held-out run they say nothing
+BETWEEN_RUNS = (OFFSET, "stress_shift", "run", "stress")
+
+
+@dataclass(frozen=True)
+class RunOffset:
+    """An offset of a held-out run's input against the training runs, with its 95 % interval, and the rms errors on
+    blocks left out without and with it.
+    """
+
+    run: str
+    offset: float
+    interval: tuple[float, float]
+    without: float
+    with_offset: float
 
 
 @dataclass(frozen=True, eq=False)
 class MeasuredComparison:
     """The verdict on runs with a measured input, and what it is decided from; errors are in the output's unit.
 
-    ``causes``: probability by part. ``parameters``: value and 95 % interval, by part and name, of its heaviest
-    hypothesis. ``base_error`` and ``extended_error`` of blocks left out; ``held_out``: error by name of a hypothesis.
-    ``missing``: share of the held-out square error that lies where training determines nothing. ``between``: the
-    weights of causes between runs, with the held-out runs as blocks.
+    ``weights`` are those that decide. ``between_runs``: they are of causes between runs, with the held-out runs as
+    blocks, so that no run is left to measure a gain. ``parameters``: value and 95 % interval, by part and name, of its
+    heaviest hypothesis. ``base_error`` and ``extended_error`` of blocks left out; ``held_out``: error by name of a
+    hypothesis. ``missing``: what the training runs do not determine and the held-out runs need, if it is their error.
+    ``adequate``: whether the plain model misses the training readings by hardly more than their noise. ``testable``:
+    names of the effects that these records can show. ``effects``: those of the verdict's names, all of a name, the
+    likeliest of a set. ``offsets`` of held-out runs, where the verdict lies between runs.
     """
 
     verdict: Verdict
     weights: Weights
-    causes: Mapping[Part, float]
+    effects: tuple[MeasurementEffect, ...]
+    offsets: tuple[RunOffset, ...]
+    between_runs: bool
     parameters: Mapping[str, Mapping[str, tuple[float, float, float]]]
     base_error: float
     extended_error: float
     held_out: Mapping[str, float]
     noise: float
-    missing: float
+    missing: MissingKnowledge | None
+    adequate: bool
+    testable: tuple[str, ...]
     excursions: int
-    between: Weights | None
     seconds: float
+
+    @property
+    def causes(self) -> Mapping[Part, float]:
+        """The probability of each part, likeliest first."""
+        return self.weights.causes
 
 
 def compare_measured(
@@ -64,13 +95,17 @@ def compare_measured(
     held_out_runs: Sequence[Run] = (),
     without: Sequence[str] = (),
     progress: Callable[[str], None] = lambda _: None,
+    selected: Sequence[Mask] | None = None,
+    law_of: LawOf = lambda _: None,
 ) -> MeasuredComparison:
     """Compare what may be wrong with a plain model of runs; ``without``: names of effects that are not asked for.
 
-    Raises DataError if the runs hold too few readings.
+    ``selected``: the rows (n,) of each record that may be read; None: all. ``law_of`` gives the law of a variable, or
+    None. Raises DataError if the runs hold too few
+    readings.
     """
     started = time.monotonic()
-    wires = wire_records(train_runs, held_out_runs)
+    wires = wire_records(train_runs, held_out_runs, selected)
     if not any((~w.held_out).any() for w in wires):
         raise DataError("The training runs contain no reading in which input and output are known.")
     problem = reading_problem(wires)
@@ -79,26 +114,30 @@ def compare_measured(
     if missing < RULES["not_determined"].value:
         problem = problem.with_unseen()
         basis, base = replace(basis, problem=problem), replace(base, problem=problem)
-    weights = _weighed(problem, searched_hypotheses(basis, base, progress, without=without))
+    weights = _weighed(problem, searched_hypotheses(basis, base, progress, without=without, law_of=law_of))
     held = _held_out_errors(base, weights)
-    verdict = decide(_evidence(problem, base, weights, held))
-    between = None
+    evidence = _evidence(problem, base, weights, held)
+    verdict = decide(evidence)
+    deciding = weights
     if held and verdict.word in ("silent", "unknown"):
-        verdict, between = _with_held_out_runs(wires, verdict, base, missing, without)
-    best = _fitted(weights.heaviest)
+        verdict, deciding = _with_held_out_runs(wires, verdict, weights, base, missing, without)
+    best = fitted(weights.heaviest)
     scale = abs(problem.scale)
     return MeasuredComparison(
         verdict=verdict,
-        weights=weights,
-        causes=weights.causes,
-        parameters=_parameters(weights),
+        weights=deciding.without_states(),
+        effects=_effects(verdict, deciding),
+        offsets=() if deciding is weights else _offsets(deciding),
+        between_runs=deciding is not weights,
+        parameters=_parameters(deciding),
         base_error=base.fit.rms * scale,
         extended_error=best.fit.rms * scale,
         held_out={name: error * scale for name, error in held.items()},
         noise=min(base.fit.noise, best.fit.noise) * scale,
-        missing=missing,
+        missing=missing_knowledge(base, missing) if _held_out_is_off(base) else None,
+        adequate=evidence.adequate,
+        testable=tuple(kind.name for kind, _ in testable_effects(problem)),
         excursions=problem.excursions,
-        between=between,
         seconds=time.monotonic() - started,
     )
 
@@ -109,7 +148,8 @@ def _weighed(problem: ReadingProblem, hypotheses: Sequence[ComparedHypothesis]) 
     return weigh(hypotheses, temperature=TEMPERATURE * max(cut, 1.0))
 
 
-def _fitted(hypothesis: ComparedHypothesis) -> FittedAddition:
+def fitted(hypothesis: ComparedHypothesis) -> FittedAddition:
+    """The fit of a hypothesis at its best trial."""
     return hypothesis.best.state
 
 
@@ -120,7 +160,7 @@ def _held_out_errors(base: FittedAddition, weights: Weights) -> dict[str, float]
     relevant = {weights.heaviest.name: weights.heaviest}
     relevant |= {h.name: h for h in (weights.best_with(p) for p, w in weights.causes.items() if w > 0.01)}
     found = {"nothing": _rms(base.held_out_error())}
-    return found | {n: _rms(_fitted(h).held_out_error()) for n, h in relevant.items() if h.parts}
+    return found | {n: _rms(fitted(h).held_out_error()) for n, h in relevant.items() if h.parts}
 
 
 def _evidence(
@@ -129,16 +169,18 @@ def _evidence(
     sizes, ratios = {}, {}
     for part in weights.causes:
         best = weights.best_with(part)
-        alone = next(h for h in weights.hypotheses if h.parts == (part,))
-        sizes[part] = max(_removed(problem, _without(weights, h, part), h) for h in (best, alone))
+        shown = [best]  # a variable beside an effect describes what that leaves, an effect may stand alone
+        if part.kind == "effect":
+            shown.append(next(h for h in weights.hypotheses if h.parts == (part,)))
+        sizes[part] = max(_removed(problem, _without(weights, h, part), h) for h in shown)
         if best.parts == (part,):
-            sizes[part] = max(sizes[part], float(np.std(_fitted(best).added[problem.train])))
+            sizes[part] = max(sizes[part], float(np.std(fitted(best).added[problem.train])))
         if part.name in OF_EACH_RUN:
             continue
         if best.name in held:
             ratios[part] = held[best.name] / max(held["nothing"], base.fit.noise)
         elif not held and part.name in BETWEEN_RUNS:
-            ratios[part] = _fitted(best).run_error / base.run_error
+            ratios[part] = fitted(best).run_error / base.run_error
     return VerdictEvidence(
         causes=weights.causes,
         nothing=weights.nothing,
@@ -146,7 +188,7 @@ def _evidence(
         span=1.0,
         error=base.misfit,
         noise=base.fit.noise,
-        block_error=float(np.sqrt(_fitted(weights.heaviest).fit.sizes[-2])),
+        block_error=float(np.sqrt(fitted(weights.heaviest).fit.sizes[-2])),
         blocks=problem.independent,
         confounded=confounded(problem, weights.causes),
         held_out=ratios,
@@ -189,25 +231,56 @@ def _parameters(weights: Weights) -> dict[str, dict[str, tuple[float, float, flo
 def _with_held_out_runs(
     wires: Sequence[WireRecord],
     verdict: Verdict,
+    own: Weights,
     base: FittedAddition,
     missing: float,
     without: Sequence[str],
-) -> tuple[Verdict, Weights | None]:
+) -> tuple[Verdict, Weights]:
     """The verdict with the held-out runs as blocks, if the plain model predicts them worse than its own blocks."""
     runs = [w.held_out.all() for w in wires]
-    error = _rms(base.held_out_error())
-    if not any(runs) or error <= max(
-        RULES["worse"].value * base.misfit, RULES["adequate"].value * base.fit.noise
-    ):
-        return verdict, None
-    if missing >= RULES["not_determined"].value:
-        return verdict, None
+    if not any(runs) or not _held_out_is_off(base) or missing >= RULES["not_determined"].value:
+        return verdict, own
     problem = reading_problem([replace(w, held_out=np.zeros_like(w.held_out)) for w in wires])
     basis, plain = first_basis(problem, BASE_STEPS)
     weights = _weighed(problem, searched_hypotheses(basis, plain, lambda _: None, BETWEEN_RUNS, without))
     found = decide(_evidence(problem, plain, weights, {}))
     clearer = found.word in ("named", "ambiguous") or found.depends_on is not None
-    return (found if clearer and verdict.depends_on in (None, *BETWEEN_RUNS) else verdict), weights
+    return (found, weights) if clearer and verdict.depends_on in (None, *BETWEEN_RUNS) else (verdict, own)
+
+
+def _held_out_is_off(base: FittedAddition) -> bool:
+    """Whether the plain model predicts the held-out runs worse than its own blocks, and than noise would."""
+    if base.problem.train.all():
+        return False
+    least = max(RULES["worse"].value * base.misfit, RULES["adequate"].value * base.fit.noise)
+    return _rms(base.held_out_error()) > least
+
+
+def _effects(verdict: Verdict, weights: Weights) -> tuple[MeasurementEffect, ...]:
+    """The effects of the verdict's names in the heaviest hypothesis that holds them."""
+    names = set(verdict.names if verdict.word == "named" else verdict.names[:1])
+    holders = [
+        (w, fitted(h).candidate.effects)
+        for h, w in zip(weights.hypotheses, weights.weight.tolist())
+        if names <= {p.name for p in h.parts}
+    ]
+    heaviest = max(holders, key=lambda pair: pair[0], default=(0.0, ()))[1]
+    return tuple(e for e in heaviest if e.kind.name in names)
+
+
+def _offsets(weights: Weights) -> tuple[RunOffset, ...]:
+    single = next((h for h in weights.hypotheses if h.name == OFFSET), None)
+    if single is None or weights.causes[single.parts[0]] < RULES["name"].value:
+        return ()
+    plain, found = fitted(weights.hypotheses[0]), fitted(single)
+    scale, names = abs(found.problem.scale), [r.name for r in found.problem.records]
+    offsets = []
+    for name, value in single.best.parameters.items():
+        at = found.problem.record == names.index(name)
+        without, with_offset = (_rms(f.fit.error[at]) * scale for f in (plain, found))
+        low, high = interval(single, name, weights)
+        offsets.append(RunOffset(name, value, (min(low, value), max(high, value)), without, with_offset))
+    return tuple(offsets)
 
 
 def _rms(x: Array) -> float:

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from smarig.diagnosis.comparison.measured.acting_effects import CONDITION_LENGTH, centred
-from smarig.diagnosis.comparison.measured.reading_problem import ReadingProblem, smooth_kernel
+from smarig.diagnosis.comparison.measured.reading_problem import ReadingProblem, rough_kernel, smooth_kernel
 from smarig.diagnosis.comparison.measured.varied_together import OVER_CYCLES, at_one_rate, between_runs
 
 Array = NDArray[np.float64]
@@ -62,5 +62,9 @@ def variable_parts(problem: ReadingProblem, name: str, surface: Surface) -> list
     if name in OVER_CYCLES:  # nothing is known beyond the training readings: the last value goes on
         z = np.clip(z, own.min(), own.max())
     length = CONDITION_LENGTH if name == "stress" else LENGTH
-    k = centred((z[:, None] == z) * 1.0 if name == "run" else smooth_kernel(z, length), problem.train)
+    if name == "run":
+        k = (z[:, None] == z) * 1.0
+    else:  # what time brings may come and go; what a rate or a load changes is smooth in it
+        k = rough_kernel(z, length) if name in OVER_CYCLES else smooth_kernel(z, length)
+    k = centred(k, problem.train)
     return [k, *(k * np.outer(f, f) for f in surface.shapes(problem))]

@@ -100,6 +100,15 @@ def smooth_kernel(z: Array, length: float) -> Array:
     return np.exp(-0.5 * ((x[:, None] - x) / length) ** 2)
 
 
+def rough_kernel(z: Array, length: float) -> Array:
+    """(1 + √3 Δ) exp(−√3 Δ) of a variable (m,), over a length as a share of its range: functions with one derivative,
+    which may be slow waves as well as beats.
+    """
+    x = np.sqrt(3.0) * (z - z.min()) / ((float(np.ptp(z)) or 1.0) * length)
+    apart = np.abs(x[:, None] - x)
+    return (1 + apart) * np.exp(-apart)
+
+
 def reading_problem(wires: Sequence[WireRecord]) -> ReadingProblem:
     """The readings of records. Raises DataError without a training reading."""
     records = [w.record for w in wires]

@@ -46,10 +46,10 @@ class RecordReadings:
         high = max(float(w.record.u.max()) for w in wires)
         state = starting_state(record.initial, record.u, (low, high), turns=turns.tolist(), outputs=record.y)
         ruler = path / (path[-1] or 1.0) + np.arange(len(record)) / len(record)
-        possible = np.arange(len(record)) >= state.first
+        possible = wire.read & (np.arange(len(record)) >= state.first)
         rows = np.union1d(
-            _spread(ruler, possible & ~wire.held_out, TRAIN_READINGS, [~w.held_out for w in wires]),
-            _spread(ruler, possible & wire.held_out, HELD_OUT_READINGS, [w.held_out for w in wires]),
+            _spread(ruler, possible & ~wire.held_out, TRAIN_READINGS, [w.read & ~w.held_out for w in wires]),
+            _spread(ruler, possible & wire.held_out, HELD_OUT_READINGS, [w.read & w.held_out for w in wires]),
         ).astype(np.int64)
         branch = np.clip(np.searchsorted(turns, rows, side="right") - 1, 0, len(turns) - 2)
         first = (branch == 0) & state.assumed

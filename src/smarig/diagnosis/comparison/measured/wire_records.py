@@ -19,24 +19,32 @@ from smarig.record import Run
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
+Part = tuple[InputRecord, bool, Mask]  # of a record: whether it is held out, and the rows that may be read
 QUIET_SHARE = 0.003  # of the range: noise that makes no memory worth a name
 LONGEST_SHARE = 0.05  # of the rows, of the smoothing
 
 
 @dataclass(frozen=True, eq=False)
 class WireRecord:
-    """A ``record`` that starts in a state of its own, and its ``held_out`` rows (n,)."""
+    """A ``record`` that starts in a state of its own, its ``held_out`` rows (n,), and those that may be ``read``."""
 
     record: InputRecord
     held_out: Mask
+    read: Mask
 
 
-def wire_records(train: Sequence[Run], held_out: Sequence[Run]) -> list[WireRecord]:
-    """The records of training and held-out runs; a run that continues the one before it is a part of its record."""
+def wire_records(
+    train: Sequence[Run], held_out: Sequence[Run], selected: Sequence[Mask] | None = None
+) -> list[WireRecord]:
+    """The records of training and held-out runs; a run that continues the one before it is a part of its record.
+
+    ``selected``: the rows (n,) of each run that may be read; None: all.
+    """
     count = len(input_records(train))
-    joined: list[list[tuple[InputRecord, bool]]] = []
+    joined: list[list[Part]] = []
     for number, record in enumerate(input_records([*train, *held_out])):
-        entry = (record, number >= count)
+        read = np.ones(len(record), dtype=bool) if selected is None else selected[number]
+        entry = (record, number >= count, read)
         if record.continues and joined:
             joined[-1].append(entry)
         else:
@@ -44,16 +52,18 @@ def wire_records(train: Sequence[Run], held_out: Sequence[Run]) -> list[WireReco
     return [_joined(parts) for parts in joined]
 
 
-def _joined(parts: list[tuple[InputRecord, bool]]) -> WireRecord:
-    records = [r for r, _ in parts]
-    held = np.concatenate([np.full(len(r), h) for r, h in parts])
+def _joined(parts: list[Part]) -> WireRecord:
+    records = [r for r, _, _ in parts]
+    held = np.concatenate([np.full(len(r), h) for r, h, _ in parts])
     columns: dict[str, Any] = {
         key: np.concatenate([getattr(r, key) for r in records]) for key in ("u", "y", "cycle", "row")
     }
     clock = all(r.clock for r in records)
     t = _clock(records) if clock else np.arange(held.size, dtype=float)
     whole = replace(records[0], **columns, t=t, clock=clock, readings=None)
-    return WireRecord(replace(whole, u=quiet_input(whole.u)), held)
+    return WireRecord(
+        replace(whole, u=quiet_input(whole.u)), held, np.concatenate([read for _, _, read in parts])
+    )
 
 
 def _clock(records: Sequence[InputRecord]) -> Array:

@@ -1,11 +1,13 @@
 """The sentences of a diagnosis of runs with a measured input."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from smarig.core import capitalised, spaced
+from smarig.core import spaced
+from smarig.diagnosis.comparison.measured.measured_comparison import RunOffset
+from smarig.diagnosis.comparison.rules import SENTENCES
 from smarig.diagnosis.diagnosis_text import (
     gain_text,
     held_out_text,
@@ -14,17 +16,19 @@ from smarig.diagnosis.diagnosis_text import (
     parameter_text,
 )
 from smarig.diagnosis.looks_like import looks_like
-from smarig.diagnosis.measured.held_out_runs import RunOffset
 from smarig.diagnosis.suspects import suspect_lines, suspects
+from smarig.diagnosis.variable_words import variable_words
 from smarig.identification import assumed_starts, assumed_starts_text
 
 if TYPE_CHECKING:
-    from smarig.diagnosis.measured.measured_diagnosis import MeasuredDiagnosis
+    from smarig.diagnosis.comparison.measured.measured_diagnosis import MeasuredDiagnosis
 
 PROPERTIES = {  # what is to be expected of every Preisach operator, in case it fails
     "return_point": "Minor loops do not return: where an excursion of the input closes, the output differs",
     "wiping_out": "Wiping-out fails: branches that start at the same end of the input differ",
 }
+MISSING_EXPERIMENT = "Train with a run that turns where the held-out runs turn."
+NO_EXTENSION = "it predicts blocks left out of the fit, or the held-out runs, no better"
 INADEQUATE = 3.0  # times the noise: the model is not adequate
 FAR_OFF_RATIO = 10.0  # times the error of a refitted model: the given model is of another specimen or state
 
@@ -38,6 +42,7 @@ def measured_lines(d: "MeasuredDiagnosis") -> Iterator[str]:
     yield from _properties(d)
     yield from _limits(d)
     yield from _held_out(d)
+    yield from _missing(d)
     for offset in d.offsets:
         yield offset_sentence(offset, d.runs[0].input_unit, d.unit)
     lost = sum(r.dropouts for r in d.records)
@@ -59,38 +64,56 @@ def offset_sentence(offset: RunOffset, input_unit: str, unit: str) -> str:
 
 
 def _verdict(d: "MeasuredDiagnosis") -> Iterator[str]:
-    word = d.verdict.word
+    word, reason = d.verdict.word, SENTENCES[d.verdict.reason]
     if word == "silent":
         size = d.base.rms / float(np.ptp(d.comparison.plan.y[d.comparison.train]))
         error = f"{100 * size:.2f} % of the range"
         yield f"Nothing stands out: a Preisach model predicts blocks left out of the fit to {error}."
-        if d.reason:
-            yield f"{capitalised(d.reason)}."
-    if word == "unknown":
-        dependence = f" and depends on {d.verdict.depends_on}" if d.verdict.depends_on else ""
-        yield f"Something is wrong{dependence}, but no known effect explains it."
-        if d.reason:
-            yield f"{capitalised(d.reason)}."
-    opening = "Found" if word == "named" else "Ambiguous, best explanation"
-    for effect in d.effects():
-        values = ", ".join(parameter_text(n, v) for n, v in effect["parameters"].items())
-        yield f"{opening}: {effect['name']}{f' ({values})' if values else ''}."
+    elif word == "not_identifiable":
+        yield reason
+    elif word == "unknown":
+        dependence = f" and depends on {variable_words(d.verdict.depends_on)}" if d.verdict.depends_on else ""
+        yield f"Something is wrong{dependence}, but no effect of the catalogue is certain. {reason}"
+        if d.verdict.names:
+            yield f"What competes: {', '.join(map(_with_probability(d), d.verdict.names))}."
+    opening = {"named": "Found", "ambiguous": "Ambiguous, best explanation"}.get(word, "")
+    for effect in d.findings:
+        values = ", ".join(parameter_text(n, v) for n, v in effect.parameters.items())
+        bracket = f" ({values})" if values else ""
+        yield f"{opening}: {effect.name}{bracket}, probability {effect.probability:.2f}."
     if word == "ambiguous":
-        yield f"These explain the runs equally well: {', '.join(d.verdict.names)}."
+        yield f"The truth is likely among these: {', '.join(map(_with_probability(d), d.verdict.names))}. {reason}"
+
+
+def _with_probability(d: "MeasuredDiagnosis") -> Callable[[str], str]:
+    causes = {p.name: w for p, w in d.evidence.causes.items()}
+    return lambda name: f"{name} ({causes[name]:.2f})"
 
 
 def _learned(d: "MeasuredDiagnosis") -> Iterator[str]:
-    """What was learned in place of a cause, or why nothing was."""
-    if d.learned is None:
-        yield from nothing_learned_text(d.learned_reason)
-        return
+    """What was learned in place of a cause, or why no extended model is offered."""
     law = d.learned
-    for term in law.terms:
+    if d.extension is None and not d.evidence.between_runs and (d.findings or d.verdict.depends_on):
+        yield from nothing_learned_text(NO_EXTENSION)
+    for term in law.terms if law else ():
         of = " and ".join(v.replace("_", " ") for v in term.variables)
-        formula = law.formula(term)
+        formula = law.formula(term) if law else None
         values = f": {formula}" if formula else ""
         yield f"A term at the {term.enters} that depends on {of} was learned{values}."
-    yield learned_gain_text(law.gain_blocks, looks_like(law.terms[0].variable))
+    if law:
+        yield learned_gain_text(law.gain_blocks, looks_like(law.terms[0].variable))
+
+
+def _missing(d: "MeasuredDiagnosis") -> Iterator[str]:
+    """What the training runs do not determine and the held-out runs need."""
+    missing = d.evidence.missing
+    if missing is not None:
+        low, high = missing.inputs
+        yield (
+            f"{100 * missing.share:.0f} % of the held-out error is missing knowledge, no change: between {low:.4g} and "
+            f"{high:.4g}{spaced(d.runs[0].input_unit)} the held-out runs enter states that no training run determines. "
+            f"{MISSING_EXPERIMENT}"
+        )
 
 
 def adequacy_text(d: "MeasuredDiagnosis") -> str:
@@ -107,21 +130,13 @@ def adequacy_text(d: "MeasuredDiagnosis") -> str:
 
 
 def _held_out(d: "MeasuredDiagnosis") -> Iterator[str]:
-    """The errors on held-out runs, and whether these differ from the training runs."""
+    """The errors on held-out runs."""
     if d.gain is None:
         return
     if d.extended:
         yield gain_text(d.gain, d.unit)
     else:
         yield held_out_text(d.gain, d.unit)
-    if d.shift is not None:
-        other = (
-            "were recorded at another rate" if d.shift.variable == "rate" else "differ from the training runs"
-        )
-        yield (
-            f"The plain model's error on held-out runs is {d.shift.ratio:.1f} × that on left-out blocks of the "
-            f"training runs: they {other}."
-        )
 
 
 def _properties(d: "MeasuredDiagnosis") -> Iterator[str]:

@@ -1,0 +1,162 @@
+"""The given model extended by the effects of a verdict, or by a law; offered if it predicts what it has not seen."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from smarig.diagnosis.comparison.measured.learned_fit import LearnedFit
+from smarig.diagnosis.comparison.measured.learned_law import LearnedLaw
+from smarig.diagnosis.comparison.measured.learned_search import learned_of
+from smarig.diagnosis.comparison.measured.measured_runs import replayed_error
+from smarig.diagnosis.comparison.rules import RULES
+from smarig.identification import (
+    Comparison,
+    LoadDependence,
+    MeasuredFit,
+    MeasuredHypothesis,
+    condition_table,
+    fit_load_dependence,
+)
+from smarig.measurement import InputRecord, MeasurementEffect, MeasurementPart
+from smarig.preisach import FodTable
+from smarig.record import Run
+from smarig.replay import Model, provenance
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class PlainModel:
+    """The given ``model``, the plain one fitted again (``base``), and the readings of ``train`` and ``held_out`` runs.
+
+    ``error_to_beat``: rms error on held-out readings that an extended model must not exceed.
+    """
+
+    model: Model
+    base: MeasuredHypothesis
+    comparison: Comparison
+    train: tuple[Run, ...]
+    held_out: tuple[Run, ...]
+    error_to_beat: float
+    _laws: dict[str, LearnedFit | None] = field(default_factory=dict, repr=False)
+
+    def law_of(self, variable: str) -> LearnedFit | None:
+        """The law of a variable that predicts blocks left out best, computed once; None if there is none."""
+        if variable not in self._laws:
+            self._laws[variable] = learned_of(self.comparison, self.base, variable)
+        return self._laws[variable]
+
+    @property
+    def records(self) -> tuple[InputRecord, ...]:
+        """The training records."""
+        plan = self.comparison.plan
+        return plan.records[: int(plan.record[self.comparison.train].max()) + 1]
+
+
+@dataclass(frozen=True, eq=False)
+class MeasuredExtension:
+    """A model with effects or a ``law``: its fit, and its errors (m,) at all readings.
+
+    ``load`` is the model of all loads, if an effect of the load alone was named.
+    """
+
+    model: Model
+    hypothesis: MeasuredHypothesis
+    error: Array
+    law: LearnedLaw | None = None
+    load: LoadDependence | None = None
+
+
+def extension_by_effects(
+    plain: PlainModel, effects: Sequence[MeasurementEffect], word: str
+) -> MeasuredExtension | None:
+    """The model with effects; None if it predicts left-out blocks or held-out runs worse than the plain one."""
+    found = plain.comparison.evaluated(effects, near=plain.base.fit)
+    warning = f"Effects by diagnosis ({word}); measure identified jointly."
+    condition = effects[0].kind.by_condition if len(effects) == 1 else ""
+    if condition:
+        load = fit_load_dependence(plain.records, condition)
+        model = extended_model(plain, load.hysteresis, load.part, found.name, warning)
+        error = replayed_error(model, [*plain.train, *plain.held_out], plain.comparison, about_mean=False)
+        return _if_better(plain, MeasuredExtension(model, found, error, load=load))
+    table = condition_table(found, len(plain.records))
+    part = MeasurementPart(tuple(effects), tuple(found.fit.amplitudes.tolist()), table)
+    hysteresis = found.fit.table if table else hysteresis_of_first_run(found.fit)
+    model = extended_model(plain, hysteresis, part, found.name, warning)
+    return _if_better(plain, MeasuredExtension(model, found, held_out_error(found, len(plain.records))))
+
+
+def extension_by_law(plain: PlainModel, variable: str) -> MeasuredExtension | None:
+    """The model with the law of a variable; None if it predicts left-out blocks or held-out runs worse."""
+    found = plain.law_of(variable)
+    if found is None:
+        return None
+    run, hypothesis = plain.train[0], found.hypothesis
+    law = LearnedLaw(found.terms, 1 - hypothesis.rms / plain.base.rms, run.input_unit, run.unit)
+    part = MeasurementPart((), learned=found.terms)
+    warning = "Term learned from the errors of a plain model; its cause is unknown."
+    model = extended_model(plain, hysteresis_of_first_run(hypothesis.fit), part, "learned", warning)
+    replayed = replayed_error(model, [*plain.train, *plain.held_out], plain.comparison)
+    error = np.where(np.isfinite(replayed), replayed, hypothesis.fit.error)
+    return _if_better(plain, MeasuredExtension(model, hypothesis, error, law=law))
+
+
+def _if_better(plain: PlainModel, extension: MeasuredExtension) -> MeasuredExtension | None:
+    tested = ~plain.comparison.train
+    if extension.hypothesis.rms >= plain.base.rms:
+        return None
+    if tested.any() and rms(extension.error[tested]) > RULES["worse"].value * plain.error_to_beat:
+        return None
+    return extension
+
+
+def held_out_error(found: MeasuredHypothesis, train: int) -> Array:
+    """Errors (m,) at all readings; those of held-out records have the zero and gain of their condition, or are about
+    their mean if nothing determines the zero.
+    """
+    fit, plan = found.fit, found.fit.problem.plan
+    error = fit.error
+    table = condition_table(found, train)
+    for k, record in enumerate(plan.records[train:], start=train):
+        own = plan.record == k
+        if not own.any():
+            continue
+        if table is None:
+            error = np.where(own, error - error[own].mean(), error)
+        else:
+            value = record.conditions.get(table.condition, table.values[0])
+            terms = (fit.problem.terms @ fit.amplitudes)[own]
+            error[own] = plan.y[own] - table.outputs(fit.shape[own], value) - terms
+    return error
+
+
+def hysteresis_of_first_run(fit: MeasuredFit) -> FodTable:
+    """The hysteresis of a fit with the zero of its first run."""
+    return replace(fit.table, values=fit.table.values + float(fit.zeros[0]))
+
+
+def extended_model(
+    plain: PlainModel, hysteresis: FodTable, part: MeasurementPart, name: str, warning: str
+) -> Model:
+    """The model ``name`` added to the given one, with another hysteresis."""
+    model = plain.model
+    return replace(
+        model,
+        name=f"{model.name} + {name}",
+        hysteresis=hysteresis,
+        mirrored=False,
+        effects=(),
+        measurement=part.to_json(),
+        parameters=(),
+        covariance=np.empty((0, 0)),
+        intervals={},
+        provenance=tuple(provenance(run) for run in plain.train),
+        warnings=(*model.warnings, warning),
+    )
+
+
+def rms(x: Array) -> float:
+    """Root of the mean square."""
+    return float(np.sqrt(np.mean(x**2)))
