@@ -81,6 +81,12 @@ def test_where_nothing_is_held_out_the_error_on_blocks_left_out_is_said_too(tmp_
     assert float(stated[1]) == pytest.approx(found.rms, rel=0.01)
 
 
+def with_fits(diagnosis, base, best):
+    """The diagnosis with other fits of the plain and the extended model."""
+    extension = best and SimpleNamespace(hypothesis=best)
+    return replace(diagnosis, plain=replace(diagnosis.plain, base=base), extension=extension)
+
+
 @pytest.mark.parametrize(("times_noise", "verdict"), [(1.2, "good"), (5.0, "fair")])
 def test_one_loop_is_good_only_if_blocks_left_out_are_predicted(tmp_path, times_noise, verdict):
     u = temperatures(1, 120)
@@ -89,7 +95,7 @@ def test_one_loop_is_good_only_if_blocks_left_out_are_predicted(tmp_path, times_
     path.write_text(csv_text(np.arange(u.size) * 0.5, u, displacements(u) + noise), encoding="utf-8")
     studied = study([path], tmp_path / "out", StudyOptions())
     left_out = SimpleNamespace(rms=times_noise * studied.diagnosis.noise)
-    result = replace(studied, diagnosis=replace(studied.diagnosis, base=left_out, best=None))
+    result = replace(studied, diagnosis=with_fits(studied.diagnosis, left_out, None))
     assert (result.verdict, result.at_noise) == (verdict, verdict == "good")
     assert ("as blocks left out of the fit are predicted less well" in result._verdict_words()) == (
         verdict == "fair"
@@ -230,7 +236,7 @@ def test_the_error_on_blocks_left_out_is_that_of_the_model_that_is_shown(tmp_pat
     path.write_text(csv_text(np.arange(u.size) * 0.5, u, displacements(u)), encoding="utf-8")
     studied = study([path], tmp_path / "out", StudyOptions())
     shown, better = SimpleNamespace(rms=0.5), SimpleNamespace(rms=0.001, effects=())
-    result = replace(studied, diagnosis=replace(studied.diagnosis, base=shown, best=better))
+    result = replace(studied, diagnosis=with_fits(studied.diagnosis, shown, better))
     assert result.evaluation.best.name == "positive measure"
     assert result._left_out == 0.5
 

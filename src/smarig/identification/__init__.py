@@ -50,7 +50,6 @@ if TYPE_CHECKING:
     from smarig.identification.measured.measured_hypothesis import MeasuredHypothesis as MeasuredHypothesis
     from smarig.identification.measured.measured_hypothesis import compared as compared
     from smarig.identification.measured.measured_hypothesis import condition_table as condition_table
-    from smarig.identification.measured.measured_hypothesis import resampled_interval as resampled_interval
     from smarig.identification.measured.reading_plan import ReadingPlan as ReadingPlan
     from smarig.identification.measured.reading_plan import reading_plan as reading_plan
     from smarig.identification.measured.reading_weights import local_slope as local_slope

@@ -72,6 +72,16 @@ def test_effects_that_share_the_weight_are_a_set():
     assert (found.word, set(found.names)) == ("ambiguous", {"input_lag", "output_drift"})
 
 
+def test_a_set_must_remove_more_than_what_it_leaves():
+    found = verdict({LAG: 0.55, DRIFT: 0.45}, size={LAG: 0.1, DRIFT: 0.1}, block_error=0.2)
+    assert (found.word, found.names, found.reason) == ("unknown", (), "beside")
+
+
+def test_a_dependence_that_changes_too_little_takes_no_name_away():
+    found = verdict({LAG: 0.97, RATE: 0.95}, size={LAG: 0.1, RATE: 0.001})
+    assert (found.word, found.names) == ("named", ("input_lag",))
+
+
 def test_a_variable_among_the_likely_causes_makes_the_cause_unknown():
     found = verdict({TIME: 0.6, DRIFT: 0.4})
     assert (found.word, found.depends_on) == ("unknown", "time")

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from smarig.diagnosis.comparison.compared_hypothesis import ComparedHypothesis, Part, Trial
+from smarig.diagnosis.comparison.measured.hypothesis_search import vertex
 from smarig.diagnosis.comparison.measured.intervals import interval
 from smarig.diagnosis.comparison.weights import weigh
 
@@ -49,6 +50,15 @@ def test_parameters_are_chosen_without_the_block_that_they_are_scored_on():
     a = Trial({"lag_s": 1.0}, np.array([9.0, 0.0, 0.0]), np.zeros(3))
     b = Trial({"lag_s": 2.0}, np.array([0.0, 1.0, 1.0]), np.zeros(3))
     assert ComparedHypothesis((LAG,), (a, b)).log_scores.tolist() == [0.0, 0.0, 0.0]
+
+
+def test_an_interval_holds_the_top_between_two_coarse_trials():
+    lags = np.geomspace(1.0, 16.0, 5)
+    trials = [Trial({"lag_s": v}, np.full(20, -5 * np.log(v / 5.2) ** 2), np.zeros(20)) for v in lags]
+    lag = ComparedHypothesis((LAG,), tuple(trials))
+    low, high = interval(lag, "lag_s", weigh([hypothesis((), np.zeros(20)), lag]))
+    assert 4.0 < low < 5.2 < high < 6.8
+    assert vertex({t.parameters["lag_s"]: t.score for t in trials}) == pytest.approx(5.2)
 
 
 def test_an_interval_narrows_with_the_number_of_blocks():

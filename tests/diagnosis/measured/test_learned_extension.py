@@ -13,8 +13,8 @@ from smarig.core import DataError
 from smarig.diagnosis import MeasuredDiagnosis, diagnose_measured
 from smarig.diagnosis.comparison.measured.measured_diagnosis import _error_to_beat
 from smarig.diagnosis.comparison.measured.measured_extension import extension_by_law
-from smarig.diagnosis.looks_like import PLANT_EFFECTS, looks_like
 from smarig.diagnosis.comparison.measured.preisach_properties import preisach_properties
+from smarig.diagnosis.looks_like import PLANT_EFFECTS, looks_like
 from smarig.identification import identify, verify
 from smarig.measurement import input_records
 from smarig.plant import effect_types
@@ -171,5 +171,7 @@ def test_a_single_loop_shows_neither_and_a_failure_is_stated(wider):
     u = triangles((85.0,))
     assert preisach_properties(input_records([as_run("one", u, RelayWire(2).strain(u))])) == ()
     failed = replace(wider[0])
-    failed.__dict__["properties"] = (replace(wider[0].properties[0], name="return_point", lower=1.0, limit=0.1),)
+    failed.__dict__["properties"] = (
+        replace(wider[0].properties[0], name="return_point", lower=1.0, limit=0.1),
+    )
     assert "Minor loops do not return" in failed.text()

@@ -189,7 +189,7 @@ def test_a_clamp_that_slips_once_is_named_with_the_moment_and_the_size():
     t = 2.0 * np.arange(u.size)
     found = diagnosed([as_run("slip", u, wire.strain(u) + 0.3 * (t > 500.0), dt=2.0)])
     assert found.verdict.names == ("output_jump",)
-    assert parameter(found, "slip")["value"] == pytest.approx(500.0 / 3600, abs=0.05 * t[-1] / 3600)
+    assert parameter(found, "slip")["value"] == pytest.approx(500.0 / 3600, abs=0.01 * t[-1] / 3600)
     assert parameter(found, "amplitude")["value"] == pytest.approx(0.3, rel=0.2)
 
 
@@ -216,7 +216,7 @@ def test_a_slope_that_comes_and_goes_is_not_named():
     u = triangles((85.0,) * 12, rows=30)
     beat = 1 + 0.15 * np.sin(2 * np.pi * np.arange(u.size) / 260.0)
     found = diagnosed([as_run("sag", u, wire.strain(u) * beat, dt=1.0)])
-    assert found.verdict.word == "unknown"
+    assert (found.verdict.word, found.verdict.depends_on) == ("unknown", "time")
     assert not found.effects()
 
 

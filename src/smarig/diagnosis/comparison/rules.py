@@ -159,10 +159,8 @@ def _doubt(e: VerdictEvidence, part: Part) -> str:
         return "left_over"
     if e.held_out.get(part, 0.0) > RULES["worse"].value:
         return "worse"
-    if any(
-        e.causes.get(v, 0.0) >= RULES["name"].value and e.size[v] >= e.least_size
-        for v in e.acts_through.get(part, ())
-    ):
+    through = [v for v in e.acts_through.get(part, ()) if e.size.get(v, 0.0) >= e.least_size]
+    if any(e.causes[v] >= RULES["name"].value for v in through):
         return "incomplete"
     if e.size[part] < RULES["beside_block_errors"].value * e.block_error:
         return "beside"

@@ -76,12 +76,6 @@ class MeasuredHypothesis:
         """Names of the effects, or the variable."""
         return self.variable or " + ".join(e.kind.name for e in self.effects) or "none"
 
-    def block_squares(self) -> Array:
-        """Mean square error of each held-out block, (blocks,)."""
-        known = np.isfinite(self.errors)
-        block = np.unique(self.fit.problem.plan.block[known], return_inverse=True)[1]
-        return np.bincount(block, self.weighted[known] ** 2) / np.bincount(block)
-
 
 @dataclass(frozen=True, eq=False)
 class Comparison:
@@ -95,16 +89,14 @@ class Comparison:
     def evaluated(
         self,
         effects: Sequence[MeasurementEffect],
-        terms: Array | None = None,
-        variable: str = "",
         near: MeasuredFit | None = None,
     ) -> MeasuredHypothesis:
         """A hypothesis with given values; ``near``: a similar fit, to find this one faster."""
-        problem = measured_problem(self.plan, effects, extra_terms=terms, weight=self.weight)
+        problem = measured_problem(self.plan, effects, weight=self.weight)
         by_condition = any(e.kind.by_condition for e in effects)
         fit = fit_measured(problem, self.smoothing, self.train, free_gains=by_condition, near=near)
         errors = held_out_errors(problem, self.smoothing, self.train, gains=fit.gains)
-        return MeasuredHypothesis(tuple(effects), errors, fit, variable)
+        return MeasuredHypothesis(tuple(effects), errors, fit)
 
     def searched(
         self,

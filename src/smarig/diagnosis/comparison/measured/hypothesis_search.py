@@ -65,7 +65,7 @@ class Search:
             key = tuple(v.values())
             if key not in trials:
                 near = max(trials.values(), key=lambda t: t.score).state if trials else None
-                trials[key] = self._trial(kind(**v), FIT_STEPS, near)
+                trials[key] = self._in_its_own_basis(kind(**v), near)
             return trials[key].score
 
         kept, rounds = (1, 0) if self.start.parts else (KEPT, ROUNDS)
@@ -83,10 +83,20 @@ class Search:
                 scores[top] = fitted(values | {name: top})
             values[name] = max(scores, key=lambda x: scores[x])
         best = max(trials.values(), key=lambda t: t.score)
-        for again in self._again(best.state):
-            trials[*best.parameters.values(), np.inf] = again
+        if not self.start.parts:  # with few readings, the density of the plain model may predict better
+            trials[*best.parameters.values(), np.inf] = self._trial(
+                best.state.candidate.effects[-1], FIT_STEPS
+            )
         self.progress(f"{kind.name}: " + ", ".join(f"{v:.3g}" for v in best.parameters.values()))
         return _slim(ComparedHypothesis(best.state.candidate.parts, tuple(trials.values())))
+
+    def _in_its_own_basis(self, effect: MeasurementEffect, near: FittedAddition | None) -> Trial:
+        """An effect with the density and slopes that it leaves: those of the plain model contain its errors."""
+        fitted = self.basis.fitted(self.start.with_effect(effect), FIT_STEPS, near=near)
+        if self.start.parts:  # pairs already stand in the basis of their first part
+            return fitted.trial()
+        own = self.basis.of(fitted)
+        return own.fitted(fitted.candidate, FIT_STEPS, same_input=True, near=fitted).trial()
 
     def _ranked_again(
         self, kind: MeasurementEffectType, name: str, options: Sequence[float], values: dict[str, float]
@@ -98,8 +108,8 @@ class Search:
             _around(options[0], options), key=lambda x: -search._trial(kind(**(values | {name: x})), 0).score
         )
 
-    def _trial(self, effect: MeasurementEffect, iterations: int, near: FittedAddition | None = None) -> Trial:
-        return self.basis.fitted(self.start.with_effect(effect), iterations, near=near).trial()
+    def _trial(self, effect: MeasurementEffect, iterations: int) -> Trial:
+        return self.basis.fitted(self.start.with_effect(effect), iterations).trial()
 
     def _again(self, fitted: FittedAddition) -> list[Trial]:
         """A candidate once more, in its own basis; pairs already stand in that of their first part."""

@@ -20,7 +20,7 @@ DRAWS = 200
 def interval(hypothesis: ComparedHypothesis, parameter: str, weights: Weights) -> tuple[float, float]:
     """The central 95 % of a parameter, with the others at their best for each value."""
     first: dict[tuple[float, ...], Trial] = {}
-    for trial in hypothesis.trials:  # the first of its values: later ones were fitted with other slopes
+    for trial in hypothesis.trials:  # the first of its values: later ones stand in another basis
         first.setdefault(tuple(trial.parameters.values()), trial)
     scores: dict[float, Array] = {}
     for trial in sorted(first.values(), key=lambda t: t.score):

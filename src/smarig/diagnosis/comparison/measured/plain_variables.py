@@ -45,8 +45,10 @@ def testable_variables(problem: ReadingProblem) -> list[str]:
         names = [n for n in names if n not in OVER_CYCLES]
     if at_one_rate(problem):
         names = [n for n in names if n not in ("rate", "speed")]
-    known = "stress" in names or ("rate" in names and "rate" in between_runs(problem))
-    return [n for n in names if not (n == "run" and known)]
+    own_rates = "rate" in names and "rate" in between_runs(problem)
+    if own_rates:  # set with each run; how long a branch has lasted follows from it
+        names = [n for n in names if n != "since"]
+    return [n for n in names if not (n == "run" and (own_rates or "stress" in names))]
 
 
 def _most_cycles(problem: ReadingProblem) -> float:
