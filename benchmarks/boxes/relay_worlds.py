@@ -31,7 +31,7 @@ TRUTHS: dict[
     "second_population": ((), ()),
     "input_drift": (("input_drift",), ("time", "cycle")),
     "training": ((), ("cycle", "time")),
-    "creep": ((), ("since", "speed", "rate", "history")),
+    "creep": ((), ("time_since_reversal", "speed", "rate", "history")),
 }
 
 

@@ -2,6 +2,7 @@
 
 _WORDS = {
     "rate": ("the rate of the input", "Repeat the same run at half the rate."),
+    "speed": ("the speed of the input", "Repeat the same run at half the rate."),
     "time": ("the time", "Repeat the same run later, with the wire at rest in between."),
     "cycle": ("the number of cycles", "Repeat the same run several times in a row."),
     "history": (

@@ -9,7 +9,7 @@ from smarig.diagnosis.comparison.measured import record_readings
 WIRE = RelayWire(2)
 PEAKS = (88.0, *np.random.default_rng(5).uniform(58, 88, 11).round(1).tolist())
 ROWS = [40, 14, 70, 25, 50, 16, 30, 90, 20, 60, 18, 35]
-ASIDE = ("input_drift", "output_jump", "since", "speed", "history")  # asked for in other tests
+ASIDE = ("input_drift", "output_jump", "time_since_reversal", "speed", "history")  # asked for in other tests
 
 
 def drive(rows=ROWS):

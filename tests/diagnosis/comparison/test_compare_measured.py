@@ -43,4 +43,4 @@ def test_a_left_out_effect_is_not_named():
     run = as_run("a", lagged(u, 5.0, 1.0), WIRE.strain(u), dt=1.0)
     found = compare_measured([run], without=("input_lag",))
     assert found.verdict.word == "unknown"
-    assert found.verdict.depends_on in ("rate", "speed", "since", "history")
+    assert found.verdict.depends_on in ("rate", "speed", "time_since_reversal", "history")

@@ -109,11 +109,13 @@ def _tries(kind: MeasurementEffectType, records: Sequence[InputRecord]) -> Tries
 def _lags(problem: ReadingProblem, records: Sequence[InputRecord]) -> Tries:
     """Two rows to a quarter of a cycle.
 
-    Without a clock, or at one rate, only an output that leads its input shows a lag, for no wire leads.
+    Without a clock, or at one rate, only an output that leads its input shows a lag, for no wire leads; the import may
+    have found it.
     """
     clocks = {r.clock for r in records}
     blind = clocks == {False} or at_one_rate(problem)
-    if len(clocks) > 1 or (blind and not any(_leads(r) for r in records)):
+    leads = "input_lag" in problem.suspected or any(_leads(r) for r in records)
+    if len(clocks) > 1 or (blind and not leads):
         return {}
     step = max(float(np.median(np.diff(r.t))) for r in records)
     cycle = float(np.median([np.ptp(r.t) / max(r.cycle[-1] - r.cycle[0], 0.5) for r in records]))

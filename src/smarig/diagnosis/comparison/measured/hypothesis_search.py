@@ -23,20 +23,19 @@ FINE = 31  # values of a sudden parameter between two tries
 ROUNDS = 2  # of values half way to the neighbours of the best
 WORTH_A_PAIR = 2.0  # nats that the best part must gain, before pairs are tried
 Progress = Callable[[str], None]
+Values = tuple[float, ...]
+Fit = Callable[[MeasurementEffect, FittedAddition | None], Trial]
 LawOf = Callable[[str], LearnedTerm | None]
 
 
 @dataclass(frozen=True, eq=False)
 class Search:
-    """A search in a basis, for candidates that extend ``start``."""
+    """A search in a basis, for candidates that extend ``start``; effects that score below ``least`` stay rough."""
 
     basis: SearchBasis
     start: Addition
     progress: Progress = lambda _: None
-
-    def nothing(self, base: FittedAddition) -> ComparedHypothesis:
-        """The hypothesis without parts."""
-        return ComparedHypothesis((), (base.trial(),))
+    least: float = -np.inf
 
     def with_law(self, hypothesis: ComparedHypothesis, law: LearnedTerm) -> ComparedHypothesis:
         """The hypothesis of a variable with one more trial, in which the law moves the input."""
@@ -53,48 +52,78 @@ class Search:
         return _slim(ComparedHypothesis(candidate.parts, (fitted.trial(), *self._again(fitted))))
 
     def effect(self, kind: MeasurementEffectType, tries: Tries) -> ComparedHypothesis:
-        """The hypothesis that adds an effect, with the trials of its values; one parameter after the other."""
-        fixed = self._reference(kind)
-        values = fixed | {name: _neutral(t) for name, t in tries.items()}
-        trials: dict[tuple[float, ...], Trial] = {}
+        """The hypothesis that adds an effect, with the trials of its values.
 
-        def ranked(v: dict[str, float]) -> float:
-            return self._trial(kind(**v), 0).score
+        The density of the plain model contains the errors that an effect explains, so its values are also tried with
+        the density that it leaves; the series with the better best one is kept, for the two cannot be compared value by
+        value.
+        """
+        ranks: dict[Values, float] = {}
+        trials = self._series(kind, tries, self._in_this_basis, ranks)
+        best = _best(trials)
+        if not self.start.parts:  # pairs already stand in the basis of their first part
+            if kind.additive or best.score <= self.least:
+                trials += self._again(best.state)
+            else:
+                own = self._series(kind, tries, self._in_its_own_basis, ranks)
+                trials = max(trials, own, key=lambda series: _best(series).score)
+            best = _best(trials)
+        self.progress(f"{kind.name}: " + ", ".join(f"{v:.3g}" for v in best.parameters.values()))
+        return _slim(ComparedHypothesis(best.state.candidate.parts, tuple(trials)))
+
+    def likeliest(self, kind: MeasurementEffectType, alternatives: Sequence[Tries]) -> Tries:
+        """Of alternative parameters, those with the best first score."""
+        if len(alternatives) == 1:
+            return alternatives[0]
+
+        def first(tries: Tries) -> float:
+            return max(self._score(kind(**{name: x})) for name, options in tries.items() for x in options)
+
+        return max(alternatives, key=first)
+
+    def _series(
+        self, kind: MeasurementEffectType, tries: Tries, fit: Fit, ranks: dict[Values, float]
+    ) -> list[Trial]:
+        """Trials of the values of an effect, one parameter after the other; ``ranks`` keeps first scores."""
+        values = self._reference(kind) | {name: _neutral(t) for name, t in tries.items()}
+        trials: dict[Values, Trial] = {}
+
+        def rank(v: dict[str, float]) -> float:
+            key = tuple(v.values())
+            if key not in ranks:
+                ranks[key] = self._score(kind(**v))
+            return ranks[key]
 
         def fitted(v: dict[str, float]) -> float:
             key = tuple(v.values())
             if key not in trials:
-                near = max(trials.values(), key=lambda t: t.score).state if trials else None
-                trials[key] = self._in_its_own_basis(kind(**v), near)
+                near = _best(trials.values()).state if trials else None
+                trials[key] = fit(kind(**v), near)
             return trials[key].score
 
         kept, rounds = (1, 0) if self.start.parts else (KEPT, ROUNDS)
         passes = PASSES if len(tries) > 1 and not self.start.parts else 1
         for name, options in passes * list(tries.items()):
-            best_first = sorted(options, key=lambda x, n=name: -ranked(values | {n: x}))
+            best_first = sorted(options, key=lambda x, n=name: -rank(values | {n: x}))
             if any(p.sudden for p in kind.parameters(self.basis.problem.records) or ()):
                 best_first = self._ranked_again(kind, name, best_first, values)
             scores = {x: fitted(values | {name: x}) for x in best_first[:kept]}
-            for _ in range(rounds):
-                for x in _between(sorted({*options, *scores}), max(scores, key=lambda x: scores[x])):
-                    scores[x] = fitted(values | {name: x})
-            top = vertex(scores) if rounds else None
-            if top is not None and min(abs(top - x) for x in scores) > CLOSE * abs(top):
-                scores[top] = fitted(values | {name: top})
+            if max(scores.values()) > self.least:
+                for _ in range(rounds):
+                    for x in _between(sorted({*options, *scores}), max(scores, key=lambda x: scores[x])):
+                        scores[x] = fitted(values | {name: x})
+                top = vertex(scores) if rounds else None
+                if top is not None and min(abs(top - x) for x in scores) > CLOSE * abs(top):
+                    scores[top] = fitted(values | {name: top})
             values[name] = max(scores, key=lambda x: scores[x])
-        best = max(trials.values(), key=lambda t: t.score)
-        if not self.start.parts:  # with few readings, the density of the plain model may predict better
-            trials[*best.parameters.values(), np.inf] = self._trial(
-                best.state.candidate.effects[-1], FIT_STEPS
-            )
-        self.progress(f"{kind.name}: " + ", ".join(f"{v:.3g}" for v in best.parameters.values()))
-        return _slim(ComparedHypothesis(best.state.candidate.parts, tuple(trials.values())))
+        return list(trials.values())
+
+    def _in_this_basis(self, effect: MeasurementEffect, near: FittedAddition | None) -> Trial:
+        return self.basis.fitted(self.start.with_effect(effect), FIT_STEPS, near=near).trial()
 
     def _in_its_own_basis(self, effect: MeasurementEffect, near: FittedAddition | None) -> Trial:
-        """An effect with the density and slopes that it leaves: those of the plain model contain its errors."""
+        """An effect with the density and slopes that it leaves."""
         fitted = self.basis.fitted(self.start.with_effect(effect), FIT_STEPS, near=near)
-        if self.start.parts:  # pairs already stand in the basis of their first part
-            return fitted.trial()
         own = self.basis.of(fitted)
         return own.fitted(fitted.candidate, FIT_STEPS, same_input=True, near=fitted).trial()
 
@@ -105,11 +134,12 @@ class Search:
         first = self.basis.fitted(self.start.with_effect(kind(**(values | {name: options[0]}))), FIT_STEPS)
         search = replace(self, basis=self.basis.of(first))
         return sorted(
-            _around(options[0], options), key=lambda x: -search._trial(kind(**(values | {name: x})), 0).score
+            _around(options[0], options), key=lambda x: -search._score(kind(**(values | {name: x})))
         )
 
-    def _trial(self, effect: MeasurementEffect, iterations: int) -> Trial:
-        return self.basis.fitted(self.start.with_effect(effect), iterations).trial()
+    def _score(self, effect: MeasurementEffect) -> float:
+        """With the sizes of the basis."""
+        return self.basis.fitted(self.start.with_effect(effect), 0).trial().score
 
     def _again(self, fitted: FittedAddition) -> list[Trial]:
         """A candidate once more, in its own basis; pairs already stand in that of their first part."""
@@ -122,6 +152,10 @@ class Search:
         if not kind.by_condition:
             return {}
         return {"reference": self.basis.problem.records[0].conditions[kind.by_condition]}
+
+
+def _best(trials: Iterable[Trial]) -> Trial:
+    return max(trials, key=lambda t: t.score)
 
 
 def _slim(hypothesis: ComparedHypothesis) -> ComparedHypothesis:
@@ -186,12 +220,12 @@ def searched_hypotheses(
     """
     effects = [(k, t) for k, t in testable_effects(basis.problem) if _wanted(k.name, only, without)]
     variables = [v for v in testable_variables(basis.problem) if _wanted(v, only, without)]
-    search = Search(basis, Addition(), progress)
-    found = [search.nothing(base)]
-    tried = [(search.effect(k, t), (k, t)) for k, t in effects]
-    tried = [max((t for t in tried if t[1][0] is k), key=lambda t: t[0].best.score) for k in _kinds(effects)]
-    found += [h for h, _ in tried]
-    effects = [e for _, e in tried]
+    nothing = ComparedHypothesis((), (base.trial(),))
+    search, found = Search(basis, Addition(), progress, nothing.score), [nothing]
+    effects = [
+        (kind, search.likeliest(kind, [t for k, t in effects if k is kind])) for kind in _kinds(effects)
+    ]
+    found += [search.effect(k, t) for k, t in effects]
     found += _with_laws(search, [search.variable(v) for v in variables], found, law_of)
     return [*found, *_pairs(basis, found, effects, variables, progress)]
 

@@ -9,7 +9,7 @@ from smarig.diagnosis.comparison.measured.learned_fit import LearnedFit, empty_t
 from smarig.identification import Comparison, MeasuredHypothesis
 from smarig.measurement import LearnedTerm, shared_variables
 
-LAW_VARIABLES = {"since": "time_since_reversal", "speed": "rate"}  # of a variable of the comparison
+LAW_VARIABLES = {"speed": "rate"}  # of a variable of the comparison
 FORMS_OF = {"input": ("output",), "time_since_reversal": ("output", "output_gain", "input")}
 FORMS = ("output", "output_gain", "input", "input_gain", "play")
 CONDITION_FORMS = ("output_gain", "input", "input_gain", "play")  # the zero of each run is free anyway

@@ -30,6 +30,7 @@ from smarig.diagnosis.comparison.measured.varied_together import confounded
 from smarig.diagnosis.comparison.measured.wire_records import WireRecord, wire_records
 from smarig.diagnosis.comparison.rules import RULES, Verdict, VerdictEvidence, decide
 from smarig.diagnosis.comparison.weights import TEMPERATURE, Weights, weigh
+from smarig.diagnosis.suspects import suspects
 from smarig.measurement import MeasurementEffect, measurement_effect_types
 from smarig.record import Run
 
@@ -108,7 +109,8 @@ def compare_measured(
     wires = wire_records(train_runs, held_out_runs, selected)
     if not any((~w.held_out).any() for w in wires):
         raise DataError("The training runs contain no reading in which input and output are known.")
-    problem = reading_problem(wires)
+    suspected = frozenset(s.effect for s in suspects(train_runs) if s.effect)
+    problem = replace(reading_problem(wires), suspected=suspected)
     basis, base = first_basis(problem, BASE_STEPS)
     missing = 0.0 if problem.train.all() else missing_share(base)
     if missing < RULES["not_determined"].value:
@@ -136,10 +138,15 @@ def compare_measured(
         noise=min(base.fit.noise, best.fit.noise) * scale,
         missing=missing_knowledge(base, missing) if _held_out_is_off(base) else None,
         adequate=evidence.adequate,
-        testable=tuple(kind.name for kind, _ in testable_effects(problem)),
+        testable=_testable(problem, deciding),
         excursions=problem.excursions,
         seconds=time.monotonic() - started,
     )
+
+
+def _testable(problem: ReadingProblem, weights: Weights) -> tuple[str, ...]:
+    asked = [kind.name for kind, _ in testable_effects(problem)]
+    return tuple(dict.fromkeys([*asked, *(p.name for p in weights.causes if p.kind == "effect")]))
 
 
 def _weighed(problem: ReadingProblem, hypotheses: Sequence[ComparedHypothesis]) -> Weights:

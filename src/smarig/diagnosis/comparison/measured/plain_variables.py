@@ -16,8 +16,8 @@ from smarig.diagnosis.comparison.measured.varied_together import OVER_CYCLES, at
 
 Array = NDArray[np.float64]
 LENGTH = 0.35  # of the variable's range
-NEEDS_CLOCK = ("rate", "speed", "time", "since")
-VARIABLES = ("rate", "speed", "time", "cycle", "history", "since", "stress", "run")
+NEEDS_CLOCK = ("rate", "speed", "time", "time_since_reversal")
+VARIABLES = ("rate", "speed", "time", "cycle", "history", "time_since_reversal", "stress", "run")
 FEWEST_CYCLES = 3  # of one record: with fewer, a drift is a part of the loop
 
 
@@ -45,10 +45,8 @@ def testable_variables(problem: ReadingProblem) -> list[str]:
         names = [n for n in names if n not in OVER_CYCLES]
     if at_one_rate(problem):
         names = [n for n in names if n not in ("rate", "speed")]
-    own_rates = "rate" in names and "rate" in between_runs(problem)
-    if own_rates:  # set with each run; how long a branch has lasted follows from it
-        names = [n for n in names if n != "since"]
-    return [n for n in names if not (n == "run" and (own_rates or "stress" in names))]
+    known = "stress" in names or ("rate" in names and "rate" in between_runs(problem))
+    return [n for n in names if not (n == "run" and known)]
 
 
 def _most_cycles(problem: ReadingProblem) -> float:

@@ -32,6 +32,7 @@ class ReadingProblem:
     are plain variables (m,) by name. ``first`` (m,): readings on a first branch whose initial state is assumed.
     ``offset``, ``scale`` (signed) turn y into outputs. ``excursions`` are those of the training readings, and
     ``held_excursions`` those of the others. ``unseen`` are readings of m that no fit sees, by blocks to be predicted.
+    ``suspected`` are names of effects that findings of the import would match.
     """
 
     records: tuple[InputRecord, ...]
@@ -50,6 +51,7 @@ class ReadingProblem:
     excursions: int
     held_excursions: int
     unseen: tuple[Rows, ...] = ()
+    suspected: frozenset[str] = frozenset()
 
     def with_unseen(self) -> "ReadingProblem":
         """With the held-out blocks as further blocks to predict; the fits do not see them."""

@@ -93,7 +93,7 @@ class RecordReadings:
             "rate": np.log10(rate[branch] + 1e-3 * rate.max()),
             "speed": np.log10(np.clip(local[rows], 0.03 * usual, 30 * usual)),
             "time": t[rows],
-            "since": np.log10(t[rows] - t[turns[branch]] + step),
+            "time_since_reversal": np.log10(t[rows] - t[turns[branch]] + step),
         }
         if "stress" in r.conditions:
             found["stress"] = r.condition("stress")[rows]
