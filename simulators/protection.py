@@ -26,7 +26,7 @@ class Protection:
         self.heat = min(self.heat - lost + current_mA * current_mA * period_ms // 1000, MAX_HEAT)
 
     def saw(self, s: Mapping[str, int], temperature: int) -> None:
-        """Compare the wire temperature of a tick, in 0.01 °C, with its limit; one that is not read any more is too hot."""
+        """Compare a tick's wire temperature, in 0.01 °C, with its limit; one that is not read any more is too hot."""
         self._thermometer |= temperature != NO_TEMPERATURE
         limit = s["wire_temperature_max"]
         hot = self._thermometer if temperature == NO_TEMPERATURE else temperature > limit

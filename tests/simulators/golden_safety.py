@@ -130,7 +130,9 @@ def contacts() -> Script:
     return s
 
 
-WIRE_WORDS = "0064 01F4 0000 0000 000F 4240 0000 61A8 0000 03E8 0000 4E20 FFFF FFFF 2710"  # with all heat allowed
+WIRE_WORDS = (
+    "0064 01F4 0000 0000 000F 4240 0000 61A8 0000 03E8 0000 4E20 FFFF FFFF 2710"  # with all heat allowed
+)
 
 
 def wire_temperature() -> Script:

@@ -1,7 +1,21 @@
 """Golden scripts of communication: handshake, valid and invalid frames and lines, a session, repetitions."""
 
 from golden import Script
-from golden_words import AMPERE, ARM, ARMED, NO_SENSOR, OFF, REARM, SAFE_CRC, SWITCH_OFF, WIRE, armed, frame, good, line
+from golden_words import (
+    AMPERE,
+    ARM,
+    ARMED,
+    NO_SENSOR,
+    OFF,
+    REARM,
+    SAFE_CRC,
+    SWITCH_OFF,
+    WIRE,
+    armed,
+    frame,
+    good,
+    line,
+)
 
 from smarig.device.encoding.exchange import Exchange
 from smarig.device.encoding.register import to_words

@@ -126,22 +126,23 @@ class Bench:
 
     def _set(self, current_A: float) -> None:
         """Send a current and keep the one before: samples that are still to be read belong to it."""
-        if self.holds_wire_limit:
-            self._hand_over_wire_limit()
+        limit = getattr(self.source, "limit_wire_temperature", None)
+        if limit is not None and self.holds_wire_limit:
+            self._hand_over_wire_limit(limit)
         last = self.source.set(current_A)
         self.counts_ticks = last is not None
         if last is not None:
             self._orders.changed(self._command_A, last)
         self._command_A = current_A
 
-    def _hand_over_wire_limit(self) -> None:
+    def _hand_over_wire_limit(self, limit_wire_temperature: Callable[[float], None]) -> None:
         """Let the source hold ``temperature_max_K`` as well, above the ambient temperature of this moment."""
         ambient_degC = self._ambient_degC
         if math.isnan(ambient_degC):  # no sample yet
             ambient_degC = next((p.ambient_degC for p in self.sensor.since(self.tick, 1)), math.nan)
             ambient_degC = self.further.room.temperature_degC() if self.further.room else ambient_degC
         if not math.isnan(ambient_degC):
-            self.source.limit_wire_temperature(ambient_degC + self.file.limits.temperature_max_K)
+            limit_wire_temperature(ambient_degC + self.file.limits.temperature_max_K)
 
     def _read_positions(self, at_most: int) -> list[PositionReading]:
         """Readings of the encoder since the last call; on hardware, waits for its next tick."""
