@@ -42,6 +42,11 @@ def wire(wired):
     return wired.world.bench._wire
 
 
+def two_steps(wired):
+    for _ in range(2):
+        wired.step(0.3)
+
+
 def test_the_host_writes_it_when_it_arms(wired):
     assert (limit(wired), wired.bench.holds_wire_limit) == (NONE, True)
     assert wired.work() is None
@@ -60,7 +65,7 @@ def test_a_wire_at_its_limit_goes_on_and_one_above_it_trips_in_its_tick(wired):
     assert not any(wired.world.driven_uA[ticks + 2 :])
     wire(wired).temperature = AMBIENT
     with pytest.raises(LeaseExpired, match="wire_temperature. The measured wire temperature exceeded"):
-        wired.step(0.3) and wired.step(0.3)
+        two_steps(wired)
     assert (wired.world.amplifier.state, wired.world.amplifier.output_uA) == ("tripped", 0), "latched"
     wired.bench.arm()
     assert limit(wired) == NONE
@@ -76,7 +81,7 @@ def test_a_thermometer_that_reads_no_more_trips_also_after_the_next_arming(wired
     wired.bench.arm()
     assert wired.world.amplifier.trip == ""
     with pytest.raises(LeaseExpired, match="wire_temperature"):
-        wired.step(0.3) and wired.step(0.3)
+        two_steps(wired)
 
 
 def test_without_a_thermometer_nothing_is_written(monkeypatch):
