@@ -2,7 +2,7 @@
 registers."""
 
 from simulators.layout import BAD_VALUE, NOT_NOW
-from simulators.protection import Protection, lease_ticks
+from simulators.protection import NO_TEMPERATURE, Protection, lease_ticks
 from simulators.register_device import RegisterDevice
 from smarig.device import Refusal, crc16, load_register_map, to_words
 
@@ -37,6 +37,7 @@ class Amplifier(RegisterDevice):
         """Process the readings of a period in which the output flowed."""
         driven_uA = self.output_uA  # during this tick, also if it ends with a trip
         self._protection.add_heat(self.stored, current_uA)
+        self._protection.saw(self.stored, temperature)
         self._silent_ticks += 1
         if self.state == "armed":
             stop = bool(hardware & STOP)
@@ -72,6 +73,8 @@ class Amplifier(RegisterDevice):
 
     def _settings_crc(self) -> int:
         words = self.map.encode("settings", {name: self.stored[name] for name in self.map.names["settings"]})
+        if self.stored["wire_temperature_max"] == NO_TEMPERATURE:  # as hosts of the first version compute it
+            words = words[: self.map.size("settings", self.map.first_version)]
         return crc16(b"".join(word.to_bytes(2, "big") for word in words))
 
     def refuses_command(self, values: dict[str, int]) -> Refusal | None:

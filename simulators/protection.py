@@ -6,6 +6,7 @@ from collections.abc import Mapping
 IN_A_ROW = 3  # consecutive ticks before a contact fault trips
 MIN_CURRENT_uA = 50_000  # below it, resistance is not evaluated
 MAX_HEAT = 2**32 - 1
+NO_TEMPERATURE = -(2**15)  # no reading, or no limit
 
 
 class Protection:
@@ -13,6 +14,8 @@ class Protection:
 
     def __init__(self) -> None:
         self.heat = 0
+        self._too_hot = False
+        self._thermometer = False  # whether it has read since boot
         self._ticks_in_a_row = {"open": 0, "short": 0, "resistance": 0}
 
     def add_heat(self, s: Mapping[str, int], current_uA: int) -> None:
@@ -21,6 +24,13 @@ class Protection:
         lost = self.heat if period_ms > settle_ms else self.heat * period_ms // settle_ms
         current_mA = abs(current_uA) // 1000
         self.heat = min(self.heat - lost + current_mA * current_mA * period_ms // 1000, MAX_HEAT)
+
+    def saw(self, s: Mapping[str, int], temperature: int) -> None:
+        """Compare a tick's wire temperature, in 0.01 °C, with its limit; one that is not read any more is too hot."""
+        self._thermometer |= temperature != NO_TEMPERATURE
+        limit = s["wire_temperature_max"]
+        hot = self._thermometer if temperature == NO_TEMPERATURE else temperature > limit
+        self._too_hot = limit != NO_TEMPERATURE and hot
 
     def reset_counts(self) -> None:
         """Reset the counts: the consecutive ticks must lie within one armed state."""
@@ -39,6 +49,8 @@ class Protection:
         in_a_row = next((name for name, ticks in self._ticks_in_a_row.items() if ticks >= IN_A_ROW), "")
         if in_a_row:
             return in_a_row
+        if self._too_hot:
+            return "wire_temperature"
         if self.heat > s["heat_max"]:
             return "heat"
         return "lease" if silent > lease_ticks(s) else ""

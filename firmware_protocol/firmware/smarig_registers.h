@@ -4,7 +4,7 @@
 
 /* amplifier: Current amplifier: drives the wire, monitors it, and switches off when the host stops communicating. */
 #define AMP_DEVICE_KIND 21313u
-#define AMP_DEVICE_VERSION 4u
+#define AMP_DEVICE_VERSION 5u
 #define AMP_DEVICE_DEFAULT_ADDRESS 65u
 #define AMP_DEVICE_MAP_HASH 0xF4DD445Bul
 #define AMP_STATUS_FIRST 0x0000u
@@ -12,7 +12,7 @@
 #define AMP_COMMAND_FIRST 0x0100u
 #define AMP_COMMAND_WORDS 12u
 #define AMP_SETTINGS_FIRST 0x0200u
-#define AMP_SETTINGS_WORDS 15u
+#define AMP_SETTINGS_WORDS 16u
 #define AMP_STATE 0x0000u
 #define AMP_STATE_OFF 0u
 #define AMP_STATE_ARMED 1u
@@ -106,6 +106,11 @@
 #define AMP_HEAT_SETTLE_LEAST 100l
 #define AMP_HEAT_SETTLE_MOST 60000l
 #define AMP_HEAT_SETTLE_SAFE 1000l
+#define AMP_WIRE_TEMPERATURE_MAX 0x020Fu
+#define AMP_WIRE_TEMPERATURE_MAX_LEAST (-32768l)
+#define AMP_WIRE_TEMPERATURE_MAX_MOST 32767l
+#define AMP_WIRE_TEMPERATURE_MAX_SAFE (-32768l)
+#define AMP_WIRE_TEMPERATURE_MAX_NONE (-32768)
 #define AMP_FAULT_LEASE 1u
 #define AMP_FAULT_OVER_CURRENT 2u
 #define AMP_FAULT_SLEW 3u
@@ -114,6 +119,7 @@
 #define AMP_FAULT_RESISTANCE 6u
 #define AMP_FAULT_OPEN 7u
 #define AMP_FAULT_STOP 8u
+#define AMP_FAULT_WIRE_TEMPERATURE 9u
 
 /* encoder_daq: Encoder DAQ: samples counts, index pulse and ambient temperature by its own clock into a ring. */
 #define DAQ_DEVICE_KIND 21316u

@@ -10,6 +10,7 @@ from firmware.codes import (
     HEAT,
     IS_OFF,
     LEASE,
+    NO_TEMPERATURE,
     NONE,
     NOT_NOW,
     OFF,
@@ -22,6 +23,7 @@ from firmware.codes import (
     STOP,
     STOP_IS_OPEN,
     TRIPPED,
+    WIRE_TEMPERATURE,
 )
 
 WIDE = {"current_min": -2_000_000, "current_max": 2_000_000, "slew_max": 1_000_000, "heat_max": 2**32 - 1}
@@ -236,6 +238,37 @@ def test_the_order_of_causes(amp, ticks, cause):
         assert amp.status()["state"] == ARMED
         amp.tick(current, voltage, 0, hardware)
     assert amp.status()["trip"] == cause
+
+
+@pytest.mark.parametrize(
+    ("limit", "before", "temperature", "expected"),
+    [
+        (9000, 2000, 9000, (6, LEASE)),
+        (9000, 2000, 9001, (1, WIRE_TEMPERATURE)),
+        (9000, NO_TEMPERATURE, 32767, (1, WIRE_TEMPERATURE)),
+        (-1, -2, 0, (1, WIRE_TEMPERATURE)),
+        (9000, 2000, NO_TEMPERATURE, (1, WIRE_TEMPERATURE)),
+        (9000, NO_TEMPERATURE, NO_TEMPERATURE, (6, LEASE)),  # there is no thermometer
+        (NO_TEMPERATURE, 2000, 32767, (6, LEASE)),
+        (NO_TEMPERATURE, 2000, NO_TEMPERATURE, (6, LEASE)),
+    ],
+)
+def test_wire_temperature(amp, limit, before, temperature, expected):
+    assert amp.settings(wire_temperature_max=limit, **WIDE) == 0
+    amp.tick(0, 0, before, 0)
+    amp.command(order=ARM, current=40_000)
+    assert trip_tick(amp, 40_000, 0, temperature, 0) == expected
+
+
+def test_a_trip_of_wire_temperature_is_latched_until_cleared(amp):
+    assert amp.settings(wire_temperature_max=9000, **WIDE) == 0
+    amp.command(order=ARM, current=40_000)
+    amp.tick(40_000, 0, 9001, 0)
+    amp.tick(0, 0, 2000, 0, times=20)
+    assert amp.command(order=ARM) == amp.command(current=1) == NOT_NOW
+    assert (amp.status()["trip"], amp.output_uA) == (WIRE_TEMPERATURE, 0)
+    assert amp.command(order=REARM, current=40_000) == 0
+    assert (amp.status()["trip"], amp.output_uA) == (0, 40_000)
 
 
 def test_a_trip_is_latched(amp):

@@ -49,7 +49,7 @@ def one_ohm(driven_uA):
 def test_the_amplifier_on_its_chip(start):
     chip = start("amplifier_lines", one_ohm, watched=True)
     hello = chip.line("r 1 6").words
-    assert hello[:4] == [0x5341, 4, *to_words(MAP.hash, 2)]
+    assert hello[:4] == [0x5341, 5, *to_words(MAP.hash, 2)]
     limits = {r.name: r.safe for r in MAP.blocks["settings"]}
     limits |= {"current_max": 10**6, "slew_max": 10**5, "heat_max": 10**7}
     settings = MAP.encode("settings", limits)

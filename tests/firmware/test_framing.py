@@ -103,9 +103,9 @@ def test_the_lines_of_the_contract(amp):
     assert amp.line(sealed(current)) == sealed("! 4")  # understood: it is not armed
     assert amp.line(sealed("w 100 0 0")) == "! 3 *1F78"
     assert amp.line("r 0 12").startswith("! 2 ")
-    assert amp.line("r 0 13").startswith("= 0000 5341 0004 ")
+    assert amp.line("r 0 13").startswith("= 0000 5341 0005 ")
     arm = "w 0100 0000 0001 0000 0007 0001 000F 4240 0000 0000 0000 0007 0000 r 0000 000E"
-    assert amp.line(sealed(arm)).startswith("= 0001 5341 0004 ")
+    assert amp.line(sealed(arm)).startswith("= 0001 5341 0005 ")
     assert amp.output_uA == 1_000_000
     assert amp.line(sealed("w 100 0 2 0 7")) == sealed("=")
     assert amp.line(sealed("w 100 0 3 0 7") + "\r") == sealed("=")

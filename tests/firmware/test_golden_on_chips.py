@@ -16,7 +16,7 @@ from firmware.test_uno_golden import as_rtu
 SCRIPTS = [json.loads(path.read_text("utf-8")) for path in GOLDEN]
 # device, framing, and how many requests there are for it: none is forgotten
 KINDS = [
-    ("amplifier", "rtu", 273),
+    ("amplifier", "rtu", 299),
     ("amplifier", "lines", 135),
     ("encoder_daq", "rtu", 28),
     ("encoder_daq", "lines", 22),

@@ -142,3 +142,19 @@ def test_where_ticks_are_not_counted_the_moment_is_that_of_the_question():
     lease, _ = _check_lease(rig, load_rig("one_wire_twin"))
     assert lease.passed
     assert lease.observed.startswith("the output was off when it was asked ")
+
+
+@pytest.mark.parametrize(("held", "measured_K"), [(False, 1.0), (True, 1.0), (False, float("nan"))])
+def test_where_the_host_alone_limits_a_measured_wire_temperature_it_is_said(held, measured_K):
+    rig = TamperedRig(
+        "one_wire_twin", lambda s: s._replace(temperature_degC=s.ambient_degC + measured_K, current_A=0.0)
+    )
+    rig.identity, rig.has_lease, rig.holds_wire_limit = lambda: ["a twin"], True, held
+    checks = []
+    bring_up(rig, rig.file, checks.append)
+    said = [c for c in checks if c.name == "wire temperature"]
+    if held or measured_K != measured_K:
+        assert not said
+    else:
+        assert [(c.passed, c.limitation) for c in said] == [(True, True)]
+        assert said[0].observed.startswith("The host alone holds the limit of the measured wire temperature")

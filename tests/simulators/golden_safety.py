@@ -19,10 +19,12 @@ from golden_words import (
     SWITCH_OFF,
     TRIPPED,
     WIRE,
+    WIRE_TEMPERATURE,
     armed,
     good,
 )
 
+from smarig.device.encoding.crc import crc16
 from smarig.device.encoding.exchange import Exchange
 
 
@@ -126,6 +128,53 @@ def contacts() -> Script:
     s.tick(400_000, 0, NO_SENSOR, 2)
     tripped(s, STOP, "stop comes before all")
     return s
+
+
+WIRE_WORDS = (
+    "0064 01F4 0000 0000 000F 4240 0000 61A8 0000 03E8 0000 4E20 FFFF FFFF 2710"  # with all heat allowed
+)
+
+
+def wire_temperature() -> Script:
+    s = driving("amplifier_wire_temperature", "The limit of the measured wire temperature, to 0.01 °C.")
+    s.ask("no limit: the check word of map version 4", Exchange(0x14, 1), settings_crc=crc(WIRE_WORDS))
+    s.tick(AMPERE, 5 * AMPERE, 32767, 0)
+    holds(s, "no limit")
+    s.command("off", ORDER=SWITCH_OFF, state=OFF)
+    limited = WIRE | {"heat_max": 2**32 - 1, "wire_temperature_max": 9000}
+    s.settings("at most 90 °C", **limited)
+    s.ask("the check word with the limit", Exchange(0x14, 1), settings_crc=crc(WIRE_WORDS + "2328"))
+    s.command("arm, 1 A", ORDER=ARM, CURRENT=AMPERE, state=ARMED, output=AMPERE)
+    s.tick(AMPERE, 5 * AMPERE, 9000, 0)
+    holds(s, "just the limit")
+    s.tick(AMPERE, 5 * AMPERE, 9001, 0)
+    s.ask("one hundredth more", Exchange(0, 0x14), state=TRIPPED, trip=WIRE_TEMPERATURE, output=0)
+    s.tick(0, 0, 2000, 0, times=3)
+    s.command("cold again: a trip is latched", state=TRIPPED, trip=WIRE_TEMPERATURE)
+    s.command("a current while tripped", CURRENT=1, refused=4)
+    s.command("rearm, 1 A", ORDER=REARM, CURRENT=AMPERE, state=ARMED, trip=0, output=AMPERE)
+    s.tick(AMPERE, 5 * AMPERE, NO_SENSOR, 0)
+    tripped(s, WIRE_TEMPERATURE, "a thermometer that reads no more")
+    s.tick(AMPERE, 5 * AMPERE, -5000, 0)
+    holds(s, "one that reads again")
+    s.tick(1_050_001, 5 * AMPERE, 9001, 0)
+    tripped(s, OVER_CURRENT, "over-current comes first")
+    s.command("off", ORDER=SWITCH_OFF, state=OFF)
+    old = tuple(int(word, 16) for word in WIRE_WORDS.split())
+    s.ask("a host of map version 4 writes its settings", Exchange(0x200, 15, 0x200, old))
+    s.ask("the limit stays, and the check word says so", Exchange(0x20F, 1), wire_temperature_max=9000)
+    s.settings("a limit below zero", **(limited | {"wire_temperature_max": -1000}))
+    s.command("arm", ORDER=ARM, state=ARMED)
+    s.tick(0, 0, -1000, 0)
+    s.command("just it", state=ARMED)
+    s.tick(0, 0, -999, 0)
+    s.ask("beyond it", Exchange(0, 0x14), state=TRIPPED, trip=WIRE_TEMPERATURE)
+    return s
+
+
+def crc(words: str) -> int:
+    """The check word of settings."""
+    return crc16(bytes.fromhex(words))
 
 
 def slew() -> Script:

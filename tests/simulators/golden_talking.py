@@ -1,7 +1,21 @@
 """Golden scripts of communication: handshake, valid and invalid frames and lines, a session, repetitions."""
 
 from golden import Script
-from golden_words import AMPERE, ARM, ARMED, OFF, REARM, SAFE_CRC, SWITCH_OFF, WIRE, armed, frame, good, line
+from golden_words import (
+    AMPERE,
+    ARM,
+    ARMED,
+    NO_SENSOR,
+    OFF,
+    REARM,
+    SAFE_CRC,
+    SWITCH_OFF,
+    WIRE,
+    armed,
+    frame,
+    good,
+    line,
+)
 
 from smarig.device.encoding.exchange import Exchange
 from smarig.device.encoding.register import to_words
@@ -9,7 +23,7 @@ from smarig.device.encoding.register import to_words
 
 def handshake() -> Script:
     s = Script("amplifier_handshake", "amplifier", "rtu", "Who are you, and what do you begin with?")
-    who = {"kind": 0x5341, "version": 4, "map_hash": s.map_hash, "boot_count": 7}
+    who = {"kind": 0x5341, "version": 5, "map_hash": s.map_hash, "boot_count": 7}
     s.ask("kind … boot_count", Exchange(1, 6), **who)
     s.ask(
         "the head of the status block", Exchange(0, 0x14), echo=0, tick=0, state=OFF, output=0, lease_left=0
@@ -33,7 +47,14 @@ def handshake() -> Script:
         nonce=0,
     )
     safe = {"period": 100, "lease": 500, "current_min": 0, "current_max": 0, "slew_max": 1000, "heat_max": 1}
-    s.ask("the settings are safe", Exchange(0x200, 15), resistance_max=1_000_000, heat_settle=1000, **safe)
+    s.ask(
+        "the settings are safe",
+        Exchange(0x200, 16),
+        resistance_max=1_000_000,
+        heat_settle=1000,
+        wire_temperature_max=NO_SENSOR,
+        **safe,
+    )
     s.ask("one word", Exchange(1, 1), kind=0x5341)
     s.ask("one field of a record", Exchange(0x19, 2))
     s.ask("part of a 32-bit value", Exchange(3, 1), refused=2)
@@ -127,7 +148,7 @@ def settings() -> Script:
     s.ask("half of a limit", Exchange(write_at=0x200, words=(100, 500, 0)), refused=2)
     s.ask("not from the block's first register on", Exchange(write_at=0x201, words=(500,)), refused=2)
     s.ask("a register that is only read", Exchange(write_at=0x000, words=(1,)), refused=2)
-    s.ask("more than the block", Exchange(write_at=0x200, words=(100,) * 16), refused=2)
+    s.ask("more than the block", Exchange(write_at=0x200, words=(100,) * 17), refused=2)
     s.ask("only the lease is another", Exchange(0x200, 15), **(WIRE | {"lease": 1000}))
     return s
 

@@ -7,6 +7,7 @@ from smarig.device.encoding.crc import crc16
 OFF, ARMED, TRIPPED = 0, 1, 2
 NONE, ARM, SWITCH_OFF, REARM = 0, 1, 2, 3
 LEASE, OVER_CURRENT, SLEW, HEAT, SHORT, RESISTANCE, OPEN, STOP = 1, 2, 3, 4, 5, 6, 7, 8
+WIRE_TEMPERATURE = 9
 NO_SENSOR = -32768
 AMPERE = 1_000_000
 SAFE_CRC = crc16(  # of the settings at boot, word for word

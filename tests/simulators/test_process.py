@@ -157,7 +157,7 @@ def test_late_and_lost_replies_over_a_real_line(devices, tmp_path):
         return [line.rpartition(" *")[0] for line in heard.decode().splitlines()]
 
     assert amplifier.ask(Exchange(1, 1)) == [0x5341]
-    assert asked(Exchange(1, 1), Exchange(2, 1), replies=2) == ["= 5341", "= 0004"]
+    assert asked(Exchange(1, 1), Exchange(2, 1), replies=2) == ["= 5341", "= 0005"]
     assert asked(command(9), Exchange(7, 2), replies=1) == ["= 0000 0009"]
 
 

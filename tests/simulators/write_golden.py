@@ -10,13 +10,13 @@ if __name__ == "__main__":
 from golden import FOLDER
 from golden_orders import board, epoch, nonce, outputs
 from golden_rings import daq_ring, daq_work, ring
-from golden_safety import contacts, heat, lease, slew, trips
+from golden_safety import contacts, heat, lease, slew, trips, wire_temperature
 from golden_talking import frames, handshake, repeats, settings, text, work
 
 SCRIPTS = (
     *(handshake, frames, text, settings, work, repeats),
     *(nonce, epoch, outputs, board),
-    *(lease, trips, contacts, slew, heat),
+    *(lease, trips, contacts, slew, heat, wire_temperature),
     *(ring, daq_work, daq_ring),
 )
 

@@ -16,6 +16,7 @@ static const struct value SETTINGS[] IN_FLASH = {
     VALUE(AMP_PERIOD, 1),         VALUE(AMP_LEASE, 1),          VALUE(AMP_CURRENT_MIN, 2),
     VALUE(AMP_CURRENT_MAX, 2),    VALUE(AMP_SLEW_MAX, 2),       VALUE(AMP_RESISTANCE_MIN, 2),
     VALUE(AMP_RESISTANCE_MAX, 2), VALUE(AMP_HEAT_MAX, 2),       VALUE(AMP_HEAT_SETTLE, 1),
+    VALUE(AMP_WIRE_TEMPERATURE_MAX, 1),
 };
 
 /* A record of the ring: current (2 words), voltage (2), output (2), temperature, marks. */
@@ -42,11 +43,12 @@ static const struct map MAP = {BLOCK(COMMAND, AMP_COMMAND), BLOCK(SETTINGS, AMP_
 static void update_settings_crc(struct amplifier *a)
 {
     uint8_t bytes[2 * AMP_SETTINGS_WORDS];
-    for (uint16_t i = 0; i < AMP_SETTINGS_WORDS; i++) {
+    const uint16_t count = guard_settings_words(a);
+    for (uint16_t i = 0; i < count; i++) {
         bytes[2 * i] = (uint8_t)(a->settings[i] >> 8);
         bytes[2 * i + 1] = (uint8_t)a->settings[i];
     }
-    a->settings_crc = crc_modbus(bytes, sizeof bytes);
+    a->settings_crc = crc_modbus(bytes, (uint16_t)(2 * count));
 }
 
 void amplifier_boot(struct amplifier *a, uint32_t boot_count)
@@ -84,6 +86,7 @@ void amplifier_tick(struct amplifier *a, const struct amplifier_inputs *in)
 {
     const int32_t driven_uA = a->output_uA; /* during this tick, also if it ends with a trip */
     guard_warm(a, in->current_uA);
+    a->thermometer = a->thermometer || in->temperature != AMP_RING_TEMPERATURE_NONE;
     const uint16_t cause = a->state == AMP_STATE_ARMED ? guard_tick(a, in) : 0;
     if (cause)
         trip(a, cause);

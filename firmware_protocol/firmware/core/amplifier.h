@@ -29,6 +29,7 @@ struct amplifier {
     uint16_t settings_crc;
     uint16_t orders; /* executed since boot, for the nonce */
     uint8_t state, trip;
+    bool thermometer; /* has read the wire temperature since boot */
     uint16_t ticks_unfed; /* since the lease was renewed or the amplifier armed */
     struct amplifier_spells spells;
     uint32_t tick;
@@ -61,6 +62,9 @@ uint16_t amplifier_answer(struct amplifier *a, uint8_t framing, uint8_t address,
 
 /* The lease in ticks. */
 uint16_t guard_lease_ticks(const struct amplifier *a);
+
+/* The words of the settings that their CRC covers: the limit of a later map version only if it is set. */
+uint16_t guard_settings_words(const struct amplifier *a);
 
 /* Adds one tick of the measured current to the heat. */
 void guard_warm(struct amplifier *a, int32_t current_uA);

@@ -65,6 +65,25 @@ static int8_t against(const struct amplifier_inputs *in, uint32_t limit_mohm)
     return measured < limit ? -1 : 1;
 }
 
+static int16_t wire_temperature_max(const struct amplifier *a)
+{
+    return (int16_t)*AMPLIFIER_SETTING(a, AMP_WIRE_TEMPERATURE_MAX);
+}
+
+uint16_t guard_settings_words(const struct amplifier *a)
+{
+    return wire_temperature_max(a) == AMP_WIRE_TEMPERATURE_MAX_NONE ? AMP_WIRE_TEMPERATURE_MAX - AMP_SETTINGS_FIRST
+                                                                    : AMP_SETTINGS_WORDS;
+}
+
+/* Beyond the limit, or not known any more. */
+static bool too_hot(const struct amplifier *a, int16_t temperature)
+{
+    if (wire_temperature_max(a) == AMP_WIRE_TEMPERATURE_MAX_NONE)
+        return false;
+    return temperature == AMP_RING_TEMPERATURE_NONE ? a->thermometer : temperature > wire_temperature_max(a);
+}
+
 /* Three bad ticks in a row? */
 static bool lasts(uint8_t *spell, bool bad)
 {
@@ -91,6 +110,8 @@ uint16_t guard_tick(struct amplifier *a, const struct amplifier_inputs *in)
         return AMP_FAULT_SHORT;
     if (resistance)
         return AMP_FAULT_RESISTANCE;
+    if (too_hot(a, in->temperature))
+        return AMP_FAULT_WIRE_TEMPERATURE;
     if (a->heat > words_u32(AMPLIFIER_SETTING(a, AMP_HEAT_MAX)))
         return AMP_FAULT_HEAT;
     return a->ticks_unfed > guard_lease_ticks(a) ? AMP_FAULT_LEASE : 0;

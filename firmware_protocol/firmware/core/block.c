@@ -16,7 +16,8 @@ static uint16_t offset(const struct block *block, const struct value *value)
 
 static bool within(const struct value *value, const uint16_t *words)
 {
-    const uint32_t raw = value->words == 1 ? words[0] : words_u32(words);
+    const uint32_t one_word = value->negative ? (uint32_t)(int16_t)words[0] : words[0];
+    const uint32_t raw = value->words == 1 ? one_word : words_u32(words);
     if (value->negative)
         return (int32_t)raw >= (int32_t)value->least && (int32_t)raw <= (int32_t)value->most;
     return raw >= value->least && raw <= value->most;

@@ -7,11 +7,13 @@
 
 #include <stdint.h>
 
+#include "../smarig_registers.h"
+
 enum framing { FRAMING_RTU = 0, FRAMING_LINES = 1 };
 
 enum {
     WRITE_MOST = 121,       /* words in one request */
-    WORDS_KEPT = 15,        /* of them; the largest block. A longer write is refused for its address */
+    WORDS_KEPT = AMP_SETTINGS_WORDS, /* of them; the largest block. A longer write is refused for its address */
     READ_MOST = 125,        /* words in one reply */
     PIECE_WORDS = 12,       /* of a reply, read at once */
     RTU_REQUEST_ROOM = 256, /* bytes */

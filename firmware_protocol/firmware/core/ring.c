@@ -11,6 +11,6 @@ struct window ring_window(uint32_t tick, uint16_t kept, uint32_t next, uint16_t 
     if (ago >= kept)
         window.first = tick - kept + 1; /* the host sees the number of lost samples */
     const uint32_t there = tick - window.first + 1;
-    window.count = there < want ? (uint16_t)there : want;
+    window.count = (uint8_t)(there < want ? there : want);
     return window;
 }

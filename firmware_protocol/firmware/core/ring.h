@@ -6,7 +6,7 @@
 
 struct window {
     uint32_t first;
-    uint16_t count;
+    uint8_t count; /* at most 24: the records of a reply */
 };
 
 /*

@@ -18,7 +18,7 @@ static uint64_t seed;
 static struct devices pair;
 
 /* Number of each reply: none, accepted, then the codes. A campaign without accepted requests tests nothing. */
-static unsigned long answers[16], ticks_with_current, trips[AMP_FAULT_STOP + 1];
+static unsigned long answers[16], ticks_with_current, trips[AMP_FAULT_WIRE_TEMPERATURE + 1];
 
 static uint32_t chance(uint32_t below)
 {
@@ -80,6 +80,7 @@ static void plan(struct plan *e, bool is_amp)
         words_put32(e->words + 10, 1 + chance(1000000));
         words_put32(e->words + 12, chance(4) ? UINT32_MAX - chance(1000) : 1 + chance(1000));
         e->words[14] = (uint16_t)(100 + chance(1000));
+        e->words[15] = chance(2) ? (uint16_t)AMP_WIRE_TEMPERATURE_MAX_NONE : (uint16_t)chance(20000);
     }
     if (chance(2)) /* few words of the ring, otherwise every write is refused */
         e->words[AMP_RING_WANT - AMP_COMMAND_FIRST] = e->words[DAQ_RING_WANT - DAQ_COMMAND_FIRST] = (uint16_t)chance(9);
@@ -235,7 +236,7 @@ int main(int argc, char **argv)
     for (int code = 1; code < 10; code++)
         printf(" %d: %lu", code, answers[code + 1]);
     printf("\n%lu ticks with current, ticks by trip:", ticks_with_current);
-    for (unsigned cause = 0; cause <= AMP_FAULT_STOP; cause++)
+    for (unsigned cause = 0; cause <= AMP_FAULT_WIRE_TEMPERATURE; cause++)
         printf(" %lu", trips[cause]);
     printf("\n");
     return 0;

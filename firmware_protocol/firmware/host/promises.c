@@ -37,11 +37,13 @@ static int outcome(uint8_t framing, const uint8_t *reply, uint16_t n)
 static void promised_settings(const struct amplifier *amp)
 {
     uint8_t bytes[2 * AMP_SETTINGS_WORDS];
-    for (unsigned i = 0; i < AMP_SETTINGS_WORDS; i++) {
+    const bool limited = (int16_t)*AMPLIFIER_SETTING(amp, AMP_WIRE_TEMPERATURE_MAX) != AMP_WIRE_TEMPERATURE_MAX_NONE;
+    const unsigned count = AMP_SETTINGS_WORDS - !limited;
+    for (unsigned i = 0; i < count; i++) {
         bytes[2 * i] = (uint8_t)(amp->settings[i] >> 8);
         bytes[2 * i + 1] = (uint8_t)(amp->settings[i] & 0xFFu);
     }
-    promise(amp->settings_crc == crc_modbus(bytes, sizeof bytes), "the CRC of the settings is not theirs");
+    promise(amp->settings_crc == crc_modbus(bytes, (uint16_t)(2 * count)), "the CRC of the settings is not theirs");
     promise(2ul * *AMPLIFIER_SETTING(amp, AMP_PERIOD) <= *AMPLIFIER_SETTING(amp, AMP_LEASE), "a tick is too long");
 }
 

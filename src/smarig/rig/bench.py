@@ -6,6 +6,7 @@ In lock-step (simulated devices) a request lets time pass; on hardware the bench
 """
 
 import contextlib
+import math
 import time
 from collections.abc import Callable
 
@@ -71,6 +72,7 @@ class Bench:
         self._command_A = 0.0
         self._orders = OrderRecord()
         self._last: CurrentReading | None = None
+        self._ambient_degC = math.nan
         self._alarms: list[Alarm] = []
         self._reconnections = {"amplifier": 0, "encoder": 0}  # reported so far
         self._pending_readings: list[PositionReading] = []  # read before a zero and not yet returned
@@ -88,6 +90,11 @@ class Bench:
         """Whether the source switches itself off when the host stops communicating."""
         return self.source.has_lease
 
+    @property
+    def holds_wire_limit(self) -> bool:
+        """Whether the source measures the wire temperature and can limit it by itself."""
+        return getattr(self.source, "holds_wire_limit", False)
+
     def step(self, current_A: float, at_most: int = 1) -> tuple[Sample, ...]:
         """Apply a current from the next tick on. Returns the samples since the last call, at least one."""
         if self._fault is not None:
@@ -103,6 +110,7 @@ class Bench:
         if self._has_further:
             samples = self.further.added_to(samples)
             self.force.add(self.further.force_N())
+        self._ambient_degC = samples[-1].ambient_degC
         self._note_fault(samples[-1].quality)  # after it, all samples before a trip are returned
         return samples
 
@@ -118,11 +126,23 @@ class Bench:
 
     def _set(self, current_A: float) -> None:
         """Send a current and keep the one before: samples that are still to be read belong to it."""
+        limit = getattr(self.source, "limit_wire_temperature", None)
+        if limit is not None and self.holds_wire_limit:
+            self._hand_over_wire_limit(limit)
         last = self.source.set(current_A)
         self.counts_ticks = last is not None
         if last is not None:
             self._orders.changed(self._command_A, last)
         self._command_A = current_A
+
+    def _hand_over_wire_limit(self, limit_wire_temperature: Callable[[float], None]) -> None:
+        """Let the source hold ``temperature_max_K`` as well, above the ambient temperature of this moment."""
+        ambient_degC = self._ambient_degC
+        if math.isnan(ambient_degC):  # no sample yet
+            ambient_degC = next((p.ambient_degC for p in self.sensor.since(self.tick, 1)), math.nan)
+            ambient_degC = self.further.room.temperature_degC() if self.further.room else ambient_degC
+        if not math.isnan(ambient_degC):
+            limit_wire_temperature(ambient_degC + self.file.limits.temperature_max_K)
 
     def _read_positions(self, at_most: int) -> list[PositionReading]:
         """Readings of the encoder since the last call; on hardware, waits for its next tick."""

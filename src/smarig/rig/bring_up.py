@@ -32,6 +32,10 @@ LEASE_MARGIN_S = 1.5
 MOTION_MARGIN = 10  # times the detected motion: no wire deviates that far from its model
 ProgressCallback = Callable[[str], None]
 BACKLOG_S = 10.0  # of samples after re-arming that may still show the trip
+HOST_ALONE = (
+    "The host alone holds the limit of the measured wire temperature: the amplifier has no thermometer on the wire, or "
+    "no register for the limit."
+)
 _READ_BACK_REMEDY = "check the circuit of the wire, the amplifier, the shunt, and the unit of the driver"
 _DIRECTION_REMEDY = "exchange the encoder's lines, or negate the reading in the driver"
 _MOTION_REMEDY = "check encoder, coupling, wire, and the unit of the driver"
@@ -56,6 +60,11 @@ class SupportsIdle(Rig, Protocol):
     @property
     def counts_ticks(self) -> bool:
         """Whether the tick at which it switched itself off is known."""
+        ...
+
+    @property
+    def holds_wire_limit(self) -> bool:
+        """Whether its source measures the wire temperature and can limit it by itself."""
         ...
 
 
@@ -84,10 +93,16 @@ def _checks(rig: SupportsIdle, file: RigFile, on_progress: ProgressCallback) -> 
     no_lease = without_lease_text(file, actuator)
     file = file.model_copy(update={"limits": limits_in_force(file.limits, actuator, has_lease=rig.has_lease)})
     guard = Guard(rig, file.limits, actuator, stress=stress_limit(file, actuator))
+    rest = _last_sample(guard, 0.0, 10)
+    yield _at_rest(rest, file)
+    if not _follows_command(rest, 0.0, file):
+        return
+    if not math.isnan(rest.temperature_degC) and not rig.holds_wire_limit:
+        yield Check("wire temperature", True, HOST_ALONE, limitation=True)
     pulses = [_heating_checks(guard, file, actuator, +1, on_progress)]
     if file.limits.current_min_A < 0:  # the second wire
         pulses.append(_heating_checks(guard, file, actuator, -1, on_progress))
-    for check in chain([_at_rest(guard, file)], *pulses):
+    for check in chain(*pulses):
         yield check
         if not check.passed:
             return
@@ -97,9 +112,8 @@ def _checks(rig: SupportsIdle, file: RigFile, on_progress: ProgressCallback) -> 
         yield Check("lease", True, no_lease, limitation=True)
 
 
-def _at_rest(guard: Guard, file: RigFile) -> Check:
+def _at_rest(sample: Sample, file: RigFile) -> Check:
     """No current flows at a command of zero."""
-    sample = _last_sample(guard, 0.0, 10)
     observed = f"{sample.current_A:.4f} A measured at 0 A; ambient {sample.ambient_degC:.1f} °C"
     return Check("at rest", _follows_command(sample, 0.0, file), observed)
 

@@ -55,6 +55,11 @@ class StoppableBench:
         return self.bench.has_lease
 
     @property
+    def holds_wire_limit(self) -> bool:
+        """Whether the source measures the wire temperature and can limit it by itself."""
+        return self.bench.holds_wire_limit
+
+    @property
     def counts_ticks(self) -> bool:
         """Whether the tick at which it switched itself off is known."""
         return self.bench.counts_ticks

@@ -79,9 +79,11 @@ class Scripted:
             self._follows["output"] = values.get("current", 0)
 
     def _register(self, name: str) -> int:
+        no_limit = self.settings[-1] == 0x8000 and "wire_temperature_max" in self.map.registers
+        settings = self.settings[:-1] if no_limit else self.settings
         made = {
             **self._follows,
-            "settings_crc": crc16(b"".join(word.to_bytes(2, "big") for word in self.settings)),
+            "settings_crc": crc16(b"".join(word.to_bytes(2, "big") for word in settings)),
             "arm_nonce": 3 << 16 | len(self.done),
             "board_max": 2_000_000,
         }

@@ -176,7 +176,7 @@ WIRING = (
         "compares the hashes of the maps and does not start",
         Outcome(
             3,
-            "The amplifier at … has register map version 99, hash …; this smarig has version 4, "
+            "The amplifier at … has register map version 99, hash …; this smarig has version 5, "
             "hash …. Update smarig; firmware is built from firmware_protocol/.",
         ),
         wiring="other firmware",

@@ -33,7 +33,7 @@ def other_firmware(patch: pytest.MonkeyPatch, folder: Path) -> None:
     maps = folder / "firmware_protocol"
     maps.mkdir()
     for path in opening_maps():
-        text = re.sub(r"(?m)^version = \d+", "version = 99", path.read_text())
+        text = re.sub(r"(?m)^(version|since) = \d+", r"\1 = 99", path.read_text())
         (maps / path.name).write_text(text)
     (folder / "sitecustomize.py").write_text(OTHER_MAP.format(folder=str(maps)))
     patch.setenv("PYTHONPATH", str(folder))

@@ -58,6 +58,7 @@ class Conversation:
     def __init__(self, link: Link, map_: RegisterMap) -> None:
         self.link, self.map = link, map_
         self._sequence = self._tick = 0
+        self.version = map_.first_version  # of the device's map; the handshake tells
         self._boots: int | None = None
         ring = map_["ring"]
         self._head = ring.address - map_.start("status")
@@ -75,8 +76,7 @@ class Conversation:
     @property
     def identity(self) -> str:
         """The device, its map and its number of starts."""
-        d = self.map.device
-        return f"{self.name}, map version {d.version}, hash {self.map.hash:08X}, boot {self._boots}"
+        return f"{self.name}, map version {self.version}, hash {self.map.hash:08X}, boot {self._boots}"
 
     def handshake(self) -> RawValues:
         """Check that this is the right device with the right map. Returns its status; raises WrongDevice, WrongMap."""
@@ -93,6 +93,7 @@ class Conversation:
         if self._boots != values["boot_count"]:
             self._tick = values["tick"]
         self._boots = values["boot_count"]
+        self.version = values["version"]
         self._sequence = values["echo"]  # otherwise the device could take the first command for a repetition
 
     def _status(self) -> RawValues:
@@ -111,7 +112,7 @@ class Conversation:
                     f"{name} = {v.decode(raw):g} {v.unit} is outside {v.decode(low):g}…{v.decode(high):g} {v.unit}, "
                     f"which the {self.map.device.name} allows. Change the rig file."
                 )
-        written = self.map.encode("settings", values)
+        written = self.map.encode("settings", values)[: self.map.size("settings", self.version)]
         at = self.map.start("settings")
         words, _ = self._insisted(Exchange(at, len(written), at, tuple(written)))
         if words != written:
@@ -271,7 +272,8 @@ def probe_lengths(map_: RegisterMap) -> Iterator[int]:
     head = ring.address - map_.start("status")
     ends = [r.address + r.words - map_.start("status") for r in map_.blocks["status"][:-1]]
     ends += accumulate([f.words for f in ring.field] * PROBED, initial=head)
-    taken = {map_.size("settings"), *(head + k * ring.record_words for k in range(PROBED + 1))}
+    settings = {map_.size("settings", version) for version in (map_.first_version, map_.device.version)}
+    taken = settings | {*(head + k * ring.record_words for k in range(PROBED + 1))}
     identity = map_["boot_count"].address + map_["boot_count"].words - map_.start("status")
     lengths = sorted({end for end in ends if end >= identity} - taken)
     return islice(cycle(lengths), random.SystemRandom().randrange(len(lengths)), None)

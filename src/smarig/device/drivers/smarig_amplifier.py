@@ -4,6 +4,7 @@ Every reply says what the amplifier drives, in which state, with which settings.
 after a difference the amplifier is switched off and counts as tripped.
 """
 
+import math
 from collections.abc import Mapping
 
 from smarig.config import LinkFile, RigFile
@@ -55,8 +56,8 @@ class SmarigAmplifier(LineDevice):
         self._current = self.map["current"].value
         self._fields = self.map.fields("current", "voltage", "output", "temperature", "marks")
         self._marks = {name: 1 << int(bit) for bit, name in self._fields[-1].flags.items()}
-        words = self.map.encode("settings", self._settings)
-        self._settings_crc = crc16(b"".join(word.to_bytes(2, "big") for word in words))
+        self._limit = self.map["wire_temperature_max"].value
+        self._thermometer = False  # whether it has measured the wire temperature
         self._raw, self._armed, self._nonce = 0, False, 0
         self._contradiction = ""  # how a reply contradicted the order
         self.tripped = ""
@@ -65,10 +66,43 @@ class SmarigAmplifier(LineDevice):
 
     def arm(self) -> None:
         """Check the device, switch off, clear a trip and write the settings."""
-        self._check_board(self.talk.handshake()["board_max"])
+        now = self.talk.handshake()
+        self._check_board(now["board_max"])
         self._raw, self._armed, self._contradiction = 0, False, ""
-        self._look(self.talk.command({"order": self._orders["off"]}))
-        self.talk.settings(self._settings)
+        status = self.talk.command({"order": self._orders["off"], "ring_next": now["tick"]}, 1)
+        self._look(status)
+        for record in status.records:
+            self._reading(0, record, Quality.GOOD)
+        self._write_settings(self.map["wire_temperature_max"].safe or 0)
+
+    @property
+    def holds_wire_limit(self) -> bool:
+        """Whether it has a thermometer on the wire, and a register for the limit of its temperature."""
+        return self._thermometer and self.talk.version >= self.map["wire_temperature_max"].since
+
+    def limit_wire_temperature(self, largest_degC: float) -> None:
+        """Let it trip beyond this measured wire temperature, until it is armed again; nothing if current may flow.
+
+        Raises ConfigError for a temperature that its thermometer cannot tell.
+        """
+        if self._armed or self.tripped or not self.holds_wire_limit:
+            return
+        low, high = (raw / self._limit.per_unit for raw in self._limit.span)
+        if not low < largest_degC <= high:
+            raise ConfigError(
+                f"The {self.talk.name} can limit the wire temperature to at most {high:g} °C, not to "
+                f"{largest_degC:.2f} °C. Lower limits.temperature_max_K."
+            )
+        self._write_settings(self._limit.encode(largest_degC))
+
+    def _write_settings(self, wire_temperature_max: int) -> None:
+        """Write the settings with this limit, as far as the device has them, and keep the check word they must have."""
+        values = self._settings | {"wire_temperature_max": wire_temperature_max}
+        self.talk.settings(values)
+        limited = wire_temperature_max != self._limit.none
+        version = self.map.device.version if limited else self.map.first_version
+        words = self.map.encode("settings", values)[: self.map.size("settings", version)]
+        self._settings_crc = crc16(b"".join(word.to_bytes(2, "big") for word in words))
 
     def _check_board(self, most: int) -> None:
         """Raise ConfigError if the rig file asks for more current than the board is built for."""
@@ -102,6 +136,7 @@ class SmarigAmplifier(LineDevice):
 
     def _reading(self, tick: int, record: tuple[int, ...], mark: Quality) -> CurrentReading:
         current, voltage, output, temperature, marks = (f.decode(raw) for f, raw in zip(self._fields, record))
+        self._thermometer |= not math.isnan(temperature)
         quality = int(mark)
         quality |= Quality.SATURATED if int(marks) & self._marks["saturated"] else 0
         quality |= Quality.TRIPPED if int(marks) & self._marks["tripped"] else 0

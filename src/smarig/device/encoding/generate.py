@@ -47,6 +47,8 @@ def _register(name: str, r: Register) -> Iterator[str]:
         yield f"#define {name}_LEAST {_number(low)}"
         yield f"#define {name}_MOST {_number(high)}"
         yield f"#define {name}_SAFE {_number(r.safe or 0)}"
+    if r.none is not None:
+        yield f"#define {name}_NONE ({r.none})"
     for number, value in r.values.items():
         yield f"#define {name}_{value.upper()} {number}u"
     if r.field:

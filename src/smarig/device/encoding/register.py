@@ -80,6 +80,8 @@ class Register(TomlTable):
     range: tuple[int, int] | None = None
     values: NumberNames = Field(default_factory=dict)
     safe: int | None = None
+    none: int | None = None
+    since: int = 0  # version of the map that added it; 0: not later than ``Device.since``
     count: int = Field(default=1, ge=1)
     field: tuple[Value, ...] = ()
 
@@ -96,7 +98,9 @@ class Register(TomlTable):
         """Its value. Raises UsageError for a ring."""
         if self.type == "record":
             raise UsageError(f"Register {self.name} is a ring buffer of records, not a number.")
-        return Value(name=self.name, type=self.type, text=self.text, lsb=self.lsb, unit=self.unit)
+        return Value(
+            name=self.name, type=self.type, text=self.text, lsb=self.lsb, unit=self.unit, none=self.none
+        )
 
     @cached_property
     def record_words(self) -> int:
@@ -123,6 +127,7 @@ class DeviceFault(TomlTable):
     code: int = Field(ge=1, le=0xFFFF)
     cause: str
     remedy: str
+    since: int = 0  # as of a register
 
 
 class Device(TomlTable):
@@ -131,6 +136,7 @@ class Device(TomlTable):
     name: str
     kind: int
     version: int = Field(ge=1)
+    since: int = 0  # first version that talks with this one, in which registers were added only; 0: this one
     default_address: int = Field(ge=1, le=247)
     summary: str
 
@@ -182,19 +188,29 @@ class RegisterMap:
 
     @property
     def canonical(self) -> str:
-        """The text on which both sides must agree: one line for the device and for each register, field and fault."""
-        lines = [f"device {self.device.name} {self.device.version}"]
+        """The text on which both sides must agree: one line for the device and for each register, field and fault.
+
+        Without what was added since the first version that this one talks with: a side that does not know an addition
+        does not use it.
+        """
+        lines = [f"device {self.device.name} {self.first_version}"]
         for r in self.registers.values():
-            lines += _lines(r)
-        return "\n".join([*lines, *(f"fault {f.name} {f.code}" for f in self.faults.values())]) + "\n"
+            lines += _lines(r) if r.since <= self.first_version else []
+        faults = (f for f in self.faults.values() if f.since <= self.first_version)
+        return "\n".join([*lines, *(f"fault {f.name} {f.code}" for f in faults)]) + "\n"
+
+    @property
+    def first_version(self) -> int:
+        """The first version that talks with this one."""
+        return self.device.since or self.device.version
 
     def start(self, block: str) -> int:
         """Address of a block's first word."""
         return self.blocks[block][0].address
 
-    def size(self, block: str) -> int:
-        """Words of a block."""
-        last = self.blocks[block][-1]
+    def size(self, block: str, version: int | None = None) -> int:
+        """Words of a block, as a version of the map has it: what a version adds is at the end of a block."""
+        last = [r for r in self.blocks[block] if version is None or r.since <= version][-1]
         return last.address + last.words - self.start(block)
 
     def encode(self, block: str, values: Mapping[str, int]) -> list[int]:

@@ -36,7 +36,11 @@ class AbsoluteZero(NamedTuple):
 
 
 class CurrentSource(Protocol):
-    """Drives a current and measures it."""
+    """Drives a current and measures it.
+
+    One that measures the wire temperature may limit it itself: ``holds_wire_limit`` says whether it can, and
+    ``limit_wire_temperature(largest_degC)`` is called before each current that is set.
+    """
 
     @property
     def has_lease(self) -> bool:
