@@ -28,6 +28,7 @@ from smarig.diagnosis.explain.search import NearestEffect
 from smarig.diagnosis.explain.separate_evidence import separate_evidence
 from smarig.diagnosis.explain.signed_density import find_explanations
 from smarig.diagnosis.explain.zero_of_output import with_zero_of_runs
+from smarig.diagnosis.extended_model import extended_model
 from smarig.diagnosis.held_out_gain import HeldOutGain, held_out_gain
 from smarig.diagnosis.name_gates import NameEvidence, gated
 from smarig.diagnosis.run_checks import check_comparable, check_held_out
@@ -43,7 +44,6 @@ from smarig.replay import (
     load_model,
     numerics,
     plant_model_of,
-    provenance,
 )
 
 
@@ -154,7 +154,7 @@ def diagnose_commanded(
             settled_rms(timeline, extended if offered else base),
         ),
         gain=gain if offered or gain is None else gain.without_extension(),
-        model=_extended(original, with_zero_of_runs(timeline, extended), train_runs, verdict)
+        model=extended_model(original, with_zero_of_runs(timeline, extended), train_runs, verdict.word)
         if offered
         else original,
         numerics=numerics(timeline, base),
@@ -211,23 +211,3 @@ def _if_borne_out(
 
 def _floor(noise: np.ndarray) -> float:
     return float(np.sqrt(np.mean(noise**2)))
-
-
-def _extended(original: Model, plant_model: PlantModel, train: list[Run], verdict: DiagnosisVerdict) -> Model:
-    """The given model with its density identified jointly with the effects, and with these effects."""
-    return replace(
-        original,
-        name=f"{original.name} + {' + '.join(e.kind.name for e in plant_model.catalogue_effects)}",
-        hysteresis=plant_model.hysteresis,
-        effects=tuple(e.with_positive_strength.to_json() for e in plant_model.catalogue_effects),
-        parameters=(),
-        covariance=np.empty((0, 0)),
-        intervals={},
-        provenance=tuple(provenance(run) for run in train),
-        warnings=(
-            *original.warnings,
-            "Term learned from the errors of a plain model; its cause is unknown."
-            if verdict.word == "unknown"
-            else f"Effects by diagnosis ({verdict.word}); density identified jointly.",
-        ),
-    )

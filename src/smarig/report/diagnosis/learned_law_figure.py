@@ -40,6 +40,7 @@ _VALUES = {
     "output_gain": "Relative change of the output's gain",
     "input": "Added to the input",
     "input_gain": "Relative change of the input's gain",
+    "heat_loss": "Relative change of the heating per heat loss",
     "play": "Half-width of the input's play",
 }
 

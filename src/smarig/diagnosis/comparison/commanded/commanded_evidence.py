@@ -10,6 +10,7 @@ from smarig.diagnosis.comparison.commanded.screening import Screened, collinear
 from smarig.diagnosis.comparison.compared_hypothesis import ComparedHypothesis, Part, Trial
 from smarig.diagnosis.comparison.rules import RULES, VerdictEvidence
 from smarig.diagnosis.comparison.weights import TEMPERATURE, Weights
+from smarig.diagnosis.looks_like import PLANT_EFFECTS
 
 Array = NDArray[np.float64]
 PARTED_NATS = TEMPERATURE * float(np.log(RULES["name"].value / (1 - RULES["name"].value)))
@@ -33,10 +34,25 @@ def evidence_of(
         blocks=int(np.unique(block).size),
         confounded=_confounded(found, weights),
         held_out=held_out,
+        acts_through={p: _variables_of(p) for p in weights.causes if p.kind == "effect"},
         testable=bool(found.screened),
         repeatability=_repeatability(found, weights),
         effects_alone=_effects_alone(weights),
     )
+
+
+def likeliest_variable(evidence: VerdictEvidence) -> str | None:
+    """The variable that the errors go with most probably, by itself or through an effect that acts through it."""
+    total: dict[str, float] = {}
+    for part, p in evidence.causes.items():
+        for v in (part,) if part.kind == "variable" else evidence.acts_through.get(part, ()):
+            total[v.name] = total.get(v.name, 0.0) + p
+    return max(total, key=lambda name: total[name], default=None)
+
+
+def _variables_of(effect: Part) -> tuple[Part, ...]:
+    """The variables that an effect acts through."""
+    return tuple(Part("variable", v) for v, names in PLANT_EFFECTS.items() if effect.name in names)
 
 
 def _removed(trial: Trial) -> Removed:

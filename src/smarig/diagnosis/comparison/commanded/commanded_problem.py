@@ -15,7 +15,7 @@ from smarig.diagnosis.comparison.commanded.block_scores import (
     trial_of,
 )
 from smarig.diagnosis.comparison.commanded.channel_model import ChannelModel, channel_models
-from smarig.diagnosis.comparison.compared_hypothesis import Trial
+from smarig.diagnosis.comparison.compared_hypothesis import Part, Trial
 from smarig.diagnosis.explain.joint_density import joint_density_from_best_start
 from smarig.diagnosis.refit.coupled_readings import CoupledReadings, coupled_readings
 from smarig.diagnosis.refit.memory_noise import memory_covariance
@@ -40,6 +40,14 @@ class FittedPlant:
     def effects(self) -> tuple[Effect, ...]:
         """The effects of the catalogue that it has."""
         return self.plant_model.catalogue_effects
+
+    @property
+    def parts(self) -> tuple[Part, ...]:
+        """The parts of a hypothesis that its effects are; a learned law is a dependence on its variable."""
+        kinds = [e.kind for e in self.effects]
+        return tuple(
+            sorted(Part("variable", k.shape.variable) if k.shape else Part("effect", k.name) for k in kinds)
+        )
 
     @property
     def parameters(self) -> dict[str, float]:
@@ -106,9 +114,9 @@ class CommandedProblem:
         return FittedPlant(model, prediction, refitted, (coupled, *channels))
 
 
-def less_optimism(trial: Trial, effects: Sequence[Effect]) -> Trial:
-    """A trial whose parameters were fitted to all blocks: each gains a nat by that (Akaike)."""
-    free = sum(len(e.kind.parameters[1:]) + 1 for e in effects)
+def less_optimism(trial: Trial, effects: Sequence[Effect], others: int = 0) -> Trial:
+    """A trial whose parameters, and ``others``, were fitted to all blocks: each gains a nat by that (Akaike)."""
+    free = sum(len(e.kind.parameters[1:]) + 1 for e in effects) + others
     return replace(trial, log_scores=trial.log_scores - free / trial.log_scores.size)
 
 

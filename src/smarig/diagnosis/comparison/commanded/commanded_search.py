@@ -6,11 +6,13 @@ screening it gains what its prior takes.
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from math import inf
 
 import numpy as np
 
 from smarig.diagnosis.comparison.commanded.commanded_problem import CommandedProblem, FittedPlant
 from smarig.diagnosis.comparison.commanded.effect_trials import fitted_with, refined
+from smarig.diagnosis.comparison.commanded.law_trials import laws
 from smarig.diagnosis.comparison.commanded.periods import with_best_period
 from smarig.diagnosis.comparison.commanded.screening import Screened, candidates, screened
 from smarig.diagnosis.comparison.commanded.variable_trials import Discrepancies
@@ -43,10 +45,11 @@ def search(subject: CommandedProblem, progress: Progress) -> SearchedHypotheses:
     weak = screened(subject, base, traces, smooth.ranking)
     models: dict[tuple[Part, ...], FittedPlant] = {(): base}
     effects = _refined(subject, base, weak, models, progress, nothing.score)
-    nothing = replace(nothing, trials=(*nothing.trials, *_without_effects(subject, models)))
     tried = {h.parts for h in effects}
     effects += [s.hypothesis for s in weak if (s.part,) not in tried]
-    variables = [_reported(smooth.hypothesis(v), nothing, progress) for v in smooth.variables[:VARIABLES]]
+    gain = max((h.score - nothing.score for h in effects), default=0.0)
+    variables = _variables(subject, smooth, models, nothing, gain, progress)
+    nothing = replace(nothing, trials=(*nothing.trials, *_without_effects(subject, models)))
     pairs = _pairs(subject, effects, models, traces, progress)
     return SearchedHypotheses((nothing, *effects, *variables, *pairs), models, tuple(weak))
 
@@ -103,6 +106,30 @@ def _refined_one(
     return again
 
 
+def _variables(
+    subject: CommandedProblem,
+    smooth: Discrepancies,
+    models: dict[tuple[Part, ...], FittedPlant],
+    nothing: ComparedHypothesis,
+    gain: float,
+    progress: Progress,
+) -> list[ComparedHypothesis]:
+    """The most promising variables by their kernels, and by learned laws.
+
+    Laws are fitted unless no kernel gains a share of the ``gain`` in nats of the best effect.
+    """
+    found = {h.parts: h for h in (smooth.hypothesis(v) for v in smooth.variables[:VARIABLES])}
+    by_kernels = max((h.score - nothing.score for h in found.values()), default=0.0)
+    worth = by_kernels > max(LINEAR_SHARE * gain, PAIR_NATS)
+    top: dict[tuple[Part, ...], float] = {}
+    for law, fitted in laws(subject, smooth, PAIR_NATS) if worth else ():
+        parts, own = law.parts, found.get(law.parts)
+        found[parts] = law if own is None else replace(own, trials=(*own.trials, *law.trials))
+        if law.best.score > top.get(parts, -inf):
+            models[parts], top[parts] = fitted, law.best.score
+    return [_reported(h, nothing, progress) for h in found.values()]
+
+
 def _pairs(
     subject: CommandedProblem,
     effects: Sequence[ComparedHypothesis],
@@ -126,10 +153,27 @@ def _pairs(
     if better:
         top = max(better, key=lambda t: t.score)
         found[found.index(top)] = _refined_one(subject, top, models)
-    for variable in smooth.variables[:PAIRS]:
-        if smooth.gain(variable) > PAIR_NATS:
-            found.append(_reported(smooth.hypothesis(variable), best, progress))
-    return found
+    return found + _beside(best, smooth, progress) + _beside_pair(subject, found, models, floor, progress)
+
+
+def _beside(best: ComparedHypothesis, smooth: Discrepancies, progress: Progress) -> list[ComparedHypothesis]:
+    """Effects with a dependence on a variable beside them: what they leave."""
+    chosen = [v for v in smooth.variables[:PAIRS] if smooth.gain(v) > PAIR_NATS]
+    return [_reported(smooth.hypothesis(v), best, progress) for v in chosen]
+
+
+def _beside_pair(
+    subject: CommandedProblem,
+    pairs: Sequence[ComparedHypothesis],
+    models: dict[tuple[Part, ...], FittedPlant],
+    floor: float,
+    progress: Progress,
+) -> list[ComparedHypothesis]:
+    """The same of the best pair of effects: else two wrong effects would win for want of a competitor."""
+    best = max(pairs, key=lambda t: t.score, default=None)
+    if best is None or best.score < floor + PAIR_NATS:
+        return []
+    return _beside(best, Discrepancies.about(subject, models[best.parts]), progress)
 
 
 def _reported(

@@ -5,9 +5,9 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from smarig.diagnosis.comparison.commanded.commanded_problem import CommandedProblem, FittedPlant
-from smarig.diagnosis.comparison.compared_hypothesis import ComparedHypothesis, Part, Trial
+from smarig.diagnosis.comparison.compared_hypothesis import ComparedHypothesis, Trial
 from smarig.diagnosis.explain.parameter_fit import ParameterFit, fit_parameters
-from smarig.plant import Effect
+from smarig.plant import LEARNED, Effect
 
 STEPS_SD = (3.0, 1.0)  # standard deviations of the strength from trial to trial
 STEP_BOUNDS = (0.003, 0.3)  # of the strength: bounds of a step
@@ -43,7 +43,8 @@ def refined(
             best = again if trials[-1].score >= max(t.score for t in trials) else best
         if best is start or max(t.score for t in trials) < before + MIN_ROUND_NATS:
             break
-    best = _along_strength(subject, best, trials, step)
+    if best.effects[-1].kind.name != LEARNED:  # the values of a law have no common strength
+        best = _along_strength(subject, best, trials, step)
     return _hypothesis(best, trials), best
 
 
@@ -60,9 +61,7 @@ def _relative_spread(fit: ParameterFit) -> float:
 
 
 def _hypothesis(fitted: FittedPlant, trials: Sequence[Trial]) -> ComparedHypothesis:
-    return ComparedHypothesis(
-        tuple(sorted(Part("effect", e.kind.name) for e in fitted.effects)), tuple(trials)
-    )
+    return ComparedHypothesis(fitted.parts, tuple(trials))
 
 
 def _moved(subject: CommandedProblem, fitted: FittedPlant, fit: ParameterFit) -> Iterator[FittedPlant]:
