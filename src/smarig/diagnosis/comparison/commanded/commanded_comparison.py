@@ -2,14 +2,14 @@
 
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 
 from threadpoolctl import threadpool_limits
 
 from smarig.diagnosis.comparison.commanded.commanded_evidence import evidence_of, likeliest_variable
-from smarig.diagnosis.comparison.commanded.commanded_problem import CommandedProblem
-from smarig.diagnosis.comparison.commanded.commanded_search import SearchedHypotheses, search
+from smarig.diagnosis.comparison.commanded.commanded_result import CommandedComparison
+from smarig.diagnosis.comparison.commanded.commanded_search import search
 from smarig.diagnosis.comparison.commanded.compared_runs import subject_of
 from smarig.diagnosis.comparison.commanded.extension import (
     Extension,
@@ -19,38 +19,10 @@ from smarig.diagnosis.comparison.commanded.extension import (
 )
 from smarig.diagnosis.comparison.compared_hypothesis import Part
 from smarig.diagnosis.comparison.rules import RULES, Verdict, VerdictEvidence, decide
-from smarig.diagnosis.comparison.weights import Weights, weigh
+from smarig.diagnosis.comparison.weights import weigh
 from smarig.diagnosis.held_out_gain import HeldOutGain
 from smarig.record import Run, loaded_runs
-from smarig.replay import Model, PlantModel, load_model
-
-
-@dataclass(frozen=True, eq=False)
-class CommandedComparison:
-    """The hypotheses about a wire with their weights, and the verdict.
-
-    ``extended`` is the base model with effects, or with a law if the cause is unknown: of those that do not predict
-    held-out runs worse, the one that predicts blocks left out best, or the base model. ``gain`` are its errors on
-    held-out runs, None if there are none. ``intervals95`` and ``intervals90`` belong to "effect.parameter".
-    """
-
-    subject: CommandedProblem
-    found: SearchedHypotheses
-    weights: Weights
-    evidence: VerdictEvidence
-    verdict: Verdict
-    parameters: dict[str, float]
-    intervals95: dict[str, tuple[float, float]]
-    intervals90: dict[str, tuple[float, float]]
-    base: PlantModel
-    extended: PlantModel
-    gain: HeldOutGain | None
-    seconds: float
-
-    @property
-    def causes(self) -> dict[Part, float]:
-        """The probability of each cause, likeliest first."""
-        return self.weights.causes
+from smarig.replay import Model, load_model
 
 
 @threadpool_limits.wrap(limits=1, user_api="blas")  # small matrices: threads would only wait for each other
@@ -90,12 +62,11 @@ def compare_commanded(
         weights=weights,
         evidence=evidence,
         verdict=verdict,
-        parameters=dict(extension.parameters),
-        intervals95=extension.intervals(0.95),
-        intervals90=extension.intervals(0.90),
-        base=extension.base,
-        extended=extension.extended if offered else extension.base,
+        extension=extension,
+        offered=offered,
         gain=gain if offered or gain is None else gain.without_extension(),
+        original=original,
+        train=tuple(train_runs),
         seconds=time.monotonic() - started,
     )
 

@@ -38,16 +38,8 @@ class FittedPlant:
 
     @property
     def effects(self) -> tuple[Effect, ...]:
-        """The effects of the catalogue that it has."""
+        """The effects of the catalogue that it has, those of the given model first, and learned laws."""
         return self.plant_model.catalogue_effects
-
-    @property
-    def parts(self) -> tuple[Part, ...]:
-        """The parts of a hypothesis that its effects are; a learned law is a dependence on its variable."""
-        kinds = [e.kind for e in self.effects]
-        return tuple(
-            sorted(Part("variable", k.shape.variable) if k.shape else Part("effect", k.name) for k in kinds)
-        )
 
     @property
     def parameters(self) -> dict[str, float]:
@@ -91,8 +83,17 @@ class CommandedProblem:
         return self._fitted(plant_model, prediction, refit(self.timeline, prediction, plant_model, (), warm))
 
     def with_effects(self, fitted: FittedPlant, effects: Sequence[Effect]) -> PlantModel:
-        """The plant model with these effects of the catalogue beside those that the given model has."""
-        return replace(fitted.plant_model, effects=(*self.given.effects, *effects))
+        """The plant model with these effects of the catalogue, which include those of the given model."""
+        kept = [e for e in self.given.effects if e not in self.given.catalogue_effects]
+        return replace(fitted.plant_model, effects=(*kept, *effects))
+
+    def parts(self, fitted: FittedPlant) -> tuple[Part, ...]:
+        """What a fitted model adds to the given one; a learned law is a dependence on its variable."""
+        present = {e.kind.name for e in self.given.catalogue_effects}
+        kinds = [e.kind for e in fitted.effects if e.kind.name not in present]
+        return tuple(
+            sorted(Part("variable", k.shape.variable) if k.shape else Part("effect", k.name) for k in kinds)
+        )
 
     def trial(self, fitted: FittedPlant) -> Trial:
         """The scores of a fitted model, less what its parameters gain by being fitted to the scored blocks too."""

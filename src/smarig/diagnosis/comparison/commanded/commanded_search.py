@@ -6,20 +6,19 @@ screening it gains what its prior takes.
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from math import inf
 
 import numpy as np
 
 from smarig.diagnosis.comparison.commanded.commanded_problem import CommandedProblem, FittedPlant
 from smarig.diagnosis.comparison.commanded.effect_trials import fitted_with, refined
-from smarig.diagnosis.comparison.commanded.law_trials import laws
+from smarig.diagnosis.comparison.commanded.law_trials import law
 from smarig.diagnosis.comparison.commanded.periods import with_best_period
 from smarig.diagnosis.comparison.commanded.screening import Screened, candidates, screened
 from smarig.diagnosis.comparison.commanded.variable_trials import Discrepancies
 from smarig.diagnosis.comparison.compared_hypothesis import ComparedHypothesis, Part, Trial
 from smarig.diagnosis.comparison.weights import PRIOR_PAIR, PRIOR_SINGLE, TEMPERATURE
 
-DENSITIES = 2  # of the base beside the first
+DENSITIES, BORROWED = 2, 3  # of the base beside the first: its own, and those of the best effects or laws
 FITTED, VARIABLES, PAIRS = 5, 4, 2  # most hypotheses of each kind that are fitted
 LINEAR_SHARE = 0.2  # of the best gain: an effect with less by linear traces stays at them
 NEAR_NATS, NEAR_SHARE = 10.0, 0.2  # behind the best: farther, trials of the parameters change nothing
@@ -49,7 +48,9 @@ def search(subject: CommandedProblem, progress: Progress) -> SearchedHypotheses:
     effects += [s.hypothesis for s in weak if (s.part,) not in tried]
     gain = max((h.score - nothing.score for h in effects), default=0.0)
     variables = _variables(subject, smooth, models, nothing, gain, progress)
-    nothing = replace(nothing, trials=(*nothing.trials, *_without_effects(subject, models)))
+    nothing = replace(
+        nothing, trials=(*nothing.trials, *_without_effects(subject, [*effects, *variables], models))
+    )
     pairs = _pairs(subject, effects, models, traces, progress)
     return SearchedHypotheses((nothing, *effects, *variables, *pairs), models, tuple(weak))
 
@@ -65,13 +66,15 @@ def _densities(subject: CommandedProblem) -> Iterator[FittedPlant]:
 
 
 def _without_effects(
-    subject: CommandedProblem, models: dict[tuple[Part, ...], FittedPlant]
+    subject: CommandedProblem,
+    fitted: Sequence[ComparedHypothesis],
+    models: dict[tuple[Part, ...], FittedPlant],
 ) -> Iterator[Trial]:
-    """The base with the densities identified with effects: what is gained by them needs no effect."""
-    for parts, fitted in models.items():
-        if parts:
-            model = replace(fitted.plant_model, effects=subject.given.effects)
-            yield subject.trial(subject.at(model, fitted.refitted))
+    """The base with the densities identified with the best effects or law: what is gained by them needs neither."""
+    best = sorted((h for h in fitted if h.parts in models), key=lambda h: -h.score)
+    for h in best[:BORROWED]:
+        model = replace(models[h.parts].plant_model, effects=subject.given.effects)
+        yield subject.trial(subject.at(model, models[h.parts].refitted))
 
 
 def _refined(
@@ -88,7 +91,7 @@ def _refined(
         best = max([h.score for h in found], default=nothing)
         if found and one.trial.score < nothing + LINEAR_SHARE * (best - nothing):
             continue
-        hypothesis, model = fitted_with(subject, base, [one.effect])
+        hypothesis, model = fitted_with(subject, base, [*base.effects, one.effect])
         models[hypothesis.parts] = model
         found.append(hypothesis)
         progress(f"{hypothesis.name}: {hypothesis.score - nothing:+.1f} nats on blocks left out")
@@ -114,20 +117,16 @@ def _variables(
     gain: float,
     progress: Progress,
 ) -> list[ComparedHypothesis]:
-    """The most promising variables by their kernels, and by learned laws.
+    """The most promising variables by their kernels, the best of them by a learned law as well.
 
-    Laws are fitted unless no kernel gains a share of the ``gain`` in nats of the best effect.
+    A law is fitted unless no kernel gains a share of the ``gain`` in nats of the best effect.
     """
-    found = {h.parts: h for h in (smooth.hypothesis(v) for v in smooth.variables[:VARIABLES])}
-    by_kernels = max((h.score - nothing.score for h in found.values()), default=0.0)
-    worth = by_kernels > max(LINEAR_SHARE * gain, PAIR_NATS)
-    top: dict[tuple[Part, ...], float] = {}
-    for law, fitted in laws(subject, smooth, PAIR_NATS) if worth else ():
-        parts, own = law.parts, found.get(law.parts)
-        found[parts] = law if own is None else replace(own, trials=(*own.trials, *law.trials))
-        if law.best.score > top.get(parts, -inf):
-            models[parts], top[parts] = fitted, law.best.score
-    return [_reported(h, nothing, progress) for h in found.values()]
+    found = [smooth.hypothesis(v) for v in smooth.variables[:VARIABLES]]
+    best = max((h.score - nothing.score for h in found), default=0.0)
+    if best > max(LINEAR_SHARE * gain, PAIR_NATS) and (fitted := law(subject, smooth, found)):
+        by_law, models[by_law.parts] = fitted
+        found = [_with_trials_of(h, by_law) if h.parts == by_law.parts else h for h in found]
+    return [_reported(h, nothing, progress) for h in found]
 
 
 def _pairs(
@@ -154,6 +153,11 @@ def _pairs(
         top = max(better, key=lambda t: t.score)
         found[found.index(top)] = _refined_one(subject, top, models)
     return found + _beside(best, smooth, progress) + _beside_pair(subject, found, models, floor, progress)
+
+
+def _with_trials_of(by_kernels: ComparedHypothesis, by_law: ComparedHypothesis) -> ComparedHypothesis:
+    """A dependence on a variable with the trials of its kernels and of its law."""
+    return replace(by_kernels, trials=(*by_kernels.trials, *by_law.trials))
 
 
 def _beside(best: ComparedHypothesis, smooth: Discrepancies, progress: Progress) -> list[ComparedHypothesis]:

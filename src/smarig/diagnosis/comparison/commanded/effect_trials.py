@@ -25,7 +25,7 @@ def fitted_with(
         effects, subject.timeline, start.plant_model, start.refitted, start.plant_model.hysteresis
     )
     best = subject.with_joint_density(subject.with_effects(start, fit.effects), start.refitted)
-    return _hypothesis(best, [subject.trial(best)]), best
+    return ComparedHypothesis(subject.parts(best), (subject.trial(best),)), best
 
 
 def refined(
@@ -45,7 +45,7 @@ def refined(
             break
     if best.effects[-1].kind.name != LEARNED:  # the values of a law have no common strength
         best = _along_strength(subject, best, trials, step)
-    return _hypothesis(best, trials), best
+    return ComparedHypothesis(subject.parts(best), tuple(trials)), best
 
 
 def _fit_about_own_density(subject: CommandedProblem, fitted: FittedPlant) -> ParameterFit:
@@ -58,10 +58,6 @@ def _relative_spread(fit: ParameterFit) -> float:
     last = fit.effects[-1]
     sd = fit.conditional_spread[(last.kind.name, last.kind.primary.name)]
     return sd / abs(last.strength) if last.strength else STEP_BOUNDS[1]
-
-
-def _hypothesis(fitted: FittedPlant, trials: Sequence[Trial]) -> ComparedHypothesis:
-    return ComparedHypothesis(fitted.parts, tuple(trials))
 
 
 def _moved(subject: CommandedProblem, fitted: FittedPlant, fit: ParameterFit) -> Iterator[FittedPlant]:

@@ -5,7 +5,7 @@
 Places and lengths are the trials of a variable; their variances are the likeliest.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -84,12 +84,18 @@ class Discrepancies:
         chosen = sorted(own, key=lambda j: -self.gains[j])[:most]
         channels = self._channels(variable)
         trials = [self._trial(j, channels) for j in chosen]
-        return ComparedHypothesis((*self.fitted.parts, Part("variable", variable)), tuple(trials))
+        parts = self.subject.parts(self.fitted)
+        return ComparedHypothesis((*parts, Part("variable", variable)), tuple(trials))
 
     def _trial(self, j: int, channels: tuple[Problem, ...]) -> Trial:
         model = self.fitted.plant_model
         found = trial_of(self.subject.timeline, (self._with(j), *channels), self.fitted.parameters, model)
-        return less_optimism(found, self.fitted.effects, self.kernels[j].free)
+        less = less_optimism(found, self.fitted.effects, self.kernels[j].free)
+        return replace(less, state=(*less.state, self.kernels[j]))
+
+    def kernel_of(self, trial: Trial) -> Kernel:
+        """The kernel of a trial."""
+        return trial.state[2]
 
     def _with(self, j: int) -> Problem:
         found = self.readings.covariance.with_shape(self.kernels[j].shape)
