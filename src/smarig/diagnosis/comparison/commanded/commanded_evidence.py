@@ -38,6 +38,7 @@ def evidence_of(
         testable=bool(found.screened),
         repeatability=_repeatability(found, weights),
         effects_alone=_effects_alone(weights),
+        least_alone=RULES["nothing"].value,  # the likelier half: a name says that nothing else is missing
     )
 
 

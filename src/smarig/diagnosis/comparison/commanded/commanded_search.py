@@ -11,7 +11,7 @@ import numpy as np
 
 from smarig.diagnosis.comparison.commanded.commanded_problem import CommandedProblem, FittedPlant
 from smarig.diagnosis.comparison.commanded.effect_trials import fitted_with, refined
-from smarig.diagnosis.comparison.commanded.law_trials import law
+from smarig.diagnosis.comparison.commanded.law_trials import laws
 from smarig.diagnosis.comparison.commanded.periods import with_best_period
 from smarig.diagnosis.comparison.commanded.screening import Screened, candidates, screened
 from smarig.diagnosis.comparison.commanded.variable_trials import Discrepancies
@@ -121,12 +121,14 @@ def _variables(
 
     A law is fitted unless no kernel gains a share of the ``gain`` in nats of the best effect.
     """
-    found = [smooth.hypothesis(v) for v in smooth.variables[:VARIABLES]]
-    best = max((h.score - nothing.score for h in found), default=0.0)
-    if best > max(LINEAR_SHARE * gain, PAIR_NATS) and (fitted := law(subject, smooth, found)):
-        by_law, models[by_law.parts] = fitted
-        found = [_with_trials_of(h, by_law) if h.parts == by_law.parts else h for h in found]
-    return [_reported(h, nothing, progress) for h in found]
+    by_parts = {h.parts: h for h in (smooth.hypothesis(v) for v in smooth.variables[:VARIABLES])}
+    best = max((h.score - nothing.score for h in by_parts.values()), default=0.0)
+    if best > max(LINEAR_SHARE * gain, PAIR_NATS):
+        for by_law, models[by_law.parts] in laws(subject, smooth):
+            own = by_parts.get(by_law.parts)
+            joined = by_law if own is None else replace(own, trials=(*own.trials, *by_law.trials))
+            by_parts[by_law.parts] = joined
+    return [_reported(h, nothing, progress) for h in by_parts.values()]
 
 
 def _pairs(
@@ -153,11 +155,6 @@ def _pairs(
         top = max(better, key=lambda t: t.score)
         found[found.index(top)] = _refined_one(subject, top, models)
     return found + _beside(best, smooth, progress) + _beside_pair(subject, found, models, floor, progress)
-
-
-def _with_trials_of(by_kernels: ComparedHypothesis, by_law: ComparedHypothesis) -> ComparedHypothesis:
-    """A dependence on a variable with the trials of its kernels and of its law."""
-    return replace(by_kernels, trials=(*by_kernels.trials, *by_law.trials))
 
 
 def _beside(best: ComparedHypothesis, smooth: Discrepancies, progress: Progress) -> list[ComparedHypothesis]:

@@ -5,7 +5,7 @@
 Places and lengths are the trials of a variable; their variances are the likeliest.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -90,12 +90,7 @@ class Discrepancies:
     def _trial(self, j: int, channels: tuple[Problem, ...]) -> Trial:
         model = self.fitted.plant_model
         found = trial_of(self.subject.timeline, (self._with(j), *channels), self.fitted.parameters, model)
-        less = less_optimism(found, self.fitted.effects, self.kernels[j].free)
-        return replace(less, state=(*less.state, self.kernels[j]))
-
-    def kernel_of(self, trial: Trial) -> Kernel:
-        """The kernel of a trial."""
-        return trial.state[2]
+        return less_optimism(found, self.fitted.effects, self.kernels[j].free)
 
     def _with(self, j: int) -> Problem:
         found = self.readings.covariance.with_shape(self.kernels[j].shape)
