@@ -13,6 +13,7 @@ from smarig.core import UsageError
 from smarig.diagnosis.critique.critique import ALPHA, NULL_DATA_SETS, critique
 from smarig.diagnosis.critique.settings import check_settings
 from smarig.diagnosis.critique.visibility import visibility
+from smarig.diagnosis.diagnosed_model import diagnosed_model
 from smarig.diagnosis.diagnosis_result import Diagnosis, ErrorSummary
 from smarig.diagnosis.diagnosis_verdict import DiagnosisVerdict, decide_verdict
 from smarig.diagnosis.effects_to_try import effects_to_try
@@ -28,7 +29,6 @@ from smarig.diagnosis.explain.search import NearestEffect
 from smarig.diagnosis.explain.separate_evidence import separate_evidence
 from smarig.diagnosis.explain.signed_density import find_explanations
 from smarig.diagnosis.explain.zero_of_output import with_zero_of_runs
-from smarig.diagnosis.extended_model import extended_model
 from smarig.diagnosis.held_out_gain import HeldOutGain, held_out_gain
 from smarig.diagnosis.name_gates import NameEvidence, gated
 from smarig.diagnosis.run_checks import check_comparable, check_held_out
@@ -154,7 +154,7 @@ def diagnose_commanded(
             settled_rms(timeline, extended if offered else base),
         ),
         gain=gain if offered or gain is None else gain.without_extension(),
-        model=extended_model(original, with_zero_of_runs(timeline, extended), train_runs, verdict.word)
+        model=diagnosed_model(original, with_zero_of_runs(timeline, extended), train_runs, verdict.word)
         if offered
         else original,
         numerics=numerics(timeline, base),

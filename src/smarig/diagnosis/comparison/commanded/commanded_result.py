@@ -12,10 +12,10 @@ from smarig.diagnosis.comparison.commanded.extension import Extension
 from smarig.diagnosis.comparison.compared_hypothesis import Part
 from smarig.diagnosis.comparison.rules import SENTENCES, Verdict, VerdictEvidence
 from smarig.diagnosis.comparison.weights import Weights
+from smarig.diagnosis.diagnosed_model import diagnosed_model
 from smarig.diagnosis.diagnosis_result import ErrorSummary
 from smarig.diagnosis.explain.joint_density import settled_rms
 from smarig.diagnosis.explain.zero_of_output import with_zero_of_runs
-from smarig.diagnosis.extended_model import extended_model
 from smarig.diagnosis.held_out_gain import HeldOutGain
 from smarig.diagnosis.refit.refit import NoiseEstimate
 from smarig.plant import Effect
@@ -140,7 +140,7 @@ class CommandedComparison:
         if not self.offered:
             return self.original
         zeroed = with_zero_of_runs(self.timeline, self.extended)
-        return extended_model(self.original, zeroed, self.train, self.verdict.word)
+        return diagnosed_model(self.original, zeroed, self.train, self.verdict.word)
 
     @cached_property
     def numerics(self) -> float:

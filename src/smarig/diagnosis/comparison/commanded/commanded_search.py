@@ -154,16 +154,16 @@ def _pairs(
     if better:
         top = max(better, key=lambda t: t.score)
         found[found.index(top)] = _refined_one(subject, top, models)
-    return found + _beside(best, smooth, progress) + _beside_pair(subject, found, models, floor, progress)
+    return found + _left_by(best, smooth, progress) + _left_by_pair(subject, found, models, floor, progress)
 
 
-def _beside(best: ComparedHypothesis, smooth: Discrepancies, progress: Progress) -> list[ComparedHypothesis]:
+def _left_by(best: ComparedHypothesis, smooth: Discrepancies, progress: Progress) -> list[ComparedHypothesis]:
     """Effects with a dependence on a variable beside them: what they leave."""
     chosen = [v for v in smooth.variables[:PAIRS] if smooth.gain(v) > PAIR_NATS]
     return [_reported(smooth.hypothesis(v), best, progress) for v in chosen]
 
 
-def _beside_pair(
+def _left_by_pair(
     subject: CommandedProblem,
     pairs: Sequence[ComparedHypothesis],
     models: dict[tuple[Part, ...], FittedPlant],
@@ -174,7 +174,7 @@ def _beside_pair(
     best = max(pairs, key=lambda t: t.score, default=None)
     if best is None or best.score < floor + PAIR_NATS:
         return []
-    return _beside(best, Discrepancies.about(subject, models[best.parts]), progress)
+    return _left_by(best, Discrepancies.about(subject, models[best.parts]), progress)
 
 
 def _reported(

@@ -9,7 +9,7 @@ from smarig.record import Run
 from smarig.replay import Model, PlantModel, provenance
 
 
-def extended_model(original: Model, plant_model: PlantModel, train: Sequence[Run], word: str) -> Model:
+def diagnosed_model(original: Model, plant_model: PlantModel, train: Sequence[Run], word: str) -> Model:
     """The given model with its density identified jointly with the effects, and with these effects.
 
     ``train`` are the runs that it was identified from, ``word`` is the verdict's.
