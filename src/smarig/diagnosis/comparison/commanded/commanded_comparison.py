@@ -48,7 +48,7 @@ def compare_commanded(
     by_effects = extension_of(subject, found, weights)
     gain_by_effects = gain_with(subject, by_effects, train_runs, held_out_runs)
     evidence = evidence_of(subject, found, weights, _held_out(by_effects, gain_by_effects))
-    verdict = _with_variable(decide(evidence), evidence)
+    verdict = _with_variable(decide(evidence), evidence, weights.nothing)
     tried = [(by_effects, gain_by_effects)] if by_effects.parts and verdict.word != "silent" else []
     if verdict.word == "unknown":
         laws = law_extensions(subject, found, by_effects.base)
@@ -71,8 +71,10 @@ def compare_commanded(
     )
 
 
-def _with_variable(verdict: Verdict, evidence: VerdictEvidence) -> Verdict:
-    """An unknown cause with the likeliest variable."""
+def _with_variable(verdict: Verdict, evidence: VerdictEvidence, raw_nothing: float) -> Verdict:
+    """An unknown cause with the likeliest variable; silence over causes that remove too little says so."""
+    if verdict.reason == "nothing" and raw_nothing < RULES["nothing"].value:
+        verdict = replace(verdict, reason="too_small")
     if verdict.word != "unknown" or evidence.nothing >= RULES["nothing"].value:
         return verdict
     return replace(verdict, depends_on=likeliest_variable(evidence))
