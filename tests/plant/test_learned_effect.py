@@ -45,6 +45,18 @@ def test_a_law_at_the_input_acts_through_the_hysteresis(timeline):
     assert np.abs(added[~saturated]).max() > 0.02
 
 
+def test_a_law_at_the_heat_loss_makes_the_wire_hotter_and_slower(timeline):
+    """1/(1 + f) of the heat loss: (1 + f) times the steady temperatures, and the time constant."""
+    plant_model, _ = twin_plant_model()
+    kind = learned_effect_type(LearnedShape("time", "heat_loss", (-1.0, 0.0), "1"), 1.0)
+    plain, dusty = predict(timeline, plant_model), predict(timeline, plant_model, [kind(0.1)])
+    ratio = dusty.hysteresis_input_K / np.maximum(plain.hysteresis_input_K, 1e-9)
+    settled = plain.tick_index[plain.of("settled")][timeline.target_K > 1.0]
+    np.testing.assert_allclose(ratio[settled], 1.1, atol=1e-3)
+    rising = (plain.hysteresis_input_K > 1.0) & (plain.hysteresis_input_K < 30.0)
+    assert ratio[rising].min() < 1.05
+
+
 @pytest.mark.parametrize(
     ("variable", "values"),
     [

@@ -13,11 +13,12 @@ from smarig.core.lazy_exports import lazy_exports
 if TYPE_CHECKING:
     from smarig.diagnosis.commanded_diagnosis import diagnose_commanded as diagnose_commanded
     from smarig.diagnosis.comparison.commanded.commanded_comparison import (
-        CommandedComparison as CommandedComparison,
-    )
-    from smarig.diagnosis.comparison.commanded.commanded_comparison import (
         compare_commanded as compare_commanded,
     )
+    from smarig.diagnosis.comparison.commanded.commanded_result import (
+        CommandedComparison as CommandedComparison,
+    )
+    from smarig.diagnosis.comparison.commanded.commanded_result import LikelyEffect as LikelyEffect
     from smarig.diagnosis.comparison.compared_hypothesis import ComparedHypothesis as ComparedHypothesis
     from smarig.diagnosis.comparison.compared_hypothesis import Part as Part
     from smarig.diagnosis.comparison.measured.learned_law import LearnedLaw as LearnedLaw

@@ -13,6 +13,7 @@ from smarig.core import UsageError
 from smarig.diagnosis.critique.critique import ALPHA, NULL_DATA_SETS, critique
 from smarig.diagnosis.critique.settings import check_settings
 from smarig.diagnosis.critique.visibility import visibility
+from smarig.diagnosis.diagnosed_model import diagnosed_model
 from smarig.diagnosis.diagnosis_result import Diagnosis, ErrorSummary
 from smarig.diagnosis.diagnosis_verdict import DiagnosisVerdict, decide_verdict
 from smarig.diagnosis.effects_to_try import effects_to_try
@@ -43,7 +44,6 @@ from smarig.replay import (
     load_model,
     numerics,
     plant_model_of,
-    provenance,
 )
 
 
@@ -154,7 +154,7 @@ def diagnose_commanded(
             settled_rms(timeline, extended if offered else base),
         ),
         gain=gain if offered or gain is None else gain.without_extension(),
-        model=_extended(original, with_zero_of_runs(timeline, extended), train_runs, verdict)
+        model=diagnosed_model(original, with_zero_of_runs(timeline, extended), train_runs, verdict.word)
         if offered
         else original,
         numerics=numerics(timeline, base),
@@ -211,23 +211,3 @@ def _if_borne_out(
 
 def _floor(noise: np.ndarray) -> float:
     return float(np.sqrt(np.mean(noise**2)))
-
-
-def _extended(original: Model, plant_model: PlantModel, train: list[Run], verdict: DiagnosisVerdict) -> Model:
-    """The given model with its density identified jointly with the effects, and with these effects."""
-    return replace(
-        original,
-        name=f"{original.name} + {' + '.join(e.kind.name for e in plant_model.catalogue_effects)}",
-        hysteresis=plant_model.hysteresis,
-        effects=tuple(e.with_positive_strength.to_json() for e in plant_model.catalogue_effects),
-        parameters=(),
-        covariance=np.empty((0, 0)),
-        intervals={},
-        provenance=tuple(provenance(run) for run in train),
-        warnings=(
-            *original.warnings,
-            "Term learned from the errors of a plain model; its cause is unknown."
-            if verdict.word == "unknown"
-            else f"Effects by diagnosis ({verdict.word}); density identified jointly.",
-        ),
-    )

@@ -113,7 +113,7 @@ def _learned(d: "Diagnosis") -> Iterator[str]:
         yield from nothing_learned_text(d.learned_reason)
         return
     shape = d.learned.shape
-    yield f"A term at the {shape.enters} that depends on {shape.variable_text} was learned."
+    yield f"A term at the {shape.enters.replace('_', ' ')} that depends on {shape.variable_text} was learned."
     yield learned_gain_text(d.learned.gain_blocks, d.learned.looks_like)
 
 

@@ -32,11 +32,12 @@ if TYPE_CHECKING:
     from smarig.plant.heating import JouleHeating as JouleHeating
     from smarig.plant.heating import temperature_along as temperature_along
     from smarig.plant.largest_voltage import largest_voltage_V as largest_voltage_V
+    from smarig.plant.learned_effect import LEARNED as LEARNED
     from smarig.plant.learned_effect import LEARNED_FROM as LEARNED_FROM
     from smarig.plant.learned_effect import MEAN_LEVELS as MEAN_LEVELS
     from smarig.plant.learned_effect import MEAN_POWERS as MEAN_POWERS
-    from smarig.plant.learned_effect import NOT_LEARNED as NOT_LEARNED
     from smarig.plant.learned_effect import LearnedShape as LearnedShape
+    from smarig.plant.learned_effect import can_be_learned as can_be_learned
     from smarig.plant.learned_effect import learned_effect_type as learned_effect_type
     from smarig.plant.load import Load as Load
     from smarig.plant.load import load_of as load_of

@@ -1,6 +1,6 @@
-"""An effect learned from runs: a piecewise linear function of one variable, added to the position or the temperature.
+"""An effect learned from runs: a piecewise linear function of one variable, at the position, temperature or heat loss.
 
-    output:   position = P[u] + f(z)            input:   u = T + f(z)
+    output:   position = P[u] + f(z)        input:   u = T + f(z)        heat_loss:   h = h₀/(1 + f(z)): T_∞, τ ~ 1/h
 
 z follows from the commands, the clock and the travel (``LEARNED_FROM``), or is a mean of the last minutes:
 
@@ -19,10 +19,10 @@ from smarig.core import UsageError, stored_number
 from smarig.plant.effect import EffectContext, EffectType, Hook, Parameter, PlantState, Stage, Values
 
 LEARNED = "learned"
-PLACES = ("output", "input")
+PLACES = ("output", "input", "heat_loss")
 ANSWER_S = 10.0  # decay of ``rate`` after a step
 SHORTEST_HOLD_S = 1.0
-OUTPUT_BOUND, INPUT_BOUND = 0.5, 0.3  # of the ranges of output and input: bounds of f
+OUTPUT_BOUND, INPUT_BOUND = 0.5, 0.3  # of the ranges of output and input (1 of the heat loss): bounds of f
 MOST_KNOTS, LONGEST_UNIT = 100, 40  # in model files
 NOT_LEARNED = ("level", "input")  # a density has such a law anyway
 TYPICAL_SHARE = 0.01  # of the same ranges: expected size of f
@@ -109,6 +109,7 @@ VARIABLE_UNITS = {  # of the others: "1"; "" is the unit of the output
     **dict.fromkeys(MEAN_POWERS, "K"),
     **dict.fromkeys(MEAN_LEVELS, ""),
 }
+OF_HEAT_LOSS = ("time", "cycle")  # variables that a heat loss may depend on
 _OF_PRESENT = ("time", "cycle", "level")  # the others have a memory
 _OF_OUTPUT = ("cycle", "level", *MEAN_LEVELS)
 
@@ -157,10 +158,14 @@ class LearnedShape:
         if missing:
             raise UsageError(f"the shape of a learned law has no {missing[0]}")
         variable, enters, knots, unit = (stored[key] for key in ("variable", "enters", "knots", "unit"))
-        if variable not in tuple(LEARNED_FROM) or enters not in PLACES or (variable, enters) == NOT_LEARNED:
+        if (
+            variable not in tuple(LEARNED_FROM)
+            or enters not in PLACES
+            or not can_be_learned(variable, enters)
+        ):
             raise UsageError(
                 f"a learned law cannot depend on {variable!r:.40} at the {enters!r:.40}; variables are "
-                f"{', '.join(LEARNED_FROM)}, places output and input"
+                f"{', '.join(LEARNED_FROM)}, places {', '.join(PLACES)} (heat_loss: {', '.join(OF_HEAT_LOSS)})"
             )
         if not isinstance(knots, list) or not 2 <= len(knots) <= MOST_KNOTS:
             raise UsageError(f"a learned law has a list of 2 to {MOST_KNOTS} knots")
@@ -172,10 +177,15 @@ class LearnedShape:
         return shape
 
 
+def can_be_learned(variable: str, place: str) -> bool:
+    """Whether a law of this variable at this place says something that no density says anyway."""
+    return (variable, place) != NOT_LEARNED and (place != "heat_loss" or variable in OF_HEAT_LOSS)
+
+
 def learned_effect_type(shape: LearnedShape, range_of_place: float) -> EffectType:
     """The effect type of laws with these knots; its parameters are f at all knots but the first.
 
-    ``range_of_place`` is the range of the output or of the input, which bounds f.
+    ``range_of_place`` is the range of the output or of the input, or 1 of the heat loss; it bounds f.
     """
     at_output = shape.enters == "output"
     bound = (OUTPUT_BOUND if at_output else INPUT_BOUND) * range_of_place
@@ -214,6 +224,11 @@ class _Law:
         def added(value: float, now: PlantState) -> float:
             return value + law(z_of(now))
 
+        def divided(value: float, now: PlantState) -> float:
+            return value * (1.0 + law(z_of(now)))
+
+        if shape.enters == "heat_loss":
+            return {Stage.SOURCE: divided, Stage.LAG: divided}
         return {Stage.ADDITIVE if shape.enters == "output" else Stage.INPUT: added}
 
 

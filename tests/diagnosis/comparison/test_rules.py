@@ -47,6 +47,8 @@ def test_what_changes_too_little_is_not_told():
         ({"confounded": {LAG: (DRIFT,)}}, "confounded"),
         ({"held_out": {LAG: 1.2}}, "worse"),
         ({"block_error": 0.3}, "beside"),
+        ({"effects_alone": 0.05}, "left_over"),
+        ({"effects_alone": 0.3, "least_alone": 0.5}, "left_over"),
         ({"causes": {LAG: 0.97, RATE: 0.95}, "size": {LAG: 0.1, RATE: 0.1}}, "incomplete"),
     ],
 )

@@ -81,7 +81,8 @@ class VerdictEvidence:
     ``noise``: of one reading; ``block_error``: what the winner leaves between blocks. ``blocks``: real excursions.
     ``confounded``: parts that these data cannot part from a part. ``held_out``: error on held-out runs with a part over
     that without, where there are such runs. ``repeatability``: what a settled reading scatters, if known.
-    ``effects_alone``: probability that effects are enough, without a dependence on a variable beside them.
+    ``effects_alone``: probability that effects are enough, without a dependence on a variable beside them; a name needs
+    ``least_alone``.
     ``acts_through``: the variables of an effect. ``testable``: whether the data can show any effect.
     """
 
@@ -99,6 +100,7 @@ class VerdictEvidence:
     testable: bool = True
     repeatability: float = inf
     effects_alone: float = 1.0
+    least_alone: float = 1.0 - RULES["name"].value
 
     @property
     def least_size(self) -> float:
@@ -155,7 +157,7 @@ def _doubt(e: VerdictEvidence, part: Part) -> str:
         return "few_blocks"
     if e.confounded.get(part):
         return "confounded"
-    if e.effects_alone < 1.0 - RULES["name"].value:
+    if e.effects_alone < e.least_alone:
         return "left_over"
     if e.held_out.get(part, 0.0) > RULES["worse"].value:
         return "worse"

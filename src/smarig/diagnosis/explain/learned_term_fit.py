@@ -17,7 +17,7 @@ from smarig.diagnosis.explain.left_out_blocks import LeftOutBlocks, left_out_blo
 from smarig.diagnosis.explain.means_of_minutes import means_of_minutes
 from smarig.diagnosis.looks_like import PLANT_EFFECTS
 from smarig.diagnosis.refit.refit import Refit
-from smarig.plant import LEARNED_FROM, NOT_LEARNED, LearnedShape, learned_effect_type
+from smarig.plant import LEARNED_FROM, Effect, LearnedShape, can_be_learned, learned_effect_type
 from smarig.preisach import Everett
 from smarig.replay import PlantModel, Prediction, Timeline, predict
 
@@ -81,7 +81,7 @@ def learned_term(
     prediction = predict(timeline, base)
     means = means_of_minutes(timeline, base, prediction)
     places = ranked_places(timeline, base, plain, means)
-    shapes = [_shape(timeline, base, prediction, means, *p) for p in places if p[0] in LEARNED_FROM]
+    shapes = [law_shape(timeline, base, prediction, means, *p) for p in places if p[0] in LEARNED_FROM]
     tried = [shape for shape in shapes if shape is not None][:TRIED]
     before = left_out_blocks(timeline, plain)
     found = [_fitted(timeline, base, plain, original, shape, before) for shape in tried]
@@ -96,11 +96,11 @@ def law_of(
     place = next(places, None)
     if place is None or variable not in LEARNED_FROM:
         return None
-    shape = _shape(timeline, base, predict(timeline, base), {}, *place)
+    shape = law_shape(timeline, base, predict(timeline, base), {}, *place)
     return shape and _fitted(timeline, base, plain, original, shape, left_out_blocks(timeline, plain))
 
 
-def _shape(
+def law_shape(
     timeline: Timeline,
     base: PlantModel,
     prediction: Prediction,
@@ -109,11 +109,11 @@ def _shape(
     place: str,
 ) -> LearnedShape | None:
     """Knots at equal shares of a variable's values; None if it hardly varies, or if a density has the law anyway."""
-    if (variable, place) == NOT_LEARNED:
+    if not can_be_learned(variable, place):
         return None
     z = means[variable] if variable in means else _values(timeline, base, prediction, variable)
     knots = _apart(np.quantile(z, np.linspace(0, 1, KNOTS)))
-    unit = timeline.unit if place == "output" else "K"
+    unit = {"output": timeline.unit, "input": "K", "heat_loss": "1"}[place]
     return LearnedShape(variable, place, tuple(knots.tolist()), unit) if knots.size > 1 else None
 
 
@@ -140,6 +140,14 @@ def _values(timeline: Timeline, base: PlantModel, prediction: Prediction, variab
     return z / np.log(10.0) if variable == "hold" else z
 
 
+def law_start(base: PlantModel, shape: LearnedShape) -> Effect:
+    """The law that is zero everywhere, where a fit starts."""
+    h = base.hysteresis
+    extent = {"output": abs(base.stroke), "input": h.upper - h.lower, "heat_loss": 1.0}[shape.enters]
+    kind = learned_effect_type(shape, extent)
+    return kind(**{p.name: 0.0 for p in kind.parameters})
+
+
 def _fitted(
     timeline: Timeline,
     base: PlantModel,
@@ -149,10 +157,8 @@ def _fitted(
     before: LeftOutBlocks,
 ) -> LearnedTermFit | None:
     """A law with its values fitted, or None if it does not pass."""
-    h = base.hysteresis
-    extent = abs(base.stroke) if shape.enters == "output" else h.upper - h.lower
-    kind = learned_effect_type(shape, extent)
-    start = kind(**{p.name: 0.0 for p in kind.parameters})
+    start = law_start(base, shape)
+    kind = start.kind
     extended = replace(base, effects=(*base.effects, start))
     found = fit_explanation(timeline, extended, original, plain, ROUNDS)
     free = len(kind.parameters)

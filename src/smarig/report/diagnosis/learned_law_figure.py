@@ -40,6 +40,7 @@ _VALUES = {
     "output_gain": "Relative change of the output's gain",
     "input": "Added to the input",
     "input_gain": "Relative change of the input's gain",
+    "heat_loss": "Relative change of the heating per heat loss",
     "play": "Half-width of the input's play",
 }
 
@@ -56,12 +57,12 @@ def learned_law_figure(law: LearnedLaw, label: str) -> Figure:
 def learned_term_figure(found: LearnedTermFit, output_unit: str, label: str) -> Figure:
     """The law of commanded runs; ``label`` marks simulated data."""
     shape, (z, values) = found.shape, np.array(found.points).T
-    unit = display_unit(shape.unit)
+    unit = "" if shape.unit == "1" else f" ({display_unit(shape.unit)})"
     of_variable = display_unit(shape.variable_unit or output_unit)
     title = _COMMANDED[shape.variable] + (f" ({of_variable})" if of_variable else "")
     data = [line(z, values, "learned", MODEL), dots(z, values, "knots", INK)]
     x = log_axis(title, 0.9 * float(z[0]), 1.1 * float(z[-1])) if shape.variable == "hold" else axis(title)
-    panel = Panel(data, {"xaxis": x, "yaxis": axis(f"{_VALUES[shape.enters]} ({unit})")})
+    panel = Panel(data, {"xaxis": x, "yaxis": axis(_VALUES[shape.enters] + unit)})
     return Figure([panel], "The learned term.", _KNOTS, label)
 
 

@@ -2,54 +2,27 @@
 
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import replace
 from pathlib import Path
 
 from threadpoolctl import threadpool_limits
 
-from smarig.diagnosis.comparison.commanded.commanded_evidence import evidence_of
-from smarig.diagnosis.comparison.commanded.commanded_problem import CommandedProblem
-from smarig.diagnosis.comparison.commanded.commanded_search import SearchedHypotheses, search
+from smarig.diagnosis.comparison.commanded.commanded_evidence import evidence_of, likeliest_variable
+from smarig.diagnosis.comparison.commanded.commanded_result import CommandedComparison
+from smarig.diagnosis.comparison.commanded.commanded_search import search
 from smarig.diagnosis.comparison.commanded.compared_runs import subject_of
 from smarig.diagnosis.comparison.commanded.extension import (
     Extension,
     extension_of,
     gain_with,
-    learned_extension,
+    law_extensions,
 )
 from smarig.diagnosis.comparison.compared_hypothesis import Part
-from smarig.diagnosis.comparison.rules import Verdict, VerdictEvidence, decide
-from smarig.diagnosis.comparison.weights import Weights, weigh
+from smarig.diagnosis.comparison.rules import RULES, Verdict, VerdictEvidence, decide
+from smarig.diagnosis.comparison.weights import weigh
 from smarig.diagnosis.held_out_gain import HeldOutGain
 from smarig.record import Run, loaded_runs
-from smarig.replay import Model, PlantModel, load_model
-
-
-@dataclass(frozen=True, eq=False)
-class CommandedComparison:
-    """The hypotheses about a wire with their weights, and the verdict.
-
-    ``extended`` is the model that the likeliest cause extends, or the base model; ``gain`` its errors on held-out
-    runs, None if there are none. ``intervals95`` and ``intervals90`` belong to "effect.parameter".
-    """
-
-    subject: CommandedProblem
-    found: SearchedHypotheses
-    weights: Weights
-    evidence: VerdictEvidence
-    verdict: Verdict
-    parameters: dict[str, float]
-    intervals95: dict[str, tuple[float, float]]
-    intervals90: dict[str, tuple[float, float]]
-    base: PlantModel
-    extended: PlantModel
-    gain: HeldOutGain | None
-    seconds: float
-
-    @property
-    def causes(self) -> dict[Part, float]:
-        """The probability of each cause, likeliest first."""
-        return self.weights.causes
+from smarig.replay import Model, load_model
 
 
 @threadpool_limits.wrap(limits=1, user_api="blas")  # small matrices: threads would only wait for each other
@@ -72,31 +45,39 @@ def compare_commanded(
     subject = subject_of(original, train_runs, held_out_runs, without)
     found = search(subject, report)
     weights = weigh(found.hypotheses)
-    extension = extension_of(subject, found, weights)
-    gain = gain_with(subject, extension, train_runs, held_out_runs)
-    evidence = evidence_of(subject, found, weights, _held_out(extension, gain))
-    verdict = decide(evidence)
-    offered = verdict.word != "silent" and bool(extension.parts) and not _worse(gain)
-    if not offered and verdict.word == "unknown" and verdict.depends_on:
-        report(f"learning a law of {verdict.depends_on}")
-        learned = learned_extension(subject, extension, verdict.depends_on)
-        if learned is not None:
-            extension, gain = learned, gain_with(subject, learned, train_runs, held_out_runs)
-            offered = not _worse(gain)
+    by_effects = extension_of(subject, found, weights)
+    gain_by_effects = gain_with(subject, by_effects, train_runs, held_out_runs)
+    evidence = evidence_of(subject, found, weights, _held_out(by_effects, gain_by_effects))
+    verdict = _with_variable(decide(evidence), evidence, weights.nothing)
+    tried = [(by_effects, gain_by_effects)] if by_effects.parts and verdict.word != "silent" else []
+    if verdict.word == "unknown":
+        laws = law_extensions(subject, found, by_effects.base)
+        tried += [(law, gain_with(subject, law, train_runs, held_out_runs)) for law in laws]
+    better = [pair for pair in tried if not _worse(pair[1])]
+    extension, gain = max(better, key=lambda pair: pair[0].score, default=(by_effects, gain_by_effects))
+    offered = bool(better)
     return CommandedComparison(
         subject=subject,
         found=found,
         weights=weights,
         evidence=evidence,
         verdict=verdict,
-        parameters=dict(extension.parameters),
-        intervals95=extension.intervals(0.95),
-        intervals90=extension.intervals(0.90),
-        base=extension.base,
-        extended=extension.extended if offered else extension.base,
+        extension=extension,
+        offered=offered,
         gain=gain if offered or gain is None else gain.without_extension(),
+        original=original,
+        train=tuple(train_runs),
         seconds=time.monotonic() - started,
     )
+
+
+def _with_variable(verdict: Verdict, evidence: VerdictEvidence, raw_nothing: float) -> Verdict:
+    """An unknown cause with the likeliest variable; silence over causes that remove too little says so."""
+    if verdict.reason == "nothing" and raw_nothing < RULES["nothing"].value:
+        verdict = replace(verdict, reason="too_small")
+    if verdict.word != "unknown" or evidence.nothing >= RULES["nothing"].value:
+        return verdict
+    return replace(verdict, depends_on=likeliest_variable(evidence))
 
 
 def _worse(gain: HeldOutGain | None) -> bool:

@@ -1,5 +1,7 @@
 """From weighted hypotheses to what the rules of the verdict ask."""
 
+from dataclasses import replace
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -10,6 +12,7 @@ from smarig.diagnosis.comparison.commanded.screening import Screened, collinear
 from smarig.diagnosis.comparison.compared_hypothesis import ComparedHypothesis, Part, Trial
 from smarig.diagnosis.comparison.rules import RULES, VerdictEvidence
 from smarig.diagnosis.comparison.weights import TEMPERATURE, Weights
+from smarig.diagnosis.looks_like import PLANT_EFFECTS
 
 Array = NDArray[np.float64]
 PARTED_NATS = TEMPERATURE * float(np.log(RULES["name"].value / (1 - RULES["name"].value)))
@@ -18,7 +21,25 @@ PARTED_NATS = TEMPERATURE * float(np.log(RULES["name"].value / (1 - RULES["name"
 def evidence_of(
     subject: CommandedProblem, found: SearchedHypotheses, weights: Weights, held_out: dict[Part, float]
 ) -> VerdictEvidence:
-    """What a verdict is decided from."""
+    """What a verdict is decided from; a hypothesis that removes less than the least size is none."""
+    return _without_negligible(_all_evidence(subject, found, weights, held_out), found, weights)
+
+
+def _without_negligible(e: VerdictEvidence, found: SearchedHypotheses, weights: Weights) -> VerdictEvidence:
+    """Evidence with the weight of hypotheses that hardly remove an error given to nothing."""
+    large = [
+        (h, w)
+        for h, w in zip(weights.hypotheses, weights.weight.tolist())
+        if h.parts and e.span * _removes(found.hypotheses[0], h) >= e.least_size
+    ]
+    causes = {p: sum(w for h, w in large if p in h.parts) for p in e.causes}
+    likeliest = dict(sorted(causes.items(), key=lambda item: -item[1]))
+    return replace(e, causes=likeliest, nothing=1.0 - sum(w for _, w in large))
+
+
+def _all_evidence(
+    subject: CommandedProblem, found: SearchedHypotheses, weights: Weights, held_out: dict[Part, float]
+) -> VerdictEvidence:
     nothing = next(h for h in found.hypotheses if not h.parts)
     left, span = _removed(nothing.best), abs(subject.given.stroke)
     block = subject.timeline.block
@@ -33,10 +54,26 @@ def evidence_of(
         blocks=int(np.unique(block).size),
         confounded=_confounded(found, weights),
         held_out=held_out,
+        acts_through={p: _variables_of(p) for p in weights.causes if p.kind == "effect"},
         testable=bool(found.screened),
         repeatability=_repeatability(found, weights),
         effects_alone=_effects_alone(weights),
+        least_alone=RULES["nothing"].value,  # the likelier half: a name says that nothing else is missing
     )
+
+
+def likeliest_variable(evidence: VerdictEvidence) -> str | None:
+    """The variable that the errors go with most probably, by itself or through an effect that acts through it."""
+    total: dict[str, float] = {}
+    for part, p in evidence.causes.items():
+        for v in (part,) if part.kind == "variable" else evidence.acts_through.get(part, ()):
+            total[v.name] = total.get(v.name, 0.0) + p
+    return max(total, key=lambda name: total[name], default=None)
+
+
+def _variables_of(effect: Part) -> tuple[Part, ...]:
+    """The variables that an effect acts through."""
+    return tuple(Part("variable", v) for v, names in PLANT_EFFECTS.items() if effect.name in names)
 
 
 def _removed(trial: Trial) -> Removed:
@@ -48,6 +85,11 @@ def _size(found: SearchedHypotheses, weights: Weights, part: Part) -> float:
     own = weights.best_with(part)
     rest = tuple(p for p in own.parts if p != part)
     before = next((h for h in found.hypotheses if h.parts == rest), None) or found.hypotheses[0]
+    return _removes(before, own)
+
+
+def _removes(before: ComparedHypothesis, own: ComparedHypothesis) -> float:
+    """The root of the mean square that a hypothesis removes, in shares of a channel's span: the most of any channel."""
     squares, less = _removed(before.best).squares, _removed(own.best).squares
     return float(np.sqrt(max(max(squares[k] - less[k] for k in squares), 0.0)))
 

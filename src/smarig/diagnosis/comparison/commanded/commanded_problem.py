@@ -15,7 +15,7 @@ from smarig.diagnosis.comparison.commanded.block_scores import (
     trial_of,
 )
 from smarig.diagnosis.comparison.commanded.channel_model import ChannelModel, channel_models
-from smarig.diagnosis.comparison.compared_hypothesis import Trial
+from smarig.diagnosis.comparison.compared_hypothesis import Part, Trial
 from smarig.diagnosis.explain.joint_density import joint_density_from_best_start
 from smarig.diagnosis.refit.coupled_readings import CoupledReadings, coupled_readings
 from smarig.diagnosis.refit.memory_noise import memory_covariance
@@ -38,7 +38,7 @@ class FittedPlant:
 
     @property
     def effects(self) -> tuple[Effect, ...]:
-        """The effects of the catalogue that it has."""
+        """The effects of the catalogue that it has, those of the given model first, and learned laws."""
         return self.plant_model.catalogue_effects
 
     @property
@@ -83,8 +83,17 @@ class CommandedProblem:
         return self._fitted(plant_model, prediction, refit(self.timeline, prediction, plant_model, (), warm))
 
     def with_effects(self, fitted: FittedPlant, effects: Sequence[Effect]) -> PlantModel:
-        """The plant model with these effects of the catalogue beside those that the given model has."""
-        return replace(fitted.plant_model, effects=(*self.given.effects, *effects))
+        """The plant model with these effects of the catalogue, which include those of the given model."""
+        kept = [e for e in self.given.effects if e not in self.given.catalogue_effects]
+        return replace(fitted.plant_model, effects=(*kept, *effects))
+
+    def parts(self, fitted: FittedPlant) -> tuple[Part, ...]:
+        """What a fitted model adds to the given one; a learned law is a dependence on its variable."""
+        present = {e.kind.name for e in self.given.catalogue_effects}
+        kinds = [e.kind for e in fitted.effects if e.kind.name not in present]
+        return tuple(
+            sorted(Part("variable", k.shape.variable) if k.shape else Part("effect", k.name) for k in kinds)
+        )
 
     def trial(self, fitted: FittedPlant) -> Trial:
         """The scores of a fitted model, less what its parameters gain by being fitted to the scored blocks too."""
@@ -106,9 +115,9 @@ class CommandedProblem:
         return FittedPlant(model, prediction, refitted, (coupled, *channels))
 
 
-def less_optimism(trial: Trial, effects: Sequence[Effect]) -> Trial:
-    """A trial whose parameters were fitted to all blocks: each gains a nat by that (Akaike)."""
-    free = sum(len(e.kind.parameters[1:]) + 1 for e in effects)
+def less_optimism(trial: Trial, effects: Sequence[Effect], others: int = 0) -> Trial:
+    """A trial whose parameters, and ``others``, were fitted to all blocks: each gains a nat by that (Akaike)."""
+    free = sum(len(e.kind.parameters[1:]) + 1 for e in effects) + others
     return replace(trial, log_scores=trial.log_scores - free / trial.log_scores.size)
 
 

@@ -11,13 +11,14 @@ import numpy as np
 
 from smarig.diagnosis.comparison.commanded.commanded_problem import CommandedProblem, FittedPlant
 from smarig.diagnosis.comparison.commanded.effect_trials import fitted_with, refined
+from smarig.diagnosis.comparison.commanded.law_trials import laws
 from smarig.diagnosis.comparison.commanded.periods import with_best_period
 from smarig.diagnosis.comparison.commanded.screening import Screened, candidates, screened
 from smarig.diagnosis.comparison.commanded.variable_trials import Discrepancies
 from smarig.diagnosis.comparison.compared_hypothesis import ComparedHypothesis, Part, Trial
 from smarig.diagnosis.comparison.weights import PRIOR_PAIR, PRIOR_SINGLE, TEMPERATURE
 
-DENSITIES = 2  # of the base beside the first
+DENSITIES, BORROWED = 2, 3  # of the base beside the first: its own, and those of the best effects or laws
 FITTED, VARIABLES, PAIRS = 5, 4, 2  # most hypotheses of each kind that are fitted
 LINEAR_SHARE = 0.2  # of the best gain: an effect with less by linear traces stays at them
 NEAR_NATS, NEAR_SHARE = 10.0, 0.2  # behind the best: farther, trials of the parameters change nothing
@@ -43,10 +44,13 @@ def search(subject: CommandedProblem, progress: Progress) -> SearchedHypotheses:
     weak = screened(subject, base, traces, smooth.ranking)
     models: dict[tuple[Part, ...], FittedPlant] = {(): base}
     effects = _refined(subject, base, weak, models, progress, nothing.score)
-    nothing = replace(nothing, trials=(*nothing.trials, *_without_effects(subject, models)))
     tried = {h.parts for h in effects}
     effects += [s.hypothesis for s in weak if (s.part,) not in tried]
-    variables = [_reported(smooth.hypothesis(v), nothing, progress) for v in smooth.variables[:VARIABLES]]
+    gain = max((h.score - nothing.score for h in effects), default=0.0)
+    variables = _variables(subject, smooth, models, nothing, gain, progress)
+    nothing = replace(
+        nothing, trials=(*nothing.trials, *_without_effects(subject, [*effects, *variables], models))
+    )
     pairs = _pairs(subject, effects, models, traces, progress)
     return SearchedHypotheses((nothing, *effects, *variables, *pairs), models, tuple(weak))
 
@@ -62,13 +66,15 @@ def _densities(subject: CommandedProblem) -> Iterator[FittedPlant]:
 
 
 def _without_effects(
-    subject: CommandedProblem, models: dict[tuple[Part, ...], FittedPlant]
+    subject: CommandedProblem,
+    fitted: Sequence[ComparedHypothesis],
+    models: dict[tuple[Part, ...], FittedPlant],
 ) -> Iterator[Trial]:
-    """The base with the densities identified with effects: what is gained by them needs no effect."""
-    for parts, fitted in models.items():
-        if parts:
-            model = replace(fitted.plant_model, effects=subject.given.effects)
-            yield subject.trial(subject.at(model, fitted.refitted))
+    """The base with the densities identified with the best effects or law: what is gained by them needs neither."""
+    best = sorted((h for h in fitted if h.parts in models), key=lambda h: -h.score)
+    for h in best[:BORROWED]:
+        model = replace(models[h.parts].plant_model, effects=subject.given.effects)
+        yield subject.trial(subject.at(model, models[h.parts].refitted))
 
 
 def _refined(
@@ -85,7 +91,7 @@ def _refined(
         best = max([h.score for h in found], default=nothing)
         if found and one.trial.score < nothing + LINEAR_SHARE * (best - nothing):
             continue
-        hypothesis, model = fitted_with(subject, base, [one.effect])
+        hypothesis, model = fitted_with(subject, base, [*base.effects, one.effect])
         models[hypothesis.parts] = model
         found.append(hypothesis)
         progress(f"{hypothesis.name}: {hypothesis.score - nothing:+.1f} nats on blocks left out")
@@ -101,6 +107,28 @@ def _refined_one(
 ) -> ComparedHypothesis:
     again, models[hypothesis.parts] = refined(subject, hypothesis, models[hypothesis.parts])
     return again
+
+
+def _variables(
+    subject: CommandedProblem,
+    smooth: Discrepancies,
+    models: dict[tuple[Part, ...], FittedPlant],
+    nothing: ComparedHypothesis,
+    gain: float,
+    progress: Progress,
+) -> list[ComparedHypothesis]:
+    """The most promising variables by their kernels, the best of them by a learned law as well.
+
+    A law is fitted unless no kernel gains a share of the ``gain`` in nats of the best effect.
+    """
+    by_parts = {h.parts: h for h in (smooth.hypothesis(v) for v in smooth.variables[:VARIABLES])}
+    best = max((h.score - nothing.score for h in by_parts.values()), default=0.0)
+    if best > max(LINEAR_SHARE * gain, PAIR_NATS):
+        for by_law, models[by_law.parts] in laws(subject, smooth):
+            own = by_parts.get(by_law.parts)
+            joined = by_law if own is None else replace(own, trials=(*own.trials, *by_law.trials))
+            by_parts[by_law.parts] = joined
+    return [_reported(h, nothing, progress) for h in by_parts.values()]
 
 
 def _pairs(
@@ -126,10 +154,27 @@ def _pairs(
     if better:
         top = max(better, key=lambda t: t.score)
         found[found.index(top)] = _refined_one(subject, top, models)
-    for variable in smooth.variables[:PAIRS]:
-        if smooth.gain(variable) > PAIR_NATS:
-            found.append(_reported(smooth.hypothesis(variable), best, progress))
-    return found
+    return found + _left_by(best, smooth, progress) + _left_by_pair(subject, found, models, floor, progress)
+
+
+def _left_by(best: ComparedHypothesis, smooth: Discrepancies, progress: Progress) -> list[ComparedHypothesis]:
+    """Effects with a dependence on a variable beside them: what they leave."""
+    chosen = [v for v in smooth.variables[:PAIRS] if smooth.gain(v) > PAIR_NATS]
+    return [_reported(smooth.hypothesis(v), best, progress) for v in chosen]
+
+
+def _left_by_pair(
+    subject: CommandedProblem,
+    pairs: Sequence[ComparedHypothesis],
+    models: dict[tuple[Part, ...], FittedPlant],
+    floor: float,
+    progress: Progress,
+) -> list[ComparedHypothesis]:
+    """The same of the best pair of effects: else two wrong effects would win for want of a competitor."""
+    best = max(pairs, key=lambda t: t.score, default=None)
+    if best is None or best.score < floor + PAIR_NATS:
+        return []
+    return _left_by(best, Discrepancies.about(subject, models[best.parts]), progress)
 
 
 def _reported(

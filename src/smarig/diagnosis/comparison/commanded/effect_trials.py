@@ -5,9 +5,9 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from smarig.diagnosis.comparison.commanded.commanded_problem import CommandedProblem, FittedPlant
-from smarig.diagnosis.comparison.compared_hypothesis import ComparedHypothesis, Part, Trial
+from smarig.diagnosis.comparison.compared_hypothesis import ComparedHypothesis, Trial
 from smarig.diagnosis.explain.parameter_fit import ParameterFit, fit_parameters
-from smarig.plant import Effect
+from smarig.plant import LEARNED, Effect
 
 STEPS_SD = (3.0, 1.0)  # standard deviations of the strength from trial to trial
 STEP_BOUNDS = (0.003, 0.3)  # of the strength: bounds of a step
@@ -25,7 +25,7 @@ def fitted_with(
         effects, subject.timeline, start.plant_model, start.refitted, start.plant_model.hysteresis
     )
     best = subject.with_joint_density(subject.with_effects(start, fit.effects), start.refitted)
-    return _hypothesis(best, [subject.trial(best)]), best
+    return ComparedHypothesis(subject.parts(best), (subject.trial(best),)), best
 
 
 def refined(
@@ -43,8 +43,9 @@ def refined(
             best = again if trials[-1].score >= max(t.score for t in trials) else best
         if best is start or max(t.score for t in trials) < before + MIN_ROUND_NATS:
             break
-    best = _along_strength(subject, best, trials, step)
-    return _hypothesis(best, trials), best
+    if best.effects[-1].kind.name != LEARNED:  # the values of a law have no common strength
+        best = _along_strength(subject, best, trials, step)
+    return ComparedHypothesis(subject.parts(best), tuple(trials)), best
 
 
 def _fit_about_own_density(subject: CommandedProblem, fitted: FittedPlant) -> ParameterFit:
@@ -57,12 +58,6 @@ def _relative_spread(fit: ParameterFit) -> float:
     last = fit.effects[-1]
     sd = fit.conditional_spread[(last.kind.name, last.kind.primary.name)]
     return sd / abs(last.strength) if last.strength else STEP_BOUNDS[1]
-
-
-def _hypothesis(fitted: FittedPlant, trials: Sequence[Trial]) -> ComparedHypothesis:
-    return ComparedHypothesis(
-        tuple(sorted(Part("effect", e.kind.name) for e in fitted.effects)), tuple(trials)
-    )
 
 
 def _moved(subject: CommandedProblem, fitted: FittedPlant, fit: ParameterFit) -> Iterator[FittedPlant]:

@@ -1,7 +1,8 @@
 """The model that the heaviest hypothesis extends, its parameters, and its gain on held-out runs."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
+from math import inf
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,11 +10,11 @@ from numpy.typing import NDArray
 from smarig.diagnosis.comparison.commanded.commanded_problem import CommandedProblem, FittedPlant
 from smarig.diagnosis.comparison.commanded.commanded_search import SearchedHypotheses
 from smarig.diagnosis.comparison.commanded.drawn_values import drawn_values
-from smarig.diagnosis.comparison.compared_hypothesis import ComparedHypothesis, Part
+from smarig.diagnosis.comparison.compared_hypothesis import ComparedHypothesis, Part, Trial
 from smarig.diagnosis.comparison.weights import Weights
 from smarig.diagnosis.explain.joint_density import with_density_for_effects, with_posterior_density
-from smarig.diagnosis.explain.learned_term_fit import law_of
 from smarig.diagnosis.held_out_gain import HeldOutGain, held_out_gain
+from smarig.plant import LEARNED
 from smarig.record import Run
 from smarig.replay import PlantModel
 
@@ -22,9 +23,9 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class Extension:
-    """The ``extended`` model with the effects ``parts``, and the ``base`` model, both with their densities.
+    """The ``extended`` model with the effects or the law ``parts``, and the ``base`` model, both with their densities.
 
-    ``draws`` are values of each parameter under resampled blocks.
+    ``draws`` are values of each parameter under resampled blocks; ``score`` is that of the blocks left out, in nats.
     """
 
     base: PlantModel
@@ -33,6 +34,7 @@ class Extension:
     parts: tuple[Part, ...]
     parameters: Mapping[str, float]
     draws: Mapping[str, Array]
+    score: float
 
     def intervals(self, share: float) -> dict[str, tuple[float, float]]:
         """The central share of the values of each parameter."""
@@ -47,33 +49,42 @@ def extension_of(subject: CommandedProblem, found: SearchedHypotheses, weights: 
     )
     best = _heaviest_fitted(found, weights)
     if best is None:
-        return Extension(base, base, subject.base, (), {}, {})
-    parts = tuple(p for p in best.parts if p.kind == "effect")
+        return Extension(base, base, subject.base, (), {}, {}, -inf)
+    parts = _effects(best)
     fitted = found.models[parts]
     extended = with_density_for_effects(subject.timeline, fitted.plant_model, fitted.refitted, base)
     draws = {n: drawn_values(best, n, weights.shares) for n in best.best.parameters}
-    return Extension(base, extended, fitted, parts, dict(best.best.parameters), draws)
+    return Extension(base, extended, fitted, parts, dict(best.best.parameters), draws, best.score)
+
+
+def law_extensions(subject: CommandedProblem, found: SearchedHypotheses, base: PlantModel) -> list[Extension]:
+    """The extensions by learned laws that predict blocks left out better than nothing."""
+    laws = []
+    for h in found.hypotheses:
+        score = max((t.score for t in h.trials if _has_law(t)), default=-inf)
+        if len(h.parts) == 1 and h.parts in found.models and score > found.hypotheses[0].score:
+            fitted = found.models[h.parts]
+            extended = with_density_for_effects(subject.timeline, fitted.plant_model, fitted.refitted, base)
+            laws.append(Extension(base, extended, fitted, h.parts, {}, {}, score))
+    return laws
+
+
+def _has_law(trial: Trial) -> bool:
+    return any(name.startswith(f"{LEARNED}.") for name in trial.parameters)
+
+
+def _effects(h: ComparedHypothesis) -> tuple[Part, ...]:
+    return tuple(p for p in h.parts if p.kind == "effect")
 
 
 def _heaviest_fitted(found: SearchedHypotheses, weights: Weights) -> ComparedHypothesis | None:
-    pairs = [
+    """The heaviest hypothesis with effects that were fitted."""
+    own = [
         (h, w)
         for h, w in zip(weights.hypotheses, weights.weight.tolist())
-        if any(p.kind == "effect" for p in h.parts)
-        and tuple(p for p in h.parts if p.kind == "effect") in found.models
+        if _effects(h) and _effects(h) in found.models
     ]
-    return max(pairs, key=lambda pair: pair[1])[0] if pairs else None
-
-
-def learned_extension(subject: CommandedProblem, extension: Extension, variable: str) -> Extension | None:
-    """The base with a law of a variable instead of effects, if it predicts blocks left out better."""
-    law = law_of(
-        subject.timeline, subject.base.plant_model, subject.base.refitted, subject.original, variable
-    )
-    if law is None:
-        return None
-    model = with_posterior_density(subject.timeline, law.explanation.plant_model, law.explanation.refitted)
-    return replace(extension, extended=model, parts=(), parameters={}, draws={})
+    return max(own, key=lambda pair: pair[1])[0] if own else None
 
 
 def gain_with(
