@@ -116,8 +116,8 @@ class CommandedComparison:
 
     @property
     def not_identifiable(self) -> tuple[str, ...]:
-        """The effects that change no reading of these runs."""
-        shown = {s.part.name for s in self.found.screened}
+        """The effects that these runs could not show at any strength."""
+        shown = {s.part.name for s in self.found.screened if s.detectable}
         return tuple(k.name for k in self.subject.catalogue if k.name not in shown)
 
     @property

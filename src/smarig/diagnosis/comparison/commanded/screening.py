@@ -19,7 +19,7 @@ from smarig.diagnosis.comparison.commanded.commanded_problem import (
     less_optimism,
 )
 from smarig.diagnosis.comparison.compared_hypothesis import ComparedHypothesis, Part, Trial
-from smarig.diagnosis.critique.candidates import Candidate, named
+from smarig.diagnosis.critique.candidates import DETECTION_SD, Candidate, named
 from smarig.plant import Effect, EffectType
 
 Array = NDArray[np.float64]
@@ -30,11 +30,13 @@ class Screened:
     """An effect of the catalogue at the strength that its traces suggest, with its scores by linear traces.
 
     ``whitened`` (N,) is its trace at this strength after the density and the constants have taken their part.
+    ``detectable``: whether the largest strength within its bounds would exceed the noise.
     """
 
     effect: Effect
     trial: Trial
     whitened: Array
+    detectable: bool
 
     @property
     def part(self) -> Part:
@@ -78,7 +80,10 @@ def _screened(
         return None
     readings = by_kind(subject.timeline, candidate.traces)
     traces = [p.trace(readings) for p in fitted.problems]
-    strengths, gains = _best_strengths(ranking, traces)
+    strengths, gains, sizes = _best_strengths(ranking, traces)
+    largest = max(kind.primary.upper, -kind.primary.lower)
+    share = largest / np.array([abs(e.strength) for e in candidate.variants])
+    detectable = bool(np.any(share * sizes > DETECTION_SD))
     own = np.array([_bounded(kind, e, s) for e, s in zip(candidate.variants, strengths)])
     gains = gains * np.where(strengths != 0, 1 - (1 - own / np.where(strengths, strengths, 1.0)) ** 2, 0.0)
     k = int(np.argmax(gains))
@@ -90,17 +95,17 @@ def _screened(
     trial = less_optimism(trial, [*fitted.effects, effect])
     white = np.concatenate([_whitened(p, s) for p, s in zip(fitted.problems, shifts)])
     ranked = trial_of(subject.timeline, ranking, parameters, None, shifts)
-    return Screened(effect, trial, white), ranked.score
+    return Screened(effect, trial, white, detectable), ranked.score
 
 
-def _best_strengths(problems: Sequence[Problem], traces: Sequence[Array]) -> tuple[Array, Array]:
-    """(least-squares multiples (m,) of traces, nats (m,) that they gain)."""
+def _best_strengths(problems: Sequence[Problem], traces: Sequence[Array]) -> tuple[Array, Array, Array]:
+    """(least-squares multiples (m,) of traces, nats (m,) that they gain, whitened lengths (m,) of the traces)."""
     square = sum(np.sum(t * (p.precision @ t), axis=0) for p, t in zip(problems, traces))
     product = sum(t.T @ (p.precision @ p.y) for p, t in zip(problems, traces))
     square, product = np.asarray(square), np.asarray(product)
     safe = np.where(square > 0, square, 1.0)
     strength = np.where(square > 0, product / safe, 0.0)
-    return strength, 0.5 * strength * product
+    return strength, 0.5 * strength * product, np.sqrt(np.maximum(square, 0.0))
 
 
 def _bounded(kind: EffectType, variant: Effect, multiple: float) -> float:
