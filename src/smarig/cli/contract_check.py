@@ -2,8 +2,7 @@
 
 from typing import cast
 
-import click
-
+from smarig.cli.confirmation import confirm
 from smarig.cli.output import emit, show_message
 from smarig.config import RigFile, load_rig
 from smarig.core import RigFault, UsageError
@@ -66,5 +65,4 @@ def _confirm_current(file: RigFile) -> None:
         f"A tenth of the largest current of {file.name}, {_TEST_SHARE * largest_A:.3g} A, will flow through its wire. "
         "Continue?"
     )
-    if not click.confirm(words, default=False, err=True):
-        raise UsageError("Nothing was done. Give --yes to skip the question.")
+    confirm(words, "Give --yes to skip the question.")

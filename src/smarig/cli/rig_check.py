@@ -3,8 +3,7 @@
 import time
 from typing import Any
 
-import click
-
+from smarig.cli.confirmation import confirm
 from smarig.cli.output import emit
 from smarig.cli.progress import preview_progress
 from smarig.cli.rig_bring_up import announced_bring_up
@@ -82,10 +81,7 @@ def _confirm_heating(file: RigFile, yes: bool) -> None:
     """Ask for confirmation before a real wire is heated."""
     if file.simulator is None and not yes:
         words = f"The wire of {file.name} will be heated gently, and its lease will expire once. Continue?"
-        if not click.confirm(words, default=False, err=True):
-            raise UsageError(
-                "Nothing was done. Give --yes to skip the question, or --no-current to check only the files."
-            )
+        confirm(words, "Give --yes to skip the question, or --no-current to check only the files.")
 
 
 def _checklist(file: RigFile, checks: list[Check]) -> list[str]:
