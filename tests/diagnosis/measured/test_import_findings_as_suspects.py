@@ -14,6 +14,7 @@ from smarig.exchange.loop_faults import LoopRecord, loop_findings
 from smarig.identification import identify
 from smarig.measurement import input_records
 
+pytestmark = pytest.mark.usefixtures("few_readings")
 T = triangles((85.0, 62.0, 80.0, 57.0, 85.0, 66.0), rows=40)
 STRAIN = RelayWire(1).strain(T)
 

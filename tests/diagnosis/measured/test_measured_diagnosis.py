@@ -40,6 +40,7 @@ def wire(request):
     return RelayWire(request.param)
 
 
+@pytest.mark.usefixtures("few_readings")
 def test_it_is_silent_where_nothing_is_hidden(wire):
     found = diagnosed([as_run("plain", T, wire.strain(T), dt=1.0)])
     assert found.verdict.word == "silent"
@@ -87,6 +88,7 @@ def test_a_slow_thermometer_is_named_without_a_clock_too(lag_rows, tmp_path):
     assert verify(model, runs[1:]).runs[0].settled.nrmse < 0.5 * given
 
 
+@pytest.mark.usefixtures("few_readings")
 @pytest.mark.parametrize("dt", [None, 1.0])
 @pytest.mark.parametrize("seed", [5, *(pytest.param(k, marks=long) for k in (1, 2, 3, 4))])
 def test_exchanged_columns_are_no_slow_sensor(seed, dt):
@@ -220,6 +222,7 @@ def test_a_slope_that_comes_and_goes_is_not_named():
     assert not found.effects()
 
 
+@pytest.mark.usefixtures("few_readings")
 def test_rows_of_zeros_are_left_out_and_counted():
     wire = RelayWire(9)
     run = as_run("zeros", T, wire.strain(T))

@@ -99,7 +99,7 @@ def compare_measured(
     selected: Sequence[Mask] | None = None,
     law_of: LawOf = lambda _: None,
 ) -> MeasuredComparison:
-    """Compare what may be wrong with a plain model of runs; ``without``: names of effects that are not asked for.
+    """Compare what may be wrong with a plain model of runs; ``without``: names of effects that are not tested for.
 
     ``selected``: the rows (n,) of each record that may be read; None: all. ``law_of`` gives the law of a variable, or
     None. Raises DataError if the runs hold too few
@@ -145,8 +145,8 @@ def compare_measured(
 
 
 def _testable(problem: ReadingProblem, weights: Weights) -> tuple[str, ...]:
-    asked = [kind.name for kind, _ in testable_effects(problem)]
-    return tuple(dict.fromkeys([*asked, *(p.name for p in weights.causes if p.kind == "effect")]))
+    tested = [kind.name for kind, _ in testable_effects(problem)]
+    return tuple(dict.fromkeys([*tested, *(p.name for p in weights.causes if p.kind == "effect")]))
 
 
 def _weighed(problem: ReadingProblem, hypotheses: Sequence[ComparedHypothesis]) -> Weights:
