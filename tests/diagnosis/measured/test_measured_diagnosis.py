@@ -13,6 +13,7 @@ from smarig.identification import identify, verify
 from smarig.replay import load_model
 
 long = pytest.mark.long("takes ten seconds")
+pytestmark = pytest.mark.usefixtures("few_readings")
 PEAKS = (85.0, 62.0, 80.0, 57.0, 85.0, 66.0)
 T = triangles(PEAKS)
 RATES = triangles(PEAKS, (30, 90, 50, 120, 40, 80)), triangles((85.0, 70.0, 60.0), (60, 30, 90))
@@ -40,7 +41,6 @@ def wire(request):
     return RelayWire(request.param)
 
 
-@pytest.mark.usefixtures("few_readings")
 def test_it_is_silent_where_nothing_is_hidden(wire):
     found = diagnosed([as_run("plain", T, wire.strain(T), dt=1.0)])
     assert found.verdict.word == "silent"
@@ -88,7 +88,6 @@ def test_a_slow_thermometer_is_named_without_a_clock_too(lag_rows, tmp_path):
     assert verify(model, runs[1:]).runs[0].settled.nrmse < 0.5 * given
 
 
-@pytest.mark.usefixtures("few_readings")
 @pytest.mark.parametrize("dt", [None, 1.0])
 @pytest.mark.parametrize("seed", [5, *(pytest.param(k, marks=long) for k in (1, 2, 3, 4))])
 def test_exchanged_columns_are_no_slow_sensor(seed, dt):
@@ -222,7 +221,6 @@ def test_a_slope_that_comes_and_goes_is_not_named():
     assert not found.effects()
 
 
-@pytest.mark.usefixtures("few_readings")
 def test_rows_of_zeros_are_left_out_and_counted():
     wire = RelayWire(9)
     run = as_run("zeros", T, wire.strain(T))
