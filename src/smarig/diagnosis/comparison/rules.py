@@ -41,7 +41,9 @@ RULES = {
     "beside_noise": Rule(
         1.0, "times what a settled reading scatters, where it is known: less is not seen in one reading"
     ),
-    "beside_block_errors": Rule(1.0, "an effect must remove more than the model's other errors of a block"),
+    "beside_rest": Rule(
+        1.0, "times the error that remains where a cause acts: what removes less is one of several causes"
+    ),
     "least_blocks": Rule(10, "with fewer excursions, how often they are resampled says little"),
     "replaces_blocks": Rule(
         0.5,
@@ -50,7 +52,7 @@ RULES = {
     "not_determined": Rule(
         0.9, "of the held-out error vanishes with one density for all readings: missing knowledge, no change"
     ),
-    "adequate": Rule(3.0, "times the noise: larger errors of blocks left out are seen in a plot"),
+    "adequate": Rule(3.0, "times the noise: larger errors are seen in a plot"),
     "worse": Rule(
         1.05, "times the error of the plain model on held-out runs: a name must not predict them worse"
     ),
@@ -58,14 +60,13 @@ RULES = {
 SENTENCES = {
     "not_testable": "These data cannot show any effect.",
     "nothing": "The plain model predicts blocks that it has not seen as well as any other.",
-    "too_small": "What is likely changes too little to matter.",
+    "too_small": "What is likely removes too little of the error, or less than remains.",
     "inadequate": "No effect and no variable predicts the errors.",
     "few_blocks": "There are too few excursions for a name.",
     "confounded": "In these data the cause varies together with others.",
     "worse": "With the likeliest cause, the held-out runs are predicted worse.",
     "left_over": "Beside the likeliest cause, errors go with a variable.",
     "incomplete": "With the likeliest cause, the errors still go with the variable that it acts through.",
-    "beside": "The likeliest cause removes less than the errors that remain.",
     "likely": "No other cause predicts the blocks as well.",
     "shared": "Several causes predict the blocks about equally well.",
     "variable": "The errors go with this variable, and no effect of the catalogue predicts them as well.",
@@ -77,8 +78,8 @@ class VerdictEvidence:
     """What the verdict is decided from.
 
     ``causes``: probability by part, and ``nothing`` of the plain model. ``size``: what each part removes of the
-    left-out error, in the output's unit; ``span``: range of the output. ``error``: left-out error of the plain model;
-    ``noise``: of one reading; ``block_error``: what the winner leaves between blocks. ``blocks``: real excursions.
+    left-out error, in the output's unit; ``span``: range of the output. ``error``: of the plain model;
+    ``noise``: of one reading; ``remains``: the error that is left where a part acts. ``blocks``: real excursions.
     ``confounded``: parts that these data cannot part from a part. ``held_out``: error on held-out runs with a part over
     that without, where there are such runs. ``repeatability``: what a settled reading scatters, if known.
     ``effects_alone``: probability that effects are enough, without a dependence on a variable beside them; a name needs
@@ -92,8 +93,8 @@ class VerdictEvidence:
     span: float
     error: float
     noise: float
-    block_error: float
     blocks: int
+    remains: Mapping[Part, float] = field(default_factory=dict)
     confounded: Mapping[Part, tuple[Part, ...]] = field(default_factory=dict)
     held_out: Mapping[Part, float] = field(default_factory=dict)
     acts_through: Mapping[Part, tuple[Part, ...]] = field(default_factory=dict)
@@ -106,6 +107,11 @@ class VerdictEvidence:
     def least_size(self) -> float:
         """The least size of a cause that is told."""
         return min(RULES["least_size"].value * self.span, RULES["beside_noise"].value * self.repeatability)
+
+    def tells(self, part: Part) -> bool:
+        """Whether a cause removes enough of the error to be told, if it is likely; a variable only describes."""
+        rest = RULES["beside_rest"].value * self.remains.get(part, 0.0) if part.kind == "effect" else 0.0
+        return self.size[part] >= max(self.least_size, rest)
 
     @property
     def adequate(self) -> bool:
@@ -127,9 +133,11 @@ def decide(e: VerdictEvidence) -> Verdict:
     """The verdict on a comparison of hypotheses."""
     if not e.testable:
         return Verdict("not_identifiable", "not_testable")
-    large = [p for p in e.causes if e.size[p] >= e.least_size]
-    if e.nothing >= RULES["nothing"].value or sum(e.causes[p] for p in large) < 1 - RULES["nothing"].value:
-        return _nothing(e, "nothing" if e.nothing >= RULES["nothing"].value else "too_small")
+    large = [p for p in e.causes if e.tells(p)]
+    if e.nothing >= RULES["nothing"].value:
+        return _nothing(e, "nothing")
+    if sum(e.causes[p] for p in large) < 1 - RULES["nothing"].value:
+        return _nothing(e, "too_small")
     likely = [p for p in large if e.causes[p] >= RULES["name"].value]
     effects = [p for p in likely if p.kind == "effect"]
     doubts = {p: _doubt(e, p) for p in effects}
@@ -142,8 +150,9 @@ def decide(e: VerdictEvidence) -> Verdict:
 def _nothing(e: VerdictEvidence, reason: str) -> Verdict:
     if e.adequate:
         return Verdict("silent", reason)
-    nothing = e.nothing >= RULES["nothing"].value
-    return Verdict("unknown", "inadequate", depends_on=None if nothing else _likeliest_variable(e))
+    if reason == "nothing":
+        return Verdict("unknown", "inadequate")
+    return Verdict("unknown", reason, depends_on=_likeliest_variable(e))
 
 
 def _likeliest_variable(e: VerdictEvidence) -> str | None:
@@ -164,8 +173,6 @@ def _doubt(e: VerdictEvidence, part: Part) -> str:
     through = [v for v in e.acts_through.get(part, ()) if e.size.get(v, 0.0) >= e.least_size]
     if any(e.causes[v] >= RULES["name"].value for v in through):
         return "incomplete"
-    if e.size[part] < RULES["beside_block_errors"].value * e.block_error:
-        return "beside"
     return ""
 
 
@@ -178,8 +185,6 @@ def _set(e: VerdictEvidence, large: list[Part], doubt: str) -> Verdict:
             break
         kept += [q for q in (part, *e.confounded.get(part, ())) if q not in kept]
         missing -= e.causes[part]
-    if all(e.size[p] < RULES["beside_block_errors"].value * e.block_error for p in kept):
-        return Verdict("unknown", "beside", depends_on=_likeliest_variable(e))
     names = tuple(p.name for p in kept if p.kind == "effect")
     variables = [p.name for p in kept if p.kind == "variable"]
     if doubt in ("worse", "left_over") or not names or variables:

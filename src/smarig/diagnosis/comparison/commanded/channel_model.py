@@ -3,9 +3,10 @@
     y = c_session + e,    e ~ N(0, σ² (1 + r k(t, t′))),    k = e^(−|t − t′|/τ)
 
 c is free; σ, r and τ are the likeliest of the residuals (restricted likelihood). A room fluctuates within minutes, and
-what fluctuates must not count as an effect.
+what fluctuates must not count as an effect. A measured current scatters about the current that flows, r = 0.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -48,13 +49,15 @@ class ChannelModel:
                 found = (vectors / (variance[k] * grown[k])) @ vectors.T
         return found
 
-    def with_kernel(self, kernel: Array, sizes: tuple[float, ...] = (1.0, 10.0, 100.0)) -> "ChannelModel":
-        """The same with one more part (n, n) of the fluctuations, of several sizes relative to the others."""
-        bases = []
+    def with_kernels(
+        self, kernels: Sequence[Array], sizes: tuple[float, ...] = (1.0, 10.0, 100.0)
+    ) -> "ChannelModel":
+        """The same with any of these parts (n, n) of the fluctuations, of several sizes relative to the others."""
+        bases = list(self.bases)
         for vectors, values in self.bases:
             own = (vectors * values) @ vectors.T
-            for size in (0.0, *sizes):
-                bases.append(_basis(own + size * kernel, vectors @ vectors.T))
+            added = sizes if np.any(values) else sizes[:1]  # alone, its size is that of the fluctuations
+            bases += [_basis(own + s * k, vectors @ vectors.T) for k in kernels for s in added]
         return ChannelModel(self.kind, self.block, tuple(bases), self.span)
 
 
@@ -66,13 +69,19 @@ def channel_models(timeline: Timeline, input_span_K: float) -> tuple[ChannelMode
 def _model(r: ReadingSeries, timeline: Timeline, input_span_K: float) -> ChannelModel:
     session = timeline.session[r.step]
     same = (session[:, None] == session).astype(float)
-    free = np.eye(len(r))
-    if r.kind != "current":
-        free -= same / same.sum(axis=1)
-    distance = np.abs(r.t_s[:, None] - r.t_s)
-    bases = tuple(_basis(same * np.exp(-distance / seconds), free) for seconds in CORRELATIONS_S)
-    span = input_span_K if r.kind == "room" else float(np.max(np.abs(timeline.drive.value)))
-    return ChannelModel(r.kind, timeline.block[r.step], bases, span)
+    block = timeline.block[r.step]
+    if r.kind == "current":
+        bases = (_basis(np.zeros_like(same), np.eye(len(r))),)
+        return ChannelModel(r.kind, block, bases, float(np.max(np.abs(timeline.drive.value))))
+    free = np.eye(len(r)) - same / same.sum(axis=1)
+    bases = tuple(_basis(same * k, free) for k in fluctuations(r.t_s))
+    return ChannelModel(r.kind, block, bases, input_span_K)
+
+
+def fluctuations(t_s: Array) -> list[Array]:
+    """The shapes (n, n) of fluctuations within minutes."""
+    distance = np.abs(t_s[:, None] - t_s)
+    return [np.exp(-distance / seconds) for seconds in CORRELATIONS_S]
 
 
 def _basis(kernel: Array, free: Array) -> tuple[Array, Array]:

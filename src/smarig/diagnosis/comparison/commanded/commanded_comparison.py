@@ -8,8 +8,9 @@ from pathlib import Path
 from threadpoolctl import threadpool_limits
 
 from smarig.diagnosis.comparison.commanded.commanded_evidence import evidence_of, likeliest_variable
+from smarig.diagnosis.comparison.commanded.commanded_problem import CommandedProblem
 from smarig.diagnosis.comparison.commanded.commanded_result import CommandedComparison
-from smarig.diagnosis.comparison.commanded.commanded_search import search
+from smarig.diagnosis.comparison.commanded.commanded_search import SearchedHypotheses, search
 from smarig.diagnosis.comparison.commanded.compared_runs import subject_of
 from smarig.diagnosis.comparison.commanded.extension import (
     Extension,
@@ -44,15 +45,31 @@ def compare_commanded(
     train_runs, held_out_runs = loaded_runs(train), loaded_runs(held_out)
     subject = subject_of(original, train_runs, held_out_runs, without)
     found = search(subject, report)
+    return replace(
+        concluded(subject, found, original, tuple(train_runs), tuple(held_out_runs)),
+        seconds=time.monotonic() - started,
+    )
+
+
+def concluded(
+    subject: CommandedProblem,
+    found: SearchedHypotheses,
+    original: Model,
+    train: tuple[Run, ...],
+    held_out: tuple[Run, ...],
+    seconds: float = 0.0,
+) -> CommandedComparison:
+    """The verdict on searched hypotheses, and the model that is offered."""
     weights = weigh(found.hypotheses)
     by_effects = extension_of(subject, found, weights)
-    gain_by_effects = gain_with(subject, by_effects, train_runs, held_out_runs)
-    evidence = evidence_of(subject, found, weights, _held_out(by_effects, gain_by_effects))
+    gain_by_effects = gain_with(subject, by_effects, train, held_out)
+    held = held_out_of(by_effects, gain_by_effects)
+    evidence = evidence_of(subject, found, weights, by_effects.base, held)
     verdict = _with_variable(decide(evidence), evidence, weights.nothing)
     tried = [(by_effects, gain_by_effects)] if by_effects.parts and verdict.word != "silent" else []
     if verdict.word == "unknown":
         laws = law_extensions(subject, found, by_effects.base)
-        tried += [(law, gain_with(subject, law, train_runs, held_out_runs)) for law in laws]
+        tried += [(law, gain_with(subject, law, train, held_out)) for law in laws]
     better = [pair for pair in tried if not _worse(pair[1])]
     extension, gain = max(better, key=lambda pair: pair[0].score, default=(by_effects, gain_by_effects))
     offered = bool(better)
@@ -66,8 +83,8 @@ def compare_commanded(
         offered=offered,
         gain=gain if offered or gain is None else gain.without_extension(),
         original=original,
-        train=tuple(train_runs),
-        seconds=time.monotonic() - started,
+        train=train,
+        seconds=seconds,
     )
 
 
@@ -75,7 +92,8 @@ def _with_variable(verdict: Verdict, evidence: VerdictEvidence, raw_nothing: flo
     """An unknown cause with the likeliest variable; silence over causes that remove too little says so."""
     if verdict.reason == "nothing" and raw_nothing < RULES["nothing"].value:
         verdict = replace(verdict, reason="too_small")
-    if verdict.word != "unknown" or evidence.nothing >= RULES["nothing"].value:
+    named = verdict.reason == "left_over"  # the rules have said which variable is left
+    if verdict.word != "unknown" or named or evidence.nothing >= RULES["nothing"].value:
         return verdict
     return replace(verdict, depends_on=likeliest_variable(evidence))
 
@@ -85,7 +103,7 @@ def _worse(gain: HeldOutGain | None) -> bool:
     return gain is not None and gain.extended > gain.base
 
 
-def _held_out(extension: Extension, gain: HeldOutGain | None) -> dict[Part, float]:
+def held_out_of(extension: Extension, gain: HeldOutGain | None) -> dict[Part, float]:
     """The error on held-out runs with the causes of the extension, over that without."""
     if gain is None or not gain.base:
         return {}

@@ -1,9 +1,9 @@
 """From weighted hypotheses to what the rules of the verdict ask."""
 
 from dataclasses import replace
+from math import inf
 
 import numpy as np
-from numpy.typing import NDArray
 
 from smarig.diagnosis.comparison.commanded.block_scores import Removed
 from smarig.diagnosis.comparison.commanded.commanded_problem import CommandedProblem
@@ -12,17 +12,25 @@ from smarig.diagnosis.comparison.commanded.screening import Screened, collinear
 from smarig.diagnosis.comparison.compared_hypothesis import ComparedHypothesis, Part, Trial
 from smarig.diagnosis.comparison.rules import RULES, VerdictEvidence
 from smarig.diagnosis.comparison.weights import TEMPERATURE, Weights
+from smarig.diagnosis.explain.joint_density import settled_rms
 from smarig.diagnosis.looks_like import PLANT_EFFECTS
+from smarig.replay import PlantModel
 
-Array = NDArray[np.float64]
 PARTED_NATS = TEMPERATURE * float(np.log(RULES["name"].value / (1 - RULES["name"].value)))
 
 
 def evidence_of(
-    subject: CommandedProblem, found: SearchedHypotheses, weights: Weights, held_out: dict[Part, float]
+    subject: CommandedProblem,
+    found: SearchedHypotheses,
+    weights: Weights,
+    base: PlantModel,
+    held_out: dict[Part, float],
 ) -> VerdictEvidence:
-    """What a verdict is decided from; a hypothesis that removes less than the least size is none."""
-    return _without_negligible(_all_evidence(subject, found, weights, held_out), found, weights)
+    """What a verdict is decided from; a hypothesis that removes less than the least size is none.
+
+    ``base`` is the model without effects with the density that fits best.
+    """
+    return _without_negligible(_all_evidence(subject, found, weights, base, held_out), found, weights)
 
 
 def _without_negligible(e: VerdictEvidence, found: SearchedHypotheses, weights: Weights) -> VerdictEvidence:
@@ -38,27 +46,29 @@ def _without_negligible(e: VerdictEvidence, found: SearchedHypotheses, weights: 
 
 
 def _all_evidence(
-    subject: CommandedProblem, found: SearchedHypotheses, weights: Weights, held_out: dict[Part, float]
+    subject: CommandedProblem,
+    found: SearchedHypotheses,
+    weights: Weights,
+    base: PlantModel,
+    held_out: dict[Part, float],
 ) -> VerdictEvidence:
-    nothing = next(h for h in found.hypotheses if not h.parts)
-    left, span = _removed(nothing.best), abs(subject.given.stroke)
-    block = subject.timeline.block
+    span = abs(subject.given.stroke)
     return VerdictEvidence(
         causes=weights.causes,
         nothing=weights.nothing,
         size={p: span * _size(found, weights, p) for p in weights.causes},
         span=span,
-        error=_median_block(left.settled, block),
-        noise=_median_block(left.expected, block),
-        block_error=_between_blocks(_removed(weights.heaviest.best).settled, block),
-        blocks=int(np.unique(block).size),
+        error=settled_rms(subject.timeline, base),
+        noise=_noise(subject),
+        remains={p: span * _remains(found, weights, p) for p in weights.causes},
+        blocks=int(np.unique(subject.timeline.block).size),
         confounded=_confounded(found, weights),
         held_out=held_out,
         acts_through={p: _variables_of(p) for p in weights.causes if p.kind == "effect"},
         testable=bool(found.screened),
         repeatability=_repeatability(found, weights),
         effects_alone=_effects_alone(weights),
-        least_alone=RULES["nothing"].value,  # the likelier half: a name says that nothing else is missing
+        least_alone=RULES["name"].value,  # a name says that nothing else is missing
     )
 
 
@@ -82,16 +92,43 @@ def _removed(trial: Trial) -> Removed:
 
 def _size(found: SearchedHypotheses, weights: Weights, part: Part) -> float:
     """What a part removes of the left-out error, in shares of a channel's span: the most of any channel."""
+    return max(_removes(before, own) for before, own in _with_and_without(found, weights, part))
+
+
+def _remains(found: SearchedHypotheses, weights: Weights, part: Part) -> float:
+    """The error that is left beside what a part removes, in the channel where it removes most of what is left."""
+    pairs = _with_and_without(found, weights, part)
+    times = max(_times_rest(before, own) for before, own in pairs)
+    return _size(found, weights, part) / times if times else inf
+
+
+def _with_and_without(
+    found: SearchedHypotheses, weights: Weights, part: Part
+) -> list[tuple[ComparedHypothesis, ComparedHypothesis]]:
+    """(hypothesis without a part, hypothesis with it): the heaviest that holds it.
+
+    A variable beside an effect describes what that leaves, so the effect may also stand alone.
+    """
     own = weights.best_with(part)
     rest = tuple(p for p in own.parts if p != part)
-    before = next((h for h in found.hypotheses if h.parts == rest), None) or found.hypotheses[0]
-    return _removes(before, own)
+    nothing = found.hypotheses[0]
+    pairs = [(next((h for h in found.hypotheses if h.parts == rest), nothing), own)]
+    alone = _alone(found, part)
+    if alone and part.kind == "effect" and all(p.kind == "variable" for p in rest):
+        pairs.append((nothing, alone))
+    return pairs
 
 
 def _removes(before: ComparedHypothesis, own: ComparedHypothesis) -> float:
     """The root of the mean square that a hypothesis removes, in shares of a channel's span: the most of any channel."""
     squares, less = _removed(before.best).squares, _removed(own.best).squares
     return float(np.sqrt(max(max(squares[k] - less[k] for k in squares), 0.0)))
+
+
+def _times_rest(before: ComparedHypothesis, own: ComparedHypothesis) -> float:
+    """What a hypothesis removes over what it leaves, in the channel where that is most."""
+    squares, less = _removed(before.best).squares, _removed(own.best).squares
+    return float(np.sqrt(max(max((squares[k] - less[k]) / less[k] for k in squares), 0.0)))
 
 
 def _repeatability(found: SearchedHypotheses, weights: Weights) -> float:
@@ -111,14 +148,13 @@ def _effects_alone(weights: Weights) -> float:
     return sum(w for w, alone in with_effect if alone) / total if total else 1.0
 
 
-def _median_block(x: Array, block: NDArray[np.int64]) -> float:
-    """The rms of settled values in a typical block."""
-    return float(np.median([np.sqrt(np.mean(x[block == b] ** 2)) for b in np.unique(block)]))
-
-
-def _between_blocks(error: Array, block: NDArray[np.int64]) -> float:
-    """The typical mean error of a block."""
-    return float(np.median([abs(error[block == b].mean()) for b in np.unique(block)]))
+def _noise(subject: CommandedProblem) -> float:
+    """What a settled position scatters about the base model, its remembered part included."""
+    base = subject.base
+    readings, memory = subject.readings(base)
+    square = np.diag(readings.covariance.noise_covariance(memory, base.refitted.log_components))
+    settled = len(subject.timeline.settled)
+    return float(np.sqrt(np.mean((square * readings.scale**2)[:settled])))
 
 
 def _confounded(found: SearchedHypotheses, weights: Weights) -> dict[Part, tuple[Part, ...]]:

@@ -13,13 +13,19 @@ from smarig.diagnosis.comparison.commanded.commanded_problem import CommandedPro
 from smarig.diagnosis.comparison.commanded.effect_trials import fitted_with, refined
 from smarig.diagnosis.comparison.commanded.law_trials import laws
 from smarig.diagnosis.comparison.commanded.periods import with_best_period
-from smarig.diagnosis.comparison.commanded.screening import Screened, candidates, screened
+from smarig.diagnosis.comparison.commanded.screening import (
+    Screened,
+    candidates,
+    collinear,
+    screened,
+)
 from smarig.diagnosis.comparison.commanded.variable_trials import Discrepancies
 from smarig.diagnosis.comparison.compared_hypothesis import ComparedHypothesis, Part, Trial
 from smarig.diagnosis.comparison.weights import PRIOR_PAIR, PRIOR_SINGLE, TEMPERATURE
 
 DENSITIES, BORROWED = 2, 3  # of the base beside the first: its own, and those of the best effects or laws
 FITTED, VARIABLES, PAIRS = 5, 4, 2  # most hypotheses of each kind that are fitted
+IMITATES = 0.5  # cos² of two traces
 LINEAR_SHARE = 0.2  # of the best gain: an effect with less by linear traces stays at them
 NEAR_NATS, NEAR_SHARE = 10.0, 0.2  # behind the best: farther, trials of the parameters change nothing
 PAIR_NATS = TEMPERATURE * float(np.log(PRIOR_SINGLE / PRIOR_PAIR))  # what the prior of a pair takes
@@ -87,19 +93,36 @@ def _refined(
 ) -> list[ComparedHypothesis]:
     """The best screened effects with a density of their own; those near the best with trials of their parameters."""
     found: list[ComparedHypothesis] = []
-    for one in weak[:FITTED]:
-        best = max([h.score for h in found], default=nothing)
-        if found and one.trial.score < nothing + LINEAR_SHARE * (best - nothing):
-            continue
+
+    def fit(one: Screened) -> None:
         hypothesis, model = fitted_with(subject, base, [*base.effects, one.effect])
         models[hypothesis.parts] = model
         found.append(hypothesis)
         progress(f"{hypothesis.name}: {hypothesis.score - nothing:+.1f} nats on blocks left out")
+
+    for one in weak[:FITTED]:
+        best = max([h.score for h in found], default=nothing)
+        if not found or one.trial.score >= nothing + LINEAR_SHARE * (best - nothing):
+            fit(one)
+    for one in _imitating(found, weak, nothing):
+        fit(one)
     best = max([h.score for h in found], default=nothing)
     return [
         _refined_one(subject, h, models) if h.score > best - NEAR_NATS - NEAR_SHARE * (best - nothing) else h
         for h in found
     ]
+
+
+def _imitating(
+    found: Sequence[ComparedHypothesis], weak: Sequence[Screened], nothing: float
+) -> list[Screened]:
+    """The effects not yet fitted that explain most of what the best does: a density of their own may decide."""
+    best = max(found, key=lambda h: h.score, default=None)
+    if best is None or best.score <= nothing:
+        return []
+    fitted = {h.parts for h in found}
+    top = next(s for s in weak if (s.part,) == best.parts)
+    return [s for s in weak if (s.part,) not in fitted and collinear(top, s) > IMITATES]
 
 
 def _refined_one(

@@ -5,6 +5,7 @@
 Places and lengths are the trials of a variable; their variances are the likeliest.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -17,6 +18,7 @@ from smarig.diagnosis.comparison.commanded.block_scores import (
     coupled_problem,
     trial_of,
 )
+from smarig.diagnosis.comparison.commanded.channel_model import fluctuations
 from smarig.diagnosis.comparison.commanded.commanded_problem import (
     CommandedProblem,
     FittedPlant,
@@ -56,10 +58,11 @@ class Discrepancies:
         C = self.readings.covariance.covariance(self.memory, self.start)
         return screened_kernels(C, self.readings, self.kernels)
 
-    @property
+    @cached_property
     def gains(self) -> Array:
-        """Nats (kernels,) that each kernel gains by screening."""
-        return self._screened[0]
+        """Nats (kernels,) that each kernel gains by screening, and its variable in the other channels."""
+        in_channels = {v: self._channel_gain(v) for v in CHANNEL_VARIABLES}
+        return self._screened[0] + [in_channels.get(k.plain, 0.0) for k in self.kernels]
 
     @cached_property
     def ranking(self) -> tuple[Problem, ...]:
@@ -100,6 +103,15 @@ class Discrepancies:
         first = self.fitted.problems[0]
         return coupled_problem(self.subject.timeline, self.readings.covariance.y, first.scale, C, first.span)
 
+    def _channel_gain(self, variable: str) -> float:
+        """Nats on blocks left out of the other channels, if they may depend on a variable."""
+        count = int(self.subject.timeline.block.max()) + 1
+
+        def score(problems: Sequence[Problem]) -> float:
+            return float(sum(p.scores(p.y, count)[1].sum() for p in problems))
+
+        return max(score(self._channels(variable)) - score(self.fitted.problems[1:]), 0.0)
+
     def _channels(self, variable: str) -> tuple[Problem, ...]:
         """The other channels, which may depend on the same variable."""
         if variable not in CHANNEL_VARIABLES:
@@ -108,9 +120,10 @@ class Discrepancies:
         readings = {r.kind: r for r in timeline.other_readings}
         for m in self.subject.channels:
             r = readings[m.kind]
-            if variable == "time":
-                length = TIME_SHARES[1] * float(np.ptp(r.t_s))
-                models.append(m.with_kernel(falling(r.t_s, length)))
+            if variable == "level":
+                kernels = [falling(ranks(timeline.target_K[r.step]), RANK_LENGTH)]
             else:
-                models.append(m.with_kernel(falling(ranks(timeline.target_K[r.step]), RANK_LENGTH)))
+                kernels = [falling(r.t_s, TIME_SHARES[1] * float(np.ptp(r.t_s)))]
+                kernels += fluctuations(r.t_s) if m.kind == "current" else []
+            models.append(m.with_kernels(kernels))
         return channel_problems(timeline, self.fitted.prediction, models)

@@ -195,7 +195,7 @@ def _evidence(
         span=1.0,
         error=base.misfit,
         noise=base.fit.noise,
-        block_error=float(np.sqrt(fitted(weights.heaviest).fit.sizes[-2])),
+        remains=dict.fromkeys(sizes, float(np.sqrt(fitted(weights.heaviest).fit.sizes[-2]))),
         blocks=problem.independent,
         confounded=confounded(problem, weights.causes),
         held_out=ratios,
