@@ -102,9 +102,7 @@ def test_few_pairs_tried_share_the_prior_of_all() -> None:
 
 def evidence(size: float, p: float, repeatability: float = np.inf) -> VerdictEvidence:
     part = Part("effect", "slip")
-    return VerdictEvidence(
-        {part: p}, 1 - p, {part: size}, 10.0, 0.03, 0.03, 20, repeatability=repeatability
-    )
+    return VerdictEvidence({part: p}, 1 - p, {part: size}, 10.0, 0.03, 0.03, 20, repeatability=repeatability)
 
 
 def test_size_that_a_precise_encoder_shows_is_told() -> None:

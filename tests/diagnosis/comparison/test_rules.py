@@ -46,7 +46,7 @@ def test_what_changes_too_little_is_not_told():
         ({"blocks": 4}, "few_blocks"),
         ({"confounded": {LAG: (DRIFT,)}}, "confounded"),
         ({"held_out": {LAG: 1.2}}, "worse"),
-        ({"remains": {LAG: 0.3}}, "too_small"),
+        ({"remains": {LAG: 0.3}}, "beside"),
         ({"effects_alone": 0.05}, "left_over"),
         ({"effects_alone": 0.3, "least_alone": 0.5}, "left_over"),
         ({"causes": {LAG: 0.97, RATE: 0.95}, "size": {LAG: 0.1, RATE: 0.1}}, "incomplete"),
@@ -77,8 +77,7 @@ def test_effects_that_share_the_weight_are_a_set():
 def test_an_effect_must_remove_more_than_it_leaves_and_a_variable_need_not():
     both = {LAG: 0.55, DRIFT: 0.45}
     found = verdict(both, size=dict.fromkeys(both, 0.1), remains=dict.fromkeys(both, 0.2))
-    assert (found.word, found.names, found.reason) == ("unknown", (), "too_small")
-    assert verdict(remains={LAG: 0.2}, error=0.02).word == "silent"
+    assert (found.word, found.names, found.reason) == ("unknown", (), "beside")
     assert verdict({TIME: 0.97}, remains={TIME: 0.2}).depends_on == "time"
 
 

@@ -60,13 +60,14 @@ RULES = {
 SENTENCES = {
     "not_testable": "These data cannot show any effect.",
     "nothing": "The plain model predicts blocks that it has not seen as well as any other.",
-    "too_small": "What is likely removes too little of the error, or less than remains.",
+    "too_small": "What is likely changes too little to matter.",
     "inadequate": "No effect and no variable predicts the errors.",
     "few_blocks": "There are too few excursions for a name.",
     "confounded": "In these data the cause varies together with others.",
     "worse": "With the likeliest cause, the held-out runs are predicted worse.",
     "left_over": "Beside the likeliest cause, errors go with a variable.",
     "incomplete": "With the likeliest cause, the errors still go with the variable that it acts through.",
+    "beside": "What is likely removes less of the error than it leaves.",
     "likely": "No other cause predicts the blocks as well.",
     "shared": "Several causes predict the blocks about equally well.",
     "variable": "The errors go with this variable, and no effect of the catalogue predicts them as well.",
@@ -109,9 +110,9 @@ class VerdictEvidence:
         return min(RULES["least_size"].value * self.span, RULES["beside_noise"].value * self.repeatability)
 
     def tells(self, part: Part) -> bool:
-        """Whether a cause removes enough of the error to be told, if it is likely; a variable only describes."""
-        rest = RULES["beside_rest"].value * self.remains.get(part, 0.0) if part.kind == "effect" else 0.0
-        return self.size[part] >= max(self.least_size, rest)
+        """Whether a cause removes more than remains; a variable only describes."""
+        rest = RULES["beside_rest"].value * self.remains.get(part, 0.0)
+        return part.kind == "variable" or self.size[part] >= rest
 
     @property
     def adequate(self) -> bool:
@@ -133,26 +134,28 @@ def decide(e: VerdictEvidence) -> Verdict:
     """The verdict on a comparison of hypotheses."""
     if not e.testable:
         return Verdict("not_identifiable", "not_testable")
-    large = [p for p in e.causes if e.tells(p)]
+    large = [p for p in e.causes if e.size[p] >= e.least_size]
     if e.nothing >= RULES["nothing"].value:
         return _nothing(e, "nothing")
     if sum(e.causes[p] for p in large) < 1 - RULES["nothing"].value:
         return _nothing(e, "too_small")
-    likely = [p for p in large if e.causes[p] >= RULES["name"].value]
+    told = [p for p in large if e.tells(p)]
+    if not told:
+        return Verdict("unknown", "beside", depends_on=_likeliest_variable(e))
+    likely = [p for p in told if e.causes[p] >= RULES["name"].value]
     effects = [p for p in likely if p.kind == "effect"]
     doubts = {p: _doubt(e, p) for p in effects}
     sure = [p for p in effects if not doubts[p]]
     if sure:
         return Verdict("named", "likely", tuple(p.name for p in sure))
-    return _set(e, large, next((d for d in doubts.values() if d), ""))
+    return _set(e, told, next((d for d in doubts.values() if d), ""))
 
 
 def _nothing(e: VerdictEvidence, reason: str) -> Verdict:
     if e.adequate:
         return Verdict("silent", reason)
-    if reason == "nothing":
-        return Verdict("unknown", "inadequate")
-    return Verdict("unknown", reason, depends_on=_likeliest_variable(e))
+    nothing = e.nothing >= RULES["nothing"].value
+    return Verdict("unknown", "inadequate", depends_on=None if nothing else _likeliest_variable(e))
 
 
 def _likeliest_variable(e: VerdictEvidence) -> str | None:
@@ -176,11 +179,11 @@ def _doubt(e: VerdictEvidence, part: Part) -> str:
     return ""
 
 
-def _set(e: VerdictEvidence, large: list[Part], doubt: str) -> Verdict:
+def _set(e: VerdictEvidence, told: list[Part], doubt: str) -> Verdict:
     """The smallest set of causes that holds the truth with the probability of the rule."""
     kept: list[Part] = []
     missing = 1.0 - e.nothing
-    for part in large:  # likeliest first
+    for part in told:  # likeliest first
         if missing <= (1.0 - RULES["set"].value) * (1.0 - e.nothing):
             break
         kept += [q for q in (part, *e.confounded.get(part, ())) if q not in kept]

@@ -34,12 +34,15 @@ def evidence_of(
 
 
 def _without_negligible(e: VerdictEvidence, found: SearchedHypotheses, weights: Weights) -> VerdictEvidence:
-    """Evidence with the weight of hypotheses that hardly remove an error given to nothing."""
-    large = [
-        (h, w)
-        for h, w in zip(weights.hypotheses, weights.weight.tolist())
-        if h.parts and e.span * _removes(found.hypotheses[0], h) >= e.least_size
-    ]
+    """Evidence with the weight of hypotheses that remove little, or less than they leave, given to nothing."""
+    nothing = found.hypotheses[0]
+
+    def tells(h: ComparedHypothesis) -> bool:
+        beside = any(p.kind == "variable" for p in h.parts)  # which describes what is left
+        enough = beside or _times_rest(nothing, h) >= RULES["beside_rest"].value
+        return enough and e.span * _removes(nothing, h) >= e.least_size
+
+    large = [(h, w) for h, w in zip(weights.hypotheses, weights.weight.tolist()) if h.parts and tells(h)]
     causes = {p: sum(w for h, w in large if p in h.parts) for p in e.causes}
     likeliest = dict(sorted(causes.items(), key=lambda item: -item[1]))
     return replace(e, causes=likeliest, nothing=1.0 - sum(w for _, w in large))
