@@ -11,7 +11,7 @@ from smarig.diagnosis.comparison.commanded.channel_model import ChannelModel, _b
 from smarig.diagnosis.comparison.commanded.drawn_values import drawn_values
 from smarig.diagnosis.comparison.compared_hypothesis import ComparedHypothesis, Part, Trial
 from smarig.diagnosis.comparison.rules import VerdictEvidence, decide
-from smarig.diagnosis.comparison.weights import weigh
+from smarig.diagnosis.comparison.weights import TEMPERATURE, weigh
 
 BLOCK = np.repeat(np.arange(6), 5)
 T = np.arange(30.0)
@@ -75,11 +75,14 @@ def parabola(top: np.ndarray, x: np.ndarray) -> ComparedHypothesis:
     return ComparedHypothesis((Part("effect", "a"),), trials)
 
 
-def test_values_of_a_parameter_lie_between_the_trials() -> None:
+def test_values_of_a_parameter_lie_about_the_top_of_resampled_blocks() -> None:
     top = np.random.default_rng(4).normal(3.0, 1.0, 20)
-    shares = np.random.default_rng(5).dirichlet(np.ones(20), 400) * 20
-    found = drawn_values(parabola(top, np.array([2.2, 2.8, 3.6])), "a.x", shares)
-    np.testing.assert_allclose(found, shares @ top / 20, atol=1e-6)
+    shares = np.random.default_rng(5).dirichlet(np.ones(20), 4000) * 20
+    found = drawn_values(parabola(top, np.array([2.2, 2.8, 3.6])), "a.x", shares) - shares @ top / 20
+    assert abs(found.mean()) < 0.02
+    assert found.std() == pytest.approx(
+        np.sqrt(TEMPERATURE / (2 * 20)), rel=0.05
+    )  # scores are -20 (x - top)^2
 
 
 def test_parameter_of_two_trials_is_one_of_them() -> None:

@@ -1,6 +1,7 @@
-"""Values of a parameter under resampled blocks: the top of a parabola through the scores of the trials.
+"""Values of a parameter under resampled blocks, from a parabola through the scores of the trials.
 
-    Σ_b a_b s_b(θ) ≈ Σ_b a_b (c_0b + c_1b θ + c_2b θ²),    θ* = − Σ a_b c_1b / (2 Σ a_b c_2b)
+    Σ_b a_b s_b(θ) ≈ Σ_b a_b (c_0b + c_1b θ + c_2b θ²),    θ ~ N(θ*, σ²)
+    θ* = − Σ a_b c_1b / (2 Σ a_b c_2b),    σ² = − T / (2 Σ a_b c_2b)
 
 Trials lie at a few values, so the best of them would make every interval as coarse as the trials.
 """
@@ -9,13 +10,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from smarig.diagnosis.comparison.compared_hypothesis import ComparedHypothesis
+from smarig.diagnosis.comparison.weights import TEMPERATURE
 
 Array = NDArray[np.float64]
 NEAR_NATS = 30.0  # behind the best: trials farther away say nothing of the top
 
 
 def drawn_values(hypothesis: ComparedHypothesis, parameter: str, shares: Array) -> Array:
-    """The values (draws,) of a parameter that predict best under other ``shares`` (draws, B) of the blocks."""
+    """Values (draws,) of a parameter under other ``shares`` (draws, B) of the blocks."""
     x = np.array([t.parameters[parameter] for t in hypothesis.trials])
     scores = np.array([t.log_scores for t in hypothesis.trials])
     total = scores.sum(axis=1)
@@ -27,5 +29,7 @@ def drawn_values(hypothesis: ComparedHypothesis, parameter: str, shares: Array) 
     z = (x[near] - best) / size
     coefficients = np.linalg.lstsq(np.vander(z, 3), scores[near], rcond=None)[0]
     second, first, _ = (shares @ coefficients.T).T
-    top = np.clip(-first / (2 * np.minimum(second, -1e-12)), z.min() - 1, z.max() + 1)
-    return np.where(second < 0, best + size * top, chosen)
+    bend = 2 * np.minimum(second, -1e-12)
+    spread = np.sqrt(-TEMPERATURE / bend) * np.random.default_rng(0).standard_normal(bend.size)
+    drawn = np.clip(-first / bend + spread, z.min() - 1, z.max() + 1)
+    return np.where(second < 0, best + size * drawn, chosen)
