@@ -18,6 +18,7 @@ from smarig.diagnosis.comparison.commanded.extension import (
     gain_with,
     law_extensions,
 )
+from smarig.diagnosis.comparison.commanded.undetermined import missing_knowledge_of
 from smarig.diagnosis.comparison.compared_hypothesis import Part
 from smarig.diagnosis.comparison.rules import RULES, Verdict, VerdictEvidence, decide
 from smarig.diagnosis.comparison.weights import weigh
@@ -82,6 +83,7 @@ def concluded(
         extension=extension,
         offered=offered,
         gain=gain if offered or gain is None else gain.without_extension(),
+        missing=missing_knowledge_of(subject, by_effects.base, evidence.noise, train, held_out),
         original=original,
         train=train,
         seconds=seconds,

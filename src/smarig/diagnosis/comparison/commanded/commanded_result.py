@@ -10,6 +10,7 @@ from smarig.diagnosis.comparison.commanded.commanded_problem import CommandedPro
 from smarig.diagnosis.comparison.commanded.commanded_search import SearchedHypotheses
 from smarig.diagnosis.comparison.commanded.extension import Extension
 from smarig.diagnosis.comparison.compared_hypothesis import Part
+from smarig.diagnosis.comparison.missing_knowledge import MissingKnowledge
 from smarig.diagnosis.comparison.rules import SENTENCES, Verdict, VerdictEvidence
 from smarig.diagnosis.comparison.weights import Weights
 from smarig.diagnosis.diagnosed_model import diagnosed_model
@@ -40,7 +41,8 @@ class CommandedComparison:
 
     ``extension`` is the base model with effects, or with a law if the cause is unknown: of those that do not predict
     held-out runs worse, the one that predicts blocks left out best. ``offered``: whether there is one. ``gain`` are the
-    errors on held-out runs, None if there are none. ``train`` are the runs, ``original`` the given model.
+    errors on held-out runs, None if there are none. ``missing``: what the runs do not determine and the held-out runs
+    need. ``train`` are the runs, ``original`` the given model.
     """
 
     subject: CommandedProblem
@@ -51,6 +53,7 @@ class CommandedComparison:
     extension: Extension
     offered: bool
     gain: HeldOutGain | None
+    missing: MissingKnowledge | None
     original: Model
     train: tuple[Run, ...]
     seconds: float

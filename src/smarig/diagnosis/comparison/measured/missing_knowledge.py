@@ -6,27 +6,16 @@ S_h is the plain model's held-out error. A wire that changed, or an input that i
 density without a larger error of the training readings; a turn inside the fitted loop can.
 """
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import nnls
 
 from smarig.diagnosis.comparison.measured.additions import FittedAddition
+from smarig.diagnosis.comparison.missing_knowledge import MissingKnowledge, inputs_of_error
 from smarig.diagnosis.comparison.rules import RULES
 
 Array = NDArray[np.float64]
 CONSTANT = 10.0  # column of the unknown zero, of either sign
-
-
-@dataclass(frozen=True)
-class MissingKnowledge:
-    """``share`` of the held-out square error where the training runs determine nothing, and the ``inputs`` between
-    which nine tenths of that error lie.
-    """
-
-    share: float
-    inputs: tuple[float, float]
 
 
 def missing_knowledge(base: FittedAddition, share: float) -> MissingKnowledge | None:
@@ -35,10 +24,7 @@ def missing_knowledge(base: FittedAddition, share: float) -> MissingKnowledge | 
         return None
     problem, square = base.problem, base.held_out_error() ** 2
     u = np.concatenate([r.u[rows] for r, rows in zip(problem.records, problem.rows)])[~problem.train]
-    order = np.argsort(u)
-    below = np.cumsum(square[order]) / square.sum()
-    low, high = (float(u[order][np.searchsorted(below, q)]) for q in (0.05, 0.95))
-    return MissingKnowledge(min(share, 1.0), (low, high))
+    return MissingKnowledge(min(share, 1.0), inputs_of_error(u, square))
 
 
 def missing_share(base: FittedAddition) -> float:
