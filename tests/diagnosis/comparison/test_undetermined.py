@@ -1,0 +1,36 @@
+"""What the training runs of a rig do not determine is missing knowledge; a wire that walks has changed."""
+
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import pytest
+
+from benchmarks.boxes import write_box
+from smarig.diagnosis.comparison.commanded.compared_runs import subject_of
+from smarig.diagnosis.comparison.commanded.undetermined import missing_knowledge_of
+from smarig.diagnosis.comparison.missing_knowledge import MissingKnowledge
+from smarig.identification import identify
+from smarig.record import load_run
+from tests.diagnosis.short_boxes import short_box
+
+NOISE = 0.02  # output units
+
+
+def missing(hidden: dict[str, dict[str, float]], train: str, held_out: str) -> MissingKnowledge | None:
+    with TemporaryDirectory() as folder:
+        box = short_box(3, hidden)
+        runs = {str(run.info.protocol): run for run in map(load_run, write_box(box, Path(folder)).train)}
+        first, second = [runs[train]], [runs[held_out]]
+        subject = subject_of(identify(first, "positive").model, first, second)
+        return missing_knowledge_of(subject, subject.base.plant_model, NOISE, first, second)
+
+
+def test_inner_loops_that_no_training_run_turned_are_missing_knowledge() -> None:
+    found = missing({}, "wiping_out", "congruency")
+    assert found is not None
+    assert found.share == pytest.approx(1.0, abs=0.1)
+    assert found.inputs[0] < found.inputs[1]
+
+
+def test_a_wire_that_walks_between_the_runs_is_no_missing_knowledge() -> None:
+    assert missing({"walking": {"percent_per_cycle": 3.0}}, "wiping_out", "congruency") is None
