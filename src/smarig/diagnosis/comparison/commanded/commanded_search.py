@@ -95,8 +95,10 @@ def _refined(
     found: list[ComparedHypothesis] = []
 
     def fit(one: Screened) -> None:
-        hypothesis, model = fitted_with(subject, base, [*base.effects, one.effect])
-        models[hypothesis.parts] = model
+        result = fitted_with(subject, base, [*base.effects, one.effect])
+        if result is None:
+            return
+        hypothesis, models[result[0].parts] = result
         found.append(hypothesis)
         progress(f"{hypothesis.name}: {hypothesis.score - nothing:+.1f} nats on blocks left out")
 
@@ -169,9 +171,10 @@ def _pairs(
     smooth = Discrepancies.about(subject, fitted)
     found = []
     for one in screened(subject, fitted, traces, smooth.ranking)[:PAIRS]:
-        if one.trial.score > floor + PAIR_NATS:
-            hypothesis, model = fitted_with(subject, fitted, [*fitted.effects, one.effect])
-            models[hypothesis.parts] = model
+        promising = one.trial.score > floor + PAIR_NATS
+        result = fitted_with(subject, fitted, [*fitted.effects, one.effect]) if promising else None
+        if result is not None:
+            hypothesis, models[result[0].parts] = result
             found.append(_reported(hypothesis, best, progress))
     better = [h for h in found if h.score > floor + PAIR_NATS]
     if better:

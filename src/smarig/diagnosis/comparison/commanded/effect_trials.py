@@ -1,6 +1,7 @@
 """The trials of effects: parameters fitted to all readings, then strengths around them, with a joint density."""
 
 from collections.abc import Iterator, Sequence
+from contextlib import suppress
 
 import numpy as np
 
@@ -19,12 +20,18 @@ MIN_MOVE_SD = 0.3  # of a parameter: smaller moves change no score
 
 def fitted_with(
     subject: CommandedProblem, start: FittedPlant, effects: Sequence[Effect]
-) -> tuple[ComparedHypothesis, FittedPlant]:
-    """The hypothesis that these effects are present, fitted about ``start`` and given a density of their own."""
+) -> tuple[ComparedHypothesis, FittedPlant] | None:
+    """The hypothesis that these effects are present, fitted about ``start`` and given a density of their own.
+
+    None if they move the inputs so close together that no density can be identified.
+    """
     fit = fit_parameters(
         effects, subject.timeline, start.plant_model, start.refitted, start.plant_model.hysteresis
     )
-    best = subject.with_joint_density(subject.with_effects(start, fit.effects), start.refitted)
+    try:
+        best = subject.with_joint_density(subject.with_effects(start, fit.effects), start.refitted)
+    except np.linalg.LinAlgError:
+        return None
     return ComparedHypothesis(subject.parts(best), (subject.trial(best),)), best
 
 
@@ -64,9 +71,10 @@ def _moved(subject: CommandedProblem, fitted: FittedPlant, fit: ParameterFit) ->
     """The parameters of a fit with the density as it is; then with a density about them."""
     if fit.moved < MIN_MOVE_SD:
         return
-    moved = subject.at(subject.with_effects(fitted, fit.effects), fitted.refitted)
-    yield moved
-    yield subject.with_joint_density(moved.plant_model, moved.refitted)
+    with suppress(np.linalg.LinAlgError):  # as in ``fitted_with``
+        moved = subject.at(subject.with_effects(fitted, fit.effects), fitted.refitted)
+        yield moved
+        yield subject.with_joint_density(moved.plant_model, moved.refitted)
 
 
 def _along_strength(

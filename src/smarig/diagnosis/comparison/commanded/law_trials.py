@@ -27,7 +27,8 @@ def laws(subject: CommandedProblem, smooth: Discrepancies) -> list[tuple[Compare
         shape = law_shape(subject.timeline, fitted.plant_model, fitted.prediction, {}, variable, place)
         if shape is not None:
             effects = [*fitted.effects, law_start(fitted.plant_model, shape)]
-            found.append(refined(subject, *fitted_with(subject, fitted, effects)))
+            by_law = fitted_with(subject, fitted, effects)
+            found += [refined(subject, *by_law)] if by_law else []
     return sorted(found, key=lambda pair: pair[0].score)
 
 
