@@ -1,5 +1,6 @@
 """From weighted hypotheses to what the rules of the verdict ask."""
 
+from collections.abc import Mapping
 from dataclasses import replace
 from math import inf
 
@@ -39,7 +40,8 @@ def _without_negligible(e: VerdictEvidence, found: SearchedHypotheses, weights: 
 
     def tells(h: ComparedHypothesis) -> bool:
         beside = any(p.kind == "variable" for p in h.parts)  # which describes what is left
-        enough = beside or _times_rest(nothing, h) >= RULES["beside_rest"].value
+        unseen = min((_times_rest_unseen(e.held_out, p) for p in h.parts), default=0.0)
+        enough = beside or max(_times_rest(nothing, h), unseen) >= RULES["beside_rest"].value
         return enough and e.span * _removes(nothing, h) >= e.least_size
 
     large = [(h, w) for h, w in zip(weights.hypotheses, weights.weight.tolist()) if h.parts and tells(h)]
@@ -63,7 +65,7 @@ def _all_evidence(
         span=span,
         error=settled_rms(subject.timeline, base),
         noise=_noise(subject),
-        remains={p: span * _remains(found, weights, p) for p in weights.causes},
+        remains={p: span * _remains(found, weights, p, held_out) for p in weights.causes},
         blocks=int(np.unique(subject.timeline.block).size),
         confounded=_confounded(found, weights),
         held_out=held_out,
@@ -98,10 +100,16 @@ def _size(found: SearchedHypotheses, weights: Weights, part: Part) -> float:
     return max(_removes(before, own) for before, own in _with_and_without(found, weights, part))
 
 
-def _remains(found: SearchedHypotheses, weights: Weights, part: Part) -> float:
-    """The error that is left beside what a part removes, in the channel where it removes most of what is left."""
+def _remains(
+    found: SearchedHypotheses, weights: Weights, part: Part, held_out: Mapping[Part, float]
+) -> float:
+    """The error that is left beside what a part removes, in the channel where it removes most of what is left.
+
+    Held-out positions count as a channel, if the extended model has no other part.
+    """
     pairs = _with_and_without(found, weights, part)
-    times = max(_times_rest(before, own) for before, own in pairs)
+    alone = {part: held_out[part]} if list(held_out) == [part] else {}
+    times = max([_times_rest(before, own) for before, own in pairs] + [_times_rest_unseen(alone, part)])
     return _size(found, weights, part) / times if times else inf
 
 
@@ -132,6 +140,12 @@ def _times_rest(before: ComparedHypothesis, own: ComparedHypothesis) -> float:
     """What a hypothesis removes over what it leaves, in the channel where that is most."""
     squares, less = _removed(before.best).squares, _removed(own.best).squares
     return float(np.sqrt(max(max((squares[k] - less[k]) / less[k] for k in squares), 0.0)))
+
+
+def _times_rest_unseen(held_out: Mapping[Part, float], part: Part) -> float:
+    """What a part removes of the error on held-out runs over what it leaves; 0 if it removes nothing."""
+    left = held_out.get(part, 1.0)
+    return float(np.sqrt(1 / left**2 - 1)) if 0 < left < 1 else 0.0
 
 
 def _repeatability(found: SearchedHypotheses, weights: Weights) -> float:
