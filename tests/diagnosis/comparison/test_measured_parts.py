@@ -7,8 +7,8 @@ import pytest
 from scipy.stats import multivariate_normal
 
 from diagnosis.measured.independent_wire import RelayWire, as_run, triangles
-from smarig.diagnosis.comparison.compared_hypothesis import Part
 from smarig.diagnosis.comparison import gaussian_fit
+from smarig.diagnosis.comparison.compared_hypothesis import Part
 from smarig.diagnosis.comparison.gaussian_fit import LEVEL, fit_gaussian
 from smarig.diagnosis.comparison.measured.memory_features import MemoryGrid
 from smarig.diagnosis.comparison.measured.positive_prior import positive_prior

@@ -4,19 +4,20 @@ The fit is least squares of the readings. It is only where the trace is made lin
 a block is left out is the matter of their covariance.
 """
 
-from collections.abc import Mapping
-from dataclasses import asdict, dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from smarig.diagnosis.comparison.thermal.heat_balance import HeatBalance
-from smarig.diagnosis.comparison.thermal.thermal_record import FINE, ThermalRecord
+from smarig.diagnosis.comparison.thermal.thermal_record import ThermalRecord
 
 Array = NDArray[np.float64]
 PLAIN = ("start", "offset", "gain", "tau")
 LEVELS = (-100.0, 400.0)  # bounds of start and offset, °C
 MOST_STEPS = 40
+STARTS = (0.1, 0.5, 0.8)  # quantiles of the values that are tried
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,28 +44,39 @@ def fit_balance(
     x: ThermalRecord, values: Mapping[str, float], near: HeatBalance | None = None
 ) -> FittedBalance:
     """The balance with ``values`` of its effects; ``near`` is where the search begins."""
+    return _fitted(x, replace(near or _linear_balance(x), **values), {})
+
+
+def fit_with_effect(x: ThermalRecord, near: HeatBalance, tries: Mapping[str, Sequence[float]]) -> HeatBalance:
+    """The balance with the parameters of an effect fitted as well, between the ends of ``tries``, from three starts."""
+    bounds = {name: (min(options), max(options)) for name, options in tries.items()}
+    starts = [{name: float(np.quantile(o, q)) for name, o in tries.items()} for q in STARTS]
+    return min((_fitted(x, replace(near, **s), bounds) for s in starts), key=lambda f: f.rms).balance
+
+
+def _fitted(x: ThermalRecord, first: HeatBalance, bounds: Mapping[str, tuple[float, float]]) -> FittedBalance:
     from scipy.optimize import least_squares  # imported here: takes most of a second
 
-    first = replace(near or _linear_balance(x), **values)
-    low = np.array([LEVELS[0], LEVELS[0], 0.0, x.step])
-    high = np.array([LEVELS[1], LEVELS[1], 1e6, 20 * x.length])
-    begin = np.clip([asdict(first)[q] for q in PLAIN], low + 1e-9, high - 1e-9)
+    free = (*PLAIN, *bounds)
+    ends = [LEVELS, LEVELS, (0.0, 1e6), (x.step, 20 * x.length), *bounds.values()]
+    low, high = (np.array([e[k] for e in ends]) for k in (0, 1))
+    margin = 1e-6 * np.minimum(high - low, 1.0)
+    begin = np.clip([getattr(first, q) for q in free], low + margin, high - margin)
 
     def error(v: Array) -> Array:
-        balance = replace(first, **dict(zip(PLAIN, v.tolist())))
+        balance = replace(first, **dict(zip(free, v.tolist())))
         return x.temperature - balance.predicted_temperature(x)
 
-    scale = np.r_[1.0, 1.0, np.maximum(np.abs(begin[2:]), 1e-9)]
+    scale = np.r_[1.0, 1.0, np.maximum(np.abs(begin[2:4]), 1e-9), (high - low)[4:] / 10]
     found = least_squares(error, begin, bounds=(low, high), x_scale=scale, ftol=1e-7, max_nfev=MOST_STEPS)
-    balance = replace(first, **dict(zip(PLAIN, found.x.tolist())))
-    return FittedBalance(balance, found.fun, -found.jac)
+    balance = replace(first, **dict(zip(free, found.x.tolist())))
+    return FittedBalance(balance, found.fun, -found.jac[:, : len(PLAIN)])
 
 
 def _linear_balance(x: ThermalRecord) -> HeatBalance:
     """A plain balance by finite differences, where the search begins."""
-    drive = x.drive[1:].reshape(-1, FINE).mean(axis=1)
-    excess = (x.temperature - x.room[::FINE])[:-1]
-    columns = np.column_stack([drive, -excess, np.ones(drive.size)])
-    gain, rate, constant = np.linalg.lstsq(columns, np.diff(x.temperature) / x.dt, rcond=None)[0].tolist()
+    columns = np.column_stack([x.bin_drive, x.bin_room - x.temperature, np.ones(x.t.size)])
+    heating = np.gradient(x.temperature, x.dt)
+    gain, rate, constant = np.linalg.lstsq(columns, heating, rcond=None)[0].tolist()
     rate = min(max(rate, 0.2 / x.length), 0.5 / x.dt)
     return HeatBalance(float(x.temperature[0]), constant / rate, max(gain, 1e-12), 1 / rate)

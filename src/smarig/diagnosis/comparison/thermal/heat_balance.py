@@ -39,11 +39,12 @@ class HeatBalance:
     dead: float = 0.0
 
     def predicted_temperature(self, x: ThermalRecord) -> Array:
-        """Temperatures (n,) that the thermometer shows; exact for a constant drive between two fine times."""
-        return self._reading(x, self._wire_temperature(x))[::FINE]
+        """Means (n,) over bins of what the thermometer shows; exact for a constant drive between two fine times."""
+        reading = self._reading(x, self._wire_temperature(x))
+        return (0.5 * (reading[1:] + reading[:-1])).reshape(-1, FINE).mean(axis=1)
 
     def _wire_temperature(self, x: ThermalRecord) -> Array:
-        still = x.room + self.offset + self.drift * (x.fine_t - x.t[0])
+        still = x.room + self.offset + self.drift * (x.fine_t - x.fine_t[0])
         if self.exponent or self.mass_share:
             return self._stepwise(x, still)
         decay = exp(-x.step / self.tau)
@@ -52,15 +53,16 @@ class HeatBalance:
 
     def _stepwise(self, x: ThermalRecord, still: Array) -> Array:
         """The temperature step by step, if the loss depends on the temperature or there is a second mass."""
-        rate, decay = 1 / self.tau, exp(-x.step / self.tau)
-        keep, share, n = exp(-x.step / self.mass_tau), self.mass_share, self.exponent
+        step, rate = x.step, 1 / self.tau
+        decay, keep = exp(-step / self.tau), exp(-step / self.mass_tau)
+        share, n = self.mass_share, self.exponent
         wire, mass, out = self.start, float(still[0]), [self.start]
         rows = np.column_stack([still, self.gain * x.drive, self._latent(x)])[1:]
         for base, heating, latent in rows.tolist():
             end = base + share * (mass - base)
             if n:
                 rate = (max(abs(wire - end), LEAST_EXCESS_K) / REFERENCE_K) ** n / self.tau
-                decay = exp(-x.step * rate)
+                decay = exp(-step * rate)
             end += heating / rate
             wire = end + (wire - end) * decay - latent
             mass = wire + (mass - wire) * keep

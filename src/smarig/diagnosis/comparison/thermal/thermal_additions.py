@@ -1,6 +1,6 @@
 """A hypothesis about a thermal record as a Gaussian problem, with its blocks left out.
 
-    reading = T(θ) + J δ + r + e + σ n,    δ wide,    e: errors within a block
+    reading = T(θ) + J δ + r + e + σ n + q,    δ wide,    e: errors within a block,    q: of the quantised reading
 
 T(θ) has the effects of the hypothesis, J are the slopes of its plain parameters. r is a smooth dependence on a variable
 z: of the thermometer, or of the heat through the wire's response S,
@@ -22,14 +22,14 @@ from smarig.diagnosis.comparison.gaussian_fit import LEVEL, GaussianFit, fit_gau
 from smarig.diagnosis.comparison.measured.reading_problem import rough_kernel, smooth_kernel
 from smarig.diagnosis.comparison.thermal.balance_fit import FittedBalance, fit_balance
 from smarig.diagnosis.comparison.thermal.heat_balance import wire_response
-from smarig.diagnosis.comparison.thermal.thermal_problem import ThermalProblem, bin_drive
-from smarig.diagnosis.comparison.thermal.thermal_record import FINE
+from smarig.diagnosis.comparison.thermal.thermal_problem import ThermalProblem
 
 Array = NDArray[np.float64]
 VARIABLES = ("time", "temperature", "power", "heating_rate")
 LENGTH = 0.35  # of a variable's range
 FIRST_SIZES = (1e-4, 1e-4, 1e-4)  # of errors within a block, short and long, and of the noise
 ADDED_SIZE = 1e-4
+LEAST_START = 1e-5  # a size that begins near zero stays there
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,7 +68,7 @@ class FittedThermalAddition:
     @property
     def noise(self) -> float:
         """What a reading scatters, short errors of the thermometer included."""
-        return float(np.sqrt(self.fit.sizes[-1] + self.fit.sizes[-3]))
+        return float(np.sqrt(self.fit.sizes[-1] + self.fit.sizes[-3] + self.problem.rounding))
 
     @property
     def block_error(self) -> float:
@@ -93,8 +93,8 @@ class ThermalBasis:
         """The wire's response (n, n) to a heat input, a gain, a loss and a heat capacity, each of unit mean square."""
         x, trace = self.problem.record, self.problem.record.temperature - self.balance.error
         response = wire_response(x, self.balance.balance.tau)
-        excess = trace - x.room[::FINE] - self.balance.balance.offset
-        weights = (np.ones(trace.size), bin_drive(x), excess, np.gradient(trace, x.dt))
+        excess = trace - x.bin_room - self.balance.balance.offset
+        weights = (np.ones(trace.size), x.bin_drive, excess, np.gradient(trace, x.dt))
         return [_unit(response * w) for w in weights]
 
     def variable_parts(self, name: str) -> list[Array]:
@@ -119,9 +119,9 @@ class ThermalBasis:
             balance.error / x.span,
             [*own, *self.problem.within],
             self.problem.blocks,
-            sizes,
+            np.maximum(sizes, LEAST_START) if iterations else sizes,
             iterations,
-            LEVEL * slopes @ slopes.T,
+            LEVEL * slopes @ slopes.T + self.problem.rounding * np.eye(balance.error.size),
         )
         return FittedThermalAddition(candidate, balance, fit, self.problem)
 

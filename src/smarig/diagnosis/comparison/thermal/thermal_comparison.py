@@ -1,6 +1,6 @@
 """The comparison of hypotheses about a thermal record: which one predicts blocks that it has not seen.
 
-    compare_thermal(record).verdict
+compare_thermal(record).verdict
 """
 
 from collections.abc import Mapping, Sequence
@@ -22,7 +22,7 @@ from smarig.diagnosis.comparison.weights import TEMPERATURE, Weights, weigh
 
 Array = NDArray[np.float64]
 Interval = tuple[float, float]
-BASE_STEPS = 30
+BASE_STEPS = 60
 TRIMMED = 0.1  # of the blocks, those that gain most: one block is no measure of a size
 
 
@@ -108,16 +108,10 @@ def _removed(counts: Array, start: ComparedHypothesis, hypothesis: ComparedHypot
 
 
 def _extended(weights: Weights, verdict: Verdict, base: FittedThermalAddition) -> FittedThermalAddition:
-    """The heaviest hypothesis of effects that holds the verdict's names: all of a name, the likeliest of a set."""
+    """The hypothesis of the verdict's names: of all if they are named, else of the likeliest."""
     wanted = set(verdict.names if verdict.word == "named" else verdict.names[:1])
-    holders = [
-        (w, h)
-        for h, w in zip(weights.hypotheses, weights.weight.tolist())
-        if wanted <= {p.name for p in h.parts} and all(p.kind == "effect" for p in h.parts)
-    ]
-    if not wanted or not holders:
-        return base
-    return max(holders, key=lambda pair: pair[0])[1].best.state
+    exact = [h for h in weights.hypotheses if {p.name for p in h.parts} == wanted]
+    return exact[0].best.state if wanted and exact else base
 
 
 def _intervals(weights: Weights) -> dict[str, dict[str, Interval]]:

@@ -21,10 +21,8 @@ Tries = Mapping[str, tuple[float, ...]]
 
 @dataclass(frozen=True)
 class ThermalEffect:
-    """An effect: the variable that its errors go with, and by parameter the values that are tried on a record, from
-    which the search goes on.
-
-    Of several parameters, each is 0 where the others are tried first, if 0 is among its values.
+    """An effect: the variable that its errors go with, and by parameter the values that are tried on a record, between
+    whose ends the search goes on.
     """
 
     name: str
@@ -43,8 +41,12 @@ def _drifts(x: ThermalRecord) -> tuple[float, ...]:
 
 LATENT_K = (0.0, 1.0, 3.0, 10.0, 30.0, 100.0)  # NiTi: 12 to 37 J/g over 0.47 to 0.84 J/(g K)
 EFFECTS = (
-    ThermalEffect("convection", "temperature", lambda _: {"exponent": (-0.3, -0.1, 0.05, 0.1, 0.2, 0.4, 0.8)}),
-    ThermalEffect("sensor_lag", "heating_rate", lambda x: {"dead": (0.0, *_times(x)), "lag": (0.0, *_times(x))}),
+    ThermalEffect(
+        "convection", "temperature", lambda _: {"exponent": (-0.3, -0.1, 0.05, 0.1, 0.2, 0.4, 0.8)}
+    ),
+    ThermalEffect(
+        "sensor_lag", "heating_rate", lambda x: {"dead": (0.0, *_times(x)), "lag": (0.0, *_times(x))}
+    ),
     ThermalEffect(
         "settling",
         "time",
@@ -65,7 +67,8 @@ def testable_effects(x: ThermalRecord) -> list[ThermalEffect]:
     return [
         e
         for e in EFFECTS
-        if not (e.name == "latent_heat" and x.share is None) and not (e.name == "ambient_drift" and x.room_known)
+        if not (e.name == "latent_heat" and x.share is None)
+        and not (e.name == "ambient_drift" and x.room_known)
     ]
 
 

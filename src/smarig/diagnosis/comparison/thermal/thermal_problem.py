@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from smarig.diagnosis.comparison.thermal.balance_fit import FittedBalance
-from smarig.diagnosis.comparison.thermal.thermal_record import FINE, ThermalRecord
+from smarig.diagnosis.comparison.thermal.thermal_record import ThermalRecord
 from smarig.preisach import turning_points
 
 Array = NDArray[np.float64]
@@ -45,6 +45,11 @@ class ThermalProblem:
         """Number of readings of each block (B,)."""
         return np.array([b.size for b in self.blocks], dtype=float)
 
+    @property
+    def rounding(self) -> float:
+        """Variance of the rounding of a reading, of a range of one."""
+        return (self.record.quantum / self.record.span) ** 2 / 12
+
     @cached_property
     def within(self) -> tuple[Array, Array]:
         """Covariances (n, n) of errors within a block: short ones, and long ones."""
@@ -60,15 +65,10 @@ class ThermalProblem:
         x, plain = self.record, self.record.temperature - self.base.error
         return {
             "time": x.t,
-            "power": bin_drive(x),
+            "power": x.bin_drive,
             "temperature": plain,
             "heating_rate": np.gradient(plain, x.dt),
         }
-
-
-def bin_drive(x: ThermalRecord) -> Array:
-    """Mean drive (n,) since the bin before."""
-    return np.r_[x.drive[0], x.drive[1:].reshape(-1, FINE).mean(axis=1)]
 
 
 def thermal_problem(x: ThermalRecord, base: FittedBalance) -> ThermalProblem:
@@ -96,7 +96,7 @@ def _ruler(path: Array) -> Array:
 
 def _beginnings(x: ThermalRecord) -> list[int]:
     """Rows at which the drive steps, and those at which it turns between steps."""
-    drive = bin_drive(x)
+    drive = x.bin_drive
     least = TURN_SHARE * float(np.ptp(drive))
     if not least:
         return []

@@ -1,7 +1,7 @@
-"""A measured wire temperature under a drive of unknown scale, at equally spaced times.
+"""A measured wire temperature under a drive of unknown scale, in equal bins of time.
 
-The temperature is the median over a bin. The drive is the mean between two points of a finer grid, so that a step of
-the drive within a bin keeps its time.
+Temperatures are means over a bin. The drive is the mean between two points of a finer grid, so that a step of the drive
+within a bin keeps its time; else a bin's width would be credited to the thermometer.
 """
 
 from dataclasses import dataclass
@@ -14,20 +14,20 @@ from smarig.identification import valid_rows
 from smarig.record import Run
 
 Array = NDArray[np.float64]
-MOST_BINS = 240  # a polled, quantised sensor contains no more information
+MOST_BINS = 200  # a polled, quantised sensor contains no more information
 BIN_ROWS = 2
 FEWEST_BINS = 40
-FINE = 3  # points of the finer grid in a bin
+FINE = 4  # steps of the finer grid in a bin
 TEMPERATURES = ("K", "degC", "°C")
 
 
 @dataclass(frozen=True, eq=False)
 class ThermalRecord:
-    """Times (n,) and temperatures (n,); drive, room (0 if unknown), ξ (None if unknown) at N = ``FINE`` (n − 1) + 1
-    times.
+    """Middles of bins (n,) and temperatures (n,); drive, room (0 if unknown), ξ (None if unknown) at N = ``FINE`` n + 1
+    times, the ends of the bins included.
 
     ξ is the transformed share, from the measured position, in [0, 1]. ``unit`` is that of the time: samples if there is
-    no clock.
+    no clock. ``quantum``: the least difference of two readings, kelvin.
     """
 
     t: Array
@@ -36,7 +36,8 @@ class ThermalRecord:
     room: Array
     share: Array | None
     unit: str
-    room_known: bool = False
+    room_known: bool
+    quantum: float
 
     @property
     def dt(self) -> float:
@@ -56,7 +57,17 @@ class ThermalRecord:
     @property
     def fine_t(self) -> Array:
         """Times (N,) of the finer grid."""
-        return self.t[0] + self.step * np.arange(self.drive.size)
+        return self.t[0] + self.step * (np.arange(self.drive.size) - FINE / 2)
+
+    @property
+    def bin_drive(self) -> Array:
+        """Mean drive (n,) of each bin."""
+        return self.drive[1:].reshape(-1, FINE).mean(axis=1)
+
+    @property
+    def bin_room(self) -> Array:
+        """Mean room temperature (n,) of each bin."""
+        return self.room[1:].reshape(-1, FINE).mean(axis=1)
 
     @property
     def span(self) -> float:
@@ -84,10 +95,10 @@ def thermal_record_of(run: Run) -> ThermalRecord:
         )
     edges = np.linspace(t[keep][0], t[keep][-1], bins + 1)
     middle = (edges[1:] + edges[:-1]) / 2
-    fine = np.linspace(middle[0], middle[-1], FINE * (bins - 1) + 1)
+    fine = np.linspace(edges[0], edges[-1], FINE * bins + 1)
 
     def binned(channel: str) -> Array:
-        return _medians(t, run[channel], keep, edges)
+        return _binned(t, run[channel], keep, edges)
 
     drive = run[name] ** 2 if name == "current_A" else run[name]
     room = binned("ambient_degC") if run.has("ambient_degC") else np.zeros(bins)
@@ -100,16 +111,18 @@ def thermal_record_of(run: Run) -> ThermalRecord:
         share=None if share is None else np.interp(fine, middle, share),
         unit="s" if clock else "sample",
         room_known=run.has("ambient_degC"),
+        quantum=float(np.diff(np.unique(run["temperature_degC"][keep])).min()),
     )
 
 
-def _medians(t: Array, value: Array, keep: NDArray[np.bool_], edges: Array) -> Array:
-    """Medians (n,) over bins; between them where a bin is empty."""
-    middle = (edges[1:] + edges[:-1]) / 2
+def _binned(t: Array, value: Array, keep: NDArray[np.bool_], edges: Array) -> Array:
+    """Means (n,) over bins, spikes of one row left out; between them where a bin is empty."""
     known = keep & np.isfinite(value)
-    which = np.clip(np.searchsorted(edges, t[known], side="right") - 1, 0, middle.size - 1)
-    parts = np.split(value[known], np.flatnonzero(np.diff(which)) + 1)
-    return np.interp(middle, middle[np.unique(which)], [float(np.median(part)) for part in parts])
+    which = np.clip(np.searchsorted(edges, t[known], side="right") - 1, 0, edges.size - 2)
+    count = np.bincount(which, minlength=edges.size - 1)
+    total = np.bincount(which, weights=_of_three(value[known]), minlength=edges.size - 1)
+    middle, full = (edges[1:] + edges[:-1]) / 2, count > 0
+    return np.interp(middle, middle[full], total[full] / count[full])
 
 
 def _means(t: Array, value: Array, keep: NDArray[np.bool_], at: Array) -> Array:

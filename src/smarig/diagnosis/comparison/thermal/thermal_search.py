@@ -1,6 +1,7 @@
 """The search for hypotheses about a thermal record: nothing, each effect, each variable, and pairs with the best.
 
-The values of an effect are tried one parameter after the other, then between the best and its neighbours.
+The values of an effect begin with those of the smallest error. They are tried one parameter after the other, then
+between the best and its neighbours.
 """
 
 from collections.abc import Callable, Sequence
@@ -8,6 +9,7 @@ from dataclasses import dataclass, replace
 
 from smarig.diagnosis.comparison.compared_hypothesis import ComparedHypothesis, Part, Trial
 from smarig.diagnosis.comparison.measured.hypothesis_search import vertex
+from smarig.diagnosis.comparison.thermal.balance_fit import fit_with_effect
 from smarig.diagnosis.comparison.thermal.thermal_additions import (
     FittedThermalAddition,
     ThermalAddition,
@@ -16,10 +18,11 @@ from smarig.diagnosis.comparison.thermal.thermal_additions import (
 )
 from smarig.diagnosis.comparison.thermal.thermal_effects import ThermalEffect, Tries, testable_effects
 
-FIT_STEPS = 12  # iterations of the sizes
+FIT_STEPS = 40  # iterations of the sizes
 PASSES = 2  # over several parameters, which depend on each other
 ROUNDS = 2  # of values half way to the neighbours of the best
 CLOSE = 1e-3  # relative: two values are one
+NEAR = 0.05  # of the step to the next option: the option itself
 WORTH_A_PAIR = 2.0  # nats that the best part must gain, before pairs are tried
 Progress = Callable[[str], None]
 Values = dict[str, float]
@@ -43,7 +46,8 @@ class ThermalSearch:
     def effect(self, effect: ThermalEffect, tries: Tries) -> ComparedHypothesis:
         """The hypothesis that adds an effect, with the trials of its values."""
         trials: dict[tuple[float, ...], Trial] = {}
-        values = {name: _first(options) for name, options in tries.items()}
+        fitted = fit_with_effect(self.basis.problem.record, self.basis.balance.balance, tries)
+        values = {name: _snapped(float(getattr(fitted, name)), options) for name, options in tries.items()}
 
         def score(v: Values) -> float:
             key = tuple(v.values())
@@ -56,6 +60,7 @@ class ThermalSearch:
 
         for _ in range(PASSES if len(tries) > 1 else 1):
             for name, options in tries.items():
+                options = sorted({*options, values[name]})
                 values[name] = _best_value(lambda x, n=name: score(values | {n: x}), options)
         hypothesis = ComparedHypothesis(self._with(effect, values).parts, tuple(trials.values()))
         best = ", ".join(f"{n} {v:.3g}" for n, v in hypothesis.best.parameters.items())
@@ -69,8 +74,11 @@ class ThermalSearch:
         return self.basis.fitted(self._with(effect, dict(values)), FIT_STEPS, near).trial()
 
 
-def _first(options: Sequence[float]) -> float:
-    return 0.0 if 0.0 in options else options[0]
+def _snapped(value: float, options: Sequence[float]) -> float:
+    """The value, or an option that it hardly differs from."""
+    nearest = min(options, key=lambda x: abs(x - value))
+    step = min(abs(x - nearest) for x in options if x != nearest)
+    return nearest if abs(value - nearest) < NEAR * step else value
 
 
 def _best_value(score: Callable[[float], float], options: Sequence[float]) -> float:
@@ -95,7 +103,10 @@ def searched_hypotheses(
     x = basis.problem.record
     effects = [(e, e.tries(x)) for e in testable_effects(x) if e.name not in without]
     variables = testable_variables(basis.problem)
-    search, nothing = ThermalSearch(basis, ThermalAddition(), progress), ComparedHypothesis((), (base.trial(),))
+    search, nothing = (
+        ThermalSearch(basis, ThermalAddition(), progress),
+        ComparedHypothesis((), (base.trial(),)),
+    )
     singles = [search.effect(e, tries) for e, tries in effects] + [search.variable(v) for v in variables]
     return [nothing, *singles, *_pairs(basis, nothing, singles, effects, variables, progress)]
 
