@@ -33,12 +33,6 @@ class FittedBalance:
         """Of the errors, kelvin."""
         return float(np.sqrt(np.mean(self.error**2)))
 
-    @property
-    def deviations(self) -> dict[str, float]:
-        """Standard deviations of the plain parameters, for independent errors of this size."""
-        covariance = np.linalg.pinv(self.slopes.T @ self.slopes)
-        return dict(zip(PLAIN, (self.rms * np.sqrt(np.maximum(np.diag(covariance), 0.0))).tolist()))
-
 
 def fit_balance(
     x: ThermalRecord, values: Mapping[str, float], near: HeatBalance | None = None

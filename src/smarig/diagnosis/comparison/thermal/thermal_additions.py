@@ -1,8 +1,9 @@
 """A hypothesis about a thermal record as a Gaussian problem, with its blocks left out.
 
-    reading = T(θ) + J δ + r + e + σ n + q,    δ wide,    e: errors within a block,    q: of the quantised reading
+    reading = T(θ) + J δ + r + e + σ n + q,    e: errors within a block,    q: of the quantised reading
 
-T(θ) has the effects of the hypothesis, J are the slopes of its plain parameters. r is a smooth dependence on a variable
+T(θ) has the effects of the hypothesis, J are the slopes of its plain parameters; δ may be as large as the range of the
+temperature, or as gain and time constant themselves. r is a smooth dependence on a variable
 z: of the thermometer, or of the heat through the wire's response S,
 
     k(z, z'),    S diag(w) k(z, z') diag(w) Sᵀ,    w: 1, drive, excess temperature, heating rate
@@ -18,9 +19,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from smarig.diagnosis.comparison.compared_hypothesis import Part, Trial
-from smarig.diagnosis.comparison.gaussian_fit import LEVEL, GaussianFit, fit_gaussian
+from smarig.diagnosis.comparison.gaussian_fit import GaussianFit, fit_gaussian
 from smarig.diagnosis.comparison.measured.reading_problem import rough_kernel, smooth_kernel
-from smarig.diagnosis.comparison.thermal.balance_fit import FittedBalance, fit_balance
+from smarig.diagnosis.comparison.thermal.balance_fit import PLAIN, FittedBalance, fit_balance
 from smarig.diagnosis.comparison.thermal.heat_balance import wire_response
 from smarig.diagnosis.comparison.thermal.thermal_problem import ThermalProblem
 
@@ -70,6 +71,16 @@ class FittedThermalAddition:
         """What a reading scatters, short errors of the thermometer included."""
         return float(np.sqrt(self.fit.sizes[-1] + self.fit.sizes[-3] + self.problem.rounding))
 
+    @cached_property
+    def deviations(self) -> dict[str, float]:
+        """Standard deviations of the plain parameters, with errors that are alike within a block."""
+        *_, short, long, noise = self.fit.sizes.tolist()
+        covariance = short * self.problem.within[0] + long * self.problem.within[1]
+        covariance[np.diag_indices_from(covariance)] += noise + self.problem.rounding
+        slopes = self.balance.slopes / self.problem.record.span
+        variances = np.diag(np.linalg.pinv(slopes.T @ np.linalg.solve(covariance, slopes)))
+        return dict(zip(PLAIN, np.sqrt(np.maximum(variances, 0.0)).tolist()))
+
     @property
     def block_error(self) -> float:
         """What the balance misses from block to block."""
@@ -114,14 +125,15 @@ class ThermalBasis:
         balance = start if candidate.values == {} else fit_balance(x, candidate.values, start.balance)
         own = [k for name in candidate.variables for k in self.variable_parts(name)]
         sizes = near.fit.sizes if near is not None else np.r_[[ADDED_SIZE] * len(own), self.sizes]
-        slopes = balance.slopes / np.maximum(np.sqrt(np.mean(balance.slopes**2, axis=0)), 1e-12)
+        plain = balance.balance
+        slopes = balance.slopes * [1.0, 1.0, plain.gain / x.span, plain.tau / x.span]
         fit = fit_gaussian(
             balance.error / x.span,
             [*own, *self.problem.within],
             self.problem.blocks,
             np.maximum(sizes, LEAST_START) if iterations else sizes,
             iterations,
-            LEVEL * slopes @ slopes.T + self.problem.rounding * np.eye(balance.error.size),
+            slopes @ slopes.T + self.problem.rounding * np.eye(balance.error.size),
         )
         return FittedThermalAddition(candidate, balance, fit, self.problem)
 

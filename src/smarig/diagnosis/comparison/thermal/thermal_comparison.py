@@ -78,7 +78,7 @@ def _evidence(problem: ThermalProblem, base: FittedThermalAddition, weights: Wei
         nothing=weights.nothing,
         size={part: _size(problem, weights, part) for part in weights.causes},
         span=1.0,
-        error=base.fit.rms,
+        error=base.balance.rms / problem.record.span,
         noise=min(base.noise, heaviest.noise),
         block_error=heaviest.block_error,
         blocks=problem.transients,

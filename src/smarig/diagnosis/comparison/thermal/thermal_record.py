@@ -116,17 +116,15 @@ def thermal_record_of(run: Run) -> ThermalRecord:
 
 
 def _binned(t: Array, value: Array, keep: NDArray[np.bool_], edges: Array) -> Array:
-    """Means (n,) over bins, spikes of one row left out; between them where a bin is empty."""
+    """Means (n,) over bins of a value that is linear between rows; spikes of one row left out."""
     known = keep & np.isfinite(value)
-    which = np.clip(np.searchsorted(edges, t[known], side="right") - 1, 0, edges.size - 2)
-    count = np.bincount(which, minlength=edges.size - 1)
-    total = np.bincount(which, weights=_of_three(value[known]), minlength=edges.size - 1)
-    middle, full = (edges[1:] + edges[:-1]) / 2, count > 0
-    return np.interp(middle, middle[full], total[full] / count[full])
+    times, y = t[known], _of_three(value[known])
+    total = np.r_[0.0, np.cumsum(0.5 * (y[1:] + y[:-1]) * np.diff(times))]
+    return np.diff(np.interp(edges, times, total)) / np.diff(edges)
 
 
 def _means(t: Array, value: Array, keep: NDArray[np.bool_], at: Array) -> Array:
-    """Means (N,) of a value that is held between rows, each since the time before; spikes of one row left out."""
+    """Means (N,) of a value that is held from row to row, each since the time before; spikes of one row left out."""
     known = keep & np.isfinite(value)
     times, held = t[known], _of_three(value[known])
     total = np.r_[0.0, np.cumsum(held[:-1] * np.diff(times))]

@@ -58,10 +58,11 @@ class ThermalSearch:
                 trials[key] = self._trial(effect, v, best.state if best else None)
             return trials[key].score
 
-        for _ in range(PASSES if len(tries) > 1 else 1):
+        passes, rounds = (1, 0) if self.start.parts else (PASSES, ROUNDS)
+        for _ in range(passes if len(tries) > 1 else 1):
             for name, options in tries.items():
                 options = sorted({*options, values[name]})
-                values[name] = _best_value(lambda x, n=name: score(values | {n: x}), options)
+                values[name] = _best_value(lambda x, n=name: score(values | {n: x}), options, rounds)
         hypothesis = ComparedHypothesis(self._with(effect, values).parts, tuple(trials.values()))
         best = ", ".join(f"{n} {v:.3g}" for n, v in hypothesis.best.parameters.items())
         self.progress(f"{hypothesis.name}: {hypothesis.score:.1f} nats ({best})")
@@ -81,10 +82,10 @@ def _snapped(value: float, options: Sequence[float]) -> float:
     return nearest if abs(value - nearest) < NEAR * step else value
 
 
-def _best_value(score: Callable[[float], float], options: Sequence[float]) -> float:
-    """The value of the best score among options, between them, and at the top of a parabola."""
+def _best_value(score: Callable[[float], float], options: Sequence[float], rounds: int) -> float:
+    """The value of the best score among options, ``rounds`` times between them, and at the top of a parabola."""
     scores = {x: score(x) for x in options}
-    for _ in range(ROUNDS):
+    for _ in range(rounds):
         ordered = sorted(scores)
         k = ordered.index(max(scores, key=lambda x: scores[x]))
         for other in ordered[max(k - 1, 0) : k] + ordered[k + 1 : k + 2]:
