@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     from smarig.diagnosis.comparison.measured.measured_text import offset_sentence as offset_sentence
     from smarig.diagnosis.comparison.thermal.thermal_diagnosis import ThermalDiagnosis as ThermalDiagnosis
     from smarig.diagnosis.comparison.thermal.thermal_diagnosis import diagnose_transient as diagnose_transient
+    from smarig.diagnosis.comparison.weights import Weights as Weights
     from smarig.diagnosis.critique.calibration import CALIBRATION_BOXES as CALIBRATION_BOXES
     from smarig.diagnosis.critique.calibration import p_text as p_text
     from smarig.diagnosis.critique.candidates import DETECTION_SD as DETECTION_SD

@@ -97,4 +97,4 @@ def _recursion(forcing: Array, keep: float, start: float) -> Array:
     """y_k = keep · y_{k−1} + forcing_k, y_0 = ``start``, (N,)."""
     from scipy.signal import lfilter  # imported here: takes most of a second
 
-    return lfilter([1.0], [1.0, -keep], np.r_[start, forcing[1:]])
+    return np.asarray(lfilter([1.0], [1.0, -keep], np.r_[start, forcing[1:]]))

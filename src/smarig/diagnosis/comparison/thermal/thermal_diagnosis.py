@@ -59,7 +59,9 @@ class ThermalDiagnosis(NotebookDisplay):
 
     @property
     def extended(self) -> FittedBalance:
-        """The balance with the effects of the verdict, of the likeliest if it is a set; else the plain one."""
+        """The balance with the effects that are named, else with the likeliest of those that compete; the plain one if
+        there are none.
+        """
         return self.evidence.extended.balance
 
     @property
@@ -101,7 +103,7 @@ class ThermalDiagnosis(NotebookDisplay):
         return {"value": value, "ci95": ends, "unit": parameter_unit(name, self.record.unit)}
 
     @property
-    def findings(self) -> tuple[Finding, ...]:
+    def candidates(self) -> tuple[Finding, ...]:
         """The effects of the extended balance."""
         return tuple(
             Finding(
@@ -111,6 +113,11 @@ class ThermalDiagnosis(NotebookDisplay):
             )
             for name, values in self.evidence.extended.candidate.effects.items()
         )
+
+    @property
+    def findings(self) -> tuple[Finding, ...]:
+        """The effects of the verdict; none if it is unknown."""
+        return self.candidates if self.verdict.word in ("named", "ambiguous") else ()
 
     def lines(self) -> list[str]:
         """The findings, one or two sentences each; the verdict first."""

@@ -15,6 +15,9 @@ if TYPE_CHECKING:
 def thermal_lines(d: "ThermalDiagnosis") -> Iterator[str]:
     """The findings, one or two sentences per line; the verdict first."""
     yield from verdict_lines(d.verdict, d.findings, d.evidence.causes, _silence(d))
+    for effect in () if d.findings else d.candidates:
+        values = ", ".join(parameter_text(n, v) for n, v in effect.parameters.items())
+        yield f"Candidate, not proved: {effect.name} ({values})."
     yield adequacy_text(d)
     yield _balance(d)
     if d.verdict.depends_on:
@@ -36,8 +39,8 @@ def _silence(d: "ThermalDiagnosis") -> str:
 def adequacy_text(d: "ThermalDiagnosis") -> str:
     """How far the plain and the extended balance miss the record, against the noise of a reading."""
     gain, extended = d.gain, ""
-    if d.findings:
-        names = " and ".join(f.name for f in d.findings)
+    if d.candidates:
+        names = " and ".join(f.name for f in d.candidates)
         extended = f", with {names} by {gain.extended:.3g} K"
     ratio = gain.base / d.noise if d.noise else float("inf")
     size = f" ({ratio:.0f} × the noise)" if ratio > RULES["adequate"].value else ""
@@ -48,6 +51,6 @@ def adequacy_text(d: "ThermalDiagnosis") -> str:
 
 
 def _balance(d: "ThermalDiagnosis") -> str:
-    effects = {name for f in d.findings for name in f.parameters}
+    effects = {name for f in d.candidates for name in f.parameters}
     values = [parameter_text(n, v) for n, v in d.parameters().items() if n not in effects]
     return f"Heat balance: {', '.join(values)}."
