@@ -30,8 +30,8 @@ TRIMMED = 0.1  # of the blocks, those that gain most: one block is no measure of
 class ThermalComparison:
     """The verdict on a thermal record, and what it is decided from.
 
-    ``base`` is the fit of the plain balance, ``extended`` that of the verdict's names: of all if they are named, else of
-    the likeliest of those that compete. ``intervals`` are 95 % intervals of searched parameters by effect and name.
+    ``base`` is the fit of the plain balance, ``extended`` that of the verdict's names: of all if they are named, else
+    of the likeliest of those that compete. ``intervals`` are 95 % intervals of searched parameters by effect and name.
     """
 
     verdict: Verdict

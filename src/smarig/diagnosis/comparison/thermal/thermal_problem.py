@@ -77,7 +77,7 @@ def thermal_problem(x: ThermalRecord, base: FittedBalance) -> ThermalProblem:
     trace = x.temperature - base.error
     path = np.r_[0.0, np.cumsum(np.abs(np.diff(trace)))]
     moved = [path[min(b, x.t.size - 1)] - path[a] for a, b in zip(ends, ends[1:])]
-    transients = max(sum(m >= TURN_SHARE * x.span for m in moved), 1)
+    transients = max(int(np.count_nonzero(np.array(moved) >= TURN_SHARE * x.span)), 1)
     cut = int(np.ceil(FEWEST_BLOCKS / transients))
     block = np.zeros(x.t.size, dtype=np.int64)
     for begin, end, m in zip(ends, ends[1:], moved):
