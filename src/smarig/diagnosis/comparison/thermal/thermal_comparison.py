@@ -80,7 +80,7 @@ def _evidence(problem: ThermalProblem, base: FittedThermalAddition, weights: Wei
         span=1.0,
         error=base.balance.rms / problem.record.span,
         noise=min(base.noise, heaviest.noise),
-        block_error=heaviest.block_error,
+        remains=dict.fromkeys(weights.causes, heaviest.block_error),
         blocks=problem.transients,
         acts_through={Part("effect", e.name): (Part("variable", e.acts_through),) for e in EFFECTS},
         testable=len(weights.hypotheses) > 1,
