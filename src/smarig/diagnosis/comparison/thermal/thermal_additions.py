@@ -54,12 +54,16 @@ class ThermalAddition:
 
 @dataclass(frozen=True, eq=False)
 class FittedThermalAddition:
-    """An addition with its balance, and its fit in units of the range of the temperature."""
+    """An addition with its balance, and its fit in units of the range of the temperature.
+
+    ``trace`` (n,) is the predicted temperature, without errors of the thermometer and of the balance.
+    """
 
     candidate: ThermalAddition
     balance: FittedBalance
     fit: GaussianFit
     problem: ThermalProblem
+    trace: Array
 
     def trial(self) -> Trial:
         """The trial of the hypothesis; its state is this fit."""
@@ -127,15 +131,18 @@ class ThermalBasis:
         sizes = near.fit.sizes if near is not None else np.r_[[ADDED_SIZE] * len(own), self.sizes]
         plain = balance.balance
         slopes = balance.slopes * [1.0, 1.0, plain.gain / x.span, plain.tau / x.span]
+        plain_part = slopes @ slopes.T
         fit = fit_gaussian(
             balance.error / x.span,
             [*own, *self.problem.within],
             self.problem.blocks,
             np.maximum(sizes, LEAST_START) if iterations else sizes,
             iterations,
-            slopes @ slopes.T + self.problem.rounding * np.eye(balance.error.size),
+            plain_part + self.problem.rounding * np.eye(x.t.size),
         )
-        return FittedThermalAddition(candidate, balance, fit, self.problem)
+        moved = plain_part @ fit.dual + np.add.reduce([s * (k @ fit.dual) for s, k in zip(fit.sizes, own)])
+        trace = (x.temperature - balance.error) / x.span + moved
+        return FittedThermalAddition(candidate, balance, fit, self.problem, trace)
 
 
 def _unit(response: Array) -> Array:

@@ -88,11 +88,24 @@ def _evidence(problem: ThermalProblem, base: FittedThermalAddition, weights: Wei
 
 
 def _size(problem: ThermalProblem, weights: Weights, part: Part) -> float:
-    """What a part removes of the left-out error, in ranges; an effect beside others, or alone."""
-    shown = [weights.best_with(part)]
+    """What a part removes of the left-out error, or alone changes of the trace, in ranges; the larger, for blocks that
+    are extrapolated have large errors with any hypothesis.
+
+    A variable beside an effect describes what that leaves; an effect may stand alone.
+    """
+    shown, alone = [weights.best_with(part)], next(h for h in weights.hypotheses if h.parts == (part,))
     if part.kind == "effect":
-        shown.append(next(h for h in weights.hypotheses if h.parts == (part,)))
-    return max(_removed(problem.counts, _without(weights, h, part), h) for h in shown)
+        shown.append(alone)
+    sizes = [_removed(problem.counts, _without(weights, h, part), h) for h in shown]
+    if alone in shown:
+        sizes.append(_changed(_without(weights, alone, part), alone))
+    return max(sizes)
+
+
+def _changed(start: ComparedHypothesis, hypothesis: ComparedHypothesis) -> float:
+    """Root mean square of what a hypothesis changes of the trace of another."""
+    before, after = (h.best.state.trace for h in (start, hypothesis))
+    return float(np.sqrt(np.mean((after - before) ** 2)))
 
 
 def _without(weights: Weights, hypothesis: ComparedHypothesis, part: Part) -> ComparedHypothesis:
