@@ -48,7 +48,7 @@ def test_a_hidden_mechanism_is_named_with_its_size(wire, name, values):
     assert (found.verdict.word, found.verdict.names) == ("named", (name,))
     for parameter, true in values.items():
         finding = found.findings[0].parameters[parameter]
-        assert finding["value"] == pytest.approx(true, rel=0.08, abs=ROW_S)
+        assert finding["value"] == pytest.approx(true, rel=0.08, abs=ROW_S if name == "sensor_lag" else 0.0)
         assert finding["ci95"][0] <= finding["value"] <= finding["ci95"][1]
     assert found.gain.extended < 0.2 * found.gain.base
 

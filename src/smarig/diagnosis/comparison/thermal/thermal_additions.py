@@ -85,6 +85,14 @@ class FittedThermalAddition:
         variances = np.diag(np.linalg.pinv(slopes.T @ np.linalg.solve(covariance, slopes)))
         return dict(zip(PLAIN, np.sqrt(np.maximum(variances, 0.0)).tolist()))
 
+    @cached_property
+    def left_out_variance(self) -> Array:
+        """Variance (n,) of each reading predicted without its block: large where no other block determines it."""
+        found = np.empty(self.problem.block.size)
+        for rows in self.problem.blocks:
+            found[rows] = np.diag(np.linalg.inv(self.fit.precision[np.ix_(rows, rows)]))
+        return found
+
     @property
     def block_error(self) -> float:
         """What the balance misses from block to block."""

@@ -5,7 +5,7 @@ The comparison of hypotheses finds what is wrong; the extended balance has the e
 
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -71,16 +71,14 @@ class ThermalDiagnosis(NotebookDisplay):
 
     @cached_property
     def gain(self) -> HeldOutGain:
-        """The errors of both balances on blocks left out, kelvin."""
-        base, extended = (
-            f.fit.error * self.record.span for f in (self.evidence.base, self.evidence.extended)
-        )
-        return HeldOutGain(base, extended, self.evidence.problem.block, self._floor, None)
-
-    @property
-    def _floor(self) -> float:
-        errors = (f.fit.rms * self.record.span for f in (self.evidence.base, self.evidence.extended))
-        return min(self.noise, *errors)
+        """The errors of both balances on blocks left out, kelvin, each by the variance of its prediction: what no other
+        block determines counts for little.
+        """
+        fits, span = (self.evidence.base, self.evidence.extended), self.record.span
+        weight = 1 / (span**2 * self.evidence.extended.left_out_variance)
+        base, extended = (f.fit.error * span for f in fits)
+        gain = HeldOutGain(base, extended, self.evidence.problem.block, self.noise, weight)
+        return replace(gain, floor=min(self.noise, gain.base, gain.extended))
 
     @property
     def not_testable(self) -> list[str]:

@@ -22,7 +22,7 @@ FIT_STEPS = 40  # iterations of the sizes
 PASSES = 2  # over several parameters, which depend on each other
 ROUNDS = 2  # of values half way to the neighbours of the best
 CLOSE = 1e-3  # relative: two values are one
-NEAR = 0.05  # of the step to the next option: the option itself
+NEAR = 0.05  # of the step to the next option: values that hardly differ
 WORTH_A_PAIR = 2.0  # nats that the best part must gain, before pairs are tried
 Progress = Callable[[str], None]
 Values = dict[str, float]
@@ -47,7 +47,7 @@ class ThermalSearch:
         """The hypothesis that adds an effect, with the trials of its values."""
         trials: dict[tuple[float, ...], Trial] = {}
         fitted = fit_with_effect(self.basis.problem.record, self.basis.balance.balance, tries)
-        values = {name: _snapped(float(getattr(fitted, name)), options) for name, options in tries.items()}
+        values = {name: _at_end(float(getattr(fitted, name)), options) for name, options in tries.items()}
 
         def score(v: Values) -> float:
             key = tuple(v.values())
@@ -61,7 +61,7 @@ class ThermalSearch:
         passes, rounds = (1, 0) if self.start.parts else (PASSES, ROUNDS)
         for _ in range(passes if len(tries) > 1 else 1):
             for name, options in tries.items():
-                options = sorted({*options, values[name]})
+                options = _with_value(options, values[name])
                 values[name] = _best_value(lambda x, n=name: score(values | {n: x}), options, rounds)
         hypothesis = ComparedHypothesis(self._with(effect, values).parts, tuple(trials.values()))
         best = ", ".join(f"{n} {v:.3g}" for n, v in hypothesis.best.parameters.items())
@@ -75,11 +75,19 @@ class ThermalSearch:
         return self.basis.fitted(self._with(effect, dict(values)), FIT_STEPS, near).trial()
 
 
-def _snapped(value: float, options: Sequence[float]) -> float:
-    """The value, or an option that it hardly differs from."""
-    nearest = min(options, key=lambda x: abs(x - value))
-    step = min(abs(x - nearest) for x in options if x != nearest)
-    return nearest if abs(value - nearest) < NEAR * step else value
+def _at_end(value: float, options: Sequence[float]) -> float:
+    """The value, or the end of the options that it hardly differs from."""
+    ordered = sorted(options)
+    if value - ordered[0] < NEAR * (ordered[1] - ordered[0]):
+        return ordered[0]
+    return ordered[-1] if ordered[-1] - value < NEAR * (ordered[-1] - ordered[-2]) else value
+
+
+def _with_value(options: Sequence[float], value: float) -> list[float]:
+    """The options and a value in the place of those that it hardly differs from."""
+    ordered = sorted(options)
+    least = NEAR * min(b - a for a, b in zip(ordered, ordered[1:]))
+    return sorted({value, *(x for x in ordered if abs(x - value) > least)})
 
 
 def _best_value(score: Callable[[float], float], options: Sequence[float], rounds: int) -> float:
