@@ -3,7 +3,8 @@
 In the order of the work, after ``smarig.replay``: ``explain.candidates`` (what may be wrong), ``critique.refit``
 (fit of density and noise), ``critique.critique`` (does anything exceed the noise?), ``explain.search`` (which
 effects explain it?), ``diagnosis_verdict`` and ``held_out_gain``. ``diagnose_commanded`` runs them all.
-``comparison.measured`` diagnoses runs that have only a measured input, ``thermal`` records of wire temperature.
+``comparison.measured`` diagnoses runs that have only a measured input, ``comparison.thermal`` records of wire
+temperature.
 """
 
 from typing import TYPE_CHECKING
@@ -29,6 +30,9 @@ if TYPE_CHECKING:
     from smarig.diagnosis.comparison.measured.measured_diagnosis import MeasuredDiagnosis as MeasuredDiagnosis
     from smarig.diagnosis.comparison.measured.measured_diagnosis import diagnose_measured as diagnose_measured
     from smarig.diagnosis.comparison.measured.measured_text import offset_sentence as offset_sentence
+    from smarig.diagnosis.comparison.thermal.thermal_diagnosis import ThermalDiagnosis as ThermalDiagnosis
+    from smarig.diagnosis.comparison.thermal.thermal_diagnosis import diagnose_transient as diagnose_transient
+    from smarig.diagnosis.comparison.weights import Weights as Weights
     from smarig.diagnosis.critique.calibration import CALIBRATION_BOXES as CALIBRATION_BOXES
     from smarig.diagnosis.critique.calibration import p_text as p_text
     from smarig.diagnosis.critique.candidates import DETECTION_SD as DETECTION_SD
@@ -77,7 +81,6 @@ if TYPE_CHECKING:
     from smarig.diagnosis.refit.memory_noise import memory_covariance as memory_covariance
     from smarig.diagnosis.refit.memory_noise import memory_slopes as memory_slopes
     from smarig.diagnosis.refit.refit import Refit as Refit
-    from smarig.diagnosis.thermal.thermal_diagnosis import diagnose_transient as diagnose_transient
     from smarig.diagnosis.variable_words import variable_experiment as variable_experiment
     from smarig.diagnosis.variable_words import variable_words as variable_words
 else:

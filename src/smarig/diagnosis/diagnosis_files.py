@@ -7,8 +7,8 @@ from typing import Any
 from smarig.core import StorageError, UsageError, atomic_file, check_replaceable
 from smarig.core import file_content as file_kind
 from smarig.diagnosis.comparison.measured.measured_diagnosis import MeasuredDiagnosis
+from smarig.diagnosis.comparison.thermal.thermal_diagnosis import ThermalDiagnosis
 from smarig.diagnosis.diagnosis_result import Diagnosis
-from smarig.diagnosis.thermal.thermal_diagnosis import ThermalDiagnosis
 
 DIAGNOSIS_FILES = DIAGNOSIS_JSON, DIAGNOSIS_MODEL, DIAGNOSIS_PAGE = (
     "diagnosis.json",

@@ -1,6 +1,6 @@
 """The sentences of a diagnosis for a terminal, a notebook and the report."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -129,7 +129,7 @@ def learned_gain_text(gain_blocks: float, similar: Sequence[str]) -> str:
     return f"It removes {100 * gain_blocks:.0f} % of the error on blocks left out of the fit{like}."
 
 
-def parameter_text(name: str, v: dict[str, Any]) -> str:
+def parameter_text(name: str, v: Mapping[str, Any]) -> str:
     """A parameter with its 95 % interval and unit."""
     ends, name = v["ci95"], parameter_words(name, v["unit"])
     if ends and ends[1] is None:  # the search is open above

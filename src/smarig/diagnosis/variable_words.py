@@ -13,6 +13,9 @@ _WORDS = {
         "the output itself",
         "Measure minor loops of equal amplitude at several outputs.",
     ),
+    "temperature": ("the temperature", "Repeat the same steps from another temperature."),
+    "heating_rate": ("the rate of heating", "Reach the same temperatures by smaller steps."),
+    "power": ("the power", "Repeat the same run with steps of another height."),
     "run": ("the run", "Repeat the same run on another day."),
     "input": ("the input", "Repeat the same run over another range of the input."),
     "stress": ("the stress", "Repeat the same run under another load."),
@@ -26,8 +29,8 @@ _WORDS = {
 def variable_words(variable: str) -> str:
     """A variable in words; one without words as it is.
 
-    >>> variable_words("level"), variable_words("power")
-    ('the output itself', 'power')
+    >>> variable_words("level"), variable_words("load")
+    ('the output itself', 'load')
     """
     return _WORDS[variable][0] if variable in _WORDS else variable
 

@@ -7,9 +7,9 @@ import pytest
 from scipy.stats import multivariate_normal
 
 from diagnosis.measured.independent_wire import RelayWire, as_run, triangles
+from smarig.diagnosis.comparison import gaussian_fit
 from smarig.diagnosis.comparison.compared_hypothesis import Part
-from smarig.diagnosis.comparison.measured import gaussian_fit
-from smarig.diagnosis.comparison.measured.gaussian_fit import LEVEL, fit_gaussian
+from smarig.diagnosis.comparison.gaussian_fit import LEVEL, fit_gaussian
 from smarig.diagnosis.comparison.measured.memory_features import MemoryGrid
 from smarig.diagnosis.comparison.measured.positive_prior import positive_prior
 from smarig.diagnosis.comparison.measured.reading_problem import reading_problem

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from smarig.diagnosis.comparison.compared_hypothesis import ComparedHypothesis, Part, Trial
+from smarig.diagnosis.comparison.intervals import interval
 from smarig.diagnosis.comparison.measured.hypothesis_search import vertex
-from smarig.diagnosis.comparison.measured.intervals import interval
 from smarig.diagnosis.comparison.weights import weigh
 
 LAG, DRIFT, TIME = Part("effect", "input_lag"), Part("effect", "output_drift"), Part("variable", "time")

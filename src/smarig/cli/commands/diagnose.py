@@ -156,12 +156,17 @@ def command(
 
 def _transient(run: Path, out: Path | None, force: bool, **settings: Any) -> None:
     """Diagnose the thermal record of one run instead of a model."""
-    from smarig.diagnosis import diagnose_transient, prepare_folder, write_transient
+    from smarig.diagnosis import DIAGNOSIS_PAGE, diagnose_transient, prepare_folder, write_transient
+    from smarig.report import thermal_diagnosis_page, write_page
 
     if out is not None:
         prepare_folder(out, force=force)
     thermal = diagnose_transient(run, **settings, progress=show_message)
-    written = write_transient(thermal, out, force=force) if out is not None else {}
+    written = {}
+    if out is not None:
+        written = write_transient(thermal, out, force=force)
+        write_page(thermal_diagnosis_page(thermal), out / DIAGNOSIS_PAGE, force=force)
+        written["report"] = str(out / DIAGNOSIS_PAGE)
     emit(thermal.to_json() | written, thermal.text())
 
 

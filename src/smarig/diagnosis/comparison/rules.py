@@ -129,6 +129,11 @@ class Verdict:
     names: tuple[str, ...] = ()
     depends_on: str | None = None
 
+    @property
+    def stands_out(self) -> bool:
+        """Whether the errors are more than noise."""
+        return self.word not in ("silent", "not_identifiable")
+
 
 def decide(e: VerdictEvidence) -> Verdict:
     """The verdict on a comparison of hypotheses."""
@@ -192,7 +197,7 @@ def _set(e: VerdictEvidence, told: list[Part], doubt: str) -> Verdict:
     variables = [p.name for p in kept if p.kind == "variable"]
     if doubt in ("worse", "left_over") or not names or variables:
         depends_on = variables[0] if variables else _likeliest_variable(e)
-        return Verdict("unknown", doubt or "variable", names, depends_on)
+        return Verdict("unknown", doubt or ("shared" if names else "variable"), names, depends_on)
     if len(names) == 1:  # no set: what it acts through is all that these data say
         through = [v.name for v in e.acts_through.get(kept[0], ())]
         return Verdict("unknown", doubt or "shared", names, through[0] if through else None)

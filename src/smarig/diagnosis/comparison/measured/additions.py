@@ -10,8 +10,8 @@ from scipy.linalg import eigh
 
 from smarig.diagnosis.comparison.block_predictions import left_out, log_t_density
 from smarig.diagnosis.comparison.compared_hypothesis import Part, Trial
+from smarig.diagnosis.comparison.gaussian_fit import LEVEL, GaussianFit, fit_gaussian
 from smarig.diagnosis.comparison.measured.acting_effects import acting_inputs, added_parts
-from smarig.diagnosis.comparison.measured.gaussian_fit import LEVEL, GaussianFit, fit_gaussian
 from smarig.diagnosis.comparison.measured.plain_variables import Surface, variable_parts
 from smarig.diagnosis.comparison.measured.positive_prior import (
     SLOPE_STEP,

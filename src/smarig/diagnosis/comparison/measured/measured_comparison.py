@@ -16,10 +16,10 @@ from numpy.typing import NDArray
 
 from smarig.core import DataError
 from smarig.diagnosis.comparison.compared_hypothesis import ComparedHypothesis, Part
+from smarig.diagnosis.comparison.intervals import interval
 from smarig.diagnosis.comparison.measured.acting_effects import testable_effects
 from smarig.diagnosis.comparison.measured.additions import FittedAddition, first_basis
 from smarig.diagnosis.comparison.measured.hypothesis_search import LawOf, searched_hypotheses
-from smarig.diagnosis.comparison.measured.intervals import interval
 from smarig.diagnosis.comparison.measured.missing_knowledge import missing_knowledge, missing_share
 from smarig.diagnosis.comparison.measured.reading_problem import ReadingProblem, reading_problem
 from smarig.diagnosis.comparison.measured.varied_together import confounded

@@ -1,6 +1,8 @@
 """A Gaussian problem whose covariance is a sum of given matrices: sizes by evidence, then blocks left out.
 
-    y ~ N(0, 10·11ᵀ + Σ_k s_k K_k + σ² I),    s by L-BFGS on log s with the analytic gradient
+    y ~ N(0, A + Σ_k s_k K_k + σ² I),    s by L-BFGS on log s with the analytic gradient
+
+A is what is known beforehand to be wide: 10·11ᵀ for an unknown constant.
 
 A weak prior keeps the log of a size near ``USUAL``, so that one that the data do not ask for is small, not random.
 """
@@ -49,8 +51,12 @@ def fit_gaussian(
     blocks: Sequence[NDArray[np.int64]],
     start: Array,
     iterations: int,
+    always: Array | float = LEVEL,
 ) -> GaussianFit:
-    """The fit of outputs (n,) with covariances (n, n); ``start`` (k + 1,) are sizes, ``iterations`` 0 keeps them."""
+    """The fit of outputs (n,) with covariances (n, n); ``start`` (k + 1,) are sizes, ``iterations`` 0 keeps them.
+
+    ``always`` (n, n) is the covariance A of every fit.
+    """
     stack = np.array(parts).reshape(len(parts), -1)
     low = np.full(start.size, BOUNDS[0])
     low[-1] = 2 * np.log(LEAST_NOISE)
@@ -59,7 +65,7 @@ def fit_gaussian(
         found = minimize(
             _misfit,
             x,
-            (y, stack),
+            (y, stack, always),
             jac=True,
             method="L-BFGS-B",
             bounds=[(b, BOUNDS[1]) for b in low],
@@ -67,24 +73,24 @@ def fit_gaussian(
         )
         x = found.x
     sizes = np.exp(x)
-    _, precision = _inverted(y.size, stack, sizes)
+    _, precision = _inverted(y.size, stack, sizes, always)
     dual = precision @ y
     error, scores = left_out(precision, dual, blocks)
     return GaussianFit(sizes, precision, dual, error, scores)
 
 
-def _inverted(n: int, stack: Array, sizes: Array) -> tuple[float, Array]:
+def _inverted(n: int, stack: Array, sizes: Array, always: Array | float) -> tuple[float, Array]:
     """(log det K / 2, K⁻¹)."""
-    k = (sizes[:-1] @ stack).reshape(n, n) + LEVEL
+    k = (sizes[:-1] @ stack).reshape(n, n) + always
     k[np.arange(n), np.arange(n)] += sizes[-1]
     precision, log_root = inverse(k)
     return -log_root, precision
 
 
-def _misfit(x: Array, y: Array, stack: Array) -> tuple[float, Array]:
+def _misfit(x: Array, y: Array, stack: Array, always: Array | float = LEVEL) -> tuple[float, Array]:
     sizes = np.exp(x)
     try:
-        half_log_det, precision = _inverted(y.size, stack, sizes)
+        half_log_det, precision = _inverted(y.size, stack, sizes, always)
     except LinAlgError:
         return 1e10, np.zeros(x.size)
     dual = precision @ y
