@@ -4,10 +4,11 @@ from functools import cache
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from benchmarks.boxes import draw_box, write_box
-from benchmarks.boxes.box_effects import EFFECTS
 from smarig.diagnosis.commanded_diagnosis import diagnose_commanded
 from smarig.diagnosis.diagnosis_result import Diagnosis
+
+from benchmarks.boxes import draw_box, write_box
+from benchmarks.boxes.box_effects import EFFECTS
 from smarig.identification.identify import identify
 from smarig.record import load_run
 

@@ -12,13 +12,13 @@ from tempfile import TemporaryDirectory
 
 from benchmarks.boxes import Box, draw_box, write_box
 from benchmarks.boxes.unlisted_effects import UNLISTED
-from smarig.diagnosis import Critique, critique, joint_density_from_best_start
+from smarig.diagnosis import joint_density_from_best_start
 from smarig.identification import identify
 from smarig.plant import EffectType, effect_types
 from smarig.record import load_run
 from smarig.replay import PlantModel, Timeline, actuator_for_run, build_timeline, plant_model_of
 
-SEED, NULLS = 7, 35  # null data sets: just enough for a false alarm probability of 3 %
+SEED = 7
 RUNS = ("congruency", "wiping_out")
 NOISE_SEED = 8  # of 84 cases, 7, 9 and 10 fail one to four: false alarms, and intervals of creep and walking
 Hidden = Mapping[str, Mapping[str, float]]
@@ -64,11 +64,3 @@ def recorded(box: Box) -> Timeline:
 def catalogue(plant_model: PlantModel) -> tuple[EffectType, ...]:
     """All effects that a rig can have."""
     return effect_types("two_wire" if plant_model.actuator.two_wire else "one_wire")
-
-
-def first_test(timeline: Timeline, plant_model: PlantModel) -> Critique:
-    """The critique of a plant model; if it is silent, that with the least noise, as in a diagnosis."""
-    found = critique(timeline, plant_model, catalogue(plant_model), count=NULLS)
-    if not found.silent:
-        return found
-    return critique(timeline, plant_model, catalogue(plant_model), count=NULLS, all_nuisances=True)

@@ -5,8 +5,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-
-from benchmarks.boxes import draw_box, write_box
 from smarig.diagnosis.critique.calibration import (
     CALIBRATED_P,
     EXCESS,
@@ -14,6 +12,8 @@ from smarig.diagnosis.critique.calibration import (
     calibrated_p,
     calibrated_threshold,
 )
+
+from benchmarks.boxes import draw_box, write_box
 from smarig.identification import identify
 from smarig.record import load_run
 

@@ -4,9 +4,9 @@ from typing import Any
 
 import numpy as np
 import pytest
+from smarig.diagnosis.critique.candidates import Candidate, _smooth, generic, named, whitened
 
 from replay.sittings import LISTED, LONG, session_runs, twin_plant_model
-from smarig.diagnosis.critique.candidates import Candidate, _smooth, generic, named, whitened
 from smarig.diagnosis.refit.refit import NoiseEstimate, Refit
 from smarig.plant.effects.backlash import backlash
 from smarig.plant.effects.settling import settling

@@ -5,9 +5,9 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+from smarig.diagnosis.explain.channel_misfit import EQUATION_ERROR, channel_misfits
 
 from replay.sittings import LISTED, LONG, session_runs, twin_plant_model
-from smarig.diagnosis.explain.channel_misfit import EQUATION_ERROR, channel_misfits
 from smarig.diagnosis.refit.refit import refit
 from smarig.plant import effects_from_pairs
 from smarig.replay import ReadingSeries, build_timeline, predict

@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 import pytest
-
 from smarig.diagnosis.critique.critique import MIN_SPREAD_NATS, CandidateScore, Critique, critique
+
 from smarig.plant.effects.settling import settling
 from smarig.plant.effects.walking import walking
 from smarig.replay import PlantModel

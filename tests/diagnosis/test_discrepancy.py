@@ -6,12 +6,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from smarig.diagnosis.explain.discrepancy import likeliest_discrepancy
+from smarig.diagnosis.name_gates import DISCREPANCY_NATS, slow_room
 
 from benchmarks.boxes import draw_box, draw_world_box, write_box
 from benchmarks.boxes.unlisted_effects import UNLISTED
 from smarig.diagnosis import joint_density_from_best_start
-from smarig.diagnosis.explain.discrepancy import likeliest_discrepancy
-from smarig.diagnosis.name_gates import DISCREPANCY_NATS, slow_room
 from smarig.identification import identify
 from smarig.record import load_run
 from smarig.replay import actuator_for_run, build_timeline, plant_model_of

@@ -5,7 +5,6 @@ from types import SimpleNamespace
 from typing import Any
 
 import pytest
-
 from smarig.diagnosis.explain import signed_density
 from smarig.diagnosis.explain.search import (
     MIN_GAIN_NATS,
@@ -16,6 +15,7 @@ from smarig.diagnosis.explain.search import (
     SearchResult,
 )
 from smarig.diagnosis.explain.signed_density import find_explanations
+
 from smarig.plant.effects.walking import walking
 from smarig.replay import PlantModel
 

@@ -9,6 +9,9 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import pytest
+from smarig.diagnosis.explain.discrepancy import likeliest_discrepancy
+from smarig.diagnosis.explain.explanation import SD_INFLATION
+from smarig.diagnosis.explain.search import SINGLE_TRIED
 
 from benchmarks.blind.score_table import confusable
 from benchmarks.boxes.box_effects import EFFECTS
@@ -23,9 +26,6 @@ from smarig.diagnosis import (
     joint_density_from_best_start,
     visibility,
 )
-from smarig.diagnosis.explain.discrepancy import likeliest_discrepancy
-from smarig.diagnosis.explain.explanation import SD_INFLATION
-from smarig.diagnosis.explain.search import SINGLE_TRIED
 from smarig.plant import effect_types
 from smarig.replay import PlantModel
 

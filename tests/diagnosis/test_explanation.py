@@ -5,7 +5,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-
 from smarig.diagnosis.explain import explanation
 from smarig.diagnosis.explain.explanation import (
     SD_INFLATION,
@@ -15,7 +14,8 @@ from smarig.diagnosis.explain.explanation import (
     fit_explanation,
     with_strengths_maximised,
 )
-from smarig.diagnosis.explain.parameter_fit import ParameterFit
+
+from smarig.diagnosis.refit.parameter_fit import ParameterFit
 from smarig.plant.effects.settling import settling
 from smarig.plant.effects.slip import slip
 from smarig.plant.effects.walking import walking

@@ -6,11 +6,11 @@ from typing import Any
 
 import numpy as np
 import pytest
+from smarig.diagnosis.commanded_diagnosis import _if_borne_out
+from smarig.diagnosis.explain.learned_term_fit import LearnedTermFit, learned_term
 
 from diagnosis.short_boxes import given_model, recorded, short_box
 from smarig.diagnosis import commanded_diagnosis, joint_density_from_best_start
-from smarig.diagnosis.commanded_diagnosis import _if_borne_out
-from smarig.diagnosis.explain.learned_term_fit import LearnedTermFit, learned_term
 from smarig.plant import LearnedShape
 from smarig.replay import predict
 

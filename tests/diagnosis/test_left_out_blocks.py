@@ -5,7 +5,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-
 from smarig.diagnosis.explain.left_out_blocks import left_out_blocks
 
 BLOCK = np.array([0, 0, 1, 1, 1, 2, 2, 3])

@@ -5,13 +5,13 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-
 from smarig.diagnosis.diagnosis_verdict import DiagnosisVerdict
 from smarig.diagnosis.explain.channel_misfit import ChannelMisfit
 from smarig.diagnosis.explain.discrepancy import Discrepancy
 from smarig.diagnosis.explain.separate_evidence import SeparateEvidence
-from smarig.diagnosis.held_out_gain import HeldOutGain
 from smarig.diagnosis.name_gates import NameEvidence, gated
+
+from smarig.diagnosis.held_out_gain import HeldOutGain
 from smarig.plant import effects_from_pairs
 
 QUIET = Discrepancy("", "", 0.0, room_K=0.05, correlation_s=120.0, noise=0.01)

@@ -5,9 +5,9 @@ from typing import Any
 
 import numpy as np
 import pytest
+from smarig.diagnosis.critique.critique import null_data
 
 from diagnosis.made_memories import prediction_for_inputs
-from smarig.diagnosis.critique.critique import null_data
 from smarig.diagnosis.refit.memory_noise import memory_covariance, memory_slopes
 from smarig.diagnosis.refit.refit import NoiseEstimate
 from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface

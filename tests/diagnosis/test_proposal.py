@@ -3,11 +3,11 @@
 from types import SimpleNamespace
 
 import pytest
+from smarig.diagnosis.diagnosis_verdict import LEAD_SCALE_NATS
 
 from smarig.app.proposal import DECISIVE_NATS, Proposal, RunOption, _best, propose_run, write_campaign
 from smarig.config import CampaignFile
 from smarig.core.toml_file import load_toml
-from smarig.diagnosis.diagnosis_verdict import LEAD_SCALE_NATS
 
 QUICK = RunOption("wiping_out", {}, 0.5, DECISIVE_NATS + 1)
 LONG = RunOption("first_order_descending", {}, 1.2, DECISIVE_NATS + 80)

@@ -6,10 +6,10 @@ from typing import Any
 
 import numpy as np
 import pytest
+from smarig.diagnosis.critique.critique import null_data
 
 from diagnosis.made_memories import prediction_for_inputs
 from replay.sittings import LONG, session_runs, twin_plant_model
-from smarig.diagnosis.critique.critique import null_data
 from smarig.diagnosis.refit.coupled_readings import coupled_readings
 from smarig.diagnosis.refit.quantization import noise_before_rounding, quantization_traces
 from smarig.diagnosis.refit.reading_noise import FREE_ZERO_SD, _local_noise

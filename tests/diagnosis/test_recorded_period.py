@@ -5,9 +5,9 @@ from typing import Any
 
 import numpy as np
 import pytest
-
 from smarig.diagnosis.critique import candidates
-from smarig.diagnosis.critique.recorded_period import explained_shares, recorded_period_h
+
+from smarig.diagnosis.comparison.commanded.recorded_period import explained_shares, recorded_period_h
 from smarig.plant.effects.ambient_drift import ambient_drift
 from smarig.replay import ReadingSeries
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from replay.sittings import LISTED, LONG, session_runs, twin_plant_model
-from smarig.diagnosis.explain.parameter_fit import ParameterFit, fit_parameters
+from smarig.diagnosis.refit.parameter_fit import ParameterFit, fit_parameters
 from smarig.diagnosis.refit.refit import refit
 from smarig.plant.effects.settling import settling
 from smarig.plant.effects.walking import walking

@@ -5,10 +5,10 @@ from typing import Any
 
 import numpy as np
 import pytest
-
 from smarig.diagnosis.explain import search
 from smarig.diagnosis.explain.explanation import Explanation
 from smarig.diagnosis.explain.search import BelowRivalEvidence, search_explanations
+
 from smarig.plant.effects.fatigue import fatigue
 from smarig.plant.effects.r_phase import r_phase
 from smarig.plant.effects.settling import settling

@@ -3,12 +3,12 @@
 from dataclasses import replace
 
 import pytest
-
-from diagnosis.short_boxes import first_test, given_model, recorded, short_box
-from smarig.diagnosis import Explanation, joint_density_from_best_start
 from smarig.diagnosis.explain.discrepancy import likeliest_discrepancy
 from smarig.diagnosis.explain.search import _starts
 from smarig.diagnosis.explain.separate_evidence import separate_evidence
+
+from diagnosis.short_boxes import first_test, given_model, recorded, short_box
+from smarig.diagnosis import Explanation, joint_density_from_best_start
 from smarig.plant import POSITIONS, effect_types, effects_from_pairs
 
 NUMBER = 1  # a box with one wire

@@ -4,10 +4,10 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-
 from smarig.diagnosis.critique.candidates import Candidate
 from smarig.diagnosis.critique.critique import CandidateScore, Critique
 from smarig.diagnosis.diagnosis_verdict import DiagnosisVerdict, decide_verdict
+
 from smarig.plant.effects.settling import settling
 from smarig.plant.effects.walking import walking
 

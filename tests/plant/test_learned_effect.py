@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
+from smarig.diagnosis.explain.means_of_minutes import means_of_minutes
 
 from replay.sittings import LISTED, session_runs, twin_plant_model
 from smarig.core import DataError, UsageError
-from smarig.diagnosis.explain.means_of_minutes import means_of_minutes
 from smarig.plant import MEAN_LEVELS, MEAN_POWERS, LearnedShape, learned_effect_type
 from smarig.plant.effect_catalogue import effects_from_json
 from smarig.replay import build_timeline, predict

@@ -6,8 +6,8 @@ from functools import partial
 from importlib import import_module
 
 import pytest
-
 from smarig.diagnosis.commanded_diagnosis import diagnose_commanded
+
 from smarig.plant.effect_catalogue import effect_types
 
 COMPETE = ("ambient_drift", "creep", "slip", "walking")

@@ -5,9 +5,9 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from smarig.diagnosis.explain.search import NearestEffect
 
 from report.pages import run_of, step
-from smarig.diagnosis.explain.search import NearestEffect
 from smarig.identification import ErrorLevel, error_verdict
 from smarig.plant.effects.walking import walking
 from smarig.report.models.assessment import assessment

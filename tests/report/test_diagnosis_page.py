@@ -11,18 +11,18 @@ from types import SimpleNamespace
 import numpy as np
 import plotly.graph_objects as go
 import pytest
-
-import smarig
-from report.pages import LOADING, Page, unpacked
 from smarig.diagnosis.critique.calibration import CALIBRATION_BOXES
 from smarig.diagnosis.critique.critique import critique
 from smarig.diagnosis.critique.visibility import visibility
 from smarig.diagnosis.diagnosis_result import Diagnosis, ErrorSummary
 from smarig.diagnosis.diagnosis_verdict import DiagnosisVerdict
 from smarig.diagnosis.explain.discrepancy import Discrepancy
-from smarig.diagnosis.explain.parameter_fit import ParameterFit
 from smarig.diagnosis.explain.search import NearestEffect
+
+import smarig
+from report.pages import LOADING, Page, unpacked
 from smarig.diagnosis.held_out_gain import held_out_gain
+from smarig.diagnosis.refit.parameter_fit import ParameterFit
 from smarig.plant.effect_catalogue import effect_types, effects_from_pairs
 from smarig.plant.effects.slack import slack
 from smarig.record import load_run

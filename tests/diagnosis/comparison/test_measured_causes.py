@@ -7,7 +7,7 @@ from benchmarks.boxes.relay_worlds import TRUTHS, relay_world
 from diagnosis.comparison.few_readings import ASIDE, WIRE, drive
 from diagnosis.measured.independent_wire import as_run, lagged
 from smarig.diagnosis.comparison.measured.measured_comparison import compare_measured
-from smarig.diagnosis.comparison.measured.measured_json import causes_json, hypotheses_json
+from smarig.diagnosis.comparison.weights_json import causes_json, hypotheses_json
 
 pytestmark = pytest.mark.usefixtures("few_readings")
 

@@ -122,6 +122,11 @@ class Verdict:
     names: tuple[str, ...] = ()
     depends_on: str | None = None
 
+    @property
+    def stands_out(self) -> bool:
+        """Whether the errors are more than noise."""
+        return self.word not in ("silent", "not_identifiable")
+
 
 def decide(e: VerdictEvidence) -> Verdict:
     """The verdict on a comparison of hypotheses."""

@@ -17,9 +17,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.diagnosis.critique.critique import ALPHA, MIN_SPREAD_NATS
-from smarig.diagnosis.critique.settings import check_settings
-from smarig.diagnosis.diagnosis_verdict import LEAD_SCALE_NATS, DiagnosisVerdict
 from smarig.diagnosis.thermal.thermal_fit import (
     WHITE,
     HeatBalanceFit,
@@ -29,10 +26,17 @@ from smarig.diagnosis.thermal.thermal_fit import (
     red_noise_of,
 )
 from smarig.diagnosis.thermal.thermal_record import ThermalRecord, thermal_record_of
+from smarig.diagnosis.thermal.thermal_verdict import (
+    ALPHA,
+    LEAD_SCALE_NATS,
+    NULLS,
+    ThermalVerdict,
+    check_settings,
+)
 from smarig.record import Run, load_run
 
 Array = NDArray[np.float64]
-NULLS = 200
+MIN_SPREAD_NATS = 1.5  # nats: about the gain of one free strength by chance
 MAX_EXTENSIONS = 2  # extensions in one explanation
 BLOCKS = 6  # blocks, held out in turn
 MIN_GAIN_NATS = 8.0  # nats: least gain of a named extension
@@ -82,7 +86,7 @@ class ThermalDiagnosis:
     ``held_out`` are the rms errors of base and extended fit on blocks held out in turn, in kelvin.
     """
 
-    verdict: DiagnosisVerdict
+    verdict: ThermalVerdict
     record: ThermalRecord
     base: HeatBalanceFit
     extended: HeatBalanceFit
@@ -284,17 +288,17 @@ def _verdict(
     alpha: float,
     nulls: int,
     rng: np.random.Generator,
-) -> DiagnosisVerdict:
+) -> ThermalVerdict:
     """Names by their lead over rivals with the same number of extensions; a plain variable if no name gains."""
     if not names:
         variable = _variable(x, current, noise, alpha, nulls, rng)
-        return DiagnosisVerdict("unknown", depends_on=variable) if variable else DiagnosisVerdict("silent")
+        return ThermalVerdict("unknown", depends_on=variable) if variable else ThermalVerdict("silent")
     last = levels[len(names) - 1]
     rivals = {fit.names: exp(-(fit.chi2 - current.chi2) / 2 / LEAD_SCALE_NATS) for fit in last.fits.values()}
     total = sum(rivals.values())
     ranked = tuple(sorted(((n, w / total) for n, w in rivals.items()), key=lambda item: -item[1]))
-    verdict = DiagnosisVerdict("named", ranked)
-    return verdict if set(verdict.names) == set(names) else DiagnosisVerdict("ambiguous", ranked)
+    verdict = ThermalVerdict("named", ranked)
+    return verdict if set(verdict.names) == set(names) else ThermalVerdict("ambiguous", ranked)
 
 
 def _variable(

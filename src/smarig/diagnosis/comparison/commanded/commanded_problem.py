@@ -16,8 +16,8 @@ from smarig.diagnosis.comparison.commanded.block_scores import (
 )
 from smarig.diagnosis.comparison.commanded.channel_model import ChannelModel, channel_models
 from smarig.diagnosis.comparison.compared_hypothesis import Part, Trial
-from smarig.diagnosis.explain.joint_density import joint_density_from_best_start
 from smarig.diagnosis.refit.coupled_readings import CoupledReadings, coupled_readings
+from smarig.diagnosis.refit.joint_density import joint_density_from_best_start
 from smarig.diagnosis.refit.memory_noise import memory_covariance
 from smarig.diagnosis.refit.refit import Refit, refit
 from smarig.plant import Effect, EffectType

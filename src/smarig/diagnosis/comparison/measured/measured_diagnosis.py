@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from smarig.core import NotebookDisplay
 from smarig.diagnosis.comparison.compared_hypothesis import Part
+from smarig.diagnosis.comparison.finding import Finding
 from smarig.diagnosis.comparison.measured.learned_law import LearnedLaw
 from smarig.diagnosis.comparison.measured.measured_comparison import (
     MeasuredComparison,
@@ -42,19 +43,6 @@ from smarig.record import Run
 from smarig.replay import Model, file_hash, foreign_conditions, pooled_conditions
 
 Array = NDArray[np.float64]
-
-
-@dataclass(frozen=True)
-class Finding:
-    """A cause of the verdict: an effect with its probability, and by parameter the value, 95 % interval and unit."""
-
-    name: str
-    probability: float
-    parameters: dict[str, dict[str, Any]]
-
-    def to_json(self) -> dict[str, Any]:
-        """An entry of ``effects`` of the command line."""
-        return {"name": self.name, "probability": self.probability, "parameters": self.parameters}
 
 
 @dataclass(frozen=True, eq=False)

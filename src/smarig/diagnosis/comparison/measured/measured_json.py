@@ -4,10 +4,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from smarig.diagnosis.comparison.compared_hypothesis import ComparedHypothesis
 from smarig.diagnosis.comparison.measured.measured_text import MISSING_EXPERIMENT
 from smarig.diagnosis.comparison.rules import SENTENCES
-from smarig.diagnosis.comparison.weights import Weights
+from smarig.diagnosis.comparison.weights_json import causes_json, hypotheses_json
 from smarig.diagnosis.error_parts import error_parts
 from smarig.diagnosis.suspects import suspects
 from smarig.identification import MeasuredHypothesis
@@ -65,31 +64,9 @@ def measured_json(d: "MeasuredDiagnosis") -> dict[str, Any]:
         "separating_run": None,
         "alpha": None,
         "nulls": 0,
-        "stands_out": verdict.word != "silent",
+        "stands_out": verdict.stands_out,
         "model": d.model.name,
         "seconds": d.seconds,
-    }
-
-
-def causes_json(weights: Weights) -> list[dict[str, Any]]:
-    """The probability of every cause and of nothing, likeliest first."""
-    found = [{"kind": "nothing", "name": "nothing", "probability": weights.nothing}]
-    found += [{"kind": p.kind, "name": p.name, "probability": w} for p, w in weights.causes.items()]
-    return sorted(found, key=lambda cause: -float(cause["probability"]))
-
-
-def hypotheses_json(weights: Weights) -> list[dict[str, Any]]:
-    """Every hypothesis with its score, weight and best parameters, heaviest first."""
-    rows = [_hypothesis(h, w) for h, w in zip(weights.hypotheses, weights.weight.tolist())]
-    return sorted(rows, key=lambda row: -row["weight"])
-
-
-def _hypothesis(hypothesis: ComparedHypothesis, weight: float) -> dict[str, Any]:
-    return {
-        "parts": [p.name for p in hypothesis.parts],
-        "log_score": hypothesis.score,
-        "weight": weight,
-        "parameters": dict(hypothesis.best.parameters),
     }
 
 

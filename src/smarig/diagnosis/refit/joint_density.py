@@ -10,7 +10,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from smarig.diagnosis.explain.moved_density import with_moved_density
+from smarig.diagnosis.refit.moved_density import with_moved_density
 from smarig.diagnosis.refit.refit import Refit, refit
 from smarig.identification import Observations, fit_table, surface_through_states
 from smarig.preisach import Everett, FodSurface
