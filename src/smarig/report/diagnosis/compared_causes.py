@@ -6,7 +6,7 @@ import numpy as np
 
 from smarig.diagnosis import ComparedHypothesis, Part, Weights, variable_words
 from smarig.report.components.figure import Figure, Panel, Trace, axis, packed
-from smarig.report.components.html import Html, table
+from smarig.report.components.html import Html, paragraph, table
 from smarig.report.components.numbers import number
 from smarig.report.components.style import FIRST, GREY, SECOND
 
@@ -18,12 +18,15 @@ _COLOURS = {"nothing": GREY, "effect": FIRST, "variable": SECOND}
 def compared_causes(weights: Weights, label: str) -> Iterator[Html | Figure]:
     """The figure of the causes, their table, and that of the hypotheses; ``label`` marks simulated data."""
     causes = _causes(weights)
-    yield _figure([c for c in causes if c[2] >= _SMALLEST], label)
+    likely = [c for c in causes if c[2] >= _SMALLEST]
+    yield _figure(likely, label)
     yield table(
         ("Cause", "Probability"),
-        [(name, _probability(p)) for _, name, p in causes],
+        [(name, _probability(p)) for _, name, p in likely],
         "The probability of each cause, summed over the hypotheses that hold it.",
     )
+    if unlikely := [name for _, name, p in causes if p < _SMALLEST]:
+        yield paragraph(f"Causes below {_SMALLEST}: {', '.join(unlikely)}.")
     yield _hypotheses_table(weights)
 
 
@@ -61,7 +64,7 @@ def _figure(causes: list[tuple[str, str, float]], label: str) -> Figure:
     }
     caption = [
         "Blue: an effect of the catalogue; vermilion: a smooth dependence on a variable, which names no cause; grey: "
-        f"the plain model. Causes below {_SMALLEST} are not drawn. Causes of one hypothesis count for both, so the sum "
+        f"the plain model. Causes of one hypothesis count for both, so the sum "
         "may exceed 1.",
     ]
     panel = Panel([bars], layout, 110 + 34 * len(names), wide=True)

@@ -80,7 +80,7 @@ class CommandedProblem:
     def at(self, plant_model: PlantModel, warm: Refit) -> FittedPlant:
         """A plant model as it is, with the likeliest variances."""
         prediction = predict(self.timeline, plant_model)
-        return self._fitted(plant_model, prediction, refit(self.timeline, prediction, plant_model, (), warm))
+        return self._fitted(plant_model, prediction, refit(self.timeline, prediction, plant_model, warm))
 
     def with_effects(self, fitted: FittedPlant, effects: Sequence[Effect]) -> PlantModel:
         """The plant model with these effects of the catalogue, which include those of the given model."""
