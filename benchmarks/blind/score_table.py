@@ -126,7 +126,7 @@ def _both_visible(r: Record) -> bool:
 
 
 def _both(r: Record) -> bool:
-    return set(_first(r)) == set(r["hidden"])
+    return r["verdict"] in ("named", "ambiguous") and set(r["set"]) == set(r["hidden"])
 
 
 def removable_share(r: Record) -> float | None:

@@ -11,7 +11,7 @@ from smarig.core import DataError, UsageError
 from smarig.diagnosis.comparison.commanded.commanded_comparison import diagnose_commanded
 from smarig.diagnosis.comparison.commanded.commanded_diagnosis import CommandedDiagnosis
 from smarig.diagnosis.comparison.measured.measured_diagnosis import MeasuredDiagnosis, diagnose_measured
-from smarig.diagnosis.run_checks import check_comparable, check_held_out, check_left_out
+from smarig.diagnosis.run_checks import check_comparable, check_held_out, check_left_out, check_settings
 from smarig.measurement import has_measured_input, measurement_effect_types
 from smarig.plant import effect_types
 from smarig.record import Run, Runs, loaded_runs
@@ -39,9 +39,7 @@ def diagnose(
     runs with a measured input for which an expression on curve, alpha, beta holds. Raises DataError if the runs hold
     nothing to diagnose or overlap, and UsageError for invalid settings.
     """
-    del alpha, nulls
-    if seed < 0:
-        raise UsageError(f"Seed {seed} is negative. Give a whole number ≥ 0.")
+    check_settings(alpha, nulls, seed)
     original = model if isinstance(model, Model) else load_model(model)
     train_runs, held_out_runs = loaded_runs(train), loaded_runs(held_out)
     if train_runs and not original.actuator.parameters:

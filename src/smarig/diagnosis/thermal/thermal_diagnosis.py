@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from smarig.diagnosis.run_checks import check_settings
 from smarig.diagnosis.thermal.thermal_fit import (
     WHITE,
     HeatBalanceFit,
@@ -31,7 +32,6 @@ from smarig.diagnosis.thermal.thermal_verdict import (
     LEAD_SCALE_NATS,
     NULLS,
     ThermalVerdict,
-    check_settings,
 )
 from smarig.record import Run, load_run
 

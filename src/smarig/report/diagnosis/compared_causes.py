@@ -64,7 +64,7 @@ def _figure(causes: list[tuple[str, str, float]], label: str) -> Figure:
     }
     caption = [
         "Blue: an effect of the catalogue; vermilion: a smooth dependence on a variable, which names no cause; grey: "
-        f"the plain model. Causes of one hypothesis count for both, so the sum "
+        "the plain model. Causes of one hypothesis count for both, so the sum "
         "may exceed 1.",
     ]
     panel = Panel([bars], layout, 110 + 34 * len(names), wide=True)
