@@ -43,7 +43,9 @@ def short_box(
 @cache
 def given_model(number: int) -> Model:
     """The model of a box's wire without any effect, identified from other readings than those of any case."""
-    return identify(recorded(short_box(number, {}, noise=SEED - 1)), "positive").model
+    with TemporaryDirectory() as folder:  # which holds the constants of its wire
+        sealed = write_box(short_box(number, {}, noise=SEED - 1), Path(folder))
+        return identify([load_run(path) for path in sealed.train], "positive").model
 
 
 def recorded(box: Box) -> list[Run]:

@@ -89,10 +89,8 @@ BIASED = {
     "stress_coupling": "2.29 [2.35, 2.53] K, hidden are 6",
 }
 WRONG_VARIABLE = {
-    "fan_turned_on": "",
     "lost_counts": "named walking",
     "sagging_supply": "silent, nothing at 0.60",
-    "thermostat": "",
 }
 SHORT = ("noncongruency", "settling", "slip")  # those that are not left to .ci/long
 where_there_is_time = pytest.mark.long("takes minutes")
@@ -104,16 +102,12 @@ def selected(names):
 
 
 @cache
-def answer(
-    name: str, number: int, channels: tuple[str, ...], runs: tuple[str, ...] = RUNS
-) -> CommandedDiagnosis:
+def answer(name: str, among: str = "visible") -> CommandedDiagnosis:
     """The diagnosis of a short box with an effect or a mechanism hidden in it."""
-    values = {
-        **{n: c[1] for n, c in (VISIBLE | TAKEN_UP).items()},
-        **{n: c[1] for n, c in MECHANISMS.items()},
-    }
+    number, values, more = {"visible": VISIBLE, "taken up": TAKEN_UP, "mechanisms": MECHANISMS}[among][name]
+    channels, runs = ((), more) if among == "mechanisms" else (more, RUNS)
     return diagnose_commanded(
-        given_model(number), recorded(short_box(number, {name: values[name]}, channels, runs))
+        given_model(number), recorded(short_box(number, {name: values}, channels, runs))
     )
 
 
@@ -121,7 +115,7 @@ def _in_terms_of_model(name: str, strength: float, number: int) -> float:
     """The strength as the model counts it: a clip in percent of the current that saturates the model's hysteresis."""
     if name != "saturation":
         return strength
-    box, given = short_box(number, {}), answer(name, number, VISIBLE[name][2]).subject.given
+    box, given = short_box(number, {}), answer(name).subject.given
     most_A = (1 - strength / 100) * box.wire.command(box.hysteresis.upper)
     return 100 * (1 - most_A / given.actuator.current_for(given.hysteresis.upper))
 
@@ -135,8 +129,7 @@ def test_every_effect_and_every_public_mechanism_is_covered():
 
 @pytest.mark.parametrize("name", selected(VISIBLE))
 def test_an_effect_is_named_or_in_the_set_and_said_to_be_visible(name, request):
-    number, _, channels = VISIBLE[name]
-    found = answer(name, number, channels)
+    found = answer(name)
     assert name not in found.not_identifiable
     if name in MISSED:
         request.applymarker(pytest.mark.xfail(reason=MISSED[name], strict=True))
@@ -146,8 +139,8 @@ def test_an_effect_is_named_or_in_the_set_and_said_to_be_visible(name, request):
 
 @pytest.mark.parametrize("name", selected(n for n in VISIBLE if n not in MISSED))
 def test_its_strength_lies_in_its_interval(name, request):
-    number, values, channels = VISIBLE[name]
-    (finding,) = answer(name, number, channels).findings
+    number, values, _ = VISIBLE[name]
+    (finding,) = answer(name).findings
     true = _in_terms_of_model(name, values[EFFECTS[name].strength], number)
     ends = finding.parameters[EFFECTS[name].strength]["ci95"]
     if name in BIASED:
@@ -159,14 +152,12 @@ def test_its_strength_lies_in_its_interval(name, request):
 
 @pytest.mark.parametrize("name", selected(TAKEN_UP))
 def test_nothing_is_named_where_a_density_takes_the_effect_up(name):
-    number, _, channels = TAKEN_UP[name]
-    assert answer(name, number, channels).verdict.word == "silent"
+    assert answer(name, "taken up").verdict.word == "silent"
 
 
 @pytest.mark.parametrize("name", selected(MECHANISMS))
 def test_an_unlisted_mechanism_is_told_by_its_variable_or_by_a_name_that_says_the_same(name, request):
-    number, _, runs = MECHANISMS[name]
-    verdict = answer(name, number, (), runs).verdict
+    verdict = answer(name, "mechanisms").verdict
     if name in WRONG_VARIABLE:
         request.applymarker(pytest.mark.xfail(reason=WRONG_VARIABLE[name], strict=True))
     if verdict.word in ("named", "ambiguous"):

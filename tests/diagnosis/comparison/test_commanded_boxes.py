@@ -89,7 +89,6 @@ def test_unknown_cause_is_a_law_of_its_variable_in_the_model() -> None:
     assert found.learned is not None
     assert found.learned.shape.variable == found.verdict.depends_on
     assert 0.3 < found.learned.gain_blocks < 1.0
-    assert "walking" in found.learned.looks_like
     assert [e["name"] for e in found.model.effects] == ["learned"]
     assert found.effects() == []
     assert found.error.extended < 0.6 * found.error.base

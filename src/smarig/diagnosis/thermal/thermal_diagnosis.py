@@ -3,7 +3,7 @@
     base: one exponential;    extensions: latent heat, convection h(T), a second thermal mass, a lagging sensor
 
 Each extension is fitted jointly with the base under first-order autoregressive noise. Its gain is compared with its
-gains on null data of the base (parametric bootstrap), by the largest scaled gain, as in ``diagnosis.critique``.
+gains on null data of the base (parametric bootstrap), by the largest scaled gain.
 Residuals that no extension explains are tested against smooth functions of time and temperature.
 """
 
