@@ -17,7 +17,7 @@ from smarig.report.diagnosis.gain_figure import gain_figure
 from smarig.report.diagnosis.learned_law_figure import commanded_law_figure
 from smarig.report.diagnosis.noise_budget import noise_budget
 from smarig.report.diagnosis.residual_figures import residual_figure
-from smarig.report.diagnosis.severity import SEVERITY_LEVELS
+from smarig.report.diagnosis.verdict_levels import SEVERITY_LEVELS
 from smarig.report.diagnosis.verdict_text import distinguishing_text, next_experiment, verdict_sentence
 from smarig.report.measured_diagnosis_page import measured_diagnosis_page
 from smarig.report.run_page import ending_notices, run_lead

@@ -22,7 +22,7 @@ from smarig.report.components.run_description import (
 from smarig.report.components.style import COOLING, INK, MODEL
 from smarig.report.diagnosis.compared_causes import compared_causes
 from smarig.report.diagnosis.learned_law_figure import learned_law_figure
-from smarig.report.diagnosis.severity import SEVERITY_LEVELS
+from smarig.report.diagnosis.verdict_levels import SEVERITY_LEVELS
 from smarig.report.run_page import run_lead
 from smarig.report.runs.run_summary import summary_with_loop
 from smarig.report.runs.run_tables import conditions_table, provenance_table, quality_table

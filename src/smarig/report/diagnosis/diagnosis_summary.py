@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from smarig.diagnosis import POINT_NOISE, PREDICTION_LIMIT, CommandedDiagnosis, share_text
 from smarig.report.components.html import Html, bullets, cards, notice, paragraph, tag
 from smarig.report.components.run_description import display_unit
-from smarig.report.diagnosis.severity import SEVERITY_LEVELS
+from smarig.report.diagnosis.verdict_levels import SEVERITY_LEVELS
 from smarig.report.diagnosis.verdict_text import findings, verdict_sentence
 
 _Card = tuple[str, str, str]
