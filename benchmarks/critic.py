@@ -1,4 +1,4 @@
-"""Duration of a diagnosis of the thesis's largest record: 407 steps, all effects, 400 null data sets.
+"""Duration of a diagnosis of the thesis's largest record: 407 steps, all effects.
 
 The records are the two-wire twin's first-order descending curves, once without an effect and once with each
 of a few effects. Times are wall times from run file to verdict. Memory is the peak of the process.
@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from smarig.diagnosis import NULL_DATA_SETS, diagnose_commanded
+from smarig.diagnosis import diagnose_commanded
 from smarig.identification import identify
 from smarig.plant import effects_from_pairs
 from smarig.record import load_run
@@ -29,11 +29,11 @@ LEVELS, REACH_K = 28, 184.0  # of the partition, on each side: 407 steps
 def run(quick: bool = False, seed: int = 0) -> dict[str, Any]:
     """Measure times and verdicts of the diagnoses.
 
-    Returns ``{"rig", "nulls", "results": [{"hidden", "steps", "readings", "seconds", "verdict", "names"}],
+    Returns ``{"rig", "results": [{"hidden", "steps", "readings", "seconds", "verdict", "names"}],
     "peak_MB"}``.
     """
     rows = [_row(LEVELS // 2 if quick else LEVELS, hidden, seed) for hidden in HIDDEN]
-    return {"rig": RIG, "nulls": NULL_DATA_SETS, "results": rows, "peak_MB": _peak_MB()}
+    return {"rig": RIG, "results": rows, "peak_MB": _peak_MB()}
 
 
 def _row(levels: int, hidden: str, seed: int) -> dict[str, Any]:

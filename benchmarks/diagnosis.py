@@ -21,7 +21,7 @@ from smarig.core import UsageError
 
 QUICK = 6
 CONNECT_TIMEOUT_S = 10
-KEYS = {"seed", "nulls", "number", "category", "hidden", "left_out", "channels"}  # of every answer
+KEYS = {"seed", "number", "category", "hidden", "left_out", "channels"}  # of every answer
 
 
 def run(
@@ -31,7 +31,6 @@ def run(
     workers: int = 1,
     dask: str | None = None,
     out: Path | None = None,
-    nulls: int = 400,
     left_out: bool = False,
     part: Part | None = None,
 ) -> dict[str, Any]:
@@ -49,12 +48,12 @@ def run(
         raise UsageError(f"Boxes have a public and a sealed part, but no part '{part}'.")
     numbers = range(min(QUICK, boxes) if quick else boxes)
     wanted = [k for k in numbers if draw_box(seed, k).left_out] if left_out else numbers
-    done = _stored_answers(out, seed, nulls, part)
+    done = _stored_answers(out, seed, part)
     missing = [k for k in wanted if k not in done]
-    for record in _answers(seed, missing, workers, dask, nulls, part):
+    for record in _answers(seed, missing, workers, dask, part):
         done[record["number"]] = record
         if out is not None:
-            _append(out, {"seed": seed, "nulls": nulls, "part": part} | record)
+            _append(out, {"seed": seed, "part": part} | record)
     answers = [done[k] for k in wanted]
     worlds = {"part": part, "worlds": world_table(answers)} if part else {}
     return {"seed": seed} | score_table(answers) | worlds
@@ -67,8 +66,8 @@ def _append(out: Path, record: Record) -> None:
         file.write(("" if whole else "\n") + json.dumps(record) + "\n")
 
 
-def _stored_answers(out: Path | None, seed: int, nulls: int, part: Part | None) -> dict[int, Record]:
-    """The answers in a file with this seed and number of null data sets. An incomplete last line is ignored."""
+def _stored_answers(out: Path | None, seed: int, part: Part | None) -> dict[int, Record]:
+    """The answers in a file with this seed. An incomplete last line is ignored."""
     found: dict[int, Record] = {}
     if out is None or not out.exists():
         return found
@@ -79,7 +78,7 @@ def _stored_answers(out: Path | None, seed: int, nulls: int, part: Part | None) 
     if lines and not answers:
         raise UsageError(f"{out} holds something other than answers. Give another name.")
     for record in answers:
-        if (record["seed"], record["nulls"], record.get("part")) == (seed, nulls, part):
+        if (record["seed"], record.get("part")) == (seed, part):
             found[record["number"]] = record
     return found
 
@@ -95,21 +94,19 @@ def _answer_of(line: bytes) -> Record | None:
 
 
 def _answers(
-    seed: int, numbers: Sequence[int], workers: int, dask: str | None, nulls: int, part: Part | None
+    seed: int, numbers: Sequence[int], workers: int, dask: str | None, part: Part | None
 ) -> Iterator[Record]:
     if dask is not None:
-        yield from _by_dask(seed, numbers, dask, nulls, part)
+        yield from _by_dask(seed, numbers, dask, part)
     elif workers == 1:
-        yield from (trial(seed, k, nulls, part) for k in numbers)
+        yield from (trial(seed, k, part) for k in numbers)
     else:
         with ProcessPoolExecutor(workers, mp_context=get_context("spawn")) as pool:
-            for answer in as_completed([pool.submit(trial, seed, k, nulls, part) for k in numbers]):
+            for answer in as_completed([pool.submit(trial, seed, k, part) for k in numbers]):
                 yield answer.result()
 
 
-def _by_dask(
-    seed: int, numbers: Sequence[int], address: str, nulls: int, part: Part | None
-) -> Iterator[Record]:
+def _by_dask(seed: int, numbers: Sequence[int], address: str, part: Part | None) -> Iterator[Record]:
     try:
         from distributed import Client
         from distributed import as_completed as as_done
@@ -129,5 +126,5 @@ def _by_dask(
         gc.collect()  # close the objects now; during another client's start this would block for ever
         raise UsageError(f"No Dask scheduler responds at '{address}': {reason_text}.")
     with client:
-        for answer in as_done([client.submit(trial, seed, k, nulls, part, pure=False) for k in numbers]):
+        for answer in as_done([client.submit(trial, seed, k, part, pure=False) for k in numbers]):
             yield answer.result()

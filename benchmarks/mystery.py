@@ -13,7 +13,7 @@ from typing import Any
 
 from smarig.app import characterise, propose_run
 from smarig.core import UsageError
-from smarig.diagnosis import Diagnosis, diagnose_commanded
+from smarig.diagnosis import CommandedDiagnosis, diagnose_commanded
 from smarig.plant import mystery_effects
 from smarig.record import load_run
 from smarig.runner import Session
@@ -75,15 +75,15 @@ def solve_seed(seed: int) -> dict[str, Any]:
     }
 
 
-def _verdict_record(found: Diagnosis) -> dict[str, Any]:
+def _verdict_record(found: CommandedDiagnosis) -> dict[str, Any]:
     return {"verdict": found.verdict.word, "set": list(found.verdict.names), "on": found.verdict.depends_on}
 
 
-def outcome(found: Diagnosis, hidden: Sequence[str]) -> str:
+def outcome(found: CommandedDiagnosis, hidden: Sequence[str]) -> str:
     """``right``, ``wrong`` (another name than the hidden one), or ``open``."""
     answer = found.verdict
     if answer.word in NO_ALARM:
-        return "right" if set(hidden) <= set(found.visibility.invisible) else "open"
+        return "right" if set(hidden) <= set(found.not_identifiable) else "open"
     if answer.word == "named":
         return "right" if set(answer.names) == set(hidden) else "wrong"
     return "open" if hidden else "wrong"

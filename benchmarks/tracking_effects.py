@@ -27,7 +27,6 @@ from smarig.runner import Session
 
 EFFECTS = ("latent_heat", "ambient_drift", "stress_coupling", "backlash")
 TRAIN, HELD_OUT = ("wiping_out", "congruency", "first_order_descending"), "validation"
-NULLS, QUICK_NULLS = 100, 40
 
 
 def run(quick: bool = False) -> dict[str, Any]:
@@ -45,7 +44,7 @@ def run(quick: bool = False) -> dict[str, Any]:
         row["inverse, effect nominal_model"] = _rms(
             "inverse", nominal.with_effects(injected), nominal, injected, seeds
         )
-        found[effect] = row | _diagnosed(nominal, injected, seeds, QUICK_NULLS if quick else NULLS)
+        found[effect] = row | _diagnosed(nominal, injected, seeds)
     return {"rig": RIG, "unit": "counts", "seeds": list(seeds), "rms": found}
 
 
@@ -81,9 +80,7 @@ def _rms(
     return None if tripped else float(np.mean([loop.true.rms for loop in loops]) / count)
 
 
-def _diagnosed(
-    nominal: ControllerModel, injected: Sequence[Effect], seeds: Sequence[int], nulls: int
-) -> dict[str, Any]:
+def _diagnosed(nominal: ControllerModel, injected: Sequence[Effect], seeds: Sequence[int]) -> dict[str, Any]:
     with tempfile.TemporaryDirectory() as folder:
         with Session(RIG, twin=TwinSettings(seed=11, effects=injected), wire="tracking-benchmark") as session:
             paths = {
@@ -93,7 +90,7 @@ def _diagnosed(
         runs = {name: load_run(path) for name, path in paths.items()}
         train = [runs[name] for name in TRAIN]
         model = identify(train, "positive").model
-        found = diagnose_commanded(model, train, [runs[HELD_OUT]], nulls=nulls)
+        found = diagnose_commanded(model, train, [runs[HELD_OUT]])
     return {
         "verdict": found.verdict.word,
         "names": list(found.verdict.names),

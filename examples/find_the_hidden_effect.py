@@ -1,8 +1,8 @@
 """Find the hidden effect: the zero of a twin creeps with every stroke, and a diagnosis has to find this effect.
 
 Writes diagnosed.model.json if an effect is found. What it shows: a model can fit well and still be wrong. The diagnosis
-tests the residuals against null data, names a cause only if the data identify it, and measures the gain on held-out
-data.
+compares what may be missing by predictions of data left out, names a cause only if the data identify it, and measures
+the gain on held-out data.
 """
 
 from pathlib import Path
@@ -26,8 +26,7 @@ curves, held_out = files["first_order_descending"], files["validation"]
 model = smarig.identify(curves, surface="positive").model
 print(f"The model fits its own points with an rms error of {model.fit['rms']:.4f} mm. Is it correct?")
 
-# Only 60 sets of null data, to be quick: they resolve p = 1/61 at best. Use 400 for real data.
-found = smarig.diagnose(model, curves, held_out, nulls=60)
+found = smarig.diagnose(model, curves, held_out)
 print(found.text())
 print(f"Hidden in the twin was {HIDDEN[0]}.")
 if found.extended:

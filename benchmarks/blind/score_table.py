@@ -16,6 +16,7 @@ from benchmarks.boxes.box_effects import EFFECTS, INVISIBLE_WITHOUT
 
 Record = dict[str, Any]
 NO_ALARM = ("silent", "not_identifiable")
+LEAST_PROBABILITY = 1e-3  # in the log score: no answer is certain
 DELTAS = (0.0, 0.1, 0.2, 0.35, 0.5, 1.0, 2.0, np.inf)
 
 
@@ -58,6 +59,7 @@ def score_table(records: Sequence[Record]) -> dict[str, Any]:
             ),
             "alarms": rate(left_out, _alarm),
         },
+        "probability": _probabilities(single, empty),
         "parameter": _parameters(right),
         "removable_share": median([s for r in right if (s := removable_share(r)) is not None]),
         "two": {
@@ -124,7 +126,7 @@ def _both_visible(r: Record) -> bool:
 
 
 def _both(r: Record) -> bool:
-    return set(_first(r)) == set(r["hidden"])
+    return r["verdict"] in ("named", "ambiguous") and set(r["set"]) == set(r["hidden"])
 
 
 def removable_share(r: Record) -> float | None:
@@ -153,6 +155,21 @@ def _power(records: Sequence[Record]) -> list[dict[str, Any]]:
     ]
 
 
+def _probabilities(single: Sequence[Record], empty: Sequence[Record]) -> dict[str, Any]:
+    """What the answers give to the truth, for δ ≥ 1, and the mean log score of these and of empty boxes."""
+    large = [probability_of_truth(r) for r in single if _delta(r) >= 1]
+    every = [*large, *map(probability_of_truth, empty)]
+    scores = [float(np.log(max(p, LEAST_PROBABILITY))) for p in every]
+    return {"mean": _mean(large), "median": median(large), "log_score": _mean(scores)}
+
+
+def probability_of_truth(r: Record) -> float:
+    """What an answer gives to the truth: the hidden effect, the mean of two, or nothing."""
+    if not r["hidden"] or r["category"] == "hard_null":
+        return float(r["nothing"])
+    return float(np.mean([sum(w for n, w in r["explanations"] if name in n) for name in r["hidden"]]))
+
+
 def _parameters(records: Sequence[Record]) -> dict[str, Any]:
     """Of the primary parameter of correctly named effects: median relative error, coverage of 90 %
     intervals."""
@@ -163,11 +180,10 @@ def _parameters(records: Sequence[Record]) -> dict[str, Any]:
         found = next((e for e in r["effects"] if e["name"] == name), None)
         if found is None:
             continue
-        p = found["parameters"][key]
-        errors.append(abs(p["value"] - true) / abs(true))
-        if p["ci95"]:
-            half = (p["ci95"][1] - p["ci95"][0]) / 2 * 1.645 / 1.96
-            covered.append({"inside": abs(p["value"] - true) <= half})
+        errors.append(abs(found["parameters"][key]["value"] - true) / abs(true))
+        ends = r["intervals90"].get(f"{name}.{key}")
+        if ends:
+            covered.append({"inside": ends[0] <= true <= ends[1]})
     return {"median_error": median(errors), "coverage90": rate(covered, lambda c: c["inside"])}
 
 

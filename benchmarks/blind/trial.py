@@ -19,7 +19,7 @@ from benchmarks.boxes import Box, Label, Part, SealedBox, draw_box, draw_world_b
 from benchmarks.boxes.label import KINETIC, UNLISTED_CATEGORY
 from benchmarks.boxes.relays import RelayHysteresis
 from smarig.core import SmarigError
-from smarig.diagnosis import Diagnosis, diagnose_commanded, joint_density_from_best_start
+from smarig.diagnosis import CommandedDiagnosis, diagnose_commanded, joint_density_from_best_start
 from smarig.identification import identify
 from smarig.plant import SupportsHooks, effects_from_json
 from smarig.record import load_run
@@ -32,7 +32,7 @@ InputRange = tuple[float, float]
 
 
 @threadpool_limits.wrap(limits=1, user_api="blas")
-def trial(seed: int, number: int, nulls: int = 400, part: Part | None = None) -> Record:
+def trial(seed: int, number: int, part: Part | None = None) -> Record:
     """A box's answer and its truth, as plain values; with ``part``, of a box from all worlds."""
     started = time.process_time()
     box = draw_box(seed, number) if part is None else draw_world_box(seed, number, part)
@@ -40,7 +40,7 @@ def trial(seed: int, number: int, nulls: int = 400, part: Part | None = None) ->
         sealed = write_box(box, Path(folder))
         without = (box.left_out,) if box.left_out else ()
         try:
-            found = _answer(sealed, without, nulls, number)
+            found = _answer(sealed, without, number)
         except SmarigError as error:
             return {"number": number, "error": str(error)} | _truth(sealed.label, sealed.label.effects)
     seconds = time.process_time() - started
@@ -51,38 +51,36 @@ def trial(seed: int, number: int, nulls: int = 400, part: Part | None = None) ->
     )
 
 
-def _truth_of(box: Box, label: Label, found: Diagnosis) -> Record:
+def _truth_of(box: Box, label: Label, found: CommandedDiagnosis) -> Record:
     """The truth with the size δ of what is hidden."""
     if label.category in (KINETIC, UNLISTED_CATEGORY) or not isinstance(box.hysteresis, RelayHysteresis):
         return _truth(label, label.effects) | {"delta": {label.category: _delta_of_base(label, found)}}
     return _truth_with_delta(label, box.hysteresis, found)
 
 
-def _delta_of_base(label: Label, found: Diagnosis) -> float:
+def _delta_of_base(label: Label, found: CommandedDiagnosis) -> float:
     """δ where no effect of the catalogue is the truth: what the base model misses beyond the noise, over the noise."""
     noise = label.noise_counts * label.per_count
     return sqrt(max(found.error.base**2 - noise**2, 0.0)) / noise
 
 
-def _answer(sealed: SealedBox, without: tuple[str, ...], nulls: int, number: int) -> Diagnosis:
+def _answer(sealed: SealedBox, without: tuple[str, ...], number: int) -> CommandedDiagnosis:
     """The diagnosis from the files alone. The effect to leave out is left out of the catalogue."""
     train = [load_run(path) for path in sealed.train]
     held_out = [load_run(path) for path in sealed.held_out]
     model = identify(train, SURFACE).model
-    return diagnose_commanded(model, train, held_out, nulls=nulls, seed=number, without=without)
+    return diagnose_commanded(model, train, held_out, seed=number, without=without)
 
 
-def _answer_record(found: Diagnosis) -> Record:
-    keys = (
-        *("verdict", "effects", "set", "depends_on", "reason", "not_identifiable", "held_out", "p_value"),
-        "learned",
-        *("adequacy", "noise", "discrepancy", "remaining"),
-    )
+def _answer_record(found: CommandedDiagnosis) -> Record:
+    """The answer as plain values; ``explanations`` are the effects with their probabilities, likeliest first."""
+    keys = ("verdict", "effects", "set", "depends_on", "reason", "not_identifiable", "held_out", "learned")
     whole = found.to_json()
-    return {key: whole[key] for key in keys} | {
-        "explanations": [[list(names), p] for names, p in found.verdict.explanations],
-        "standard": found.first.largest.standard,
-        "threshold": found.first.threshold,
+    return {key: whole[key] for key in (*keys, "adequacy", "noise")} | {
+        "explanations": [[[p.name], w] for p, w in found.causes.items() if p.kind == "effect"],
+        "variables": [[p.name, w] for p, w in found.causes.items() if p.kind == "variable"],
+        "nothing": found.weights.nothing,
+        "intervals90": found.intervals90,
     }
 
 
@@ -97,14 +95,14 @@ def _truth(label: Label, effects: Mapping[str, Mapping[str, float]]) -> Record:
     }
 
 
-def _truth_with_delta(label: Label, relays: RelayHysteresis, found: Diagnosis) -> Record:
+def _truth_with_delta(label: Label, relays: RelayHysteresis, found: CommandedDiagnosis) -> Record:
     """The truth, and δ of each hidden effect: √(2/N) of the nats by which the truth exceeds the truth
     without it.
 
     Densities are identified again for both, so the part that a density can represent does not count.
     """
     timeline = found.timeline
-    plant_model = replace(found.first.plant_model, effects=())
+    plant_model = replace(found.subject.base.plant_model, effects=())
     model_hysteresis = plant_model.hysteresis
     effects = rescaled_to_range(
         label.effects, (relays.lower, relays.upper), (model_hysteresis.lower, model_hysteresis.upper)
@@ -112,8 +110,8 @@ def _truth_with_delta(label: Label, relays: RelayHysteresis, found: Diagnosis) -
     hidden = effects_from_json([{"name": name, "parameters": values} for name, values in effects.items()])
 
     def evidence_of(effects: tuple[SupportsHooks, ...]) -> float:
-        identified = found.first.plant_model.hysteresis
-        warm_start = found.first.refitted
+        identified = found.subject.base.plant_model.hysteresis
+        warm_start = found.subject.base.refitted
         return joint_density_from_best_start(
             timeline, replace(plant_model, effects=effects), identified, warm_start
         )[1].log_evidence

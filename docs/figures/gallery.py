@@ -18,8 +18,6 @@ PICTURES: dict[str, Callable[[], Picture]] = {
     "initialisation": rig.initialisation,
     "energy": curves.energy,
     "signatures": diagnosed.signatures,
-    "lookalikes": diagnosed.similar_effects,
-    "found_by_size": diagnosed.found_by_size,
     "one_input": shaft.one_input,
     "repeating": safety.repeating,
     "lease": safety.lease,

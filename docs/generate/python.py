@@ -69,9 +69,9 @@ PAGES: dict[str, tuple[str, str, tuple[str, ...]]] = {
             "smarig.transformation.stress_dependence",
             "smarig.transformation.headline",
             "smarig.diagnosis.diagnose",
-            "smarig.diagnosis.commanded_diagnosis",
+            "smarig.diagnosis.comparison.commanded.commanded_comparison",
+            "smarig.diagnosis.comparison.commanded.commanded_diagnosis",
             "smarig.diagnosis.comparison.measured.measured_diagnosis",
-            "smarig.diagnosis.explain.explanation",
         ),
     ),
     "python_control": (

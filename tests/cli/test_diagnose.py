@@ -77,7 +77,18 @@ def test_its_object_has_the_keys_others_rely_on(found):
         "held_out",
         "separating_run",
     }
-    assert keys | {"alpha", "nulls", "model", "seconds"} <= set(found)
+    more = {
+        "causes",
+        "hypotheses",
+        "missing_knowledge",
+        "reason",
+        "adequacy",
+        "learned",
+        "numerics",
+        "stands_out",
+    }
+    assert keys | more | {"alpha", "nulls", "model", "seconds"} <= set(found)
+    assert "p_value" not in found
     assert {"unit", "noise_floor", "base", "extended"} <= set(found["error"])
     assert {"base", "extended", "removable_share", "ci95", "blocks"} <= set(found["held_out"])
 
@@ -98,7 +109,8 @@ def test_unrecorded_time_between_runs_is_reported(diagnosed):
     assert "not recorded" not in found.text()
     first, *rest = found.timeline.runs
     late = [replace(run, columns=run.columns | {"t_s": run["t_s"] + 1500.0}) for run in rest]
-    apart = replace(found, timeline=replace(found.timeline, runs=(first, *late)))
+    timeline = replace(found.timeline, runs=(first, *late))
+    apart = replace(found, subject=replace(found.subject, timeline=timeline))
     assert "25 min between these runs are not recorded" in apart.text()
 
 

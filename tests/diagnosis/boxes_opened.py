@@ -6,12 +6,11 @@ from tempfile import TemporaryDirectory
 
 from benchmarks.boxes import draw_box, write_box
 from benchmarks.boxes.box_effects import EFFECTS
-from smarig.diagnosis.commanded_diagnosis import diagnose_commanded
-from smarig.diagnosis.diagnosis_result import Diagnosis
+from smarig.diagnosis import CommandedDiagnosis, diagnose_commanded
 from smarig.identification.identify import identify
 from smarig.record import load_run
 
-SEED, NULLS, ALPHA = 7, 100, 0.03
+SEED = 7
 
 
 def strength(effect: str, times: float) -> dict[str, float]:
@@ -21,7 +20,7 @@ def strength(effect: str, times: float) -> dict[str, float]:
 
 
 @cache
-def answer(number: int, hidden=None, channels=(), without=(), times=1.0) -> Diagnosis:
+def answer(number: int, hidden=None, channels=(), without=(), times=1.0) -> CommandedDiagnosis:
     """Of a box with an effect hidden in it, so many times as strong as usual, "hard_null", or nothing."""
     contents = hidden if hidden == "hard_null" else {hidden: strength(hidden, times)} if hidden else {}
     with TemporaryDirectory() as folder:
@@ -29,4 +28,4 @@ def answer(number: int, hidden=None, channels=(), without=(), times=1.0) -> Diag
         train = [load_run(path) for path in box.train]
         held_out = [load_run(path) for path in box.held_out]
         model = identify(train, "positive").model
-        return diagnose_commanded(model, train, held_out, nulls=NULLS, alpha=ALPHA, without=without)
+        return diagnose_commanded(model, train, held_out, without=without)

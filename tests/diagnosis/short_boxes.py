@@ -12,13 +12,11 @@ from tempfile import TemporaryDirectory
 
 from benchmarks.boxes import Box, draw_box, write_box
 from benchmarks.boxes.unlisted_effects import UNLISTED
-from smarig.diagnosis import Critique, critique, joint_density_from_best_start
 from smarig.identification import identify
-from smarig.plant import EffectType, effect_types
-from smarig.record import load_run
-from smarig.replay import PlantModel, Timeline, actuator_for_run, build_timeline, plant_model_of
+from smarig.record import Run, load_run
+from smarig.replay import Model
 
-SEED, NULLS = 7, 35  # null data sets: just enough for a false alarm probability of 3 %
+SEED = 7
 RUNS = ("congruency", "wiping_out")
 NOISE_SEED = 8  # of 84 cases, 7, 9 and 10 fail one to four: false alarms, and intervals of creep and walking
 Hidden = Mapping[str, Mapping[str, float]]
@@ -43,32 +41,14 @@ def short_box(
 
 
 @cache
-def given_model(number: int) -> PlantModel:
+def given_model(number: int) -> Model:
     """The model of a box's wire without any effect, identified from other readings than those of any case."""
+    with TemporaryDirectory() as folder:  # which holds the constants of its wire
+        sealed = write_box(short_box(number, {}, noise=SEED - 1), Path(folder))
+        return identify([load_run(path) for path in sealed.train], "positive").model
+
+
+def recorded(box: Box) -> list[Run]:
+    """A box's training runs."""
     with TemporaryDirectory() as folder:
-        box = short_box(number, {}, noise=SEED - 1)
-        train = [load_run(path) for path in write_box(box, Path(folder)).train]
-        model = identify(train, "positive").model
-    timeline = build_timeline(train, actuator_for_run(model, train[0]).tau_s)
-    plant_model = plant_model_of(model, timeline.runs[0])
-    return joint_density_from_best_start(timeline, plant_model, plant_model.hysteresis)[0]
-
-
-def recorded(box: Box) -> Timeline:
-    """The timeline of a box's training runs."""
-    with TemporaryDirectory() as folder:
-        runs = [load_run(path) for path in write_box(box, Path(folder)).train]
-    return build_timeline(runs, given_model(box.number).actuator.tau_s)
-
-
-def catalogue(plant_model: PlantModel) -> tuple[EffectType, ...]:
-    """All effects that a rig can have."""
-    return effect_types("two_wire" if plant_model.actuator.two_wire else "one_wire")
-
-
-def first_test(timeline: Timeline, plant_model: PlantModel) -> Critique:
-    """The critique of a plant model; if it is silent, that with the least noise, as in a diagnosis."""
-    found = critique(timeline, plant_model, catalogue(plant_model), count=NULLS)
-    if not found.silent:
-        return found
-    return critique(timeline, plant_model, catalogue(plant_model), count=NULLS, all_nuisances=True)
+        return [load_run(path) for path in write_box(box, Path(folder)).train]

@@ -34,5 +34,5 @@ def test_walking_is_named_with_its_strength_and_the_extended_model_predicts_bett
 
 
 def test_what_no_channel_shows_is_reported_as_invisible():
-    invisible = answer(3).visibility.invisible
+    invisible = answer(3).not_identifiable
     assert {"wire_lag", "sensor_lag", "latent_heat"} <= set(invisible)

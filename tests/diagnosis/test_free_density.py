@@ -199,17 +199,6 @@ def test_masses_become_no_more_negative_than_they_were_for_any_dual_weights(path
         assert np.max(masses) > 2 * prior_about_model.mass.max()
 
 
-def test_signed_masses_move_the_outputs_as_far_as_the_covariance_allows(path, prior_about_model):
-    C, negative = np.sum([v * part for v, part in zip(VARIANCES, prior_about_model.covariances)], axis=0), []
-    dual_weights = 1e3 * np.random.default_rng(3).standard_normal(len(path))
-    for p in (dual_weights, -dual_weights):
-        masses = prior_about_model.posterior_masses(VARIANCES, p, signed=True)
-        moved = Preisach(prior_about_model.triangle.table(masses, 0.0)).simulate(path)
-        np.testing.assert_allclose(moved - outputs(model_density(), path), C @ p, rtol=1e-9, atol=1e-9)
-        negative.append(masses.min())
-    assert min(negative) < -0.1 * prior_about_model.mass.max()
-
-
 def test_with_zero_dual_weights_the_density_is_the_models(path, prior_about_model):
     masses = prior_about_model.posterior_masses(VARIANCES, np.zeros(len(path)))
     kept = Preisach(prior_about_model.triangle.table(masses, 0.0))

@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 
 from replay.sittings import LISTED, LONG, session_runs, twin_plant_model
-from smarig.diagnosis.explain.joint_density import (
+from smarig.diagnosis.refit.joint_density import (
     AS_GOOD,
     joint_density,
     joint_density_from_best_start,
     settled_rms,
     with_density_for_effects,
 )
-from smarig.diagnosis.explain.moved_density import rising_map, with_moved_density
+from smarig.diagnosis.refit.moved_density import rising_map, with_moved_density
 from smarig.diagnosis.refit.refit import refit
 from smarig.identification import Observations, surface_through_states
 from smarig.plant import effects_from_pairs

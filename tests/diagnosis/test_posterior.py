@@ -69,16 +69,6 @@ def posterior(path, read):
     return posterior_of(path, read)
 
 
-def test_where_masses_may_be_negative_outputs_and_zero_are_the_conditional_mean(path, read, posterior):
-    believed = outputs(WIRE, path)
-    shared = posterior.covariance + posterior.free
-    mean = shared @ np.linalg.solve(shared + NOISE**2 * np.eye(path.size), read - believed)
-    table = posterior.table(signed=True)
-    np.testing.assert_allclose(outputs(table, path) - believed, mean, atol=1e-6 * STROKE)
-    assert least_mass(table) < -1e-6 * STROKE
-    assert table.y_lower == pytest.approx(WIRE.y_lower + ZERO * STROKE, abs=1e-3 * STROKE)
-
-
 def test_where_they_may_not_none_is_and_the_outputs_stay(path, read, posterior):
     table = posterior.table()
     assert least_mass(table) > -1e-9 * STROKE

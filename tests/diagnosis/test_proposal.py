@@ -2,18 +2,20 @@
 
 from types import SimpleNamespace
 
+import numpy as np
 import pytest
 
 from smarig.app.proposal import DECISIVE_NATS, Proposal, RunOption, _best, propose_run, write_campaign
 from smarig.config import CampaignFile
 from smarig.core.toml_file import load_toml
-from smarig.diagnosis.diagnosis_verdict import LEAD_SCALE_NATS
+from smarig.diagnosis import TEMPERATURE
+from smarig.diagnosis.comparison.compared_hypothesis import Part
 
 QUICK = RunOption("wiping_out", {}, 0.5, DECISIVE_NATS + 1)
 LONG = RunOption("first_order_descending", {}, 1.2, DECISIVE_NATS + 80)
 WEAK = RunOption("congruency", {}, 0.7, 3.0)
 STAIRS = RunOption(
-    "step_currents", {"profile": "staircase", "settle.window_s": 250.0, "points": 16}, 2.0, 7.0
+    "step_currents", {"profile": "staircase", "settle.window_s": 250.0, "points": 16}, 2.0, 6.0
 )
 
 
@@ -27,7 +29,7 @@ def test_where_none_settles_it_the_one_that_gains_most_an_hour_is():
 
 def test_the_odds_are_those_the_next_verdict_would_give():
     assert RunOption("wiping_out", {}, 1.0, 0.0).odds == 0.5
-    assert RunOption("wiping_out", {}, 1.0, 9 * LEAD_SCALE_NATS).odds == pytest.approx(1.0, abs=2e-4)
+    assert RunOption("wiping_out", {}, 1.0, 9 * TEMPERATURE).odds == pytest.approx(1.0, abs=2e-4)
 
 
 def test_its_campaign_is_one_that_run_takes(tmp_path):
@@ -48,13 +50,16 @@ def test_the_json_names_what_it_would_separate():
     assert "walking or fatigue" in data["why"]
 
 
-def diagnosed(**probabilities):
-    """A diagnosis on the one-wire twin with these explanations left, as likely as given."""
-    explanations = tuple(SimpleNamespace(names=(name,)) for name in probabilities)
+def diagnosed(**weights):
+    """A diagnosis on the one-wire twin with a fitted hypothesis of each effect, as heavy as given."""
+    parts = [(Part("effect", name),) for name in weights]
+    fitted = SimpleNamespace(plant_model=None, refitted=None)
     return SimpleNamespace(
         model=SimpleNamespace(rig="one_wire_twin", name="wire"),
-        levels=[SimpleNamespace(explanations=explanations)],
-        verdict=SimpleNamespace(explanations=tuple(((name,), p) for name, p in probabilities.items())),
+        found=SimpleNamespace(models=dict.fromkeys(parts, fitted)),
+        weights=SimpleNamespace(
+            hypotheses=[SimpleNamespace(parts=p) for p in parts], weight=np.array([*weights.values()])
+        ),
     )
 
 
@@ -67,8 +72,8 @@ def test_an_uninformative_run_is_not_proposed(monkeypatch, nats, worth):
 
 
 @pytest.mark.parametrize("left", [{"walking": 1.0}, {"walking": 0.9999, "slip": 1e-4}])
-def test_nothing_is_proposed_where_one_explanation_is_left(left):
-    """Improbable explanations are already excluded."""
+def test_nothing_is_proposed_where_one_hypothesis_is_left(left):
+    """Improbable hypotheses are already excluded."""
     said = []
     assert propose_run(diagnosed(**left), said.append) is None
     assert said == ["Nothing is left to be distinguished."]

@@ -1,24 +1,17 @@
 """The error of whole counts, against readings that are rounded one by one."""
 
 from dataclasses import replace
-from types import SimpleNamespace
-from typing import Any
 
 import numpy as np
 import pytest
 
-from diagnosis.made_memories import prediction_for_inputs
 from replay.sittings import LONG, session_runs, twin_plant_model
-from smarig.diagnosis.critique.critique import null_data
 from smarig.diagnosis.refit.coupled_readings import coupled_readings
 from smarig.diagnosis.refit.quantization import noise_before_rounding, quantization_traces
-from smarig.diagnosis.refit.reading_noise import FREE_ZERO_SD, _local_noise
-from smarig.diagnosis.refit.refit import NoiseEstimate
-from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface
-from smarig.replay import PlantModel, build_timeline, predict
+from smarig.diagnosis.refit.reading_noise import FREE_ZERO_SD, _local_noise, encoder_error_traces
+from smarig.replay import build_timeline, predict
 
 READINGS = 40_000
-ACTUATOR: Any = None
 
 
 def rounded(position, noise_counts, seed=1):
@@ -59,7 +52,8 @@ def test_the_readings_of_a_refit_share_the_error_of_the_encoder(tmp_path):
     model = replace(wire, per_count=per_count)
     timeline = replace(build_timeline(runs, wire.actuator.tau_s), other_readings=())
     readings = coupled_readings(timeline, predict(timeline, model), model)
-    error = readings.encoder_error / readings.scale[:, None]
+    coupled = [r for r in timeline.all_readings if r.kind == "settled"]
+    error = encoder_error_traces(timeline, model, coupled) / readings.scale[:, None]
     assert np.abs(error).max() > 0
     np.testing.assert_allclose(readings.free - error @ error.T, FREE_ZERO_SD**2)
 
@@ -78,17 +72,8 @@ def test_the_noise_before_rounding_is_found_from_the_scatter_over_all_positions(
     assert noise_before_rounding(float(scatter)) == pytest.approx(noise_counts, rel=0.03, abs=0.005)
 
 
-def test_holds_at_one_position_share_the_error_in_null_data():
-    wire = thesis_surface("one_e")
-    prediction = prediction_for_inputs(wire, np.array([70.0, 80.0, 90.0]), np.array([10.0, 20.0, 30.0]))
-    traces = quantization_traces(np.array([3.2, 3.2, 3.7]), 0.2)
-    refitted: Any = SimpleNamespace(
-        noise=NoiseEstimate(np.zeros(3), 0.0, 60.0, 0.0, 0.0, traces),
-        scale=np.ones(3),
-        fitted=np.zeros(3),
-        factor=np.eye(3),
-    )
-    y = null_data(prediction, PlantModel(ACTUATOR, wire, "negative"), refitted, 400, 1)
-    np.testing.assert_allclose(y[0], y[1])
-    assert np.corrcoef(y)[0, 2] < -0.5  # half a count away, the error has the other sign
-    assert np.std(y[0]) == pytest.approx(0.11, rel=0.15)
+def test_holds_at_one_position_share_the_error():
+    first, same, half_away = quantization_traces(np.array([3.2, 3.2, 3.7]), 0.2)
+    np.testing.assert_array_equal(first, same)
+    assert first @ half_away < -0.5 * np.linalg.norm(first) * np.linalg.norm(half_away)
+    assert np.linalg.norm(first) == pytest.approx(0.11, rel=0.15)

@@ -6,8 +6,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from smarig.diagnosis.critique import candidates
-from smarig.diagnosis.critique.recorded_period import explained_shares, recorded_period_h
+from smarig.diagnosis.comparison.commanded import effect_traces
+from smarig.diagnosis.comparison.commanded.recorded_period import explained_shares, recorded_period_h
 from smarig.plant.effects.ambient_drift import ambient_drift
 from smarig.replay import ReadingSeries
 
@@ -39,7 +39,7 @@ def test_noise_and_missing_channels_give_none():
 
 def test_only_a_recorded_period_is_a_further_start_of_the_drift():
     def periods(timeline):
-        return {v.values["period_h"] for v in candidates._variants(ambient_drift, timeline)}
+        return {v.values["period_h"] for v in effect_traces._variants(ambient_drift, timeline)}
 
     usual = periods(record(np.zeros(T_S.size)))
     assert sorted(usual) == pytest.approx([0.3 * 3.5, 0.7 * 3.5, 2.0 * 3.5])

@@ -83,13 +83,3 @@ def test_a_refit_puts_no_negative_mass_where_the_model_has_none(timeline):
 def test_the_more_a_density_is_wrong_the_less_its_evidence(timeline, fair):
     evidence = [refitted(timeline, plant_model(later(fair, p))).log_evidence for p in (1.0, 0.9, 0.75)]
     assert evidence[0] > evidence[1] + 3 > evidence[2] + 6
-
-
-def test_an_effect_that_holds_the_wire_back_does_not_replace_the_density(timeline, fair):
-    """Its trace is that of the output: the density would seem to be known exactly."""
-    model = plant_model(fair)
-    prediction = predict(timeline, model)
-    held_back = -0.4 * (prediction.values["settled"] - prediction.values["settled"].min())[:, None]
-    alone = refit(timeline, prediction, model)
-    beside = refit(timeline, prediction, model, [held_back])
-    np.testing.assert_allclose(beside.log_components[:1], alone.log_components[:1], atol=0.3)

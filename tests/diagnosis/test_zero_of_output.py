@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from replay.sittings import LONG, session_runs, twin_plant_model
-from smarig.diagnosis.explain.zero_of_output import with_zero_of_runs
 from smarig.diagnosis.refit.refit import refit
+from smarig.diagnosis.refit.zero_of_output import with_zero_of_runs
 from smarig.preisach import FodTable
 from smarig.replay import build_timeline, predict
 

@@ -62,7 +62,7 @@ check one_wire_serial --yes
 {"".join(f"run {name} {RIG} -o {name}.run.sqlite --seed 2 --effect walking=0.4{chr(10)}" for name in TRAIN)}
 run validation {RIG} -o held_out.run.sqlite --seed 2 --effect walking=0.4 --set points=15
 identify {" ".join(f"{name}.run.sqlite" for name in TRAIN)} --surface positive -o walking.model.json
-diagnose walking.model.json {WALKING} --held-out held_out.run.sqlite --nulls 60 -o diagnosis --propose next.toml
+diagnose walking.model.json {WALKING} --held-out held_out.run.sqlite -o diagnosis --propose next.toml
 characterise {RIG} --out out/one_wire
 benchmark inverse --quick
 view validation.run.sqlite --save validation.rrd

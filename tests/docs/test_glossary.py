@@ -37,7 +37,6 @@ REPEATED_MODULES = {
     "identify": "command of the command line, and what it does",
     "verify": "command of the command line, and what it does",
     "diagnose": "command of the command line, and what it does",
-    "verdict_text": "the sentences of a verdict, and what a page adds to them",
     "csv": "a reader and a writer of one format",
     "mat": "a reader and a writer of one format",
     "study": "command of the command line, and what it does",

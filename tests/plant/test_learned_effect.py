@@ -5,8 +5,7 @@ import pytest
 
 from replay.sittings import LISTED, session_runs, twin_plant_model
 from smarig.core import DataError, UsageError
-from smarig.diagnosis.explain.means_of_minutes import means_of_minutes
-from smarig.plant import MEAN_LEVELS, MEAN_POWERS, LearnedShape, learned_effect_type
+from smarig.plant import LearnedShape, learned_effect_type
 from smarig.plant.effect_catalogue import effects_from_json
 from smarig.replay import build_timeline, predict
 
@@ -117,14 +116,6 @@ def test_variables_have_words():
     assert words("power_over_2_min") == "the mean power of the last 2 min"
     assert words("level_over_15_min") == "the mean output of the last 15 min"
     assert words("history") == "history"
-
-
-@pytest.mark.parametrize("name", [*MEAN_POWERS, *MEAN_LEVELS])
-def test_the_search_and_the_plant_have_the_same_means(timeline, name):
-    plant_model, _ = twin_plant_model()
-    found = means_of_minutes(timeline, plant_model, predict(timeline, plant_model))[name]
-    of_plant = 10 * change(timeline, LearnedShape(name, "output", (-50.0, 250.0), "mm"), 30.0) - 50.0
-    np.testing.assert_allclose(of_plant, found[: len(timeline.settled)], atol=0.02)
 
 
 def test_a_model_file_keeps_the_law():

@@ -7,7 +7,7 @@ from importlib import import_module
 
 import pytest
 
-from smarig.diagnosis.commanded_diagnosis import diagnose_commanded
+from smarig.diagnosis import diagnose_commanded
 from smarig.plant.effect_catalogue import effect_types
 
 COMPETE = ("ambient_drift", "creep", "slip", "walking")
@@ -15,12 +15,12 @@ COMPETE = ("ambient_drift", "creep", "slip", "walking")
 
 @contextlib.contextmanager
 def few_effects() -> Iterator[None]:
-    """What ``characterise`` diagnoses, with few effects and little null data."""
+    """What ``characterise`` diagnoses, with few effects."""
     without = [k.name for k in effect_types() if k.name not in COMPETE]
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(
             import_module("smarig.app.characterise"),
             "diagnose_commanded",
-            partial(diagnose_commanded, nulls=40, without=without),
+            partial(diagnose_commanded, without=without),
         )
         yield

@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 
 from report.pages import run_of, step
-from smarig.diagnosis.explain.search import NearestEffect
+from smarig.diagnosis import Finding
 from smarig.identification import ErrorLevel, error_verdict
 from smarig.plant.effects.walking import walking
 from smarig.report.models.assessment import assessment
 
-WORDS = ("named", "ambiguous", "unknown", "nearly", "not_identifiable", "silent", "doubtful", None)
+WORDS = ("named", "ambiguous", "unknown", "not_identifiable", "silent", None)
 ERRORS = {
     "none": None,
     "good": (0.01, 0.02),
@@ -43,18 +43,14 @@ def diagnosis(word, gains, own_stroke=0.9):
     if word is None:
         return None
     effect = walking(0.3)
-    best = SimpleNamespace(effects=(effect,), spread={}) if word == "named" else None
-    verdict = {"doubtful": "silent", "nearly": "unknown"}.get(word, word)
-    names = () if word == "nearly" else ("walking", "creep")
-    nearest = NearestEffect(effect, 17.6, 18.0, 13.9) if word == "nearly" else None
+    value = {"value": 0.3, "ci95": [0.2, 0.4], "unit": "%/cycle"}
+    finding = Finding("walking", 0.97, {"percent_per_cycle": value})
     return SimpleNamespace(
-        verdict=SimpleNamespace(word=verdict, names=names, depends_on="level"),
-        reason="",
-        nearest=nearest,
-        best=best,
-        first=SimpleNamespace(alarm=word == "doubtful"),
+        verdict=SimpleNamespace(word=word, names=("walking", "creep"), depends_on="level"),
+        findings=(finding,) if word == "named" else (),
+        likely_effects=(effect,) if word == "named" else (),
         gain=Gain(base=0.5, extended=0.1 if gains else 0.6, floor=1.0),
-        discrepancy=SimpleNamespace(not_preisach=False, gain=0.0),
+        not_preisach=False,
         learned=None,
         extended=word == "named",
         error=SimpleNamespace(unit="mm"),
@@ -62,15 +58,6 @@ def diagnosis(word, gains, own_stroke=0.9):
             unit="mm", hysteresis=SimpleNamespace(lower=0, upper=1, everett=lambda *_: own_stroke)
         ),
         timeline=SimpleNamespace(unit="mm"),
-    )
-
-
-def test_the_gate_that_a_candidate_failed_is_told():
-    e = evidence("unknown", "poor")
-    e.diagnosis.reason = "the held-out runs do not bear out walking + creep (R = 0.20)"
-    assert (
-        "walking, creep (the held-out runs do not bear out walking + creep (R = 0.20))."
-        in assessment(e).advice + assessment(e).quality + assessment(e).measured
     )
 
 
@@ -105,7 +92,7 @@ def test_no_sentence_contradicts_the_figures(word, error, model, holds, gains):
     assert found.measured == (
         f"Measured: a stroke of 1.00 mm{alone} over 1 K, 2 settled points in 1 run, 99 s on the rig."
     )
-    loud = word in ("named", "ambiguous", "unknown", "nearly")
+    loud = word in ("named", "ambiguous", "unknown")
     usable = model and error == "good" and word in ("silent", None)
     assert ("can be used as it is" in text) == usable
     assert (found.level == "good") == usable
@@ -119,8 +106,7 @@ def test_no_sentence_contradicts_the_figures(word, error, model, holds, gains):
         smaller = error in ("good", "fair")  # than that of the extended model
         assert ("the extended model (" in text) == (word == "named" and gains and not smaller)
         assert ("Candidates, not proved: walking, creep" in text) == (word == "unknown")
-        assert ("Nearest effect of the catalogue: walking" in text) == (word == "nearly")
-        assert ("no effect of the catalogue is certain" in text) == (word == "nearly")
+        assert ("no effect of the catalogue is certain" in text) == (word == "unknown")
         assert ("Measure minor loops of equal amplitude" in text) == (word == "unknown")
         assert ("No disturbance" in text) == (word == "silent" and error in ("good", "none"))
     else:

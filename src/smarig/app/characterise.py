@@ -17,7 +17,7 @@ from smarig.app.characterisation_runs import (
 )
 from smarig.config import CampaignFile, RigFile, load_rig
 from smarig.core import DataError, UsageError
-from smarig.diagnosis import DIAGNOSIS_PAGE, Diagnosis, diagnose_commanded, write_diagnosis
+from smarig.diagnosis import DIAGNOSIS_PAGE, CommandedDiagnosis, diagnose_commanded, write_diagnosis
 from smarig.identification import (
     POSITIVE_KIND,
     Identification,
@@ -211,7 +211,7 @@ def _try_extensions(runs: list[Run], held_out: list[Run]) -> ExtensionEvidence |
 
 def _try_diagnosis(
     model: Model, plan: CampaignFile, runs: Mapping[str, Run], progress: Callable[[str], None]
-) -> tuple[Diagnosis | None, list[str]]:
+) -> tuple[CommandedDiagnosis | None, list[str]]:
     """The diagnosis trained on all runs except the held-out ones, or None with the reason why there is none."""
     held_out_runs = _runs_for(plan, runs, "held_out")
     train_runs = [run for run in runs.values() if run not in held_out_runs and run.settled]

@@ -1,6 +1,6 @@
-"""Choice of the separating run: the run that best distinguishes the remaining explanations of a diagnosis.
+"""Choice of the separating run: the run that best distinguishes the likely hypotheses of a diagnosis.
 
-Each explanation simulates each candidate run, and all explanations are fitted to the result:
+Each hypothesis simulates each candidate run, and all of them are fitted to the result:
 
     T(run) = min over truths i, rivals j of  log p(record + simulated by i | i) − log p(record + simulated by i | j)
 
@@ -12,22 +12,30 @@ expect. The shortest run with a decisive lead is proposed, otherwise the run wit
 import tempfile
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from math import exp
+from math import exp, log
 from pathlib import Path
 from typing import Any
 
 from smarig.app.simulated_run import simulate_protocol
 from smarig.config import load_rig
 from smarig.core import SmarigError, UsageError, atomic_file
-from smarig.diagnosis import LEAD_SCALE_NATS, Diagnosis, Explanation, Refit, fit_parameters, joint_density
+from smarig.diagnosis import (
+    RULES,
+    TEMPERATURE,
+    CommandedDiagnosis,
+    Refit,
+    fit_parameters,
+    joint_density,
+)
 from smarig.record import load_run
-from smarig.replay import Timeline, build_timeline
+from smarig.replay import PlantModel, Timeline, build_timeline
 from smarig.runner import preview
 
-DECISIVE_NATS = 12.0  # nats of lead: the odds of an error are then 1 in 20 even after tempering
+NAMED = RULES["name"].value
+DECISIVE_NATS = TEMPERATURE * log(NAMED / (1 - NAMED))  # of lead: then the right hypothesis has a name
 NEGLIGIBLE_NATS = 1.0  # nats: a run with less is not worth its hours
-MAX_RIVALS = 3  # competing explanations
-MIN_PROBABILITY = 1e-3  # probability: less likely explanations are already excluded
+MAX_RIVALS = 3  # competing hypotheses
+MIN_PROBABILITY = 1e-3  # less likely hypotheses are already excluded
 PROTOCOL_OPTIONS: tuple[tuple[str, dict[str, Any]], ...] = (
     ("wiping_out", {}),
     ("congruency", {}),
@@ -37,9 +45,18 @@ PROTOCOL_OPTIONS: tuple[tuple[str, dict[str, Any]], ...] = (
 )
 
 
+@dataclass(frozen=True, eq=False)
+class Rival:
+    """A hypothesis of effects that was fitted: their names, the plant model with them, and its refit."""
+
+    names: tuple[str, ...]
+    plant_model: PlantModel
+    refitted: Refit
+
+
 @dataclass(frozen=True)
 class RunOption:
-    """A possible run: its duration and the lead, in nats, of the right explanation after it."""
+    """A possible run: its duration and the lead, in nats, of the right one after it."""
 
     protocol: str
     settings: dict[str, Any]
@@ -49,7 +66,7 @@ class RunOption:
     def sentence(self) -> str:
         """The option in words."""
         evidences = (
-            f"would name the right explanation with probability {self.odds:.2f}"
+            f"would name the right one with probability {self.odds:.2f}"
             if self.nats >= NEGLIGIBLE_NATS
             else "would distinguish nothing"
         )
@@ -57,8 +74,8 @@ class RunOption:
 
     @property
     def odds(self) -> float:
-        """Probability that the right explanation is named after the run."""
-        return 1 / (1 + exp(-self.nats / LEAD_SCALE_NATS))
+        """Probability that the right one is named after the run."""
+        return 1 / (1 + exp(-self.nats / TEMPERATURE))
 
     def to_json(self) -> dict[str, Any]:
         """The JSON object of the command."""
@@ -72,7 +89,7 @@ class RunOption:
 
 @dataclass(frozen=True)
 class Proposal:
-    """The best run, all options, and the explanations that it would distinguish."""
+    """The best run, all options, and the hypotheses that it would distinguish."""
 
     best: RunOption
     options: tuple[RunOption, ...]
@@ -110,7 +127,7 @@ class Proposal:
         )
 
 
-def propose_run(result: Diagnosis, progress: Callable[[str], None] | None = None) -> Proposal | None:
+def propose_run(result: CommandedDiagnosis, progress: Callable[[str], None] | None = None) -> Proposal | None:
     """The separating run for a diagnosis on its model's rig; None if nothing is left to distinguish or no
     run would do it.
 
@@ -154,46 +171,45 @@ def _best(options: Sequence[RunOption]) -> RunOption:
     return max(options, key=lambda o: o.nats / o.hours)
 
 
-def _rivals(result: Diagnosis) -> list[Explanation]:
-    """The likeliest explanations with different causes, without improbable ones."""
-    if not result.levels:
-        return []
-    probable_names = {names for names, p in result.verdict.explanations if p >= MIN_PROBABILITY}
-    distinct: dict[tuple[str, ...], Explanation] = {}
-    for explanation in result.levels[-1].explanations:
-        if explanation.names in probable_names:
-            distinct.setdefault(explanation.names, explanation)
-    return list(distinct.values())[:MAX_RIVALS]
+def _rivals(result: CommandedDiagnosis) -> list[Rival]:
+    """The heaviest hypotheses of effects that were fitted, without improbable ones."""
+    models, weights = result.found.models, result.weights
+    ranked = sorted(zip(weights.weight.tolist(), weights.hypotheses), key=lambda pair: -pair[0])
+    likely = [h.parts for w, h in ranked if h.parts and h.parts in models and w >= MIN_PROBABILITY]
+    of_effects = [parts for parts in likely if all(p.kind == "effect" for p in parts)][:MAX_RIVALS]
+    return [
+        Rival(tuple(p.name for p in parts), models[parts].plant_model, models[parts].refitted)
+        for parts in of_effects
+    ]
 
 
 def _separation_nats(
-    result: Diagnosis,
-    rivals: Sequence[Explanation],
+    result: CommandedDiagnosis,
+    rivals: Sequence[Rival],
     protocol: str,
     settings: dict[str, Any],
     folder: Path,
 ) -> float:
-    """The lead, in nats, of the true explanation; the smaller one if either of the first two is true."""
+    """The lead, in nats, of the true hypothesis; the smaller one if either of the first two is true."""
     leads = []
     for k, truth in enumerate(rivals[:2]):
         model = replace(
             result.model,
-            name=f"explanation {k}",
+            name=f"hypothesis {k}",
             hysteresis=truth.plant_model.hysteresis,
             effects=tuple(e.to_json() for e in truth.plant_model.catalogue_effects),
         )
         folder.mkdir(exist_ok=True)
         run = load_run(simulate_protocol(model, protocol, settings, folder / f"{k}.run.sqlite"))
         timeline = build_timeline([*result.timeline.runs, run], truth.plant_model.actuator.tau_s)
-        warm_start = result.levels[-1].critique.refitted
-        evidences = [_evidence(timeline, explanation, warm_start) for explanation in rivals]
+        evidences = [_evidence(timeline, rival) for rival in rivals]
         leads.append(min(evidences[k] - other for j, other in enumerate(evidences) if j != k))
     return min(leads)
 
 
-def _evidence(timeline: Timeline, explanation: Explanation, warm_start: Refit) -> float:
+def _evidence(timeline: Timeline, rival: Rival) -> float:
     """Log likelihood of the record with a simulated run, with strengths and density fitted again."""
-    plant_model, refitted = joint_density(timeline, explanation.plant_model, warm_start)
+    plant_model, refitted = joint_density(timeline, rival.plant_model, rival.refitted)
     parameter_fit = fit_parameters(
         plant_model.catalogue_effects, timeline, plant_model, refitted, plant_model.hysteresis
     )

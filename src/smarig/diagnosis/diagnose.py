@@ -8,11 +8,10 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 
 from smarig.core import DataError, UsageError
-from smarig.diagnosis.commanded_diagnosis import diagnose_commanded
+from smarig.diagnosis.comparison.commanded.commanded_comparison import diagnose_commanded
+from smarig.diagnosis.comparison.commanded.commanded_diagnosis import CommandedDiagnosis
 from smarig.diagnosis.comparison.measured.measured_diagnosis import MeasuredDiagnosis, diagnose_measured
-from smarig.diagnosis.critique.critique import ALPHA, NULL_DATA_SETS
-from smarig.diagnosis.diagnosis_result import Diagnosis
-from smarig.diagnosis.run_checks import check_comparable, check_held_out, check_left_out
+from smarig.diagnosis.run_checks import check_comparable, check_held_out, check_left_out, check_settings
 from smarig.measurement import has_measured_input, measurement_effect_types
 from smarig.plant import effect_types
 from smarig.record import Run, Runs, loaded_runs
@@ -25,21 +24,22 @@ def diagnose(
     train: Runs,
     held_out: Runs = (),
     *,
-    alpha: float = ALPHA,
-    nulls: int = NULL_DATA_SETS,
+    alpha: float = 0.03,
+    nulls: int = 400,
     seed: int = 0,
     without: Sequence[str] = (),
     select: str | None = None,
     progress: Callable[[str], None] | None = None,
-) -> Diagnosis | MeasuredDiagnosis:
+) -> CommandedDiagnosis | MeasuredDiagnosis:
     """Diagnose a model on runs of one wire: what it predicts wrongly, why, and what an extended model gains.
 
     Runs with currents and settled steps are diagnosed by ``diagnose_commanded``. Runs that have only a measured input,
-    and settled steps of a wire without known constants, are diagnosed by ``diagnose_measured``, which uses neither
-    ``alpha`` nor null data. ``select`` keeps the points of runs with a measured input for which an expression on curve,
-    alpha, beta holds. Raises DataError if the runs hold nothing to diagnose or overlap, and UsageError for
-    invalid settings.
+    and settled steps of a wire without known constants, are diagnosed by ``diagnose_measured``. ``seed`` is that of the
+    resampling of blocks. ``alpha`` and ``nulls`` have no effect: no null data are drawn. ``select`` keeps the points of
+    runs with a measured input for which an expression on curve, alpha, beta holds. Raises DataError if the runs hold
+    nothing to diagnose or overlap, and UsageError for invalid settings.
     """
+    check_settings(alpha, nulls, seed)
     original = model if isinstance(model, Model) else load_model(model)
     train_runs, held_out_runs = loaded_runs(train), loaded_runs(held_out)
     if train_runs and not original.actuator.parameters:
@@ -51,9 +51,8 @@ def diagnose(
             raise DataError(
                 "The held-out runs contain no settled steps. Hold out a run that has some, or none."
             )
-        settings = {"alpha": alpha, "nulls": nulls, "seed": seed}
         return diagnose_commanded(
-            original, train_runs, held_out_runs, **settings, without=without, progress=progress
+            original, train_runs, held_out_runs, seed=seed, without=without, progress=progress
         )
     check_comparable(original, [*train_runs, *held_out_runs])
     check_held_out(train_runs, held_out_runs)

@@ -26,7 +26,7 @@ def diagnosed_model(original: Model, plant_model: PlantModel, train: Sequence[Ru
         warnings=(
             *original.warnings,
             "Term learned from the errors of a plain model; its cause is unknown."
-            if word == "unknown"
+            if any(e.kind.shape for e in plant_model.catalogue_effects)
             else f"Effects by diagnosis ({word}); density identified jointly.",
         ),
     )

@@ -6,9 +6,9 @@ from typing import Any
 
 from smarig.core import StorageError, UsageError, atomic_file, check_replaceable
 from smarig.core import file_content as file_kind
+from smarig.diagnosis.comparison.commanded.commanded_diagnosis import CommandedDiagnosis
 from smarig.diagnosis.comparison.measured.measured_diagnosis import MeasuredDiagnosis
 from smarig.diagnosis.comparison.thermal.thermal_diagnosis import ThermalDiagnosis
-from smarig.diagnosis.diagnosis_result import Diagnosis
 
 DIAGNOSIS_FILES = DIAGNOSIS_JSON, DIAGNOSIS_MODEL, DIAGNOSIS_PAGE = (
     "diagnosis.json",
@@ -30,7 +30,7 @@ def prepare_folder(out: Path, *, force: bool) -> None:
 
 
 def write_diagnosis(
-    result: Diagnosis | MeasuredDiagnosis, out: Path, *, force: bool = False
+    result: CommandedDiagnosis | MeasuredDiagnosis, out: Path, *, force: bool = False
 ) -> dict[str, Any]:
     """Write the diagnosis; returns the paths, by key of the command line's JSON object."""
     paths: dict[str, Any] = {"out": str(out)}

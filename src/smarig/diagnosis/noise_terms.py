@@ -4,10 +4,8 @@ None of them is the noise floor, which only repeats of one state in one run dete
 
 - ``POINT_NOISE`` is fitted to all training runs with the density, so it needs no repeats; it includes past fluctuations
   of the room, which repeats share if they come soon after one another.
-- ``REMAINING_SCATTER`` is fitted with a smooth dependence on one variable instead of effects.
 - ``PREDICTION_LIMIT`` adds what the training runs leave open of the density.
 """
 
 POINT_NOISE = "noise of a settled point"
-REMAINING_SCATTER = "remaining scatter"
 PREDICTION_LIMIT = "prediction limit"

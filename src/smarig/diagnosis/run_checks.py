@@ -10,6 +10,8 @@ from smarig.replay import Model, check_output, file_hash
 
 MAX_DURATION_S = 3.2e8  # ten years
 MAX_READING = 1e9  # a position in any unit, a current, a target
+LEAST_ALPHA = 0.005  # null data say nothing of rarer alarms
+MAX_NULL_DATA_SETS = 100_000  # a larger number is a typing error
 ROOM_DEGC = (-273.15, 1000.0)  # absolute zero, and what no rig survives
 COLUMNS = ("current_command_A", "current_A", "voltage_V", "position", "input")
 
@@ -45,6 +47,22 @@ def check_left_out(without: Sequence[str], known: Iterable[str]) -> None:
     for name in without:
         if name not in known:
             raise UsageError(f"Effect '{name}' cannot be left out: the catalogue has no such effect.")
+
+
+def check_settings(alpha: float, nulls: int, seed: int) -> None:
+    """Raise UsageError for a false alarm probability, a number of null data sets or a seed that cannot be used."""
+    if not LEAST_ALPHA <= alpha < 0.5:
+        raise UsageError(
+            f"The false alarm probability must lie between {LEAST_ALPHA:g} and 0.5, but is {alpha:g}."
+        )
+    if seed < 0:
+        raise UsageError(f"Seed {seed} is negative. Give a whole number ≥ 0.")
+    if nulls > MAX_NULL_DATA_SETS:
+        raise UsageError(f"{nulls} null data sets are too many. Use at most {MAX_NULL_DATA_SETS}.")
+    if nulls < 1 / alpha:
+        raise UsageError(
+            f"{nulls} null data sets cannot resolve a probability of {alpha:g}. Use at least {int(1 / alpha) + 1}."
+        )
 
 
 def _readings(run: Run) -> None:

@@ -14,17 +14,13 @@ from smarig.replay.model_file import Model
 
 @dataclass(frozen=True, eq=False)
 class PlantModel:
-    """Constants, hysteresis, initial state of a timeline, known effects, and output units per count (0 if unknown).
-
-    ``signed``: whether its density may be negative somewhere, as for surfaces of Table 5.1 (Prop. 4.6).
-    """
+    """Constants, hysteresis, initial state of a timeline, known effects, and output units per count (0 if unknown)."""
 
     actuator: Actuator
     hysteresis: Everett
     initial: Initial
     effects: tuple[SupportsHooks, ...] = ()
     per_count: float = 0.0
-    signed: bool = False
 
     @property
     def catalogue_effects(self) -> tuple[Effect, ...]:

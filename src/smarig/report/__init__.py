@@ -48,7 +48,7 @@ if TYPE_CHECKING:
     from smarig.report.components.run_description import source_label as source_label
     from smarig.report.components.run_title import titled as titled
     from smarig.report.components.thumbnail import thumbnail as thumbnail
-    from smarig.report.diagnosis.diagnosis_summary import SEVERITY_LEVELS as SEVERITY_LEVELS
+    from smarig.report.diagnosis.verdict_levels import SEVERITY_LEVELS as SEVERITY_LEVELS
     from smarig.report.diagnosis_page import diagnosis_page as diagnosis_page
     from smarig.report.drawing import figures_saved_in as figures_saved_in
     from smarig.report.folder_contents import model_name as model_name

@@ -6,10 +6,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from smarig.core import spaced
-from smarig.diagnosis import ComparedHypothesis, MeasuredDiagnosis, Part, variable_words
+from smarig.diagnosis import MeasuredDiagnosis
 from smarig.identification import MeasuredHypothesis
 from smarig.report.components.figure import Figure, Panel, axis, dots, line
-from smarig.report.components.html import Html, bullets, cards, notice, paragraph, table, tag
+from smarig.report.components.html import Html, bullets, cards, notice, paragraph, tag
 from smarig.report.components.numbers import duration, number
 from smarig.report.components.page import Section, page
 from smarig.report.components.run_description import (
@@ -20,34 +20,27 @@ from smarig.report.components.run_description import (
     source_label,
 )
 from smarig.report.components.style import COOLING, INK, MODEL
-from smarig.report.diagnosis.diagnosis_summary import SEVERITY_LEVELS
+from smarig.report.diagnosis.compared_causes import compared_causes
 from smarig.report.diagnosis.learned_law_figure import learned_law_figure
+from smarig.report.diagnosis.verdict_levels import SEVERITY_LEVELS
 from smarig.report.run_page import run_lead
 from smarig.report.runs.run_summary import summary_with_loop
 from smarig.report.runs.run_tables import conditions_table, provenance_table, quality_table
 
 Array = NDArray[np.float64]
-_BOX_STYLES = {
-    "silent": "good",
-    "named": "good",
-    "ambiguous": "warning",
-    "unknown": "bad",
-    "not_identifiable": "warning",
-}
 _MOST_LOOPS = 4  # runs whose loops are drawn
 _PALE_OPACITY = 0.45
-_MOST_HYPOTHESES = 12  # that are listed
-_SMALLEST = 0.01  # probability that is written as a number
 
 
 def measured_diagnosis_page(d: MeasuredDiagnosis) -> str:
     """The self-contained HTML page, for ``write_page``."""
+    compared = list(compared_causes(d.evidence.weights, source_label(*d.runs)))
     sections = [
         Section("Verdict", "Verdict", list(_summary(d))),
         Section("Measured and predicted outputs", "Loops", [_loops_figure(d)]),
         *_learned(d),
         Section("Errors in time order", "Errors", [_errors_figure(d)]),
-        Section("Effects and variables that were compared", "Compared", list(_compared(d))),
+        Section("Effects and variables that were compared", "Compared", compared),
         Section("Data quality, provenance", "Provenance", list(_provenance(d))),
     ]
     return page(
@@ -67,7 +60,7 @@ def _learned(d: MeasuredDiagnosis) -> Iterator[Section]:
 
 def _summary(d: MeasuredDiagnosis) -> Iterator[Html]:
     first, *rest = d.lines()
-    yield notice(_BOX_STYLES[d.verdict.word], paragraph(tag("b", first)))
+    yield notice(SEVERITY_LEVELS[d.verdict.word], paragraph(tag("b", first)))
     unit = _in_brackets(d.unit)
     after = f" → {number(d.best.rms)}" if d.best else ""
     items = [
@@ -135,41 +128,6 @@ def _errors_figure(d: MeasuredDiagnosis) -> Figure:
         f"Noise of one reading: {number(d.noise, 2)}{spaced(display_unit(d.unit))}.",
     ]
     return Figure([Panel(data, layout, wide=True)], "Errors of both models.", caption, source_label(*d.runs))
-
-
-def _compared(d: MeasuredDiagnosis) -> Iterator[Html]:
-    weights = d.evidence.weights
-    causes = [("nothing", weights.nothing), *((_part(p), w) for p, w in weights.causes.items())]
-    rows = [(name, _probability(w)) for name, w in sorted(causes, key=lambda c: -c[1])]
-    yield table(
-        ("Cause", "Probability"),
-        rows,
-        "The probability of each cause, summed over the hypotheses that hold it.",
-    )
-    plain = weights.hypotheses[0].score
-    ranked = sorted(zip(weights.weight.tolist(), weights.hypotheses), key=lambda pair: -pair[0])
-    rows = [
-        (h.name, _probability(w), f"{h.score - plain:+.1f}".replace("-", "−"), _values(h))
-        for w, h in ranked[:_MOST_HYPOTHESES]
-    ]
-    yield table(
-        ("Hypothesis", "Weight", "Log score (nats)", "Best values"),
-        rows,
-        f"The {len(rows)} heaviest of {len(ranked)} hypotheses. The log score is that of predicting blocks left out, "
-        "above that of nothing.",
-    )
-
-
-def _part(part: Part) -> str:
-    return part.name if part.kind == "effect" else f"depends on {variable_words(part.name)}"
-
-
-def _probability(weight: float) -> str:
-    return f"{weight:.2f}" if weight >= _SMALLEST else f"< {_SMALLEST}"
-
-
-def _values(hypothesis: ComparedHypothesis) -> str:
-    return ", ".join(f"{name} {number(v)}" for name, v in hypothesis.best.parameters.items())
 
 
 def _provenance(d: MeasuredDiagnosis) -> Iterator[Html]:

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from smarig.core import UsageError, capitalised, spaced
-from smarig.diagnosis import Diagnosis
+from smarig.diagnosis import CommandedDiagnosis
 from smarig.identification import Identification, Verification, density_report, verify
 from smarig.record import Run
 from smarig.replay import Model, simulate_samples, with_heating_of
@@ -174,7 +174,7 @@ def _verification_drawn(thing: Verification, model: Model | None = None) -> _Dra
 
 
 @_drawn.register
-def _diagnosis_drawn(thing: Diagnosis, model: Model | None = None) -> _Drawn:
+def _diagnosis_drawn(thing: CommandedDiagnosis, model: Model | None = None) -> _Drawn:
     del model
     predictions = DiagnosisPredictions.of(thing)
     before, *after = residual_figure(predictions).panels[: len(predictions.labelled)]
@@ -273,7 +273,7 @@ def _transformation_html(thing: TransformationResult) -> str:
 
 
 @display_html.register
-def _diagnosis_html(thing: Diagnosis) -> str:
+def _diagnosis_html(thing: CommandedDiagnosis) -> str:
     label = source_label(*thing.timeline.runs)
     return _drawing_with_text(
         Html(""), f"Diagnosis: {thing.verdict.word.replace('_', ' ')}", label, findings(thing)

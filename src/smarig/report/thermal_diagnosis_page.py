@@ -10,7 +10,7 @@ from smarig.report.components.page import PageSummary, Section, page
 from smarig.report.components.run_description import protocol_name, source_label
 from smarig.report.components.style import COOLING, INK, MODEL
 from smarig.report.diagnosis.compared_causes import compared_causes
-from smarig.report.diagnosis.diagnosis_summary import SEVERITY_LEVELS
+from smarig.report.diagnosis.verdict_levels import SEVERITY_LEVELS
 from smarig.report.run_page import run_lead
 from smarig.report.runs.run_tables import conditions_table, provenance_table, quality_table
 

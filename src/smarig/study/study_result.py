@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from smarig.core import capitalised
-from smarig.diagnosis import Diagnosis, MeasuredDiagnosis
+from smarig.diagnosis import CommandedDiagnosis, MeasuredDiagnosis
 from smarig.identification import (
     FEWEST_PAIRS,
     GOOD_RATIO,
@@ -68,7 +68,7 @@ class StudyResult:
     left_out: dict[str, str]
     split: DataSplit | None
     evaluation: Evaluation | None
-    diagnosis: Diagnosis | MeasuredDiagnosis | None
+    diagnosis: CommandedDiagnosis | MeasuredDiagnosis | None
     diagnosis_reason: str
     heating: str
     seconds: float
@@ -305,7 +305,7 @@ class StudyResult:
         little = f"on the held-out data, {both}: they hardly show it."
         return f" {left_out}; {little}" if left_out else f" {capitalised(little)}"
 
-    def _held_out_errors(self, d: Diagnosis | MeasuredDiagnosis) -> tuple[float, float] | None:
+    def _held_out_errors(self, d: CommandedDiagnosis | MeasuredDiagnosis) -> tuple[float, float] | None:
         """The errors on held-out data with the cause and without, in the measure of the page if that is known."""
         extended = self.evaluation.extended if self.evaluation else None
         if extended is not None and self.without_cause is not None:

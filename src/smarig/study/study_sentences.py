@@ -4,7 +4,7 @@ import re
 from collections.abc import Sequence
 
 from smarig.core import capitalised, spaced
-from smarig.diagnosis import Diagnosis, MeasuredDiagnosis, offset_sentence, variable_words
+from smarig.diagnosis import CommandedDiagnosis, MeasuredDiagnosis, offset_sentence, variable_words
 from smarig.identification import BETTER, LITTLE_UNPREDICTED, ErrorLevel, ratio_text
 from smarig.plant import parameter_words
 from smarig.report import display_unit, number
@@ -94,7 +94,7 @@ def unpredicted_sentence(share: float, *, whole_record: bool) -> str:
     )
 
 
-def finding_sentence(d: Diagnosis | MeasuredDiagnosis, *, at_noise: bool) -> str:
+def finding_sentence(d: CommandedDiagnosis | MeasuredDiagnosis, *, at_noise: bool) -> str:
     """What the diagnosis says of the errors that are left; they look like noise only if they are as small."""
     shifted = _shift(d) if isinstance(d, MeasuredDiagnosis) else []
     if shifted and (d.verdict.depends_on == "run" or d.verdict.names == ("input_offset",)):
@@ -112,7 +112,7 @@ def _as_shown(line: str) -> str:
     return re.sub(r"(?<!\w)-(?=\d)", "−", line).replace(" degC", " °C")
 
 
-def _finding(d: Diagnosis | MeasuredDiagnosis, first_line: str, *, at_noise: bool) -> str:
+def _finding(d: CommandedDiagnosis | MeasuredDiagnosis, first_line: str, *, at_noise: bool) -> str:
     word, variable = d.verdict.word, d.verdict.depends_on
     if word == "silent":
         if at_noise:
@@ -130,7 +130,7 @@ def _finding(d: Diagnosis | MeasuredDiagnosis, first_line: str, *, at_noise: boo
     return first_line if first_line.endswith(".") else f"{first_line}."
 
 
-def _learned_instead(d: Diagnosis | MeasuredDiagnosis) -> str:
+def _learned_instead(d: CommandedDiagnosis | MeasuredDiagnosis) -> str:
     return "; a term learned from them describes a part, without a cause" if d.learned is not None else ""
 
 

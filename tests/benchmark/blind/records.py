@@ -13,6 +13,8 @@ def record(number=0, verdict_word="silent", hidden=None, **given):
         "verdict": "named" if names else verdict_word,
         "explanations": [[names, 1.0]] if names else [],
         "effects": [],
+        "nothing": 0.0 if names else 1.0,
+        "intervals90": {},
         "set": names,
         "depends_on": None,
         "held_out": None,
@@ -34,8 +36,9 @@ def ambiguous(*explanations, **given):
 
 
 def parameter(name, value, low, high):
-    """The answer's effects: one, with its strength and its 95 % interval."""
-    return [{"name": name, "parameters": {STRENGTH[name]: {"value": value, "ci95": [low, high]}}}]
+    """The answer's effects and intervals: one effect, with its strength and its 90 % interval."""
+    effects = [{"name": name, "parameters": {STRENGTH[name]: {"value": value}}}]
+    return {"effects": effects, "intervals90": {f"{name}.{STRENGTH[name]}": [low, high]}}
 
 
 STRENGTH = {

@@ -7,7 +7,7 @@ from smarig.core.errors import UsageError
 
 distributed = pytest.importorskip("distributed", reason="a Dask cluster needs the extra 'scale'")
 
-BOXES, NULLS = 2, 40
+BOXES = 2
 
 
 @pytest.fixture
@@ -22,8 +22,8 @@ def scheduler():
 @pytest.mark.long("takes a minute")
 @pytest.mark.filterwarnings("default::DeprecationWarning", "default::ResourceWarning")
 def test_a_cluster_gives_the_answers_of_one_process(scheduler, tmp_path):
-    spread = diagnosis.run(boxes=BOXES, nulls=NULLS, dask=scheduler, out=tmp_path / "answers.jsonl")
-    alone = diagnosis.run(boxes=BOXES, nulls=NULLS)
+    spread = diagnosis.run(boxes=BOXES, dask=scheduler, out=tmp_path / "answers.jsonl")
+    alone = diagnosis.run(boxes=BOXES)
     assert spread.pop("seconds")
     assert alone.pop("seconds")
     assert spread == alone

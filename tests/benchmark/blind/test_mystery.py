@@ -9,9 +9,7 @@ from smarig.core.errors import UsageError
 
 
 def answer(word, names=(), invisible=()):
-    return SimpleNamespace(
-        verdict=SimpleNamespace(word=word, names=names), visibility=SimpleNamespace(invisible=invisible)
-    )
+    return SimpleNamespace(verdict=SimpleNamespace(word=word, names=names), not_identifiable=invisible)
 
 
 @pytest.mark.parametrize(

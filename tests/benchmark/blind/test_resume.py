@@ -19,7 +19,7 @@ def computed_boxes(monkeypatch):
     """Boxes that were computed, in order; a box's answer follows from its seed and number alone."""
     numbers = []
 
-    def trial(seed, number, nulls, part=None):
+    def trial(seed, number, part=None):
         numbers.append(number)
         if (seed + number) % 2:
             return record(number, "walking", {"walking": 1.0 + number}, seconds=float(seed + number))
@@ -111,8 +111,8 @@ def test_answers_that_come_in_another_order_give_the_same_table(computed_boxes, 
     out = tmp_path / "answers.jsonl"
     plain = diagnosis.run(boxes=6, seed=4)
 
-    def backwards(seed, numbers, workers, dask, nulls, part):
-        yield from (diagnosis.trial(seed, k, nulls) for k in reversed(numbers))
+    def backwards(seed, numbers, workers, dask, part):
+        yield from (diagnosis.trial(seed, k) for k in reversed(numbers))
 
     monkeypatch.setattr(diagnosis, "_answers", backwards)
     assert diagnosis.run(boxes=6, seed=4, out=out) == plain
@@ -141,10 +141,10 @@ def test_an_interrupted_benchmark_keeps_its_answers(computed_boxes, tmp_path, mo
     out = tmp_path / "answers.jsonl"
     plain = diagnosis.trial
 
-    def dies(seed, number, nulls, part=None):
+    def dies(seed, number, part=None):
         if number == 2:
             raise KeyboardInterrupt
-        return plain(seed, number, nulls)
+        return plain(seed, number)
 
     monkeypatch.setattr(diagnosis, "trial", dies)
     with pytest.raises(KeyboardInterrupt):

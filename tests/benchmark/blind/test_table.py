@@ -1,5 +1,6 @@
 """Figures of the blind benchmark, on answers written by hand."""
 
+import numpy as np
 import pytest
 from scipy.stats import binom
 
@@ -132,23 +133,33 @@ def test_of_an_effect_that_is_left_out_only_its_variable_or_confusable_effects_a
 
 
 def test_parameters_are_scored_by_relative_error_and_ninety_percent_intervals():
-    """A 95 % interval's half width of 1.96 is one of 1.645 at 90 %; the truth is 2."""
+    """The truth is 2."""
     hidden = {"walking": 3.0}
 
-    def box(number, value, half, **more):
-        return record(
-            number, "walking", hidden, effects=parameter("walking", value, value - half, value + half), **more
-        )
+    def box(number, value, half):
+        return record(number, "walking", hidden, **parameter("walking", value, value - half, value + half))
 
     boxes = [
         box(0, 2.2, 1.0),
-        box(1, 1.0, 1.1),  # inside at 95 %, outside at 90 %
+        box(1, 1.0, 0.9),
         box(2, 5.0, 1.0),
-        record(3, "slip", hidden, effects=parameter("slip", 2.0, 1.0, 3.0)),
+        record(3, "slip", hidden, **parameter("slip", 2.0, 1.0, 3.0)),
     ]
     found = score_table(boxes)["parameter"]
     assert found["median_error"] == pytest.approx(0.5)
     assert (found["coverage90"]["hits"], found["coverage90"]["of"]) == (1, 3)
+
+
+def test_the_probability_of_the_truth_is_scored_where_it_is_visible_and_where_nothing_is_hidden():
+    boxes = [
+        record(0, "walking", {"walking": 3.0}, explanations=[[["walking"], 0.8], [["slip"], 0.2]]),
+        record(1, "slip", {"walking": 3.0}, explanations=[[["slip"], 0.6], [["walking"], 0.4]]),
+        record(2, "slip", {"walking": 0.1}, explanations=[[["slip"], 1.0]]),
+        record(3, "silent", nothing=0.9),
+    ]
+    found = score_table(boxes)["probability"]
+    assert found["mean"] == found["median"] == pytest.approx(0.6)
+    assert found["log_score"] == pytest.approx(np.mean(np.log([0.8, 0.4, 0.9])))
 
 
 def test_a_removable_share_is_the_median_where_the_name_is_right_and_runs_were_held_out():

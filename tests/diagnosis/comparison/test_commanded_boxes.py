@@ -1,5 +1,6 @@
-"""The comparison on short sealed boxes: an effect is named, nothing stays silent, what is left out is no name."""
+"""The diagnosis of short sealed boxes: an effect is named, nothing stays silent, what is left out is no name."""
 
+import json
 from functools import cache
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -8,11 +9,13 @@ import numpy as np
 import pytest
 
 from benchmarks.boxes import write_box
-from smarig.diagnosis import CommandedComparison, compare_commanded
+from smarig.diagnosis import CommandedDiagnosis, diagnose_commanded
+from smarig.diagnosis.comparison.commanded.commanded_diagnosis import _parameters
 from smarig.diagnosis.comparison.commanded.discrepancy_kernels import _Geometry
 from smarig.diagnosis.comparison.compared_hypothesis import Part
 from smarig.identification import identify
 from smarig.plant import LearnedShape, learned_effect_type
+from smarig.plant.effects.ambient_drift import ambient_drift
 from smarig.record import load_run
 from smarig.replay import predict
 from tests.diagnosis.short_boxes import short_box
@@ -22,11 +25,11 @@ WALKING = {"walking": {"percent_per_cycle": 0.6}}
 
 
 @cache
-def compared(name: str, without: tuple[str, ...] = ()) -> CommandedComparison:
+def compared(name: str, without: tuple[str, ...] = ()) -> CommandedDiagnosis:
     with TemporaryDirectory() as folder:
         box = short_box(NUMBER, WALKING if name else {})
         train = [load_run(path) for path in write_box(box, Path(folder)).train]
-        return compare_commanded(identify(train, "positive").model, train, without=without)
+        return diagnose_commanded(identify(train, "positive").model, train, without=without)
 
 
 def test_hidden_effect_is_the_first_cause() -> None:
@@ -40,15 +43,18 @@ def test_hidden_effect_is_the_first_cause() -> None:
 def test_strength_is_right_and_inside_its_interval() -> None:
     found = compared("walking")
     assert found.parameters["walking.percent_per_cycle"] == pytest.approx(0.6, rel=0.15)
-    low, high = found.intervals95["walking.percent_per_cycle"]
-    assert low < found.parameters["walking.percent_per_cycle"] < high
+    value = found.effects()[0]["parameters"]["percent_per_cycle"]
+    low, high = value["ci95"]
+    assert low < 0.6 < high
+    assert value["unit"] == "%/cycle"
 
 
 def test_wire_with_nothing_hidden_is_silent() -> None:
     found = compared("")
     assert found.verdict.word == "silent"
     assert found.verdict.names == ()
-    assert found.extended is found.base
+    assert not found.extended
+    assert found.extended_plant is found.base
 
 
 def test_effect_out_of_the_catalogue_leaves_a_variable_or_a_relative() -> None:
@@ -69,10 +75,9 @@ def test_extended_model_predicts_what_it_was_fitted_to_better() -> None:
 
 def test_values_of_a_named_effect_are_those_of_the_extended_model() -> None:
     found = compared("walking")
-    (effect,) = found.effects
-    assert effect.probability > 0.9
-    low, high = effect.intervals95["percent_per_cycle"]
-    assert low < effect.effect.values["percent_per_cycle"] < high
+    (finding,), (effect,) = found.findings, found.likely_effects
+    assert finding.probability > 0.9
+    assert finding.parameters["percent_per_cycle"]["value"] == effect.values["percent_per_cycle"]
     assert [e["name"] for e in found.model.effects] == ["walking"]
     assert found.error.extended < 0.6 * found.error.base
     assert "wire_lag" in found.not_identifiable  # nothing in settled positions
@@ -82,10 +87,35 @@ def test_values_of_a_named_effect_are_those_of_the_extended_model() -> None:
 def test_unknown_cause_is_a_law_of_its_variable_in_the_model() -> None:
     found = compared("walking", ("walking",))
     assert found.learned is not None
-    assert found.learned.kind.shape.variable == found.verdict.depends_on
+    assert found.learned.shape.variable == found.verdict.depends_on
+    assert 0.3 < found.learned.gain_blocks < 1.0
     assert [e["name"] for e in found.model.effects] == ["learned"]
-    assert found.effects == ()
+    assert found.effects() == []
     assert found.error.extended < 0.6 * found.error.base
+
+
+def test_a_strength_made_positive_keeps_its_interval() -> None:
+    effect = ambient_drift(-1.5, period_h=3.0, phase=0.75)
+    fitted = {f"ambient_drift.{n}": v for n, v in effect.values.items()}
+    intervals = {"ambient_drift.swing_K": (-2.0, -1.0), "ambient_drift.phase": (0.7, 0.8)}
+    found = dict(_parameters(effect.with_positive_strength, intervals, fitted))
+    assert found["swing_K"]["ci95"] == [1.0, 2.0]
+    assert found["phase"]["ci95"] == pytest.approx([0.2, 0.3])
+    assert found["period_h"]["ci95"] is None
+
+
+def test_object_is_plain_and_adds_up() -> None:
+    found = json.loads(json.dumps(compared("walking").to_json()))
+    assert found["causes"][0] == {
+        "kind": "effect",
+        "name": "walking",
+        "probability": pytest.approx(1, abs=0.1),
+    }
+    assert sum(h["weight"] for h in found["hypotheses"]) == pytest.approx(1.0)
+    assert (found["alpha"], found["nulls"], found["missing_knowledge"]) == (None, 0, None)
+    assert found["stands_out"]
+    assert not found["adequacy"]["adequate"]
+    assert sum(found["adequacy"]["where"].values()) == pytest.approx(1.0)
 
 
 @pytest.mark.parametrize(("place", "enters"), [("input", "input"), ("heat", "heat_loss")])

@@ -11,7 +11,7 @@ from smarig.cli.parameter_types import FILE, FOLDER, own_effects
 from smarig.core import TOML, UsageError
 
 if TYPE_CHECKING:
-    from smarig.diagnosis import Diagnosis, MeasuredDiagnosis
+    from smarig.diagnosis import CommandedDiagnosis, MeasuredDiagnosis
 
 EPILOG = """\b
 Examples:
@@ -66,7 +66,7 @@ def _taking_all_values(process: Any) -> Any:
 @click.option(
     "--propose",
     type=FILE,
-    help="Campaign file to write: the run that distinguishes the remaining explanations.",
+    help="Campaign file to write: the run that distinguishes the likely hypotheses.",
 )
 @click.option(
     "--without", multiple=True, metavar="EFFECT", help="Leave this effect out of the catalogue; repeatable."
@@ -82,16 +82,21 @@ def _taking_all_values(process: Any) -> Any:
     type=float,
     default=0.03,
     show_default=True,
-    help="Probability of a false alarm in the whole diagnosis.",
+    help="Probability of a false alarm with --transient; otherwise without effect.",
 )
 @click.option(
     "--nulls",
     type=int,
     default=400,
     show_default=True,
-    help="Number of simulated data sets without any effect (null data).",
+    help="Number of simulated data sets without any effect (null data) with --transient; otherwise without effect.",
 )
-@click.option("--seed", type=int, default=0, help="Seed of the null data.")
+@click.option(
+    "--seed",
+    type=int,
+    default=0,
+    help="Seed of the resampling of blocks, or of --transient's null data.",
+)
 @click.option("--force", is_flag=True, help="Replace existing files.")
 @json_option
 def command(
@@ -170,7 +175,9 @@ def _transient(run: Path, out: Path | None, force: bool, **settings: Any) -> Non
     emit(thermal.to_json() | written, thermal.text())
 
 
-def _written(found: "Diagnosis | MeasuredDiagnosis", out: Path | None, *, force: bool) -> dict[str, Any]:
+def _written(
+    found: "CommandedDiagnosis | MeasuredDiagnosis", out: Path | None, *, force: bool
+) -> dict[str, Any]:
     """Write the folder of a diagnosis, if requested, and return its paths."""
     from smarig.diagnosis import DIAGNOSIS_PAGE, write_diagnosis
     from smarig.report import diagnosis_page, write_page
@@ -182,7 +189,7 @@ def _written(found: "Diagnosis | MeasuredDiagnosis", out: Path | None, *, force:
     return paths | {"report": str(out / DIAGNOSIS_PAGE)}
 
 
-def _with_proposal(found: "Diagnosis", path: Path, *, force: bool) -> "Diagnosis":
+def _with_proposal(found: "CommandedDiagnosis", path: Path, *, force: bool) -> "CommandedDiagnosis":
     """The diagnosis together with the separating run, which is written as a campaign."""
     from smarig.app import propose_run, write_campaign
 

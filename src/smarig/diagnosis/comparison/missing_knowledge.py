@@ -1,11 +1,15 @@
 """Missing knowledge: an error of held-out runs that lies where the training runs determine nothing. It is no change."""
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from smarig.core import spaced
+
 Array = NDArray[np.float64]
+EXPERIMENT = "Train with a run that turns where the held-out runs turn."
 ENDS = (0.05, 0.95)  # of the square error: the inputs between which it lies
 
 
@@ -17,6 +21,19 @@ class MissingKnowledge:
 
     share: float
     inputs: tuple[float, float]
+
+    def sentence(self, unit: str) -> str:
+        """What is not known, and the run that would close it; ``unit`` is that of the input."""
+        low, high = self.inputs
+        return (
+            f"{100 * self.share:.0f} % of the held-out error is missing knowledge, no change: between {low:.4g} and "
+            f"{high:.4g}{spaced(unit)} the held-out runs enter states that no training run determines. {EXPERIMENT}"
+        )
+
+    def to_json(self, unit: str) -> dict[str, Any]:
+        """The object ``missing_knowledge`` of the command line."""
+        where = {"input": list(self.inputs), "unit": unit}
+        return {"share_of_error": self.share, "where": where, "experiment": EXPERIMENT}
 
 
 def inputs_of_error(u: Array, square: Array) -> tuple[float, float]:

@@ -1,1 +1,1 @@
-"""The model refitted to the timeline: hysteresis, noise and nuisance terms by restricted likelihood."""
+"""The model refitted to the timeline: hysteresis and noise by restricted likelihood, and fits of effects."""

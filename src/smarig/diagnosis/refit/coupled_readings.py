@@ -21,7 +21,6 @@ class CoupledReadings:
 
     ``scale`` (n,) divides each reading. ``slopes`` (n, p) and ``times`` (p,) belong to the remembered inputs
     (``memory_slopes``). ``zero_scale`` (n,) is the scale of positions of the first session, else 0.
-    ``encoder_error`` (n, q) are traces in the readings' unit (``encoder_error_traces``).
     """
 
     y: Array
@@ -31,7 +30,6 @@ class CoupledReadings:
     slopes: csr_matrix
     times: Array
     zero_scale: Array
-    encoder_error: Array
 
     @property
     def free(self) -> Array:
@@ -49,8 +47,7 @@ def coupled_readings(timeline: Timeline, prediction: Prediction, plant_model: Pl
     white, free, scale, slope = reading_scales(
         timeline, prediction, plant_model, coupled, output_rate(prediction, path), contribution
     )
-    encoder_error = encoder_error_traces(timeline, plant_model, coupled)
-    scaled_error = encoder_error / scale[:, None]
+    scaled_error = encoder_error_traces(timeline, plant_model, coupled) / scale[:, None]
     free += scaled_error @ scaled_error.T
     prior = density_prior(prediction, h, path, prediction.output)
     full_output = y + prediction.output_slope * (
@@ -74,7 +71,6 @@ def coupled_readings(timeline: Timeline, prediction: Prediction, plant_model: Pl
         slopes=slopes,
         times=times,
         zero_scale=scale * ((white < 1.0) & (prediction.session == 0)),
-        encoder_error=encoder_error,
     )
 
 

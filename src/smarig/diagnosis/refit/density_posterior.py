@@ -39,23 +39,20 @@ class DensityPosterior:
     y_lower: float
     unit: str
 
-    def table(self, *, signed: bool = False) -> FodTable:
-        """The hysteresis, in ``unit``; with ``signed``, masses may be negative where they were not."""
-        masses, shift = self._masses(signed)
+    def table(self) -> FodTable:
+        """The hysteresis, in ``unit``."""
+        masses, shift = self._masses()
         has_zero = self.zero_scale > 0
         zero = self.y_lower + float(np.mean(self.zero_scale[has_zero] * shift[has_zero]))
         return self.prior.triangle.table(self.stroke * masses, zero, self.unit)
 
-    def _masses(self, signed: bool) -> tuple[Array, Array]:
+    def _masses(self) -> tuple[Array, Array]:
         """Masses (cells,) in strokes and zeros (n,), scaled.
 
-        Negative masses are set to zero unless they are allowed; the others compensate, so that the outputs remain
-        those of the posterior.
+        Negative masses are set to zero; the others compensate, so that the outputs remain those of the posterior.
         """
         dual_weights, shift = self.output_slope * self.dual_weights, self.free @ self.dual_weights
-        masses = self.prior.posterior_masses(self.variances, dual_weights, signed=signed)
-        if signed:
-            return masses, shift
+        masses = self.prior.posterior_masses(self.variances, dual_weights)
         wanted = self.output_slope * (self.covariance @ dual_weights) + shift
         for _ in range(MAX_CORRECTIONS):
             remainder = wanted - self.output_slope * self.prior.outputs(masses - self.prior.mass) - shift

@@ -86,14 +86,11 @@ class DensityPrior:
         """Outputs (n,) at the memories, in strokes, of masses (cells,)."""
         return np.asarray(self.rows @ _below(self.triangle, mass[:, None])).ravel()
 
-    def posterior_masses(
-        self, variances: Array, dual_weights: Array, mass: Array | None = None, *, signed: bool = False
-    ) -> Array:
+    def posterior_masses(self, variances: Array, dual_weights: Array, mass: Array | None = None) -> Array:
         """Masses (cells,) ≥ 0 in strokes: the posterior mean for variances of the parts and ``dual_weights`` (n,) =
         C⁻¹y.
 
-        The deviations are from the prior masses or from others. Masses that are negative there may stay so; with
-        ``signed``, any may be.
+        The deviations are from the prior masses or from others. Masses that are negative there may stay so.
         """
         start_mass = self.mass if mass is None else mass
         adjoint = _grid(self.triangle, (self.rows.T @ dual_weights)[:, None])[::-1, ::-1]
@@ -106,7 +103,7 @@ class DensityPrior:
         ]
         grains = variances[len(self.hats)] * self.prior_scale * cells
         masses = start_mass + np.sum(increments, axis=0) + grains
-        return masses if signed else np.maximum(masses, np.minimum(self.mass, 0.0))
+        return np.maximum(masses, np.minimum(self.mass, 0.0))
 
 
 def density_prior(prediction: Prediction, hysteresis: Everett, path: Array, y: Array) -> DensityPrior:

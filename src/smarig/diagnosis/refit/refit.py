@@ -7,7 +7,7 @@ explains ½ (tᵀC⁻¹y)²/(tᵀC⁻¹t) nats more than a new density alone.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,7 +17,6 @@ from smarig.diagnosis.drive_statistics import DriveStatistics
 from smarig.diagnosis.refit.coupled_readings import coupled_readings
 from smarig.diagnosis.refit.density_posterior import DensityPosterior
 from smarig.diagnosis.refit.memory_noise import memory_covariance
-from smarig.diagnosis.refit.nuisance_terms import likeliest_nuisance
 from smarig.diagnosis.refit.reading_noise import independent_block, session_means
 from smarig.diagnosis.refit.variance_components import (
     LOG_FLUCTUATION_START,
@@ -34,8 +33,7 @@ class NoiseEstimate:
     """Standard deviations: ``white`` (n,) of each coupled reading by itself, of temperature (K), and of settled
     positions.
 
-    ``moving`` is the typical one of moving positions, 0 if none was read. ``encoder`` (n, q) are traces of the
-    encoder's error, with strengths ~ N(0, 1).
+    ``moving`` is the typical one of moving positions, 0 if none was read.
     """
 
     white: Array
@@ -43,16 +41,14 @@ class NoiseEstimate:
     correlation_s: float
     settled: float
     moving: float = 0.0
-    encoder: Array = field(default_factory=lambda: np.empty((0, 0)))
 
 
 @dataclass(frozen=True, eq=False)
 class Refit:
     """The stacked, whitened readings of a timeline: ``factor`` (N, N) is the Cholesky factor of C.
 
-    ``scale`` (N,) divides each reading. ``data`` (N,) are the readings so divided, and whitened. ``fitted``
-    (coupled,) is the difference between the refitted density's prediction and that of the plant model, in the
-    readings' unit. ``log_components`` are log₁₀ of the variances of the density's parts, s_m, s₀ and s_T.
+    ``scale`` (N,) divides each reading. ``data`` (N,) are the readings so divided, and whitened. The first ``coupled``
+    of them depend on the output. ``log_components`` are log₁₀ of the variances of the density's parts, s_m, s₀ and s_T.
     ``posterior`` is the posterior of the density.
     """
 
@@ -60,7 +56,6 @@ class Refit:
     scale: Array
     data: Array
     noise: NoiseEstimate
-    fitted: Array
     log_evidence: float
     coupled: int
     log_components: Array
@@ -86,18 +81,11 @@ def refit(
     timeline: Timeline,
     prediction: Prediction,
     plant_model: PlantModel,
-    nuisance_terms: Sequence[Array] = (),
     warm_start: "Refit | None" = None,
-    *,
-    all_nuisances: bool = False,
-    noise_of: "Refit | None" = None,
 ) -> Refit:
     """The maximum-likelihood smoothness and noise for a simulated timeline, and its readings whitened by them.
 
-    ``nuisance_terms``: sets of traces (N, k). One of them may be in the readings with strengths ~ N(0, 1). The
-    noise is the likeliest with the likeliest set or with none, so that a hidden effect is not taken for noise.
-    ``all_nuisances``: all sets may be present at once. ``warm_start``: start at the result of another refit.
-    ``noise_of``: use the variances of another refit.
+    ``warm_start``: start at the result of another refit.
     """
     readings = coupled_readings(timeline, prediction, plant_model)
     y, scale, reading_covariance = readings.y, readings.scale, readings.covariance
@@ -105,19 +93,10 @@ def refit(
     span, n = abs(plant_model.stroke), y.size
     memories = [
         (seconds, memory_covariance(readings.slopes, readings.times, seconds) / span**2)
-        for seconds in _correlations_s(timeline, noise_of or warm_start)
+        for seconds in _correlations_s(timeline, warm_start)
     ]
-    if noise_of is not None:
-        found, (correlation, memory) = noise_of.log_components, memories[0]
-        cost = reading_covariance.cost(memory, found)
-    else:
-        start_components, sets = (
-            START if warm_start is None else warm_start.log_components,
-            _without_output(nuisance_terms, reading_covariance.y - y / scale, scale),
-        )
-        cost, found, correlation, memory = _likeliest_components(
-            reading_covariance, memories, start_components, sets, all_nuisances
-        )
+    start = START if warm_start is None else warm_start.log_components
+    cost, found, correlation, memory = _over_correlation_times(reading_covariance, memories, start)
     *variances, _, s0, s_T = 10.0**found
     noise_part, density = (
         reading_covariance.noise_covariance(memory, found),
@@ -141,8 +120,7 @@ def refit(
         factor=factor,
         scale=scales,
         data=whitened,
-        noise=NoiseEstimate(sd, s_T, correlation, span * s0, moving_sd, readings.encoder_error),
-        fitted=y - scale * (noise_part @ dual_weights),
+        noise=NoiseEstimate(sd, s_T, correlation, span * s0, moving_sd),
         log_evidence=-cost - float(np.log(scale).sum()) - independent_cost,  # of readings in their own units
         coupled=n,
         log_components=found,
@@ -162,18 +140,6 @@ def refit(
     )
 
 
-def _without_output(terms: Sequence[Array], output: Array, scale: Array) -> list[Array]:
-    """Scaled nuisance terms (n, k) of coupled readings, each without what is proportional to the output (n,).
-
-    An effect that holds the wire back, such as saturation, has a trace like the output itself. It could replace the
-    density, which would then seem to be known better than it is.
-    """
-    centred = output - output.mean()
-    direction = centred / (np.linalg.norm(centred) or 1.0)
-    scaled = [t[: scale.size] / scale[:, None] for t in terms]
-    return [t - np.outer(direction, direction @ t) for t in scaled]
-
-
 def _correlations_s(timeline: Timeline, warm_start: "Refit | None") -> tuple[float, ...]:
     """Correlation times to try for remembered noise."""
     if warm_start is not None:
@@ -181,40 +147,16 @@ def _correlations_s(timeline: Timeline, warm_start: "Refit | None") -> tuple[flo
     return DriveStatistics(timeline).correlations_s()
 
 
-def _likeliest_components(
-    reading_covariance: ReadingCovariance,
-    memories: Sequence[tuple[float, Array]],
-    start_components: Array,
-    sets: Sequence[Array],
-    all_nuisances: bool,
-) -> tuple[float, Array, float, Array]:
-    """``_over_correlation_times`` with the likeliest nuisance term, or with all."""
-    found = _over_correlation_times(reading_covariance, memories, start_components)
-    if not sets:
-        return found
-    nuisance = (
-        np.column_stack(sets)
-        if all_nuisances
-        else likeliest_nuisance(reading_covariance, found[3], found[:2], sets)
-    )
-    return (
-        found
-        if nuisance is None
-        else _over_correlation_times(reading_covariance, memories, found[1], nuisance)
-    )
-
-
 def _over_correlation_times(
     reading_covariance: ReadingCovariance,
     memories: Sequence[tuple[float, Array]],
     start_components: Array,
-    nuisance: Array | None = None,
 ) -> tuple[float, Array, float, Array]:
     """(cost, variances, correlation time, remembered noise per K²) of the likeliest correlation time."""
     best: tuple[float, Array, float, Array] | None = None
     for seconds, memory in memories:
         start = start_components if best is None else np.append(best[1][:-1], LOG_FLUCTUATION_START)
-        cost, found = reading_covariance.likeliest(memory, start, nuisance)
+        cost, found = reading_covariance.likeliest(memory, start)
         if best is None or cost < best[0]:
             best = (cost, found, seconds, memory)
     assert best is not None  # noqa: S101 - at least one correlation time is tried

@@ -71,21 +71,19 @@ class ReadingCovariance:
         return density + self.free + self.noise_covariance(memory, log_components)
 
     def cost(self, memory: Array, log_components: Array) -> float:
-        """− log likelihood at given sds, without nuisance terms."""
+        """− log likelihood at given sds."""
         return self._cost(log_components, self._parts(memory), self.free)[0]
 
-    def likeliest(self, memory: Array, start: Array, nuisance: Array | None = None) -> tuple[float, Array]:
-        """(−log likelihood, log₁₀ of the sds) at the minimum; columns ``nuisance`` (n, k) are included, strengths ~
-        N(0, 1).
+    def likeliest(self, memory: Array, start: Array) -> tuple[float, Array]:
+        """(−log likelihood, log₁₀ of the sds) at the minimum.
 
         If a search ends at a bound of s_T, another starts from the other side: ambient fluctuations and other noise
         imitate each other.
         """
-        fixed = self.free if nuisance is None else self.free + nuisance @ nuisance.T
         parts, bounds = self._parts(memory), self.bounds
 
         def minimised(start: Array) -> OptimizeResult:
-            return _minimised(lambda x: self._cost(x, parts, fixed), start, bounds)
+            return _minimised(lambda x: self._cost(x, parts, self.free), start, bounds)
 
         found = minimised(start)
         if min(found.x[-1] - bounds[0][-1], bounds[1][-1] - found.x[-1]) < AT_BOUND:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from smarig.diagnosis import Diagnosis, memory_covariance, memory_slopes
+from smarig.diagnosis import CommandedDiagnosis, memory_covariance, memory_slopes
 from smarig.preisach import sensitivities
 from smarig.replay import OUTPUT_DEPENDENT_KINDS, Prediction, ReadingSeries, Timeline, plant_model_of, predict
 from smarig.report.components.numbers import number
@@ -20,12 +20,12 @@ Array = NDArray[np.float64]
 class DiagnosisPredictions:
     """The predictions of the base model and of the extended model (None without one)."""
 
-    d: Diagnosis
+    d: CommandedDiagnosis
     base: Prediction
     extended: Prediction | None
 
     @classmethod
-    def of(cls, d: Diagnosis) -> "DiagnosisPredictions":
+    def of(cls, d: CommandedDiagnosis) -> "DiagnosisPredictions":
         """The predictions of a diagnosis; those of an extended model are computed here."""
         after = predict(d.timeline, plant_model_of(d.model, d.timeline.runs[0])) if d.extended else None
         return cls(d, predict(d.timeline, d.base), after)
@@ -50,29 +50,30 @@ def readings(timeline: Timeline, kind: str) -> ReadingSeries:
     return next(r for r in timeline.all_readings if r.kind == kind)
 
 
-def rms_noise(d: Diagnosis, kind: str) -> tuple[float, float]:
+def rms_noise(d: CommandedDiagnosis, kind: str) -> tuple[float, float]:
     """Rms noise of one kind of reading: without, and with the ambient fluctuation in the state of the hysteresis."""
-    critique = d.levels[-1].critique if d.levels else d.first
-    fitted, before = critique.refitted, 0
+    model, before = d.fitted, 0
+    fitted = model.refitted
     for r in d.timeline.all_readings[: [r.kind for r in d.timeline.all_readings].index(kind)]:
         before += len(r)
     here = slice(before, before + len(readings(d.timeline, kind)))
     if kind not in OUTPUT_DEPENDENT_KINDS:
         own = rms(fitted.scale[here])
         return own, own
-    J, times = memory_slopes(critique.plant_model.hysteresis, critique.prediction)
+    J, times = memory_slopes(model.plant_model.hysteresis, model.prediction)
     share = (
         np.diag(memory_covariance(J, times, fitted.noise.correlation_s))[here]
-        * critique.prediction.output_slope[here] ** 2
+        * model.prediction.output_slope[here] ** 2
     )
     own = rms(fitted.noise.white[here])
     return own, float(np.hypot(own, fitted.noise.temperature_K * np.sqrt(share.mean())))
 
 
-def input_slopes(d: Diagnosis) -> Array:
+def input_slopes(d: CommandedDiagnosis) -> Array:
     """Slope ∂y/∂u of the base model with respect to the input (k,) at the settled points."""
-    states = d.first.prediction.states[: len(d.timeline.settled)]
-    return np.array([s[-1] for s in sensitivities(d.first.plant_model.hysteresis, states)])
+    base = d.subject.base
+    states = base.prediction.states[: len(d.timeline.settled)]
+    return np.array([s[-1] for s in sensitivities(base.plant_model.hysteresis, states)])
 
 
 def models_text(predictions: DiagnosisPredictions, half_ranges: Sequence[float]) -> str:
@@ -84,7 +85,7 @@ def models_text(predictions: DiagnosisPredictions, half_ranges: Sequence[float])
     return f" (black: base model; green: extended model, {where})"
 
 
-def diagnosis_caption(d: Diagnosis, *, dotted: bool = False) -> tuple[str, ...]:
+def diagnosis_caption(d: CommandedDiagnosis, *, dotted: bool = False) -> tuple[str, ...]:
     """The last sentence of a caption: the training runs; ``dotted`` if dotted lines show the starts of runs."""
     protocols = ", ".join(dict.fromkeys(map(protocol_name, d.timeline.runs)))
     parts = [

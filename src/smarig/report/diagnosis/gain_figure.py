@@ -7,12 +7,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.diagnosis import PREDICTION_LIMIT, Diagnosis, HeldOutGain
+from smarig.diagnosis import AT_FLOOR, PREDICTION_LIMIT, CommandedDiagnosis, HeldOutGain, share_text
 from smarig.report.components.figure import AXIS_MARGIN, Figure, Panel, Trace, axis, dots, line, log_axis
 from smarig.report.components.run_description import display_unit, source_label
 from smarig.report.components.style import FAINT, GREY, INK, MODEL
 from smarig.report.diagnosis.diagnosis_predictions import Array, rms
-from smarig.report.diagnosis.verdict_text import gain_text
 from smarig.report.runs.representation_figure import noise_band
 
 _ModelErrors = Sequence[tuple[str, str, Array]]  # name, colour, errors
@@ -21,7 +20,7 @@ _PALE_OPACITY = 0.35  # opacity
 _LOG_AXIS_RATIO = 20  # ratio of sizes from which a linear axis would hide the smaller ones
 
 
-def gain_figure(gain: HeldOutGain, d: Diagnosis) -> Figure:
+def gain_figure(gain: HeldOutGain, d: CommandedDiagnosis) -> Figure:
     """Errors at held-out points by block, and the rms of each block, of the base and the extended model."""
     models = [("base model", INK, gain.base_error)]
     if d.extended:
@@ -37,7 +36,7 @@ def gain_figure(gain: HeldOutGain, d: Diagnosis) -> Figure:
     )
 
 
-def _caption(gain: HeldOutGain, d: Diagnosis, unit: str) -> list[str]:
+def _caption(gain: HeldOutGain, d: CommandedDiagnosis, unit: str) -> list[str]:
     return [
         f"n = {gain.block.size} points in {gain.blocks} blocks; a block is one excursion out and back. The zero and "
         "both densities come from the training runs. First panel: all errors. Second panel: rms of each block. "
@@ -48,8 +47,22 @@ def _caption(gain: HeldOutGain, d: Diagnosis, unit: str) -> list[str]:
         "Pale: readings with more than twice the smallest σ, such as positions during motion."
         if _pale_readings(gain).any()
         else "",
-        gain_text(gain, d),
+        _gain_text(gain, unit, extended=d.extended),
     ]
+
+
+def _gain_text(gain: HeldOutGain, unit: str, *, extended: bool) -> str:
+    """The gain on held-out data and R in a sentence."""
+    if not extended:
+        return f"Base model: rms error {gain.base:.3g} {unit}. No effect was added to the model, so there is no gain."
+    share, ends = gain.removable_share, gain.interval()
+    if share is None:
+        return f"Rms error {gain.base:.3g} → {gain.extended:.3g} {unit}. {AT_FLOOR}"
+    between = f" (95 %, by resampling blocks: {share_text(ends[0])} to {share_text(ends[1])})" if ends else ""
+    return (
+        f"Rms error {gain.base:.3g} → {gain.extended:.3g} {unit}. R = {share_text(share)}{between}: the extension "
+        f"removes this share of the squared error above the {PREDICTION_LIMIT}."
+    )
 
 
 def _blocks(gain: HeldOutGain) -> Array:

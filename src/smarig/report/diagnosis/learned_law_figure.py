@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from smarig.diagnosis import LearnedLaw, LearnedTermFit
+from smarig.diagnosis import CommandedLaw, LearnedLaw
 from smarig.measurement import LearnedTerm, variable_unit
 from smarig.report.components.figure import Figure, Panel, axis, dots, line, log_axis
 from smarig.report.components.run_description import display_unit
@@ -54,7 +54,7 @@ def learned_law_figure(law: LearnedLaw, label: str) -> Figure:
     return Figure([_panel(law, term) for term in law.terms], "The learned term.", caption, label)
 
 
-def learned_term_figure(found: LearnedTermFit, output_unit: str, label: str) -> Figure:
+def commanded_law_figure(found: CommandedLaw, output_unit: str, label: str) -> Figure:
     """The law of commanded runs; ``label`` marks simulated data."""
     shape, (z, values) = found.shape, np.array(found.points).T
     unit = "" if shape.unit == "1" else f" ({display_unit(shape.unit)})"

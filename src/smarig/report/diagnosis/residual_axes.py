@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from smarig.diagnosis import Diagnosis, DriveStatistics
+from smarig.diagnosis import CommandedDiagnosis, DriveStatistics
 from smarig.replay import Timeline
 from smarig.report.components.figure import AXIS_MARGIN, axis
 from smarig.report.components.numbers import number
@@ -16,18 +16,16 @@ from smarig.report.diagnosis.diagnosis_predictions import Array, readings
 _FINER_RATIO = 4  # ratio from which the smaller residuals would be a flat line on the axis of the larger ones
 
 
-def best_position_variable(d: Diagnosis) -> str:
-    """The name of the variable that explains the positions best ("time" if none does)."""
-    scores = [
-        s for s in d.first.scores if s.candidate.generic and " of " not in s.candidate.name and s.net > 0
-    ]
-    return max(scores, key=lambda s: s.net).candidate.depends_on if scores else "time"
+def likeliest_variable(d: CommandedDiagnosis) -> str:
+    """The variable of the verdict, else the likeliest of all ("time" if none is)."""
+    variables = [p.name for p in d.causes if p.kind == "variable"]
+    return d.verdict.depends_on or next(iter(variables), "time")
 
 
-def residual_abscissa(d: Diagnosis, name: str, kind: str) -> tuple[Array, dict[str, Any]]:
+def residual_abscissa(d: CommandedDiagnosis, name: str, kind: str) -> tuple[Array, dict[str, Any]]:
     """A variable's values (n,) at the readings of one kind, and its axis."""
     timeline, r, u = d.timeline, readings(d.timeline, kind), display_unit(d.timeline.runs[0].input_unit)
-    unit, target, base = display_unit(timeline.unit), timeline.target_K, d.first.prediction
+    unit, target, base = display_unit(timeline.unit), timeline.target_K, d.subject.base.prediction
     before = np.concatenate([target[:1], target[:-1]])
     if name == "cycle":
         travel = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(base.values["settled"])))])
@@ -73,7 +71,7 @@ def run_start_lines(timeline: Timeline) -> list[dict[str, Any]]:
 
 
 def residual_layout(
-    d: Diagnosis, name: str, x_axis: dict[str, Any], y_layout: dict[str, Any]
+    d: CommandedDiagnosis, name: str, x_axis: dict[str, Any], y_layout: dict[str, Any]
 ) -> dict[str, Any]:
     """A panel's layout; against time with a line at the start of each run."""
     marks = {"shapes": run_start_lines(d.timeline)} if name == "time" else {}

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from typing import Any
 
-from smarig.diagnosis import CandidateScore, Diagnosis
+from smarig.diagnosis import CommandedDiagnosis
 from smarig.replay import OUTPUT_DEPENDENT_KINDS
 from smarig.report.components.figure import Figure, Panel, Trace, dots, line
 from smarig.report.components.numbers import number
@@ -19,8 +19,8 @@ from smarig.report.diagnosis.diagnosis_predictions import (
     rms_noise,
 )
 from smarig.report.diagnosis.residual_axes import (
-    best_position_variable,
     half_ranges,
+    likeliest_variable,
     residual_abscissa,
     residual_layout,
     symmetric_layout,
@@ -42,7 +42,7 @@ _READING_NAMES = {
 def residual_figure(predictions: DiagnosisPredictions) -> Figure:
     """Residuals in the rig's unit against the variable that explains most and against time, before and after."""
     d = predictions.d
-    name = best_position_variable(d)
+    name = likeliest_variable(d)
     kind = (
         "moving"
         if name == "rate" and any(r.kind == "moving" for r in d.timeline.other_readings)
@@ -54,26 +54,6 @@ def residual_figure(predictions: DiagnosisPredictions) -> Figure:
         list(dict.fromkeys((name, "time"))),
         f"Residuals: {_READING_NAMES[kind]}.",
     )
-
-
-def channel_figure(predictions: DiagnosisPredictions) -> Figure | None:
-    """The same for another channel, if that channel has the largest gain."""
-    best = best_variable(predictions.d)
-    _, of, kind = best.candidate.name.partition(" of ") if best else ("", "", "")
-    if best is None or not of:
-        return None
-    return _residual_channel_figure(
-        predictions,
-        kind,
-        [best.candidate.depends_on],
-        f"The channel with the largest gain: {_READING_NAMES[kind]}.",
-    )
-
-
-def best_variable(d: Diagnosis) -> CandidateScore | None:
-    """The variable with the largest gain above chance, None if no variable gains."""
-    best = d.first.best(1, generic=True)
-    return best[0] if best else None
 
 
 def _residual_channel_figure(
@@ -124,13 +104,13 @@ def _residual_channel_figure(
     )
 
 
-def _count_text(d: Diagnosis) -> str:
+def _count_text(d: CommandedDiagnosis) -> str:
     size = count_size(d.timeline.runs[0])
     return f"1 count: {size:.3g} {display_unit(d.timeline.unit)}." if size else ""
 
 
 def _residual_panel(
-    d: Diagnosis,
+    d: CommandedDiagnosis,
     kind: str,
     name: str,
     error: Array,

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from smarig.core import spaced
-from smarig.diagnosis import DIAGNOSIS_MODEL, Diagnosis, nearest_text, variable_experiment, variable_words
+from smarig.diagnosis import DIAGNOSIS_MODEL, CommandedDiagnosis, variable_experiment, variable_words
 from smarig.identification import ErrorLevel, ErrorVerdict, Verification, error_verdict
 from smarig.plant import Effect
 from smarig.record import Run
@@ -137,11 +137,11 @@ def _cause(e: Evidence, rms: float | None) -> _Cause:
     d = e.diagnosis
     if d is None:
         return _Cause("good", "", "")
-    word, best = d.verdict.word, d.best
-    if word == "named" and best is not None:
+    word = d.verdict.word
+    if word == "named":
         room = _room_text(e.runs.values()) if "ambient_drift" in d.verdict.names else ""
-        advice = _named_advice(e, d, rms) + _remedies(best.effects)
-        return _Cause("bad", f"Cause: {strengths_text(best)}{room}. {changes_text(d)}", advice)
+        advice = _named_advice(e, d, rms) + _remedies(d.likely_effects)
+        return _Cause("bad", f"Cause: {strengths_text(d.findings)}{room}. {changes_text(d)}", advice)
     if word == "ambiguous":
         return _Cause(
             "bad",
@@ -152,33 +152,24 @@ def _cause(e: Evidence, rms: float | None) -> _Cause:
         return _Cause("bad", _unknown_text(d), _unknown_advice(d))
     if word == "not_identifiable":
         return _Cause("warning", "These data cannot show any effect.", "Make a longer run.")
-    if d.first.alarm:
-        return _Cause(
-            "warning", "The residuals are larger than noise.", "Repeat the run before you rely on it."
-        )
     return _Cause("good", "No disturbance was found.", "")
 
 
-def _unknown_text(d: Diagnosis) -> str:
+def _unknown_text(d: CommandedDiagnosis) -> str:
     depends = f" It depends on {variable_words(d.verdict.depends_on)}." if d.verdict.depends_on else ""
-    if d.nearest:
-        return f"Something acts on this wire, and no effect of the catalogue is certain.{depends}"
-    why = f" ({d.reason})" if d.reason else ""
-    nearest = f" Candidates, not proved: {', '.join(d.verdict.names)}{why}." if d.verdict.names else ""
-    return f"Something acts on this wire that no effect of the catalogue explains.{depends}{nearest}"
+    names = f" Candidates, not proved: {', '.join(d.verdict.names)}." if d.verdict.names else ""
+    return f"Something acts on this wire, and no effect of the catalogue is certain.{depends}{names}"
 
 
-def _unknown_advice(d: Diagnosis) -> str:
-    if d.nearest:
-        return nearest_text(d.nearest)
-    if d.discrepancy.not_preisach:
+def _unknown_advice(d: CommandedDiagnosis) -> str:
+    if d.not_preisach:
         return "No Preisach operator describes such a wire: use the model within this error only."
     if d.verdict.depends_on is None:
         return "Repeat the run: a real effect appears again."
     return variable_experiment(d.verdict.depends_on)
 
 
-def _named_advice(e: Evidence, d: Diagnosis, rms: float | None) -> str:
+def _named_advice(e: Evidence, d: CommandedDiagnosis, rms: float | None) -> str:
     gain = d.gain
     if gain is None:
         return _REMOVE

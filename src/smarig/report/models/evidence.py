@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from smarig.diagnosis import Diagnosis
+from smarig.diagnosis import CommandedDiagnosis
 from smarig.identification import (
     Calibration,
     ExtensionChoice,
@@ -50,7 +50,7 @@ class Evidence:
     seconds: float
     calibration: Calibration | None = None
     choice: SurfaceChoice | None = None
-    diagnosis: Diagnosis | None = None
+    diagnosis: CommandedDiagnosis | None = None
     extension: ExtensionEvidence | None = None
 
     @property

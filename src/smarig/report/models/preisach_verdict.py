@@ -5,13 +5,13 @@ from dataclasses import dataclass
 from typing import Any
 
 from smarig.core import spaced
-from smarig.diagnosis import DISCREPANCY_NATS, PREDICTION_LIMIT, SILENT_RATIO, Diagnosis, HeldOutGain
+from smarig.diagnosis import PREDICTION_LIMIT, RULES, CommandedDiagnosis, HeldOutGain
 from smarig.identification import Representation, Verification, ratio_text
 from smarig.report.models.evidence import Evidence, ExtensionEvidence
 from smarig.report.models.model_tables import pooled_rms
 
 _TESTS = {"wiping_out": "wiping-out", "congruency": "congruency"}
-_AT_NOISE = 3.0  # times the noise: an error within it is explained
+_AT_NOISE = RULES["adequate"].value  # times the noise: an error within it is explained
 
 
 @dataclass(frozen=True)
@@ -46,7 +46,7 @@ class PreisachVerdict:
     @property
     def is_inaccurate(self) -> bool:
         """Whether even the best model misses the held-out runs by many times the noise."""
-        return bool(self.noise) and self._least_error >= SILENT_RATIO * self.noise
+        return bool(self.noise) and self._least_error >= _AT_NOISE * self.noise
 
     @property
     def _least_error(self) -> float:
@@ -92,7 +92,7 @@ class PreisachVerdict:
         }
 
 
-def against_preisach(tests: tuple[Representation, ...], diagnosis: Diagnosis | None) -> list[str]:
+def against_preisach(tests: tuple[Representation, ...], diagnosis: CommandedDiagnosis | None) -> list[str]:
     """What speaks against a Preisach operator, one sentence each."""
     return [*_violated_tests(tests), *_seen_by_diagnosis(diagnosis)]
 
@@ -100,7 +100,7 @@ def against_preisach(tests: tuple[Representation, ...], diagnosis: Diagnosis | N
 def preisach_verdict(e: Evidence) -> PreisachVerdict:
     """The verdict on the evidence of a characterisation.
 
-    No operator: a test of §5.3 is violated, the errors grow with the motion since the last saturation, or the model
+    No operator: a test of §5.3 is violated, the errors depend on the history beyond any density, or the model
     of the diagnosis misses held-out runs by many times the prediction limit.
     """
     against = against_preisach(e.representation, e.diagnosis)
@@ -118,9 +118,9 @@ def preisach_verdict(e: Evidence) -> PreisachVerdict:
     )
 
 
-def _explaining_effects(d: Diagnosis | None) -> tuple[str, ...]:
+def _explaining_effects(d: CommandedDiagnosis | None) -> tuple[str, ...]:
     """The effects that explain what speaks against an operator alone."""
-    if d is None or d.verdict.word != "named" or (d.gain and d.gain.extended >= SILENT_RATIO * d.gain.floor):
+    if d is None or d.verdict.word != "named" or (d.gain and d.gain.extended >= _AT_NOISE * d.gain.floor):
         return ()
     return d.verdict.names
 
@@ -138,15 +138,12 @@ def _test_text(test: Representation) -> str:
     return f"The test of {_TESTS[test.name]} is violated ({size}, {test.p_text})."
 
 
-def _seen_by_diagnosis(d: Diagnosis | None) -> Iterator[str]:
+def _seen_by_diagnosis(d: CommandedDiagnosis | None) -> Iterator[str]:
     if d is None:
         return
-    if d.discrepancy.not_preisach and d.discrepancy.gain >= DISCREPANCY_NATS:
-        yield (
-            "The errors grow with the motion since the last saturation, so minor loops do not return "
-            f"({d.discrepancy.gain:.0f} nats)."
-        )
-    if d.gain is not None and _ratio(d.gain) >= SILENT_RATIO and d.verdict.word == "unknown":
+    if d.not_preisach:
+        yield "The errors depend on the earlier history in a way that no density describes: minor loops do not return."
+    if d.gain is not None and _ratio(d.gain) >= _AT_NOISE and d.verdict.word == "unknown":
         yield (
             f"With the likeliest density, the model misses the held-out runs by {d.gain.base:.3g}{spaced(d.error.unit)}"
             f" rms, {_ratio(d.gain):.0f} × the {PREDICTION_LIMIT}."

@@ -7,9 +7,9 @@ from pathlib import Path
 
 from threadpoolctl import threadpool_limits
 
+from smarig.diagnosis.comparison.commanded.commanded_diagnosis import CommandedDiagnosis
 from smarig.diagnosis.comparison.commanded.commanded_evidence import evidence_of, likeliest_variable
 from smarig.diagnosis.comparison.commanded.commanded_problem import CommandedProblem
-from smarig.diagnosis.comparison.commanded.commanded_result import CommandedComparison
 from smarig.diagnosis.comparison.commanded.commanded_search import SearchedHypotheses, search
 from smarig.diagnosis.comparison.commanded.compared_runs import subject_of
 from smarig.diagnosis.comparison.commanded.extension import (
@@ -28,18 +28,20 @@ from smarig.replay import Model, load_model
 
 
 @threadpool_limits.wrap(limits=1, user_api="blas")  # small matrices: threads would only wait for each other
-def compare_commanded(
+def diagnose_commanded(
     model: Model | str | Path,
     train: Sequence[Run | str | Path] | Run | str | Path,
     held_out: Sequence[Run | str | Path] | Run | str | Path = (),
     *,
+    seed: int = 0,
     without: Sequence[str] = (),
     progress: Callable[[str], None] | None = None,
-) -> CommandedComparison:
-    """Compare what the model of a wire may lack, by predictions of blocks of its runs that were left out.
+) -> CommandedDiagnosis:
+    """Diagnose a model on runs of one wire by predictions of blocks that were left out: what it lacks, and the gain.
 
     ``held_out`` runs only measure the gain, and that a named cause does not predict them worse. ``without`` names
-    effects to leave out of the catalogue.
+    effects to leave out of the catalogue, ``seed`` is that of the resampling of blocks. Raises DataError if the runs
+    hold no settled steps or overlap.
     """
     started, report = time.monotonic(), progress or (lambda _: None)
     original = model if isinstance(model, Model) else load_model(model)
@@ -47,7 +49,7 @@ def compare_commanded(
     subject = subject_of(original, train_runs, held_out_runs, without)
     found = search(subject, report)
     return replace(
-        concluded(subject, found, original, tuple(train_runs), tuple(held_out_runs)),
+        concluded(subject, found, original, tuple(train_runs), tuple(held_out_runs), seed),
         seconds=time.monotonic() - started,
     )
 
@@ -58,10 +60,10 @@ def concluded(
     original: Model,
     train: tuple[Run, ...],
     held_out: tuple[Run, ...],
-    seconds: float = 0.0,
-) -> CommandedComparison:
+    seed: int = 0,
+) -> CommandedDiagnosis:
     """The verdict on searched hypotheses, and the model that is offered."""
-    weights = weigh(found.hypotheses)
+    weights = weigh(found.hypotheses, seed)
     by_effects = extension_of(subject, found, weights)
     gain_by_effects = gain_with(subject, by_effects, train, held_out)
     held = held_out_of(by_effects, gain_by_effects)
@@ -74,19 +76,19 @@ def concluded(
     better = [pair for pair in tried if not _worse(pair[1])]
     extension, gain = max(better, key=lambda pair: pair[0].score, default=(by_effects, gain_by_effects))
     offered = bool(better)
-    return CommandedComparison(
+    return CommandedDiagnosis(
         subject=subject,
         found=found,
         weights=weights,
         evidence=evidence,
         verdict=verdict,
         extension=extension,
-        offered=offered,
+        extended=offered,
         gain=gain if offered or gain is None else gain.without_extension(),
         missing=missing_knowledge_of(subject, by_effects.base, evidence.noise, train, held_out),
         original=original,
         train=train,
-        seconds=seconds,
+        seconds=0.0,
     )
 
 

@@ -13,8 +13,8 @@ from smarig.diagnosis.comparison.commanded.screening import Screened, collinear
 from smarig.diagnosis.comparison.compared_hypothesis import ComparedHypothesis, Part, Trial
 from smarig.diagnosis.comparison.rules import RULES, VerdictEvidence
 from smarig.diagnosis.comparison.weights import TEMPERATURE, Weights
-from smarig.diagnosis.explain.joint_density import settled_rms
 from smarig.diagnosis.looks_like import PLANT_EFFECTS
+from smarig.diagnosis.refit.joint_density import settled_rms
 from smarig.replay import PlantModel
 
 PARTED_NATS = TEMPERATURE * float(np.log(RULES["name"].value / (1 - RULES["name"].value)))

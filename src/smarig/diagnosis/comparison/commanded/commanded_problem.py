@@ -16,8 +16,8 @@ from smarig.diagnosis.comparison.commanded.block_scores import (
 )
 from smarig.diagnosis.comparison.commanded.channel_model import ChannelModel, channel_models
 from smarig.diagnosis.comparison.compared_hypothesis import Part, Trial
-from smarig.diagnosis.explain.joint_density import joint_density_from_best_start
 from smarig.diagnosis.refit.coupled_readings import CoupledReadings, coupled_readings
+from smarig.diagnosis.refit.joint_density import joint_density_from_best_start
 from smarig.diagnosis.refit.memory_noise import memory_covariance
 from smarig.diagnosis.refit.refit import Refit, refit
 from smarig.plant import Effect, EffectType
@@ -80,7 +80,7 @@ class CommandedProblem:
     def at(self, plant_model: PlantModel, warm: Refit) -> FittedPlant:
         """A plant model as it is, with the likeliest variances."""
         prediction = predict(self.timeline, plant_model)
-        return self._fitted(plant_model, prediction, refit(self.timeline, prediction, plant_model, (), warm))
+        return self._fitted(plant_model, prediction, refit(self.timeline, prediction, plant_model, warm))
 
     def with_effects(self, fitted: FittedPlant, effects: Sequence[Effect]) -> PlantModel:
         """The plant model with these effects of the catalogue, which include those of the given model."""

@@ -15,8 +15,7 @@ from numpy.typing import NDArray
 from scipy.linalg import cholesky, eigh, solve_triangular
 
 from smarig.diagnosis.comparison.commanded.commanded_problem import CommandedProblem, FittedPlant, by_kind
-from smarig.diagnosis.drive_statistics import DriveStatistics
-from smarig.diagnosis.explain.discrepancy import (
+from smarig.diagnosis.comparison.commanded.kernel_shapes import (
     PLAIN,
     RANK_LENGTH,
     SIZES,
@@ -26,6 +25,7 @@ from smarig.diagnosis.explain.discrepancy import (
     ranks,
     walk_kernel,
 )
+from smarig.diagnosis.drive_statistics import DriveStatistics
 from smarig.diagnosis.refit.coupled_readings import CoupledReadings
 from smarig.preisach import sensitivities
 from smarig.replay import OUTPUT_DEPENDENT_KINDS

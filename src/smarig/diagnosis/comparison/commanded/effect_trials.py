@@ -7,7 +7,7 @@ import numpy as np
 
 from smarig.diagnosis.comparison.commanded.commanded_problem import CommandedProblem, FittedPlant
 from smarig.diagnosis.comparison.compared_hypothesis import ComparedHypothesis, Trial
-from smarig.diagnosis.explain.parameter_fit import ParameterFit, fit_parameters
+from smarig.diagnosis.refit.parameter_fit import ParameterFit, fit_parameters
 from smarig.plant import LEARNED, Effect
 
 STEPS_SD = (3.0, 1.0)  # standard deviations of the strength from trial to trial

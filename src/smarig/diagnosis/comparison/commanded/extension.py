@@ -12,8 +12,8 @@ from smarig.diagnosis.comparison.commanded.commanded_search import SearchedHypot
 from smarig.diagnosis.comparison.commanded.drawn_values import drawn_values
 from smarig.diagnosis.comparison.compared_hypothesis import ComparedHypothesis, Part, Trial
 from smarig.diagnosis.comparison.weights import Weights
-from smarig.diagnosis.explain.joint_density import with_density_for_effects, with_posterior_density
 from smarig.diagnosis.held_out_gain import HeldOutGain, held_out_gain
+from smarig.diagnosis.refit.joint_density import with_density_for_effects, with_posterior_density
 from smarig.plant import LEARNED
 from smarig.record import Run
 from smarig.replay import PlantModel

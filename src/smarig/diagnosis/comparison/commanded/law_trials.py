@@ -8,9 +8,9 @@ import numpy as np
 
 from smarig.diagnosis.comparison.commanded.commanded_problem import CommandedProblem, FittedPlant
 from smarig.diagnosis.comparison.commanded.effect_trials import fitted_with, refined
+from smarig.diagnosis.comparison.commanded.law_shapes import law_shape, law_start
 from smarig.diagnosis.comparison.commanded.variable_trials import Discrepancies
 from smarig.diagnosis.comparison.compared_hypothesis import ComparedHypothesis
-from smarig.diagnosis.explain.learned_term_fit import law_shape, law_start
 from smarig.plant import LEARNED_FROM, can_be_learned
 
 LAWS = 2  # fitted: far from the base model, kernels do not say which place of which variable is the better
@@ -24,7 +24,7 @@ def laws(subject: CommandedProblem, smooth: Discrepancies) -> list[tuple[Compare
         return []
     found = []
     for variable, place in _places(smooth)[:LAWS]:
-        shape = law_shape(subject.timeline, fitted.plant_model, fitted.prediction, {}, variable, place)
+        shape = law_shape(subject.timeline, fitted.plant_model, fitted.prediction, variable, place)
         if shape is not None:
             effects = [*fitted.effects, law_start(fitted.plant_model, shape)]
             by_law = fitted_with(subject, fitted, effects)

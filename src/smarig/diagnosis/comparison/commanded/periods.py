@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from smarig.diagnosis.comparison.commanded.commanded_problem import CommandedProblem
+from smarig.diagnosis.comparison.commanded.effect_traces import WEAK_SHARE, Candidate
 from smarig.diagnosis.comparison.commanded.variable_trials import Discrepancies
-from smarig.diagnosis.critique.candidates import WEAK_SHARE, Candidate
 from smarig.plant import Effect
 from smarig.replay import predict
 
@@ -24,8 +24,8 @@ PERIODS = 80  # tried, evenly in the logarithm, from a few steps to several reco
 def with_best_period(subject: CommandedProblem, candidate: Candidate, smooth: Discrepancies) -> Candidate:
     """A periodic effect of the temperature with one more trace, at the best period; another candidate as it is."""
     kind = candidate.kind
-    names = [p.name for p in kind.parameters if p.period_of] if kind else []
-    if kind is None or not names:
+    names = [p.name for p in kind.parameters if p.period_of]
+    if not names:
         return candidate
     period_h, phase = _best(subject, smooth)
     values = {names[0]: period_h, "phase": phase, kind.primary.name: WEAK_SHARE * kind.primary.typical}

@@ -18,8 +18,8 @@ from smarig.diagnosis.comparison.commanded.commanded_problem import (
     by_kind,
     less_optimism,
 )
+from smarig.diagnosis.comparison.commanded.effect_traces import DETECTION_SD, Candidate, named
 from smarig.diagnosis.comparison.compared_hypothesis import ComparedHypothesis, Part, Trial
-from smarig.diagnosis.critique.candidates import DETECTION_SD, Candidate, named
 from smarig.plant import Effect, EffectType
 
 Array = NDArray[np.float64]
@@ -76,7 +76,7 @@ def _screened(
     subject: CommandedProblem, fitted: FittedPlant, candidate: Candidate, ranking: Sequence[Problem]
 ) -> tuple[Screened, float] | None:
     kind = candidate.kind
-    if kind is None or not np.any(candidate.traces):
+    if not np.any(candidate.traces):
         return None
     readings = by_kind(subject.timeline, candidate.traces)
     traces = [p.trace(readings) for p in fitted.problems]

@@ -25,8 +25,14 @@ from smarig.diagnosis.comparison.commanded.commanded_problem import (
     less_optimism,
 )
 from smarig.diagnosis.comparison.commanded.discrepancy_kernels import Kernel, kernels, screened_kernels
+from smarig.diagnosis.comparison.commanded.kernel_shapes import (
+    PLAUSIBLE_ROOM_K,
+    RANK_LENGTH,
+    TIME_SHARES,
+    falling,
+    ranks,
+)
 from smarig.diagnosis.comparison.compared_hypothesis import ComparedHypothesis, Part, Trial
-from smarig.diagnosis.explain.discrepancy import PLAUSIBLE_ROOM_K, RANK_LENGTH, TIME_SHARES, falling, ranks
 from smarig.diagnosis.refit.coupled_readings import CoupledReadings
 
 Array = NDArray[np.float64]

@@ -4,7 +4,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from smarig.diagnosis.comparison.measured.measured_text import MISSING_EXPERIMENT
 from smarig.diagnosis.comparison.rules import SENTENCES
 from smarig.diagnosis.comparison.weights_json import causes_json, hypotheses_json
 from smarig.diagnosis.error_parts import error_parts
@@ -26,12 +25,7 @@ def measured_json(d: "MeasuredDiagnosis") -> dict[str, Any]:
         "reason": SENTENCES[verdict.reason],
         "causes": causes_json(d.evidence.weights),
         "hypotheses": hypotheses_json(d.evidence.weights),
-        "missing_knowledge": missing
-        and {
-            "share_of_error": missing.share,
-            "where": {"input": list(missing.inputs), "unit": d.runs[0].input_unit},
-            "experiment": MISSING_EXPERIMENT,
-        },
+        "missing_knowledge": missing and missing.to_json(d.runs[0].input_unit),
         "not_identifiable": d.not_testable,
         "error": {
             "unit": d.unit,

@@ -1,23 +1,23 @@
 """The sentences of a diagnosis of runs with a measured input."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from smarig.core import spaced
 from smarig.diagnosis.comparison.measured.measured_comparison import RunOffset
-from smarig.diagnosis.comparison.rules import SENTENCES
+from smarig.diagnosis.comparison.rules import RULES
+from smarig.diagnosis.comparison.verdict_sentences import verdict_lines
 from smarig.diagnosis.diagnosis_text import (
+    FAR_OFF_RATIO,
     gain_text,
     held_out_text,
     learned_gain_text,
-    nothing_learned_text,
-    parameter_text,
+    no_extension_text,
 )
 from smarig.diagnosis.looks_like import looks_like
 from smarig.diagnosis.suspects import suspect_lines, suspects
-from smarig.diagnosis.variable_words import variable_words
 from smarig.identification import assumed_starts, assumed_starts_text
 
 if TYPE_CHECKING:
@@ -27,15 +27,12 @@ PROPERTIES = {  # what is to be expected of every Preisach operator, in case it 
     "return_point": "Minor loops do not return: where an excursion of the input closes, the output differs",
     "wiping_out": "Wiping-out fails: branches that start at the same end of the input differ",
 }
-MISSING_EXPERIMENT = "Train with a run that turns where the held-out runs turn."
 NO_EXTENSION = "it predicts blocks left out of the fit, or the held-out runs, no better"
-INADEQUATE = 3.0  # times the noise: the model is not adequate
-FAR_OFF_RATIO = 10.0  # times the error of a refitted model: the given model is of another specimen or state
 
 
 def measured_lines(d: "MeasuredDiagnosis") -> Iterator[str]:
     """The findings, one or two sentences per line; the verdict first, then conditions that could cause it."""
-    yield from _verdict(d)
+    yield from verdict_lines(d.verdict, d.findings, d.evidence.causes, _silence(d))
     yield from d.conditions
     yield from _learned(d)
     yield adequacy_text(d)
@@ -63,38 +60,17 @@ def offset_sentence(offset: RunOffset, input_unit: str, unit: str) -> str:
     )
 
 
-def _verdict(d: "MeasuredDiagnosis") -> Iterator[str]:
-    word, reason = d.verdict.word, SENTENCES[d.verdict.reason]
-    if word == "silent":
-        size = d.base.rms / float(np.ptp(d.comparison.plan.y[d.comparison.train]))
-        error = f"{100 * size:.2f} % of the range"
-        yield f"Nothing stands out: a Preisach model predicts blocks left out of the fit to {error}."
-    elif word == "not_identifiable":
-        yield reason
-    elif word == "unknown":
-        dependence = f" and depends on {variable_words(d.verdict.depends_on)}" if d.verdict.depends_on else ""
-        yield f"Something is wrong{dependence}, but no effect of the catalogue is certain. {reason}"
-        if d.verdict.names:
-            yield f"What competes: {', '.join(map(_with_probability(d), d.verdict.names))}."
-    opening = {"named": "Found", "ambiguous": "Ambiguous, best explanation"}.get(word, "")
-    for effect in d.findings:
-        values = ", ".join(parameter_text(n, v) for n, v in effect.parameters.items())
-        bracket = f" ({values})" if values else ""
-        yield f"{opening}: {effect.name}{bracket}, probability {effect.probability:.2f}."
-    if word == "ambiguous":
-        yield f"The truth is likely among these: {', '.join(map(_with_probability(d), d.verdict.names))}. {reason}"
-
-
-def _with_probability(d: "MeasuredDiagnosis") -> Callable[[str], str]:
-    causes = {p.name: w for p, w in d.evidence.causes.items()}
-    return lambda name: f"{name} ({causes[name]:.2f})"
+def _silence(d: "MeasuredDiagnosis") -> str:
+    size = d.base.rms / float(np.ptp(d.comparison.plan.y[d.comparison.train]))
+    error = f"{100 * size:.2f} % of the range"
+    return f"Nothing stands out: a Preisach model predicts blocks left out of the fit to {error}."
 
 
 def _learned(d: "MeasuredDiagnosis") -> Iterator[str]:
     """What was learned in place of a cause, or why no extended model is offered."""
     law = d.learned
     if d.extension is None and not d.evidence.between_runs and (d.findings or d.verdict.depends_on):
-        yield from nothing_learned_text(NO_EXTENSION)
+        yield no_extension_text(NO_EXTENSION)
     for term in law.terms if law else ():
         of = " and ".join(v.replace("_", " ") for v in term.variables)
         formula = law.formula(term) if law else None
@@ -106,14 +82,8 @@ def _learned(d: "MeasuredDiagnosis") -> Iterator[str]:
 
 def _missing(d: "MeasuredDiagnosis") -> Iterator[str]:
     """What the training runs do not determine and the held-out runs need."""
-    missing = d.evidence.missing
-    if missing is not None:
-        low, high = missing.inputs
-        yield (
-            f"{100 * missing.share:.0f} % of the held-out error is missing knowledge, no change: between {low:.4g} and "
-            f"{high:.4g}{spaced(d.runs[0].input_unit)} the held-out runs enter states that no training run determines. "
-            f"{MISSING_EXPERIMENT}"
-        )
+    if d.evidence.missing is not None:
+        yield d.evidence.missing.sentence(d.runs[0].input_unit)
 
 
 def adequacy_text(d: "MeasuredDiagnosis") -> str:
@@ -121,7 +91,7 @@ def adequacy_text(d: "MeasuredDiagnosis") -> str:
     ratio = d.base.rms / d.noise if d.noise else float("inf")
     found = "the learned term" if d.learned else "the effects found"
     extended = f", with {found} by {d.best.rms:.4g}{spaced(d.unit)}" if d.best else ""
-    size = f" ({ratio:.0f} × the noise)" if ratio > INADEQUATE else ""
+    size = f" ({ratio:.0f} × the noise)" if ratio > RULES["adequate"].value else ""
     return (
         "On blocks left out of the fit, a Preisach model misses the training runs by "
         f"{d.base.rms:.4g}{spaced(d.unit)} rms"

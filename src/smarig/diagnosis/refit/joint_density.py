@@ -10,7 +10,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from smarig.diagnosis.explain.moved_density import with_moved_density
+from smarig.diagnosis.refit.moved_density import with_moved_density
 from smarig.diagnosis.refit.refit import Refit, refit
 from smarig.identification import Observations, fit_table, surface_through_states
 from smarig.preisach import Everett, FodSurface
@@ -61,7 +61,7 @@ def with_posterior_density(
 
     A refit that fits worse than the given model has failed, and must not be diagnosed.
     """
-    posterior = replace(plant_model, hysteresis=refitted.posterior.table(signed=plant_model.signed))
+    posterior = replace(plant_model, hysteresis=refitted.posterior.table())
     candidates = (plant_model, posterior, *([given] if given else []))
     return min(candidates, key=lambda s: settled_rms(timeline, s))
 
@@ -93,7 +93,7 @@ def _start(
     return (
         plant_model,
         prediction,
-        _refit_without_nuisances(timeline.positions_only, prediction.positions_only, plant_model, warm_start),
+        refit(timeline.positions_only, prediction.positions_only, plant_model, warm_start),
     )
 
 
@@ -103,7 +103,7 @@ def _alternated(timeline: Timeline, start: tuple[PlantModel, Prediction, Refit])
     for _ in range(MAX_ROUNDS):
         next_fit = _start(
             timeline,
-            replace(plant_model, hysteresis=refitted.posterior.table(signed=plant_model.signed)),
+            replace(plant_model, hysteresis=refitted.posterior.table()),
             refitted,
         )
         gain_nats = next_fit[2].log_evidence - refitted.log_evidence
@@ -112,15 +112,7 @@ def _alternated(timeline: Timeline, start: tuple[PlantModel, Prediction, Refit])
         if gain_nats < MIN_ROUND_GAIN:
             break
     positions_alone = len(timeline.positions_only.all_readings) == len(timeline.all_readings)
-    return plant_model, refitted if positions_alone else _refit_without_nuisances(
-        timeline, prediction, plant_model, refitted
-    )
-
-
-def _refit_without_nuisances(
-    timeline: Timeline, prediction: Prediction, plant_model: PlantModel, warm_start: Refit | None
-) -> Refit:
-    return refit(timeline, prediction, plant_model, (), warm_start)
+    return plant_model, refitted if positions_alone else refit(timeline, prediction, plant_model, refitted)
 
 
 def _settled_rows(timeline: Timeline, prediction: Prediction, plant_model: PlantModel) -> Observations:

@@ -57,22 +57,6 @@ class ParameterFit:
         """Names of the effects, in order."""
         return tuple(sorted(p.kind.name for p in self.effects))
 
-    def extrapolated(self, start: Sequence[Effect], far: float) -> tuple[Effect, ...]:
-        """The effects ``far`` times as far from a start, within their bounds."""
-        return tuple(_extrapolated_effect(a, b, far) for a, b in zip(start, self.effects))
-
-
-def _extrapolated_effect(start: Effect, end: Effect, far: float) -> Effect:
-    values = {
-        p.name: float(
-            np.clip(
-                start.values[p.name] + far * (end.values[p.name] - start.values[p.name]), p.lower, p.upper
-            )
-        )
-        for p in end.kind.parameters
-    }
-    return end.kind(**values)
-
 
 def fit_parameters(
     start: Sequence[Effect],
@@ -80,24 +64,20 @@ def fit_parameters(
     plant_model: PlantModel,
     refitted: Refit,
     centre: Everett,
-    *,
-    independent: bool = False,
 ) -> ParameterFit:
     """Fit the parameters of effects by least squares, from a start and within bounds.
 
     The density of the plant model determines the prediction. ``centre`` is the output from which density deviations
-    in C are counted; it is the same for all explanations that are compared. ``independent``: fit only readings that
-    do not depend on the output, such as the current, so that no density resists.
+    in C are counted; it is the same for all explanations that are compared.
     """
     fit = _FreeParameters(tuple(start), timeline.duration_h)
     data = np.concatenate([r.value for r in timeline.all_readings])
-    rows = slice(refitted.coupled if independent else 0, None)
 
     def residual(x: Array) -> Array:
         prediction = predict(timeline, replace(plant_model, effects=()), fit.at(x))
         return refitted.centred(
             data - with_hysteresis(prediction, plant_model, centre).stacked(timeline), timeline
-        )[rows]
+        )
 
     x, r, J = _levenberg_marquardt(residual, fit)
     for _ in range(_MAX_SCANS):

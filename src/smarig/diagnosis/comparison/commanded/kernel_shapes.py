@@ -1,0 +1,43 @@
+"""Shapes of a smooth dependence on one variable, and the variables of a record that a verdict can name.
+
+"walk" has errors that grow with the travel since the last saturation: minor loops that do not return, as in no Preisach
+operator.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+TIME_SHARES = (1 / 60, 1 / 15, 1 / 4)  # of the record's duration: correlation times
+RANK_LENGTH = 0.15  # correlation length of other variables, in shares of their ranks
+SATURATED_SHARE = 0.02  # of the output's range: nearer to an end counts as saturated
+PLAUSIBLE_ROOM_K = 0.1  # fluctuation of the room assumed while candidates are screened
+SIZES = 10.0 ** np.linspace(-9, 1, 41)  # s², strokes² or K², tried while candidates are screened
+WALK = "walk"
+PLAIN = {WALK: "history", "branch": "history"}  # the variable that a verdict names
+
+
+def falling(z: Array, length: float) -> Array:
+    """exp(−|z − z'|/length), (n, n)."""
+    return np.exp(-np.abs(z[:, None] - z[None, :]) / length)
+
+
+def ranks(z: Array) -> Array:
+    """The share of distinct values up to each, (n,)."""
+    values, place = np.unique(np.round(z, 9), return_inverse=True)
+    return ((np.arange(values.size) + 0.5) / values.size)[place]
+
+
+def walk_kernel(session: NDArray[np.int64], t_s: Array, output: Array) -> Array:
+    """A random walk along the travel since the last saturation, (n, n)."""
+    low, high = float(output.min()), float(output.max())
+    span = (high - low) or 1.0
+    near = SATURATED_SHARE * span
+    saturated = (output < low + near) | (output > high - near)
+    travel, section = np.zeros(output.size), np.zeros(output.size, dtype=np.int64)
+    order = np.lexsort((t_s, session))
+    for before, k in zip(order[:-1].tolist(), order[1:].tolist()):
+        begins = saturated[k] or session[k] != session[before]
+        section[k] = section[before] + int(begins)
+        travel[k] = 0.0 if begins else travel[before] + abs(output[k] - output[before]) / span
+    return np.equal.outer(section, section) * np.minimum.outer(travel, travel)

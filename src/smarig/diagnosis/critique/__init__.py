@@ -1,1 +1,0 @@
-"""The test whether residuals exceed noise, against null data."""
