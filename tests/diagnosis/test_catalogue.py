@@ -102,7 +102,7 @@ def test_an_effect_that_shows_is_named_or_in_the_set(effect, request):
     found = answer(number, effect, channels, times=times)
     assert found.verdict.word in ("named", "ambiguous")
     assert effect in found.verdict.names
-    assert effect not in found.visibility.invisible
+    assert effect not in found.not_identifiable
 
 
 @pytest.mark.parametrize("effect", selected(INVISIBLE))
