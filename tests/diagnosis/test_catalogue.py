@@ -74,14 +74,13 @@ LONG = {
 }
 
 
-# What the gates and the discrepancies cost: mend them, not the list. A test that passes again must leave it (strict).
+# What an earlier engine missed; not measured again with the present one.
 MISSED = {
     "amplifier_gain": "the current shows it, but held-out positions are predicted slightly worse",
     "convection": "the error is at the noise, and its gain stays below 18 nats",
     "cross_talk": "held-out runs bear it out by R = 0.27 only",
     "stress_coupling": "resistance_phase is likelier, and held-out runs do not bear it out",
 }
-FOUND = {"r_phase": "the density is off by more than its noise, so the verdict is unknown, depends on level"}
 where_there_is_time = pytest.mark.long("takes a minute")
 
 
@@ -102,13 +101,11 @@ def test_an_effect_that_shows_is_named_or_in_the_set(effect, request):
     found = answer(number, effect, channels, times=times)
     assert found.verdict.word in ("named", "ambiguous")
     assert effect in found.verdict.names
-    assert effect not in found.visibility.invisible
+    assert effect not in found.not_identifiable
 
 
 @pytest.mark.parametrize("effect", selected(INVISIBLE))
-def test_an_effect_that_a_density_takes_up_gets_no_name_at_all(effect, request):
-    if effect in FOUND:
-        request.applymarker(pytest.mark.xfail(reason=FOUND[effect]))
+def test_an_effect_that_a_density_takes_up_gets_no_name_at_all(effect):
     number, times, channels = INVISIBLE[effect]
     assert answer(number, effect, channels, times=times).verdict.word in ("silent", "not_identifiable")
 
@@ -119,7 +116,6 @@ def test_without_its_name_in_the_catalogue_the_variable_is_reported(effect):
     found = answer(number, effect, channels, (effect,), times=times)
     assert found.verdict.word == "unknown"
     assert is_correct_variable(effect, found.verdict.depends_on)
-    assert not found.extended
 
 
 @where_there_is_time

@@ -10,6 +10,8 @@ from collections.abc import Iterator
 from typing import Any
 
 RELATIVE, ABSOLUTE = 1e-6, 1e-9
+OPTIMISED = {"causes", "hypotheses", "where"}  # of variances at an optimum, which is flat
+RELATIVE_OF_OPTIMISED = 1e-3
 HASH = "hash"
 ADDED = {
     "actuator_text",
@@ -70,7 +72,9 @@ ADDED = {
 ENDED = {"wire_history", "history_until_tick"}  # keys that runs of twins no longer have, on purpose
 
 
-def differences(before: Any, now: Any, where: str, *, exact: bool) -> Iterator[str]:
+def differences(
+    before: Any, now: Any, where: str, *, exact: bool, relative: float = RELATIVE
+) -> Iterator[str]:
     """One sentence for each."""
     if isinstance(before, dict) and isinstance(now, dict):
         for key in sorted({*before, *now}):
@@ -79,21 +83,22 @@ def differences(before: Any, now: Any, where: str, *, exact: bool) -> Iterator[s
             if key not in now or key not in before:
                 yield f"{where}.{key}: {'is gone' if key in before else 'is new'}"
             elif exact or key != HASH:
-                yield from differences(before[key], now[key], f"{where}.{key}", exact=exact)
+                own = RELATIVE_OF_OPTIMISED if key in OPTIMISED else relative
+                yield from differences(before[key], now[key], f"{where}.{key}", exact=exact, relative=own)
     elif isinstance(before, list) and isinstance(now, list):
         if len(before) != len(now):
             yield f"{where}: {len(before)} items before, {len(now)} now"
         for k, (a, b) in enumerate(zip(before, now)):
-            yield from differences(a, b, f"{where}[{k}]", exact=exact)
-    elif not _same(before, now, exact):
+            yield from differences(a, b, f"{where}[{k}]", exact=exact, relative=relative)
+    elif not _same(before, now, exact, relative):
         yield f"{where}: {before!r} before, {now!r} now"
 
 
-def _same(before: Any, now: Any, exact: bool) -> bool:
+def _same(before: Any, now: Any, exact: bool, relative: float) -> bool:
     if isinstance(before, float) and isinstance(now, float):
         if math.isnan(before) or math.isnan(now):
             return math.isnan(before) and math.isnan(now)
-        return before == now or (not exact and math.isclose(before, now, rel_tol=RELATIVE, abs_tol=ABSOLUTE))
+        return before == now or (not exact and math.isclose(before, now, rel_tol=relative, abs_tol=ABSOLUTE))
     if isinstance(before, str) and isinstance(now, str) and _is_sentence(before) and _is_sentence(now):
         return True
     return type(before) is type(now) and before == now

@@ -8,7 +8,6 @@ if TYPE_CHECKING:
     from smarig.plant.actuator import Actuator as Actuator
     from smarig.plant.antagonist_stress import AntagonistStress as AntagonistStress
     from smarig.plant.antagonist_stress import stress_of_phases_MPa as stress_of_phases_MPa
-    from smarig.plant.effect import POSITIONS as POSITIONS
     from smarig.plant.effect import Effect as Effect
     from smarig.plant.effect import EffectContext as EffectContext
     from smarig.plant.effect import EffectType as EffectType

@@ -141,7 +141,6 @@ class Parameter:
 
 
 TWO_WIRE = "two_wire"
-POSITIONS = ("settled", "moving")
 
 
 @dataclass(frozen=True)
@@ -156,8 +155,7 @@ class EffectType:
     replay needs it only at readings (a feedback also at turning points); an effect with memory is computed at every
     step. ``output_independent``: changes before the hysteresis follow from the ``ThermalState`` and the input range
     alone, so the hysteresis input of a record is computed once for all densities. Other effects are simulated tick by
-    tick, with the same numbers. ``shown_by``: the kinds of readings in which no density takes the effect up (settled
-    and moving positions, resistance, current); none if it is itself a part of a classical density.
+    tick, with the same numbers.
 
     >>> from smarig.plant.effects.walking import walking
     >>> walking(0.2)
@@ -176,7 +174,6 @@ class EffectType:
     arrangement: str = ""  # TWO_WIRE if it needs two wires
     memoryless: bool = False
     output_independent: bool = False
-    shown_by: tuple[str, ...] = POSITIONS
     remedy: str = ""
     change: tuple[str, ...] = ()
     shape: Any = None  # of a learned effect, which no catalogue lists

@@ -33,6 +33,5 @@ amplifier_gain = EffectType(
         Parameter("offset_A", "A", -0.05, 0.05, 0.0, "0–10 mA, engineering estimate"),
     ),
     act=_act,
-    shown_by=("current", "resistance"),
     output_independent=True,
 )

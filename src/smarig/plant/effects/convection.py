@@ -55,6 +55,5 @@ convection = EffectType(
         ),
     ),
     act=_act,
-    shown_by=("moving",),
     output_independent=True,
 )

@@ -33,6 +33,5 @@ coulomb_friction = EffectType(
     remedy="clean or replace the bearing of the pulley",
     parameters=(Parameter("half_width_K", "K", 0.0, 8.0, 2.0, "1 N on a 0.2 mm wire is 4.5 K"),),
     act=_act,
-    shown_by=(),
     output_independent=True,
 )

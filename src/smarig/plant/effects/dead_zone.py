@@ -41,6 +41,5 @@ dead_zone = EffectType(
         ),
     ),
     act=_act,
-    shown_by=("current", "resistance", "moving"),
     output_independent=True,
 )

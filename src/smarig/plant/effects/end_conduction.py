@@ -35,5 +35,4 @@ end_conduction = EffectType(
         Parameter("cooler", "1", 0.2, 1.0, 0.6, "mean temperature of the ends relative to the middle"),
     ),
     act=_act,
-    shown_by=(),
 )

@@ -93,5 +93,4 @@ latent_heat = EffectType(
         Parameter("specific_heat_change_percent", "%", -60.0, 60.0, 0.0, "0.47–0.84 J/(g K) reported"),
     ),
     act=_act,
-    shown_by=("moving",),
 )

@@ -42,5 +42,4 @@ r_phase = EffectType(
         Parameter("width_K", "K", 0.5, 10.0, 2.0, "1–5 K, engineering estimate"),
     ),
     act=_act,
-    shown_by=(),
 )

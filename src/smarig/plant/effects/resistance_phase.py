@@ -43,5 +43,4 @@ resistance_phase = EffectType(
         ),
     ),
     act=_act,
-    shown_by=("resistance",),
 )

@@ -38,6 +38,5 @@ saturation = EffectType(
         ),
     ),
     act=_act,
-    shown_by=("current", "resistance", "moving"),
     output_independent=True,
 )

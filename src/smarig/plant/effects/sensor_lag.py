@@ -47,5 +47,4 @@ sensor_lag = EffectType(
         Parameter("dead_time_s", "s", 0.0, 30.0, 0.0, "logging and filters"),
     ),
     act=_act,
-    shown_by=("moving",),
 )

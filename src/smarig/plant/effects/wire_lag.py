@@ -37,6 +37,5 @@ wire_lag = EffectType(
         ),
     ),
     act=_act,
-    shown_by=("moving",),
     output_independent=True,
 )

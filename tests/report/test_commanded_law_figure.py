@@ -6,13 +6,13 @@ from typing import Any
 import pytest
 
 from smarig.plant import LEARNED_FROM, LearnedShape
-from smarig.report.diagnosis.learned_law_figure import learned_term_figure
+from smarig.report.diagnosis.learned_law_figure import commanded_law_figure
 
 
 def titles(variable, enters):
     shape = LearnedShape(variable, enters, (1.0, 2.0), "mm" if enters == "output" else "K")
     found: Any = SimpleNamespace(shape=shape, points=[[1.0, 0.0], [2.0, 0.5]])
-    layout = learned_term_figure(found, "mm", "TWIN").panels[0].layout
+    layout = commanded_law_figure(found, "mm", "TWIN").panels[0].layout
     return [layout[name]["title"]["text"] for name in ("xaxis", "yaxis")]
 
 
