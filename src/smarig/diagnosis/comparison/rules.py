@@ -109,7 +109,7 @@ class VerdictEvidence:
         """The least size of a cause that is told."""
         return min(RULES["least_size"].value * self.span, RULES["beside_noise"].value * self.repeatability)
 
-    def tells(self, part: Part) -> bool:
+    def removes_enough(self, part: Part) -> bool:
         """Whether a cause removes more than remains; a variable only describes."""
         rest = RULES["beside_rest"].value * self.remains.get(part, 0.0)
         return part.kind == "variable" or self.size[part] >= rest
@@ -144,16 +144,16 @@ def decide(e: VerdictEvidence) -> Verdict:
         return _nothing(e, "nothing")
     if sum(e.causes[p] for p in large) < 1 - RULES["nothing"].value:
         return _nothing(e, "too_small")
-    told = [p for p in large if e.tells(p)]
-    if not told:
+    enough = [p for p in large if e.removes_enough(p)]
+    if not enough:
         return Verdict("unknown", "beside", depends_on=_likeliest_variable(e))
-    likely = [p for p in told if e.causes[p] >= RULES["name"].value]
+    likely = [p for p in enough if e.causes[p] >= RULES["name"].value]
     effects = [p for p in likely if p.kind == "effect"]
     doubts = {p: _doubt(e, p) for p in effects}
     sure = [p for p in effects if not doubts[p]]
     if sure:
         return Verdict("named", "likely", tuple(p.name for p in sure))
-    return _set(e, told, next((d for d in doubts.values() if d), ""))
+    return _set(e, enough, next((d for d in doubts.values() if d), ""))
 
 
 def _nothing(e: VerdictEvidence, reason: str) -> Verdict:
@@ -184,11 +184,11 @@ def _doubt(e: VerdictEvidence, part: Part) -> str:
     return ""
 
 
-def _set(e: VerdictEvidence, told: list[Part], doubt: str) -> Verdict:
+def _set(e: VerdictEvidence, enough: list[Part], doubt: str) -> Verdict:
     """The smallest set of causes that holds the truth with the probability of the rule."""
     kept: list[Part] = []
     missing = 1.0 - e.nothing
-    for part in told:  # likeliest first
+    for part in enough:  # likeliest first
         if missing <= (1.0 - RULES["set"].value) * (1.0 - e.nothing):
             break
         kept += [q for q in (part, *e.confounded.get(part, ())) if q not in kept]

@@ -1,6 +1,6 @@
 """The readings that depend on the output, as one Gaussian problem: what a density, zeros and noise can make of them."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -8,6 +8,7 @@ from scipy.sparse import csr_matrix
 
 from smarig.diagnosis.refit.density_prior import DensityPrior, density_prior
 from smarig.diagnosis.refit.memory_noise import memory_slopes
+from smarig.diagnosis.refit.moved_density import without_effects
 from smarig.diagnosis.refit.reading_noise import encoder_error_traces, output_rate, reading_scales
 from smarig.diagnosis.refit.variance_components import ReadingCovariance, bounds_of
 from smarig.replay import OUTPUT_DEPENDENT_KINDS, PlantModel, Prediction, Timeline, predict
@@ -75,10 +76,10 @@ def coupled_readings(timeline: Timeline, prediction: Prediction, plant_model: Pl
 
 
 def _effect_contribution(timeline: Timeline, prediction: Prediction, plant_model: PlantModel) -> Array:
-    """The change of each coupled reading (n,) by the effects of the plant model."""
+    """The change of each coupled reading (n,) by the effects of the plant model that no density would make."""
     if not plant_model.effects:
         return np.zeros(prediction.output.size)
-    plain = predict(timeline, replace(plant_model, effects=()))
+    plain = predict(timeline, without_effects(timeline, plant_model, prediction))
     return np.concatenate(
         [
             prediction.values[r.kind] - plain.values[r.kind]

@@ -25,14 +25,27 @@ def with_moved_density(timeline: Timeline, plant_model: PlantModel, density: Eve
     unmoved = replace(plant_model, hysteresis=density)
     if not plant_model.effects:
         return unmoved
-    before = _settled_inputs(predict(timeline, replace(unmoved, effects=())))
-    after = _settled_inputs(predict(timeline, plant_model))
-    if not np.any((before > density.lower) & (before < density.upper)):
-        return unmoved
-    at, moved = rising_map(before, after, density.lower, density.upper)
+    before = predict(timeline, replace(unmoved, effects=()))
+    after = predict(timeline, plant_model)
+    return replace(plant_model, hysteresis=_between_inputs(density, before, after))
+
+
+def without_effects(timeline: Timeline, plant_model: PlantModel, prediction: Prediction) -> PlantModel:
+    """The plant model without its effects, its density moved to the input without them; ``prediction`` is with them."""
+    plain = replace(plant_model, effects=())
+    unmoved = predict(timeline, plain)
+    return replace(plain, hysteresis=_between_inputs(plant_model.hysteresis, prediction, unmoved))
+
+
+def _between_inputs(density: Everett, before: Prediction, after: Prediction) -> Everett:
+    """A density of the input of one prediction, moved to that of another; as it is if that hardly moves it."""
+    first, second = _settled_inputs(before), _settled_inputs(after)
+    if not np.any((first > density.lower) & (first < density.upper)):
+        return density
+    at, moved = rising_map(first, second, density.lower, density.upper)
     if np.max(np.abs(moved - at)) < LEAST_MOVE * (density.upper - density.lower):
-        return unmoved
-    return replace(plant_model, hysteresis=_moved(density, at, moved))
+        return density
+    return _moved(density, at, moved)
 
 
 def _settled_inputs(prediction: Prediction) -> Array:

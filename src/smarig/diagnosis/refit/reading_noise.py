@@ -12,7 +12,7 @@ from smarig.replay import PlantModel, Prediction, ReadingSeries, Timeline
 
 Array = NDArray[np.float64]
 FREE_ZERO_SD = 30.0  # sd of a zero, in ranges of the output: practically free
-EFFECT_ERROR_SHARE = 0.01  # of the change by an effect: its equation is an approximation
+EFFECT_ERROR_SHARE = 0.01  # of what effects change that no density would: their equations are approximations
 UNOBSERVED_SHARE = 0.03  # of the stroke: travel beyond the farthest hold, which a resistance shows
 
 

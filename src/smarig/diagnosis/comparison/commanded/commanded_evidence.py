@@ -38,13 +38,15 @@ def _without_negligible(e: VerdictEvidence, found: SearchedHypotheses, weights: 
     """Evidence with the weight of hypotheses that remove little, or less than they leave, given to nothing."""
     nothing = found.hypotheses[0]
 
-    def tells(h: ComparedHypothesis) -> bool:
-        beside = any(p.kind == "variable" for p in h.parts)  # which describes what is left
+    def removes_enough(h: ComparedHypothesis) -> bool:
+        with_variable = any(p.kind == "variable" for p in h.parts)  # which describes what is left
         unseen = min((_times_rest_unseen(e.held_out, p) for p in h.parts), default=0.0)
-        enough = beside or max(_times_rest(nothing, h), unseen) >= RULES["beside_rest"].value
+        enough = with_variable or max(_times_rest(nothing, h), unseen) >= RULES["beside_rest"].value
         return enough and e.span * _removes(nothing, h) >= e.least_size
 
-    large = [(h, w) for h, w in zip(weights.hypotheses, weights.weight.tolist()) if h.parts and tells(h)]
+    large = [
+        (h, w) for h, w in zip(weights.hypotheses, weights.weight.tolist()) if h.parts and removes_enough(h)
+    ]
     causes = {p: sum(w for h, w in large if p in h.parts) for p in e.causes}
     likeliest = dict(sorted(causes.items(), key=lambda item: -item[1]))
     return replace(e, causes=likeliest, nothing=1.0 - sum(w for _, w in large))

@@ -26,6 +26,7 @@ from smarig.diagnosis.comparison.weights import PRIOR_PAIR, PRIOR_SINGLE, TEMPER
 DENSITIES, BORROWED = 2, 3  # of the base beside the first: its own, and those of the best effects or laws
 FITTED, VARIABLES, PAIRS = 5, 4, 2  # most hypotheses of each kind that are fitted
 IMITATES = 0.5  # cos² of two traces
+ALWAYS = 3  # effects that are fitted, whatever their linear traces say
 LINEAR_SHARE = 0.2  # of the best gain: an effect with less by linear traces stays at them
 NEAR_NATS, NEAR_SHARE = 10.0, 0.2  # behind the best: farther, trials of the parameters change nothing
 PAIR_NATS = TEMPERATURE * float(np.log(PRIOR_SINGLE / PRIOR_PAIR))  # what the prior of a pair takes
@@ -95,7 +96,7 @@ def _refined(
     found: list[ComparedHypothesis] = []
 
     def fit(one: Screened) -> None:
-        result = fitted_with(subject, base, [*base.effects, one.effect])
+        result = fitted_with(subject, base, [*base.effects, one.effect], one.starts)
         if result is None:
             return
         hypothesis, models[result[0].parts] = result
@@ -104,7 +105,7 @@ def _refined(
 
     for one in weak[:FITTED]:
         best = max([h.score for h in found], default=nothing)
-        if not found or one.trial.score >= nothing + LINEAR_SHARE * (best - nothing):
+        if len(found) < ALWAYS or one.promise >= nothing + LINEAR_SHARE * (best - nothing):
             fit(one)
     for one in _imitating(found, weak, nothing):
         fit(one)
@@ -171,8 +172,10 @@ def _pairs(
     smooth = Discrepancies.about(subject, fitted)
     found = []
     for one in screened(subject, fitted, traces, smooth.ranking)[:PAIRS]:
-        promising = one.trial.score > floor + PAIR_NATS
-        result = fitted_with(subject, fitted, [*fitted.effects, one.effect]) if promising else None
+        promising = one.promise > floor + PAIR_NATS
+        result = (
+            fitted_with(subject, fitted, [*fitted.effects, one.effect], one.starts) if promising else None
+        )
         if result is not None:
             hypothesis, models[result[0].parts] = result
             found.append(_reported(hypothesis, best, progress))

@@ -1,16 +1,18 @@
 """The traces of the effects of the catalogue: the changes of each reading by a weak effect.
 
-There is one trace for each combination of an effect's other parameters.
+There is one trace for each combination of an effect's other parameters, and one of the usual strength beside a density
+that is moved with the input: what a density takes up is no trace.
 """
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import product
 
 import numpy as np
 from numpy.typing import NDArray
 
 from smarig.diagnosis.comparison.commanded.recorded_period import recorded_period_h
+from smarig.diagnosis.refit.moved_density import with_moved_density
 from smarig.plant import Effect, EffectType, Parameter
 from smarig.replay import PlantModel, Prediction, Timeline, predict
 
@@ -32,6 +34,11 @@ class Candidate:
         """The name of the effect."""
         return self.kind.name
 
+    def with_trace(self, variant: Effect, trace: Array) -> "Candidate":
+        """The same with one more variant and its trace (N,)."""
+        traces = np.column_stack([self.traces, trace])
+        return replace(self, traces=traces, variants=(*self.variants, variant))
+
 
 def named(
     timeline: Timeline, plant_model: PlantModel, base: Prediction, kinds: Sequence[EffectType]
@@ -43,7 +50,18 @@ def named(
         traces = np.column_stack(
             [predict(timeline, plant_model, [p]).stacked(timeline) - zero for p in variants]
         )
-        yield Candidate(kind, traces, variants)
+        yield Candidate(kind, traces, variants).with_trace(*_usual(timeline, plant_model, zero, variants))
+
+
+def _usual(
+    timeline: Timeline, plant_model: PlantModel, zero: Array, variants: Sequence[Effect]
+) -> tuple[Effect, Array]:
+    """An effect of the usual strength, with its trace (N,) beside a density that is moved with the input."""
+    variant = variants[len(variants) // 2]
+    usual = variant.at(variant.kind.primary.typical)
+    model = replace(plant_model, effects=(*plant_model.effects, usual))
+    moved = with_moved_density(timeline, model, plant_model.hysteresis)
+    return usual, predict(timeline, moved).stacked(timeline) - zero
 
 
 def _variants(kind: EffectType, timeline: Timeline) -> Iterator[Effect]:

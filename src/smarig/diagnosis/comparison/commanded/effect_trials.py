@@ -12,27 +12,36 @@ from smarig.plant import LEARNED, Effect
 
 STEPS_SD = (3.0, 1.0)  # standard deviations of the strength from trial to trial
 STEP_BOUNDS = (0.003, 0.3)  # of the strength: bounds of a step
-ROUNDS = 3  # of parameters, then density
+ROUNDS = 5  # of parameters, then density
 MOST_TRIALS = 11
 MIN_ROUND_NATS = 2.0  # a round that gains less is the last
 MIN_MOVE_SD = 0.3  # of a parameter: smaller moves change no score
 
 
 def fitted_with(
-    subject: CommandedProblem, start: FittedPlant, effects: Sequence[Effect]
+    subject: CommandedProblem, start: FittedPlant, effects: Sequence[Effect], others: Sequence[Effect] = ()
 ) -> tuple[ComparedHypothesis, FittedPlant] | None:
-    """The hypothesis that these effects are present, fitted about ``start`` and given a density of their own.
+    """The hypothesis that these effects are present, with a density identified together with them.
 
-    None if they move the inputs so close together that no density can be identified.
+    A density that was identified without an effect has its errors in it, and holds its strength near zero. So the
+    search starts at strengths: those of ``effects``, and with ``others`` in place of the last effect. Parameters that
+    need more than a strength are also fitted about ``start``. None if no density can be identified.
     """
-    fit = fit_parameters(
-        effects, subject.timeline, start.plant_model, start.refitted, start.plant_model.hysteresis
-    )
-    try:
-        best = subject.with_joint_density(subject.with_effects(start, fit.effects), start.refitted)
-    except np.linalg.LinAlgError:
+    *known, last = effects
+    starts = [(*known, e) for e in (last, *others)]
+    if not others or len(last.kind.parameters) > 1:
+        model = start.plant_model
+        fit = fit_parameters(effects, subject.timeline, model, start.refitted, model.hysteresis)
+        starts = [fit.effects, *(starts if others else [])]
+    found = []
+    for each in starts:
+        with suppress(np.linalg.LinAlgError):  # inputs that the effects move too close together
+            fitted = subject.with_joint_density(subject.with_effects(start, each), start.refitted)
+            found.append((subject.trial(fitted), fitted))
+    if not found:
         return None
-    return ComparedHypothesis(subject.parts(best), (subject.trial(best),)), best
+    _, best = max(found, key=lambda pair: pair[0].score)
+    return ComparedHypothesis(subject.parts(best), tuple(t for t, _ in found)), best
 
 
 def refined(

@@ -5,8 +5,6 @@
 A fit that starts at a wrong period stays there. These traces cost no simulation, so all periods are tried.
 """
 
-from dataclasses import replace
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -34,11 +32,7 @@ def with_best_period(subject: CommandedProblem, candidate: Candidate, smooth: Di
     base = subject.base
     changed = predict(subject.timeline, base.plant_model, [variant]).stacked(subject.timeline)
     trace = changed - base.prediction.stacked(subject.timeline)
-    return replace(
-        candidate,
-        traces=np.column_stack([candidate.traces, trace]),
-        variants=(*candidate.variants, variant),
-    )
+    return candidate.with_trace(variant, trace)
 
 
 def _best(subject: CommandedProblem, smooth: Discrepancies) -> tuple[float, float]:

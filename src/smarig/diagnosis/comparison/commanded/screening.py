@@ -29,12 +29,16 @@ Array = NDArray[np.float64]
 class Screened:
     """An effect of the catalogue at the strength that its traces suggest, with its scores by linear traces.
 
-    ``whitened`` (N,) is its trace at this strength after the density and the constants have taken their part.
+    ``promise``: the score that it may reach, in nats. ``starts`` are other strengths to search from: by each channel
+    that no density changes, and the usual one. ``whitened`` (N,) is its trace at this strength after density and
+    constants have taken their part.
     ``detectable``: whether the largest strength within its bounds would exceed the noise.
     """
 
     effect: Effect
     trial: Trial
+    promise: float
+    starts: tuple[Effect, ...]
     whitened: Array
     detectable: bool
 
@@ -64,16 +68,21 @@ def screened(
     """All effects that change a reading, the best first; ``ranking``: problems in which they are compared."""
     names = {e.kind.name for e in fitted.effects}
     problems = ranking or fitted.problems
+    nothing = trial_of(subject.timeline, problems, {}, None).score
     all_found = [
         one
         for c in found
-        if c.name not in names and (one := _screened(subject, fitted, c, problems)) is not None
+        if c.name not in names and (one := _screened(subject, fitted, c, problems, nothing)) is not None
     ]
     return [one for one, _ in sorted(all_found, key=lambda pair: -pair[1])]
 
 
 def _screened(
-    subject: CommandedProblem, fitted: FittedPlant, candidate: Candidate, ranking: Sequence[Problem]
+    subject: CommandedProblem,
+    fitted: FittedPlant,
+    candidate: Candidate,
+    ranking: Sequence[Problem],
+    nothing: float,
 ) -> tuple[Screened, float] | None:
     kind = candidate.kind
     if not np.any(candidate.traces):
@@ -95,7 +104,26 @@ def _screened(
     trial = less_optimism(trial, [*fitted.effects, effect])
     white = np.concatenate([_whitened(p, s) for p, s in zip(fitted.problems, shifts)])
     ranked = trial_of(subject.timeline, ranking, parameters, None, shifts)
-    return Screened(effect, trial, white, detectable), ranked.score
+    by_channel = _by_channels(candidate, k, fitted.problems[1:], traces[1:])
+    most = max((gain for _, gain in by_channel), default=0.0)
+    usual = kind.primary.typical if value >= 0 else max(-kind.primary.typical, kind.primary.lower)
+    strengths_to_try = [s for s, _ in by_channel] + ([usual] if usual else [])
+    promise = max(trial.score, trial_of(subject.timeline, fitted.problems, {}, None).score + most)
+    starts = tuple(effect.at(s) for s in strengths_to_try)
+    return Screened(effect, trial, promise, starts, white, detectable), max(ranked.score, nothing + most)
+
+
+def _by_channels(
+    candidate: Candidate, k: int, problems: Sequence[Problem], traces: Sequence[Array]
+) -> list[tuple[float, float]]:
+    """(strength, nats) by each independent channel alone, of variant ``k``; those that show something."""
+    kind, variant = candidate.kind, candidate.variants[k]
+    found = []
+    for p, t in zip(problems, traces):
+        multiples, gains, _ = _best_strengths([p], [t])
+        if kind is not None and gains[k] > 0:
+            found.append((variant.strength * _bounded(kind, variant, float(multiples[k])), float(gains[k])))
+    return found
 
 
 def _best_strengths(problems: Sequence[Problem], traces: Sequence[Array]) -> tuple[Array, Array, Array]:

@@ -20,7 +20,7 @@ from smarig.diagnosis.comparison.intervals import interval
 from smarig.diagnosis.comparison.measured.acting_effects import testable_effects
 from smarig.diagnosis.comparison.measured.additions import FittedAddition, first_basis
 from smarig.diagnosis.comparison.measured.hypothesis_search import LawOf, searched_hypotheses
-from smarig.diagnosis.comparison.measured.missing_knowledge import missing_knowledge, missing_share
+from smarig.diagnosis.comparison.measured.missing_share import missing_knowledge, missing_share
 from smarig.diagnosis.comparison.measured.reading_problem import ReadingProblem, reading_problem
 from smarig.diagnosis.comparison.measured.varied_together import confounded
 from smarig.diagnosis.comparison.measured.wire_records import WireRecord, wire_records
