@@ -15,6 +15,7 @@ from smarig.diagnosis.comparison.rules import RULES, VerdictEvidence
 from smarig.diagnosis.comparison.weights import TEMPERATURE, Weights
 from smarig.diagnosis.looks_like import PLANT_EFFECTS
 from smarig.diagnosis.refit.joint_density import settled_rms
+from smarig.diagnosis.refit.reading_noise import EFFECT_ERROR_SHARE
 from smarig.replay import PlantModel
 
 PARTED_NATS = TEMPERATURE * float(np.log(RULES["name"].value / (1 - RULES["name"].value)))
@@ -31,7 +32,8 @@ def evidence_of(
 
     ``base`` is the model without effects with the density that fits best.
     """
-    return _without_negligible(_all_evidence(subject, found, weights, base, held_out), found, weights)
+    evidence = _with_effects_alone(_all_evidence(subject, found, weights, base, held_out), weights)
+    return _without_negligible(evidence, found, weights)
 
 
 def _without_negligible(e: VerdictEvidence, found: SearchedHypotheses, weights: Weights) -> VerdictEvidence:
@@ -74,7 +76,6 @@ def _all_evidence(
         acts_through={p: _variables_of(p) for p in weights.causes if p.kind == "effect"},
         testable=bool(found.screened),
         repeatability=_repeatability(found, weights),
-        effects_alone=_effects_alone(weights),
         least_alone=RULES["name"].value,  # a name says that nothing else is missing
     )
 
@@ -156,15 +157,27 @@ def _repeatability(found: SearchedHypotheses, weights: Weights) -> float:
     return found.models.get(effects, found.models[()]).refitted.noise.settled
 
 
-def _effects_alone(weights: Weights) -> float:
-    """The probability of hypotheses of effects only, among those that hold an effect."""
+def _with_effects_alone(e: VerdictEvidence, weights: Weights) -> VerdictEvidence:
+    """Evidence with the probability of hypotheses of effects only, among those that hold an effect.
+
+    A variable beside an effect takes no name away if it changes too little to be told, or no more than the equation of
+    the effect is wrong.
+    """
+
+    def alone(h: ComparedHypothesis) -> bool:
+        effect = max((e.size[p] for p in h.parts if p.kind == "effect"), default=0.0)
+        least = max(e.least_size, EFFECT_ERROR_SHARE * effect)
+        return all(p.kind == "effect" or e.size[p] < least for p in h.parts)
+
     with_effect = [
-        (w, all(p.kind == "effect" for p in h.parts))
+        (w, alone(h))
         for h, w in zip(weights.hypotheses, weights.weight.tolist())
         if any(p.kind == "effect" for p in h.parts)
     ]
     total = sum(w for w, _ in with_effect)
-    return sum(w for w, alone in with_effect if alone) / total if total else 1.0
+    return replace(
+        e, effects_alone=sum(w for w, by_effects in with_effect if by_effects) / total if total else 1.0
+    )
 
 
 def _noise(subject: CommandedProblem) -> float:
