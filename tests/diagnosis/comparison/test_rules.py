@@ -61,6 +61,7 @@ def test_each_doubt_takes_the_name_away(changes, reason):
 def test_runs_that_no_fit_has_seen_replace_excursions():
     better = 0.9 * RULES["replaces_blocks"].value
     assert verdict(blocks=3, held_out={LAG: better}).word == "named"
+    assert verdict(effects_alone=0.05, held_out={LAG: better}).word == "named"
     assert verdict(blocks=3, held_out={LAG: 1.1 * RULES["replaces_blocks"].value}).word != "named"
 
 

@@ -174,7 +174,7 @@ def _doubt(e: VerdictEvidence, part: Part) -> str:
         return "few_blocks"
     if e.confounded.get(part):
         return "confounded"
-    if e.effects_alone < e.least_alone:
+    if e.effects_alone < e.least_alone and not seen:
         return "left_over"
     if e.held_out.get(part, 0.0) > RULES["worse"].value:
         return "worse"
