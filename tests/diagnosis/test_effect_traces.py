@@ -33,11 +33,13 @@ def test_a_trace_times_a_strength_is_what_the_effect_changes(recorded, kind, str
 def test_an_effect_has_a_variant_for_every_combination_worth_trying(recorded):
     timeline, plant_model, base = recorded
     found = {c.name: c for c in named(timeline, plant_model, base, (walking, settling, backlash))}
-    assert [p.strength for p in found["walking"].variants] == [0.25 * walking.primary.typical]
+    usual = walking.primary.typical
+    assert [p.strength for p in found["walking"].variants] == [0.25 * usual, usual]
     assert {p.values["time_constant_s"] for p in found["settling"].variants} == set(
         settling.parameters[1].tries
     )
-    assert [p.strength for p in found["backlash"].variants] == list(backlash.primary.tries)
+    expected = [*backlash.primary.tries, backlash.primary.typical]
+    assert [p.strength for p in found["backlash"].variants] == expected
     for candidate in found.values():
         assert candidate.traces.shape == (base.stacked(timeline).size, len(candidate.variants))
         assert np.abs(candidate.traces).max(axis=0).min() > 0

@@ -75,11 +75,15 @@ MISSED = {
     "thermal_expansion": "unknown, with thermal_expansion as the only candidate (0.77)",
 }
 BIASED = {
-    "accommodation": "3.0 K, hidden are 4: strokes and shift compensate",
+    "accommodation": "3.0 [2.9, 3.6] K, hidden are 4: strokes and shift compensate",
     "ambient_drift": "2.991 [2.990, 2.998] K, hidden are 3",
-    "latent_heat": "27 J/g, hidden are 25",
+    "backlash": "the best of the set is slip",
+    "convection": "0.21 [0.17, 0.28], hidden are 0.3",
+    "fatigue": "6.6 [6.6, 8.0] K, hidden are 6: cycles and shift compensate",
+    "latent_heat": "27 [26.2, 27.6] J/g, hidden are 25",
     "resistance_phase": "-12.5 [-12.7, -12.3] %, hidden are -12",
     "saturation": "no trial of another strength, so no interval",
+    "sensor_lag": "3.6 [3.5, 3.8] s, hidden are 4",
 }
 WRONG_VARIABLE = {
     "lost_counts": "named walking",
