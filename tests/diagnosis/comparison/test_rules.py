@@ -46,6 +46,7 @@ def test_what_changes_too_little_is_not_told():
         ({"blocks": 4}, "few_blocks"),
         ({"confounded": {LAG: (DRIFT,)}}, "confounded"),
         ({"held_out": {LAG: 1.2}}, "worse"),
+        ({"not_borne_out": frozenset({LAG})}, "not_borne_out"),
         ({"remains": {LAG: 0.3}}, "beside"),
         ({"effects_alone": 0.05}, "left_over"),
         ({"effects_alone": 0.3, "least_alone": 0.5}, "left_over"),

@@ -65,6 +65,7 @@ SENTENCES = {
     "few_blocks": "There are too few excursions for a name.",
     "confounded": "In these data the cause varies together with others.",
     "worse": "With the likeliest cause, the held-out runs are predicted worse.",
+    "not_borne_out": "What the likeliest cause removes of the training runs' errors remains in the held-out runs.",
     "left_over": "Beside the likeliest cause, errors go with a variable.",
     "incomplete": "With the likeliest cause, the errors still go with the variable that it acts through.",
     "beside": "What is likely removes less of the error than it leaves.",
@@ -85,6 +86,7 @@ class VerdictEvidence:
     that without, where there are such runs. ``repeatability``: what a settled reading scatters, if known.
     ``effects_alone``: probability that effects are enough, without a dependence on a variable beside them; a name needs
     ``least_alone``.
+    ``not_borne_out``: parts that explain the training runs, and of held-out runs nothing where much is to be explained.
     ``acts_through``: the variables of an effect. ``testable``: whether the data can show any effect.
     """
 
@@ -99,6 +101,7 @@ class VerdictEvidence:
     confounded: Mapping[Part, tuple[Part, ...]] = field(default_factory=dict)
     held_out: Mapping[Part, float] = field(default_factory=dict)
     acts_through: Mapping[Part, tuple[Part, ...]] = field(default_factory=dict)
+    not_borne_out: frozenset[Part] = frozenset()
     testable: bool = True
     repeatability: float = inf
     effects_alone: float = 1.0
@@ -178,6 +181,8 @@ def _doubt(e: VerdictEvidence, part: Part) -> str:
         return "left_over"
     if e.held_out.get(part, 0.0) > RULES["worse"].value:
         return "worse"
+    if part in e.not_borne_out:
+        return "not_borne_out"
     through = [v for v in e.acts_through.get(part, ()) if e.size.get(v, 0.0) >= e.least_size]
     if any(e.causes[v] >= RULES["name"].value for v in through):
         return "incomplete"
@@ -195,7 +200,7 @@ def _set(e: VerdictEvidence, enough: list[Part], doubt: str) -> Verdict:
         missing -= e.causes[part]
     names = tuple(p.name for p in kept if p.kind == "effect")
     variables = [p.name for p in kept if p.kind == "variable"]
-    if doubt in ("worse", "left_over") or not names or variables:
+    if doubt in ("worse", "not_borne_out", "left_over") or not names or variables:
         depends_on = variables[0] if variables else _likeliest_variable(e)
         return Verdict("unknown", doubt or ("shared" if names else "variable"), names, depends_on)
     if len(names) == 1:  # no set: what it acts through is all that these data say

@@ -8,7 +8,11 @@ from pathlib import Path
 from threadpoolctl import threadpool_limits
 
 from smarig.diagnosis.comparison.commanded.commanded_diagnosis import CommandedDiagnosis
-from smarig.diagnosis.comparison.commanded.commanded_evidence import evidence_of, likeliest_variable
+from smarig.diagnosis.comparison.commanded.commanded_evidence import (
+    evidence_of,
+    likeliest_variable,
+    with_held_out_gain,
+)
 from smarig.diagnosis.comparison.commanded.commanded_problem import CommandedProblem
 from smarig.diagnosis.comparison.commanded.commanded_search import SearchedHypotheses, search
 from smarig.diagnosis.comparison.commanded.compared_runs import subject_of
@@ -68,6 +72,7 @@ def concluded(
     gain_by_effects = gain_with(subject, by_effects, train, held_out)
     held = held_out_of(by_effects, gain_by_effects)
     evidence = evidence_of(subject, found, weights, by_effects.base, held)
+    evidence = with_held_out_gain(evidence, found, weights, by_effects.parts, gain_by_effects)
     verdict = _with_variable(decide(evidence), evidence, weights.nothing)
     tried = [(by_effects, gain_by_effects)] if by_effects.parts and verdict.word != "silent" else []
     if verdict.word == "unknown":

@@ -1,6 +1,6 @@
 """From weighted hypotheses to what the rules of the verdict ask."""
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 from math import inf
 
@@ -13,11 +13,13 @@ from smarig.diagnosis.comparison.commanded.screening import Screened, collinear
 from smarig.diagnosis.comparison.compared_hypothesis import ComparedHypothesis, Part, Trial
 from smarig.diagnosis.comparison.rules import RULES, VerdictEvidence
 from smarig.diagnosis.comparison.weights import TEMPERATURE, Weights
+from smarig.diagnosis.held_out_gain import HeldOutGain
 from smarig.diagnosis.looks_like import PLANT_EFFECTS
 from smarig.diagnosis.refit.joint_density import settled_rms
 from smarig.diagnosis.refit.reading_noise import EFFECT_ERROR_SHARE
 from smarig.replay import PlantModel
 
+POSITIONS = ("settled", "moving")
 PARTED_NATS = TEMPERATURE * float(np.log(RULES["name"].value / (1 - RULES["name"].value)))
 
 
@@ -139,10 +141,13 @@ def _removes(before: ComparedHypothesis, own: ComparedHypothesis) -> float:
     return float(np.sqrt(max(max(squares[k] - less[k] for k in squares), 0.0)))
 
 
-def _times_rest(before: ComparedHypothesis, own: ComparedHypothesis) -> float:
+def _times_rest(
+    before: ComparedHypothesis, own: ComparedHypothesis, channels: Collection[str] | None = None
+) -> float:
     """What a hypothesis removes over what it leaves, in the channel where that is most."""
     squares, less = _removed(before.best).squares, _removed(own.best).squares
-    return float(np.sqrt(max(max((squares[k] - less[k]) / less[k] for k in squares), 0.0)))
+    shares = [(squares[k] - less[k]) / less[k] for k in squares if channels is None or k in channels]
+    return float(np.sqrt(max(shares, default=0.0))) if max(shares, default=0.0) > 0 else 0.0
 
 
 def _times_rest_unseen(held_out: Mapping[Part, float], part: Part) -> float:
@@ -155,6 +160,31 @@ def _repeatability(found: SearchedHypotheses, weights: Weights) -> float:
     """What a settled reading scatters by the heaviest hypothesis that was fitted."""
     effects = tuple(p for p in weights.heaviest.parts if p.kind == "effect")
     return found.models.get(effects, found.models[()]).refitted.noise.settled
+
+
+def with_held_out_gain(
+    e: VerdictEvidence,
+    found: SearchedHypotheses,
+    weights: Weights,
+    parts: Sequence[Part],
+    gain: HeldOutGain | None,
+) -> VerdictEvidence:
+    """Evidence with the parts of an extended model whose gain held-out runs do not show, though much is to be gained.
+
+    What acts in another channel only, such as the current, need not show in positions.
+    """
+    if gain is None or gain.base < RULES["adequate"].value * gain.floor:
+        return e
+    if gain.extended * RULES["worse"].value <= gain.base:
+        return e
+    return replace(e, not_borne_out=frozenset(p for p in parts if _in_positions(found, weights, p)))
+
+
+def _in_positions(found: SearchedHypotheses, weights: Weights, part: Part) -> bool:
+    """Whether a part removes more of the left-out errors of positions than it leaves."""
+    pairs = _with_and_without(found, weights, part)
+    times = max(_times_rest(before, own, POSITIONS) for before, own in pairs)
+    return times >= RULES["beside_rest"].value
 
 
 def _with_effects_alone(e: VerdictEvidence, weights: Weights) -> VerdictEvidence:
