@@ -116,6 +116,7 @@ def test_without_its_name_in_the_catalogue_the_variable_is_reported(effect):
     found = answer(number, effect, channels, (effect,), times=times)
     assert found.verdict.word == "unknown"
     assert is_correct_variable(effect, found.verdict.depends_on)
+    assert not found.extended
 
 
 @where_there_is_time

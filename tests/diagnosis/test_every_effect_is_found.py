@@ -90,7 +90,7 @@ WRONG_VARIABLE = {
     "shaking": "named ambient_drift: no thermometer of the room contradicts",
     "warming_amplifier": "named fatigue",
 }
-SHORT = ("noncongruency", "slip")  # those that are not left to .ci/long
+SHORT = ("dead_zone", "noncongruency", "slip")  # those that are not left to .ci/long
 where_there_is_time = pytest.mark.long("takes minutes")
 
 

@@ -10,12 +10,14 @@ from collections.abc import Iterator
 from typing import Any
 
 RELATIVE, ABSOLUTE = 1e-6, 1e-9
+COMMANDED = (
+    "box/",
+    "twin/",
+)  # whose diagnosis refits variances; each process ends elsewhere on a flat optimum
 OPTIMISED = {"missing_knowledge", "where"}  # of variances at an optimum, which is flat
 RELATIVE_OF_OPTIMISED = 1e-2
-WEIGHED = {
-    "causes": "probability",
-    "hypotheses": "weight",
-}  # their order is that of weights, which may be equal
+# their order is that of weights, which may be equal
+WEIGHED = {"causes": "probability", "hypotheses": "weight"}
 EQUAL_WEIGHTS = 0.03
 HASH = "hash"
 ADDED = {
@@ -85,12 +87,13 @@ def differences(
         for key in sorted({*before, *now}):
             if key in ENDED or (key in ADDED and key not in before):
                 continue
-            if not exact and _are_weighed(before.get(key), key) and _are_weighed(now.get(key), key):
+            optimised = not exact and where.startswith(COMMANDED)
+            if optimised and _are_weighed(before.get(key), key) and _are_weighed(now.get(key), key):
                 yield from _other_weights(before[key], now[key], f"{where}.{key}", WEIGHED[key])
             elif key not in now or key not in before:
                 yield f"{where}.{key}: {'is gone' if key in before else 'is new'}"
             elif exact or key != HASH:
-                own = RELATIVE_OF_OPTIMISED if key in OPTIMISED else relative
+                own = RELATIVE_OF_OPTIMISED if optimised and key in OPTIMISED else relative
                 yield from differences(before[key], now[key], f"{where}.{key}", exact=exact, relative=own)
     elif isinstance(before, list) and isinstance(now, list):
         if len(before) != len(now):

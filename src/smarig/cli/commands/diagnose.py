@@ -82,20 +82,20 @@ def _taking_all_values(process: Any) -> Any:
     type=float,
     default=0.03,
     show_default=True,
-    help="Probability of a false alarm with --transient; otherwise without effect.",
+    help="Without effect: no null data are drawn.",
 )
 @click.option(
     "--nulls",
     type=int,
     default=400,
     show_default=True,
-    help="Number of simulated data sets without any effect (null data) with --transient; otherwise without effect.",
+    help="Without effect: no null data are drawn.",
 )
 @click.option(
     "--seed",
     type=int,
     default=0,
-    help="Seed of the resampling of blocks, or of --transient's null data.",
+    help="Seed of the resampling of blocks.",
 )
 @click.option("--force", is_flag=True, help="Replace existing files.")
 @json_option

@@ -3,7 +3,24 @@
 from typing import Any
 
 from smarig.diagnosis.comparison.compared_hypothesis import ComparedHypothesis
+from smarig.diagnosis.comparison.rules import SENTENCES, Verdict
 from smarig.diagnosis.comparison.weights import Weights
+
+
+def verdict_json(verdict: Verdict, effects: list[dict[str, Any]], weights: Weights) -> dict[str, Any]:
+    """What every diagnosis says first: the verdict with its effects, and all that it was weighed from."""
+    return {
+        "verdict": verdict.word,
+        "effects": effects,
+        "set": list(verdict.names),
+        "depends_on": verdict.depends_on,
+        "reason": SENTENCES[verdict.reason],
+        "stands_out": verdict.stands_out,
+        "causes": causes_json(weights),
+        "hypotheses": hypotheses_json(weights),
+        "alpha": None,
+        "nulls": 0,
+    }
 
 
 def causes_json(weights: Weights) -> list[dict[str, Any]]:

@@ -5,10 +5,10 @@ log p(y_b | y_−b) = Σ over the coupled readings and each independent channel,
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import cholesky, solve_triangular
 
 from smarig.diagnosis.comparison.block_predictions import inverse, left_out
 from smarig.diagnosis.comparison.commanded.channel_model import ChannelModel
@@ -30,6 +30,12 @@ class Problem:
     block: Rows
     span: float
 
+    @cached_property
+    def root(self) -> Array:
+        """R (n, n) with RᵀR the precision."""
+        values, vectors = np.linalg.eigh(self.precision)
+        return np.sqrt(np.maximum(values, 0.0))[:, None] * vectors.T
+
     def trace(self, readings: Mapping[str, Array]) -> Array:
         """Scaled changes (n,) or (n, m) of these readings."""
         whole = np.concatenate([readings[k] for k in self.kinds])
@@ -43,18 +49,6 @@ class Problem:
         whole = np.zeros(count)
         whole[present] = found - [float(np.log(self.scale[r]).sum()) for r in rows]
         return error * self.scale, whole
-
-
-@dataclass(frozen=True, eq=False)
-class Removed:
-    """What a trial leaves: the mean square (shares of the span) of left-out errors of each kind, and settled ones.
-
-    ``expected`` (n,) are the standard deviations that the trial predicts for the ``settled`` errors (n,).
-    """
-
-    squares: Mapping[str, float]
-    settled: Array
-    expected: Array
 
 
 def coupled_problem(timeline: Timeline, y: Array, scale: Array, covariance: Array, span: float) -> Problem:
@@ -83,10 +77,13 @@ def trial_of(
     plant_model: PlantModel | None,
     shifts: Sequence[Array] = (),
 ) -> Trial:
-    """The scores of all blocks; ``shifts`` are taken from the readings of each problem."""
+    """The scores of all blocks; ``shifts`` are taken from the readings of each problem.
+
+    The state of the trial is the plant model, and by kind the mean square of left-out errors in shares of the span.
+    """
     count = int(timeline.block.max()) + 1
     total, squares = np.zeros(count), {}
-    settled = expected = np.empty(0)
+    settled = np.empty(0)
     for k, p in enumerate(problems):
         error, scores = p.scores(p.y - shifts[k] if len(shifts) else p.y, count)
         total += scores
@@ -97,23 +94,11 @@ def trial_of(
             span = p.span if kind != "resistance" else _span_of(timeline, kind)
             squares[kind] = float(np.mean((own / span) ** 2))
             if kind == "settled":
-                settled, expected = own, _expected(p, size)
+                settled = own
             at += size
     per_block = np.bincount(timeline.block, settled**2, count).astype(float)
-    return Trial(parameters, total, per_block, (plant_model, Removed(squares, settled, expected)))
+    return Trial(parameters, total, per_block, (plant_model, squares))
 
 
 def _span_of(timeline: Timeline, kind: str) -> float:
     return float(np.ptp(next(r.value for r in timeline.all_readings if r.kind == kind)))
-
-
-def _expected(p: Problem, size: int) -> Array:
-    """Standard deviations of the left-out errors of the first readings."""
-    sd = np.empty(size)
-    for b in np.unique(p.block[:size]).tolist():
-        rows = np.flatnonzero(p.block == b)
-        factor = cholesky(p.precision[np.ix_(rows, rows)], lower=True, check_finite=False)
-        root = solve_triangular(factor, np.eye(rows.size), lower=True, check_finite=False)
-        own = rows < size
-        sd[rows[own]] = (np.linalg.norm(root, axis=0) * p.scale[rows])[own]
-    return sd

@@ -154,10 +154,7 @@ class CommandedDiagnosis(NotebookDisplay):
     @cached_property
     def scatter(self) -> float:
         """What all noise gives to a settled position, with past fluctuations of the room: a standard deviation."""
-        readings, memory = self.subject.readings(self.fitted)
-        square = readings.covariance.noise_covariance(memory, self.fitted.refitted.log_components)
-        scaled = (np.diag(square) * readings.scale**2)[: len(self.timeline.settled)]
-        return float(np.sqrt(np.mean(scaled)))
+        return self.subject.scatter(self.fitted)
 
     @cached_property
     def error(self) -> ErrorSummary:

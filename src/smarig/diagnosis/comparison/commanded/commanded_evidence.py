@@ -6,7 +6,6 @@ from math import inf
 
 import numpy as np
 
-from smarig.diagnosis.comparison.commanded.block_scores import Removed
 from smarig.diagnosis.comparison.commanded.commanded_problem import CommandedProblem
 from smarig.diagnosis.comparison.commanded.commanded_search import SearchedHypotheses
 from smarig.diagnosis.comparison.commanded.screening import Screened, collinear
@@ -70,7 +69,7 @@ def _all_evidence(
         size={p: span * _size(found, weights, p) for p in weights.causes},
         span=span,
         error=settled_rms(subject.timeline, base),
-        noise=_noise(subject),
+        noise=subject.scatter(subject.base),
         remains={p: span * _remains(found, weights, p, held_out) for p in weights.causes},
         blocks=int(np.unique(subject.timeline.block).size),
         confounded=_confounded(found, weights),
@@ -96,7 +95,7 @@ def _variables_of(effect: Part) -> tuple[Part, ...]:
     return tuple(Part("variable", v) for v, names in PLANT_EFFECTS.items() if effect.name in names)
 
 
-def _removed(trial: Trial) -> Removed:
+def _squares(trial: Trial) -> Mapping[str, float]:
     return trial.state[1]
 
 
@@ -137,7 +136,7 @@ def _with_and_without(
 
 def _removes(before: ComparedHypothesis, own: ComparedHypothesis) -> float:
     """The root of the mean square that a hypothesis removes, in shares of a channel's span: the most of any channel."""
-    squares, less = _removed(before.best).squares, _removed(own.best).squares
+    squares, less = _squares(before.best), _squares(own.best)
     return float(np.sqrt(max(max(squares[k] - less[k] for k in squares), 0.0)))
 
 
@@ -145,7 +144,7 @@ def _times_rest(
     before: ComparedHypothesis, own: ComparedHypothesis, channels: Collection[str] | None = None
 ) -> float:
     """What a hypothesis removes over what it leaves, in the channel where that is most."""
-    squares, less = _removed(before.best).squares, _removed(own.best).squares
+    squares, less = _squares(before.best), _squares(own.best)
     shares = [(squares[k] - less[k]) / less[k] for k in squares if channels is None or k in channels]
     return float(np.sqrt(max(shares, default=0.0))) if max(shares, default=0.0) > 0 else 0.0
 
@@ -208,15 +207,6 @@ def _with_effects_alone(e: VerdictEvidence, weights: Weights) -> VerdictEvidence
     return replace(
         e, effects_alone=sum(w for w, by_effects in with_effect if by_effects) / total if total else 1.0
     )
-
-
-def _noise(subject: CommandedProblem) -> float:
-    """What a settled position scatters about the base model, its remembered part included."""
-    base = subject.base
-    readings, memory = subject.readings(base)
-    square = np.diag(readings.covariance.noise_covariance(memory, base.refitted.log_components))
-    settled = len(subject.timeline.settled)
-    return float(np.sqrt(np.mean((square * readings.scale**2)[:settled])))
 
 
 def _confounded(found: SearchedHypotheses, weights: Weights) -> dict[Part, tuple[Part, ...]]:

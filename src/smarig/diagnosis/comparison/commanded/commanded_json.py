@@ -2,8 +2,7 @@
 
 from typing import TYPE_CHECKING, Any
 
-from smarig.diagnosis.comparison.rules import SENTENCES
-from smarig.diagnosis.comparison.weights_json import causes_json, hypotheses_json
+from smarig.diagnosis.comparison.weights_json import verdict_json
 from smarig.diagnosis.error_parts import error_parts
 from smarig.replay import predict
 
@@ -13,15 +12,8 @@ if TYPE_CHECKING:
 
 def commanded_json(d: "CommandedDiagnosis") -> dict[str, Any]:
     """The whole object; errors in output units, scores in nats."""
-    e, verdict = d.error, d.verdict
-    return {
-        "verdict": verdict.word,
-        "effects": d.effects(),
-        "set": list(verdict.names),
-        "depends_on": verdict.depends_on,
-        "reason": SENTENCES[verdict.reason],
-        "causes": causes_json(d.weights),
-        "hypotheses": hypotheses_json(d.weights),
+    e = d.error
+    return verdict_json(d.verdict, d.effects(), d.weights) | {
         "missing_knowledge": d.missing and d.missing.to_json("K"),
         "not_identifiable": list(d.not_identifiable),
         "error": {
@@ -34,7 +26,7 @@ def commanded_json(d: "CommandedDiagnosis") -> dict[str, Any]:
         "adequacy": {
             "times_noise": d.times_noise,
             "where": _where(d),
-            "adequate": not verdict.stands_out,
+            "adequate": d.evidence.adequate,
         },
         "noise": {
             "settled": d.scatter,
@@ -45,9 +37,6 @@ def commanded_json(d: "CommandedDiagnosis") -> dict[str, Any]:
         "learned": d.learned and d.learned.to_json(),
         "held_out": d.gain and d.gain.to_json(),
         "separating_run": d.separating_run,
-        "alpha": None,
-        "nulls": 0,
-        "stands_out": verdict.stands_out,
         "model": d.model.name,
         "numerics": d.numerics,
         "seconds": d.seconds,

@@ -105,6 +105,12 @@ class CommandedProblem:
         found = coupled_readings(self.timeline, fitted.prediction, fitted.plant_model)
         return found, memory(found.slopes, found.times, fitted)
 
+    def scatter(self, fitted: FittedPlant) -> float:
+        """What all noise gives to a settled position, with past fluctuations of the room: a standard deviation."""
+        readings, remembered = self.readings(fitted)
+        square = np.diag(readings.covariance.noise_covariance(remembered, fitted.refitted.log_components))
+        return float(np.sqrt(np.mean((square * readings.scale**2)[: len(self.timeline.settled)])))
+
     def _fitted(self, model: PlantModel, prediction: Prediction, refitted: Refit) -> FittedPlant:
         n = refitted.coupled
         factor, scale = refitted.factor[:n, :n], refitted.scale[:n]

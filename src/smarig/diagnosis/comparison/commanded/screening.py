@@ -68,7 +68,7 @@ def screened(
     """All effects that change a reading, the best first; ``ranking``: problems in which they are compared."""
     names = {e.kind.name for e in fitted.effects}
     problems = ranking or fitted.problems
-    nothing = trial_of(subject.timeline, problems, {}, None).score
+    nothing = [trial_of(subject.timeline, p, {}, None).score for p in (fitted.problems, problems)]
     all_found = [
         one
         for c in found
@@ -82,8 +82,9 @@ def _screened(
     fitted: FittedPlant,
     candidate: Candidate,
     ranking: Sequence[Problem],
-    nothing: float,
+    nothing: Sequence[float],
 ) -> tuple[Screened, float] | None:
+    """An effect and its score of ranking; ``nothing``: scores without it, of the fitted model and of ranking."""
     kind = candidate.kind
     if not np.any(candidate.traces):
         return None
@@ -102,15 +103,15 @@ def _screened(
     parameters = fitted.parameters | {f"{kind.name}.{n}": v for n, v in effect.values.items()}
     trial = trial_of(subject.timeline, fitted.problems, parameters, None, shifts)
     trial = less_optimism(trial, [*fitted.effects, effect])
-    white = np.concatenate([_whitened(p, s) for p, s in zip(fitted.problems, shifts)])
+    white = np.concatenate([p.root @ s for p, s in zip(fitted.problems, shifts)])
     ranked = trial_of(subject.timeline, ranking, parameters, None, shifts)
     by_channel = _by_channels(candidate, k, fitted.problems[1:], traces[1:])
     most = max((gain for _, gain in by_channel), default=0.0)
     usual = kind.primary.typical if value >= 0 else max(-kind.primary.typical, kind.primary.lower)
     strengths_to_try = [s for s, _ in by_channel] + ([usual] if usual else [])
-    promise = max(trial.score, trial_of(subject.timeline, fitted.problems, {}, None).score + most)
+    promise = max(trial.score, nothing[0] + most)
     starts = tuple(effect.at(s) for s in strengths_to_try)
-    return Screened(effect, trial, promise, starts, white, detectable), max(ranked.score, nothing + most)
+    return Screened(effect, trial, promise, starts, white, detectable), max(ranked.score, nothing[1] + most)
 
 
 def _by_channels(
@@ -121,7 +122,7 @@ def _by_channels(
     found = []
     for p, t in zip(problems, traces):
         multiples, gains, _ = _best_strengths([p], [t])
-        if kind is not None and gains[k] > 0:
+        if gains[k] > 0:
             found.append((variant.strength * _bounded(kind, variant, float(multiples[k])), float(gains[k])))
     return found
 
@@ -140,12 +141,6 @@ def _bounded(kind: EffectType, variant: Effect, multiple: float) -> float:
     """The multiple of a variant's strength within the bounds of the strength."""
     value = float(np.clip(variant.strength * multiple, kind.primary.lower, kind.primary.upper))
     return value / variant.strength
-
-
-def _whitened(p: Problem, shift: Array) -> Array:
-    """A root of the precision times a trace."""
-    values, vectors = np.linalg.eigh(p.precision)
-    return np.sqrt(np.maximum(values, 0.0)) * (vectors.T @ shift)
 
 
 def collinear(a: Screened, b: Screened) -> float:

@@ -120,11 +120,6 @@ def _finished(comparison: Comparison, near: MeasuredFit, terms: Sequence[Learned
     return LearnedFit(tuple(terms), MeasuredHypothesis((), errors, at, LEARNED))
 
 
-def screened_error(comparison: Comparison, at: MeasuredFit, terms: Sequence[LearnedTerm]) -> float:
-    """Weighted rms error (output units) of the fit itself, with free values of all terms, to first order."""
-    return _error(comparison, _fitted(comparison, terms, np.hstack([columns(at, t) for t in terms]), at))
-
-
 def _with_outputs(comparison: Comparison, terms: Sequence[LearnedTerm], at: MeasuredFit) -> MeasuredFit:
     """The fit with the terms at the input as they are, and free values of those at the output."""
     joined = [columns(at, t) for t in terms if t.enters == "output"]

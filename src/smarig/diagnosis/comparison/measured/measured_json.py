@@ -4,8 +4,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from smarig.diagnosis.comparison.rules import SENTENCES
-from smarig.diagnosis.comparison.weights_json import causes_json, hypotheses_json
+from smarig.diagnosis.comparison.weights_json import verdict_json
 from smarig.diagnosis.error_parts import error_parts
 from smarig.diagnosis.suspects import suspects
 from smarig.identification import MeasuredHypothesis
@@ -16,15 +15,8 @@ if TYPE_CHECKING:
 
 def measured_json(d: "MeasuredDiagnosis") -> dict[str, Any]:
     """The whole object; errors in output units, scores in nats."""
-    verdict, learned, missing = d.verdict, d.learned, d.evidence.missing
-    return {
-        "verdict": verdict.word,
-        "effects": d.effects(),
-        "set": list(verdict.names),
-        "depends_on": verdict.depends_on,
-        "reason": SENTENCES[verdict.reason],
-        "causes": causes_json(d.evidence.weights),
-        "hypotheses": hypotheses_json(d.evidence.weights),
+    learned, missing = d.learned, d.evidence.missing
+    return verdict_json(d.verdict, d.effects(), d.evidence.weights) | {
         "missing_knowledge": missing and missing.to_json(d.runs[0].input_unit),
         "not_identifiable": d.not_testable,
         "error": {
@@ -56,9 +48,6 @@ def measured_json(d: "MeasuredDiagnosis") -> dict[str, Any]:
         "suspects": [s.to_json() for s in suspects(d.runs)],
         "conditions": d.conditions,
         "separating_run": None,
-        "alpha": None,
-        "nulls": 0,
-        "stands_out": verdict.stands_out,
         "model": d.model.name,
         "seconds": d.seconds,
     }

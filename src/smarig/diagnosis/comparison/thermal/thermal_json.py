@@ -2,8 +2,7 @@
 
 from typing import TYPE_CHECKING, Any
 
-from smarig.diagnosis.comparison.rules import SENTENCES
-from smarig.diagnosis.comparison.weights_json import causes_json, hypotheses_json
+from smarig.diagnosis.comparison.weights_json import verdict_json
 
 if TYPE_CHECKING:
     from smarig.diagnosis.comparison.thermal.thermal_diagnosis import ThermalDiagnosis
@@ -11,15 +10,7 @@ if TYPE_CHECKING:
 
 def thermal_json(d: "ThermalDiagnosis") -> dict[str, Any]:
     """The whole object; errors in kelvin, scores in nats. ``held_out`` are blocks of the record, left out in turn."""
-    verdict = d.verdict
-    return {
-        "verdict": verdict.word,
-        "effects": [f.to_json() for f in d.findings],
-        "set": list(verdict.names),
-        "depends_on": verdict.depends_on,
-        "reason": SENTENCES[verdict.reason],
-        "causes": causes_json(d.evidence.weights),
-        "hypotheses": hypotheses_json(d.evidence.weights),
+    return verdict_json(d.verdict, [f.to_json() for f in d.findings], d.evidence.weights) | {
         "missing_knowledge": None,
         "not_identifiable": d.not_testable,
         "parameters": d.parameters(),
@@ -36,9 +27,6 @@ def thermal_json(d: "ThermalDiagnosis") -> dict[str, Any]:
         "transients": d.evidence.problem.transients,
         "held_out": d.gain.to_json(),
         "separating_run": None,
-        "alpha": None,
         "p_value": None,
-        "nulls": 0,
-        "stands_out": verdict.stands_out,
         "seconds": d.seconds,
     }
