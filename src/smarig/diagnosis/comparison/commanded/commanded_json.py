@@ -26,7 +26,7 @@ def commanded_json(d: "CommandedDiagnosis") -> dict[str, Any]:
         "adequacy": {
             "times_noise": d.times_noise,
             "where": _where(d),
-            "adequate": d.evidence.adequate,
+            "adequate": not d.verdict.stands_out,
         },
         "noise": {
             "settled": d.scatter,
