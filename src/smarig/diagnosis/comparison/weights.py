@@ -7,8 +7,8 @@ The Bayesian bootstrap over blocks says how far the choice of blocks decides (ps
 variable describes and is no cause: what an effect explains as well is the effect's, so each counts ``PRIOR_VARIABLE``.
 """
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -26,12 +26,16 @@ CREDIBLE = 0.95
 
 @dataclass(frozen=True, eq=False)
 class Weights:
-    """Hypotheses with their ``weight`` (H,); ``shares`` (draws, B) are the resampled weights of the blocks."""
+    """Hypotheses with their ``weight`` (H,); ``shares`` (draws, B) are the resampled weights of the blocks.
+
+    ``acts_through``: the variables of each effect.
+    """
 
     hypotheses: tuple[ComparedHypothesis, ...]
     weight: Array
     shares: Array
     temperature: float = TEMPERATURE
+    acts_through: Mapping[Part, tuple[Part, ...]] = field(default_factory=dict)
 
     @property
     def nothing(self) -> float:
@@ -44,8 +48,27 @@ class Weights:
         total: dict[Part, float] = {}
         for h, w in zip(self.hypotheses, self.weight.tolist()):
             for part in h.parts:
+                total.setdefault(part, 0.0)
+            for part in self.credited(h):
                 total[part] = total.get(part, 0.0) + w
         return dict(sorted(total.items(), key=lambda item: -item[1]))
+
+    def credited(self, hypothesis: ComparedHypothesis) -> tuple[Part, ...]:
+        """The parts whose cause a hypothesis supports: of a variable, the effect through it that is likelier.
+
+        A law of the variable describes what that effect does; with its many values it is never far behind.
+        """
+        variable, *others = hypothesis.parts or (None,)
+        if variable is None or others or variable.kind != "variable":
+            return hypothesis.parts
+        through = [p for p in self._alone if variable in self.acts_through.get(p, ())]
+        best = max(through, key=lambda p: self._alone[p], default=variable)
+        return (best,) if self._alone[best] > self._alone[variable] else hypothesis.parts
+
+    @cached_property
+    def _alone(self) -> dict[Part, float]:
+        """The weight of each part alone."""
+        return {h.parts[0]: w for h, w in zip(self.hypotheses, self.weight.tolist()) if len(h.parts) == 1}
 
     def best_with(self, part: Part) -> ComparedHypothesis:
         """The heaviest hypothesis that holds a part."""
@@ -64,7 +87,10 @@ class Weights:
 
 
 def weigh(
-    hypotheses: Sequence[ComparedHypothesis], seed: int = 0, temperature: float = TEMPERATURE
+    hypotheses: Sequence[ComparedHypothesis],
+    seed: int = 0,
+    temperature: float = TEMPERATURE,
+    acts_through: Mapping[Part, tuple[Part, ...]] | None = None,
 ) -> Weights:
     """The weights of hypotheses that are scored on the same blocks; exactly one of them has no parts."""
     scores = np.array([h.log_scores for h in hypotheses])
@@ -73,7 +99,7 @@ def weigh(
     log_weight = shares @ scores.T / temperature + _log_prior(hypotheses)
     weight = np.exp(log_weight - log_weight.max(axis=1, keepdims=True))
     weight /= weight.sum(axis=1, keepdims=True)
-    return Weights(tuple(hypotheses), weight.mean(axis=0), shares, temperature)
+    return Weights(tuple(hypotheses), weight.mean(axis=0), shares, temperature, acts_through or {})
 
 
 def _log_prior(hypotheses: Sequence[ComparedHypothesis]) -> Array:

@@ -38,13 +38,16 @@ class CoupledReadings:
         return self.covariance.free
 
 
-def coupled_readings(timeline: Timeline, prediction: Prediction, plant_model: PlantModel) -> CoupledReadings:
-    """The coupled readings of a simulated timeline."""
+def coupled_readings(
+    timeline: Timeline, prediction: Prediction, plant_model: PlantModel, contribution: Array | None = None
+) -> CoupledReadings:
+    """The coupled readings of a simulated timeline; ``contribution`` is ``effect_contribution`` where it is known."""
     coupled = [r for r in timeline.all_readings if r.kind in OUTPUT_DEPENDENT_KINDS]
     y = np.concatenate([r.value - prediction.values[r.kind] for r in coupled])
     h = plant_model.hysteresis
     path = prediction.outputs_along(h, plant_model.initial, prediction.hysteresis_input_K)
-    contribution = _effect_contribution(timeline, prediction, plant_model)
+    if contribution is None:
+        contribution = effect_contribution(timeline, prediction, plant_model)
     white, free, scale, slope = reading_scales(
         timeline, prediction, plant_model, coupled, output_rate(prediction, path), contribution
     )
@@ -75,7 +78,7 @@ def coupled_readings(timeline: Timeline, prediction: Prediction, plant_model: Pl
     )
 
 
-def _effect_contribution(timeline: Timeline, prediction: Prediction, plant_model: PlantModel) -> Array:
+def effect_contribution(timeline: Timeline, prediction: Prediction, plant_model: PlantModel) -> Array:
     """The change of each coupled reading (n,) by the effects of the plant model that no density would make."""
     if not plant_model.effects:
         return np.zeros(prediction.output.size)

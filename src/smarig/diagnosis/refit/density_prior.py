@@ -1,7 +1,8 @@
 """The prior of the density: covariance of the outputs if μ deviates in proportion to itself.
 
-    μ = μ₀ Σ_s ε_s + grains,    ε_s: bilinear on a grid of s intervals, independent standard normal at its nodes
-                                grains: each cell for itself, variance g ν, as of a finite number of relays
+    μ = m Σ_s ε_s + grains,    m: μ₀ smoothed
+                               ε_s: bilinear on a grid of s intervals, independent standard normal at its nodes
+                               grains: each cell for itself, variance g m, as of a finite number of relays
 
 The cells are a triangle on a scale on which the output moves evenly, so that a steep transformation may have as
 much structure as a flat tail.
@@ -19,13 +20,13 @@ from smarig.preisach import Everett
 from smarig.replay import Prediction
 
 Array = NDArray[np.float64]
-MIN_INTERVALS, MAX_INTERVALS = (
-    96,
-    160,
-)  # intervals of the partition: every measured level can be a node
+MIN_INTERVALS, MAX_INTERVALS = 200, 240  # of the partition: every measured level can be a node
 INPUT_SHARE = 0.5  # share of the input in the scale
 KNOTS = 11
 HAT_INTERVALS = (6, 20)  # hats across the range: resolution of the proportional deviations
+SMOOTHING = (
+    0.02  # of the even scale: a prior as rough as its density would only confirm what that has taken up
+)
 MIN_PRIOR_SHARE = 0.05  # of the mean mass: prior scale where the model has no mass
 
 
@@ -114,11 +115,11 @@ def density_prior(prediction: Prediction, hysteresis: Everett, path: Array, y: A
     """
     lower, upper = hysteresis.lower, hysteresis.upper
     rows = Observations.of_states(prediction.states, y, np.zeros(y.size, dtype=np.int64), (lower, upper))
-    nodes = adapted_nodes(rows, _interval_count(rows, upper - lower))
+    nodes = _nodes(hysteresis, rows)
     triangle = Triangle(nodes, _even_scale(nodes, prediction.hysteresis_input_K, path))
     X = csr_matrix(rows.matrix(triangle).tocsc()[:, : triangle.unknowns - 1])  # without y₋, the common zero
     mass = _model_masses(triangle, hysteresis)
-    prior_scale = np.abs(mass) / (np.abs(mass).sum() or 1.0)
+    prior_scale = _smoothed(triangle, np.abs(mass))
     prior_scale += MIN_PRIOR_SHARE * prior_scale.mean()
     return DensityPrior(triangle, X, mass, prior_scale, tuple(_hats(triangle, n) for n in HAT_INTERVALS))
 
@@ -149,6 +150,14 @@ def _node_positions(triangle: Triangle) -> Array:
     return (triangle.nodes - triangle.nodes[0]) / span if triangle.place is None else triangle.place
 
 
+def _nodes(hysteresis: Everett, rows: Observations) -> Array:
+    """The nodes of the density itself if it has enough: on others it would be another density; else adapted ones."""
+    own = np.asarray(getattr(hysteresis, "kinks", ()))
+    if own.size > MIN_INTERVALS:
+        return own
+    return adapted_nodes(rows, _interval_count(rows, hysteresis.upper - hysteresis.lower))
+
+
 def _interval_count(rows: Observations, span: float) -> int:
     """Number of intervals for which ``adapted_nodes`` keeps the levels of the data."""
     levels = np.unique(np.round(np.concatenate([rows.alpha, rows.beta]) / (SAME_LEVEL * span)))
@@ -163,6 +172,21 @@ def _model_masses(triangle: Triangle, hysteresis: Everett) -> Array:
     inner_corner = np.where(i == j, 0.0, E[i + 1, j + 1] - E[i, np.minimum(j + 1, i)])
     mass = E[i + 1, j] - E[i, j] - inner_corner
     return mass / (mass.sum() or 1.0)
+
+
+def _smoothed(triangle: Triangle, mass: Array) -> Array:
+    """The shares (cells,) of a mass that is spread over cells nearby on the even scale."""
+    place = _node_positions(triangle)
+    centre, width = (place[1:] + place[:-1]) / 2, np.diff(place)
+    kernel = np.exp(-0.5 * ((centre[:, None] - centre) / SMOOTHING) ** 2)
+    i, j = triangle.i, triangle.j
+    area = width[i] * width[j] * np.where(i == j, 0.5, 1.0)
+
+    def spread(values: Array) -> Array:
+        return (kernel @ _grid(triangle, values[:, None])[:, :, 0] @ kernel.T)[i, j]
+
+    found = area * spread(mass) / spread(area)
+    return found / (found.sum() or 1.0)
 
 
 def _even_scale(nodes: Array, inputs: Array, output: Array) -> Array:

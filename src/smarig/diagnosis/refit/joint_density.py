@@ -6,20 +6,26 @@ is repeated until the likelihood rises no more, because a prior in proportion to
 density. The iteration starts from a positive measure fitted to settled positions.
 """
 
-from dataclasses import replace
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from math import inf
 
 import numpy as np
+from numpy.typing import NDArray
 
+from smarig.diagnosis.refit.coupled_readings import effect_contribution
 from smarig.diagnosis.refit.moved_density import with_moved_density
 from smarig.diagnosis.refit.refit import Refit, refit
 from smarig.identification import Observations, fit_table, surface_through_states
 from smarig.preisach import Everett, FodSurface
 from smarig.replay import PlantModel, Prediction, Timeline, predict
 
+Array = NDArray[np.float64]
 START_SMOOTHING = 1e-14  # λ of the initial measure
-MAX_ROUNDS = 5
+MAX_ROUNDS = 30
 AS_GOOD = 1.05  # times the error of another density: chance of the fit
-MIN_ROUND_GAIN = 10.0  # nats: a round that gains less is the last; the next would gain a tenth of it
+MIN_ROUND_GAIN = 2.0  # nats: a round that gains less is the last
+REACH = 2.0  # times what the last round gained: what all further ones may gain
 
 
 def joint_density(
@@ -30,28 +36,32 @@ def joint_density(
 
     The density is identified from positions only: what other channels show is left to the effects.
     """
-    return _alternated(timeline, _start(timeline, plant_model, warm_start))
+    return _alternated(timeline, [_start(timeline, plant_model, warm_start)])
 
 
 def joint_density_from_best_start(
     timeline: Timeline, plant_model: PlantModel, original: Everett, warm_start: Refit | None = None
 ) -> tuple[PlantModel, Refit]:
-    """``joint_density``, started from the given model's density or from a positive measure of settled positions.
+    """``joint_density`` from two starts, the likelier result.
 
-    The likelier start is used. A given surface is fitted again along the inputs with effects; another density is moved
-    to where effects move the input. It may be negative somewhere (Prop. 4.6); the measure is not affected by errors of
-    the model.
+    The starts are the density of the model, which was identified without its effects, and a positive measure of settled
+    positions. If ``original``, the density before all, is a surface, that is fitted again along the inputs with
+    effects; another density is moved to where effects move the input. It may be negative somewhere (Prop. 4.6); the
+    measure is not affected by errors of the model.
     """
-    rows = _settled_rows(timeline, predict(timeline, plant_model), plant_model)
-    measure = replace(plant_model, hysteresis=fit_table(rows, START_SMOOTHING))
-    surface = surface_through_states(rows, original) if isinstance(original, FodSurface) else None
-    given = (
-        replace(plant_model, hysteresis=surface)
-        if surface is not None
-        else with_moved_density(timeline, plant_model, original)
+    return _alternated(
+        timeline, [_start(timeline, m, warm_start) for m in _both(timeline, plant_model, original)]
     )
-    starts = [_start(timeline, one, warm_start) for one in (given, measure)]
-    return _alternated(timeline, max(starts, key=lambda start: start[2].log_evidence))
+
+
+def _both(timeline: Timeline, plant_model: PlantModel, original: Everett) -> Iterator[PlantModel]:
+    rows = _settled_rows(timeline, predict(timeline, plant_model), plant_model)
+    surface = surface_through_states(rows, original) if isinstance(original, FodSurface) else None
+    if surface is not None:
+        yield replace(plant_model, hysteresis=surface)
+    else:
+        yield with_moved_density(timeline, plant_model, plant_model.hysteresis)
+    yield replace(plant_model, hysteresis=fit_table(rows, START_SMOOTHING))
 
 
 def with_posterior_density(
@@ -85,34 +95,60 @@ def settled_rms(timeline: Timeline, plant_model: PlantModel) -> float:
     return float(np.std(np.concatenate([e - e.mean() for e in own])))
 
 
+@dataclass(frozen=True, eq=False)
+class _Round:
+    """A plant model, its prediction of the timeline, its positions refitted, and what the last round gained, in nats.
+
+    ``contribution`` (n,) is that of the effects to positions: no density changes it much.
+    """
+
+    plant_model: PlantModel
+    prediction: Prediction
+    refitted: Refit
+    contribution: Array
+    gain: float = inf
+
+    @property
+    def log_evidence(self) -> float:
+        """Of the positions, nats."""
+        return self.refitted.log_evidence
+
+    def within_reach(self, best: float) -> bool:
+        """Whether further rounds, each of which gains less than the one before, may still reach an evidence."""
+        return self.log_evidence + REACH * self.gain >= best
+
+    def next(self, timeline: Timeline) -> "_Round":
+        """The round that follows, or the same if that gains nothing."""
+        model = replace(self.plant_model, hysteresis=self.refitted.posterior.table())
+        found = _start(timeline, model, self.refitted, self.contribution)
+        gain = found.log_evidence - self.log_evidence
+        return replace(found, gain=gain) if gain > 0 else replace(self, gain=0.0)
+
+
 def _start(
-    timeline: Timeline, plant_model: PlantModel, warm_start: Refit | None
-) -> tuple[PlantModel, Prediction, Refit]:
-    """A plant model, its prediction of the timeline, and its positions refitted."""
-    prediction = predict(timeline, plant_model)
-    return (
-        plant_model,
-        prediction,
-        refit(timeline.positions_only, prediction.positions_only, plant_model, warm_start),
-    )
+    timeline: Timeline, plant_model: PlantModel, warm_start: Refit | None, contribution: Array | None = None
+) -> _Round:
+    prediction, positions = predict(timeline, plant_model), timeline.positions_only
+    own = prediction.positions_only
+    refitted = refit(positions, own, plant_model, warm_start, contribution)
+    if contribution is None:
+        contribution = effect_contribution(positions, own, plant_model)
+    return _Round(plant_model, prediction, refitted, contribution)
 
 
-def _alternated(timeline: Timeline, start: tuple[PlantModel, Prediction, Refit]) -> tuple[PlantModel, Refit]:
-    """Rounds from a start, as long as they gain."""
-    plant_model, prediction, refitted = start
+def _alternated(timeline: Timeline, starts: Sequence[_Round]) -> tuple[PlantModel, Refit]:
+    """Rounds from each start as long as they gain and may still be the likeliest."""
+    found = list(starts)
     for _ in range(MAX_ROUNDS):
-        next_fit = _start(
-            timeline,
-            replace(plant_model, hysteresis=refitted.posterior.table()),
-            refitted,
-        )
-        gain_nats = next_fit[2].log_evidence - refitted.log_evidence
-        if gain_nats > 0:
-            plant_model, prediction, refitted = next_fit
-        if gain_nats < MIN_ROUND_GAIN:
+        found = [one if one.gain < MIN_ROUND_GAIN else one.next(timeline) for one in found]
+        top = max(one.log_evidence for one in found)
+        found = [one for one in found if one.within_reach(top)]
+        if all(one.gain < MIN_ROUND_GAIN for one in found):
             break
-    positions_alone = len(timeline.positions_only.all_readings) == len(timeline.all_readings)
-    return plant_model, refitted if positions_alone else refit(timeline, prediction, plant_model, refitted)
+    best = max(found, key=lambda one: one.log_evidence)
+    if len(timeline.positions_only.all_readings) == len(timeline.all_readings):
+        return best.plant_model, best.refitted
+    return best.plant_model, refit(timeline, best.prediction, best.plant_model, best.refitted)
 
 
 def _settled_rows(timeline: Timeline, prediction: Prediction, plant_model: PlantModel) -> Observations:

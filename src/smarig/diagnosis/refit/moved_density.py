@@ -16,8 +16,7 @@ from smarig.preisach import Everett, FodTable
 from smarig.replay import PlantModel, Prediction, Timeline, predict
 
 Array = NDArray[np.float64]
-NODES = 160  # of the moved density if its own has no nodes
-LEAST_MOVE = 1e-3  # of the input range: less moves no relay past a measured level
+NODES = 200  # of the moved density if its own has no nodes
 
 
 def with_moved_density(timeline: Timeline, plant_model: PlantModel, density: Everett) -> PlantModel:
@@ -38,12 +37,12 @@ def without_effects(timeline: Timeline, plant_model: PlantModel, prediction: Pre
 
 
 def _between_inputs(density: Everett, before: Prediction, after: Prediction) -> Everett:
-    """A density of the input of one prediction, moved to that of another; as it is if that hardly moves it."""
+    """A density of the input of one prediction, moved to that of another."""
     first, second = _settled_inputs(before), _settled_inputs(after)
     if not np.any((first > density.lower) & (first < density.upper)):
         return density
     at, moved = rising_map(first, second, density.lower, density.upper)
-    if np.max(np.abs(moved - at)) < LEAST_MOVE * (density.upper - density.lower):
+    if np.allclose(at, moved, rtol=1e-12, atol=0.0):
         return density
     return _moved(density, at, moved)
 
@@ -79,4 +78,5 @@ def _moved(density: Everett, at: Array, moved: Array) -> FodTable:
     a, b = np.meshgrid(sources, sources, indexing="ij")
     since_lower = np.asarray(density.swept(sources, np.full(sources.size, lower)))
     values = density.y_lower + since_lower[:, None] - np.asarray(density.swept(a, np.minimum(a, b)))
-    return FodTable(nodes, np.where(np.tri(nodes.size, dtype=bool), values, np.nan))
+    table = np.where(np.tri(nodes.size, dtype=bool), values, np.nan)
+    return FodTable(nodes, table, getattr(density, "unit", ""))

@@ -64,11 +64,13 @@ def fit_parameters(
     plant_model: PlantModel,
     refitted: Refit,
     centre: Everett,
+    output: Array | float = 0.0,
 ) -> ParameterFit:
     """Fit the parameters of effects by least squares, from a start and within bounds.
 
     The density of the plant model determines the prediction. ``centre`` is the output from which density deviations
-    in C are counted; it is the same for all explanations that are compared.
+    in C are counted; it is the same for all explanations that are compared. ``output`` (N,) is added to the residual:
+    that of the centre if deviations are counted from zero, so that what a density has taken up holds no parameter.
     """
     fit = _FreeParameters(tuple(start), timeline.duration_h)
     data = np.concatenate([r.value for r in timeline.all_readings])
@@ -76,7 +78,7 @@ def fit_parameters(
     def residual(x: Array) -> Array:
         prediction = predict(timeline, replace(plant_model, effects=()), fit.at(x))
         return refitted.centred(
-            data - with_hysteresis(prediction, plant_model, centre).stacked(timeline), timeline
+            data - with_hysteresis(prediction, plant_model, centre).stacked(timeline) + output, timeline
         )
 
     x, r, J = _levenberg_marquardt(residual, fit)

@@ -82,12 +82,14 @@ def refit(
     prediction: Prediction,
     plant_model: PlantModel,
     warm_start: "Refit | None" = None,
+    contribution: Array | None = None,
 ) -> Refit:
     """The maximum-likelihood smoothness and noise for a simulated timeline, and its readings whitened by them.
 
-    ``warm_start``: start at the result of another refit.
+    ``warm_start``: start at the result of another refit. ``contribution``: of the effects, if it is known from a refit
+    with another density; what imitates what has then been searched from both sides.
     """
-    readings = coupled_readings(timeline, prediction, plant_model)
+    readings = coupled_readings(timeline, prediction, plant_model, contribution)
     y, scale, reading_covariance = readings.y, readings.scale, readings.covariance
     free, output_slope, is_moving = readings.free, reading_covariance.slope, reading_covariance.is_moving
     span, n = abs(plant_model.stroke), y.size
@@ -96,7 +98,9 @@ def refit(
         for seconds in _correlations_s(timeline, warm_start)
     ]
     start = START if warm_start is None else warm_start.log_components
-    cost, found, correlation, memory = _over_correlation_times(reading_covariance, memories, start)
+    cost, found, correlation, memory = _over_correlation_times(
+        reading_covariance, memories, start, from_both_sides=contribution is None
+    )
     *variances, _, s0, s_T = 10.0**found
     noise_part, density = (
         reading_covariance.noise_covariance(memory, found),
@@ -151,12 +155,14 @@ def _over_correlation_times(
     reading_covariance: ReadingCovariance,
     memories: Sequence[tuple[float, Array]],
     start_components: Array,
+    *,
+    from_both_sides: bool,
 ) -> tuple[float, Array, float, Array]:
     """(cost, variances, correlation time, remembered noise per K²) of the likeliest correlation time."""
     best: tuple[float, Array, float, Array] | None = None
     for seconds, memory in memories:
         start = start_components if best is None else np.append(best[1][:-1], LOG_FLUCTUATION_START)
-        cost, found = reading_covariance.likeliest(memory, start)
+        cost, found = reading_covariance.likeliest(memory, start, from_both_sides=from_both_sides)
         if best is None or cost < best[0]:
             best = (cost, found, seconds, memory)
     assert best is not None  # noqa: S101 - at least one correlation time is tried

@@ -74,7 +74,7 @@ class ReadingCovariance:
         """− log likelihood at given sds."""
         return self._cost(log_components, self._parts(memory), self.free)[0]
 
-    def likeliest(self, memory: Array, start: Array) -> tuple[float, Array]:
+    def likeliest(self, memory: Array, start: Array, *, from_both_sides: bool = True) -> tuple[float, Array]:
         """(−log likelihood, log₁₀ of the sds) at the minimum.
 
         If a search ends at a bound of s_T, another starts from the other side: ambient fluctuations and other noise
@@ -86,7 +86,7 @@ class ReadingCovariance:
             return _minimised(lambda x: self._cost(x, parts, self.free), start, bounds)
 
         found = minimised(start)
-        if min(found.x[-1] - bounds[0][-1], bounds[1][-1] - found.x[-1]) < AT_BOUND:
+        if from_both_sides and min(found.x[-1] - bounds[0][-1], bounds[1][-1] - found.x[-1]) < AT_BOUND:
             fluctuating = found.x[-1] > LOG_FLUCTUATION_START
             second = minimised(
                 np.append(START[:-1], LOG_FLUCTUATION_STILL if fluctuating else LOG_FLUCTUATION_START)

@@ -9,6 +9,7 @@ from threadpoolctl import threadpool_limits
 
 from smarig.diagnosis.comparison.commanded.commanded_diagnosis import CommandedDiagnosis
 from smarig.diagnosis.comparison.commanded.commanded_evidence import (
+    acts_through,
     evidence_of,
     likeliest_variable,
     with_held_out_gain,
@@ -67,7 +68,7 @@ def concluded(
     seed: int = 0,
 ) -> CommandedDiagnosis:
     """The verdict on searched hypotheses, and the model that is offered."""
-    weights = weigh(found.hypotheses, seed)
+    weights = weigh(found.hypotheses, seed, acts_through=acts_through(found))
     by_effects = extension_of(subject, found, weights)
     gain_by_effects = gain_with(subject, by_effects, train, held_out)
     held = held_out_of(by_effects, gain_by_effects)

@@ -50,7 +50,7 @@ def _without_negligible(e: VerdictEvidence, found: SearchedHypotheses, weights: 
     large = [
         (h, w) for h, w in zip(weights.hypotheses, weights.weight.tolist()) if h.parts and removes_enough(h)
     ]
-    causes = {p: sum(w for h, w in large if p in h.parts) for p in e.causes}
+    causes = {p: sum(w for h, w in large if p in weights.credited(h)) for p in e.causes}
     likeliest = dict(sorted(causes.items(), key=lambda item: -item[1]))
     return replace(e, causes=likeliest, nothing=1.0 - sum(w for _, w in large))
 
@@ -74,7 +74,7 @@ def _all_evidence(
         blocks=int(np.unique(subject.timeline.block).size),
         confounded=_confounded(found, weights),
         held_out=held_out,
-        acts_through={p: _variables_of(p) for p in weights.causes if p.kind == "effect"},
+        acts_through=weights.acts_through,
         testable=bool(found.screened),
         repeatability=_repeatability(found, weights),
         least_alone=RULES["name"].value,  # a name says that nothing else is missing
@@ -90,9 +90,13 @@ def likeliest_variable(evidence: VerdictEvidence) -> str | None:
     return max(total, key=lambda name: total[name], default=None)
 
 
-def _variables_of(effect: Part) -> tuple[Part, ...]:
-    """The variables that an effect acts through."""
-    return tuple(Part("variable", v) for v, names in PLANT_EFFECTS.items() if effect.name in names)
+def acts_through(found: SearchedHypotheses) -> dict[Part, tuple[Part, ...]]:
+    """The variables of each effect of the hypotheses."""
+    effects = {p for h in found.hypotheses for p in h.parts if p.kind == "effect"}
+    return {
+        e: tuple(Part("variable", v) for v, names in PLANT_EFFECTS.items() if e.name in names)
+        for e in effects
+    }
 
 
 def _squares(trial: Trial) -> Mapping[str, float]:

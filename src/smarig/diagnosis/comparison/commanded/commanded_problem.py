@@ -17,8 +17,9 @@ from smarig.diagnosis.comparison.commanded.block_scores import (
 from smarig.diagnosis.comparison.commanded.channel_model import ChannelModel, channel_models
 from smarig.diagnosis.comparison.compared_hypothesis import Part, Trial
 from smarig.diagnosis.refit.coupled_readings import CoupledReadings, coupled_readings
-from smarig.diagnosis.refit.joint_density import joint_density_from_best_start
+from smarig.diagnosis.refit.joint_density import joint_density, joint_density_from_best_start
 from smarig.diagnosis.refit.memory_noise import memory_covariance
+from smarig.diagnosis.refit.moved_density import without_effects
 from smarig.diagnosis.refit.refit import Refit, refit
 from smarig.plant import Effect, EffectType
 from smarig.preisach import Everett
@@ -40,6 +41,11 @@ class FittedPlant:
     def effects(self) -> tuple[Effect, ...]:
         """The effects of the catalogue that it has, those of the given model first, and learned laws."""
         return self.plant_model.catalogue_effects
+
+    @property
+    def output(self) -> Array:
+        """What the density contributes to each coupled reading (n,), in its unit."""
+        return _output(self.prediction, self.plant_model)
 
     @property
     def parameters(self) -> dict[str, float]:
@@ -70,10 +76,23 @@ class CommandedProblem:
     @cached_property
     def base(self) -> FittedPlant:
         """The given model with the density identified from the timeline."""
-        return self.with_joint_density(self.given)
+        return self._joint(self.given)
 
-    def with_joint_density(self, plant_model: PlantModel, warm: Refit | None = None) -> FittedPlant:
-        """A plant model with the density identified together with its effects."""
+    def with_joint_density(self, effects: Sequence[Effect], start: FittedPlant) -> FittedPlant:
+        """A plant model with these effects and the joint density that is found from that of a fitted model."""
+        model = replace(self.with_effects(start, effects), hysteresis=self._without_effects(start).hysteresis)
+        return self._joint(model, start.refitted)
+
+    def without_effects(self, fitted: FittedPlant) -> FittedPlant:
+        """The given effects only, with the joint density that is found from that of a fitted model, moved back."""
+        model, refitted = joint_density(self.timeline, self._without_effects(fitted), fitted.refitted)
+        return self._fitted(model, predict(self.timeline, model), refitted)
+
+    def _without_effects(self, fitted: FittedPlant) -> PlantModel:
+        plain = without_effects(self.timeline, fitted.plant_model, fitted.prediction)
+        return replace(plain, effects=self.given.effects)
+
+    def _joint(self, plant_model: PlantModel, warm: Refit | None = None) -> FittedPlant:
         model, refitted = joint_density_from_best_start(self.timeline, plant_model, self.original, warm)
         return self._fitted(model, predict(self.timeline, model), refitted)
 
@@ -114,11 +133,15 @@ class CommandedProblem:
     def _fitted(self, model: PlantModel, prediction: Prediction, refitted: Refit) -> FittedPlant:
         n = refitted.coupled
         factor, scale = refitted.factor[:n, :n], refitted.scale[:n]
-        output = prediction.output_slope * (prediction.output - model.hysteresis.y_lower)
+        output = _output(prediction, model)
         y = factor @ refitted.data[:n] + output / scale  # a mean density, fitted to all blocks, would leak
         coupled = coupled_problem(self.timeline, y, scale, factor @ factor.T, abs(model.stroke))
         channels = channel_problems(self.timeline, prediction, self.channels)
         return FittedPlant(model, prediction, refitted, (coupled, *channels))
+
+
+def _output(prediction: Prediction, model: PlantModel) -> Array:
+    return prediction.output_slope * (prediction.output - model.hysteresis.y_lower)
 
 
 def less_optimism(trial: Trial, effects: Sequence[Effect], others: int = 0) -> Trial:

@@ -5,6 +5,7 @@ screening it gains what its prior takes.
 """
 
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -23,7 +24,7 @@ from smarig.diagnosis.comparison.commanded.variable_trials import Discrepancies
 from smarig.diagnosis.comparison.compared_hypothesis import ComparedHypothesis, Part, Trial
 from smarig.diagnosis.comparison.weights import PRIOR_PAIR, PRIOR_SINGLE, TEMPERATURE
 
-DENSITIES, BORROWED = 2, 3  # of the base beside the first: its own, and those of the best effects or laws
+BORROWED = 3  # densities of the best effects or laws that the base is tried with
 FITTED, VARIABLES, PAIRS = 5, 4, 2  # most hypotheses of each kind that are fitted
 IMITATES = 0.5  # cos² of two traces
 ALWAYS = 3  # effects that are fitted, whatever their linear traces say
@@ -45,7 +46,7 @@ class SearchedHypotheses:
 def search(subject: CommandedProblem, progress: Progress) -> SearchedHypotheses:
     """All hypotheses about a subject, scored."""
     base = subject.base
-    nothing = ComparedHypothesis((), tuple(subject.trial(f) for f in _densities(subject)))
+    nothing = ComparedHypothesis((), (subject.trial(base),))
     smooth = Discrepancies.about(subject, base)
     traces = [with_best_period(subject, c, smooth) for c in candidates(subject)]
     weak = screened(subject, base, traces, smooth.ranking)
@@ -62,26 +63,16 @@ def search(subject: CommandedProblem, progress: Progress) -> SearchedHypotheses:
     return SearchedHypotheses((nothing, *effects, *variables, *pairs), models, tuple(weak))
 
 
-def _densities(subject: CommandedProblem) -> Iterator[FittedPlant]:
-    """The base with densities from several starts, as many as effects get with their trials."""
-    found = subject.base
-    yield found
-    for _ in range(DENSITIES):
-        found = subject.with_joint_density(found.plant_model, found.refitted)
-        yield found
-    yield subject.at(replace(found.plant_model, hysteresis=found.refitted.posterior.table()), found.refitted)
-
-
 def _without_effects(
     subject: CommandedProblem,
     fitted: Sequence[ComparedHypothesis],
     models: dict[tuple[Part, ...], FittedPlant],
 ) -> Iterator[Trial]:
-    """The base with the densities identified with the best effects or law: what is gained by them needs neither."""
+    """The base with the densities of the best effects or law, moved back: what is gained by them needs neither."""
     best = sorted((h for h in fitted if h.parts in models), key=lambda h: -h.score)
     for h in best[:BORROWED]:
-        model = replace(models[h.parts].plant_model, effects=subject.given.effects)
-        yield subject.trial(subject.at(model, models[h.parts].refitted))
+        with suppress(np.linalg.LinAlgError):  # inputs that the effects move too close together
+            yield subject.trial(subject.without_effects(models[h.parts]))
 
 
 def _refined(

@@ -9,6 +9,7 @@ from smarig.diagnosis.comparison.commanded.commanded_problem import CommandedPro
 from smarig.diagnosis.comparison.compared_hypothesis import ComparedHypothesis, Trial
 from smarig.diagnosis.refit.parameter_fit import ParameterFit, fit_parameters
 from smarig.plant import LEARNED, Effect
+from smarig.replay import PlantModel
 
 STEPS_SD = (3.0, 1.0)  # standard deviations of the strength from trial to trial
 STEP_BOUNDS = (0.003, 0.3)  # of the strength: bounds of a step
@@ -30,13 +31,12 @@ def fitted_with(
     *known, last = effects
     starts = [(*known, e) for e in (last, *others)]
     if not others or len(last.kind.parameters) > 1:
-        model = start.plant_model
-        fit = fit_parameters(effects, subject.timeline, model, start.refitted, model.hysteresis)
+        fit = _fit_about(subject, start, start.plant_model, effects)
         starts = [fit.effects, *(starts if others else [])]
     found = []
     for each in starts:
         with suppress(np.linalg.LinAlgError):  # inputs that the effects move too close together
-            fitted = subject.with_joint_density(subject.with_effects(start, each), start.refitted)
+            fitted = subject.with_joint_density(each, start)
             found.append((subject.trial(fitted), fitted))
     if not found:
         return None
@@ -52,7 +52,7 @@ def refined(
     step = STEP_BOUNDS[1]
     for _ in range(ROUNDS):
         before, start = max(t.score for t in trials), best
-        fit = _fit_about_own_density(subject, best)
+        fit = _fit_about(subject, best, subject.with_effects(best, ()), best.effects)
         step = _relative_spread(fit)
         for again in _moved(subject, best, fit):
             trials.append(subject.trial(again))
@@ -64,9 +64,13 @@ def refined(
     return ComparedHypothesis(subject.parts(best), tuple(trials)), best
 
 
-def _fit_about_own_density(subject: CommandedProblem, fitted: FittedPlant) -> ParameterFit:
-    model = subject.with_effects(fitted, ())
-    return fit_parameters(fitted.effects, subject.timeline, model, fitted.refitted, model.hysteresis)
+def _fit_about(
+    subject: CommandedProblem, fitted: FittedPlant, model: PlantModel, effects: Sequence[Effect]
+) -> ParameterFit:
+    """Parameters with any density: one that has taken up what the effects change must not hold them."""
+    output = np.zeros(fitted.refitted.scale.size)
+    output[: fitted.refitted.coupled] = fitted.output
+    return fit_parameters(effects, subject.timeline, model, fitted.refitted, model.hysteresis, output)
 
 
 def _relative_spread(fit: ParameterFit) -> float:
@@ -83,7 +87,7 @@ def _moved(subject: CommandedProblem, fitted: FittedPlant, fit: ParameterFit) ->
     with suppress(np.linalg.LinAlgError):  # as in ``fitted_with``
         moved = subject.at(subject.with_effects(fitted, fit.effects), fitted.refitted)
         yield moved
-        yield subject.with_joint_density(moved.plant_model, moved.refitted)
+        yield subject.with_joint_density(fit.effects, moved)
 
 
 def _along_strength(
