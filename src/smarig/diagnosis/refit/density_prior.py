@@ -36,7 +36,8 @@ class DensityPrior:
     observations.
 
     ``prior_scale`` (cells,) scales the deviations: as smooth as products of two ``hats`` (N, s + 1), with one array
-    for each scale of smoothness, then grains of variance ``prior_scale``.
+    for each scale of smoothness, then grains of variance ``prior_scale``. ``model_mass`` are the masses of the model,
+    which are rougher.
     """
 
     triangle: Triangle
@@ -44,6 +45,7 @@ class DensityPrior:
     mass: Array
     prior_scale: Array
     hats: tuple[Array, ...]
+    model_mass: Array
 
     @property
     def covariances(self) -> tuple[Array, ...]:
@@ -83,6 +85,11 @@ class DensityPrior:
         rows = csr_matrix(self.rows[:, used])
         return np.asarray(rows @ (rows @ shared).T)
 
+    @property
+    def smoothed_away(self) -> Array:
+        """Outputs (n,) at the memories, in strokes, of what the model has beyond the prior masses."""
+        return self.outputs(self.model_mass - self.mass)
+
     def outputs(self, mass: Array) -> Array:
         """Outputs (n,) at the memories, in strokes, of masses (cells,)."""
         return np.asarray(self.rows @ _below(self.triangle, mass[:, None])).ravel()
@@ -121,7 +128,8 @@ def density_prior(prediction: Prediction, hysteresis: Everett, path: Array, y: A
     mass = _model_masses(triangle, hysteresis)
     prior_scale = _smoothed(triangle, np.abs(mass))
     prior_scale += MIN_PRIOR_SHARE * prior_scale.mean()
-    return DensityPrior(triangle, X, mass, prior_scale, tuple(_hats(triangle, n) for n in HAT_INTERVALS))
+    hats = tuple(_hats(triangle, n) for n in HAT_INTERVALS)
+    return DensityPrior(triangle, X, _smoothed(triangle, mass), prior_scale, hats, mass)
 
 
 def _grid(triangle: Triangle, columns: Array) -> Array:

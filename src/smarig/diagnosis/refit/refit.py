@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import cholesky, solve_triangular
+from scipy.linalg import cho_solve, cholesky, solve_triangular
 
 from smarig.diagnosis.drive_statistics import DriveStatistics
 from smarig.diagnosis.refit.coupled_readings import coupled_readings
@@ -117,7 +117,9 @@ def refit(
     independent_cost = float(
         0.5 * whitened[n:] @ whitened[n:] + np.log(np.diag(factor)[n:] * scales[n:]).sum()
     )
-    dual_weights = solve_triangular(factor[:n, :n], whitened[:n], lower=True, trans=1, check_finite=False)
+    prior = readings.prior
+    deviation = y / scale + output_slope * prior.smoothed_away  # of the prior masses, which are smooth
+    dual_weights = cho_solve((factor[:n, :n], True), deviation, check_finite=False)
     sd = np.sqrt(np.diag(noise_part) - s_T**2 * output_slope**2 * np.diag(memory)) * scale
     moving_sd = float(np.median(sd[is_moving > 0])) if is_moving.any() else 0.0
     return Refit(
@@ -129,7 +131,7 @@ def refit(
         coupled=n,
         log_components=found,
         posterior=DensityPosterior(
-            prior=readings.prior,
+            prior=prior,
             variances=np.array(variances),
             covariance=density,
             output_slope=output_slope,
