@@ -16,6 +16,8 @@ from pathlib import Path
 import pytest
 from hypothesis import settings
 
+from returned_memory import ReturnedMemory
+
 CACHE = type(lru_cache(len))
 CPU = Path("/proc/cpuinfo")
 if CPU.is_file() and " avx512f " in CPU.read_text(encoding="utf-8", errors="replace"):
@@ -68,6 +70,17 @@ def pytest_collection_modifyitems(items):
             why = mark.args[0] if mark.args else "takes long"
             item.add_marker(pytest.mark.skip(reason=f"{why}: SMARIG_LONG=1"))
     items.sort(key=lambda item: item.path.stem not in LONGEST)
+
+
+MEMORY = ReturnedMemory()
+
+
+def pytest_collection_finish():
+    MEMORY.after_collection()
+
+
+def pytest_runtest_logfinish():
+    MEMORY.after_test()
 
 
 @pytest.fixture(scope="session", autouse=True)
