@@ -92,11 +92,16 @@ def _private_locks(tmp_path_factory):
     os.environ["SMARIG_RUNNING_DIR"] = str(tmp_path_factory.mktemp("running", numbered=True))
 
 
+def _shared_folder(tmp_path_factory) -> Path:
+    """The folder of the session: that of each worker lies in it."""
+    own = tmp_path_factory.getbasetemp()
+    return own.parent if "PYTEST_XDIST_WORKER" in os.environ else own
+
+
 @pytest.fixture(scope="session", autouse=True)
 def _shared_by_workers(tmp_path_factory):
     """All workers share compiled loops, also with the processes they start, and previews."""
-    own = tmp_path_factory.getbasetemp()
-    shared = own.parent if "PYTEST_XDIST_WORKER" in os.environ else own  # a worker's own folder lies in it
+    shared = _shared_folder(tmp_path_factory)
     os.environ["SMARIG_CACHE_DIR"] = str(shared / "compiled")
     if os.environ.pop(
         "PYTHONDONTWRITEBYTECODE", ""
@@ -108,6 +113,13 @@ def _shared_by_workers(tmp_path_factory):
             module, "_computed", import_module("shared_previews").SharedPreviews(shared / "previews")
         )
         yield
+
+
+@pytest.fixture(scope="session")
+def characterised(tmp_path_factory, _shared_by_workers):
+    """The one-wire twin, characterised once in the session; imported here, for few tests need it."""
+    module = import_module("characterised_twin")
+    return module.characterised_twin(_shared_folder(tmp_path_factory) / "characterised")
 
 
 @pytest.fixture(scope="module", autouse=True)
