@@ -75,8 +75,13 @@ def pytest_collection_modifyitems(items):
 MEMORY = ReturnedMemory()
 
 
-def pytest_collection_finish():
-    MEMORY.after_collection()
+@pytest.hookimpl(wrapper=True)
+def pytest_collection():
+    MEMORY.before_collection()
+    try:
+        return (yield)
+    finally:
+        MEMORY.after_collection()
 
 
 def pytest_runtest_logfinish():

@@ -21,11 +21,16 @@ class ReturnedMemory:
         self._trim = _malloc_trim()
         self._resident = 0
 
+    def before_collection(self) -> None:
+        """Importing modules and making tests leaves little to collect."""
+        gc.disable()
+
     def after_collection(self) -> None:
         """Modules and tests stay until the end: no later collection visits them. Their source is read again."""
         linecache.clearcache()
         self._return()
         gc.freeze()
+        gc.enable()
 
     def after_test(self) -> None:
         """Nothing on a system without /proc."""
