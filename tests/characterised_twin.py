@@ -69,18 +69,20 @@ def characterised_twin(folder: Path) -> CharacterisedTwin:
 @contextlib.contextmanager
 def _alone(lock: Path) -> Iterator[None]:
     """One process at a time; the others wait."""
-    if sys.platform == "win32":
-        import msvcrt
+    with lock.open("w") as file:
+        if sys.platform == "win32":
+            import msvcrt
 
-        with lock.open("w") as file:
-            msvcrt.locking(file.fileno(), msvcrt.LK_LOCK, 1)
-            yield
-    else:
-        import fcntl
+            waiting = True
+            while waiting:  # each attempt lasts ten seconds
+                with contextlib.suppress(OSError):
+                    msvcrt.locking(file.fileno(), msvcrt.LK_LOCK, 1)
+                    waiting = False
+        else:
+            import fcntl
 
-        with lock.open("w") as file:
             fcntl.flock(file, fcntl.LOCK_EX)
-            yield
+        yield
 
 
 class _Pickler(pickle.Pickler):
