@@ -16,6 +16,8 @@ from pathlib import Path
 import pytest
 from hypothesis import settings
 
+from returned_memory import ReturnedMemory
+
 CACHE = type(lru_cache(len))
 CPU = Path("/proc/cpuinfo")
 if CPU.is_file() and " avx512f " in CPU.read_text(encoding="utf-8", errors="replace"):
@@ -70,6 +72,22 @@ def pytest_collection_modifyitems(items):
     items.sort(key=lambda item: item.path.stem not in LONGEST)
 
 
+MEMORY = ReturnedMemory()
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_collection():
+    MEMORY.before_collection()
+    try:
+        return (yield)
+    finally:
+        MEMORY.after_collection()
+
+
+def pytest_runtest_logfinish():
+    MEMORY.after_test()
+
+
 @pytest.fixture(scope="session", autouse=True)
 def _private_locks(tmp_path_factory):
     """Test processes run side by side: each has its own idea of which wires are in use. Nothing is left at home."""
@@ -79,11 +97,16 @@ def _private_locks(tmp_path_factory):
     os.environ["SMARIG_RUNNING_DIR"] = str(tmp_path_factory.mktemp("running", numbered=True))
 
 
+def _shared_folder(tmp_path_factory) -> Path:
+    """The folder of the session: that of each worker lies in it."""
+    own = tmp_path_factory.getbasetemp()
+    return own.parent if "PYTEST_XDIST_WORKER" in os.environ else own
+
+
 @pytest.fixture(scope="session", autouse=True)
 def _shared_by_workers(tmp_path_factory):
     """All workers share compiled loops, also with the processes they start, and previews."""
-    own = tmp_path_factory.getbasetemp()
-    shared = own.parent if "PYTEST_XDIST_WORKER" in os.environ else own  # a worker's own folder lies in it
+    shared = _shared_folder(tmp_path_factory)
     os.environ["SMARIG_CACHE_DIR"] = str(shared / "compiled")
     if os.environ.pop(
         "PYTHONDONTWRITEBYTECODE", ""
@@ -95,6 +118,13 @@ def _shared_by_workers(tmp_path_factory):
             module, "_computed", import_module("shared_previews").SharedPreviews(shared / "previews")
         )
         yield
+
+
+@pytest.fixture(scope="session")
+def characterised(tmp_path_factory, _shared_by_workers):
+    """The one-wire twin, characterised once in the session; imported here, for few tests need it."""
+    module = import_module("characterised_twin")
+    return module.characterised_twin(_shared_folder(tmp_path_factory) / "characterised")
 
 
 @pytest.fixture(scope="module", autouse=True)

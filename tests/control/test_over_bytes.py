@@ -137,7 +137,7 @@ def twin(tmp_path_factory):
     "link",
     [
         "one_wire_serial",
-        "one_wire_modbus_tcp",
+        pytest.param("one_wire_modbus_tcp", marks=pytest.mark.long),
         pytest.param("one_wire_modbus_rtu", marks=pytest.mark.long),
         "two_wire_serial",
     ],

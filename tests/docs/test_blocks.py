@@ -5,10 +5,13 @@ import io
 import os
 import subprocess
 import sys
+from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 
 import pytest
 
+from characterised_twin import WORDS, CharacterisedTwin
 from docs.blocks import Block, Command, blocks, commands, extras, printed
 from extras import lacks
 from smarig.cli import run as cli
@@ -20,11 +23,17 @@ LONGEST_S = 300  # for a command that hangs
 
 
 class Page:
-    """What the blocks of one page share: a folder, Python's names, what was printed last."""
+    """What the blocks of one page share: a folder, Python's names, what was printed last.
 
-    def __init__(self, name: str, folder: Path) -> None:
+    ``characterised`` gives the result of its command, which other tests need too.
+    """
+
+    def __init__(
+        self, name: str, folder: Path, characterised: Callable[[], CharacterisedTwin] | None = None
+    ) -> None:
         self.name = name
         self.folder = folder
+        self._characterised = characterised
         self.names: dict[str, object] = {"__name__": "__main__"}
         self.output: str | None = None
 
@@ -61,7 +70,11 @@ class Page:
         self.output = output_text.getvalue()
 
     def _command(self, command: Command, block: Block) -> str:
-        if command.words:
+        if self._characterised is not None and command.words == list(WORDS):
+            made = self._characterised()
+            made.copied(self.folder)
+            status, output = 0, made.printed
+        elif command.words:
             with _captured() as output_text:
                 status, output = cli(command.words), ""
             output = output_text.getvalue()
@@ -111,7 +124,7 @@ TIMED = (
     [pytest.param(p, marks=pytest.mark.long) if p.stem in (*LONG, *TIMED) else p for p in WITH_BLOCKS],
     ids=lambda p: p.relative_to(DOCS).as_posix(),
 )
-def test_the_blocks_of_a_page(page, tmp_path, monkeypatch):
+def test_the_blocks_of_a_page(page, tmp_path, monkeypatch, request):
     for extra in filter(lacks, extras(page)):
         pytest.skip(f"the extra '{extra}' is not installed")
     monkeypatch.chdir(tmp_path)
@@ -119,7 +132,11 @@ def test_the_blocks_of_a_page(page, tmp_path, monkeypatch):
     monkeypatch.setenv("SMARIG_LOCK_DIR", str(tmp_path / ".locks"))
     monkeypatch.setenv("SMARIG_HISTORY_DIR", str(tmp_path / ".wires"))
     monkeypatch.setenv("COLUMNS", "120")
-    Page(page.relative_to(DOCS.parent).as_posix(), tmp_path).do_all(blocks(page))
+    name, characterised = (
+        page.relative_to(DOCS.parent).as_posix(),
+        partial(request.getfixturevalue, "characterised"),
+    )
+    Page(name, tmp_path, characterised).do_all(blocks(page))
 
 
 WRONG = {

@@ -47,7 +47,7 @@ def site(tmp_path):
     source, out = tmp_path / "docs", tmp_path / "site"
     ignored = shutil.ignore_patterns("generated", "__pycache__", "_build")
     shutil.copytree(ROOT / "docs", source, ignore=ignored)
-    command = [sys.executable, "-m", "sphinx", "-W", "--keep-going", "-q", str(source), str(out)]
+    command = [sys.executable, "-m", "sphinx", "-W", "--keep-going", "-q", "-j", "2", str(source), str(out)]
     environment = os.environ | {"PYTHONDONTWRITEBYTECODE": "1"}
     done = subprocess.run(command, capture_output=True, encoding="utf-8", env=environment)
     assert done.returncode == 0, done.stderr

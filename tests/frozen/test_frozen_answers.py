@@ -2,6 +2,7 @@
 SMARIG_LONG=1."""
 
 import os
+from collections.abc import Iterable
 
 import pytest
 
@@ -24,15 +25,20 @@ def _group(name: str) -> str:
     return "/".join(name.split("/")[:2])
 
 
-def _asked() -> list[str]:
+def _asked(kept: Iterable[str]) -> list[str]:
     """Old files have a test of their own."""
-    return [name for name in wanted(load(), () if LONG else SHORT, LONG) if not name.startswith("old/")]
+    return [name for name in wanted(kept, () if LONG else SHORT, LONG) if not name.startswith("old/")]
 
 
-@pytest.mark.parametrize("group", sorted({_group(name) for name in _asked()}))
-def test_the_answers_are_the_same(group, tmp_path):
-    questions, kept = Questions(tmp_path), load()
-    names = [name for name in _asked() if _group(name) == group]
+@pytest.fixture(scope="module")
+def kept():
+    return load()
+
+
+@pytest.mark.parametrize("group", sorted({_group(name) for name in _asked(load())}))
+def test_the_answers_are_the_same(group, kept, tmp_path):
+    questions = Questions(tmp_path)
+    names = [name for name in _asked(kept) if _group(name) == group]
     if not set(names) <= set(questions.names):
         pytest.skip("no ../shared/data beside the repository, with others' measurements")
     found = [

@@ -1,5 +1,6 @@
 """The characterisation page holds the computed numbers in the documented order in one small file."""
 
+import contextlib
 import re
 from dataclasses import replace
 from importlib import import_module
@@ -9,9 +10,7 @@ import numpy as np
 import plotly.graph_objects as go
 import pytest
 
-from report.few_effects import few_effects
 from report.pages import LOADING, Page, unpacked
-from smarig.app.characterise import characterise
 from smarig.app.characterised_folder import characterised_folder
 from smarig.cli import run as cli
 from smarig.core.errors import UsageError
@@ -23,10 +22,12 @@ from smarig.report.models.training_run import training_run
 
 
 @pytest.fixture(scope="module")
-def evidence(tmp_path_factory):
-    """What characterising the one-wire twin finds; few effects compete: the diagnosis has a page of its own."""
-    with few_effects():
-        return characterise("one_wire_twin", tmp_path_factory.mktemp("one"), seed=2).evidence
+def evidence(characterised, tmp_path_factory):
+    """What characterising the one-wire twin finds, in a folder with its files."""
+    folder = tmp_path_factory.mktemp("one")
+    characterised.copied(folder)
+    with contextlib.chdir(folder):
+        yield characterised.evidence()
 
 
 @pytest.fixture(scope="module")
@@ -242,7 +243,7 @@ def test_every_plot_is_labelled_and_the_conditions_stand_once(page):
     assert len(page.captions) > 15
     assert all("n = " in caption and "one_wire_twin" not in caption for caption in page.captions)
     assert all(any(a["text"] == "TWIN" for a in plot["layout"]["annotations"]) for plot in page.plots)
-    assert "Wire twin-one-wire, rig one_wire_twin, seed 2, ambient" in page.visible
+    assert "Wire twin-one-wire, rig one_wire_twin, seed 0, ambient" in page.visible
 
 
 def test_every_trace_and_layout_is_one_plotly_accepts(page):
@@ -306,7 +307,7 @@ def test_the_folder_of_a_characterisation_gives_its_sheet(evidence, monkeypatch)
     assert cli(["report", str(folder), "--summary"]) == 0
     assert (given["rig"], given["options"], given["plan"].name) == (
         "one_wire_twin",
-        " --seed 2",
+        " --seed 0",
         "characterise",
     )
     assert {name: run.path for name, run in given["runs"].items()} == {

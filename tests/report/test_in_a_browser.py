@@ -6,25 +6,11 @@ pytest.importorskip("websocket", reason="websocket-client is not installed (pip 
 
 import smarig
 from report.browser import Browser, axe, chromium
-from report.few_effects import few_effects
-from smarig.app.characterise import characterise
 from smarig.cli import run as cli
 from smarig.plant.effect_catalogue import effects_from_pairs
 from smarig.rig.twin import TwinSettings
 from smarig.runner.session import Session
 
-CAMPAIGN = """
-name = "short"
-summary = "Enough for every section of a page."
-[[step]]
-protocol = "first_order_descending"
-purpose = "train"
-set = { partition_K = [0, 50, 70, 90, 110, 160] }
-[[step]]
-protocol = "validation"
-purpose = "held_out"
-set = { points = 8 }
-"""
 KINDS = ("run", "index", "comparison", "models", "characterise", "diagnose", "regulate", "certificate")
 
 
@@ -33,7 +19,7 @@ def smarig_(*words):
 
 
 @pytest.fixture(scope="module")
-def pages(tmp_path_factory, drawings):
+def pages(tmp_path_factory, drawings, characterised):
     """A page of each kind, made as people make them."""
     chromium()
     folder = tmp_path_factory.mktemp("pages")
@@ -43,10 +29,8 @@ def pages(tmp_path_factory, drawings):
             "one_wire_twin", twin=TwinSettings(seed=seed, effects=effects_from_pairs(effects))
         ) as session:
             session.run("validation", {"points": 6}, runs / f"{name}.run.sqlite")
-    (folder / "short.toml").write_text(CAMPAIGN, encoding="utf-8")
-    with few_effects():
-        characterise("one_wire_twin", folder / "out", campaign=str(folder / "short.toml"), seed=2)
-    curves = folder / "out" / "runs" / "01_first_order_descending.run.sqlite"
+    out = characterised.copied(folder)
+    curves = out / "runs" / "04_first_order_descending.run.sqlite"
     models = [folder / f"{surface}.model.json" for surface in ("exponential", "table")]
     for surface, model in zip(("exponential", "table"), models):
         smarig.identify(curves, surface).model.save(model)
@@ -78,8 +62,8 @@ def pages(tmp_path_factory, drawings):
         "index": runs / "index.html",
         "comparison": folder / "comparison.html",
         "models": folder / "models.html",
-        "characterise": folder / "out" / "report.html",
-        "diagnose": folder / "out" / "diagnosis" / "report.html",
+        "characterise": out / "report.html",
+        "diagnose": out / "diagnosis" / "report.html",
     }
 
 

@@ -9,13 +9,24 @@ import pytest
 import smarig
 from report.browser import chromium
 from report.few_effects import few_effects
-from report.test_in_a_browser import CAMPAIGN
 from smarig.app.characterise import characterise
 from smarig.cli import run as cli
 from smarig.record import load_run
 from smarig.report.summary_page import summary_page
 from smarig.runner.session import Session
 
+CAMPAIGN = """
+name = "short"
+summary = "Enough for every section of a page."
+[[step]]
+protocol = "first_order_descending"
+purpose = "train"
+set = { partition_K = [0, 50, 70, 90, 110, 160] }
+[[step]]
+protocol = "validation"
+purpose = "held_out"
+set = { points = 8 }
+"""
 pytestmark = pytest.mark.usefixtures("drawings")
 
 
