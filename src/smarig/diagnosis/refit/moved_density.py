@@ -16,6 +16,7 @@ from smarig.preisach import Everett, FodTable
 from smarig.replay import PlantModel, Prediction, Timeline, predict
 
 Array = NDArray[np.float64]
+LEAST_DISTANCE = 1e-6  # of nodes, in input ranges: between closer ones a slope is rounding
 NODES = 200  # of the moved density if its own has no nodes
 
 
@@ -69,9 +70,11 @@ def rising_map(before: Array, after: Array, lower: float, upper: float) -> tuple
 def _moved(density: Everett, at: Array, moved: Array) -> FodTable:
     """The table of a density with its inputs ``at`` moved; what lies beyond the range switches at its end."""
     lower, upper = density.lower, density.upper
-    own = np.asarray(getattr(density, "kinks", np.linspace(lower, upper, NODES + 1)))
-    inner = np.interp(own, at, moved)
-    nodes = np.unique(np.concatenate([[lower], inner[(inner > lower) & (inner < upper)], [upper]]))
+    own = np.asarray(getattr(density, "kinks", ()))  # a formula has none
+    inner = np.interp(own if own.size else np.linspace(lower, upper, NODES + 1), at, moved)
+    apart = LEAST_DISTANCE * (upper - lower)
+    inner = inner[np.diff(inner, prepend=lower) > apart]
+    nodes = np.concatenate([[lower], inner[(inner > lower + apart) & (inner < upper - apart)], [upper]])
     last = np.append(np.diff(moved) > 0, True)  # of inputs that move to the same: what is below has switched
     sources = np.interp(nodes, moved[last], at[last])
     sources[0], sources[-1] = lower, upper

@@ -9,7 +9,7 @@ import numpy as np
 from smarig.diagnosis.comparison.commanded.commanded_problem import CommandedProblem
 from smarig.diagnosis.comparison.commanded.commanded_search import SearchedHypotheses
 from smarig.diagnosis.comparison.commanded.screening import Screened, collinear
-from smarig.diagnosis.comparison.compared_hypothesis import ComparedHypothesis, Part, Trial
+from smarig.diagnosis.comparison.compared_hypothesis import ComparedHypothesis, Part
 from smarig.diagnosis.comparison.rules import RULES, VerdictEvidence
 from smarig.diagnosis.comparison.weights import TEMPERATURE, Weights
 from smarig.diagnosis.held_out_gain import HeldOutGain
@@ -19,6 +19,7 @@ from smarig.diagnosis.refit.reading_noise import EFFECT_ERROR_SHARE
 from smarig.replay import PlantModel
 
 POSITIONS = ("settled", "moving")
+LARGEST = 0.1  # of the left-out errors of a channel: most of them are extrapolations
 PARTED_NATS = TEMPERATURE * float(np.log(RULES["name"].value / (1 - RULES["name"].value)))
 
 
@@ -99,8 +100,17 @@ def acts_through(found: SearchedHypotheses) -> dict[Part, tuple[Part, ...]]:
     }
 
 
-def _squares(trial: Trial) -> Mapping[str, float]:
-    return trial.state[1]
+def _squares(before: ComparedHypothesis, own: ComparedHypothesis) -> Mapping[str, tuple[float, float]]:
+    """Mean squares of left-out errors by channel, without and with: the largest count as the least of them.
+
+    Where a block is left out of which nothing else tells, both extrapolate, and their errors say little.
+    """
+    without, with_part = (h.best.state[1] for h in (before, own))
+    most = {k: float(np.quantile(squares, 1 - LARGEST)) for k, squares in without.items()}
+    return {
+        k: (float(np.minimum(squares, most[k]).mean()), float(np.minimum(with_part[k], most[k]).mean()))
+        for k, squares in without.items()
+    }
 
 
 def _size(found: SearchedHypotheses, weights: Weights, part: Part) -> float:
@@ -140,17 +150,17 @@ def _with_and_without(
 
 def _removes(before: ComparedHypothesis, own: ComparedHypothesis) -> float:
     """The root of the mean square that a hypothesis removes, in shares of a channel's span: the most of any channel."""
-    squares, less = _squares(before.best), _squares(own.best)
-    return float(np.sqrt(max(max(squares[k] - less[k] for k in squares), 0.0)))
+    removed = max(without - left for without, left in _squares(before, own).values())
+    return float(np.sqrt(max(removed, 0.0)))
 
 
 def _times_rest(
     before: ComparedHypothesis, own: ComparedHypothesis, channels: Collection[str] | None = None
 ) -> float:
     """What a hypothesis removes over what it leaves, in the channel where that is most."""
-    squares, less = _squares(before.best), _squares(own.best)
-    shares = [(squares[k] - less[k]) / less[k] for k in squares if channels is None or k in channels]
-    return float(np.sqrt(max(shares, default=0.0))) if max(shares, default=0.0) > 0 else 0.0
+    squares = [pair for k, pair in _squares(before, own).items() if channels is None or k in channels]
+    shares = [(without - left) / left for without, left in squares if left > 0]
+    return float(np.sqrt(max([0.0, *shares])))
 
 
 def _times_rest_unseen(held_out: Mapping[Part, float], part: Part) -> float:
