@@ -22,7 +22,7 @@ def rig(tmp_path, name="one_wire_serial", **simulator):
 def test_a_sound_bench_passes_every_check(name, tmp_path, capsys):
     assert cli(["check", rig(tmp_path, name), "--json"]) == 0
     found = json.loads(capsys.readouterr().out)
-    pulse = ["read-back", "resistance", "encoder direction"]
+    pulse = ["read-back", "resistance", "encoder direction", "encoder scale"]
     second = [f"{check}, wire 2" for check in pulse] if name.startswith("two") else []
     assert [c["name"] for c in found["checks"]] == ["devices", "at rest", *pulse, *second, "lease", "re-arm"]
     assert all(c["passed"] for c in found["checks"])

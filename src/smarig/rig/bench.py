@@ -95,6 +95,11 @@ class Bench:
         """Whether the source measures the wire temperature and can limit it by itself."""
         return getattr(self.source, "holds_wire_limit", False)
 
+    @property
+    def measures_ambient(self) -> bool:
+        """Whether the ambient temperature of the samples is measured; else it is that of the rig file."""
+        return self.further.room is not None or getattr(self.sensor, "measures_ambient", False)
+
     def step(self, current_A: float, at_most: int = 1) -> tuple[Sample, ...]:
         """Apply a current from the next tick on. Returns the samples since the last call, at least one."""
         if self._fault is not None:
