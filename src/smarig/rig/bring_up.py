@@ -20,7 +20,7 @@ from smarig.rig.electrical_plausibility import MIN_CURRENT_A, read_back_toleranc
 from smarig.rig.expected_resistance import ExpectedResistance
 from smarig.rig.guard import Guard
 from smarig.rig.lease_limits import limits_in_force, without_lease_text
-from smarig.rig.plausibility import MIN_TRAVEL
+from smarig.rig.response import MIN_TRAVEL, MOTION_MARGIN
 from smarig.rig.rig import Rig
 from smarig.rig.stress_limit import stress_limit
 
@@ -30,7 +30,6 @@ STEP_TAUS = 1.5  # time constants per step
 COOL_TAUS = 5.0
 LEASE_TEST_SHARE = 0.1  # of the largest current, during the test of the lease
 LEASE_MARGIN_S = 1.5
-MOTION_MARGIN = 10  # times more or less than its model: no wire deviates that far, but a wrong unit does
 ProgressCallback = Callable[[str], None]
 BACKLOG_S = 10.0  # of samples after re-arming that may still show the trip
 HOST_ALONE = (
