@@ -94,3 +94,13 @@ def test_a_fall_that_the_cooling_explains_is_none():
     )
     assert rise.add(([20.0], []), 2.0) == 20.0 - 2.0 - 8.0
     assert rise.add(([14.0], []), -5.0) == 0.0, "12 counts of 6 K: more than the tolerance, so it begins anew"
+
+
+def test_a_hold_of_days_is_kept_in_few_readings():
+    rise = Rise(counts_per_K=2.0, least_K=3.0, tolerance=10.0)
+    dice = random.Random(1)
+    rise.add(([0.0], []), 0.0)
+    for _ in range(20_000):
+        rise.add(([50.0 + dice.gauss(0.0, 0.05)], []), 100.0 + dice.gauss(0.0, 1.0))
+    assert len(rise._later) < 10
+    assert rise.add(([60.0], []), 60.0) > 30.0, "the highest of them is kept"

@@ -11,10 +11,12 @@ risen if it is higher at all time constants of ``temperature_bounds.py``, and as
 sensor shows what was: the same temperatures behind a lag are wires too.
 """
 
+import math
 from collections import deque
 
 from smarig.rig.temperature_bounds import TemperatureBounds
 
+PARTS = 4  # of δ, within which readings are kept as one
 Signals = tuple[
     list[float], list[float]
 ]  # of wires that move the position up, and of those that move it down
@@ -29,40 +31,67 @@ class Rise:
     """
 
     def __init__(self, counts_per_K: float, least_K: float, tolerance: float) -> None:
-        self._per_K, self._least_K, self._tolerance = counts_per_K, least_K, tolerance
+        self._least_K, self._per_K = least_K, counts_per_K
+        self._most_K = tolerance / counts_per_K  # by which the input may have fallen
         self.forget()
 
     def forget(self) -> None:
         """Begin anew."""
-        self._extremes: Signals | None = None
-        self._fallen_K, self._top = 0.0, float("-inf")
+        self._highest: list[float] = []
+        self._lowest: list[float] = []
+        self._fallen_K, self._top = 0.0, -math.inf
         self._later: deque[tuple[Signals, float]] = deque()  # readings that every wire has not yet been above
 
     def add(self, signals: Signals, reading: float) -> float:
         """The reading at the temperatures of all wires, in counts."""
-        if self._extremes is None:
-            self._extremes = signals
-        highest, lowest = self._extremes
-        up, down = signals
-        highest = [max(pair) for pair in zip(highest, up)]
-        lowest = [min(pair) for pair in zip(lowest, down)]
-        fallen_K = max((h - x for h, x in zip(highest, up)), default=0.0)
-        fallen_K += max((x - low for low, x in zip(lowest, down)), default=0.0)
-        self._extremes = highest, lowest
-        self._fallen_K = max(self._fallen_K, fallen_K)
-        if self._per_K * self._fallen_K > self._tolerance:
-            self.forget()  # it may have fallen
-            self._extremes = signals
-        self._later.append((signals, reading))
-        while self._later and _risen_K(self._later[0][0], signals) >= self._least_K:
-            self._top = max(self._top, self._later.popleft()[1])
+        fallen_K = _beyond(self._highest, signals[0], 1.0) + _beyond(self._lowest, signals[1], -1.0)
+        if fallen_K > self._fallen_K:
+            self._fallen_K = fallen_K
+        if self._fallen_K > self._most_K or not self._later:  # it may have fallen by any amount
+            self.forget()
+            self._highest, self._lowest = list(signals[0]), list(signals[1])
+            self._later.append((signals, reading))
+            return 0.0
+        self._keep(signals, reading)
+        later, least_K = self._later, self._least_K
+        while _risen_K(later[0][0], signals) >= least_K:
+            self._top = max(self._top, later.popleft()[1])
         return max(0.0, self._top - reading - self._per_K * self._fallen_K)
+
+    def _keep(self, signals: Signals, reading: float) -> None:
+        """Readings at nearly the same temperatures are one: the highest."""
+        highest = self._later[-1][1]
+        if len(self._later) > 1 and _risen_K(self._later[-2][0], signals) < self._least_K / PARTS:
+            self._later[-1] = signals, max(highest, reading)
+        else:
+            self._later.append((signals, reading))
+
+
+def _beyond(extremes: list[float], now: list[float], sign: float) -> float:
+    """By how much signals are on the inner side of their extremes, at most; moves those that they exceed."""
+    most = 0.0
+    for k, extreme in enumerate(extremes):
+        by = sign * (extreme - now[k])
+        if by < 0.0:
+            extremes[k] = now[k]
+        elif by > most:
+            most = by
+    return most
 
 
 def _risen_K(then: Signals, now: Signals) -> float:
     """By how much the input of every wire has risen at least."""
-    up = min((b - a for a, b in zip(then[0], now[0])), default=0.0)
-    return up + min((a - b for a, b in zip(then[1], now[1])), default=0.0)
+    least = math.inf
+    for a, b in zip(then[0], now[0]):
+        if b - a < least:
+            least = b - a
+    if not now[1]:
+        return least
+    down = math.inf
+    for a, b in zip(then[1], now[1]):
+        if a - b < down:
+            down = a - b
+    return least + down if now[0] else down
 
 
 class Direction:
@@ -78,16 +107,15 @@ class Direction:
 
     def add(self, temperature: TemperatureBounds, reading: float) -> None:
         """A reading, in counts."""
-        wires = temperature.wires_K
-        before = self._lagging or [list(wire) for wire in wires]
-        self._lagging = [
-            [late + self._lag * (now - late) for late, now in zip(old, wire)]
-            for old, wire in zip(before, wires)
+        wires, lag = temperature.wires_K, self._lag
+        before = self._lagging or wires
+        self._lagging = late = [
+            [a + lag * (b - a) for a, b in zip(old, wire)] for old, wire in zip(before, wires)
         ]
-        up = [*wires[0], *self._lagging[0]]
-        down = [*wires[1], *self._lagging[1]] if len(wires) > 1 else []
-        excess = max(self._rise.add((up, down), reading), self._fall.add((down, up), -reading))
-        self.against = excess > self._tolerance
+        up = wires[0] + late[0]
+        down = wires[1] + late[1] if len(wires) > 1 else []
+        rise, fall = self._rise.add((up, down), reading), self._fall.add((down, up), -reading)
+        self.against = rise > self._tolerance or fall > self._tolerance
 
     def forget(self) -> None:
         """The zero is another one now, or the wire may be in another state than assumed."""
