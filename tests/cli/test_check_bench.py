@@ -174,6 +174,7 @@ def test_a_position_in_mm_is_checked_without_a_rig_file(tmp_path, capsys, monkey
     assert cli([*command, "--driver", "./a_mm_laser.py"]) == 0
     out = capsys.readouterr().out
     assert "6 of 6 requirements are met" in out
+    assert "Its sign and its unit are checked with heat" in out
     assert "for those of your bench: smarig check RIG --driver" in out
     assert cli([*command, "--driver", "./a_deg_laser.py"]) == 2
     assert "Name a rig whose wire moves in deg." in capsys.readouterr().err
