@@ -18,7 +18,7 @@ from typing import Any
 
 from smarig.config import RigFile, load_rig
 from smarig.core import NAN, Hold, LimitExceeded, Protocol, Quality, Sample, Settled, StepResult, StepVerdict
-from smarig.plant import Actuator, Effect, EffectType, ThermomechanicalPlant, effect_types
+from smarig.plant import Actuator, Effect, EffectType, effect_types
 from smarig.preisach import thesis_surface
 from smarig.rig import Guard, Plausibility, Twin, TwinSettings
 from smarig.runner import CallbackListener, Runner
@@ -152,8 +152,7 @@ class FaultyRig:
     def _with_thermometer(self, s: Sample) -> Sample:
         if self.twin.actuator.two_wire:
             return s
-        plant = self.twin.specimen.plant
-        wire_K = plant.wire_K if isinstance(plant, ThermomechanicalPlant) else plant.heating.wire_K
+        wire_K = self.twin.specimen.wire_K
         noise_K = self.dice.gauss(0.0, THERMOMETER_NOISE_K)
         return s._replace(temperature_degC=round(s.ambient_degC + wire_K[0] + noise_K, 2))
 

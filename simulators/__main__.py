@@ -62,7 +62,11 @@ FOLDER = click.Path(path_type=Path, file_okay=False)
     show_default=True,
     help="Lock-step: seconds without a request after which time follows the clock.",
 )
-@click.option("--speed", type=click.FloatRange(min=1e-3, max=1e6), help="Real time × SPEED (default: 1).")
+@click.option(
+    "--speed",
+    type=click.FloatRange(min=1e-3, max=1e6),
+    help="Real time × SPEED (default: simulator.speed of the rig file, else 1).",
+)
 @click.option("--faults", "faults_file", type=FILE, help="TOML file of faults, see faults.py.")
 @click.option("--folder", type=FOLDER, help="Folder with permanent names for the ptys.")
 @click.option("--trace", "trace_file", type=FILE, help="CSV file to write, one row per tick.")
@@ -90,6 +94,7 @@ def main(
                 "Give either --lock-step or --speed: time either waits for the host or follows the clock."
             )
         file = with_load(load_rig(rig), load) if load else load_rig(rig)
+        speed = speed or (file.simulator.speed if file.simulator else 0.0) or 1.0
         faults = load_faults(faults_file) if faults_file else ()
         framings = {name: _framing(file, name, framing) for name in (AMPLIFIER, DAQ)}
         settings = TwinSettings(seed=seed, effects=effects_from_arguments(effects))
@@ -108,9 +113,9 @@ def main(
     pace: Pace = (
         LockStep(world, tick, host_timeout_s)
         if lock_step
-        else RealTime(tick, file.period_s / (speed or 1.0), time.monotonic())
+        else RealTime(tick, file.period_s / speed, time.monotonic())
     )
-    _serve(world, lines, pace, (file.lease_s + AFTER_LEASE * file.period_s) / (speed or 1.0))
+    _serve(world, lines, pace, (file.lease_s + AFTER_LEASE * file.period_s) / speed)
 
 
 def _framing(file: RigFile, device: str, chosen: str | None) -> ServerFraming:

@@ -163,6 +163,15 @@ class LowShunt(_AmplifierFault):
     factor: Number = Field(ge=1, le=10)
 
 
+class Thermometer(_AmplifierFault):
+    """The amplifier has a thermometer on the wire. From the start of the fault it reads ``excess_K`` too much; without
+    that key it reads nothing any more.
+    """
+
+    kind: Literal["thermometer"]
+    excess_K: Number | None = Field(default=None, ge=-1000, le=1000)
+
+
 AnyFault = Annotated[
     Dropped
     | GarbledBytes
@@ -179,7 +188,8 @@ AnyFault = Annotated[
     | JumpingEncoder
     | OpenWire
     | DriftingShunt
-    | LowShunt,
+    | LowShunt
+    | Thermometer,
     Field(discriminator="kind"),
 ]
 

@@ -1,7 +1,7 @@
 """``python -m simulators.labjack --rig RIG``: a LabJack behind Modbus TCP, with the twin's wire on its terminals.
 
 Prints its address as one line of JSON, for each role of the rig file. Runs until standard input ends; its time is the
-clock's, times ``--speed``.
+clock's, times ``--speed`` or ``simulator.speed`` of the rig file.
 """
 
 import asyncio
@@ -111,10 +111,10 @@ class LabJackServer:
 @wire_options
 @click.option("--port", type=click.IntRange(0, 65535), default=0, help="TCP port; 0: a free one.")
 @click.option("--product", type=click.Choice(["4", "7"]), default="7", help="T4 or T7.")
-def main(speed: float, port: int, product: str, **wire: Any) -> None:
+def main(port: int, product: str, **wire: Any) -> None:
     """Simulate a LabJack and the wire of a rig."""
 
-    def start(file: RigFile, settings: TwinSettings) -> LabJackServer:
+    def start(file: RigFile, settings: TwinSettings, speed: float) -> LabJackServer:
         return LabJackServer(LabJackWire(file, settings, int(product)), speed, port).start()
 
     serve(start, **wire)

@@ -18,8 +18,13 @@ _OPTIONS = (
     click.option("--seed", type=click.IntRange(0, 2**63 - 1), default=0, show_default=True),
     click.option("--effect", "effects", multiple=True, metavar="NAME=STRENGTH", help="Effect of the twin."),
     click.option("--load", default="", help="Force on the wire, as in smarig run."),
-    click.option("--speed", type=click.FloatRange(min=1e-3, max=1e3), default=1.0, help="Real time × SPEED."),
+    click.option(
+        "--speed",
+        type=click.FloatRange(min=1e-3, max=1e3),
+        help="Real time × SPEED (default: simulator.speed of the rig file, else 1).",
+    ),
 )
+Start = Callable[[RigFile, TwinSettings, float], "Instruments"]
 
 
 class Instruments(Protocol):
@@ -43,21 +48,17 @@ def wire_options(command: Callable[..., None]) -> Callable[..., None]:
 
 
 def serve(
-    start: Callable[[RigFile, TwinSettings], Instruments],
-    *,
-    rig: str,
-    seed: int,
-    effects: tuple[str, ...],
-    load: str,
+    start: Start, *, rig: str, seed: int, effects: tuple[str, ...], load: str, speed: float | None
 ) -> None:
-    """Print the addresses as one line of JSON; serve until standard input ends."""
+    """Print the addresses and the speed as one line of JSON; serve until standard input ends."""
     try:
         file = with_load(load_rig(rig), load) if load else load_rig(rig)
-        instruments = start(file, TwinSettings(seed=seed, effects=effects_from_arguments(effects)))
+        speed = speed or (file.simulator.speed if file.simulator else 0.0) or 1.0
+        instruments = start(file, TwinSettings(seed=seed, effects=effects_from_arguments(effects)), speed)
     except SmarigError as error:
         click.echo(f"Error: {error}", err=True)
         sys.exit(error.exit_status)
     addresses: dict[str, Any] = {name: {"url": url} for name, url in instruments.urls.items()}
-    click.echo(json.dumps({**addresses, "pid": os.getpid()}))
+    click.echo(json.dumps({**addresses, "pid": os.getpid(), "speed": speed}))
     sys.stdin.read()
     instruments.close()

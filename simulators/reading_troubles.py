@@ -1,4 +1,4 @@
-"""Faults that act on the wire, the shunt and the encoder."""
+"""Faults that act on the wire, the shunt, the thermometer and the encoder."""
 
 from collections.abc import Iterable
 
@@ -10,6 +10,7 @@ from simulators.faults import (
     SimulatedFault,
     SlippingEncoder,
     StuckEncoder,
+    Thermometer,
 )
 from smarig.device import VALUE_RANGES, load_register_map
 from smarig.rig import RawReading
@@ -18,12 +19,14 @@ _FIELDS = {f.name: f for f in load_register_map("amplifier")["ring"].field}
 
 
 class WireFaults:
-    """An open wire, a drifting shunt, a shunt that reads low."""
+    """An open wire, a drifting shunt, a shunt that reads low, a thermometer that reads high or nothing."""
 
     def __init__(self, faults: Iterable[SimulatedFault]) -> None:
         self._open = tuple(f for f in faults if isinstance(f, OpenWire))
         self._shunt = tuple(f for f in faults if isinstance(f, DriftingShunt))
         self._low = tuple(f for f in faults if isinstance(f, LowShunt))
+        self._thermometers = tuple(f for f in faults if isinstance(f, Thermometer))
+        self.has_thermometer = bool(self._thermometers)
 
     def interrupted(self, time_s: float, exchange: int) -> OpenWire | None:
         """The break in the wire, if there is one now."""
@@ -32,6 +35,16 @@ class WireFaults:
     def low_factor(self, time_s: float, exchange: int) -> float:
         """The true current over the reading of the shunt."""
         return next((f.factor for f in self._low if f.active(time_s, exchange)), 1.0)
+
+    def temperature(self, wire_K: float, reading: RawReading, time_s: float, exchange: int) -> RawReading:
+        """The reading with the temperature of a wire that is so much above ambient, as its thermometer reads it."""
+        active = next((f for f in self._thermometers if f.active(time_s, exchange)), None)
+        if active is not None and active.excess_K is None:
+            return reading
+        excess_K = (active.excess_K or 0.0) if active else 0.0
+        low, high = VALUE_RANGES[_FIELDS["temperature"].type]
+        read = reading.ambient + round((wire_K + excess_K) * _FIELDS["temperature"].per_unit)
+        return reading._replace(temperature=min(max(read, low + 1), high))  # the lowest is no reading
 
     def measured(self, reading: RawReading, output_uA: int, time_s: float, exchange: int) -> RawReading:
         """The reading as the amplifier measures it."""

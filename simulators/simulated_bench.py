@@ -28,6 +28,11 @@ class WireModel(Protocol):
         """The present counts of the encoder."""
         ...
 
+    @property
+    def wire_K(self) -> Sequence[float]:
+        """The temperature of each wire above ambient; a fault that brings a thermometer asks for it."""
+        ...
+
 
 class DevicePower:
     """Reboots, power failures and the clock rate of one device."""
@@ -123,6 +128,9 @@ class SimulatedBench:
     def _tick_amplifier(self, reading: RawReading, output_uA: int) -> None:
         moment = self._now(AMPLIFIER)
         amplifier_reading = self._wire_faults.measured(reading, output_uA, *moment)
+        if self._wire_faults.has_thermometer:
+            hottest_K = max(self._wire.wire_K)
+            amplifier_reading = self._wire_faults.temperature(hottest_K, amplifier_reading, *moment)
         for _ in range(self._power[AMPLIFIER].ticks(*moment)):
             hardware = SATURATED if amplifier_reading.saturated else 0
             self.amplifier.tick(

@@ -1,7 +1,7 @@
 """``python -m simulators.supply_bench --rig RIG``: a laboratory supply and the meters of a rig file on the twin's wire.
 
 Prints their VISA addresses as one line of JSON, for each role of the rig file. Runs until standard input ends; its time
-is the clock's, times ``--speed``.
+is the clock's, times ``--speed`` or ``simulator.speed`` of the rig file.
 """
 
 from typing import Any
@@ -62,10 +62,17 @@ class SupplyBench:
 
 @click.command()
 @wire_options
-@click.option("--make", default=MAKE, show_default=True, help="Make of the supply.")
-def main(speed: float, make: str, **wire: Any) -> None:
+@click.option(
+    "--make", default="", help=f"Make of the supply (default: simulator.make of the rig file, else {MAKE})."
+)
+def main(make: str, **wire: Any) -> None:
     """Simulate a laboratory supply, its meters and the wire of a rig."""
-    serve(lambda file, settings: SupplyBench(file, settings, make, speed), **wire)
+
+    def start(file: RigFile, settings: TwinSettings, speed: float) -> SupplyBench:
+        of_file = file.simulator.make if file.simulator else ""
+        return SupplyBench(file, settings, make or of_file or MAKE, speed)
+
+    serve(start, **wire)
 
 
 if __name__ == "__main__":

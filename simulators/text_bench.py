@@ -1,7 +1,7 @@
 """``python -m simulators.text_bench --rig RIG``: a box that drives and measures, on the wire of a rig file.
 
 Prints its address as one line of JSON, for both roles of the rig file. Runs until standard input ends; its time is the
-clock's, times ``--speed``.
+clock's, times ``--speed`` or ``simulator.speed`` of the rig file.
 """
 
 from typing import Any
@@ -35,9 +35,9 @@ class TextBench:
 
 @click.command()
 @wire_options
-def main(speed: float, **wire: Any) -> None:
+def main(**wire: Any) -> None:
     """Simulate a text instrument and the wire of a rig."""
-    serve(lambda file, settings: TextBench(file, settings, speed), **wire)
+    serve(TextBench, **wire)
 
 
 if __name__ == "__main__":

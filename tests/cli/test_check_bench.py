@@ -22,7 +22,7 @@ def rig(tmp_path, name="one_wire_serial", **simulator):
 def test_a_sound_bench_passes_every_check(name, tmp_path, capsys):
     assert cli(["check", rig(tmp_path, name), "--json"]) == 0
     found = json.loads(capsys.readouterr().out)
-    pulse = ["read-back", "resistance", "encoder direction"]
+    pulse = ["read-back", "resistance", "encoder direction", "encoder scale"]
     second = [f"{check}, wire 2" for check in pulse] if name.startswith("two") else []
     assert [c["name"] for c in found["checks"]] == ["devices", "at rest", *pulse, *second, "lease", "re-arm"]
     assert all(c["passed"] for c in found["checks"])
@@ -174,6 +174,7 @@ def test_a_position_in_mm_is_checked_without_a_rig_file(tmp_path, capsys, monkey
     assert cli([*command, "--driver", "./a_mm_laser.py"]) == 0
     out = capsys.readouterr().out
     assert "6 of 6 requirements are met" in out
+    assert "Its sign and its unit are checked with heat" in out
     assert "for those of your bench: smarig check RIG --driver" in out
     assert cli([*command, "--driver", "./a_deg_laser.py"]) == 2
     assert "Name a rig whose wire moves in deg." in capsys.readouterr().err

@@ -138,7 +138,9 @@ def test_the_driver_talks(made):
         assert source.measure()[:2] == (0.5, 2.0)
         assert source.off() == ""
         assert not supply.on
-        supply.takes = 1.1
+        supply.stuck = True
+        assert "Its watchdog switches it off within" in source.off(), "by hand only if that fails"
+        supply.stuck, supply.takes = False, 1.1
         with pytest.raises(Exception, match=r"set 0\.55 A instead of 0\.5 A"):
             source.set_current(0.5)
         source.close()

@@ -3,6 +3,7 @@
 import os
 import sys
 import tempfile
+import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -72,15 +73,16 @@ def _of_the_link(path: str) -> str:
 
 
 _ACTIVE: list[Watch] = []
+_JUDGING = threading.local()
 
 
 def _hook(event: str, arguments: tuple[Any, ...]) -> None:
-    if _ACTIVE:
-        watch = _ACTIVE.pop()  # what judging does is not judged
+    if _ACTIVE and not getattr(_JUDGING, "now", False):  # what judging does is not judged
+        _JUDGING.now = True
         try:
-            watch.note(event, arguments)
+            _ACTIVE[-1].note(event, arguments)
         finally:
-            _ACTIVE.append(watch)
+            _JUDGING.now = False
 
 
 _INSTALLED: list[bool] = []  # a hook stays for the life of the process

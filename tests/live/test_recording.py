@@ -1,11 +1,14 @@
 """An .rrd file, read back by Rerun's reader, holds the samples of the run with their times and stays small."""
 
 import json
+import os
+import threading
 
 import numpy as np
 import pytest
 
 from smarig.cli import run as smarig
+from smarig.live.recording_file import RecordingFile
 
 reading = pytest.importorskip("rerun.chunk", reason="rerun is not installed")
 
@@ -123,3 +126,18 @@ def a_model():
         twin=True,
         created="",
     )
+
+
+@pytest.mark.skipif(os.name == "nt", reason="pipes of POSIX")
+def test_the_writer_of_a_pipe_never_waits_for_its_reader(tmp_path, monkeypatch):
+    """Whatever keeps the thread that reads: Rerun opens the pipe in the main thread, where no signal would end it."""
+    with monkeypatch.context() as patch:
+        patch.setattr(threading.Thread, "start", lambda _: None)
+        recording = RecordingFile(tmp_path / "a.rrd")
+    writer = os.open(recording.pipe, os.O_WRONLY | os.O_NONBLOCK)  # OSError without a reader
+    recording.writer_opened()
+    recording._thread.start()
+    os.write(writer, b"recorded")
+    os.close(writer)
+    recording.close()
+    assert (tmp_path / "a.rrd").read_bytes() == b"recorded"

@@ -6,7 +6,8 @@ from rig.lying import TamperedRig
 from smarig.config import load_rig
 from smarig.core.sample import Quality, Sample
 from smarig.plant.actuator import Actuator
-from smarig.rig.bring_up import _check_lease, _input_of_certain_motion_K, bring_up
+from smarig.rig import Twin
+from smarig.rig.bring_up import _check_lease, _MotionModel, bring_up
 
 
 def checked(change, rig="one_wire_twin"):
@@ -18,7 +19,7 @@ def checked(change, rig="one_wire_twin"):
         return change(sample)
 
     lying = TamperedRig(rig, observed)
-    lying.identity, lying.has_lease = lambda: ["a twin"], True
+    lying.identity, lying.has_lease, lying.measures_ambient = lambda: ["a twin"], True, True
     checks = []
     bring_up(lying, lying.file, checks.append)
     found = {c.name: c for c in checks}
@@ -63,8 +64,41 @@ def test_a_coarse_encoder_is_given_all_the_travel_there_is():
     file = load_rig("one_wire_twin")
     coarse = file.model_copy(update={"encoder": file.encoder.model_copy(update={"counts_per_rev": 50})})
     actuator = Actuator.named(file.actuator)
-    fine_K, coarse_K = (_input_of_certain_motion_K(actuator, f, +1) for f in (file, coarse))
-    assert 0 < fine_K < 60 < 100 < coarse_K
+    enough = [
+        [_MotionModel(actuator, f, +1).has_shown(0, K) for K in (20, 60, 100, 180)] for f in (file, coarse)
+    ]
+    assert enough == [[False, True, True, True], [False, False, False, True]]
+
+
+@pytest.mark.parametrize(
+    ("counts_per_mm", "factor", "failed"),
+    [
+        (500, 1, ""),
+        (500, 1000, "encoder scale"),  # micrometres
+        (500, 1e-3, "encoder direction"),  # metres
+        (500, 25.4, "encoder scale"),  # thousandths of an inch, given as 0.001 mm
+        (20, 1, ""),
+        (20, 1000, "encoder scale"),
+        (20, 1e-3, "encoder direction"),
+        (20_000, 1e-3, "encoder direction"),
+    ],
+)
+def test_a_position_in_another_unit_than_the_file_says_is_seen(counts_per_mm, factor, failed):
+    file = load_rig("one_wire_twin")
+    scale = counts_per_mm * Actuator.named(file.actuator).resolution(file.encoder)
+
+    def read(sample):
+        return sample._replace(counts=round(scale * factor * sample.counts))
+
+    lying = TamperedRig("one_wire_twin", read)
+    lying.twin = Twin.named("one_wire_twin", noise=False)
+    lying.identity, lying.has_lease, lying.measures_ambient = lambda: ["a twin"], True, True
+    resolution = file.encoder.model_copy(update={"resolution": 1 / counts_per_mm, "counts_per_rev": None})
+    checks = []
+    bring_up(lying, file.model_copy(update={"encoder": resolution}), checks.append)
+    wrong = [check for check in checks if check.name.startswith("encoder") and not check.passed]
+    assert [check.name for check in wrong] == ([failed] if failed else [])
+    assert not failed or "the unit of the driver" in wrong[0].observed
 
 
 def test_both_wires_are_looked_at():
@@ -79,12 +113,13 @@ def test_both_wires_are_looked_at():
 
 def test_a_source_without_a_lease_is_reported():
     lying = TamperedRig("one_wire_twin", lambda s: s)
-    lying.identity, lying.has_lease = lambda: ["a supply"], False
+    lying.identity, lying.has_lease, lying.measures_ambient = lambda: ["a supply"], False, False
     checks = []
     bring_up(lying, lying.file, checks.append)
     last = checks[-1]
     assert (last.name, last.passed) == ("lease", True)
     assert "only the cut-out stops the current" in last.observed
+    assert "22.0 °C by the rig file (not measured)" in next(c for c in checks if c.name == "at rest").observed
 
 
 class Leased:
@@ -150,6 +185,7 @@ def test_where_the_host_alone_limits_a_measured_wire_temperature_it_is_said(held
         "one_wire_twin", lambda s: s._replace(temperature_degC=s.ambient_degC + measured_K, current_A=0.0)
     )
     rig.identity, rig.has_lease, rig.holds_wire_limit = lambda: ["a twin"], True, held
+    rig.measures_ambient = True
     checks = []
     bring_up(rig, rig.file, checks.append)
     said = [c for c in checks if c.name == "wire temperature"]

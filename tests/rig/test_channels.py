@@ -141,7 +141,7 @@ def test_the_tolerance_is_that_of_the_file_or_of_the_kind_of_rig():
 NOTICED = {  # channel, fault: seconds until it is marked at the latest, steps recorded as good with a false reading
     ("position", "stuck"): 40.0,
     ("position", "jumping by 50 counts"): 0.1,
-    ("position", "wrong sign"): 90.0,
+    ("position", "wrong sign"): 15.0,
     ("position", "lost"): 1.0,
     ("position", "noisy"): 2.0,
     ("voltage", "lost"): 1.0,

@@ -6,7 +6,10 @@ import pytest
 
 from smarig.config import load_rig
 from smarig.core import ConfigError, RigFault, own_files
+from smarig.device.drivers.smarig_encoder_daq import SmarigEncoderDaq
 from smarig.record import load_run
+from smarig.report.components.run_description import conditions_text
+from smarig.report.run_page import run_page
 from smarig.rig import ForceStatistics
 from smarig.runner import Session
 
@@ -102,3 +105,18 @@ def test_the_mean_of_forces_is_that_of_the_finite_readings():
     assert (forces.n, forces.mean_N, forces.least_N, forces.largest_N) == (3, 3.0, 1.0, 6.0)
     forces.reset()
     assert forces.n == 0
+
+
+@pytest.mark.parametrize(
+    ("by_sensor", "links", "source"),
+    [(True, {}, None), (False, {"room_thermometer": "room"}, None), (False, {}, "rig file")],
+)
+def test_an_ambient_temperature_that_nobody_measured_is_said_to_be_that_of_the_file(
+    tmp_path, monkeypatch, by_sensor, links, source
+):
+    monkeypatch.setattr(SmarigEncoderDaq, "measures_ambient", by_sensor)
+    run, _ = run_on(rig(tmp_path, **links), tmp_path)
+    assert run.info.ambient_from == source
+    text = next(part for part in conditions_text(run).split(", ") if part.startswith("ambient"))
+    assert text.endswith(" °C by the rig file (not measured)" if source else " °C")
+    assert ("rig file, not measured" in run_page(run)) == bool(source)

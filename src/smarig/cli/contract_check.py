@@ -34,6 +34,8 @@ def check_one_driver(rig: str | None, driver: str, role: str, url: str, wire: st
     lines = [f"{driver} as {role}: {met} of {len(found)} requirements are met."]
     if role == _POWERED and any(result.limitation for result in found):
         lines.append(without_lease_text(file, Actuator.named(file.actuator)))
+    if role == "encoder_daq":
+        lines.append("Its sign and its unit are checked with heat, by a bring-up: smarig check RIG.")
     if not rig and url:
         lines.append(
             f"The limits were those of {DEFAULT_RIG}; for those of your bench: smarig check RIG --driver …"

@@ -56,6 +56,7 @@ class RerunOutput:
             return
         self._files.append(RecordingFile(path))
         self._to(rr.FileSink(self._files[-1].pipe))
+        self._files[-1].writer_opened()
 
     def _to(self, sink: Any) -> None:
         self._sinks.append(sink)

@@ -124,6 +124,7 @@ _LINES = (
     "encoder_zero",
     "device",
     "wire_history",
+    "ambient_from",
     "model",
     "along",
 )

@@ -116,7 +116,8 @@ class RunInfo(StoredTable):
     Experiment: ``protocol`` with its ``settings``, ``seed`` and injected ``effects`` of a twin; ``source`` is "bench",
     "twin", "simulation" or "import". Rig: names of ``rig``, ``wire`` and ``actuator``, texts of their files
     (``config``, ``actuator_text``), their values (``rig_values``, ``actuator_values``), the hashes of these
-    (``rig_sha256``), ``instruments`` as they identify themselves, ``period_s`` of a tick, ``input`` and ``output``.
+    (``rig_sha256``), ``instruments`` as they identify themselves, ``ambient_from`` (where an ambient temperature that
+    nobody measured comes from), ``period_s`` of a tick, ``input`` and ``output``.
     Session: ``start_epoch`` (seconds since 1970), ``encoder_zero``, ``initial`` state of the wire. Resuming:
     ``device``, ``shift`` of its ticks and counts, ``launch_args``, ``own_files``, ``closed_loop``,
     ``history_until_tick``. Closing: ``end``, ``hashes``.
@@ -152,6 +153,7 @@ class RunInfo(StoredTable):
     history_until_tick: int | None = None
     device: str | None = None
     instruments: tuple[str, ...] = ()
+    ambient_from: str | None = None
     shift: Mapping[str, Any] = field(default_factory=dict)
     launch_args: Mapping[str, Any] | None = None
     own_files: tuple[Any, ...] = ()

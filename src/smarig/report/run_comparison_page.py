@@ -223,7 +223,8 @@ def _metadata_items(run: Run) -> Iterator[tuple[str, str]]:
         yield from _flattened(group, run.meta.get(group) or {})
     known = run["ambient_degC"][np.isfinite(run["ambient_degC"])]
     if known.size:
-        yield "ambient, mean (°C)", f"{known.mean():.1f}"
+        stated = f" ({run.info.ambient_from}, not measured)" if run.info.ambient_from else ""
+        yield "ambient, mean (°C)", f"{known.mean():.1f}{stated}"
     try:
         yield from _flattened("rig file", tomllib.loads(run.info.config or ""))
     except tomllib.TOMLDecodeError:

@@ -95,6 +95,11 @@ class Bench:
         """Whether the source measures the wire temperature and can limit it by itself."""
         return getattr(self.source, "holds_wire_limit", False)
 
+    @property
+    def measures_ambient(self) -> bool:
+        """Whether the ambient temperature of the samples is measured; else it is that of the rig file."""
+        return self.further.room is not None or getattr(self.sensor, "measures_ambient", False)
+
     def step(self, current_A: float, at_most: int = 1) -> tuple[Sample, ...]:
         """Apply a current from the next tick on. Returns the samples since the last call, at least one."""
         if self._fault is not None:
@@ -111,6 +116,8 @@ class Bench:
             samples = self.further.added_to(samples)
             self.force.add(self.further.force_N())
         self._ambient_degC = samples[-1].ambient_degC
+        if self._command_A and getattr(self.source, "lacks_wire_limit", False):
+            self._limit_late()
         self._note_fault(samples[-1].quality)  # after it, all samples before a trip are returned
         return samples
 
@@ -134,6 +141,16 @@ class Bench:
         if last is not None:
             self._orders.changed(self._command_A, last)
         self._command_A = current_A
+
+    def _limit_late(self) -> None:
+        """Arm again, with the limit of a thermometer that gave its first reading after arming. The present command is
+        the first, which the rate limit allows from zero.
+        """
+        command_A = self._command_A
+        self.source.arm()
+        self._orders.changed(command_A, self.source.tick())
+        self._command_A = 0.0
+        self._set(command_A)
 
     def _hand_over_wire_limit(self, limit_wire_temperature: Callable[[float], None]) -> None:
         """Let the source hold ``temperature_max_K`` as well, above the ambient temperature of this moment."""

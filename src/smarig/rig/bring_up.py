@@ -20,6 +20,7 @@ from smarig.rig.electrical_plausibility import MIN_CURRENT_A, read_back_toleranc
 from smarig.rig.expected_resistance import ExpectedResistance
 from smarig.rig.guard import Guard
 from smarig.rig.lease_limits import limits_in_force, without_lease_text
+from smarig.rig.response import MIN_TRAVEL, MOTION_MARGIN
 from smarig.rig.rig import Rig
 from smarig.rig.stress_limit import stress_limit
 
@@ -29,7 +30,6 @@ STEP_TAUS = 1.5  # time constants per step
 COOL_TAUS = 5.0
 LEASE_TEST_SHARE = 0.1  # of the largest current, during the test of the lease
 LEASE_MARGIN_S = 1.5
-MOTION_MARGIN = 10  # times the detected motion: no wire deviates that far from its model
 ProgressCallback = Callable[[str], None]
 BACKLOG_S = 10.0  # of samples after re-arming that may still show the trip
 HOST_ALONE = (
@@ -39,6 +39,7 @@ HOST_ALONE = (
 _READ_BACK_REMEDY = "check the circuit of the wire, the amplifier, the shunt, and the unit of the driver"
 _DIRECTION_REMEDY = "exchange the encoder's lines, or negate the reading in the driver"
 _MOTION_REMEDY = "check encoder, coupling, wire, and the unit of the driver"
+_SCALE_REMEDY = "check the unit of the driver, and encoder.resolution of the rig file"
 
 
 class SupportsIdle(Rig, Protocol):
@@ -65,6 +66,11 @@ class SupportsIdle(Rig, Protocol):
     @property
     def holds_wire_limit(self) -> bool:
         """Whether its source measures the wire temperature and can limit it by itself."""
+        ...
+
+    @property
+    def measures_ambient(self) -> bool:
+        """Whether the ambient temperature of the samples is measured."""
         ...
 
 
@@ -94,7 +100,7 @@ def _checks(rig: SupportsIdle, file: RigFile, on_progress: ProgressCallback) -> 
     file = file.model_copy(update={"limits": limits_in_force(file.limits, actuator, has_lease=rig.has_lease)})
     guard = Guard(rig, file.limits, actuator, stress=stress_limit(file, actuator))
     rest = _last_sample(guard, 0.0, 10)
-    yield _at_rest(rest, file)
+    yield _at_rest(rest, file, measured=rig.measures_ambient)
     if not _follows_command(rest, 0.0, file):
         return
     if not math.isnan(rest.temperature_degC) and not rig.holds_wire_limit:
@@ -112,9 +118,10 @@ def _checks(rig: SupportsIdle, file: RigFile, on_progress: ProgressCallback) -> 
         yield Check("lease", True, no_lease, limitation=True)
 
 
-def _at_rest(sample: Sample, file: RigFile) -> Check:
-    """No current flows at a command of zero."""
-    observed = f"{sample.current_A:.4f} A measured at 0 A; ambient {sample.ambient_degC:.1f} °C"
+def _at_rest(sample: Sample, file: RigFile, *, measured: bool) -> Check:
+    """No current flows at a command of zero. ``measured``: the ambient temperature."""
+    by = "" if measured else " by the rig file (not measured)"
+    observed = f"{sample.current_A:.4f} A measured at 0 A; ambient {sample.ambient_degC:.1f} °C{by}"
     return Check("at rest", _follows_command(sample, 0.0, file), observed)
 
 
@@ -123,7 +130,7 @@ def _heating_checks(
 ) -> Iterator[Check]:
     """Raise the current in steps until the wire moves or must have moved by its model; then report and cool."""
     tau_ticks = max(1, round(actuator.tau_s / file.period_s))
-    certain_motion_K = _input_of_certain_motion_K(actuator, file, sign)
+    model = _MotionModel(actuator, file, sign)
     largest_A = file.limits.current_max_A if sign > 0 else file.limits.current_min_A
     begin = _last_sample(guard, 0.0, 1).counts
     sample, command_A, moved = _last_sample(guard, 0.0, 1), 0.0, 0
@@ -132,11 +139,7 @@ def _heating_checks(
         sample = _last_sample(guard, command_A, round(STEP_TAUS * tau_ticks))
         moved = sample.counts - begin
         on_progress(f"    {command_A:+.2f} A: {moved:+d} counts, {guard.input_K:+.0f} K (heating model)")
-        if (
-            abs(moved) >= MIN_MOTION_COUNTS
-            or not _follows_command(sample, command_A, file)
-            or abs(guard.input_K) >= certain_motion_K
-        ):
+        if not _follows_command(sample, command_A, file) or model.has_shown(sign * moved, guard.input_K):
             break
     how = "(last reading, no new one)" if sample.quality & Quality.STALE else "measured"
     wire = ", wire 2" if sign < 0 else ""
@@ -146,27 +149,57 @@ def _heating_checks(
     expected = ExpectedResistance(actuator, file.limits.resistance_tolerance)
     yield _resistance(sample, expected, guard.input_K)._replace(name=f"resistance{wire}")
     where = f"{moved:+d} counts at {command_A:.2f} A, {guard.input_K:.0f} K (heating model)"
-    rule = f"heating must {'decrease' if sign < 0 else 'increase'} the counts"
-    observed = f"{where}; {rule}"
-    if sign * moved <= -MIN_MOTION_COUNTS:
-        observed += f"; {_DIRECTION_REMEDY}"
-    elif sign * moved < MIN_MOTION_COUNTS:
-        observed += f"; {_MOTION_REMEDY}"
-    yield Check(f"encoder direction{wire}", sign * moved >= MIN_MOTION_COUNTS, observed)
+    yield model.direction(sign * moved, where)._replace(name=f"encoder direction{wire}")
+    yield model.scale(sign * moved, guard.input_K)._replace(name=f"encoder scale{wire}")
     _last_sample(guard, 0.0, round(COOL_TAUS * tau_ticks))
 
 
-def _input_of_certain_motion_K(actuator: Actuator, file: RigFile, sign: int) -> float:
-    """The input, from rest, at which the model has moved by several times the detected motion."""
-    of_wire = actuator.file.hysteresis
-    h = thesis_surface(of_wire.surface)
-    inputs = np.linspace(0.0, h.upper if sign > 0 else h.lower, 200)
-    y = Preisach(h).simulate(inputs, of_wire.initial)
-    moved = np.abs(y - y[0]) / actuator.resolution(file.encoder)
-    enough = min(
-        MOTION_MARGIN * MIN_MOTION_COUNTS, float(moved.max())
-    )  # a coarse encoder never reaches the first
-    return float(abs(inputs[np.argmax(moved >= enough)]))
+class _MotionModel:
+    """The motion of the wire by its model from rest, in counts, against a measured one in the direction of heating.
+
+    ``MIN_TRAVEL`` of the stroke is compared: a motion ``MOTION_MARGIN`` times larger or smaller is that of no wire.
+    """
+
+    def __init__(self, actuator: Actuator, file: RigFile, sign: int) -> None:
+        of_wire = actuator.file.hysteresis
+        h = thesis_surface(of_wire.surface)
+        inputs = np.linspace(0.0, h.upper if sign > 0 else h.lower, 200)
+        y = Preisach(h).simulate(inputs, of_wire.initial)
+        self._sign, self._inputs_K = sign, np.abs(inputs)
+        self._counts = np.abs(y - y[0]) / actuator.resolution(file.encoder)
+        largest = float(self._counts.max())
+        compared = MIN_TRAVEL * abs(h.y_upper - h.y_lower) / actuator.resolution(file.encoder)
+        self._compared = min(compared, largest)
+        self._least = max(MIN_MOTION_COUNTS, self._compared / MOTION_MARGIN)
+        self._certain = min(MOTION_MARGIN * self._least, largest)  # a coarse encoder never reaches the first
+        self._largest = MOTION_MARGIN * max(self._compared, MIN_MOTION_COUNTS)
+
+    def at(self, input_K: float) -> float:
+        """The motion of the model."""
+        return float(np.interp(abs(input_K), self._inputs_K, self._counts))
+
+    def has_shown(self, moved: int, input_K: float) -> bool:
+        """Whether more heat would tell nothing more: a motion that can be compared, or one that is wrong already."""
+        by_model = self.at(input_K)
+        enough = moved >= self._least and by_model >= self._compared
+        wrong = moved <= -self._least or moved > self._largest
+        return enough or wrong or by_model >= self._certain
+
+    def direction(self, moved: int, where: str) -> Check:
+        """Whether the wire has moved, as heating moves it."""
+        observed = f"{where}; heating must {'decrease' if self._sign < 0 else 'increase'} the counts"
+        if moved <= -self._least:
+            observed += f"; {_DIRECTION_REMEDY}"
+        elif moved < self._least:
+            observed += f"; {_MOTION_REMEDY}"
+        return Check("encoder direction", moved >= self._least, observed)
+
+    def scale(self, moved: int, input_K: float) -> Check:
+        """Whether the wire has moved no more than ``MOTION_MARGIN`` times what its model has."""
+        largest = MOTION_MARGIN * max(self.at(input_K), MIN_MOTION_COUNTS)
+        observed = f"{moved} counts, {self.at(input_K):.0f} by the model of the wire"
+        passed = moved <= largest
+        return Check("encoder scale", passed, observed if passed else f"{observed}; {_SCALE_REMEDY}")
 
 
 def _follows_command(sample: Sample, command_A: float, file: RigFile) -> bool:

@@ -160,11 +160,13 @@ class ChannelCheck:
         *,
         ticks: int,
         changes: bool,
+        against: bool = False,
     ) -> None:
         """A reading with the bounds of its prediction for each kind of wire, if there are any at this tick, and its
         largest change in the ticks since the last reading.
 
-        ``changes``: whether the wire has changed since the reading last did.
+        ``changes``: whether the wire has changed since the reading last did. ``against``: whether the reading moves in
+        no wire's direction.
         """
         self.jump, self.ticks = 0.0, ticks
         elapsed_s = ticks * self._period_s
@@ -175,14 +177,14 @@ class ChannelCheck:
         excess = self._excess(value, rate)
         if bounds is not None:
             self._compare(value, bounds)
-        frozen = self._still or (changes and self.flicker.frozen)
+        frozen = self._still or against or (changes and self.flicker.frozen)
         if frozen:
             self._evidence += min(elapsed_s / GAP_S, ONE_GAP)
         self.suspect = excess > 0 or frozen or self._excluded
         self.fault = ""
         certain = self._evidence >= 1.0 or self._all_excluded
         if certain and not self._certain:
-            unmoved = "reversed" if self._still and self._against else "frozen"
+            unmoved = "reversed" if against or (self._still and self._against) else "frozen"
             self.fault = "contradiction" if self._evidence < 1.0 else unmoved if frozen else "jump"
             self.doubtful_ticks = self._tick - self._against_tick if self.fault == "contradiction" else 0
         self._certain = certain

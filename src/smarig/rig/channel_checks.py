@@ -20,6 +20,7 @@ from smarig.core import Quality, Sample
 from smarig.plant import Actuator, load_of
 from smarig.preisach import thesis_surface
 from smarig.rig.channel import ChannelCheck
+from smarig.rig.direction import Direction
 from smarig.rig.rig import Alarm
 from smarig.rig.wire_bounds import WireBounds
 
@@ -96,6 +97,9 @@ class ChannelChecks:
             kinds=self._bounds.kinds,
             flickers=flickers,
         )
+        self._direction = Direction(
+            self._bounds.counts_per_K, self._bounds.temperature.least_K, zero * self._stroke, self._bounds.lag
+        )
         self._thermometer = ChannelCheck(
             THERMOMETER_TOLERANCE * self._range_K, KELVIN_STEP * self._range_K, period_s
         )
@@ -143,6 +147,8 @@ class ChannelChecks:
         self._position.widen(self._drift_per_K * kelvin)
         found: list[Alarm] = []
         if self._position_known:
+            if self._bounds.positions is not None:
+                self._direction.add(self._bounds.temperature, s.counts)
             found += self._of("position", s.counts, self._bounds.positions, counts, s.tick, ticks, input_K)
         self._steady = self._steady + ticks if s.current_command_A == self._command_A else 0
         self._command_A = s.current_command_A
@@ -216,7 +222,8 @@ class ChannelChecks:
         if channel.flicker.run == 0:  # the reading has just changed
             self._changed_from_K[name] = input_K
         changes = abs(input_K - self._changed_from_K[name]) > self._moved_K
-        channel.add(value, bounds, rate, ticks=ticks, changes=changes)
+        against = name == "position" and self._direction.against
+        channel.add(value, bounds, rate, ticks=ticks, changes=changes, against=against)
         if not channel.suspect and not channel.fault:
             return []
         self.suspect = self.suspect or channel.suspect
@@ -256,15 +263,18 @@ class ChannelChecks:
 
     def forget(self) -> None:
         """The constants are others now: the encoder was zeroed, or the wire may be in another state than assumed."""
+        self._direction.forget()
         for channel in self._all.values():
             channel.forget()
 
     def zeroed(self) -> None:
         """The encoder was zeroed."""
+        self._direction.forget()
         self._position.forget()
 
     def rearmed(self) -> None:
         """A trip was cleared: what persists must trip again."""
+        self._direction.forget()
         for channel in self._all.values():
             channel.rearm()
 

@@ -11,12 +11,12 @@ from smarig.plant import Actuator, load_of, thermomechanical_travel
 from smarig.preisach import thesis_surface
 from smarig.rig.channel_checks import AS_IN_FILES, ChannelChecks, RigReadings
 from smarig.rig.electrical_plausibility import ElectricalPlausibility
+from smarig.rig.response import MIN_TRAVEL, Response
 from smarig.rig.rig import Alarm
 
 REST_TAUS = 12.0  # until the wire is at rest, from any state and including sensor lags
 SLIP_LIMIT = 0.25  # of the travel, at constant input
 STEADY_INPUT_BAND = 0.05  # of the range, or of the transformation's width
-MIN_TRAVEL = 0.03  # of the travel: less is no motion
 COLD, HOT = 0.2, 0.8  # of the range: fully cooled, fully heated
 TWIN_TOLERANCE = (
     0.4  # of the resistance of a twin in process, whose effects may change it and whose shunt is right
@@ -49,6 +49,8 @@ class Plausibility:
         self._steady_K = STEADY_INPUT_BAND * min(width_K, self._range_K)
         load = load_of(rig, actuator)
         self._load_moves = load is not None and load.changes
+        known = readings.own_wire and thermomechanical is None and not self._load_moves
+        self._response = Response(rig, actuator) if known else None
         self._rest_point: tuple[float, int] | None = None  # input and counts at the start of rest
         self._settling_ticks = 0
         self._travel = travel / actuator.resolution(rig.encoder)
@@ -72,12 +74,14 @@ class Plausibility:
         """The encoder was zeroed: discard earlier counts."""
         self._rest_point, self._last_end = None, ""
         self._channels.zeroed()
+        self._forget_response()
 
     def input_unsure(self) -> None:
         """The wire may be colder than the input says: from a hot start that is assumed, it need not move."""
         self._last_end = ""
         self._electrical.input_unsure()
         self._channels.forget()
+        self._forget_response()
 
     def rearmed(self) -> None:
         """A trip was cleared: a fault that persists must trip again."""
@@ -104,13 +108,20 @@ class Plausibility:
         found += self._channels.check(sample, input_K)
         found += self._check_slip(sample.counts, input_K)
         found += self._check_travel(sample.counts, (input_K - self._lower_K) / self._range_K)
+        if self._response is not None:
+            found += self._response.add(sample.counts, input_K, ticks)
         if sample.tick < self._unsure_until:
             self._channels.forget()
+            self._forget_response()
         self.suspect = self._electrical.suspect or self._channels.suspect
         if found:
             found.sort(key=lambda alarm: alarm.level != "error")
             self.suspect = self.suspect or found[0].level == "error"
         return found
+
+    def _forget_response(self) -> None:
+        if self._response is not None:
+            self._response.forget()
 
     def _ticks_since(self, tick: int) -> int:
         """Ticks since the last sample. A rig that ran before is in a state that only rest makes known; a clock of the

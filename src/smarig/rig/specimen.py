@@ -139,6 +139,12 @@ class Specimen:
         """The present counts since power-up, without noise."""
         return math.floor(self._encoder_counts() + 0.5) - self._power_up_counts
 
+    @property
+    def wire_K(self) -> list[float]:
+        """The temperature of each wire above ambient."""
+        plant = self.plant
+        return plant.wire_K if isinstance(plant, ThermomechanicalPlant) else plant.heating.wire_K
+
     def _encoder_counts(self) -> float:
         return self.plant.position / self.position_per_count
 

@@ -60,6 +60,11 @@ class StoppableBench:
         return self.bench.holds_wire_limit
 
     @property
+    def measures_ambient(self) -> bool:
+        """Whether the ambient temperature of the samples is measured."""
+        return self.bench.measures_ambient
+
+    @property
     def counts_ticks(self) -> bool:
         """Whether the tick at which it switched itself off is known."""
         return self.bench.counts_ticks

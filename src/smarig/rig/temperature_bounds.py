@@ -62,6 +62,11 @@ class TemperatureBounds:
                 self._highest_K[number] = hottest_K
         self.rate_K = self._fastest * rate_K
 
+    @property
+    def wires_K(self) -> list[list[float]]:
+        """The temperature of each wire at each of ``LAGS``, with its nominal heat."""
+        return self._wires
+
     def between(self, least: float, largest: float) -> tuple[float, float]:
         """Bounds of the input of wires whose heat is between these shares of the nominal one."""
         return self._inputs_K(self.coldest_K, self.hottest_K, [(least, largest)])[0]

@@ -143,7 +143,7 @@ class WireBounds:
         thermomechanical = actuator.file.thermomechanical
         self.temperature = TemperatureBounds(actuator, period_s, tolerance)
         self._beat = max(1, round(actuator.tau_s / BEATS_PER_TAU / period_s))
-        self._lag = -math.expm1(-self._beat * period_s / (SENSOR_LAG_TAUS * actuator.tau_s))
+        self.lag = -math.expm1(-self._beat * period_s / (SENSOR_LAG_TAUS * actuator.tau_s))
         self._ticks, self._per_count = 0, position_per_count
         self._strokes = list(pairwise(_edges(tolerance, STROKE_BANDS)))
         if thermomechanical is None:
@@ -201,7 +201,7 @@ class WireBounds:
 
     def _lagging(self, now: list[tuple[float, float]]) -> list[tuple[float, float]]:
         """A sensor may still show what was: its bounds retreat at once and advance slowly."""
-        lag = self._lag
+        lag = self.lag
         return [
             (
                 low if low < low_before else low_before + lag * (low - low_before),

@@ -379,6 +379,7 @@ class Session:
             "notes": notes,
             "device": self.device,
             **({"instruments": self.rig.identity()} if isinstance(self.rig, Bench) else {}),
+            **({"ambient_from": "rig file"} if not getattr(self.rig, "measures_ambient", True) else {}),
             "has_lease": self.has_lease,
             OWN_FILES: used_own_files(
                 protocol, self.settings.effects, self.file, str(settings.get("controller", ""))

@@ -118,7 +118,19 @@ def test_errors_of_the_library_are_one_sentence_with_a_remedy():
         Silent, match=r"ACME 1: measuring the current failed \(OSError: VI_ERROR_CONN_LOST\)\. Check"
     ):
         source.measure()
-    assert "did not confirm that it is off" in source.off()
+    assert (
+        "did not confirm that it is off. Its watchdog switches it off within 1 s of silence" in source.off()
+    )
+
+
+def test_an_unconfirmed_output_without_a_watchdog_is_to_be_switched_off_by_hand():
+    supply = Library()
+    source = output(supply, arm_watchdog=None)
+    source.arm()
+    supply.lost = True
+    assert (
+        source.off() == "ACME 1 did not confirm that it is off. It has no lease: switch it off by hand now."
+    )
 
 
 def test_an_output_that_is_not_off_cannot_be_armed():

@@ -6,7 +6,7 @@ import pytest
 
 from smarig.config import load_rig
 from smarig.core import ConfigError, Quality
-from smarig.device import Garbled, HostClock, PolledPosition
+from smarig.device import FunctionInput, Garbled, HostClock, PolledPosition
 
 ONE = load_rig("bench_one_wire")
 RIG = ONE.model_copy(update={"encoder": ONE.encoder.model_copy(update={"resolution": 0.002})})
@@ -43,6 +43,14 @@ def test_counts_are_steps_of_the_resolution_from_the_zero(clock):
     sensor.zero()
     clock.now += 0.1
     assert sensor.since(1, 5) == [(1, 251, 22.0, Quality.GOOD)], "(3.5011 - 3.0)/0.002, rounded"
+
+
+@pytest.mark.parametrize("room", [None, FunctionInput("thermometer", lambda: 19.5)])
+def test_the_ambient_temperature_is_measured_where_there_is_a_thermometer(clock, room):
+    sensor = PolledPosition(Laser(3.0), RIG, HostClock(RIG, clock), room)
+    clock.now += 0.1
+    assert sensor.measures_ambient == (room is not None)
+    assert sensor.since(1, 5)[0].ambient_degC == (19.5 if room else 22.0)
 
 
 def test_one_reading_a_tick_and_none_before_it_comes(clock):

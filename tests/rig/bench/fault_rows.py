@@ -84,6 +84,7 @@ ZERO = "The current is at zero."
 REMEDY = "Check encoder, coupling, cable and wire."
 SAME = f"The position stays the same to the last digit while the temperature of the wire changes. {REMEDY} {ZERO}"
 AWAY = f"The position is … counts away from all that a wire within … can have here, … {REMEDY} … {ZERO}"
+HOT = f"The measured wire temperature … °C is … K above ambient and exceeds the limit temperature_max_K = …. {ZERO}"
 READINGS = (
     Fault(
         "stuck encoder",
@@ -144,6 +145,26 @@ READINGS = (
         on("low_shunt", AMPLIFIER, factor=1.5),
         by_time=True,
         phases={"zeroing": DONE, "end": DONE},
+    ),
+    Fault(
+        "hot wire",
+        "measures a wire that is 200 K too hot; trips in that tick at 0 A, latched",
+        "has written ambient temperature plus temperature_max_K into the amplifier; reads the trip or the temperature, "
+        "closes the run",
+        Outcome(3, f"{TRIP.format('wire_temperature')}|{HOT}"),
+        on("thermometer", AMPLIFIER, excess_K=200.0),
+        by_time=True,
+        phases={"zeroing": DONE},
+        maybe_done=("end",),
+    ),
+    Fault(
+        "lost thermometer",
+        "gets no reading any more from its thermometer on the wire; trips in that tick at 0 A, latched",
+        "reads the trip in the next samples and closes the run",
+        Outcome(3, TRIP.format("wire_temperature")),
+        on("thermometer", AMPLIFIER),
+        by_time=True,
+        phases={"opening": DONE, "zeroing": DONE, "end": DONE},
     ),
     Fault(
         "clock drift",

@@ -100,6 +100,26 @@ def test_a_current_in_the_first_step_finds_it_too(monkeypatch):
     assert limit(wired) == LIMIT
 
 
+def test_a_thermometer_that_gives_its_first_reading_after_arming_is_limited_from_then_on(monkeypatch):
+    monkeypatch.setattr("rig.bench.wired_time.FiveOhms", Warm)
+    monkeypatch.setattr(Warm, "temperature", NONE)
+    wired = Wired("lines", monkeypatch)
+    wired.step(0.3)
+    wired.step(0.3)
+    assert (limit(wired), wired.bench.holds_wire_limit) == (NONE, False)
+    wire(wired).temperature = AMBIENT
+    wired.step(0.3)
+    wired.step(0.3)
+    assert (limit(wired), wired.world.amplifier.output_uA) == (LIMIT, 300_000)
+    orders = wired.world.amplifier.arm_nonce
+    wired.step(0.3)
+    assert wired.world.amplifier.arm_nonce == orders, "armed once more, and not again"
+    assert {s.quality for s in wired.samples} == {0}
+    wire(wired).temperature = LIMIT + 1
+    with pytest.raises(LeaseExpired, match="wire_temperature"):
+        two_steps(wired)
+
+
 def test_firmware_of_map_version_4_works_without_it(monkeypatch):
     now = load_register_map("amplifier")
     added = {name for name, r in now.registers.items() if r.since > now.first_version}

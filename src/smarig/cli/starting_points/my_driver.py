@@ -108,7 +108,10 @@ class SourceAndSensor:
                 self.line.write("OUTP OFF")
                 if self.line.number("OUTP?") == 0:
                     return ""
-        return f"The source at {self.line.where} did not confirm that it is off. Switch it off by hand now."
+        text = f"The source at {self.line.where} did not confirm that it is off."
+        if not self.has_lease:
+            return f"{text} It has no lease: switch it off by hand now."
+        return f"{text} Its watchdog switches it off within {self._lease_s:g} s of silence; if not, do so by hand."
 
     # --- sensor: the link `encoder_daq` ------------------------------------------------------------------------------
 

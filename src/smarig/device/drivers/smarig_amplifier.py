@@ -58,6 +58,7 @@ class SmarigAmplifier(LineDevice):
         self._marks = {name: 1 << int(bit) for bit, name in self._fields[-1].flags.items()}
         self._limit = self.map["wire_temperature_max"].value
         self._thermometer = False  # whether it has measured the wire temperature
+        self._limited = False  # whether it trips beyond a wire temperature
         self._raw, self._armed, self._nonce = 0, False, 0
         self._contradiction = ""  # how a reply contradicted the order
         self.tripped = ""
@@ -80,6 +81,11 @@ class SmarigAmplifier(LineDevice):
         """Whether it has a thermometer on the wire, and a register for the limit of its temperature."""
         return self._thermometer and self.talk.version >= self.map["wire_temperature_max"].since
 
+    @property
+    def lacks_wire_limit(self) -> bool:
+        """Whether current may flow without the limit that it could hold: its thermometer first read after arming."""
+        return self._armed and not self.tripped and not self._limited and self.holds_wire_limit
+
     def limit_wire_temperature(self, largest_degC: float) -> None:
         """Let it trip beyond this measured wire temperature, until it is armed again; nothing if current may flow.
 
@@ -99,8 +105,8 @@ class SmarigAmplifier(LineDevice):
         """Write the settings with this limit, as far as the device has them, and keep the check word they must have."""
         values = self._settings | {"wire_temperature_max": wire_temperature_max}
         self.talk.settings(values)
-        limited = wire_temperature_max != self._limit.none
-        version = self.map.device.version if limited else self.map.first_version
+        self._limited = wire_temperature_max != self._limit.none
+        version = self.map.device.version if self._limited else self.map.first_version
         words = self.map.encode("settings", values)[: self.map.size("settings", version)]
         self._settings_crc = crc16(b"".join(word.to_bytes(2, "big") for word in words))
 

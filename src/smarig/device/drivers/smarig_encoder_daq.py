@@ -18,6 +18,8 @@ def smarig_encoder_daq(where: LinkFile, rig: RigFile) -> "SmarigEncoderDaq":
 class SmarigEncoderDaq(LineDevice):
     """The encoder DAQ. The constructor performs the handshake and writes the period."""
 
+    measures_ambient = True
+
     def __init__(self, link: Link, period_s: float) -> None:
         super().__init__(link, "encoder_daq")
         _, self._ambient, _ = self.map.fields("counts", "ambient", "marks")

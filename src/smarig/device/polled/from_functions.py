@@ -104,7 +104,10 @@ class FunctionOutput:
                 return ""
         except BaseException:  # whatever the library raises: nobody has confirmed anything
             pass
-        return f"{self.identity} did not confirm that it is off. Switch it off by hand now."
+        text = f"{self.identity} did not confirm that it is off."
+        if not self.has_lease:
+            return f"{text} It has no lease: switch it off by hand now."
+        return f"{text} Its watchdog switches it off within {self.lease_s:g} s of silence; if not, do so by hand."
 
     def close(self) -> None:
         """Close what the library has opened. Never raises."""

@@ -51,6 +51,11 @@ class PolledPosition:
         return f"{self.sensor.identity}, {self._clock.started}"
 
     @property
+    def measures_ambient(self) -> bool:
+        """Whether a thermometer of the room gives the ambient temperature."""
+        return self._room is not None
+
+    @property
     def absolute_zero(self) -> AbsoluteZero | None:
         """The count of an absolute sensor at which the position is 0; None if the sensor is not absolute."""
         if not getattr(self.sensor, "absolute", False):

@@ -39,7 +39,8 @@ class CurrentSource(Protocol):
     """Drives a current and measures it.
 
     One that measures the wire temperature may limit it itself: ``holds_wire_limit`` says whether it can, and
-    ``limit_wire_temperature(largest_degC)`` is called before each current that is set.
+    ``limit_wire_temperature(largest_degC)`` is called before each current that is set. ``lacks_wire_limit``: whether it
+    is armed without that limit, because its thermometer gave its first reading later; it is then armed again.
     """
 
     @property

@@ -56,7 +56,14 @@ def _ambient(*runs: AnyRun) -> str:
     if not known:
         return ""
     low, high = min(ends[0] for ends in known), max(ends[1] for ends in known)
-    return f"ambient {low:.1f} °C" if high - low < 0.05 else f"ambient {low:.1f} to {high:.1f} °C"
+    stated = next(
+        (f" by the {run.info.ambient_from} (not measured)" for run in runs if run.info.ambient_from), ""
+    )
+    return (
+        f"ambient {low:.1f} °C{stated}"
+        if high - low < 0.05
+        else f"ambient {low:.1f} to {high:.1f} °C{stated}"
+    )
 
 
 def extent(run: AnyRun, column: str) -> float:

@@ -58,7 +58,10 @@ def _run_rows(run: Run) -> Iterable[Row]:
     known = run["ambient_degC"][np.isfinite(run["ambient_degC"])]
     if known.size:
         moved = f" (from {known.min():.2f} to {known.max():.2f})" if np.ptp(known) >= 0.005 else ""
-        yield "Ambient", f"{known.mean():.2f}{moved}", "°C", f"n = {thousands(known.size)}"
+        source = f"n = {thousands(known.size)}"
+        if info.ambient_from:
+            source = f"{info.ambient_from}, not measured"
+        yield "Ambient", f"{known.mean():.2f}{moved}", "°C", source
     if info.effects:
         yield "Injected effects", ", ".join(map(str, info.effects)), "", "twin settings"
     if info.wire_history:

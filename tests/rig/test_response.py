@@ -1,0 +1,52 @@
+"""Heat without response is a warning: the wire would have moved far by its model, and the position stays."""
+
+import pytest
+
+from smarig.config import load_rig
+from smarig.plant import Actuator
+from smarig.rig import Guard, Plausibility, Twin
+from smarig.rig.channel_checks import RigReadings
+from smarig.rig.response import Response
+
+FILE = load_rig("one_wire_twin")
+WIRE = Actuator.named(FILE.actuator)
+
+
+def warnings(factor, currents_A, tolerance=0.3):
+    """The texts of the warnings on a bench that is not calibrated, with a position times a factor."""
+    limits = FILE.limits.model_copy(update={"model_tolerance": tolerance})
+    twin = Twin.named("one_wire_twin", noise=False)
+    step = twin.step
+    twin.step = lambda *a: tuple(s._replace(counts=round(factor * s.counts)) for s in step(*a))
+    file = FILE.model_copy(update={"limits": limits})
+    guard = Guard(twin, limits, WIRE, Plausibility(file, WIRE, RigReadings(noise=False)))
+    for k, current_A in enumerate(currents_A):
+        guard.step(current_A)
+        if guard.tripped:
+            raise AssertionError(f"tripped at {k}: {guard.tripped}")
+    return [alarm.text for alarm in guard.alarms() if alarm.kind == "still"]
+
+
+def loop(largest_A, ticks=900):
+    rising = [largest_A * k / ticks for k in range(ticks)]
+    return [*rising, *reversed(rising)] * 2
+
+
+@pytest.mark.parametrize(("factor", "times"), [(1.0, 0), (0.2, 0), (1e-3, 1), (0.0, 1)])
+def test_a_loop_in_another_unit_warns_once(factor, times):
+    texts = warnings(factor, loop(0.7))
+    assert len(texts) == times
+    assert all("the unit of the driver, and encoder.resolution" in text for text in texts)
+
+
+def test_a_loop_that_moves_the_model_little_says_nothing():
+    assert warnings(0.0, loop(0.4)) == []
+
+
+def test_after_a_zero_the_comparison_begins_anew():
+    response = Response(FILE, WIRE)
+    heated = [response.add(0, float(K), 10) for K in range(90)]
+    assert sum(map(len, heated)) == 1
+    response.forget()
+    assert [response.add(0, 89.0, 10) for _ in range(50)] == [[]] * 50
+    assert sum(len(response.add(0, 89.0 - K, 10)) for K in range(90)) == 1
