@@ -22,7 +22,7 @@ def wander(n, seed):
 def priors(inputs):
     """Covariances at the memories of a path that is read at every point: the smooth one first, grains last."""
     prediction = prediction_for_inputs(WIRE, inputs)
-    return density_prior(prediction, WIRE, prediction.output, prediction.output).covariances
+    return density_prior(prediction, WIRE).covariances
 
 
 def table(masses):
@@ -166,7 +166,7 @@ def prior_about_model(path):
     """The free density about masses that are nowhere negative."""
     hysteresis = table(model_density())
     prediction = prediction_for_inputs(hysteresis, path)
-    return density_prior(prediction, hysteresis, prediction.output, prediction.output)
+    return density_prior(prediction, hysteresis)
 
 
 def posterior_masses(density, y):

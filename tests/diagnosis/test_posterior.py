@@ -53,7 +53,7 @@ def posterior_of(path, read, kept=slice(None)):
         tick_index=whole.tick_index[kept],
         output_slope=np.ones(n),
     )
-    prior = density_prior(prediction, WIRE, whole.output, output)
+    prior = density_prior(prediction, WIRE)
     density = np.sum([v * part for v, part in zip(VARIANCES, prior.covariances)], axis=0)
     free = np.full((n, n), FREE_ZERO_SD**2)
     factor = cholesky(density + free + NOISE**2 * np.eye(n), lower=True)

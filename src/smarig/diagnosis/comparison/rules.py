@@ -5,7 +5,8 @@ Beside them only the priors and the temperature of ``weights.py`` decide a word.
 Each rule is a row of ``RULES``: its name, its value, why it is there. ``decide`` asks them in this order:
 
     nothing can be tested                          not identifiable
-    nothing is likely, or too small to tell        silent if the model is adequate, else unknown
+    nothing is likely, or what is likely is too
+    small to tell or less than what it leaves      silent if the model is adequate, else unknown
     a cause is likely, and what competes is not    named, if blocks, design and held-out runs allow a name
     likely causes are several effects              ambiguous: the set
     else                                           unknown, with the variable that the errors go with
@@ -113,9 +114,8 @@ class VerdictEvidence:
         return min(RULES["least_size"].value * self.span, RULES["beside_noise"].value * self.repeatability)
 
     def removes_enough(self, part: Part) -> bool:
-        """Whether a cause removes more than remains; a variable only describes."""
-        rest = RULES["beside_rest"].value * self.remains.get(part, 0.0)
-        return part.kind == "variable" or self.size[part] >= rest
+        """Whether a cause removes more than remains."""
+        return self.size[part] >= RULES["beside_rest"].value * self.remains.get(part, 0.0)
 
     @property
     def adequate(self) -> bool:
@@ -149,7 +149,7 @@ def decide(e: VerdictEvidence) -> Verdict:
         return _nothing(e, "too_small")
     enough = [p for p in large if e.removes_enough(p)]
     if not enough:
-        return Verdict("unknown", "beside", depends_on=_likeliest_variable(e))
+        return _nothing(e, "beside")
     likely = [p for p in enough if e.causes[p] >= RULES["name"].value]
     effects = [p for p in likely if p.kind == "effect"]
     doubts = {p: _doubt(e, p) for p in effects}
@@ -163,7 +163,8 @@ def _nothing(e: VerdictEvidence, reason: str) -> Verdict:
     if e.adequate:
         return Verdict("silent", reason)
     nothing = e.nothing >= RULES["nothing"].value
-    return Verdict("unknown", "inadequate", depends_on=None if nothing else _likeliest_variable(e))
+    told = reason if reason == "beside" else "inadequate"
+    return Verdict("unknown", told, depends_on=None if nothing else _likeliest_variable(e))
 
 
 def _likeliest_variable(e: VerdictEvidence) -> str | None:

@@ -53,7 +53,7 @@ def coupled_readings(
     )
     scaled_error = encoder_error_traces(timeline, plant_model, coupled) / scale[:, None]
     free += scaled_error @ scaled_error.T
-    prior = density_prior(prediction, h, path, prediction.output)
+    prior = density_prior(prediction, h)
     full_output = y + prediction.output_slope * (
         prediction.output - h.y_lower
     )  # for any hysteresis, not only for changes of this one

@@ -21,7 +21,7 @@ from smarig.replay import Prediction
 
 Array = NDArray[np.float64]
 MIN_INTERVALS, MAX_INTERVALS = 200, 240  # of the partition: every measured level can be a node
-INPUT_SHARE = 0.5  # share of the input in the scale
+LEVEL_SHARE = 0.5  # share of the levels in the scale
 KNOTS = 11
 HAT_INTERVALS = (6, 20)  # hats across the range: resolution of the proportional deviations
 SMOOTHING = (
@@ -114,16 +114,13 @@ class DensityPrior:
         return np.maximum(masses, np.minimum(self.mass, 0.0))
 
 
-def density_prior(prediction: Prediction, hysteresis: Everett, path: Array, y: Array) -> DensityPrior:
-    """The prior about a hysteresis along a prediction.
-
-    ``path`` (m,) is the output at the prediction's ticks. ``y`` (n,) is a guess of the outputs that places the
-    cells.
-    """
+def density_prior(prediction: Prediction, hysteresis: Everett) -> DensityPrior:
+    """The prior about a hysteresis along a prediction, whose outputs place the cells if the hysteresis has none."""
+    y = prediction.output
     lower, upper = hysteresis.lower, hysteresis.upper
     rows = Observations.of_states(prediction.states, y, np.zeros(y.size, dtype=np.int64), (lower, upper))
     nodes = _nodes(hysteresis, rows)
-    triangle = Triangle(nodes, _even_scale(nodes, prediction.hysteresis_input_K, path))
+    triangle = Triangle(nodes, _even_scale(nodes, prediction))
     X = csr_matrix(rows.matrix(triangle).tocsc()[:, : triangle.unknowns - 1])  # without y₋, the common zero
     mass = _model_masses(triangle, hysteresis)
     prior_scale = _smoothed(triangle, np.abs(mass))
@@ -197,15 +194,22 @@ def _smoothed(triangle: Triangle, mass: Array) -> Array:
     return found / (found.sum() or 1.0)
 
 
-def _even_scale(nodes: Array, inputs: Array, output: Array) -> Array:
-    """Nodes on a scale [0, 1]: half by input, half by the smoothed cumulative motion of the output."""
-    lower, upper = nodes[0], nodes[-1]
-    edges = np.linspace(lower, upper, 41)
-    middle, change = np.clip((inputs[1:] + inputs[:-1]) / 2, lower, upper), np.abs(np.diff(output))
-    below = np.concatenate([[0.0], np.cumsum(np.histogram(middle, edges, weights=change)[0])])
-    knots = np.linspace(lower, upper, KNOTS)
-    share = np.interp(knots, edges, below / below[-1]) if below[-1] else np.linspace(0, 1, KNOTS)
-    place = PchipInterpolator(knots, INPUT_SHARE * np.linspace(0, 1, KNOTS) + (1 - INPUT_SHARE) * share)(
-        nodes
-    )
-    return np.asarray(place, dtype=float)
+def _even_scale(nodes: Array, prediction: Prediction) -> Array:
+    """Nodes on a scale [0, 1]: half by the number of levels below, half by the smoothed motion of the output.
+
+    If an effect moves the input and the density with it, nothing changes on this scale: a reparametrisation gains nothing.
+    """
+    at = prediction.of("settled") if "settled" in prediction.values else slice(None)
+    ticks = prediction.tick_index[at]
+    order = np.argsort(ticks)
+    inputs = np.clip(prediction.hysteresis_input_K[ticks][order], nodes[0], nodes[-1])
+    levels = np.unique(np.concatenate([nodes[[0, -1]], inputs]))
+    rank = np.linspace(0, 1, levels.size)
+    knots = np.linspace(0, 1, min(KNOTS, levels.size))
+    ends = np.interp(inputs, levels, rank)
+    low, high = np.minimum(ends[1:], ends[:-1]), np.maximum(ends[1:], ends[:-1])
+    change = np.abs(np.diff(prediction.output[at][order]))
+    below = np.clip((knots[:, None] - low) / np.where(high > low, high - low, 1.0), 0.0, 1.0) @ change
+    share = below / below[-1] if below[-1] else knots
+    place = PchipInterpolator(np.interp(knots, rank, levels), LEVEL_SHARE * knots + (1 - LEVEL_SHARE) * share)
+    return np.asarray(place(nodes), dtype=float)

@@ -100,17 +100,22 @@ def acts_through(found: SearchedHypotheses) -> dict[Part, tuple[Part, ...]]:
     }
 
 
-def _squares(before: ComparedHypothesis, own: ComparedHypothesis) -> Mapping[str, tuple[float, float]]:
-    """Mean squares of left-out errors by channel, without and with: the largest count as the least of them.
+def _squares(
+    before: ComparedHypothesis, own: ComparedHypothesis, channels: Collection[str] | None = None
+) -> list[tuple[float, float]]:
+    """Mean squares of left-out errors, without and with: of each channel, and again with the largest cut.
 
     Where a block is left out of which nothing else tells, both extrapolate, and their errors say little.
     """
-    without, with_part = (h.best.state[1] for h in (before, own))
-    most = {k: float(np.quantile(squares, 1 - LARGEST)) for k, squares in without.items()}
-    return {
-        k: (float(np.minimum(squares, most[k]).mean()), float(np.minimum(with_part[k], most[k]).mean()))
-        for k, squares in without.items()
-    }
+    found = []
+    for kind, without in before.best.state[1].items():
+        if channels is None or kind in channels:
+            with_part, most = own.best.state[1][kind], float(np.quantile(without, 1 - LARGEST))
+            found += [
+                (float(np.minimum(without, m).mean()), float(np.minimum(with_part, m).mean()))
+                for m in (inf, most)
+            ]
+    return found
 
 
 def _size(found: SearchedHypotheses, weights: Weights, part: Part) -> float:
@@ -150,7 +155,7 @@ def _with_and_without(
 
 def _removes(before: ComparedHypothesis, own: ComparedHypothesis) -> float:
     """The root of the mean square that a hypothesis removes, in shares of a channel's span: the most of any channel."""
-    removed = max(without - left for without, left in _squares(before, own).values())
+    removed = max(without - left for without, left in _squares(before, own))
     return float(np.sqrt(max(removed, 0.0)))
 
 
@@ -158,8 +163,7 @@ def _times_rest(
     before: ComparedHypothesis, own: ComparedHypothesis, channels: Collection[str] | None = None
 ) -> float:
     """What a hypothesis removes over what it leaves, in the channel where that is most."""
-    squares = [pair for k, pair in _squares(before, own).items() if channels is None or k in channels]
-    shares = [(without - left) / left for without, left in squares if left > 0]
+    shares = [(without - left) / left for without, left in _squares(before, own, channels) if left > 0]
     return float(np.sqrt(max([0.0, *shares])))
 
 
