@@ -156,7 +156,6 @@ def positions(runs, plant_model):
 def jointly(whole, plant_model, noise, variances):
     """Covariance of all positions when density, zero, draughts and readings are what they may be."""
     h, n = plant_model.hysteresis, whole.output.size
-    path = whole.outputs_along(h, plant_model.initial, whole.hysteresis_input_K)
     shapes = density_prior(whole, h).covariances
     density = sum(v * shape for v, shape in zip(variances, shapes)) + ZERO**2
     draught = memory_covariance(*memory_slopes(h, whole), noise.correlation_s)

@@ -200,12 +200,7 @@ def _predictive_variance(
     is_held_out: NDArray[np.bool_],
 ) -> Array:
     """Variance (k,) of held-out positions given all others, due to the uncertain density."""
-    path = extended_prediction.outputs_along(
-        plant_model.hysteresis, plant_model.initial, extended_prediction.hysteresis_input_K
-    )
-    shapes = density_prior(
-        extended_prediction, plant_model.hysteresis, path, extended_prediction.output
-    ).covariances
+    shapes = density_prior(extended_prediction, plant_model.hysteresis).covariances
     C = noise + plant_model.stroke**2 * np.sum([w * shape for w, shape in zip(variances, shapes)], axis=0)
     is_known = ~is_held_out
     zero = (FREE_ZERO_SD * plant_model.stroke) ** 2  # common to all positions

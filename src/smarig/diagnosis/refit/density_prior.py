@@ -197,7 +197,8 @@ def _smoothed(triangle: Triangle, mass: Array) -> Array:
 def _even_scale(nodes: Array, prediction: Prediction) -> Array:
     """Nodes on a scale [0, 1]: half by the number of levels below, half by the smoothed motion of the output.
 
-    If an effect moves the input and the density with it, nothing changes on this scale: a reparametrisation gains nothing.
+    If an effect moves the input and the density with it, nothing changes on this scale: a reparametrisation
+    gains nothing.
     """
     at = prediction.of("settled") if "settled" in prediction.values else slice(None)
     ticks = prediction.tick_index[at]

@@ -14,11 +14,13 @@ from smarig.diagnosis.comparison.rules import RULES, VerdictEvidence
 from smarig.diagnosis.comparison.weights import TEMPERATURE, Weights
 from smarig.diagnosis.held_out_gain import HeldOutGain
 from smarig.diagnosis.looks_like import PLANT_EFFECTS
-from smarig.diagnosis.refit.joint_density import settled_rms
+from smarig.diagnosis.refit.joint_density import settled_rms, with_density_for_effects
 from smarig.diagnosis.refit.reading_noise import EFFECT_ERROR_SHARE
 from smarig.replay import PlantModel
 
 POSITIONS = ("settled", "moving")
+LEAST_WEIGHT = 0.01  # of hypotheses whose density is made: less decides nothing
+FittedErrors = Mapping[tuple[Part, ...], float]
 LARGEST = 0.1  # of the left-out errors of a channel: most of them are extrapolations
 PARTED_NATS = TEMPERATURE * float(np.log(RULES["name"].value / (1 - RULES["name"].value)))
 
@@ -34,18 +36,36 @@ def evidence_of(
 
     ``base`` is the model without effects with the density that fits best.
     """
-    evidence = _with_effects_alone(_all_evidence(subject, found, weights, base, held_out), weights)
-    return _without_negligible(evidence, found, weights)
+    fitted = _fitted_errors(subject, found, weights, base)
+    evidence = _with_effects_alone(_all_evidence(subject, found, weights, fitted, held_out), weights)
+    return _without_negligible(evidence, found, weights, fitted)
 
 
-def _without_negligible(e: VerdictEvidence, found: SearchedHypotheses, weights: Weights) -> VerdictEvidence:
+def _fitted_errors(
+    subject: CommandedProblem, found: SearchedHypotheses, weights: Weights, base: PlantModel
+) -> FittedErrors:
+    """Rms errors at settled positions with the positive density that fits best: of nothing, and of likely effects."""
+    errors = {(): settled_rms(subject.timeline, base)}
+    for h, w in zip(weights.hypotheses, weights.weight.tolist()):
+        effects = tuple(p for p in h.parts if p.kind == "effect")
+        if w >= LEAST_WEIGHT and effects in found.models and effects not in errors:
+            own = found.models[effects]
+            model = with_density_for_effects(subject.timeline, own.plant_model, own.refitted, base)
+            errors[effects] = settled_rms(subject.timeline, model)
+    return errors
+
+
+def _without_negligible(
+    e: VerdictEvidence, found: SearchedHypotheses, weights: Weights, fitted: FittedErrors
+) -> VerdictEvidence:
     """Evidence with the weight of hypotheses that remove little, or less than they leave, given to nothing."""
     nothing = found.hypotheses[0]
 
     def removes_enough(h: ComparedHypothesis) -> bool:
         with_variable = any(p.kind == "variable" for p in h.parts)  # which describes what is left
         unseen = min((_times_rest_unseen(e.held_out, p) for p in h.parts), default=0.0)
-        enough = with_variable or max(_times_rest(nothing, h), unseen) >= RULES["beside_rest"].value
+        times = max(_times_rest(nothing, h), _times_rest_fitted(fitted, (), h.parts), unseen)
+        enough = with_variable or times >= RULES["beside_rest"].value
         return enough and e.span * _removes(nothing, h) >= e.least_size
 
     large = [
@@ -60,7 +80,7 @@ def _all_evidence(
     subject: CommandedProblem,
     found: SearchedHypotheses,
     weights: Weights,
-    base: PlantModel,
+    fitted: FittedErrors,
     held_out: dict[Part, float],
 ) -> VerdictEvidence:
     span = abs(subject.given.stroke)
@@ -69,9 +89,9 @@ def _all_evidence(
         nothing=weights.nothing,
         size={p: span * _size(found, weights, p) for p in weights.causes},
         span=span,
-        error=settled_rms(subject.timeline, base),
+        error=fitted[()],
         noise=subject.scatter(subject.base),
-        remains={p: span * _remains(found, weights, p, held_out) for p in weights.causes},
+        remains={p: span * _remains(found, weights, p, fitted, held_out) for p in weights.causes},
         blocks=int(np.unique(subject.timeline.block).size),
         confounded=_confounded(found, weights),
         held_out=held_out,
@@ -124,15 +144,24 @@ def _size(found: SearchedHypotheses, weights: Weights, part: Part) -> float:
 
 
 def _remains(
-    found: SearchedHypotheses, weights: Weights, part: Part, held_out: Mapping[Part, float]
+    found: SearchedHypotheses,
+    weights: Weights,
+    part: Part,
+    fitted: FittedErrors,
+    held_out: Mapping[Part, float],
 ) -> float:
     """The error that is left beside what a part removes, in the channel where it removes most of what is left.
 
-    Held-out positions count as a channel, if the extended model has no other part.
+    Held-out positions count as a channel, if the extended model has no other part; so do positions that all blocks are
+    fitted to, where no block is extrapolated.
     """
     pairs = _with_and_without(found, weights, part)
     alone = {part: held_out[part]} if list(held_out) == [part] else {}
-    times = max([_times_rest(before, own) for before, own in pairs] + [_times_rest_unseen(alone, part)])
+    times = max(
+        *(_times_rest(before, own) for before, own in pairs),
+        *(_times_rest_fitted(fitted, before.parts, own.parts) for before, own in pairs),
+        _times_rest_unseen(alone, part),
+    )
     return _size(found, weights, part) / times if times else inf
 
 
@@ -165,6 +194,13 @@ def _times_rest(
     """What a hypothesis removes over what it leaves, in the channel where that is most."""
     shares = [(without - left) / left for without, left in _squares(before, own, channels) if left > 0]
     return float(np.sqrt(max([0.0, *shares])))
+
+
+def _times_rest_fitted(fitted: FittedErrors, before: tuple[Part, ...], own: tuple[Part, ...]) -> float:
+    """What effects remove of the error at fitted positions over what they leave."""
+    if before not in fitted or not fitted.get(own):
+        return 0.0
+    return float(np.sqrt(max((fitted[before] / fitted[own]) ** 2 - 1, 0.0)))
 
 
 def _times_rest_unseen(held_out: Mapping[Part, float], part: Part) -> float:
