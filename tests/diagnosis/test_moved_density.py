@@ -57,9 +57,6 @@ def test_along_the_moved_input_the_outputs_are_the_same(timeline, plain, pair):
     assert error(timeline, moved, plain) < 0.2 * left_in_place
 
 
-@pytest.mark.xfail(
-    reason="4.9 nats: an error of the equation counts only what no density changes", strict=True
-)
 def test_a_given_surface_is_refitted_along_the_inputs_with_effects(tmp_path):
     """Identified without the effect, the surface is wrong along the true input; moved, it is 11 nats less likely."""
     effect = "resistance_phase=10"

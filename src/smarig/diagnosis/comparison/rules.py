@@ -114,8 +114,11 @@ class VerdictEvidence:
         return min(RULES["least_size"].value * self.span, RULES["beside_noise"].value * self.repeatability)
 
     def removes_enough(self, part: Part) -> bool:
-        """Whether a cause removes more than remains."""
-        return self.size[part] >= RULES["beside_rest"].value * self.remains.get(part, 0.0)
+        """Whether a cause removes more than remains; a variable need not, if some variable is as likely as a name."""
+        rest = RULES["beside_rest"].value * self.remains.get(part, 0.0)
+        variables = sum(p for cause, p in self.causes.items() if cause.kind == "variable")
+        describes = part.kind == "variable" and variables >= RULES["name"].value
+        return describes or self.size[part] >= rest
 
     @property
     def adequate(self) -> bool:

@@ -45,7 +45,7 @@ def _fitted_errors(
     subject: CommandedProblem, found: SearchedHypotheses, weights: Weights, base: PlantModel
 ) -> FittedErrors:
     """Rms errors at settled positions with the positive density that fits best: of nothing, and of likely effects."""
-    errors = {(): settled_rms(subject.timeline, base)}
+    errors: dict[tuple[Part, ...], float] = {(): settled_rms(subject.timeline, base)}
     for h, w in zip(weights.hypotheses, weights.weight.tolist()):
         effects = tuple(p for p in h.parts if p.kind == "effect")
         if w >= LEAST_WEIGHT and effects in found.models and effects not in errors:

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from smarig.diagnosis.comparison.commanded.commanded_problem import CommandedProblem
 from smarig.diagnosis.comparison.missing_knowledge import MissingKnowledge, inputs_of_error
 from smarig.diagnosis.comparison.rules import RULES
-from smarig.diagnosis.refit.joint_density import joint_density_from_best_start
+from smarig.diagnosis.refit.joint_density import joint_density_from_best_start, with_posterior_density
 from smarig.record import Run
 from smarig.replay import PlantModel, Timeline, build_timeline, predict
 
@@ -36,7 +36,8 @@ def missing_knowledge_of(
     plain = _error(timeline, base, zeroed_by=~held)
     if _rms(plain[held]) <= max(RULES["worse"].value * _rms(plain[~held]), RULES["adequate"].value * noise):
         return None
-    joint, _ = joint_density_from_best_start(timeline, subject.given, subject.original)
+    joint, refitted = joint_density_from_best_start(timeline, subject.given, subject.original)
+    joint = with_posterior_density(timeline, joint, refitted)
     fitted = _error(timeline, joint, zeroed_by=np.ones_like(held))
     cost = max(_square(fitted[~held]) - _square(plain[~held]), 0.0)
     share = 1.0 - (_square(fitted[held]) + cost) / _square(plain[held])
