@@ -43,7 +43,8 @@ RULES = {
         1.0, "times what a settled reading scatters, where it is known: less is not seen in one reading"
     ),
     "beside_rest": Rule(
-        1.0, "times the error that remains where a cause acts: what removes less is one of several causes"
+        0.7,
+        "times the error that remains where a cause acts: what removes less than a third of the squares is one of several",
     ),
     "least_blocks": Rule(10, "with fewer excursions, how often they are resampled says little"),
     "replaces_blocks": Rule(

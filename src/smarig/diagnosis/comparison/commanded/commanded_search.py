@@ -98,6 +98,11 @@ def _refined(
         best = max([h.score for h in found], default=nothing)
         if len(found) < ALWAYS or one.promise >= nothing + LINEAR_SHARE * (best - nothing):
             fit(one)
+    for one in sorted(weak, key=lambda s: -s.trial.score):  # a variable may imitate it in the ranking
+        if one.trial.score <= max([h.score for h in found], default=nothing):
+            break
+        if all(h.parts != (one.part,) for h in found):
+            fit(one)
     for one in _imitating(found, weak, nothing):
         fit(one)
     best = max([h.score for h in found], default=nothing)

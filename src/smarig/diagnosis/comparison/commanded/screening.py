@@ -30,7 +30,7 @@ class Screened:
     """An effect of the catalogue at the strength that its traces suggest, with its scores by linear traces.
 
     ``promise``: the score that it may reach, in nats. ``starts`` are other strengths to search from: by each channel
-    that no density changes, and the usual one. ``whitened`` (N,) is its trace at this strength after density and
+    that no density changes, and the usual one of either sign. ``whitened`` (N,) is its trace at this strength after density and
     constants have taken their part.
     ``detectable``: whether the largest strength within its bounds would exceed the noise.
     """
@@ -107,8 +107,8 @@ def _screened(
     ranked = trial_of(subject.timeline, ranking, parameters, None, shifts)
     by_channel = _by_channels(candidate, k, fitted.problems[1:], traces[1:])
     most = max((gain for _, gain in by_channel), default=0.0)
-    usual = kind.primary.typical if value >= 0 else max(-kind.primary.typical, kind.primary.lower)
-    strengths_to_try = [s for s, _ in by_channel] + ([usual] if usual else [])
+    usual = {kind.primary.typical, max(-kind.primary.typical, kind.primary.lower)} - {0.0}
+    strengths_to_try = [s for s, _ in by_channel] + sorted(usual, key=lambda s: -s * value)
     promise = max(trial.score, nothing[0] + most)
     starts = tuple(effect.at(s) for s in strengths_to_try)
     return Screened(effect, trial, promise, starts, white, detectable), max(ranked.score, nothing[1] + most)
