@@ -44,7 +44,7 @@ RULES = {
     ),
     "beside_rest": Rule(
         0.7,
-        "times the error that remains where a cause acts: what removes less than a third of the squares is one of several",
+        "times the error that remains where a cause acts: less is not a third of the squares, and one of several causes",
     ),
     "least_blocks": Rule(10, "with fewer excursions, how often they are resampled says little"),
     "replaces_blocks": Rule(

@@ -30,8 +30,8 @@ class Screened:
     """An effect of the catalogue at the strength that its traces suggest, with its scores by linear traces.
 
     ``promise``: the score that it may reach, in nats. ``starts`` are other strengths to search from: by each channel
-    that no density changes, and the usual one of either sign. ``whitened`` (N,) is its trace at this strength after density and
-    constants have taken their part.
+    that no density changes, and the usual one of either sign. ``whitened`` (N,) is its trace at this strength after
+    density and constants have taken their part.
     ``detectable``: whether the largest strength within its bounds would exceed the noise.
     """
 
