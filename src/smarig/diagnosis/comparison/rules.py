@@ -44,7 +44,7 @@ RULES = {
     ),
     "beside_rest": Rule(
         0.7,
-        "times the error that remains where a cause acts: less is not a third of the squares, and one of several causes",
+        "times the error that remains where a cause acts: less is no third of the squares, one cause of several",
     ),
     "least_blocks": Rule(10, "with fewer excursions, how often they are resampled says little"),
     "replaces_blocks": Rule(
