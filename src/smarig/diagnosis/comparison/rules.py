@@ -167,8 +167,8 @@ def _nothing(e: VerdictEvidence, reason: str) -> Verdict:
     if e.adequate:
         return Verdict("silent", reason)
     nothing = e.nothing >= RULES["nothing"].value
-    told = reason if reason == "beside" else "inadequate"
-    return Verdict("unknown", told, depends_on=None if nothing else _likeliest_variable(e))
+    why = reason if reason == "beside" else "inadequate"
+    return Verdict("unknown", why, depends_on=None if nothing else _likeliest_variable(e))
 
 
 def _likeliest_variable(e: VerdictEvidence) -> str | None:
