@@ -1,14 +1,9 @@
 """Fixtures for all tests: private locks and wire histories, deterministic Hypothesis tests, data of others."""
 
-import os
-
-os.environ.setdefault(
-    "OMP_NUM_THREADS", "1"
-)  # before numpy: one worker, one thread, or they fight for the cores
 import contextlib
+import os
 import signal
 import sys
-import warnings
 from functools import lru_cache
 from importlib import import_module
 from pathlib import Path
@@ -16,17 +11,10 @@ from pathlib import Path
 import pytest
 from hypothesis import settings
 
+import pinned_kernels  # noqa: F401  before anything that imports numpy
 from returned_memory import ReturnedMemory
 
 CACHE = type(lru_cache(len))
-CPU = Path("/proc/cpuinfo")
-if CPU.is_file() and " avx512f " in CPU.read_text(encoding="utf-8", errors="replace"):
-    # Kernels for AVX2, which frozen answers were made with: with wider ones, optimisations end 1e-5 apart.
-    os.environ.setdefault("OPENBLAS_CORETYPE", "Haswell")
-    os.environ.setdefault("NPY_DISABLE_CPU_FEATURES", "X86_V4")
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", ImportWarning)  # a numpy that calls them by other names keeps them
-        import_module("numpy")
 
 # A job in the background ignores both signals, and its children would.
 with contextlib.suppress(ValueError, AttributeError):

@@ -82,4 +82,4 @@ def test_a_refit_puts_no_negative_mass_where_the_model_has_none(timeline):
 
 def test_the_more_a_density_is_wrong_the_less_its_evidence(timeline, fair):
     evidence = [refitted(timeline, plant_model(later(fair, p))).log_evidence for p in (1.0, 0.9, 0.75)]
-    assert evidence[0] > evidence[1] > evidence[2]
+    assert evidence[0] > evidence[1] + 3 > evidence[2] + 6

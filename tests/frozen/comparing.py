@@ -10,15 +10,8 @@ from collections.abc import Iterator
 from typing import Any
 
 RELATIVE, ABSOLUTE = 1e-6, 1e-9
-COMMANDED = (
-    "box/",
-    "twin/",
-)  # whose diagnosis refits variances; each process ends elsewhere on a flat optimum
-OPTIMISED = {"missing_knowledge", "where"}  # of variances at an optimum, which is flat
-RELATIVE_OF_OPTIMISED = 1e-2
-# their order is that of weights, which may be equal
-WEIGHED = {"causes": "probability", "hypotheses": "weight"}
-EQUAL_WEIGHTS = 0.03
+OPTIMISED = {"causes", "hypotheses", "where"}  # of variances at an optimum, which is flat
+RELATIVE_OF_OPTIMISED = 1e-3
 HASH = "hash"
 ADDED = {
     "actuator_text",
@@ -87,13 +80,10 @@ def differences(
         for key in sorted({*before, *now}):
             if key in ENDED or (key in ADDED and key not in before):
                 continue
-            optimised = not exact and where.startswith(COMMANDED)
-            if optimised and _are_weighed(before.get(key), key) and _are_weighed(now.get(key), key):
-                yield from _other_weights(before[key], now[key], f"{where}.{key}", WEIGHED[key])
-            elif key not in now or key not in before:
+            if key not in now or key not in before:
                 yield f"{where}.{key}: {'is gone' if key in before else 'is new'}"
             elif exact or key != HASH:
-                own = RELATIVE_OF_OPTIMISED if optimised and key in OPTIMISED else relative
+                own = RELATIVE_OF_OPTIMISED if key in OPTIMISED else relative
                 yield from differences(before[key], now[key], f"{where}.{key}", exact=exact, relative=own)
     elif isinstance(before, list) and isinstance(now, list):
         if len(before) != len(now):
@@ -102,23 +92,6 @@ def differences(
             yield from differences(a, b, f"{where}[{k}]", exact=exact, relative=relative)
     elif not _same(before, now, exact, relative):
         yield f"{where}: {before!r} before, {now!r} now"
-
-
-def _are_weighed(found: Any, key: str) -> bool:
-    return key in WEIGHED and isinstance(found, list) and all(WEIGHED[key] in x for x in found)
-
-
-def _other_weights(before: Any, now: Any, where: str, weight: str) -> Iterator[str]:
-    """Of causes or hypotheses, those whose weights differ."""
-    first, second = ({_name(x): x[weight] for x in found} for found in (before, now))
-    for name in sorted({*first, *second}):
-        a, b = first.get(name, 0.0), second.get(name, 0.0)
-        if abs(a - b) > EQUAL_WEIGHTS:
-            yield f"{where} {name}: {a!r} before, {b!r} now"
-
-
-def _name(found: dict[str, Any]) -> str:
-    return " + ".join(found.get("parts", [str(found.get("name"))])) or "nothing"
 
 
 def _same(before: Any, now: Any, exact: bool, relative: float) -> bool:

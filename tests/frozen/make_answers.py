@@ -11,9 +11,6 @@ run and model files, and the names of ``import smarig``. Every answer has a name
 See README.md in this folder.
 """
 
-import os
-
-os.environ.setdefault("OMP_NUM_THREADS", "1")  # before numpy
 import argparse
 import sys
 import tempfile
@@ -23,6 +20,7 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
+import pinned_kernels  # noqa: F401  before anything that imports numpy
 from frozen.answers import KEPT, SLOW, Questions, load, save, wanted
 from frozen.asking import Answer
 from frozen.comparing import differences

@@ -79,7 +79,9 @@ def _without_current(run: Run) -> Run:
 
 
 def _points_as_rows(run: Run) -> Run:
-    u, y = run.points()
+    (u, y), ends_s = run.points(), [s.end_s for s in run.settled]
     columns = {name: np.full(u.size, np.nan) for name in run.columns}
     columns |= {"tick": np.arange(u.size, dtype=float), "input": u, "position": y}
+    if run.has("t_s"):
+        columns["t_s"] = np.array(ends_s, dtype=float)
     return replace(run, columns=columns, steps=())

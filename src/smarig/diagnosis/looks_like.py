@@ -9,12 +9,23 @@ PLANT_EFFECTS = {
     "cycle": ("accommodation", "fatigue", "training", "walking"),
     "history": ("accommodation", "noncongruency", "temperature_memory"),
     "time_since_reversal": ("backlash", "creep", "settling", "temperature_memory"),
-    "level": ("eccentricity", "noncongruency", "resistance_phase", "saturation", "slack"),
+    "level": (
+        "eccentricity",
+        "noncongruency",
+        "resistance_phase",
+        "saturation",
+        "slack",
+        "stress_coupling",  # of a load that changes with the stroke
+    ),
     "input": ("r_phase", "thermal_expansion"),
-    "stress": ("stress_coupling",),
     **dict.fromkeys(MEAN_POWERS, ("settling",)),
     **dict.fromkeys(MEAN_LEVELS, ("accommodation", "creep")),
 }
+
+
+def acts_through(effect: str) -> tuple[str, ...]:
+    """The variables that the error of a plant's effect depends on."""
+    return tuple(v for v, names in PLANT_EFFECTS.items() if effect in names)
 
 
 def looks_like(variable: str) -> list[str]:

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 WIDE = 0.5  # of the input's range: the smallest branches that are compared
 LEADS = -0.3  # of −1…1: agreement of the loops' width with their slope, below which the output leads
+LEAST_STEPS = 3  # of a branch: one of fewer steps has no shape, and the chord of a curve leads it
 LEAST_WIDTH = 0.01  # of the output's range
 
 
@@ -22,11 +23,13 @@ def width_of_leading_loops(u: Array, y: Array, turns: Sequence[int]) -> float | 
     True
     >>> round(width_of_leading_loops(u, np.array([0.0, 2.0, 3.0, 3.0, 1.0, 0.0, 0.0]), [0, 3, 6]), 2)
     0.44
+    >>> width_of_leading_loops(u[[0, 3, 4, 5, 6]], np.array([0.0, 3.0, 1.5, 0.2, 0.0]), [0, 1, 4]) is None
+    True
     """
     wide = [
         (a, b, c)
         for a, b, c in zip(turns[:-2], turns[1:-1], turns[2:])
-        if min(abs(u[b] - u[a]), abs(u[c] - u[b])) > WIDE * np.ptp(u)
+        if min(abs(u[b] - u[a]), abs(u[c] - u[b])) > WIDE * np.ptp(u) and min(b - a, c - b) >= LEAST_STEPS
     ]
     if not wide:
         return None

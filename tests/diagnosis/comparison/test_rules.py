@@ -36,6 +36,13 @@ def test_nothing_is_silent_if_the_model_is_adequate_and_unknown_if_not():
     assert verdict({LAG: 0.2}, 0.8, error=0.2).reason == "inadequate"
 
 
+def test_held_out_runs_beyond_the_limit_of_prediction_end_silence():
+    least = RULES["adequate"].value
+    assert verdict({LAG: 0.2}, 0.8, error=0.02, beyond_limit=0.9 * least).word == "silent"
+    found = verdict({LAG: 0.2}, 0.8, error=0.02, beyond_limit=1.1 * least)
+    assert (found.word, found.reason) == ("unknown", "unseen")
+
+
 def test_what_changes_too_little_is_not_told():
     assert verdict(size={LAG: 0.001}, error=0.02).reason == "too_small"
 

@@ -43,8 +43,7 @@ RULES = {
         1.0, "times what a settled reading scatters, where it is known: less is not seen in one reading"
     ),
     "beside_rest": Rule(
-        0.7,
-        "times the error that remains where a cause acts: less is no third of the squares, one cause of several",
+        1.0, "times the error that remains where a cause acts: what removes less is one of several causes"
     ),
     "least_blocks": Rule(10, "with fewer excursions, how often they are resampled says little"),
     "replaces_blocks": Rule(
@@ -54,7 +53,7 @@ RULES = {
     "not_determined": Rule(
         0.9, "of the held-out error vanishes with one density for all readings: missing knowledge, no change"
     ),
-    "adequate": Rule(3.0, "times the noise: larger errors are seen in a plot"),
+    "adequate": Rule(3.0, "times the noise, or the limit of prediction: larger errors are seen in a plot"),
     "worse": Rule(
         1.05, "times the error of the plain model on held-out runs: a name must not predict them worse"
     ),
@@ -64,6 +63,7 @@ SENTENCES = {
     "nothing": "The plain model predicts blocks that it has not seen as well as any other.",
     "too_small": "What is likely changes too little to matter.",
     "inadequate": "No effect and no variable predicts the errors.",
+    "unseen": "The plain model predicts the training runs, but not the held-out runs.",
     "few_blocks": "There are too few excursions for a name.",
     "confounded": "In these data the cause varies together with others.",
     "worse": "With the likeliest cause, the held-out runs are predicted worse.",
@@ -86,6 +86,8 @@ class VerdictEvidence:
     ``noise``: of one reading; ``remains``: the error that is left where a part acts. ``blocks``: real excursions.
     ``confounded``: parts that these data cannot part from a part. ``held_out``: error on held-out runs with a part over
     that without, where there are such runs. ``repeatability``: what a settled reading scatters, if known.
+    ``beyond_limit``: error of the plain model on held-out runs over the limit of prediction, 0 if that is missing
+    knowledge.
     ``effects_alone``: probability that effects are enough, without a dependence on a variable beside them; a name needs
     ``least_alone``.
     ``not_borne_out``: parts that explain the training runs, and of held-out runs nothing where much is to be explained.
@@ -106,6 +108,7 @@ class VerdictEvidence:
     not_borne_out: frozenset[Part] = frozenset()
     testable: bool = True
     repeatability: float = inf
+    beyond_limit: float = 0.0
     effects_alone: float = 1.0
     least_alone: float = 1.0 - RULES["name"].value
 
@@ -164,11 +167,13 @@ def decide(e: VerdictEvidence) -> Verdict:
 
 
 def _nothing(e: VerdictEvidence, reason: str) -> Verdict:
-    if e.adequate:
-        return Verdict("silent", reason)
-    nothing = e.nothing >= RULES["nothing"].value
-    why = reason if reason == "beside" else "inadequate"
-    return Verdict("unknown", why, depends_on=None if nothing else _likeliest_variable(e))
+    if not e.adequate:
+        why = reason if reason == "beside" else "inadequate"
+        nothing = e.nothing >= RULES["nothing"].value
+        return Verdict("unknown", why, depends_on=None if nothing else _likeliest_variable(e))
+    if e.beyond_limit > RULES["adequate"].value:
+        return Verdict("unknown", "unseen")
+    return Verdict("silent", reason)
 
 
 def _likeliest_variable(e: VerdictEvidence) -> str | None:

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csr_matrix
 
-from smarig.diagnosis.refit.density_prior import DensityPrior, density_prior
+from smarig.diagnosis.refit.density_prior import SMOOTHING, DensityPrior, density_prior
 from smarig.diagnosis.refit.memory_noise import memory_slopes
 from smarig.diagnosis.refit.moved_density import without_effects
 from smarig.diagnosis.refit.reading_noise import encoder_error_traces, output_rate, reading_scales
@@ -39,9 +39,16 @@ class CoupledReadings:
 
 
 def coupled_readings(
-    timeline: Timeline, prediction: Prediction, plant_model: PlantModel, contribution: Array | None = None
+    timeline: Timeline,
+    prediction: Prediction,
+    plant_model: PlantModel,
+    contribution: Array | None = None,
+    smoothing: float = SMOOTHING,
 ) -> CoupledReadings:
-    """The coupled readings of a simulated timeline; ``contribution`` is ``effect_contribution`` where it is known."""
+    """The coupled readings of a simulated timeline.
+
+    ``contribution`` is ``effect_contribution`` where it is known; ``smoothing`` that of the density's prior.
+    """
     coupled = [r for r in timeline.all_readings if r.kind in OUTPUT_DEPENDENT_KINDS]
     y = np.concatenate([r.value - prediction.values[r.kind] for r in coupled])
     h = plant_model.hysteresis
@@ -53,7 +60,7 @@ def coupled_readings(
     )
     scaled_error = encoder_error_traces(timeline, plant_model, coupled) / scale[:, None]
     free += scaled_error @ scaled_error.T
-    prior = density_prior(prediction, h)
+    prior = density_prior(prediction, h, smoothing)
     full_output = y + prediction.output_slope * (
         prediction.output - h.y_lower
     )  # for any hysteresis, not only for changes of this one

@@ -24,9 +24,7 @@ MIN_INTERVALS, MAX_INTERVALS = 200, 240  # of the partition: every measured leve
 LEVEL_SHARE = 0.5  # share of the levels in the scale
 KNOTS = 11
 HAT_INTERVALS = (6, 20)  # hats across the range: resolution of the proportional deviations
-SMOOTHING = (
-    0.02  # of the even scale: a prior as rough as its density would only confirm what that has taken up
-)
+SMOOTHING = 0.01  # of the even scale: a prior as rough as its density would confirm what that has taken up
 MIN_PRIOR_SHARE = 0.05  # of the mean mass: prior scale where the model has no mass
 
 
@@ -82,8 +80,8 @@ class DensityPrior:
         i, j = self.triangle.i[used], self.triangle.j[used]
         total = np.cumsum(np.cumsum(_grid(self.triangle, self.prior_scale[:, None]), axis=0), axis=1)[:, :, 0]
         shared = total[np.minimum(i[:, None], i), np.minimum(j[:, None], j)]
-        rows = csr_matrix(self.rows[:, used])
-        return np.asarray(rows @ (rows @ shared).T)
+        rows = self.rows[:, used].toarray()  # few cells, and each in many rows
+        return np.asarray(rows @ shared @ rows.T)
 
     @property
     def smoothed_away(self) -> Array:
@@ -114,8 +112,11 @@ class DensityPrior:
         return np.maximum(masses, np.minimum(self.mass, 0.0))
 
 
-def density_prior(prediction: Prediction, hysteresis: Everett) -> DensityPrior:
-    """The prior about a hysteresis along a prediction, whose outputs place the cells if the hysteresis has none."""
+def density_prior(prediction: Prediction, hysteresis: Everett, smoothing: float = SMOOTHING) -> DensityPrior:
+    """The prior about a hysteresis along a prediction, whose outputs place the cells if the hysteresis has none.
+
+    ``smoothing`` 0: the density deviates in proportion to itself, as rough as it is.
+    """
     y = prediction.output
     lower, upper = hysteresis.lower, hysteresis.upper
     rows = Observations.of_states(prediction.states, y, np.zeros(y.size, dtype=np.int64), (lower, upper))
@@ -123,10 +124,11 @@ def density_prior(prediction: Prediction, hysteresis: Everett) -> DensityPrior:
     triangle = Triangle(nodes, _even_scale(nodes, prediction))
     X = csr_matrix(rows.matrix(triangle).tocsc()[:, : triangle.unknowns - 1])  # without y₋, the common zero
     mass = _model_masses(triangle, hysteresis)
-    prior_scale = _smoothed(triangle, np.abs(mass))
+    prior_scale = _smoothed(triangle, np.abs(mass), smoothing)
+    prior_scale /= prior_scale.sum() or 1.0
     prior_scale += MIN_PRIOR_SHARE * prior_scale.mean()
     hats = tuple(_hats(triangle, n) for n in HAT_INTERVALS)
-    return DensityPrior(triangle, X, _smoothed(triangle, mass), prior_scale, hats, mass)
+    return DensityPrior(triangle, X, _smoothed(triangle, mass, smoothing), prior_scale, hats, mass)
 
 
 def _grid(triangle: Triangle, columns: Array) -> Array:
@@ -179,19 +181,21 @@ def _model_masses(triangle: Triangle, hysteresis: Everett) -> Array:
     return mass / (mass.sum() or 1.0)
 
 
-def _smoothed(triangle: Triangle, mass: Array) -> Array:
-    """The shares (cells,) of a mass that is spread over cells nearby on the even scale."""
+def _smoothed(triangle: Triangle, mass: Array, width: float) -> Array:
+    """A mass (cells,), spread over cells within about a width on the even scale; its sum stays."""
+    if not width:
+        return mass
     place = _node_positions(triangle)
-    centre, width = (place[1:] + place[:-1]) / 2, np.diff(place)
-    kernel = np.exp(-0.5 * ((centre[:, None] - centre) / SMOOTHING) ** 2)
+    centre, size = (place[1:] + place[:-1]) / 2, np.diff(place)
+    kernel = np.exp(-0.5 * ((centre[:, None] - centre) / width) ** 2)
     i, j = triangle.i, triangle.j
-    area = width[i] * width[j] * np.where(i == j, 0.5, 1.0)
+    area = size[i] * size[j] * np.where(i == j, 0.5, 1.0)
 
     def spread(values: Array) -> Array:
         return (kernel @ _grid(triangle, values[:, None])[:, :, 0] @ kernel.T)[i, j]
 
     found = area * spread(mass) / spread(area)
-    return found / (found.sum() or 1.0)
+    return found * (mass.sum() / (found.sum() or 1.0))
 
 
 def _even_scale(nodes: Array, prediction: Prediction) -> Array:
@@ -205,6 +209,8 @@ def _even_scale(nodes: Array, prediction: Prediction) -> Array:
     order = np.argsort(ticks)
     inputs = np.clip(prediction.hysteresis_input_K[ticks][order], nodes[0], nodes[-1])
     levels = np.unique(np.concatenate([nodes[[0, -1]], inputs]))
+    levels = levels[np.append(True, np.diff(levels) > SAME_LEVEL * (nodes[-1] - nodes[0]))]
+    levels[-1] = nodes[-1]
     rank = np.linspace(0, 1, levels.size)
     knots = np.linspace(0, 1, min(KNOTS, levels.size))
     ends = np.interp(inputs, levels, rank)

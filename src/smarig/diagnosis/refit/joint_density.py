@@ -69,30 +69,59 @@ def with_posterior_density(
 ) -> PlantModel:
     """The plant model with the posterior density of its readings, with its own, or as ``given``: what fits best.
 
-    A refit that fits worse than the given model has failed, and must not be diagnosed.
+    A refit that fits worse than the given model has failed, and must not be diagnosed. A smooth prior compares
+    hypotheses; the density that a model is offered with may follow the readings, with a prior as rough as itself.
     """
     posterior = replace(plant_model, hysteresis=refitted.posterior.table())
-    candidates = (plant_model, posterior, *([given] if given else []))
+    following = _following(timeline, plant_model, refitted)
+    candidates = (plant_model, posterior, following, *([given] if given else []))
     return min(candidates, key=lambda s: settled_rms(timeline, s))
 
 
 def with_density_for_effects(
     timeline: Timeline, plant_model: PlantModel, refitted: Refit, base: PlantModel
 ) -> PlantModel:
-    """A plant model with effects and the density that fits best, or that of the base model, moved with the input.
+    """A plant model with effects and the density that fits best, or one nearer to that of the base model.
 
-    The latter if it fits as well: effects that only another channel shows leave the positions as they were.
+    That is moved with the input; what no reading determines stays as it is there. Effects that only another channel
+    shows leave the positions as they were, so it is kept if it fits as well; else, one that follows from it.
     """
-    own = with_posterior_density(timeline, plant_model, refitted)
     moved = with_moved_density(timeline, plant_model, base.hysteresis)
-    return moved if settled_rms(timeline, moved) < AS_GOOD * settled_rms(timeline, own) else own
+    candidates = [
+        moved,
+        _following(timeline, moved, refitted),
+        with_posterior_density(timeline, plant_model, refitted),
+    ]
+    errors = [settled_rms(timeline, s) for s in candidates]
+    as_good = max(AS_GOOD * min(errors), refitted.noise.settled)
+    return next(s for s, e in zip(candidates, errors) if e <= as_good)
+
+
+def _following(timeline: Timeline, plant_model: PlantModel, refitted: Refit) -> PlantModel:
+    """The plant model with the density that follows from its own by two rounds without smoothing."""
+    found, start, positions = plant_model, refitted, timeline.positions_only
+    for _ in range(2):
+        prediction = predict(timeline, found).positions_only
+        start = refit(positions, prediction, found, start, smoothing=0.0, from_both_sides=False)
+        found = replace(found, hysteresis=start.posterior.table())
+    return found
 
 
 def settled_rms(timeline: Timeline, plant_model: PlantModel) -> float:
     """The rms error of a plant model at settled positions, with free zeros."""
-    error = timeline.settled.value - predict(timeline, plant_model).values["settled"]
-    own = [error[timeline.zero == z] for z in np.unique(timeline.zero)] if timeline.zero.size else [error]
-    return float(np.std(np.concatenate([e - e.mean() for e in own])))
+    return position_rms(timeline, plant_model)["settled"]
+
+
+def position_rms(timeline: Timeline, plant_model: PlantModel) -> dict[str, float]:
+    """The rms errors of a plant model at settled and at moving positions, with free zeros."""
+    prediction = predict(timeline, plant_model)
+    free = timeline.zero if timeline.zero.size else np.zeros(len(timeline.settled))
+    found = {}
+    for r in timeline.positions_only.all_readings:
+        error, zero = r.value - prediction.values[r.kind], free[r.step]
+        own = [error[zero == z] for z in np.unique(zero)]
+        found[r.kind] = float(np.std(np.concatenate([e - e.mean() for e in own])))
+    return found
 
 
 @dataclass(frozen=True, eq=False)
@@ -108,32 +137,38 @@ class _Round:
     contribution: Array
     gain: float = inf
 
-    @property
-    def log_evidence(self) -> float:
-        """Of the positions, nats."""
-        return self.refitted.log_evidence
-
-    def within_reach(self, best: float) -> bool:
-        """Whether further rounds, each of which gains less than the one before, may still reach an evidence."""
-        return self.log_evidence + REACH * self.gain >= best
+    def within_reach(self, best: "_Round") -> bool:
+        """Whether further rounds, each of which gains less than the one before, may still make it as likely."""
+        return self.refitted.log_evidence + REACH * self.gain >= best.refitted.log_evidence
 
     def next(self, timeline: Timeline) -> "_Round":
         """The round that follows, or the same if that gains nothing."""
         model = replace(self.plant_model, hysteresis=self.refitted.posterior.table())
-        found = _start(timeline, model, self.refitted, self.contribution)
-        gain = found.log_evidence - self.log_evidence
-        return replace(found, gain=gain) if gain > 0 else replace(self, gain=0.0)
+        prediction = predict(timeline, model)
+        refitted = refit(
+            timeline.positions_only,
+            prediction.positions_only,
+            model,
+            self.refitted,
+            self.contribution,
+            from_both_sides=False,
+        )
+        gain = refitted.log_evidence - self.refitted.log_evidence
+        if gain <= 0:
+            return replace(self, gain=0.0)
+        return _Round(model, prediction, refitted, self.contribution, gain)
 
 
-def _start(
-    timeline: Timeline, plant_model: PlantModel, warm_start: Refit | None, contribution: Array | None = None
-) -> _Round:
+def _start(timeline: Timeline, plant_model: PlantModel, warm_start: Refit | None) -> _Round:
     prediction, positions = predict(timeline, plant_model), timeline.positions_only
     own = prediction.positions_only
+    contribution = effect_contribution(positions, own, plant_model)
     refitted = refit(positions, own, plant_model, warm_start, contribution)
-    if contribution is None:
-        contribution = effect_contribution(positions, own, plant_model)
     return _Round(plant_model, prediction, refitted, contribution)
+
+
+def _likeliest(rounds: Sequence[_Round]) -> _Round:
+    return max(rounds, key=lambda one: one.refitted.log_evidence)
 
 
 def _alternated(timeline: Timeline, starts: Sequence[_Round]) -> tuple[PlantModel, Refit]:
@@ -141,11 +176,10 @@ def _alternated(timeline: Timeline, starts: Sequence[_Round]) -> tuple[PlantMode
     found = list(starts)
     for _ in range(MAX_ROUNDS):
         found = [one if one.gain < MIN_ROUND_GAIN else one.next(timeline) for one in found]
-        top = max(one.log_evidence for one in found)
-        found = [one for one in found if one.within_reach(top)]
+        found = [one for one in found if one.within_reach(_likeliest(found))]
         if all(one.gain < MIN_ROUND_GAIN for one in found):
             break
-    best = max(found, key=lambda one: one.log_evidence)
+    best = _likeliest(found)
     if len(timeline.positions_only.all_readings) == len(timeline.all_readings):
         return best.plant_model, best.refitted
     return best.plant_model, refit(timeline, best.prediction, best.plant_model, best.refitted)

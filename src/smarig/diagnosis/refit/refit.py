@@ -16,6 +16,7 @@ from scipy.linalg import cho_solve, cholesky, solve_triangular
 from smarig.diagnosis.drive_statistics import DriveStatistics
 from smarig.diagnosis.refit.coupled_readings import coupled_readings
 from smarig.diagnosis.refit.density_posterior import DensityPosterior
+from smarig.diagnosis.refit.density_prior import SMOOTHING
 from smarig.diagnosis.refit.memory_noise import memory_covariance
 from smarig.diagnosis.refit.reading_noise import independent_block, session_means
 from smarig.diagnosis.refit.variance_components import (
@@ -83,13 +84,16 @@ def refit(
     plant_model: PlantModel,
     warm_start: "Refit | None" = None,
     contribution: Array | None = None,
+    smoothing: float = SMOOTHING,
+    *,
+    from_both_sides: bool = True,
 ) -> Refit:
     """The maximum-likelihood smoothness and noise for a simulated timeline, and its readings whitened by them.
 
-    ``warm_start``: start at the result of another refit. ``contribution``: of the effects, if it is known from a refit
-    with another density; what imitates what has then been searched from both sides.
+    ``warm_start``: start at the result of another refit. ``contribution``: ``effect_contribution``, if it is known.
+    ``smoothing``: of the density's prior. ``from_both_sides``: of what imitates what, as in ``likeliest``.
     """
-    readings = coupled_readings(timeline, prediction, plant_model, contribution)
+    readings = coupled_readings(timeline, prediction, plant_model, contribution, smoothing)
     y, scale, reading_covariance = readings.y, readings.scale, readings.covariance
     free, output_slope, is_moving = readings.free, reading_covariance.slope, reading_covariance.is_moving
     span, n = abs(plant_model.stroke), y.size
@@ -99,7 +103,7 @@ def refit(
     ]
     start = START if warm_start is None else warm_start.log_components
     cost, found, correlation, memory = _over_correlation_times(
-        reading_covariance, memories, start, from_both_sides=contribution is None
+        reading_covariance, memories, start, from_both_sides=from_both_sides
     )
     *variances, _, s0, s_T = 10.0**found
     noise_part, density = (

@@ -79,7 +79,7 @@ def trial_of(
 ) -> Trial:
     """The scores of all blocks; ``shifts`` are taken from the readings of each problem.
 
-    The state of the trial is the plant model, and by kind the squares of left-out errors in shares of the span.
+    The state of the trial is the plant model, and by kind the mean square of left-out errors in shares of the span.
     """
     count = int(timeline.block.max()) + 1
     total, squares = np.zeros(count), {}
@@ -92,7 +92,7 @@ def trial_of(
             size = next(len(r) for r in timeline.all_readings if r.kind == kind)
             own = error[at : at + size]
             span = p.span if kind != "resistance" else _span_of(timeline, kind)
-            squares[kind] = (own / span) ** 2
+            squares[kind] = float(np.mean((own / span) ** 2))
             if kind == "settled":
                 settled = own
             at += size

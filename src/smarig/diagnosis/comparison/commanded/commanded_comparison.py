@@ -9,22 +9,19 @@ from threadpoolctl import threadpool_limits
 
 from smarig.diagnosis.comparison.commanded.commanded_diagnosis import CommandedDiagnosis
 from smarig.diagnosis.comparison.commanded.commanded_evidence import (
-    acts_through,
     evidence_of,
     likeliest_variable,
-    with_held_out_gain,
+    ways_of,
 )
 from smarig.diagnosis.comparison.commanded.commanded_problem import CommandedProblem
 from smarig.diagnosis.comparison.commanded.commanded_search import SearchedHypotheses, search
 from smarig.diagnosis.comparison.commanded.compared_runs import subject_of
 from smarig.diagnosis.comparison.commanded.extension import (
-    Extension,
     extension_of,
     gain_with,
     law_extensions,
 )
 from smarig.diagnosis.comparison.commanded.undetermined import missing_knowledge_of
-from smarig.diagnosis.comparison.compared_hypothesis import Part
 from smarig.diagnosis.comparison.rules import RULES, Verdict, VerdictEvidence, decide
 from smarig.diagnosis.comparison.weights import weigh
 from smarig.diagnosis.held_out_gain import HeldOutGain
@@ -68,17 +65,19 @@ def concluded(
     seed: int = 0,
 ) -> CommandedDiagnosis:
     """The verdict on searched hypotheses, and the model that is offered."""
-    weights = weigh(found.hypotheses, seed, acts_through=acts_through(found))
+    weights = weigh(found.hypotheses, seed, acts_through=ways_of(found))
     by_effects = extension_of(subject, found, weights)
     gain_by_effects = gain_with(subject, by_effects, train, held_out)
-    held = held_out_of(by_effects, gain_by_effects)
-    evidence = evidence_of(subject, found, weights, by_effects.base, held)
-    evidence = with_held_out_gain(evidence, found, weights, by_effects.parts, gain_by_effects)
+    evidence = evidence_of(subject, found, weights, by_effects, gain_by_effects)
+    missing = missing_knowledge_of(subject, by_effects.base, evidence.noise, train, held_out)
+    if missing:
+        evidence = replace(evidence, beyond_limit=0.0)
     verdict = _with_variable(decide(evidence), evidence, weights.nothing)
     tried = [(by_effects, gain_by_effects)] if by_effects.parts and verdict.word != "silent" else []
     if verdict.word == "unknown":
         laws = law_extensions(subject, found, by_effects.base)
-        tried += [(law, gain_with(subject, law, train, held_out)) for law in laws]
+        of_verdict = [law for law in laws if [p.name for p in law.parts] == [verdict.depends_on]]
+        tried += [(law, gain_with(subject, law, train, held_out)) for law in of_verdict or laws]
     better = [pair for pair in tried if not _worse(pair[1])]
     extension, gain = max(better, key=lambda pair: pair[0].score, default=(by_effects, gain_by_effects))
     offered = bool(better)
@@ -91,7 +90,7 @@ def concluded(
         extension=extension,
         extended=offered,
         gain=gain if offered or gain is None else gain.without_extension(),
-        missing=missing_knowledge_of(subject, by_effects.base, evidence.noise, train, held_out),
+        missing=missing,
         original=original,
         train=train,
         seconds=0.0,
@@ -109,12 +108,5 @@ def _with_variable(verdict: Verdict, evidence: VerdictEvidence, raw_nothing: flo
 
 
 def _worse(gain: HeldOutGain | None) -> bool:
-    """Whether an extended model predicts held-out runs worse than the base model."""
-    return gain is not None and gain.extended > gain.base
-
-
-def held_out_of(extension: Extension, gain: HeldOutGain | None) -> dict[Part, float]:
-    """The error on held-out runs with the causes of the extension, over that without."""
-    if gain is None or not gain.base:
-        return {}
-    return dict.fromkeys(extension.parts, gain.extended / gain.base)
+    """Whether an extended model predicts held-out runs worse than the base model, or than the given one."""
+    return gain is not None and gain.extended > min(gain.base, gain.original or gain.base)

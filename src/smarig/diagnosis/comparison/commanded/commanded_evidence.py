@@ -8,20 +8,23 @@ import numpy as np
 
 from smarig.diagnosis.comparison.commanded.commanded_problem import CommandedProblem
 from smarig.diagnosis.comparison.commanded.commanded_search import SearchedHypotheses
+from smarig.diagnosis.comparison.commanded.extension import Extension
 from smarig.diagnosis.comparison.commanded.screening import Screened, collinear
 from smarig.diagnosis.comparison.compared_hypothesis import ComparedHypothesis, Part
 from smarig.diagnosis.comparison.rules import RULES, VerdictEvidence
 from smarig.diagnosis.comparison.weights import TEMPERATURE, Weights
 from smarig.diagnosis.held_out_gain import HeldOutGain
-from smarig.diagnosis.looks_like import PLANT_EFFECTS
-from smarig.diagnosis.refit.joint_density import settled_rms, with_density_for_effects
+from smarig.diagnosis.looks_like import acts_through
+from smarig.diagnosis.refit.joint_density import position_rms, with_density_for_effects
 from smarig.diagnosis.refit.reading_noise import EFFECT_ERROR_SHARE
 from smarig.replay import PlantModel
 
-POSITIONS = ("settled", "moving")
+Parts = tuple[Part, ...]
+Squares = Mapping[str, float]  # mean squares of errors by channel
+Pair = tuple[Squares, Squares]  # without and with a part
+FITTED = {k: f"{k}, fitted" for k in ("settled", "moving")}  # positions that all blocks are fitted to
+POSITIONS = (*FITTED, *FITTED.values())
 LEAST_WEIGHT = 0.01  # of hypotheses whose density is made: less decides nothing
-FittedErrors = Mapping[tuple[Part, ...], float]
-LARGEST = 0.1  # of the left-out errors of a channel: most of them are extrapolations
 PARTED_NATS = TEMPERATURE * float(np.log(RULES["name"].value / (1 - RULES["name"].value)))
 
 
@@ -29,44 +32,56 @@ def evidence_of(
     subject: CommandedProblem,
     found: SearchedHypotheses,
     weights: Weights,
-    base: PlantModel,
-    held_out: dict[Part, float],
+    by_effects: Extension,
+    gain: HeldOutGain | None,
 ) -> VerdictEvidence:
     """What a verdict is decided from; a hypothesis that removes less than the least size is none.
 
-    ``base`` is the model without effects with the density that fits best.
+    ``by_effects`` is the extension by the heaviest hypothesis with effects, ``gain`` are its errors on held-out runs.
     """
-    fitted = _fitted_errors(subject, found, weights, base)
-    evidence = _with_effects_alone(_all_evidence(subject, found, weights, fitted, held_out), weights)
-    return _without_negligible(evidence, found, weights, fitted)
+    squares = _squares(subject, found, weights, by_effects.base)
+    held_out = held_out_of(by_effects, gain)
+    evidence = _with_effects_alone(_all_evidence(subject, found, weights, squares, gain, held_out), weights)
+    evidence = _without_negligible(evidence, weights, squares)
+    return _with_held_out_gain(evidence, found, weights, squares, by_effects.parts, gain)
 
 
-def _fitted_errors(
+def _squares(
     subject: CommandedProblem, found: SearchedHypotheses, weights: Weights, base: PlantModel
-) -> FittedErrors:
-    """Rms errors at settled positions with the positive density that fits best: of nothing, and of likely effects."""
-    errors: dict[tuple[Part, ...], float] = {(): settled_rms(subject.timeline, base)}
+) -> Mapping[Parts, Squares]:
+    """Mean squares of errors of each hypothesis by channel, in shares of its span: of blocks left out, and ``FITTED``.
+
+    Those are of positions with the density that fits best. A block that is left out is extrapolated where no other
+    tells of it, and then its errors say little. They are known of nothing, and of likely effects.
+    """
+    span = abs(subject.given.stroke)
+
+    def fitted(model: PlantModel) -> Squares:
+        return {FITTED[k]: (e / span) ** 2 for k, e in position_rms(subject.timeline, model).items()}
+
+    squares = {h.parts: dict(h.best.state[1]) for h in found.hypotheses}
+    squares[()] |= fitted(base)
     for h, w in zip(weights.hypotheses, weights.weight.tolist()):
-        effects = tuple(p for p in h.parts if p.kind == "effect")
-        if w >= LEAST_WEIGHT and effects in found.models and effects not in errors:
-            own = found.models[effects]
+        by_effects = h.parts and all(p.kind == "effect" for p in h.parts)
+        if w >= LEAST_WEIGHT and by_effects and h.parts in found.models:
+            own = found.models[h.parts]
             model = with_density_for_effects(subject.timeline, own.plant_model, own.refitted, base)
-            errors[effects] = settled_rms(subject.timeline, model)
-    return errors
+            squares[h.parts] |= fitted(model)
+    return squares
 
 
 def _without_negligible(
-    e: VerdictEvidence, found: SearchedHypotheses, weights: Weights, fitted: FittedErrors
+    e: VerdictEvidence, weights: Weights, squares: Mapping[Parts, Squares]
 ) -> VerdictEvidence:
     """Evidence with the weight of hypotheses that remove little, or less than they leave, given to nothing."""
-    nothing = found.hypotheses[0]
+    nothing = squares[()]
 
     def removes_enough(h: ComparedHypothesis) -> bool:
         with_variable = any(p.kind == "variable" for p in h.parts)  # which describes what is left
         unseen = min((_times_rest_unseen(e.held_out, p) for p in h.parts), default=0.0)
-        times = max(_times_rest(nothing, h), _times_rest_fitted(fitted, (), h.parts), unseen)
+        times = max(_times_rest(nothing, squares[h.parts]), unseen)
         enough = with_variable or times >= RULES["beside_rest"].value
-        return enough and e.span * _removes(nothing, h) >= e.least_size
+        return enough and e.span * _removes(nothing, squares[h.parts]) >= e.least_size
 
     large = [
         (h, w) for h, w in zip(weights.hypotheses, weights.weight.tolist()) if h.parts and removes_enough(h)
@@ -80,127 +95,104 @@ def _all_evidence(
     subject: CommandedProblem,
     found: SearchedHypotheses,
     weights: Weights,
-    fitted: FittedErrors,
-    held_out: dict[Part, float],
+    squares: Mapping[Parts, Squares],
+    gain: HeldOutGain | None,
+    held_out: Mapping[Part, float],
 ) -> VerdictEvidence:
     span = abs(subject.given.stroke)
+    pairs = {p: _pairs(found, weights, squares, p) for p in weights.causes}
     return VerdictEvidence(
         causes=weights.causes,
         nothing=weights.nothing,
-        size={p: span * _size(found, weights, p) for p in weights.causes},
+        size={p: span * _size(pairs[p]) for p in weights.causes},
         span=span,
-        error=fitted[()],
+        error=span * float(np.sqrt(squares[()][FITTED["settled"]])),
         noise=subject.scatter(subject.base),
-        remains={p: span * _remains(found, weights, p, fitted, held_out) for p in weights.causes},
+        remains={p: span * _remains(pairs[p], p, held_out) for p in weights.causes},
         blocks=int(np.unique(subject.timeline.block).size),
         confounded=_confounded(found, weights),
         held_out=held_out,
         acts_through=weights.acts_through,
         testable=bool(found.screened),
         repeatability=_repeatability(found, weights),
+        beyond_limit=gain.base / gain.floor if gain else 0.0,
         least_alone=RULES["name"].value,  # a name says that nothing else is missing
     )
 
 
 def likeliest_variable(evidence: VerdictEvidence) -> str | None:
-    """The variable that the errors go with most probably, by itself or through an effect that acts through it."""
-    total: dict[str, float] = {}
+    """The variable that the errors go with most probably, by itself or through an effect; None: nothing is likelier."""
+    total: dict[str | None, float] = {None: evidence.nothing}
     for part, p in evidence.causes.items():
         for v in (part,) if part.kind == "variable" else evidence.acts_through.get(part, ()):
             total[v.name] = total.get(v.name, 0.0) + p
-    return max(total, key=lambda name: total[name], default=None)
+    return max(total, key=lambda name: total[name])
 
 
-def acts_through(found: SearchedHypotheses) -> dict[Part, tuple[Part, ...]]:
-    """The variables of each effect of the hypotheses."""
+def ways_of(found: SearchedHypotheses) -> dict[Part, tuple[Part, ...]]:
+    """The variables that each effect of the hypotheses acts through."""
     effects = {p for h in found.hypotheses for p in h.parts if p.kind == "effect"}
-    return {
-        e: tuple(Part("variable", v) for v, names in PLANT_EFFECTS.items() if e.name in names)
-        for e in effects
-    }
+    return {e: tuple(Part("variable", v) for v in acts_through(e.name)) for e in effects}
 
 
-def _squares(
-    before: ComparedHypothesis, own: ComparedHypothesis, channels: Collection[str] | None = None
-) -> list[tuple[float, float]]:
-    """Mean squares of left-out errors, without and with: of each channel, and again with the largest cut.
-
-    Where a block is left out of which nothing else tells, both extrapolate, and their errors say little.
-    """
-    found = []
-    for kind, without in before.best.state[1].items():
-        if channels is None or kind in channels:
-            with_part, most = own.best.state[1][kind], float(np.quantile(without, 1 - LARGEST))
-            found += [
-                (float(np.minimum(without, m).mean()), float(np.minimum(with_part, m).mean()))
-                for m in (inf, most)
-            ]
-    return found
+def _size(pairs: Sequence[Pair]) -> float:
+    """What a part removes, in shares of a channel's span: the most of any channel."""
+    return max(_removes(before, own) for before, own in pairs)
 
 
-def _size(found: SearchedHypotheses, weights: Weights, part: Part) -> float:
-    """What a part removes of the left-out error, in shares of a channel's span: the most of any channel."""
-    return max(_removes(before, own) for before, own in _with_and_without(found, weights, part))
-
-
-def _remains(
-    found: SearchedHypotheses,
-    weights: Weights,
-    part: Part,
-    fitted: FittedErrors,
-    held_out: Mapping[Part, float],
-) -> float:
+def _remains(pairs: Sequence[Pair], part: Part, held_out: Mapping[Part, float]) -> float:
     """The error that is left beside what a part removes, in the channel where it removes most of what is left.
 
-    Held-out positions count as a channel, if the extended model has no other part; so do positions that all blocks are
-    fitted to, where no block is extrapolated.
+    Held-out positions count as a channel, if the extended model has no other part.
     """
-    pairs = _with_and_without(found, weights, part)
     alone = {part: held_out[part]} if list(held_out) == [part] else {}
-    times = max(
-        *(_times_rest(before, own) for before, own in pairs),
-        *(_times_rest_fitted(fitted, before.parts, own.parts) for before, own in pairs),
-        _times_rest_unseen(alone, part),
-    )
-    return _size(found, weights, part) / times if times else inf
+    times = max(*(_times_rest(before, own) for before, own in pairs), _times_rest_unseen(alone, part))
+    return _size(pairs) / times if times else inf
 
 
-def _with_and_without(
-    found: SearchedHypotheses, weights: Weights, part: Part
-) -> list[tuple[ComparedHypothesis, ComparedHypothesis]]:
-    """(hypothesis without a part, hypothesis with it): the heaviest that holds it.
+def _pairs(
+    found: SearchedHypotheses, weights: Weights, squares: Mapping[Parts, Squares], part: Part
+) -> list[Pair]:
+    """Without a part and with it: means over the hypotheses that hold it, by their weights.
 
     A variable beside an effect describes what that leaves, so the effect may also stand alone.
     """
-    own = weights.best_with(part)
-    rest = tuple(p for p in own.parts if p != part)
-    nothing = found.hypotheses[0]
-    pairs = [(next((h for h in found.hypotheses if h.parts == rest), nothing), own)]
-    alone = _alone(found, part)
-    if alone and part.kind == "effect" and all(p.kind == "variable" for p in rest):
-        pairs.append((nothing, alone))
+    heaviest = weights.best_with(part).parts
+    weight = {h.parts: w for h, w in zip(weights.hypotheses, weights.weight.tolist()) if part in h.parts}
+    if not sum(weight.values()):
+        weight = {heaviest: 1.0}
+    pairs = [_mean_pair([(w, _without(part, own, squares), squares[own]) for own, w in weight.items()])]
+    beside = [p for p in heaviest if p != part]
+    if _alone(found, part) and part.kind == "effect" and all(p.kind == "variable" for p in beside):
+        pairs.append((squares[()], squares[(part,)]))
     return pairs
 
 
-def _removes(before: ComparedHypothesis, own: ComparedHypothesis) -> float:
+def _without(part: Part, parts: Parts, squares: Mapping[Parts, Squares]) -> Squares:
+    return squares.get(tuple(p for p in parts if p != part), squares[()])
+
+
+def _mean_pair(several: Sequence[tuple[float, Squares, Squares]]) -> Pair:
+    """Mean squares by channel, each over those of (weight, without, with) that have it."""
+    before, own = {}, {}
+    for k in {k for _, b, o in several for k in b.keys() & o.keys()}:
+        rows = [(w, b[k], o[k]) for w, b, o in several if k in b and k in o]
+        total = sum(w for w, _, _ in rows)
+        if total:
+            before[k] = sum(w * b for w, b, _ in rows) / total
+            own[k] = sum(w * o for w, _, o in rows) / total
+    return before, own
+
+
+def _removes(before: Squares, own: Squares) -> float:
     """The root of the mean square that a hypothesis removes, in shares of a channel's span: the most of any channel."""
-    removed = max(without - left for without, left in _squares(before, own))
-    return float(np.sqrt(max(removed, 0.0)))
+    return float(np.sqrt(max(0.0, *(before[k] - own[k] for k in before.keys() & own.keys()))))
 
 
-def _times_rest(
-    before: ComparedHypothesis, own: ComparedHypothesis, channels: Collection[str] | None = None
-) -> float:
+def _times_rest(before: Squares, own: Squares, channels: Collection[str] = ()) -> float:
     """What a hypothesis removes over what it leaves, in the channel where that is most."""
-    shares = [(without - left) / left for without, left in _squares(before, own, channels) if left > 0]
-    return float(np.sqrt(max([0.0, *shares])))
-
-
-def _times_rest_fitted(fitted: FittedErrors, before: tuple[Part, ...], own: tuple[Part, ...]) -> float:
-    """What effects remove of the error at fitted positions over what they leave."""
-    if before not in fitted or not fitted.get(own):
-        return 0.0
-    return float(np.sqrt(max((fitted[before] / fitted[own]) ** 2 - 1, 0.0)))
+    shared = before.keys() & own.keys() & set(channels or before)
+    return float(np.sqrt(max([0.0, *(before[k] / own[k] - 1 for k in shared if own[k] > 0)])))
 
 
 def _times_rest_unseen(held_out: Mapping[Part, float], part: Part) -> float:
@@ -215,10 +207,18 @@ def _repeatability(found: SearchedHypotheses, weights: Weights) -> float:
     return found.models.get(effects, found.models[()]).refitted.noise.settled
 
 
-def with_held_out_gain(
+def held_out_of(extension: Extension, gain: HeldOutGain | None) -> dict[Part, float]:
+    """The error on held-out runs with the causes of the extension, over that without."""
+    if gain is None or not gain.base:
+        return {}
+    return dict.fromkeys(extension.parts, gain.extended / gain.base)
+
+
+def _with_held_out_gain(
     e: VerdictEvidence,
     found: SearchedHypotheses,
     weights: Weights,
+    squares: Mapping[Parts, Squares],
     parts: Sequence[Part],
     gain: HeldOutGain | None,
 ) -> VerdictEvidence:
@@ -230,14 +230,12 @@ def with_held_out_gain(
         return e
     if gain.extended * RULES["worse"].value <= gain.base:
         return e
-    return replace(e, not_borne_out=frozenset(p for p in parts if _in_positions(found, weights, p)))
 
+    def in_positions(part: Part) -> bool:
+        pairs = _pairs(found, weights, squares, part)
+        return max(_times_rest(*pair, POSITIONS) for pair in pairs) >= RULES["beside_rest"].value
 
-def _in_positions(found: SearchedHypotheses, weights: Weights, part: Part) -> bool:
-    """Whether a part removes more of the left-out errors of positions than it leaves."""
-    pairs = _with_and_without(found, weights, part)
-    times = max(_times_rest(before, own, POSITIONS) for before, own in pairs)
-    return times >= RULES["beside_rest"].value
+    return replace(e, not_borne_out=frozenset(p for p in parts if in_positions(p)))
 
 
 def _with_effects_alone(e: VerdictEvidence, weights: Weights) -> VerdictEvidence:

@@ -85,7 +85,14 @@ class CommandedProblem:
 
     def without_effects(self, fitted: FittedPlant) -> FittedPlant:
         """The given effects only, with the joint density that is found from that of a fitted model, moved back."""
-        model, refitted = joint_density(self.timeline, self._without_effects(fitted), fitted.refitted)
+        return self._followed(self._without_effects(fitted), fitted.refitted)
+
+    def near(self, fitted: FittedPlant, effects: Sequence[Effect]) -> FittedPlant:
+        """A fitted model with little other effects, and the joint density that is found from its density."""
+        return self._followed(self.with_effects(fitted, effects), fitted.refitted)
+
+    def _followed(self, plant_model: PlantModel, warm: Refit) -> FittedPlant:
+        model, refitted = joint_density(self.timeline, plant_model, warm)
         return self._fitted(model, predict(self.timeline, model), refitted)
 
     def _without_effects(self, fitted: FittedPlant) -> PlantModel:

@@ -23,6 +23,7 @@ from smarig.diagnosis.comparison.commanded.screening import (
 from smarig.diagnosis.comparison.commanded.variable_trials import Discrepancies
 from smarig.diagnosis.comparison.compared_hypothesis import ComparedHypothesis, Part, Trial
 from smarig.diagnosis.comparison.weights import PRIOR_PAIR, PRIOR_SINGLE, TEMPERATURE
+from smarig.diagnosis.looks_like import acts_through
 
 BORROWED = 3  # densities of the best effects or laws that the base is tried with
 FITTED, VARIABLES, PAIRS = 5, 4, 2  # most hypotheses of each kind that are fitted
@@ -30,7 +31,9 @@ IMITATES = 0.5  # cos² of two traces
 ALWAYS = 3  # effects that are fitted, whatever their linear traces say
 LINEAR_SHARE = 0.2  # of the best gain: an effect with less by linear traces stays at them
 NEAR_NATS, NEAR_SHARE = 10.0, 0.2  # behind the best: farther, trials of the parameters change nothing
-PAIR_NATS = TEMPERATURE * float(np.log(PRIOR_SINGLE / PRIOR_PAIR))  # what the prior of a pair takes
+PAIR_NATS = TEMPERATURE * float(
+    np.log(PRIOR_SINGLE / PRIOR_PAIR)
+)  # what the prior of a pair takes: less is no lead
 Progress = Callable[[str], None]
 
 
@@ -50,16 +53,17 @@ def search(subject: CommandedProblem, progress: Progress) -> SearchedHypotheses:
     smooth = Discrepancies.about(subject, base)
     traces = [with_best_period(subject, c, smooth) for c in candidates(subject)]
     weak = screened(subject, base, traces, smooth.ranking)
+    by_variable = [smooth.hypothesis(v) for v in smooth.variables[:VARIABLES]]
     models: dict[tuple[Part, ...], FittedPlant] = {(): base}
-    effects = _refined(subject, base, weak, models, progress, nothing.score)
+    effects = _refined(subject, base, weak, by_variable, models, progress, nothing.score)
     tried = {h.parts for h in effects}
     effects += [s.hypothesis for s in weak if (s.part,) not in tried]
     gain = max((h.score - nothing.score for h in effects), default=0.0)
-    variables = _variables(subject, smooth, models, nothing, gain, progress)
+    variables = _variables(subject, smooth, by_variable, models, nothing, gain, progress)
     nothing = replace(
         nothing, trials=(*nothing.trials, *_without_effects(subject, [*effects, *variables], models))
     )
-    pairs = _pairs(subject, effects, models, traces, progress)
+    pairs = _pairs(subject, effects, models, traces, nothing.score, progress)
     return SearchedHypotheses((nothing, *effects, *variables, *pairs), models, tuple(weak))
 
 
@@ -79,6 +83,7 @@ def _refined(
     subject: CommandedProblem,
     base: FittedPlant,
     weak: Sequence[Screened],
+    by_variable: Sequence[ComparedHypothesis],
     models: dict[tuple[Part, ...], FittedPlant],
     progress: Progress,
     nothing: float,
@@ -103,13 +108,12 @@ def _refined(
             break
         if all(h.parts != (one.part,) for h in found):
             fit(one)
-    for one in _imitating(found, weak, nothing):
-        fit(one)
+    for one in [*_imitating(found, weak, nothing), *_through_likely(by_variable, found, weak, nothing)]:
+        if all(h.parts != (one.part,) for h in found):
+            fit(one)
     best = max([h.score for h in found], default=nothing)
-    return [
-        _refined_one(subject, h, models) if h.score > best - NEAR_NATS - NEAR_SHARE * (best - nothing) else h
-        for h in found
-    ]
+    least = max(nothing + PAIR_NATS, best - NEAR_NATS - NEAR_SHARE * (best - nothing))
+    return [_refined_one(subject, h, models) if h.score > least else h for h in found]
 
 
 def _imitating(
@@ -124,6 +128,18 @@ def _imitating(
     return [s for s in weak if (s.part,) not in fitted and collinear(top, s) > IMITATES]
 
 
+def _through_likely(
+    by_variable: Sequence[ComparedHypothesis],
+    found: Sequence[ComparedHypothesis],
+    weak: Sequence[Screened],
+    nothing: float,
+) -> list[Screened]:
+    """The effects that act through a variable which predicts as well as any effect."""
+    least = max([h.score for h in found], default=nothing) - PAIR_NATS
+    likely = {p.name for h in by_variable for p in h.parts if h.score > max(nothing + PAIR_NATS, least)}
+    return [s for s in weak if likely.intersection(acts_through(s.part.name))]
+
+
 def _refined_one(
     subject: CommandedProblem, hypothesis: ComparedHypothesis, models: dict[tuple[Part, ...], FittedPlant]
 ) -> ComparedHypothesis:
@@ -134,6 +150,7 @@ def _refined_one(
 def _variables(
     subject: CommandedProblem,
     smooth: Discrepancies,
+    found: Sequence[ComparedHypothesis],
     models: dict[tuple[Part, ...], FittedPlant],
     nothing: ComparedHypothesis,
     gain: float,
@@ -143,7 +160,7 @@ def _variables(
 
     A law is fitted unless no kernel gains a share of the ``gain`` in nats of the best effect.
     """
-    by_parts = {h.parts: h for h in (smooth.hypothesis(v) for v in smooth.variables[:VARIABLES])}
+    by_parts = {h.parts: h for h in found}
     best = max((h.score - nothing.score for h in by_parts.values()), default=0.0)
     if best > max(LINEAR_SHARE * gain, PAIR_NATS):
         for by_law, models[by_law.parts] in laws(subject, smooth):
@@ -158,11 +175,12 @@ def _pairs(
     effects: Sequence[ComparedHypothesis],
     models: dict[tuple[Part, ...], FittedPlant],
     traces: Sequence,
+    nothing: float,
     progress: Progress,
 ) -> list[ComparedHypothesis]:
-    """The best effect with further effects and with variables."""
+    """The best effect, if it predicts better than nothing, with further effects and with variables."""
     best = max((h for h in effects if h.parts in models), key=lambda t: t.score, default=None)
-    if best is None:
+    if best is None or best.score < nothing + PAIR_NATS:
         return []
     fitted, floor = models[best.parts], best.score
     smooth = Discrepancies.about(subject, fitted)

@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
-from smarig.diagnosis.comparison.rules import RULES
+from smarig.diagnosis.comparison.rules import RULES, SENTENCES
 from smarig.diagnosis.comparison.verdict_sentences import verdict_lines
 from smarig.diagnosis.diagnosis_text import (
     FAR_OFF_RATIO,
@@ -19,15 +19,13 @@ if TYPE_CHECKING:
     from smarig.diagnosis.comparison.commanded.commanded_diagnosis import CommandedDiagnosis
 
 MIN_UNRECORDED_S = 60.0  # shorter gaps: two commands typed one after the other
-SILENCE = (
-    "Nothing stands out: the plain model predicts blocks that it has not seen about as well as any other."
-)
 NO_EXTENSION = "it predicts the held-out runs worse"
 
 
 def commanded_lines(d: "CommandedDiagnosis") -> Iterator[str]:
     """The findings, one or two sentences per line; the verdict first."""
-    yield from verdict_lines(d.verdict, d.findings, d.causes, SILENCE)
+    silence = f"Nothing stands out. {SENTENCES[d.verdict.reason]}"
+    yield from verdict_lines(d.verdict, d.findings, d.causes, silence)
     if d.verdict.word == "named":
         yield from filter(None, (e.kind.remedy_text for e in d.likely_effects))
     yield from _learned(d)

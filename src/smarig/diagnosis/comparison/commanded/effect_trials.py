@@ -1,6 +1,6 @@
 """The trials of effects: parameters fitted to all readings, then strengths around them, with a joint density."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 
 import numpy as np
@@ -11,10 +11,10 @@ from smarig.diagnosis.refit.parameter_fit import ParameterFit, fit_parameters
 from smarig.plant import LEARNED, Effect
 from smarig.replay import PlantModel
 
-STEPS_SD = (3.0, 1.0)  # standard deviations of the strength from trial to trial
-STEP_BOUNDS = (0.003, 0.3)  # of the strength: bounds of a step
-ROUNDS = 5  # of parameters, then density
-MOST_TRIALS = 11
+COARSE_SD, FINE_SD = 3.0, 1.0  # standard deviations of a parameter from trial to trial
+STEP_BOUNDS = (0.01, 0.3)  # of its size: bounds of a step
+ROUNDS = 5  # of parameters, then density; and of steps along each parameter
+MOST_TRIALS = 20
 MIN_ROUND_NATS = 2.0  # a round that gains less is the last
 MIN_MOVE_SD = 0.3  # of a parameter: smaller moves change no score
 
@@ -47,20 +47,19 @@ def fitted_with(
 def refined(
     subject: CommandedProblem, hypothesis: ComparedHypothesis, best: FittedPlant
 ) -> tuple[ComparedHypothesis, FittedPlant]:
-    """The hypothesis with trials of other parameters: fitted again about its density, and at other strengths."""
+    """The hypothesis with trials of other parameters: fitted again about its density, and step by step."""
     trials = list(hypothesis.trials)
-    step = STEP_BOUNDS[1]
+    fit = _fit_about(subject, best, subject.with_effects(best, ()), best.effects)
     for _ in range(ROUNDS):
         before, start = max(t.score for t in trials), best
-        fit = _fit_about(subject, best, subject.with_effects(best, ()), best.effects)
-        step = _relative_spread(fit)
         for again in _moved(subject, best, fit):
             trials.append(subject.trial(again))
             best = again if trials[-1].score >= max(t.score for t in trials) else best
         if best is start or max(t.score for t in trials) < before + MIN_ROUND_NATS:
             break
+        fit = _fit_about(subject, best, subject.with_effects(best, ()), best.effects)
     if best.effects[-1].kind.name != LEARNED:  # the values of a law have no common strength
-        best = _along_strength(subject, best, trials, step)
+        best = _step_by_step(subject, best, trials, fit.conditional_spread)
     return ComparedHypothesis(subject.parts(best), tuple(trials)), best
 
 
@@ -73,13 +72,6 @@ def _fit_about(
     return fit_parameters(effects, subject.timeline, model, fitted.refitted, model.hysteresis, output)
 
 
-def _relative_spread(fit: ParameterFit) -> float:
-    """The standard deviation of the last effect's strength, all else known, in shares of the strength."""
-    last = fit.effects[-1]
-    sd = fit.conditional_spread[(last.kind.name, last.kind.primary.name)]
-    return sd / abs(last.strength) if last.strength else STEP_BOUNDS[1]
-
-
 def _moved(subject: CommandedProblem, fitted: FittedPlant, fit: ParameterFit) -> Iterator[FittedPlant]:
     """The parameters of a fit with the density as it is; then with a density about them."""
     if fit.moved < MIN_MOVE_SD:
@@ -90,23 +82,50 @@ def _moved(subject: CommandedProblem, fitted: FittedPlant, fit: ParameterFit) ->
         yield subject.with_joint_density(fit.effects, moved)
 
 
-def _along_strength(
-    subject: CommandedProblem, best: FittedPlant, trials: list[Trial], spread: float
+def _step_by_step(
+    subject: CommandedProblem,
+    best: FittedPlant,
+    trials: list[Trial],
+    spread: Mapping[tuple[str, str], float],
 ) -> FittedPlant:
-    """Trials at other strengths of the last effect, toward where other blocks are predicted better."""
+    """Trials along each parameter of the last effect, toward where other blocks are predicted better.
+
+    ``spread``: the standard deviation of each parameter if all else is known. Each trial has a density of its own:
+    with that of another strength, a strength looks surer than it is.
+    """
+    kind = best.effects[-1].kind
+    names = [p.name for p in kind.parameters if (kind.name, p.name) in spread and not p.of_record]
+    for _ in range(ROUNDS):
+        before = max(t.score for t in trials)
+        for name in names:
+            best = _along(subject, best, trials, name, COARSE_SD * spread[kind.name, name])
+        if len(names) == 1 or max(t.score for t in trials) < before + MIN_ROUND_NATS:
+            break
+    return _along(subject, best, trials, kind.primary.name, FINE_SD * spread[kind.name, kind.primary.name])
+
+
+def _along(
+    subject: CommandedProblem, best: FittedPlant, trials: list[Trial], name: str, step: float
+) -> FittedPlant:
+    """Trials at smaller and larger values of a parameter of the last effect; steps double as long as they gain."""
     top = max(t.score for t in trials)
-    for sds in STEPS_SD:
-        step = 1 + float(np.clip(sds * spread, *STEP_BOUNDS))
-        for factor in (step, 1 / step):
-            while len(trials) < MOST_TRIALS:
-                *others, last = best.effects
-                primary = last.kind.primary
-                value = min(max(last.strength * factor, primary.lower), primary.upper)
-                if value == last.strength:
-                    break
-                other = subject.at(subject.with_effects(best, (*others, last.at(value))), best.refitted)
-                trials.append(subject.trial(other))
-                if trials[-1].score <= top:
-                    break
-                best, top = other, trials[-1].score
+    parameter = next(p for p in best.effects[-1].kind.parameters if p.name == name)
+    for sign in (1, -1):
+        times = 1
+        while len(trials) < MOST_TRIALS:
+            *others, last = best.effects
+            low, high = (share * (abs(last.values[name]) or abs(parameter.typical)) for share in STEP_BOUNDS)
+            value = last.values[name] + sign * times * float(np.clip(step, low, high))
+            value = min(max(value, parameter.lower), parameter.upper)
+            if value == last.values[name]:
+                break
+            moved = last.kind(**{**last.values, name: value})
+            try:
+                other = subject.near(best, (*others, moved))
+            except np.linalg.LinAlgError:  # as in ``fitted_with``
+                break
+            trials.append(subject.trial(other))
+            if trials[-1].score <= top:
+                break
+            best, top, times = other, trials[-1].score, 2 * times
     return best

@@ -1,4 +1,4 @@
-"""Held-out error of a rig's runs that is missing knowledge: one density for all runs has it no longer.
+"""Held-out error of a rig's runs that is missing knowledge: one density describes all runs, but for noise.
 
     share = 1 − (S_h(all) + S_t(all) − S_t(train)) / S_h,    S: sums of squares at settled positions
 
@@ -6,6 +6,7 @@ A wire that changed cannot be described by one density without a larger error of
 """
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,7 +14,7 @@ from numpy.typing import NDArray
 from smarig.diagnosis.comparison.commanded.commanded_problem import CommandedProblem
 from smarig.diagnosis.comparison.missing_knowledge import MissingKnowledge, inputs_of_error
 from smarig.diagnosis.comparison.rules import RULES
-from smarig.diagnosis.refit.joint_density import joint_density_from_best_start, with_posterior_density
+from smarig.diagnosis.refit.joint_density import joint_density_from_best_start, settled_rms
 from smarig.record import Run
 from smarig.replay import PlantModel, Timeline, build_timeline, predict
 
@@ -37,11 +38,12 @@ def missing_knowledge_of(
     if _rms(plain[held]) <= max(RULES["worse"].value * _rms(plain[~held]), RULES["adequate"].value * noise):
         return None
     joint, refitted = joint_density_from_best_start(timeline, subject.given, subject.original)
-    joint = with_posterior_density(timeline, joint, refitted)
+    posterior = replace(joint, hysteresis=refitted.posterior.table())
+    joint = min(joint, posterior, key=lambda model: settled_rms(timeline, model))
     fitted = _error(timeline, joint, zeroed_by=np.ones_like(held))
     cost = max(_square(fitted[~held]) - _square(plain[~held]), 0.0)
     share = 1.0 - (_square(fitted[held]) + cost) / _square(plain[held])
-    if share < RULES["not_determined"].value:
+    if share < RULES["not_determined"].value or _rms(fitted) > RULES["adequate"].value * noise:
         return None
     inputs = predict(timeline, base).states
     u = np.array([s.u for s in inputs[: held.size]])[held]
