@@ -11,6 +11,7 @@ from smarig.diagnosis.refit.memory_noise import memory_slopes
 from smarig.diagnosis.refit.moved_density import without_effects
 from smarig.diagnosis.refit.reading_noise import encoder_error_traces, output_rate, reading_scales
 from smarig.diagnosis.refit.variance_components import ReadingCovariance, bounds_of
+from smarig.preisach import Everett
 from smarig.replay import OUTPUT_DEPENDENT_KINDS, PlantModel, Prediction, Timeline, predict
 
 Array = NDArray[np.float64]
@@ -43,11 +44,13 @@ def coupled_readings(
     prediction: Prediction,
     plant_model: PlantModel,
     contribution: Array | None = None,
+    prior: Everett | None = None,
     smoothing: float = SMOOTHING,
 ) -> CoupledReadings:
     """The coupled readings of a simulated timeline.
 
-    ``contribution`` is ``effect_contribution`` where it is known; ``smoothing`` that of the density's prior.
+    ``contribution`` is ``effect_contribution`` where it is known. ``prior``: the density that the prior is about, if
+    not that of the plant model; ``smoothing`` that of the prior.
     """
     coupled = [r for r in timeline.all_readings if r.kind in OUTPUT_DEPENDENT_KINDS]
     y = np.concatenate([r.value - prediction.values[r.kind] for r in coupled])
@@ -60,7 +63,7 @@ def coupled_readings(
     )
     scaled_error = encoder_error_traces(timeline, plant_model, coupled) / scale[:, None]
     free += scaled_error @ scaled_error.T
-    prior = density_prior(prediction, h, smoothing)
+    about = density_prior(prediction, prior or h, smoothing)
     full_output = y + prediction.output_slope * (
         prediction.output - h.y_lower
     )  # for any hysteresis, not only for changes of this one
@@ -71,14 +74,14 @@ def coupled_readings(
         scale=scale,
         covariance=ReadingCovariance(
             y=full_output / scale,
-            shapes=prior.covariances,
+            shapes=about.covariances,
             free=free,
             white=white,
             is_moving=is_moving,
             slope=slope,
             bounds=bounds_of(timeline, plant_model),
         ),
-        prior=prior,
+        prior=about,
         slopes=slopes,
         times=times,
         zero_scale=scale * ((white < 1.0) & (prediction.session == 0)),

@@ -29,20 +29,24 @@ REACH = 2.0  # times what the last round gained: what all further ones may gain
 
 
 def joint_density(
-    timeline: Timeline, plant_model: PlantModel, warm_start: Refit | None = None
+    timeline: Timeline,
+    plant_model: PlantModel,
+    warm_start: Refit | None = None,
+    prior: Everett | None = None,
 ) -> tuple[PlantModel, Refit]:
     """The plant model with a new density, and its readings refitted; ``warm_start``: start at the result of another
     refit.
 
-    The density is identified from positions only: what other channels show is left to the effects.
+    The density is identified from positions only: what other channels show is left to the effects. Its prior is about
+    ``prior``, or about itself; then rounds follow only the inputs, where the output acts back on them.
     """
-    return _alternated(timeline, [_start(timeline, plant_model, warm_start)])
+    return _alternated(timeline, [_start(timeline, plant_model, warm_start, prior)])
 
 
 def joint_density_from_best_start(
     timeline: Timeline, plant_model: PlantModel, original: Everett, warm_start: Refit | None = None
 ) -> tuple[PlantModel, Refit]:
-    """``joint_density`` from two starts, the likelier result.
+    """The plant model with a density that is its own prior, and its readings refitted: from two starts, the likelier.
 
     The starts are the density of the model, which was identified without its effects, and a positive measure of settled
     positions. If ``original``, the density before all, is a surface, that is fitted again along the inputs with
@@ -50,7 +54,7 @@ def joint_density_from_best_start(
     measure is not affected by errors of the model.
     """
     return _alternated(
-        timeline, [_start(timeline, m, warm_start) for m in _both(timeline, plant_model, original)]
+        timeline, [_start(timeline, m, warm_start, None) for m in _both(timeline, plant_model, original)]
     )
 
 
@@ -128,13 +132,15 @@ def position_rms(timeline: Timeline, plant_model: PlantModel) -> dict[str, float
 class _Round:
     """A plant model, its prediction of the timeline, its positions refitted, and what the last round gained, in nats.
 
-    ``contribution`` (n,) is that of the effects to positions: no density changes it much.
+    ``contribution`` (n,) is that of the effects to positions: no density changes it much. ``prior`` is the density that
+    the prior is about; None if that is the one of the plant model.
     """
 
     plant_model: PlantModel
     prediction: Prediction
     refitted: Refit
     contribution: Array
+    prior: Everett | None
     gain: float = inf
 
     def within_reach(self, best: "_Round") -> bool:
@@ -151,20 +157,23 @@ class _Round:
             model,
             self.refitted,
             self.contribution,
+            self.prior,
             from_both_sides=False,
         )
         gain = refitted.log_evidence - self.refitted.log_evidence
         if gain <= 0:
             return replace(self, gain=0.0)
-        return _Round(model, prediction, refitted, self.contribution, gain)
+        return _Round(model, prediction, refitted, self.contribution, self.prior, gain)
 
 
-def _start(timeline: Timeline, plant_model: PlantModel, warm_start: Refit | None) -> _Round:
+def _start(
+    timeline: Timeline, plant_model: PlantModel, warm_start: Refit | None, prior: Everett | None
+) -> _Round:
     prediction, positions = predict(timeline, plant_model), timeline.positions_only
     own = prediction.positions_only
     contribution = effect_contribution(positions, own, plant_model)
-    refitted = refit(positions, own, plant_model, warm_start, contribution)
-    return _Round(plant_model, prediction, refitted, contribution)
+    refitted = refit(positions, own, plant_model, warm_start, contribution, prior)
+    return _Round(plant_model, prediction, refitted, contribution, prior)
 
 
 def _likeliest(rounds: Sequence[_Round]) -> _Round:
@@ -182,7 +191,9 @@ def _alternated(timeline: Timeline, starts: Sequence[_Round]) -> tuple[PlantMode
     best = _likeliest(found)
     if len(timeline.positions_only.all_readings) == len(timeline.all_readings):
         return best.plant_model, best.refitted
-    return best.plant_model, refit(timeline, best.prediction, best.plant_model, best.refitted)
+    return best.plant_model, refit(
+        timeline, best.prediction, best.plant_model, best.refitted, prior=best.prior
+    )
 
 
 def _settled_rows(timeline: Timeline, prediction: Prediction, plant_model: PlantModel) -> Observations:

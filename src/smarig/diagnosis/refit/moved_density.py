@@ -30,6 +30,16 @@ def with_moved_density(timeline: Timeline, plant_model: PlantModel, density: Eve
     return replace(plant_model, hysteresis=_between_inputs(density, before, after))
 
 
+def moved_with(
+    timeline: Timeline, base: PlantModel, prediction: Prediction, plant_model: PlantModel
+) -> Everett:
+    """The density of a base model, moved from its input to that of a plant model; ``prediction`` is of the base."""
+    if plant_model.effects == base.effects:
+        return base.hysteresis
+    after = predict(timeline, replace(plant_model, hysteresis=base.hysteresis))
+    return _between_inputs(base.hysteresis, prediction, after)
+
+
 def without_effects(timeline: Timeline, plant_model: PlantModel, prediction: Prediction) -> PlantModel:
     """The plant model without its effects, its density moved to the input without them; ``prediction`` is with them."""
     plain = replace(plant_model, effects=())

@@ -24,6 +24,7 @@ from smarig.diagnosis.refit.variance_components import (
     START,
     ReadingCovariance,
 )
+from smarig.preisach import Everett
 from smarig.replay import OUTPUT_DEPENDENT_KINDS, PlantModel, Prediction, Timeline
 
 Array = NDArray[np.float64]
@@ -84,6 +85,7 @@ def refit(
     plant_model: PlantModel,
     warm_start: "Refit | None" = None,
     contribution: Array | None = None,
+    prior: Everett | None = None,
     smoothing: float = SMOOTHING,
     *,
     from_both_sides: bool = True,
@@ -91,9 +93,9 @@ def refit(
     """The maximum-likelihood smoothness and noise for a simulated timeline, and its readings whitened by them.
 
     ``warm_start``: start at the result of another refit. ``contribution``: ``effect_contribution``, if it is known.
-    ``smoothing``: of the density's prior. ``from_both_sides``: of what imitates what, as in ``likeliest``.
+    ``prior`` and ``smoothing`` as in ``coupled_readings``; ``from_both_sides``, of what imitates what, in ``likeliest``.
     """
-    readings = coupled_readings(timeline, prediction, plant_model, contribution, smoothing)
+    readings = coupled_readings(timeline, prediction, plant_model, contribution, prior, smoothing)
     y, scale, reading_covariance = readings.y, readings.scale, readings.covariance
     free, output_slope, is_moving = readings.free, reading_covariance.slope, reading_covariance.is_moving
     span, n = abs(plant_model.stroke), y.size
@@ -121,8 +123,8 @@ def refit(
     independent_cost = float(
         0.5 * whitened[n:] @ whitened[n:] + np.log(np.diag(factor)[n:] * scales[n:]).sum()
     )
-    prior = readings.prior
-    deviation = y / scale + output_slope * prior.smoothed_away  # of the prior masses, which are smooth
+    about = readings.prior
+    deviation = reading_covariance.y - output_slope * about.outputs(about.mass)
     dual_weights = cho_solve((factor[:n, :n], True), deviation, check_finite=False)
     sd = np.sqrt(np.diag(noise_part) - s_T**2 * output_slope**2 * np.diag(memory)) * scale
     moving_sd = float(np.median(sd[is_moving > 0])) if is_moving.any() else 0.0
@@ -135,7 +137,7 @@ def refit(
         coupled=n,
         log_components=found,
         posterior=DensityPosterior(
-            prior=prior,
+            prior=about,
             variances=np.array(variances),
             covariance=density,
             output_slope=output_slope,

@@ -19,7 +19,7 @@ from smarig.diagnosis.comparison.compared_hypothesis import Part, Trial
 from smarig.diagnosis.refit.coupled_readings import CoupledReadings, coupled_readings
 from smarig.diagnosis.refit.joint_density import joint_density, joint_density_from_best_start
 from smarig.diagnosis.refit.memory_noise import memory_covariance
-from smarig.diagnosis.refit.moved_density import without_effects
+from smarig.diagnosis.refit.moved_density import moved_with
 from smarig.diagnosis.refit.refit import Refit, refit
 from smarig.plant import Effect, EffectType
 from smarig.preisach import Everett
@@ -30,9 +30,13 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class FittedPlant:
-    """A plant model with its prediction, its readings refitted, and the Gaussian problems of its blocks."""
+    """A plant model with its prediction, its readings refitted, and the Gaussian problems of its blocks.
+
+    ``prior`` is the density that the prior of its density is about.
+    """
 
     plant_model: PlantModel
+    prior: Everett
     prediction: Prediction
     refitted: Refit
     problems: tuple[Problem, ...]
@@ -76,37 +80,26 @@ class CommandedProblem:
     @cached_property
     def base(self) -> FittedPlant:
         """The given model with the density identified from the timeline."""
-        return self._joint(self.given)
+        model, refitted = joint_density_from_best_start(self.timeline, self.given, self.original)
+        return self._fitted(model, model.hysteresis, predict(self.timeline, model), refitted)
 
-    def with_joint_density(self, effects: Sequence[Effect], start: FittedPlant) -> FittedPlant:
-        """A plant model with these effects and the joint density that is found from that of a fitted model."""
-        model = replace(self.with_effects(start, effects), hysteresis=self._without_effects(start).hysteresis)
-        return self._joint(model, start.refitted)
+    def with_density(self, effects: Sequence[Effect], start: FittedPlant) -> FittedPlant:
+        """A plant model with these effects and a density of its own; variances are searched from those of ``start``."""
+        model = self.with_effects(start, effects)
+        prior = self._prior(model)
+        model = replace(model, hysteresis=prior)
+        model, refitted = joint_density(self.timeline, model, start.refitted, prior)
+        return self._fitted(model, prior, predict(self.timeline, model), refitted)
 
-    def without_effects(self, fitted: FittedPlant) -> FittedPlant:
-        """The given effects only, with the joint density that is found from that of a fitted model, moved back."""
-        return self._followed(self._without_effects(fitted), fitted.refitted)
-
-    def near(self, fitted: FittedPlant, effects: Sequence[Effect]) -> FittedPlant:
-        """A fitted model with little other effects, and the joint density that is found from its density."""
-        return self._followed(self.with_effects(fitted, effects), fitted.refitted)
-
-    def _followed(self, plant_model: PlantModel, warm: Refit) -> FittedPlant:
-        model, refitted = joint_density(self.timeline, plant_model, warm)
-        return self._fitted(model, predict(self.timeline, model), refitted)
-
-    def _without_effects(self, fitted: FittedPlant) -> PlantModel:
-        plain = without_effects(self.timeline, fitted.plant_model, fitted.prediction)
-        return replace(plain, effects=self.given.effects)
-
-    def _joint(self, plant_model: PlantModel, warm: Refit | None = None) -> FittedPlant:
-        model, refitted = joint_density_from_best_start(self.timeline, plant_model, self.original, warm)
-        return self._fitted(model, predict(self.timeline, model), refitted)
+    def _prior(self, model: PlantModel) -> Everett:
+        """The density of the base, moved with the input: one prior for all, so no hypothesis gains by its choice."""
+        return moved_with(self.timeline, self.base.plant_model, self.base.prediction, model)
 
     def at(self, plant_model: PlantModel, warm: Refit) -> FittedPlant:
         """A plant model as it is, with the likeliest variances."""
-        prediction = predict(self.timeline, plant_model)
-        return self._fitted(plant_model, prediction, refit(self.timeline, prediction, plant_model, warm))
+        prediction, prior = predict(self.timeline, plant_model), self._prior(plant_model)
+        refitted = refit(self.timeline, prediction, plant_model, warm, prior=prior)
+        return self._fitted(plant_model, prior, prediction, refitted)
 
     def with_effects(self, fitted: FittedPlant, effects: Sequence[Effect]) -> PlantModel:
         """The plant model with these effects of the catalogue, which include those of the given model."""
@@ -128,7 +121,7 @@ class CommandedProblem:
 
     def readings(self, fitted: FittedPlant) -> tuple[CoupledReadings, Array]:
         """The coupled readings of a fitted model, and the covariance per K² of remembered noise."""
-        found = coupled_readings(self.timeline, fitted.prediction, fitted.plant_model)
+        found = coupled_readings(self.timeline, fitted.prediction, fitted.plant_model, prior=fitted.prior)
         return found, memory(found.slopes, found.times, fitted)
 
     def scatter(self, fitted: FittedPlant) -> float:
@@ -137,14 +130,16 @@ class CommandedProblem:
         square = np.diag(readings.covariance.noise_covariance(remembered, fitted.refitted.log_components))
         return float(np.sqrt(np.mean((square * readings.scale**2)[: len(self.timeline.settled)])))
 
-    def _fitted(self, model: PlantModel, prediction: Prediction, refitted: Refit) -> FittedPlant:
+    def _fitted(
+        self, model: PlantModel, prior: Everett, prediction: Prediction, refitted: Refit
+    ) -> FittedPlant:
         n = refitted.coupled
         factor, scale = refitted.factor[:n, :n], refitted.scale[:n]
         output = _output(prediction, model)
         y = factor @ refitted.data[:n] + output / scale  # a mean density, fitted to all blocks, would leak
         coupled = coupled_problem(self.timeline, y, scale, factor @ factor.T, abs(model.stroke))
         channels = channel_problems(self.timeline, prediction, self.channels)
-        return FittedPlant(model, prediction, refitted, (coupled, *channels))
+        return FittedPlant(model, prior, prediction, refitted, (coupled, *channels))
 
 
 def _output(prediction: Prediction, model: PlantModel) -> Array:

@@ -4,8 +4,7 @@ All effects are screened by linear traces; the best few are refined with a densi
 screening it gains what its prior takes.
 """
 
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import suppress
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -21,11 +20,10 @@ from smarig.diagnosis.comparison.commanded.screening import (
     screened,
 )
 from smarig.diagnosis.comparison.commanded.variable_trials import Discrepancies
-from smarig.diagnosis.comparison.compared_hypothesis import ComparedHypothesis, Part, Trial
+from smarig.diagnosis.comparison.compared_hypothesis import ComparedHypothesis, Part
 from smarig.diagnosis.comparison.weights import PRIOR_PAIR, PRIOR_SINGLE, TEMPERATURE
 from smarig.diagnosis.looks_like import acts_through
 
-BORROWED = 3  # densities of the best effects or laws that the base is tried with
 FITTED, VARIABLES, PAIRS = 5, 4, 2  # most hypotheses of each kind that are fitted
 IMITATES = 0.5  # cos² of two traces
 ALWAYS = 3  # effects that are fitted, whatever their linear traces say
@@ -60,23 +58,8 @@ def search(subject: CommandedProblem, progress: Progress) -> SearchedHypotheses:
     effects += [s.hypothesis for s in weak if (s.part,) not in tried]
     gain = max((h.score - nothing.score for h in effects), default=0.0)
     variables = _variables(subject, smooth, by_variable, models, nothing, gain, progress)
-    nothing = replace(
-        nothing, trials=(*nothing.trials, *_without_effects(subject, [*effects, *variables], models))
-    )
     pairs = _pairs(subject, effects, models, traces, nothing.score, progress)
     return SearchedHypotheses((nothing, *effects, *variables, *pairs), models, tuple(weak))
-
-
-def _without_effects(
-    subject: CommandedProblem,
-    fitted: Sequence[ComparedHypothesis],
-    models: dict[tuple[Part, ...], FittedPlant],
-) -> Iterator[Trial]:
-    """The base with the densities of the best effects or law, moved back: what is gained by them needs neither."""
-    best = sorted((h for h in fitted if h.parts in models), key=lambda h: -h.score)
-    for h in best[:BORROWED]:
-        with suppress(np.linalg.LinAlgError):  # inputs that the effects move too close together
-            yield subject.trial(subject.without_effects(models[h.parts]))
 
 
 def _refined(

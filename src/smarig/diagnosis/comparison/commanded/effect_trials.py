@@ -36,7 +36,7 @@ def fitted_with(
     found = []
     for each in starts:
         with suppress(np.linalg.LinAlgError):  # inputs that the effects move too close together
-            fitted = subject.with_joint_density(each, start)
+            fitted = subject.with_density(each, start)
             found.append((subject.trial(fitted), fitted))
     if not found:
         return None
@@ -79,7 +79,7 @@ def _moved(subject: CommandedProblem, fitted: FittedPlant, fit: ParameterFit) ->
     with suppress(np.linalg.LinAlgError):  # as in ``fitted_with``
         moved = subject.at(subject.with_effects(fitted, fit.effects), fitted.refitted)
         yield moved
-        yield subject.with_joint_density(fit.effects, moved)
+        yield subject.with_density(fit.effects, moved)
 
 
 def _step_by_step(
@@ -121,7 +121,7 @@ def _along(
                 break
             moved = last.kind(**{**last.values, name: value})
             try:
-                other = subject.near(best, (*others, moved))
+                other = subject.with_density((*others, moved), best)
             except np.linalg.LinAlgError:  # as in ``fitted_with``
                 break
             trials.append(subject.trial(other))
