@@ -119,10 +119,13 @@ class VerdictEvidence:
 
     def removes_enough(self, part: Part) -> bool:
         """Whether a cause removes more than remains; a variable need not, if some variable is as likely as a name."""
-        rest = RULES["beside_rest"].value * self.remains.get(part, 0.0)
         variables = sum(p for cause, p in self.causes.items() if cause.kind == "variable")
         describes = part.kind == "variable" and variables >= RULES["name"].value
-        return describes or self.size[part] >= rest
+        return describes or self.size[part] >= self.rest(part)
+
+    def rest(self, part: Part) -> float:
+        """The size below which a cause removes less than it leaves."""
+        return RULES["beside_rest"].value * self.remains.get(part, 0.0)
 
     @property
     def adequate(self) -> bool:

@@ -93,7 +93,7 @@ def refit(
     """The maximum-likelihood smoothness and noise for a simulated timeline, and its readings whitened by them.
 
     ``warm_start``: start at the result of another refit. ``contribution``: ``effect_contribution``, if it is known.
-    ``prior`` and ``smoothing`` as in ``coupled_readings``; ``from_both_sides``, of what imitates what, in ``likeliest``.
+    ``prior``, ``smoothing``: as in ``coupled_readings``. ``from_both_sides``: of what imitates what (``likeliest``).
     """
     readings = coupled_readings(timeline, prediction, plant_model, contribution, prior, smoothing)
     y, scale, reading_covariance = readings.y, readings.scale, readings.covariance

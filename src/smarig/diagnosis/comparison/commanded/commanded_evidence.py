@@ -241,14 +241,14 @@ def _with_held_out_gain(
 def _with_effects_alone(e: VerdictEvidence, weights: Weights) -> VerdictEvidence:
     """Evidence with the probability of hypotheses of effects only, among those that hold an effect.
 
-    A variable beside an effect takes no name away if it changes too little to be told, or no more than the equation of
-    the effect is wrong.
+    A variable beside an effect takes no name away if it changes too little to be told, less than it leaves, or no more
+    than the equation of the effect is wrong.
     """
 
     def alone(h: ComparedHypothesis) -> bool:
         effect = max((e.size[p] for p in h.parts if p.kind == "effect"), default=0.0)
         least = max(e.least_size, EFFECT_ERROR_SHARE * effect)
-        return all(p.kind == "effect" or e.size[p] < least for p in h.parts)
+        return all(p.kind == "effect" or e.size[p] < max(least, e.rest(p)) for p in h.parts)
 
     with_effect = [
         (w, alone(h))

@@ -19,7 +19,7 @@ from smarig.diagnosis.comparison.compared_hypothesis import Part, Trial
 from smarig.diagnosis.refit.coupled_readings import CoupledReadings, coupled_readings
 from smarig.diagnosis.refit.joint_density import joint_density, joint_density_from_best_start
 from smarig.diagnosis.refit.memory_noise import memory_covariance
-from smarig.diagnosis.refit.moved_density import moved_with
+from smarig.diagnosis.refit.moved_density import moved_with, without_effects
 from smarig.diagnosis.refit.refit import Refit, refit
 from smarig.plant import Effect, EffectType
 from smarig.preisach import Everett
@@ -59,12 +59,16 @@ class FittedPlant:
 
 @dataclass(frozen=True, eq=False)
 class CommandedProblem:
-    """The timeline of the training runs, the hysteresis of the given model, and the ``catalogue`` to try."""
+    """The timeline of the training runs, the hysteresis of the given model, and the ``catalogue`` to try.
+
+    ``reference`` has the density that the priors of all hypotheses are about; None: that of the base.
+    """
 
     timeline: Timeline
     given: PlantModel
     catalogue: tuple[EffectType, ...]
     channels: tuple[ChannelModel, ...]
+    reference: PlantModel | None = None
 
     @classmethod
     def of(cls, timeline: Timeline, given: PlantModel, catalogue: Sequence[EffectType]) -> "CommandedProblem":
@@ -80,20 +84,35 @@ class CommandedProblem:
     @cached_property
     def base(self) -> FittedPlant:
         """The given model with the density identified from the timeline."""
+        if self.reference is not None:
+            return self._about(self.reference, self.reference.hysteresis)
         model, refitted = joint_density_from_best_start(self.timeline, self.given, self.original)
         return self._fitted(model, model.hysteresis, predict(self.timeline, model), refitted)
 
     def with_density(self, effects: Sequence[Effect], start: FittedPlant) -> FittedPlant:
         """A plant model with these effects and a density of its own; variances are searched from those of ``start``."""
         model = self.with_effects(start, effects)
-        prior = self._prior(model)
+        return self._about(model, self._prior(model), start.refitted)
+
+    def with_reference_from(self, fitted: FittedPlant) -> "CommandedProblem":
+        """The same with priors about the density of a fitted model that is its own prior, moved back."""
+        model, _ = joint_density(self.timeline, fitted.plant_model, fitted.refitted)
+        plain = without_effects(self.timeline, model, predict(self.timeline, model))
+        return replace(self, reference=replace(plain, effects=self.given.effects))
+
+    def _about(self, model: PlantModel, prior: Everett, warm: Refit | None = None) -> FittedPlant:
         model = replace(model, hysteresis=prior)
-        model, refitted = joint_density(self.timeline, model, start.refitted, prior)
+        model, refitted = joint_density(self.timeline, model, warm, prior)
         return self._fitted(model, prior, predict(self.timeline, model), refitted)
 
     def _prior(self, model: PlantModel) -> Everett:
-        """The density of the base, moved with the input: one prior for all, so no hypothesis gains by its choice."""
-        return moved_with(self.timeline, self.base.plant_model, self.base.prediction, model)
+        """The density of the reference, moved with the input: one for all, so no hypothesis gains by its choice."""
+        reference = self.reference or self.base.plant_model
+        return moved_with(self.timeline, reference, self._of_reference, model)
+
+    @cached_property
+    def _of_reference(self) -> Prediction:
+        return self.base.prediction if self.reference is None else predict(self.timeline, self.reference)
 
     def at(self, plant_model: PlantModel, warm: Refit) -> FittedPlant:
         """A plant model as it is, with the likeliest variances."""

@@ -20,7 +20,7 @@ from smarig.diagnosis.comparison.commanded.screening import (
     screened,
 )
 from smarig.diagnosis.comparison.commanded.variable_trials import Discrepancies
-from smarig.diagnosis.comparison.compared_hypothesis import ComparedHypothesis, Part
+from smarig.diagnosis.comparison.compared_hypothesis import ComparedHypothesis, Part, Trial
 from smarig.diagnosis.comparison.weights import PRIOR_PAIR, PRIOR_SINGLE, TEMPERATURE
 from smarig.diagnosis.looks_like import acts_through
 
@@ -29,6 +29,7 @@ IMITATES = 0.5  # cos² of two traces
 ALWAYS = 3  # effects that are fitted, whatever their linear traces say
 LINEAR_SHARE = 0.2  # of the best gain: an effect with less by linear traces stays at them
 NEAR_NATS, NEAR_SHARE = 10.0, 0.2  # behind the best: farther, trials of the parameters change nothing
+REFERENCES = 4  # densities of the best effect that priors are about, one after the other
 PAIR_NATS = TEMPERATURE * float(
     np.log(PRIOR_SINGLE / PRIOR_PAIR)
 )  # what the prior of a pair takes: less is no lead
@@ -45,7 +46,49 @@ class SearchedHypotheses:
 
 
 def search(subject: CommandedProblem, progress: Progress) -> SearchedHypotheses:
-    """All hypotheses about a subject, scored."""
+    """All hypotheses about a subject, scored; a second time, if an effect hid the density that priors should be about.
+
+    What an effect does distorts the density of the base. All hypotheses are tried with both priors: none gains by it.
+    """
+    found = _searched(subject, progress)
+    other = _with_density_of_best(subject, found)
+    return found if other is None else _joined(found, _searched(other, progress))
+
+
+def _with_density_of_best(subject: CommandedProblem, found: SearchedHypotheses) -> CommandedProblem | None:
+    """The subject with priors about the density of the best effect, or None if these predict it no better."""
+    singles = [h for h in found.hypotheses if len(h.parts) == 1 and h.parts in found.models]
+    best = max((h for h in singles if h.parts[0].kind == "effect"), key=lambda h: h.score, default=None)
+    if best is None or best.score < found.hypotheses[0].score + PAIR_NATS:
+        return None
+    other, fitted = None, found.models[best.parts]
+    for _ in range(REFERENCES):
+        trying = (other or subject).with_reference_from(fitted)
+        again = trying.with_density(fitted.effects, fitted)
+        tried = ComparedHypothesis(best.parts, (trying.trial(again),))
+        tried, again = refined(trying, tried, again)
+        if tried.score < best.score + PAIR_NATS:
+            break
+        other, best, fitted = trying, tried, again
+    return other
+
+
+def _joined(one: SearchedHypotheses, other: SearchedHypotheses) -> SearchedHypotheses:
+    """The trials of both, and of each hypothesis the model of the better."""
+    trials: dict[tuple[Part, ...], tuple[Trial, ...]] = {}
+    score: dict[tuple[Part, ...], float] = {}
+    models: dict[tuple[Part, ...], FittedPlant] = {}
+    for found in (one, other):
+        for h in found.hypotheses:
+            trials[h.parts] = trials.get(h.parts, ()) + h.trials
+            if h.parts in found.models and (h.parts not in models or h.score > score[h.parts]):
+                models[h.parts], score[h.parts] = found.models[h.parts], h.score
+    hypotheses = tuple(ComparedHypothesis(parts, both) for parts, both in trials.items())
+    return SearchedHypotheses(hypotheses, models, one.screened)
+
+
+def _searched(subject: CommandedProblem, progress: Progress) -> SearchedHypotheses:
+    """All hypotheses with the priors of a subject."""
     base = subject.base
     nothing = ComparedHypothesis((), (subject.trial(base),))
     smooth = Discrepancies.about(subject, base)

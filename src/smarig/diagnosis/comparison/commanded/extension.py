@@ -53,7 +53,10 @@ def extension_of(subject: CommandedProblem, found: SearchedHypotheses, weights: 
     parts = _effects(best)
     fitted = found.models[parts]
     extended = with_density_for_effects(subject.timeline, fitted.plant_model, fitted.refitted, base)
-    draws = {n: drawn_values(best, n, weights.shares) for n in best.best.parameters}
+    alone = next(
+        (h for h in found.hypotheses if h.parts == parts), best
+    )  # beside a variable, values are not varied
+    draws = {n: drawn_values(alone, n, weights.shares) for n in best.best.parameters}
     return Extension(base, extended, fitted, parts, dict(best.best.parameters), draws, best.score)
 
 
