@@ -11,10 +11,11 @@ import pytest
 from benchmarks.boxes import write_box
 from smarig.diagnosis import CommandedDiagnosis, diagnose_commanded
 from smarig.diagnosis.comparison.commanded.commanded_diagnosis import _parameters
+from smarig.diagnosis.comparison.commanded.commanded_problem import less_optimism
 from smarig.diagnosis.comparison.commanded.discrepancy_kernels import _Geometry
 from smarig.diagnosis.comparison.compared_hypothesis import Part
 from smarig.identification import identify
-from smarig.plant import LearnedShape, learned_effect_type
+from smarig.plant import LearnedShape, effect_types, learned_effect_type
 from smarig.plant.effects.ambient_drift import ambient_drift
 from smarig.record import load_run
 from smarig.replay import predict
@@ -55,6 +56,17 @@ def test_wire_with_nothing_hidden_is_silent() -> None:
     assert found.verdict.names == ()
     assert not found.extended
     assert found.extended_plant is found.base
+
+
+@pytest.mark.parametrize("name", ["walking", "amplifier_gain", "ambient_drift", "stress_coupling", "creep"])
+def test_effect_of_no_strength_scores_as_nothing_does(name: str) -> None:
+    """The priors of all hypotheses are about one density, so none gains by its choice."""
+    subject = compared("").subject
+    kind = next(k for k in effect_types() if k.name == name)
+    none = kind(**{kind.primary.name: 0.0})
+    score = subject.trial(subject.with_density([none], subject.base)).score
+    nothing = less_optimism(subject.trial(subject.base), [none]).score
+    assert score == pytest.approx(nothing, abs=0.2)
 
 
 def test_effect_out_of_the_catalogue_leaves_a_variable_or_a_relative() -> None:

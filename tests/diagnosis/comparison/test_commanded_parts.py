@@ -8,6 +8,7 @@ import pytest
 from smarig.diagnosis.comparison.block_predictions import inverse
 from smarig.diagnosis.comparison.commanded.block_scores import Problem
 from smarig.diagnosis.comparison.commanded.channel_model import ChannelModel, _basis
+from smarig.diagnosis.comparison.commanded.commanded_search import SearchedHypotheses, _joined
 from smarig.diagnosis.comparison.commanded.drawn_values import drawn_values
 from smarig.diagnosis.comparison.compared_hypothesis import ComparedHypothesis, Part, Trial
 from smarig.diagnosis.comparison.rules import VerdictEvidence, decide
@@ -37,6 +38,22 @@ def test_block_is_predicted_without_itself(block: int) -> None:
 def test_scores_are_in_the_unit_of_the_readings() -> None:
     (one, y), (other, _) = problem(), problem(scale=10.0)
     assert one.scores(y, 6)[1].sum() - other.scores(y, 6)[1].sum() == pytest.approx(30 * np.log(10))
+
+
+def test_hypotheses_under_two_priors_keep_all_trials_and_the_better_model() -> None:
+    walking = (Part("effect", "walking"),)
+
+    def searched(nothing: float, own: float, model: str) -> SearchedHypotheses:
+        scores = {(): nothing, walking: own}
+        trials = {k: Trial({}, np.full(5, v), np.zeros(5)) for k, v in scores.items()}
+        hypotheses = tuple(ComparedHypothesis(k, (t,)) for k, t in trials.items())
+        return SearchedHypotheses(hypotheses, {walking: model}, ())  # type: ignore[dict-item]
+
+    both = _joined(searched(5.0, 1.0, "about base"), searched(2.0, 9.0, "about its own"))
+    assert {h.parts: h.score for h in both.hypotheses} == {(): 25.0, walking: 45.0}
+    assert both.models == {walking: "about its own"}
+    turned = _joined(searched(2.0, 9.0, "about its own"), searched(5.0, 1.0, "about base"))
+    assert turned.models == {walking: "about its own"}
 
 
 def channel(same: np.ndarray) -> ChannelModel:

@@ -87,7 +87,7 @@ class CommandedProblem:
         if self.reference is not None:
             return self._about(self.reference, self.reference.hysteresis)
         model, refitted = joint_density_from_best_start(self.timeline, self.given, self.original)
-        return self._fitted(model, model.hysteresis, predict(self.timeline, model), refitted)
+        return self._about(model, model.hysteresis, refitted)
 
     def with_density(self, effects: Sequence[Effect], start: FittedPlant) -> FittedPlant:
         """A plant model with these effects and a density of its own; variances are searched from those of ``start``."""
