@@ -216,7 +216,7 @@ def _even_scale(nodes: Array, prediction: Prediction) -> Array:
     ends = np.interp(inputs, levels, rank)
     low, high = np.minimum(ends[1:], ends[:-1]), np.maximum(ends[1:], ends[:-1])
     change = np.abs(np.diff(prediction.output[at][order]))
-    below = np.clip((knots[:, None] - low) / np.where(high > low, high - low, 1.0), 0.0, 1.0) @ change
+    below = np.clip((knots[:, None] - low) / np.maximum(high - low, SAME_LEVEL), 0.0, 1.0) @ change
     share = below / below[-1] if below[-1] else knots
     place = PchipInterpolator(np.interp(knots, rank, levels), LEVEL_SHARE * knots + (1 - LEVEL_SHARE) * share)
     return np.asarray(place(nodes), dtype=float)
