@@ -8,6 +8,8 @@ from smarig.diagnosis.comparison.rules import SENTENCES, Verdict
 from smarig.diagnosis.diagnosis_text import parameter_text
 from smarig.diagnosis.variable_words import variable_words
 
+AS_LIKELY = 0.5  # of the likeliest variable's probability: as good as equally likely
+
 
 def verdict_lines(
     verdict: Verdict, findings: Sequence[Finding], causes: Mapping[Part, float], silence: str
@@ -19,7 +21,7 @@ def verdict_lines(
     elif word == "not_identifiable":
         yield reason
     elif word == "unknown":
-        dependence = f" and depends on {variable_words(verdict.depends_on)}" if verdict.depends_on else ""
+        dependence = f" and depends on {_variables(verdict.depends_on, causes)}" if verdict.depends_on else ""
         yield f"Something is wrong{dependence}, but no effect of the catalogue is certain. {reason}"
         if verdict.names:
             opening = "What competes" if len(verdict.names) > 1 else "The likeliest cause"
@@ -31,6 +33,14 @@ def verdict_lines(
         yield f"{opening}: {effect.name}{bracket}, probability {effect.probability:.2f}."
     if word == "ambiguous":
         yield f"The truth is likely among these: {_listed(verdict.names, causes)} {reason}"
+
+
+def _variables(likeliest: str, causes: Mapping[Part, float]) -> str:
+    """The variable of a verdict in words, and those that are hardly less likely."""
+    by_name = {p.name: w for p, w in causes.items() if p.kind == "variable"}
+    least = AS_LIKELY * by_name.get(likeliest, 1.0)
+    others = [n for n, w in by_name.items() if n != likeliest and w >= least]
+    return " or on ".join(variable_words(n) for n in (likeliest, *others))
 
 
 def _listed(names: Sequence[str], causes: Mapping[Part, float]) -> str:
