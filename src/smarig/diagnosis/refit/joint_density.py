@@ -96,9 +96,11 @@ def with_density_for_effects(
         _following(timeline, moved, refitted),
         with_posterior_density(timeline, plant_model, refitted),
     ]
-    errors = [settled_rms(timeline, s) for s in candidates]
-    as_good = max(AS_GOOD * min(errors), refitted.noise.settled)
-    return next(s for s, e in zip(candidates, errors) if e <= as_good)
+    errors = [position_rms(timeline, s) for s in candidates]
+    noise = {"settled": refitted.noise.settled, "moving": refitted.noise.moving}
+    as_good = {k: max(AS_GOOD * min(e[k] for e in errors), noise[k]) for k in errors[0]}
+    good = [s for s, e in zip(candidates, errors) if all(e[k] <= as_good[k] for k in e)]
+    return good[0] if good else candidates[-1]
 
 
 def _following(timeline: Timeline, plant_model: PlantModel, refitted: Refit) -> PlantModel:

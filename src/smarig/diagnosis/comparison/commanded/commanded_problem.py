@@ -94,6 +94,13 @@ class CommandedProblem:
         model = self.with_effects(start, effects)
         return self._about(model, self._prior(model), start.refitted)
 
+    def with_own_prior(self, effects: Sequence[Effect], start: FittedPlant) -> FittedPlant:
+        """The same with a density that is its own prior: what effects hid in the reference does not hold them back."""
+        model = self.with_effects(start, effects)
+        model = replace(model, hysteresis=self._prior(model))
+        model, refitted = joint_density_from_best_start(self.timeline, model, self.original, start.refitted)
+        return self._fitted(model, model.hysteresis, predict(self.timeline, model), refitted)
+
     def with_reference_from(self, fitted: FittedPlant) -> "CommandedProblem":
         """The same with priors about the density of a fitted model that is its own prior, moved back."""
         model, _ = joint_density(self.timeline, fitted.plant_model, fitted.refitted)

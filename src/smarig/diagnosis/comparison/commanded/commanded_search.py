@@ -5,11 +5,13 @@ screening it gains what its prior takes.
 """
 
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from smarig.diagnosis.comparison.commanded.commanded_problem import CommandedProblem, FittedPlant
+from smarig.diagnosis.comparison.commanded.effect_traces import Candidate
 from smarig.diagnosis.comparison.commanded.effect_trials import fitted_with, refined
 from smarig.diagnosis.comparison.commanded.law_trials import laws
 from smarig.diagnosis.comparison.commanded.periods import with_best_period
@@ -30,9 +32,8 @@ ALWAYS = 3  # effects that are fitted, whatever their linear traces say
 LINEAR_SHARE = 0.2  # of the best gain: an effect with less by linear traces stays at them
 NEAR_NATS, NEAR_SHARE = 10.0, 0.2  # behind the best: farther, trials of the parameters change nothing
 REFERENCES = 4  # densities of the best effect that priors are about, one after the other
-PAIR_NATS = TEMPERATURE * float(
-    np.log(PRIOR_SINGLE / PRIOR_PAIR)
-)  # what the prior of a pair takes: less is no lead
+# what the prior of a pair takes: less is no lead
+PAIR_NATS = TEMPERATURE * float(np.log(PRIOR_SINGLE / PRIOR_PAIR))
 Progress = Callable[[str], None]
 
 
@@ -45,32 +46,91 @@ class SearchedHypotheses:
     screened: tuple[Screened, ...]
 
 
+@dataclass(frozen=True, eq=False)
+class _FirstFits:
+    """What is known of the hypotheses under the priors of a subject before any is refined."""
+
+    subject: CommandedProblem
+    nothing: ComparedHypothesis
+    smooth: Discrepancies
+    traces: Sequence[Candidate]
+    screened: Sequence[Screened]
+    variables: Sequence[ComparedHypothesis]
+    effects: Sequence[ComparedHypothesis]
+    models: dict[tuple[Part, ...], FittedPlant]
+
+    @property
+    def hypotheses(self) -> SearchedHypotheses:
+        """Those that are known so far."""
+        all_of_them = (self.nothing, *self.effects, *self.variables)
+        return SearchedHypotheses(all_of_them, dict(self.models), tuple(self.screened))
+
+
 def search(subject: CommandedProblem, progress: Progress) -> SearchedHypotheses:
-    """All hypotheses about a subject, scored; a second time, if an effect hid the density that priors should be about.
+    """All hypotheses about a subject, scored with priors about the base, or also about the density of the best effect.
 
     What an effect does distorts the density of the base. All hypotheses are tried with both priors: none gains by it.
     """
-    found = _searched(subject, progress)
-    other = _with_density_of_best(subject, found)
-    return found if other is None else _joined(found, _searched(other, progress))
+    first = _first_fits(subject, progress)
+    other = _with_density_of_best(first)
+    if other is None:
+        return _completed(first, progress)
+    progress("again with priors about the density of the best effect")
+    return _joined(first.hypotheses, _completed(_first_fits(other, progress), progress))
 
 
-def _with_density_of_best(subject: CommandedProblem, found: SearchedHypotheses) -> CommandedProblem | None:
+def _first_fits(subject: CommandedProblem, progress: Progress) -> _FirstFits:
+    base = subject.base
+    nothing = ComparedHypothesis((), (subject.trial(base),))
+    smooth = Discrepancies.about(subject, base)
+    traces = [with_best_period(subject, c, smooth) for c in candidates(subject)]
+    weak = screened(subject, base, traces, smooth.ranking)
+    by_variable = [smooth.hypothesis(v) for v in smooth.variables[:VARIABLES]]
+    models: dict[tuple[Part, ...], FittedPlant] = {(): base}
+    effects = _fitted_effects(subject, base, weak, by_variable, models, progress, nothing.score)
+    return _FirstFits(subject, nothing, smooth, traces, weak, by_variable, effects, models)
+
+
+def _completed(first: _FirstFits, progress: Progress) -> SearchedHypotheses:
+    """All hypotheses: effects refined, laws, and the pairs that earn it."""
+    subject, nothing, models = first.subject, first.nothing, dict(first.models)
+    effects = _refined(subject, first.effects, models, nothing.score)
+    tried = {h.parts for h in effects}
+    effects += [s.hypothesis for s in first.screened if (s.part,) not in tried]
+    gain = max((h.score - nothing.score for h in effects), default=0.0)
+    variables = _variables(subject, first.smooth, first.variables, models, nothing, gain, progress)
+    pairs = _pairs(subject, effects, models, first.traces, nothing.score, progress)
+    return SearchedHypotheses((nothing, *effects, *variables, *pairs), models, tuple(first.screened))
+
+
+def _with_density_of_best(first: _FirstFits) -> CommandedProblem | None:
     """The subject with priors about the density of the best effect, or None if these predict it no better."""
-    singles = [h for h in found.hypotheses if len(h.parts) == 1 and h.parts in found.models]
-    best = max((h for h in singles if h.parts[0].kind == "effect"), key=lambda h: h.score, default=None)
-    if best is None or best.score < found.hypotheses[0].score + PAIR_NATS:
+    ranked = sorted(first.effects, key=lambda h: -h.score)
+    if not ranked or ranked[0].score < first.nothing.score + PAIR_NATS:
         return None
-    other, fitted = None, found.models[best.parts]
-    for _ in range(REFERENCES):
-        trying = (other or subject).with_reference_from(fitted)
-        again = trying.with_density(fitted.effects, fitted)
-        tried = ComparedHypothesis(best.parts, (trying.trial(again),))
-        tried, again = refined(trying, tried, again)
-        if tried.score < best.score + PAIR_NATS:
-            break
-        other, best, fitted = trying, tried, again
+    score, other = ranked[0].score, None
+    with suppress(np.linalg.LinAlgError):  # inputs that the effect moves too close together
+        fitted = _best_with_own_prior(first, ranked[:ALWAYS])
+        for _ in range(REFERENCES):
+            trying = (other or first.subject).with_reference_from(fitted)
+            again = trying.with_density(fitted.effects, fitted)
+            tried = ComparedHypothesis(trying.parts(again), (trying.trial(again),))
+            tried, again = refined(trying, tried, again)
+            if tried.score < score + PAIR_NATS:
+                break
+            other, score, fitted = trying, tried.score, again
     return other
+
+
+def _best_with_own_prior(first: _FirstFits, ranked: Sequence[ComparedHypothesis]) -> FittedPlant:
+    """The best of some effects, at several strengths, each with a density that is its own prior."""
+    subject, base = first.subject, first.models[()]
+    fits = []
+    for h in ranked:
+        *known, last = first.models[h.parts].effects
+        others = next(s.starts for s in first.screened if (s.part,) == h.parts)
+        fits += [subject.with_own_prior((*known, e), base) for e in (last, *others)]
+    return max(fits, key=lambda fitted: subject.trial(fitted).score)
 
 
 def _joined(one: SearchedHypotheses, other: SearchedHypotheses) -> SearchedHypotheses:
@@ -87,25 +147,7 @@ def _joined(one: SearchedHypotheses, other: SearchedHypotheses) -> SearchedHypot
     return SearchedHypotheses(hypotheses, models, one.screened)
 
 
-def _searched(subject: CommandedProblem, progress: Progress) -> SearchedHypotheses:
-    """All hypotheses with the priors of a subject."""
-    base = subject.base
-    nothing = ComparedHypothesis((), (subject.trial(base),))
-    smooth = Discrepancies.about(subject, base)
-    traces = [with_best_period(subject, c, smooth) for c in candidates(subject)]
-    weak = screened(subject, base, traces, smooth.ranking)
-    by_variable = [smooth.hypothesis(v) for v in smooth.variables[:VARIABLES]]
-    models: dict[tuple[Part, ...], FittedPlant] = {(): base}
-    effects = _refined(subject, base, weak, by_variable, models, progress, nothing.score)
-    tried = {h.parts for h in effects}
-    effects += [s.hypothesis for s in weak if (s.part,) not in tried]
-    gain = max((h.score - nothing.score for h in effects), default=0.0)
-    variables = _variables(subject, smooth, by_variable, models, nothing, gain, progress)
-    pairs = _pairs(subject, effects, models, traces, nothing.score, progress)
-    return SearchedHypotheses((nothing, *effects, *variables, *pairs), models, tuple(weak))
-
-
-def _refined(
+def _fitted_effects(
     subject: CommandedProblem,
     base: FittedPlant,
     weak: Sequence[Screened],
@@ -114,7 +156,7 @@ def _refined(
     progress: Progress,
     nothing: float,
 ) -> list[ComparedHypothesis]:
-    """The best screened effects with a density of their own; those near the best with trials of their parameters."""
+    """The best screened effects with a density of their own."""
     found: list[ComparedHypothesis] = []
 
     def fit(one: Screened) -> None:
@@ -137,6 +179,16 @@ def _refined(
     for one in [*_imitating(found, weak, nothing), *_through_likely(by_variable, found, weak, nothing)]:
         if all(h.parts != (one.part,) for h in found):
             fit(one)
+    return found
+
+
+def _refined(
+    subject: CommandedProblem,
+    found: Sequence[ComparedHypothesis],
+    models: dict[tuple[Part, ...], FittedPlant],
+    nothing: float,
+) -> list[ComparedHypothesis]:
+    """Effects, those near the best with trials of their parameters."""
     best = max([h.score for h in found], default=nothing)
     least = max(nothing + PAIR_NATS, best - NEAR_NATS - NEAR_SHARE * (best - nothing))
     return [_refined_one(subject, h, models) if h.score > least else h for h in found]
