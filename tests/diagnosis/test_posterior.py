@@ -57,7 +57,7 @@ def posterior_of(path, read, kept=slice(None)):
     density = np.sum([v * part for v, part in zip(VARIANCES, prior.covariances)], axis=0)
     free = np.full((n, n), FREE_ZERO_SD**2)
     factor = cholesky(density + free + NOISE**2 * np.eye(n), lower=True)
-    dual_weights = cho_solve((factor, True), (read[kept] - output) / STROKE + prior.smoothed_away)
+    dual_weights = cho_solve((factor, True), (read[kept] - WIRE.y_lower) / STROKE - prior.outputs(prior.mass))
     ones = np.ones(n)
     return DensityPosterior(
         prior, VARIANCES, density, ones, factor, free, dual_weights, STROKE * ones, STROKE, WIRE.y_lower, "mm"

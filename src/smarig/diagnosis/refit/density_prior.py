@@ -34,8 +34,7 @@ class DensityPrior:
     observations.
 
     ``prior_scale`` (cells,) scales the deviations: as smooth as products of two ``hats`` (N, s + 1), with one array
-    for each scale of smoothness, then grains of variance ``prior_scale``. ``model_mass`` are the masses of the model,
-    which are rougher.
+    for each scale of smoothness, then grains of variance ``prior_scale``.
     """
 
     triangle: Triangle
@@ -43,7 +42,6 @@ class DensityPrior:
     mass: Array
     prior_scale: Array
     hats: tuple[Array, ...]
-    model_mass: Array
 
     @property
     def covariances(self) -> tuple[Array, ...]:
@@ -82,11 +80,6 @@ class DensityPrior:
         shared = total[np.minimum(i[:, None], i), np.minimum(j[:, None], j)]
         rows = self.rows[:, used].toarray()  # few cells, and each in many rows
         return np.asarray(rows @ shared @ rows.T)
-
-    @property
-    def smoothed_away(self) -> Array:
-        """Outputs (n,) at the memories, in strokes, of what the model has beyond the prior masses."""
-        return self.outputs(self.model_mass - self.mass)
 
     def outputs(self, mass: Array) -> Array:
         """Outputs (n,) at the memories, in strokes, of masses (cells,)."""
@@ -128,7 +121,7 @@ def density_prior(prediction: Prediction, hysteresis: Everett, smoothing: float 
     prior_scale /= prior_scale.sum() or 1.0
     prior_scale += MIN_PRIOR_SHARE * prior_scale.mean()
     hats = tuple(_hats(triangle, n) for n in HAT_INTERVALS)
-    return DensityPrior(triangle, X, _smoothed(triangle, mass, smoothing), prior_scale, hats, mass)
+    return DensityPrior(triangle, X, _smoothed(triangle, mass, smoothing), prior_scale, hats)
 
 
 def _grid(triangle: Triangle, columns: Array) -> Array:
