@@ -162,8 +162,8 @@ def _pairs(
     if not sum(weight.values()):
         weight = {heaviest: 1.0}
     pairs = [_mean_pair([(w, _without(part, own, squares), squares[own]) for own, w in weight.items()])]
-    beside = [p for p in heaviest if p != part]
-    if _alone(found, part) and part.kind == "effect" and all(p.kind == "variable" for p in beside):
+    others = [p for p in heaviest if p != part]
+    if _alone(found, part) and part.kind == "effect" and all(p.kind == "variable" for p in others):
         pairs.append((squares[()], squares[(part,)]))
     return pairs
 
