@@ -36,6 +36,12 @@ def test_nothing_is_silent_if_the_model_is_adequate_and_unknown_if_not():
     assert verdict({LAG: 0.2}, 0.8, error=0.2).reason == "inadequate"
 
 
+def test_an_adequate_model_is_called_wrong_only_with_the_certainty_of_a_name():
+    assert verdict({LAG: 0.7}, 0.3, error=0.02).word == "silent"
+    assert verdict({LAG: 0.7}, 0.3, error=0.2).word == "unknown"
+    assert verdict({LAG: 0.95}, 0.05, error=0.02).word == "named"
+
+
 def test_held_out_runs_beyond_the_limit_of_prediction_end_silence():
     least = RULES["adequate"].value
     assert verdict({LAG: 0.2}, 0.8, error=0.02, beyond_limit=0.9 * least).word == "silent"

@@ -5,8 +5,9 @@ Beside them only the priors and the temperature of ``weights.py`` decide a word.
 Each rule is a row of ``RULES``: its name, its value, why it is there. ``decide`` asks them in this order:
 
     nothing can be tested                          not identifiable
-    nothing is likely, or what is likely is too
-    small to tell or less than what it leaves      silent if the model is adequate, else unknown
+    nothing is likely, or an adequate model is not
+    wrong for sure, or what is likely is too small
+    to tell or less than what it leaves            silent if the model is adequate, else unknown
     a cause is likely, and what competes is not    named, if blocks, design and held-out runs allow a name
     likely causes are several effects              ambiguous: the set
     else                                           unknown, with the variable that the errors go with
@@ -60,7 +61,7 @@ RULES = {
 }
 SENTENCES = {
     "not_testable": "These data cannot show any effect.",
-    "nothing": "The plain model predicts blocks that it has not seen as well as any other.",
+    "nothing": "The plain model predicts blocks that it has not seen about as well as any other.",
     "too_small": "What is likely changes too little to matter.",
     "inadequate": "No effect and no variable predicts the errors.",
     "unseen": "The plain model predicts the training runs, but not the held-out runs.",
@@ -153,8 +154,8 @@ def decide(e: VerdictEvidence) -> Verdict:
     if not e.testable:
         return Verdict("not_identifiable", "not_testable")
     large = [p for p in e.causes if e.size[p] >= e.least_size]
-    if e.nothing >= RULES["nothing"].value:
-        return _nothing(e, "nothing")
+    if e.nothing >= (1 - RULES["name"].value if e.adequate else RULES["nothing"].value):
+        return _nothing(e, "nothing")  # an adequate model is called wrong with the certainty of a name only
     if sum(e.causes[p] for p in large) < 1 - RULES["nothing"].value:
         return _nothing(e, "too_small")
     enough = [p for p in large if e.removes_enough(p)]
