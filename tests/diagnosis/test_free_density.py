@@ -232,3 +232,12 @@ def test_deviations_of_a_smooth_prior_do_not_follow_a_single_cell():
         return np.abs(shapes[0] - shapes[1]).sum() if shapes[0].shape == shapes[1].shape else np.inf
 
     assert differ(SMOOTHING) < 0.7 * differ(0.0)
+
+
+def test_levels_that_differ_by_rounding_only_are_one():
+    """An input that is held at its lower end by a dead zone is nearly, but not exactly, there."""
+    inputs = np.array(wander(60, seed=7))
+    inputs[::9] = 1e-300 * np.arange(inputs[::9].size)
+    with np.errstate(all="raise", under="ignore"):
+        prior = density_prior(prediction_for_inputs(WIRE, inputs), WIRE)
+    assert np.isfinite(prior.prior_scale).all()

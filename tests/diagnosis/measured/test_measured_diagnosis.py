@@ -9,7 +9,9 @@ import pytest
 from diagnosis.measured.independent_wire import RelayWire, as_run, lagged, triangles
 from smarig.core import UsageError
 from smarig.diagnosis import MeasuredDiagnosis, diagnose
+from smarig.diagnosis.diagnose import _by_input
 from smarig.identification import identify, verify
+from smarig.record import Step
 from smarig.replay import load_model
 
 long = pytest.mark.long("takes ten seconds")
@@ -192,6 +194,22 @@ def test_a_clamp_that_slips_once_is_named_with_the_moment_and_the_size():
     assert found.verdict.names == ("output_jump",)
     assert parameter(found, "slip")["value"] == pytest.approx(500.0 / 3600, abs=0.01 * t[-1] / 3600)
     assert parameter(found, "amplitude")["value"] == pytest.approx(0.3, rel=0.2)
+
+
+def test_a_table_of_settled_readings_keeps_its_clock():
+    """Drifts and jumps of the output are told by it; no current is kept, because its heating is not known."""
+    run = as_run("table", np.array([20.0, 60.0, 90.0, 60.0]), np.array([0.0, 1.0, 3.0, 2.0]), dt=60.0)
+    steps = tuple(
+        Step(k, 0, False, "up", u, t, t, "settled", y, 1) for k, (u, t, y) in enumerate(rows_of(run))
+    )
+    (found,) = _by_input([replace(run, steps=steps)])
+    np.testing.assert_allclose(found["t_s"], run["t_s"])
+    np.testing.assert_allclose(found["position"], run["position"])
+    assert not found.has("current_A")
+
+
+def rows_of(run):
+    return zip(run["input"].tolist(), run["t_s"].tolist(), run["position"].tolist())
 
 
 # --- causes that no effect describes ---------------------------------------------------------------------
