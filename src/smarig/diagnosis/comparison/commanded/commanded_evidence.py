@@ -40,7 +40,7 @@ def evidence_of(
     ``by_effects`` is the extension by the heaviest hypothesis with effects, ``gain`` are its errors on held-out runs.
     """
     squares = _squares(subject, found, weights, by_effects.base)
-    held_out = held_out_of(by_effects, gain)
+    held_out = _held_out_of(by_effects, gain)
     evidence = _with_effects_alone(_all_evidence(subject, found, weights, squares, gain, held_out), weights)
     evidence = _without_negligible(evidence, weights, squares)
     return _with_held_out_gain(evidence, found, weights, squares, by_effects.parts, gain)
@@ -207,7 +207,7 @@ def _repeatability(found: SearchedHypotheses, weights: Weights) -> float:
     return found.models.get(effects, found.models[()]).refitted.noise.settled
 
 
-def held_out_of(extension: Extension, gain: HeldOutGain | None) -> dict[Part, float]:
+def _held_out_of(extension: Extension, gain: HeldOutGain | None) -> dict[Part, float]:
     """The error on held-out runs with the causes of the extension, over that without."""
     if gain is None or not gain.base:
         return {}
