@@ -114,7 +114,7 @@ def _truth_with_delta(label: Label, relays: RelayHysteresis, found: CommandedDia
         warm_start = found.subject.base.refitted
         return joint_density_from_best_start(
             timeline, replace(plant_model, effects=effects), identified, warm_start
-        )[1].log_evidence
+        ).refitted.log_evidence
 
     whole = evidence_of(hidden) if hidden else 0.0
     n = sum(len(r) for r in timeline.all_readings)

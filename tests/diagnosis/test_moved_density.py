@@ -76,7 +76,7 @@ def test_a_given_surface_is_refitted_along_the_inputs_with_effects(tmp_path):
     extended = with_effects(replace(wire, hysteresis=surface), effect)
     moved = joint_density(recorded, with_moved_density(recorded, extended, surface))
     found = joint_density_from_best_start(recorded, extended, surface)
-    assert found[1].log_evidence > moved[1].log_evidence + 5
+    assert found.refitted.log_evidence > moved.refitted.log_evidence + 5
 
 
 @pytest.mark.parametrize("pairs", [(), ("walking=0.5",)])

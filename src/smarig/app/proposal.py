@@ -209,11 +209,10 @@ def _separation_nats(
 
 def _evidence(timeline: Timeline, rival: Rival) -> float:
     """Log likelihood of the record with a simulated run, with strengths and density fitted again."""
-    plant_model, refitted = joint_density(timeline, rival.plant_model, rival.refitted)
-    parameter_fit = fit_parameters(
-        plant_model.catalogue_effects, timeline, plant_model, refitted, plant_model.hysteresis
-    )
-    return joint_density(timeline, parameter_fit.extended, refitted)[1].log_evidence
+    found = joint_density(timeline, rival.plant_model, rival.refitted)
+    model = found.plant_model
+    parameter_fit = fit_parameters(model.catalogue_effects, timeline, model, found.refitted, model.hysteresis)
+    return joint_density(timeline, parameter_fit.extended, found.refitted).refitted.log_evidence
 
 
 def _settings_text(settings: dict[str, Any]) -> str:

@@ -101,6 +101,22 @@ def test_a_dependence_that_changes_too_little_takes_no_name_away():
     assert (found.word, found.names) == ("named", ("input_lag",))
 
 
+def test_a_set_that_holds_the_truth_less_than_nine_times_of_ten_is_none():
+    beside = {"size": {LAG: 0.1, DRIFT: 0.1, TIME: 0.1}, "remains": {LAG: 0.01, DRIFT: 0.01, TIME: 0.2}}
+    found = verdict({LAG: 0.4, DRIFT: 0.3, TIME: 0.3}, **beside)
+    assert (found.word, set(found.names)) == ("unknown", {"input_lag", "output_drift"})
+    assert verdict({LAG: 0.5, DRIFT: 0.45, TIME: 0.05}, **beside).word == "ambiguous"
+
+
+@pytest.mark.parametrize(
+    ("refuted", "reason"),
+    [({"held_out": {LAG: 1.2}}, "worse"), ({"not_borne_out": frozenset({LAG})}, "not_borne_out")],
+)
+def test_what_held_out_runs_refute_is_no_candidate_of_a_set(refuted, reason):
+    found = verdict({LAG: 0.55, DRIFT: 0.45}, **refuted)
+    assert (found.word, found.reason) == ("unknown", reason)
+
+
 def test_a_variable_among_the_likely_causes_makes_the_cause_unknown():
     found = verdict({TIME: 0.6, DRIFT: 0.4})
     assert (found.word, found.depends_on) == ("unknown", "time")

@@ -124,6 +124,12 @@ class VerdictEvidence:
         describes = part.kind == "variable" and variables >= RULES["name"].value
         return describes or self.size[part] >= self.rest(part)
 
+    def refuted(self, part: Part) -> str:
+        """How held-out runs speak against a cause, a key of ``SENTENCES``; "" if they do not."""
+        if self.held_out.get(part, 0.0) > RULES["worse"].value:
+            return "worse"
+        return "not_borne_out" if part in self.not_borne_out else ""
+
     def rest(self, part: Part) -> float:
         """The size below which a cause removes less than it leaves."""
         return RULES["beside_rest"].value * self.remains.get(part, 0.0)
@@ -167,7 +173,7 @@ def decide(e: VerdictEvidence) -> Verdict:
     sure = [p for p in effects if not doubts[p]]
     if sure:
         return Verdict("named", "likely", tuple(p.name for p in sure))
-    return _set(e, enough, next((d for d in doubts.values() if d), ""))
+    return _set(e, enough, next((d for d in doubts.values() if d), e.refuted(enough[0])))
 
 
 def _nothing(e: VerdictEvidence, reason: str) -> Verdict:
@@ -193,10 +199,8 @@ def _doubt(e: VerdictEvidence, part: Part) -> str:
         return "confounded"
     if e.effects_alone < e.least_alone and not seen:
         return "left_over"
-    if e.held_out.get(part, 0.0) > RULES["worse"].value:
-        return "worse"
-    if part in e.not_borne_out:
-        return "not_borne_out"
+    if e.refuted(part):
+        return e.refuted(part)
     through = [v for v in e.acts_through.get(part, ()) if e.size.get(v, 0.0) >= e.least_size]
     if any(e.causes[v] >= RULES["name"].value for v in through):
         return "incomplete"
@@ -204,17 +208,18 @@ def _doubt(e: VerdictEvidence, part: Part) -> str:
 
 
 def _set(e: VerdictEvidence, enough: list[Part], doubt: str) -> Verdict:
-    """The smallest set of causes that holds the truth with the probability of the rule."""
+    """The smallest set of causes that holds the truth with the probability of the rule; none does: unknown."""
     kept: list[Part] = []
     missing = 1.0 - e.nothing
+    allowed = (1.0 - RULES["set"].value) * missing
     for part in enough:  # likeliest first
-        if missing <= (1.0 - RULES["set"].value) * (1.0 - e.nothing):
+        if missing <= allowed:
             break
         kept += [q for q in (part, *e.confounded.get(part, ())) if q not in kept]
         missing -= e.causes[part]
     names = tuple(p.name for p in kept if p.kind == "effect")
     variables = [p.name for p in kept if p.kind == "variable"]
-    if doubt in ("worse", "not_borne_out", "left_over") or not names or variables:
+    if doubt in ("worse", "not_borne_out", "left_over") or not names or variables or missing > allowed:
         depends_on = variables[0] if variables else _likeliest_variable(e)
         return Verdict("unknown", doubt or ("shared" if names else "variable"), names, depends_on)
     if len(names) == 1:  # no set: what it acts through is all that these data say

@@ -6,7 +6,7 @@ is repeated until the likelihood rises no more, because a prior in proportion to
 density. The iteration starts from a positive measure fitted to settled positions.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from math import inf
 
@@ -25,7 +25,15 @@ START_SMOOTHING = 1e-14  # λ of the initial measure
 MAX_ROUNDS = 30
 AS_GOOD = 1.05  # times the error of another density: chance of the fit
 MIN_ROUND_GAIN = 2.0  # nats: a round that gains less is the last
-REACH = 2.0  # times what the last round gained: what all further ones may gain
+
+
+@dataclass(frozen=True, eq=False)
+class JointDensity:
+    """A plant model with a density identified together with its effects, its prediction, and its readings refitted."""
+
+    plant_model: PlantModel
+    prediction: Prediction
+    refitted: Refit
 
 
 def joint_density(
@@ -33,29 +41,44 @@ def joint_density(
     plant_model: PlantModel,
     warm_start: Refit | None = None,
     prior: Everett | None = None,
-) -> tuple[PlantModel, Refit]:
-    """The plant model with a new density, and its readings refitted; ``warm_start``: start at the result of another
-    refit.
+) -> JointDensity:
+    """The plant model with a new density; ``warm_start``: start at the result of another refit.
 
     The density is identified from positions only: what other channels show is left to the effects. Its prior is about
-    ``prior``, or about itself; then rounds follow only the inputs, where the output acts back on them.
+    ``prior``, or about itself. With a ``prior``, rounds follow the inputs, where the output acts back on them, and the
+    slopes by which fluctuations of the room act.
     """
-    return _alternated(timeline, [_start(timeline, plant_model, warm_start, prior)])
+    best = _start(timeline, plant_model, warm_start, prior)
+    for _ in range(MAX_ROUNDS):
+        best = best.next(timeline)
+        if best.gain < MIN_ROUND_GAIN:
+            break
+    refitted = best.refitted
+    if len(timeline.positions_only.all_readings) < len(timeline.all_readings):
+        refitted = refit(timeline, best.prediction, best.plant_model, refitted, prior=prior)
+    return JointDensity(best.plant_model, best.prediction, refitted)
 
 
 def joint_density_from_best_start(
     timeline: Timeline, plant_model: PlantModel, original: Everett, warm_start: Refit | None = None
-) -> tuple[PlantModel, Refit]:
-    """The plant model with a density that is its own prior, and its readings refitted: from two starts, the likelier.
+) -> JointDensity:
+    """The likelier of ``joint_densities_from_starts``."""
+    found = joint_densities_from_starts(timeline, plant_model, original, warm_start)
+    return max(found, key=lambda joint: joint.refitted.log_evidence)
+
+
+def joint_densities_from_starts(
+    timeline: Timeline, plant_model: PlantModel, original: Everett, warm_start: Refit | None = None
+) -> Iterator[JointDensity]:
+    """The plant model with a density that is its own prior, from each of two starts.
 
     The starts are the density of the model, which was identified without its effects, and a positive measure of settled
     positions. If ``original``, the density before all, is a surface, that is fitted again along the inputs with
     effects; another density is moved to where effects move the input. It may be negative somewhere (Prop. 4.6); the
     measure is not affected by errors of the model.
     """
-    return _alternated(
-        timeline, [_start(timeline, m, warm_start, None) for m in _both(timeline, plant_model, original)]
-    )
+    for start in _both(timeline, plant_model, original):
+        yield joint_density(timeline, start, warm_start)
 
 
 def _both(timeline: Timeline, plant_model: PlantModel, original: Everett) -> Iterator[PlantModel]:
@@ -145,10 +168,6 @@ class _Round:
     prior: Everett | None
     gain: float = inf
 
-    def within_reach(self, best: "_Round") -> bool:
-        """Whether further rounds, each of which gains less than the one before, may still make it as likely."""
-        return self.refitted.log_evidence + REACH * self.gain >= best.refitted.log_evidence
-
     def next(self, timeline: Timeline) -> "_Round":
         """The round that follows, or the same if that gains nothing."""
         model = replace(self.plant_model, hysteresis=self.refitted.posterior.table())
@@ -176,26 +195,6 @@ def _start(
     contribution = effect_contribution(positions, own, plant_model)
     refitted = refit(positions, own, plant_model, warm_start, contribution, prior)
     return _Round(plant_model, prediction, refitted, contribution, prior)
-
-
-def _likeliest(rounds: Sequence[_Round]) -> _Round:
-    return max(rounds, key=lambda one: one.refitted.log_evidence)
-
-
-def _alternated(timeline: Timeline, starts: Sequence[_Round]) -> tuple[PlantModel, Refit]:
-    """Rounds from each start as long as they gain and may still be the likeliest."""
-    found = list(starts)
-    for _ in range(MAX_ROUNDS):
-        found = [one if one.gain < MIN_ROUND_GAIN else one.next(timeline) for one in found]
-        found = [one for one in found if one.within_reach(_likeliest(found))]
-        if all(one.gain < MIN_ROUND_GAIN for one in found):
-            break
-    best = _likeliest(found)
-    if len(timeline.positions_only.all_readings) == len(timeline.all_readings):
-        return best.plant_model, best.refitted
-    return best.plant_model, refit(
-        timeline, best.prediction, best.plant_model, best.refitted, prior=best.prior
-    )
 
 
 def _settled_rows(timeline: Timeline, prediction: Prediction, plant_model: PlantModel) -> Observations:

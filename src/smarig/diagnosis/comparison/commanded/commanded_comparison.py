@@ -21,12 +21,19 @@ from smarig.diagnosis.comparison.commanded.extension import (
     gain_with,
     law_extensions,
 )
+from smarig.diagnosis.comparison.commanded.shown_by_held_out import variable_of_all_runs
 from smarig.diagnosis.comparison.commanded.undetermined import missing_knowledge_of
 from smarig.diagnosis.comparison.rules import RULES, Verdict, VerdictEvidence, decide
 from smarig.diagnosis.comparison.weights import weigh
 from smarig.diagnosis.held_out_gain import HeldOutGain
 from smarig.record import Run, loaded_runs
 from smarig.replay import Model, load_model
+
+BY_HELD_OUT = (
+    "unseen",
+    "worse",
+    "not_borne_out",
+)  # reasons of an unknown cause that training runs do not show
 
 
 @threadpool_limits.wrap(limits=1, user_api="blas")  # small matrices: threads would only wait for each other
@@ -73,6 +80,9 @@ def concluded(
     if missing:
         evidence = replace(evidence, beyond_limit=0.0)
     verdict = _with_variable(decide(evidence), evidence, weights.nothing)
+    if verdict.reason in BY_HELD_OUT:
+        variable = variable_of_all_runs(subject, [*train, *held_out])
+        verdict = replace(verdict, depends_on=variable or verdict.depends_on)
     tried = [(by_effects, gain_by_effects)] if by_effects.parts and verdict.word != "silent" else []
     if verdict.word == "unknown":
         laws = law_extensions(subject, found, by_effects.base)

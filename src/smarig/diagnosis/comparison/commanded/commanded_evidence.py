@@ -121,9 +121,14 @@ def _all_evidence(
 
 
 def likeliest_variable(evidence: VerdictEvidence) -> str | None:
-    """The variable that the errors go with most probably, by itself or through an effect; None: nothing is likelier."""
+    """The variable that the errors go with most probably, by itself or through an effect; None: nothing is likelier.
+
+    An effect that held-out runs refute says nothing of it.
+    """
     total: dict[str | None, float] = {None: evidence.nothing}
     for part, p in evidence.causes.items():
+        if evidence.refuted(part):
+            continue
         for v in (part,) if part.kind == "variable" else evidence.acts_through.get(part, ()):
             total[v.name] = total.get(v.name, 0.0) + p
     return max(total, key=lambda name: total[name])

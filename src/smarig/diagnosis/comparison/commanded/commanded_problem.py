@@ -17,7 +17,11 @@ from smarig.diagnosis.comparison.commanded.block_scores import (
 from smarig.diagnosis.comparison.commanded.channel_model import ChannelModel, channel_models
 from smarig.diagnosis.comparison.compared_hypothesis import Part, Trial
 from smarig.diagnosis.refit.coupled_readings import CoupledReadings, coupled_readings
-from smarig.diagnosis.refit.joint_density import joint_density, joint_density_from_best_start
+from smarig.diagnosis.refit.joint_density import (
+    JointDensity,
+    joint_densities_from_starts,
+    joint_density,
+)
 from smarig.diagnosis.refit.memory_noise import memory_covariance
 from smarig.diagnosis.refit.moved_density import moved_with, without_effects
 from smarig.diagnosis.refit.refit import Refit, refit
@@ -86,8 +90,8 @@ class CommandedProblem:
         """The given model with the density identified from the timeline."""
         if self.reference is not None:
             return self._about(self.reference, self.reference.hysteresis)
-        model, refitted = joint_density_from_best_start(self.timeline, self.given, self.original)
-        return self._about(model, model.hysteresis, refitted)
+        starts = joint_densities_from_starts(self.timeline, self.given, self.original)
+        return self._best([self._about(f.plant_model, f.plant_model.hysteresis, f.refitted) for f in starts])
 
     def with_density(self, effects: Sequence[Effect], start: FittedPlant) -> FittedPlant:
         """A plant model with these effects and a density of its own; variances are searched from those of ``start``."""
@@ -98,19 +102,22 @@ class CommandedProblem:
         """The same with a density that is its own prior: what effects hid in the reference does not hold them back."""
         model = self.with_effects(start, effects)
         model = replace(model, hysteresis=self._prior(model))
-        model, refitted = joint_density_from_best_start(self.timeline, model, self.original, start.refitted)
-        return self._fitted(model, model.hysteresis, predict(self.timeline, model), refitted)
+        starts = joint_densities_from_starts(self.timeline, model, self.original, start.refitted)
+        return self._best([self._fitted(f, f.plant_model.hysteresis) for f in starts])
+
+    def _best(self, fits: Sequence[FittedPlant]) -> FittedPlant:
+        """The one that predicts blocks left out best: others may be as likely, with more noise and less density."""
+        return max(fits, key=lambda fitted: self.trial(fitted).score)
 
     def with_reference_from(self, fitted: FittedPlant) -> "CommandedProblem":
         """The same with priors about the density of a fitted model that is its own prior, moved back."""
-        model, _ = joint_density(self.timeline, fitted.plant_model, fitted.refitted)
-        plain = without_effects(self.timeline, model, predict(self.timeline, model))
+        found = joint_density(self.timeline, fitted.plant_model, fitted.refitted)
+        plain = without_effects(self.timeline, found.plant_model, found.prediction)
         return replace(self, reference=replace(plain, effects=self.given.effects))
 
     def _about(self, model: PlantModel, prior: Everett, warm: Refit | None = None) -> FittedPlant:
         model = replace(model, hysteresis=prior)
-        model, refitted = joint_density(self.timeline, model, warm, prior)
-        return self._fitted(model, prior, predict(self.timeline, model), refitted)
+        return self._fitted(joint_density(self.timeline, model, warm, prior), prior)
 
     def _prior(self, model: PlantModel) -> Everett:
         """The density of the reference, moved with the input: one for all, so no hypothesis gains by its choice."""
@@ -125,7 +132,7 @@ class CommandedProblem:
         """A plant model as it is, with the likeliest variances."""
         prediction, prior = predict(self.timeline, plant_model), self._prior(plant_model)
         refitted = refit(self.timeline, prediction, plant_model, warm, prior=prior)
-        return self._fitted(plant_model, prior, prediction, refitted)
+        return self._fitted(JointDensity(plant_model, prediction, refitted), prior)
 
     def with_effects(self, fitted: FittedPlant, effects: Sequence[Effect]) -> PlantModel:
         """The plant model with these effects of the catalogue, which include those of the given model."""
@@ -156,9 +163,8 @@ class CommandedProblem:
         square = np.diag(readings.covariance.noise_covariance(remembered, fitted.refitted.log_components))
         return float(np.sqrt(np.mean((square * readings.scale**2)[: len(self.timeline.settled)])))
 
-    def _fitted(
-        self, model: PlantModel, prior: Everett, prediction: Prediction, refitted: Refit
-    ) -> FittedPlant:
+    def _fitted(self, found: JointDensity, prior: Everett) -> FittedPlant:
+        model, prediction, refitted = found.plant_model, found.prediction, found.refitted
         n = refitted.coupled
         factor, scale = refitted.factor[:n, :n], refitted.scale[:n]
         output = _output(prediction, model)

@@ -110,7 +110,8 @@ def _with_density_of_best(first: _FirstFits) -> CommandedProblem | None:
         return None
     score, other = ranked[0].score, None
     with suppress(np.linalg.LinAlgError):  # inputs that the effect moves too close together
-        fitted = _best_with_own_prior(first, ranked[:ALWAYS])
+        least = _least_near_best(first.effects, first.nothing.score)
+        fitted = _best_with_own_prior(first, [h for h in ranked[:ALWAYS] if h.score > least])
         for _ in range(REFERENCES):
             trying = (other or first.subject).with_reference_from(fitted)
             again = trying.with_density(fitted.effects, fitted)
@@ -189,9 +190,14 @@ def _refined(
     nothing: float,
 ) -> list[ComparedHypothesis]:
     """Effects, those near the best with trials of their parameters."""
-    best = max([h.score for h in found], default=nothing)
-    least = max(nothing + PAIR_NATS, best - NEAR_NATS - NEAR_SHARE * (best - nothing))
+    least = _least_near_best(found, nothing)
     return [_refined_one(subject, h, models) if h.score > least else h for h in found]
+
+
+def _least_near_best(found: Sequence[ComparedHypothesis], nothing: float) -> float:
+    """The score below which better parameters, or a better prior, would make no effect the best."""
+    best = max([h.score for h in found], default=nothing)
+    return max(nothing + PAIR_NATS, best - NEAR_NATS - NEAR_SHARE * (best - nothing))
 
 
 def _imitating(

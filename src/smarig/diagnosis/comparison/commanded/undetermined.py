@@ -37,9 +37,9 @@ def missing_knowledge_of(
     plain = _error(timeline, base, zeroed_by=~held)
     if _rms(plain[held]) <= max(RULES["worse"].value * _rms(plain[~held]), RULES["adequate"].value * noise):
         return None
-    joint, refitted = joint_density_from_best_start(timeline, subject.given, subject.original)
-    posterior = replace(joint, hysteresis=refitted.posterior.table())
-    joint = min(joint, posterior, key=lambda model: settled_rms(timeline, model))
+    found = joint_density_from_best_start(timeline, subject.given, subject.original)
+    posterior = replace(found.plant_model, hysteresis=found.refitted.posterior.table())
+    joint = min(found.plant_model, posterior, key=lambda model: settled_rms(timeline, model))
     fitted = _error(timeline, joint, zeroed_by=np.ones_like(held))
     cost = max(_square(fitted[~held]) - _square(plain[~held]), 0.0)
     share = 1.0 - (_square(fitted[held]) + cost) / _square(plain[held])

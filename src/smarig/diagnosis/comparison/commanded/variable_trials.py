@@ -37,6 +37,7 @@ from smarig.diagnosis.refit.coupled_readings import CoupledReadings
 
 Array = NDArray[np.float64]
 CHANNEL_VARIABLES = ("time", "level")
+NEAR_NATS, NEAR_SHARE = 10.0, 0.2  # behind the best by screening: farther, a kernel will not predict best
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,10 +88,11 @@ class Discrepancies:
         """Nats that the likeliest kernel of a variable gains by screening."""
         return max(g for k, g in zip(self.kernels, self.gains.tolist()) if k.plain == variable)
 
-    def hypothesis(self, variable: str, most: int = 2) -> ComparedHypothesis:
-        """The fitted model with a dependence on a variable; the ``most`` promising kernels are its trials."""
+    def hypothesis(self, variable: str) -> ComparedHypothesis:
+        """The fitted model with a dependence on a variable; the kernels that are about as promising are its trials."""
         own = [j for j, k in enumerate(self.kernels) if k.plain == variable]
-        chosen = sorted(own, key=lambda j: -self.gains[j])[:most]
+        least = (1 - NEAR_SHARE) * max(float(self.gains[own].max()), 0.0) - NEAR_NATS
+        chosen = [j for j in sorted(own, key=lambda j: -self.gains[j]) if self.gains[j] >= least]
         channels = self._channels(variable)
         trials = [self._trial(j, channels) for j in chosen]
         parts = self.subject.parts(self.fitted)

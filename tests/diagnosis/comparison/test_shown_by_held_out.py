@@ -1,0 +1,42 @@
+"""What only held-out runs show goes with a variable of all runs; what they refute says nothing of it."""
+
+from dataclasses import replace
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import pytest
+
+from benchmarks.boxes import write_box
+from smarig.diagnosis.comparison.commanded.commanded_evidence import likeliest_variable
+from smarig.diagnosis.comparison.commanded.compared_runs import subject_of
+from smarig.diagnosis.comparison.commanded.shown_by_held_out import variable_of_all_runs
+from smarig.diagnosis.comparison.compared_hypothesis import Part
+from smarig.diagnosis.comparison.rules import VerdictEvidence
+from smarig.identification import identify
+from smarig.record import load_run
+from tests.diagnosis.short_boxes import short_box
+
+SETTLING, CONVECTION = Part("effect", "settling"), Part("effect", "convection")
+TIME, LEVEL = Part("variable", "time"), Part("variable", "level")
+
+
+@pytest.mark.parametrize(
+    ("hidden", "variable"), [({"fan_turned_on": {"share": 0.05, "at_h": 0.559}}, "time"), ({}, None)]
+)
+def test_a_fan_turned_on_between_the_runs_is_a_dependence_on_time(hidden, variable):
+    with TemporaryDirectory() as folder:
+        runs = [
+            load_run(path)
+            for path in write_box(short_box(3, hidden, runs=("congruency", "fod")), Path(folder)).train
+        ]
+        first, second = sorted(runs, key=lambda run: float(run["t_s"][0]))
+        subject = subject_of(identify([first], "positive").model, [first], [second])
+        assert variable_of_all_runs(subject, [first, second]) == variable
+
+
+def test_an_effect_that_held_out_runs_refute_says_nothing_of_the_variable():
+    causes = {SETTLING: 0.8, LEVEL: 0.2}
+    some = dict.fromkeys(causes, 0.1)
+    evidence = VerdictEvidence(causes, 0.0, some, 1.0, 0.1, 0.01, 20, acts_through={SETTLING: (TIME,)})
+    assert likeliest_variable(evidence) == "time"
+    assert likeliest_variable(replace(evidence, held_out={SETTLING: 1.2})) == "level"
