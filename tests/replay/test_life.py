@@ -9,8 +9,8 @@ from replay.sittings import LISTED, LONG, session_runs, twin_plant_model
 from smarig.plant.effect_catalogue import effect_types, effects_from_pairs
 from smarig.replay import ReadingSeries, build_timeline
 from smarig.replay import trajectory as life
+from smarig.replay.input_trajectory import hysteresis_input
 from smarig.replay.timeline import CurrentProfile
-from smarig.replay.trajectory import hysteresis_input
 
 OUTPUT_DEPENDENT = {
     "accommodation",
@@ -77,6 +77,24 @@ def test_a_feedback_is_solved_where_the_input_turns_or_is_read(cases, wire, othe
     read = timeline.ticks[2]
     np.testing.assert_allclose(a.hysteresis_input_K[read], b.hysteresis_input_K[read], atol=1e-4)
     assert [len(s.extrema) for s in a.states] == [len(s.extrema) for s in b.states]
+
+
+@pytest.mark.parametrize(
+    "pairs",
+    [
+        ["accommodation"],
+        ["fatigue"],
+        ["coulomb_friction=2", "fatigue", "walking", "sensor_lag"],
+        ["convection", "accommodation", "backlash"],
+    ],
+)
+@pytest.mark.parametrize("wire", WIRES)
+def test_a_shift_by_past_outputs_needs_no_ticks(cases, wire, pairs, monkeypatch):
+    timeline, plant_model = cases[wire]
+    effects = tuple(effects_from_pairs(pairs))
+    b = life._by_ticks(timeline, plant_model, effects)
+    monkeypatch.setattr(life, "_by_ticks", None)
+    assert_the_same(life.simulate_timeline(timeline, plant_model, effects), b)
 
 
 def test_a_feedback_beside_a_memory_of_the_output_is_simulated_tick_by_tick(cases):

@@ -29,11 +29,12 @@ from smarig.diagnosis.held_out_gain import HeldOutGain
 from smarig.record import Run, loaded_runs
 from smarig.replay import Model, load_model
 
-BY_HELD_OUT = (
+ASK_ALL_RUNS = (
+    "inadequate",
     "unseen",
     "worse",
     "not_borne_out",
-)  # reasons of an unknown cause that training runs do not show
+)  # no cause of the training runs explains the errors
 
 
 @threadpool_limits.wrap(limits=1, user_api="blas")  # small matrices: threads would only wait for each other
@@ -80,9 +81,8 @@ def concluded(
     if missing:
         evidence = replace(evidence, beyond_limit=0.0)
     verdict = _with_variable(decide(evidence), evidence, weights.nothing)
-    if verdict.reason in BY_HELD_OUT:
-        variable = variable_of_all_runs(subject, [*train, *held_out])
-        verdict = replace(verdict, depends_on=variable or verdict.depends_on)
+    if verdict.reason in ASK_ALL_RUNS:
+        verdict = _by_all_runs(verdict, variable_of_all_runs(subject, [*train, *held_out]))
     tried = [(by_effects, gain_by_effects)] if by_effects.parts and verdict.word != "silent" else []
     if verdict.word == "unknown":
         laws = law_extensions(subject, found, by_effects.base)
@@ -115,6 +115,14 @@ def _with_variable(verdict: Verdict, evidence: VerdictEvidence, raw_nothing: flo
     if verdict.word != "unknown" or named or evidence.nothing >= RULES["nothing"].value:
         return verdict
     return replace(verdict, depends_on=likeliest_variable(evidence))
+
+
+def _by_all_runs(verdict: Verdict, variable: str | None) -> Verdict:
+    """An unknown cause with the variable that the errors of all runs go with, if there is one."""
+    if variable is None:
+        return verdict
+    reason = "variable" if verdict.reason == "inadequate" else verdict.reason
+    return replace(verdict, reason=reason, depends_on=variable)
 
 
 def _worse(gain: HeldOutGain | None) -> bool:

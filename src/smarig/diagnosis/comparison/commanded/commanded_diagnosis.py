@@ -153,7 +153,7 @@ class CommandedDiagnosis(NotebookDisplay):
 
     @cached_property
     def scatter(self) -> float:
-        """What all noise gives to a settled position, with past fluctuations of the room: a standard deviation."""
+        """What noise gives to a settled position, with plausible fluctuations of the room: a standard deviation."""
         return self.subject.scatter(self.fitted)
 
     @cached_property

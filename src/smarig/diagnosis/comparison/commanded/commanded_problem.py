@@ -15,6 +15,7 @@ from smarig.diagnosis.comparison.commanded.block_scores import (
     trial_of,
 )
 from smarig.diagnosis.comparison.commanded.channel_model import ChannelModel, channel_models
+from smarig.diagnosis.comparison.commanded.kernel_shapes import PLAUSIBLE_ROOM_K
 from smarig.diagnosis.comparison.compared_hypothesis import Part, Trial
 from smarig.diagnosis.refit.coupled_readings import CoupledReadings, coupled_readings
 from smarig.diagnosis.refit.joint_density import (
@@ -158,9 +159,14 @@ class CommandedProblem:
         return found, memory(found.slopes, found.times, fitted)
 
     def scatter(self, fitted: FittedPlant) -> float:
-        """What all noise gives to a settled position, with past fluctuations of the room: a standard deviation."""
+        """What noise gives to a settled position, with plausible fluctuations of the room: a standard deviation.
+
+        If more fits best, it is no noise: an effect that is missing looks like a room that fluctuates.
+        """
         readings, remembered = self.readings(fitted)
-        square = np.diag(readings.covariance.noise_covariance(remembered, fitted.refitted.log_components))
+        *others, room = fitted.refitted.log_components
+        sizes = np.array([*others, min(room, np.log10(PLAUSIBLE_ROOM_K))])
+        square = np.diag(readings.covariance.noise_covariance(remembered, sizes))
         return float(np.sqrt(np.mean((square * readings.scale**2)[: len(self.timeline.settled)])))
 
     def _fitted(self, found: JointDensity, prior: Everett) -> FittedPlant:
