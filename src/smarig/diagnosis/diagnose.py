@@ -58,7 +58,7 @@ def diagnose(
     check_held_out(train_runs, held_out_runs)
     check_left_out(without, [k.name for k in (*effect_types(), *measurement_effect_types())])
     return diagnose_measured(
-        original, train_runs, held_out_runs, without, progress or (lambda _: None), select
+        original, train_runs, held_out_runs, without, progress or (lambda _: None), select, seed
     )
 
 

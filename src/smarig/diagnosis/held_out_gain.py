@@ -25,6 +25,7 @@ from smarig.replay import PlantModel, Prediction, Timeline, build_timeline, pred
 
 Array = NDArray[np.float64]
 DRAWS = 2000
+LEAST_BLOCKS = 5  # the interval from fewer holds R less than eight times of ten
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,7 +91,9 @@ class HeldOutGain:
         return _share(self.base, self.extended, self.floor)
 
     def interval(self, seed: int = 0) -> tuple[float, float] | None:
-        """95 % interval of R by resampling the blocks with replacement."""
+        """95 % interval of R by resampling the blocks with replacement; None of few blocks, which say little of it."""
+        if self.blocks < LEAST_BLOCKS:
+            return None
         names, rng = np.unique(self.block), np.random.default_rng([seed, 0xB10C])
         weight = np.ones(self.block.size) if self.weight is None else self.weight
         squares = np.array(

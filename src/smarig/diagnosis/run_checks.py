@@ -1,6 +1,7 @@
 """Checks that runs can be compared with a model: one wire, one unit, a valid clock and plausible readings."""
 
 from collections.abc import Iterable, Sequence
+from itertools import combinations
 
 import numpy as np
 
@@ -13,6 +14,7 @@ MAX_READING = 1e9  # a position in any unit, a current, a target
 LEAST_ALPHA = 0.005  # null data say nothing of rarer alarms
 MAX_NULL_DATA_SETS = 100_000  # a larger number is a typing error
 ROOM_DEGC = (-273.15, 1000.0)  # absolute zero, and what no rig survives
+COPIED = ("t_s", "position", "input", "current_A")
 COLUMNS = ("current_command_A", "current_A", "voltage_V", "position", "input")
 
 
@@ -31,9 +33,16 @@ def check_comparable(model: Model, runs: Sequence[Run]) -> None:
 
 
 def check_held_out(train: Sequence[Run], held_out: Sequence[Run]) -> None:
-    """Raise UsageError without training runs, or if a held-out run is one of them, and not only a part of its file."""
+    """Raise UsageError without training runs, or if one is given twice, or is held out, and not only a part of it."""
     if not train:
         raise UsageError("A diagnosis needs at least one training run.")
+    for a, b in combinations(train, 2):
+        if len(a["tick"]) == len(b["tick"]) and all(
+            np.array_equal(a[c], b[c], equal_nan=True) for c in COPIED
+        ):
+            raise UsageError(
+                f"{a.path.name} and {b.path.name} hold the same readings, which would count twice. Give one of them."
+            )
     for a in train:
         for b in held_out:
             if file_hash(a) == file_hash(b) != "" and np.array_equal(a["tick"], b["tick"]):

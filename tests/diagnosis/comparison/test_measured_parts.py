@@ -11,6 +11,7 @@ from smarig.diagnosis.comparison import gaussian_fit
 from smarig.diagnosis.comparison.compared_hypothesis import Part
 from smarig.diagnosis.comparison.gaussian_fit import LEVEL, fit_gaussian
 from smarig.diagnosis.comparison.measured.memory_features import MemoryGrid
+from smarig.diagnosis.comparison.measured.plain_variables import Surface, variable_parts
 from smarig.diagnosis.comparison.measured.positive_prior import positive_prior
 from smarig.diagnosis.comparison.measured.reading_problem import reading_problem
 from smarig.diagnosis.comparison.measured.varied_together import at_one_rate, between_runs, confounded
@@ -100,6 +101,26 @@ def test_a_run_that_continues_is_one_record_with_held_out_rows(monkeypatch):
     [wire] = wire_records(runs[:1], runs[1:])
     assert wire.held_out.sum() == len(second)
     assert np.all(np.diff(wire.record.t) > 0)  # the clock that starts again goes on
+
+
+@pytest.mark.parametrize(("pause_s", "records"), [(1.0, 1), (50.0, 2)])
+def test_a_record_that_was_cut_into_two_files_is_one(monkeypatch, pause_s, records):
+    u = triangles(PEAKS, rows=20)
+    first, second = input_records([as_run("a", u, u, dt=1.0), as_run("b", u, u, dt=1.0)])
+    second = replace(second, t=second.t + first.t[-1] + pause_s)
+    where = "smarig.diagnosis.comparison.measured.wire_records.input_records"
+    monkeypatch.setattr(where, lambda _: [first, second])
+    assert len(wire_records([None, None], [])) == records
+
+
+def test_time_in_one_run_tells_nothing_of_another():
+    """A clock that starts again says where in the programme a reading is, and a repeat would predict its twin."""
+    u = triangles(PEAKS, rows=20)
+    problem = reading_problem(wire_records([as_run(n, u, RelayWire(1).strain(u), dt=1.0) for n in "ab"], []))
+    level = np.zeros(problem.y.size)
+    covariance = variable_parts(problem, "time", Surface(level, level))[0]
+    same = problem.record[:, None] == problem.record
+    assert covariance[~same].max() < 0.2 * covariance[same].max()
 
 
 def test_blocks_hold_no_training_and_held_out_readings_at_once():

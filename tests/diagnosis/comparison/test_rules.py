@@ -108,6 +108,15 @@ def test_a_set_that_holds_the_truth_less_than_nine_times_of_ten_is_none():
     assert verdict({LAG: 0.5, DRIFT: 0.45, TIME: 0.05}, **beside).word == "ambiguous"
 
 
+def test_parts_that_act_together_hold_the_truth_once():
+    pair, other = {LAG: 0.5, DRIFT: 0.5}, {TIME: 0.44}
+    found = verdict(
+        pair | other, 0.06, together={frozenset(pair): 0.5, frozenset(other): 0.44}, acts_through={}
+    )
+    assert (found.word, found.depends_on) == ("unknown", "time")
+    assert verdict(pair, 0.05, together={frozenset({LAG}): 0.45, frozenset({DRIFT}): 0.5}).word == "ambiguous"
+
+
 @pytest.mark.parametrize(
     ("refuted", "reason"),
     [({"held_out": {LAG: 1.2}}, "worse"), ({"not_borne_out": frozenset({LAG})}, "not_borne_out")],

@@ -10,6 +10,7 @@ from diagnosis.measured.independent_wire import RelayWire, as_run, lagged, trian
 from smarig.core import UsageError
 from smarig.diagnosis import MeasuredDiagnosis, diagnose
 from smarig.diagnosis.diagnose import _by_input
+from smarig.diagnosis.run_checks import check_held_out
 from smarig.identification import identify, verify
 from smarig.record import Step
 from smarig.replay import load_model
@@ -261,3 +262,11 @@ def test_a_copy_of_a_training_run_is_refused_as_held_out(tmp_path):
         diagnose(model, run, run)
     with pytest.raises(UsageError, match="cannot be left out"):
         diagnose(model, run, without=("nonsense",))
+
+
+def test_a_training_run_is_given_once():
+    u = triangles((80.0, 60.0, 85.0), rows=30)
+    runs = [as_run("a", u, u, dt=1.0) for _ in range(2)]
+    with pytest.raises(UsageError, match="count twice"):
+        check_held_out(runs, [])
+    check_held_out([runs[0], as_run("a", u, u, dt=1.0, seed=1)], [])

@@ -13,7 +13,7 @@ Each rule is a row of ``RULES``: its name, its value, why it is there. ``decide`
     else                                           unknown, with the variable that the errors go with
 """
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
 from math import inf
 from typing import Literal
@@ -89,6 +89,7 @@ class VerdictEvidence:
     that without, where there are such runs. ``repeatability``: what a settled reading scatters, if known.
     ``beyond_limit``: error of the plain model on held-out runs over the limit of prediction, 0 if that is missing
     knowledge.
+    ``together``: probability of each combination of parts; without it, parts are taken to exclude each other.
     ``effects_alone``: probability that effects are enough, without a dependence on a variable beside them; a name needs
     ``least_alone``.
     ``not_borne_out``: parts that explain the training runs, and of held-out runs nothing where much is to be explained.
@@ -110,6 +111,7 @@ class VerdictEvidence:
     testable: bool = True
     repeatability: float = inf
     beyond_limit: float = 0.0
+    together: Mapping[frozenset[Part], float] = field(default_factory=dict)
     effects_alone: float = 1.0
     least_alone: float = 1.0 - RULES["name"].value
 
@@ -123,6 +125,12 @@ class VerdictEvidence:
         variables = sum(p for cause, p in self.causes.items() if cause.kind == "variable")
         describes = part.kind == "variable" and variables >= RULES["name"].value
         return describes or self.size[part] >= self.rest(part)
+
+    def any_of(self, parts: Collection[Part]) -> float:
+        """The probability that at least one of some parts acts."""
+        if not self.together:
+            return min(sum(self.causes.get(p, 0.0) for p in parts), 1.0 - self.nothing)
+        return sum(w for held, w in self.together.items() if not held.isdisjoint(parts))
 
     def refuted(self, part: Part) -> str:
         """How held-out runs speak against a cause, a key of ``SENTENCES``; "" if they do not."""
@@ -162,7 +170,7 @@ def decide(e: VerdictEvidence) -> Verdict:
     large = [p for p in e.causes if e.size[p] >= e.least_size]
     if e.nothing >= (1 - RULES["name"].value if e.adequate else RULES["nothing"].value):
         return _nothing(e, "nothing")  # an adequate model is called wrong with the certainty of a name only
-    if sum(e.causes[p] for p in large) < 1 - RULES["nothing"].value:
+    if e.any_of(large) < 1 - RULES["nothing"].value:
         return _nothing(e, "too_small")
     enough = [p for p in large if e.removes_enough(p)]
     if not enough:
@@ -210,16 +218,14 @@ def _doubt(e: VerdictEvidence, part: Part) -> str:
 def _set(e: VerdictEvidence, enough: list[Part], doubt: str) -> Verdict:
     """The smallest set of causes that holds the truth with the probability of the rule; none does: unknown."""
     kept: list[Part] = []
-    missing = 1.0 - e.nothing
-    allowed = (1.0 - RULES["set"].value) * missing
+    least = RULES["set"].value * (1.0 - e.nothing)
     for part in enough:  # likeliest first
-        if missing <= allowed:
+        if e.any_of(kept) >= least:
             break
         kept += [q for q in (part, *e.confounded.get(part, ())) if q not in kept]
-        missing -= e.causes[part]
     names = tuple(p.name for p in kept if p.kind == "effect")
     variables = [p.name for p in kept if p.kind == "variable"]
-    if doubt in ("worse", "not_borne_out", "left_over") or not names or variables or missing > allowed:
+    if doubt in ("worse", "not_borne_out", "left_over") or not names or variables or e.any_of(kept) < least:
         depends_on = variables[0] if variables else _likeliest_variable(e)
         return Verdict("unknown", doubt or ("shared" if names else "variable"), names, depends_on)
     if len(names) == 1:  # no set: what it acts through is all that these data say

@@ -11,12 +11,12 @@ from smarig.diagnosis.comparison.commanded.commanded_search import SearchedHypot
 from smarig.diagnosis.comparison.commanded.extension import Extension
 from smarig.diagnosis.comparison.commanded.screening import Screened, collinear
 from smarig.diagnosis.comparison.compared_hypothesis import ComparedHypothesis, Part
+from smarig.diagnosis.comparison.effects_alone import with_effects_alone
 from smarig.diagnosis.comparison.rules import RULES, VerdictEvidence
 from smarig.diagnosis.comparison.weights import TEMPERATURE, Weights
 from smarig.diagnosis.held_out_gain import HeldOutGain
 from smarig.diagnosis.looks_like import acts_through
 from smarig.diagnosis.refit.joint_density import position_rms, with_density_for_effects
-from smarig.diagnosis.refit.reading_noise import EFFECT_ERROR_SHARE
 from smarig.replay import PlantModel
 
 Parts = tuple[Part, ...]
@@ -41,7 +41,7 @@ def evidence_of(
     """
     squares = _squares(subject, found, weights, by_effects.base)
     held_out = _held_out_of(by_effects, gain)
-    evidence = _with_effects_alone(_all_evidence(subject, found, weights, squares, gain, held_out), weights)
+    evidence = with_effects_alone(_all_evidence(subject, found, weights, squares, gain, held_out), weights)
     evidence = _without_negligible(evidence, weights, squares)
     return _with_held_out_gain(evidence, found, weights, squares, by_effects.parts, gain)
 
@@ -88,7 +88,11 @@ def _without_negligible(
     ]
     causes = {p: sum(w for h, w in large if p in weights.credited(h)) for p in e.causes}
     likeliest = dict(sorted(causes.items(), key=lambda item: -item[1]))
-    return replace(e, causes=likeliest, nothing=1.0 - sum(w for _, w in large))
+    together: dict[frozenset[Part], float] = {}
+    for h, w in large:
+        held = frozenset(weights.credited(h))
+        together[held] = together.get(held, 0.0) + w
+    return replace(e, causes=likeliest, nothing=1.0 - sum(w for _, w in large), together=together)
 
 
 def _all_evidence(
@@ -241,29 +245,6 @@ def _with_held_out_gain(
         return max(_times_rest(*pair, POSITIONS) for pair in pairs) >= RULES["beside_rest"].value
 
     return replace(e, not_borne_out=frozenset(p for p in parts if in_positions(p)))
-
-
-def _with_effects_alone(e: VerdictEvidence, weights: Weights) -> VerdictEvidence:
-    """Evidence with the probability of hypotheses of effects only, among those that hold an effect.
-
-    A variable beside an effect takes no name away if it changes too little to be told, less than it leaves, or no more
-    than the equation of the effect is wrong.
-    """
-
-    def alone(h: ComparedHypothesis) -> bool:
-        effect = max((e.size[p] for p in h.parts if p.kind == "effect"), default=0.0)
-        least = max(e.least_size, EFFECT_ERROR_SHARE * effect)
-        return all(p.kind == "effect" or e.size[p] < max(least, e.rest(p)) for p in h.parts)
-
-    with_effect = [
-        (w, alone(h))
-        for h, w in zip(weights.hypotheses, weights.weight.tolist())
-        if any(p.kind == "effect" for p in h.parts)
-    ]
-    total = sum(w for w, _ in with_effect)
-    return replace(
-        e, effects_alone=sum(w for w, by_effects in with_effect if by_effects) / total if total else 1.0
-    )
 
 
 def _confounded(found: SearchedHypotheses, weights: Weights) -> dict[Part, tuple[Part, ...]]:

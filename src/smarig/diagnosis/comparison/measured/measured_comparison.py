@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from smarig.core import DataError
 from smarig.diagnosis.comparison.compared_hypothesis import ComparedHypothesis, Part
+from smarig.diagnosis.comparison.effects_alone import with_effects_alone
 from smarig.diagnosis.comparison.intervals import interval
 from smarig.diagnosis.comparison.measured.acting_effects import testable_effects
 from smarig.diagnosis.comparison.measured.additions import FittedAddition, first_basis
@@ -95,12 +96,12 @@ def compare_measured(
     progress: Callable[[str], None] = lambda _: None,
     selected: Sequence[Mask] | None = None,
     law_of: LawOf = lambda _: None,
+    seed: int = 0,
 ) -> MeasuredComparison:
     """Compare what may be wrong with a plain model of runs; ``without``: names of effects that are not tested for.
 
     ``selected``: the rows (n,) of each record that may be read; None: all. ``law_of`` gives the law of a variable, or
-    None. Raises DataError if the runs hold too few
-    readings.
+    None. ``seed`` is that of the resampling of blocks. Raises DataError if the runs hold too few readings.
     """
     started = time.monotonic()
     wires = wire_records(train_runs, held_out_runs, selected)
@@ -113,13 +114,15 @@ def compare_measured(
     if missing < RULES["not_determined"].value:
         problem = problem.with_unseen()
         basis, base = replace(basis, problem=problem), replace(base, problem=problem)
-    weights = _weighed(problem, searched_hypotheses(basis, base, progress, without=without, law_of=law_of))
+    weights = _weighed(
+        problem, searched_hypotheses(basis, base, progress, without=without, law_of=law_of), seed
+    )
     held = _held_out_errors(base, weights)
     evidence = _evidence(problem, base, weights, held)
     verdict = decide(evidence)
     deciding = weights
     if held and verdict.word in ("silent", "unknown"):
-        verdict, deciding = _with_held_out_runs(wires, verdict, weights, base, missing, without)
+        verdict, deciding = _with_held_out_runs(wires, verdict, weights, base, missing, without, seed)
     best = fitted(weights.heaviest)
     scale = abs(problem.scale)
     return MeasuredComparison(
@@ -146,10 +149,10 @@ def _testable(problem: ReadingProblem, weights: Weights) -> tuple[str, ...]:
     return tuple(dict.fromkeys([*tested, *(p.name for p in weights.causes if p.kind == "effect")]))
 
 
-def _weighed(problem: ReadingProblem, hypotheses: Sequence[ComparedHypothesis]) -> Weights:
+def _weighed(problem: ReadingProblem, hypotheses: Sequence[ComparedHypothesis], seed: int) -> Weights:
     """The weights; the segments of a branch count as one, for their errors are not independent."""
     cut = problem.counts.size / max(2 * problem.independent, 1)
-    return weigh(hypotheses, temperature=TEMPERATURE * max(cut, 1.0))
+    return weigh(hypotheses, seed, TEMPERATURE * max(cut, 1.0))
 
 
 def fitted(hypothesis: ComparedHypothesis) -> FittedAddition:
@@ -185,9 +188,12 @@ def _evidence(
             ratios[part] = held[best.name] / max(held["nothing"], base.fit.noise)
         elif not held and part.name in BETWEEN_RUNS:
             ratios[part] = fitted(best).run_error / base.run_error
-    return VerdictEvidence(
+    evidence = VerdictEvidence(
         causes=weights.causes,
         nothing=weights.nothing,
+        together={
+            frozenset(h.parts): w for h, w in zip(weights.hypotheses, weights.weight.tolist()) if h.parts
+        },
         size=sizes,
         span=1.0,
         error=base.misfit,
@@ -199,6 +205,7 @@ def _evidence(
         acts_through={p: _acts_through(p) for p in weights.causes},
         testable=len(weights.hypotheses) > 1,
     )
+    return with_effects_alone(evidence, weights)
 
 
 def _acts_through(part: Part) -> tuple[Part, ...]:
@@ -239,6 +246,7 @@ def _with_held_out_runs(
     base: FittedAddition,
     missing: float,
     without: Sequence[str],
+    seed: int,
 ) -> tuple[Verdict, Weights]:
     """The verdict with the held-out runs as blocks, if the plain model predicts them worse than its own blocks."""
     runs = [w.held_out.all() for w in wires]
@@ -246,7 +254,9 @@ def _with_held_out_runs(
         return verdict, own
     problem = reading_problem([replace(w, held_out=np.zeros_like(w.held_out)) for w in wires])
     basis, plain = first_basis(problem, BASE_STEPS)
-    weights = _weighed(problem, searched_hypotheses(basis, plain, lambda _: None, BETWEEN_RUNS, without))
+    weights = _weighed(
+        problem, searched_hypotheses(basis, plain, lambda _: None, BETWEEN_RUNS, without), seed
+    )
     found = decide(_evidence(problem, plain, weights, {}))
     clearer = found.word in ("named", "ambiguous") or found.depends_on is not None
     return (found, weights) if clearer and verdict.depends_on in (None, *BETWEEN_RUNS) else (verdict, own)

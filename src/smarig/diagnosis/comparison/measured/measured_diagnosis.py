@@ -227,8 +227,9 @@ def diagnose_measured(
     without: Sequence[str] = (),
     progress: Callable[[str], None] = lambda _: None,
     select: str | None = None,
+    seed: int = 0,
 ) -> MeasuredDiagnosis:
-    """Diagnose a model on runs with a measured input; ``select`` as in ``diagnose``.
+    """Diagnose a model on runs with a measured input; ``select`` and ``seed`` as in ``diagnose``.
 
     Raises DataError if they hold no usable reading.
     """
@@ -243,7 +244,7 @@ def diagnose_measured(
     limit = _error_to_beat(error[tested], given[tested], model, held_out)
     plain = PlainModel(model, base, comparison, tuple(train), tuple(held_out), limit)
     evidence = compare_measured(
-        train, held_out, without, progress, selected, lambda v: next(iter(_terms(plain, v)), None)
+        train, held_out, without, progress, selected, lambda v: next(iter(_terms(plain, v)), None), seed
     )
     extension = _extension(plain, evidence)
     return MeasuredDiagnosis(

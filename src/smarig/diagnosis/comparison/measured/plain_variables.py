@@ -66,5 +66,7 @@ def variable_parts(problem: ReadingProblem, name: str, surface: Surface) -> list
         k = (z[:, None] == z) * 1.0
     else:  # what time brings may come and go; what a rate or a load changes is smooth in it
         k = rough_kernel(z, length) if name in OVER_CYCLES else smooth_kernel(z, length)
+    if name == "time":  # a clock that starts again tells where in the programme a reading is
+        k = k * (problem.record[:, None] == problem.record)
     k = centred(k, problem.train)
     return [k, *(k * np.outer(f, f) for f in surface.shapes(problem))]

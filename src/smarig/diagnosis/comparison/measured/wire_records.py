@@ -36,7 +36,7 @@ class WireRecord:
 def wire_records(
     train: Sequence[Run], held_out: Sequence[Run], selected: Sequence[Mask] | None = None
 ) -> list[WireRecord]:
-    """The records of training and held-out runs; a run that continues the one before it is a part of its record.
+    """The records of training and held-out runs; one that goes on, by its clock or its word, is a part of that before.
 
     ``selected``: the rows (n,) of each run that may be read; None: all.
     """
@@ -45,11 +45,19 @@ def wire_records(
     for number, record in enumerate(input_records([*train, *held_out])):
         read = np.ones(len(record), dtype=bool) if selected is None else selected[number]
         entry = (record, number >= count, read)
-        if record.continues and joined:
+        if joined and (record.continues or _goes_on(joined[-1][-1][0], record)):
             joined[-1].append(entry)
         else:
             joined.append([entry])
     return [_joined(parts) for parts in joined]
+
+
+def _goes_on(before: InputRecord, record: InputRecord) -> bool:
+    """Whether a record is the next part of one that was cut: its clock goes on without a pause."""
+    if not (before.clock and record.clock):
+        return False
+    longest = max(float(np.diff(r.t).max()) for r in (before, record))
+    return 0.0 < float(record.t[0] - before.t[-1]) <= longest
 
 
 def _joined(parts: list[Part]) -> WireRecord:
