@@ -52,7 +52,6 @@ class Wire:
         wire = shown = mass = ROOM
         share, rows, dt = 0.0, [], ROW_S / STEPS
         for now, p in zip(t.tolist(), power.tolist()):
-            rows.append((shown, share))
             room = ROOM + self.room_K_per_s * now + self.room_wave_K * np.sin(now / 160.0)
             for _ in range(STEPS):
                 slope = (self._heating(wire, p) - self._loss(wire - room, mass - room)) / TAU_S
@@ -64,6 +63,7 @@ class Wire:
                 share = min(max(share, ends[0]), ends[1])
                 mass += dt * (wire - mass) / 90.0
                 shown = shown + dt * (wire - shown) / self.lag_s if self.lag_s else wire
+            rows.append((shown, share))  # the power of a row flowed up to its time
         return np.array(rows).T
 
     def _heating(self, wire, p):

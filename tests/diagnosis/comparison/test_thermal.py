@@ -68,6 +68,17 @@ def test_a_mechanism_of_no_catalogue_is_unknown_with_its_variable(wire, variable
     assert not found.findings
 
 
+def test_a_current_heats_with_its_square():
+    run = PLAIN.run(STEPS, SECONDS)
+    columns = run.columns | {"input": np.sqrt(run["input"])}
+    by_current = replace(
+        run, meta={**run.meta, "input": {"quantity": "current", "unit": "A"}}, columns=columns
+    )
+    found = diagnose_transient(by_current)
+    assert found.verdict.word == "silent"
+    assert found.parameters()["tau"]["value"] == pytest.approx(12.0, rel=0.01)
+
+
 def test_three_steps_are_too_few_for_a_name():
     found = diagnosed(Wire(lag_s=2.0), steps=3, seconds=200.0)
     assert found.evidence.problem.transients < 10

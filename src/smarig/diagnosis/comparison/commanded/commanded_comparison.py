@@ -83,7 +83,8 @@ def concluded(
     verdict = _with_variable(decide(evidence), evidence, weights.nothing)
     if verdict.reason in ASK_ALL_RUNS:
         verdict = _by_all_runs(verdict, variable_of_all_runs(subject, [*train, *held_out]))
-    tried = [(by_effects, gain_by_effects)] if by_effects.parts and verdict.word != "silent" else []
+    likely = verdict.word != "silent" and weights.nothing < RULES["nothing"].value
+    tried = [(by_effects, gain_by_effects)] if by_effects.parts and likely else []
     if verdict.word == "unknown":
         laws = law_extensions(subject, found, by_effects.base)
         of_verdict = [law for law in laws if [p.name for p in law.parts] == [verdict.depends_on]]
@@ -126,5 +127,13 @@ def _by_all_runs(verdict: Verdict, variable: str | None) -> Verdict:
 
 
 def _worse(gain: HeldOutGain | None) -> bool:
-    """Whether an extended model predicts held-out runs worse than the base model, or than the given one."""
-    return gain is not None and gain.extended > min(gain.base, gain.original or gain.base)
+    """Whether an extended model predicts held-out runs worse than the base model, or than the given one.
+
+    By the weights of the prediction, or by settled points as ``verify`` counts them.
+    """
+    if gain is None:
+        return False
+    others = [gain.base_error, *([gain.original_error] if gain.original_error is not None else [])]
+    least = min(gain.settled_rms(e) for e in others)
+    by_settled = gain.settled_rms(gain.extended_error) > RULES["worse"].value * least
+    return by_settled or gain.extended > min(gain.base, gain.original or gain.base)

@@ -19,6 +19,7 @@ BIN_ROWS = 2
 FEWEST_BINS = 40
 FINE = 4  # steps of the finer grid in a bin
 TEMPERATURES = ("K", "degC", "°C")
+CURRENTS = ("A", "mA")  # heat with their squares
 
 
 @dataclass(frozen=True, eq=False)
@@ -100,7 +101,7 @@ def thermal_record_of(run: Run) -> ThermalRecord:
     def binned(channel: str) -> Array:
         return _binned(t, run[channel], keep, edges)
 
-    drive = run[name] ** 2 if name == "current_A" else run[name]
+    drive = run[name] ** 2 if name == "current_A" or run.input_unit in CURRENTS else run[name]
     room = binned("ambient_degC") if run.has("ambient_degC") else np.zeros(bins)
     share = _share(binned("position")) if run.has("position") else None
     return ThermalRecord(
@@ -124,10 +125,10 @@ def _binned(t: Array, value: Array, keep: NDArray[np.bool_], edges: Array) -> Ar
 
 
 def _means(t: Array, value: Array, keep: NDArray[np.bool_], at: Array) -> Array:
-    """Means (N,) of a value that is held from row to row, each since the time before; spikes of one row left out."""
+    """Means (N,) of a value that was held up to the time of its row; spikes of one row left out."""
     known = keep & np.isfinite(value)
     times, held = t[known], _of_three(value[known])
-    total = np.r_[0.0, np.cumsum(held[:-1] * np.diff(times))]
+    total = np.r_[0.0, np.cumsum(held[1:] * np.diff(times))]
     grown = np.diff(np.interp(at, times, total)) / np.diff(at)
     return np.r_[grown[:1], grown]
 
