@@ -64,6 +64,10 @@ class ScpiSupply:
         marks = [Quality.STALE] * (at_most - 1) + [Quality.GOOD]
         return [CurrentReading(tick + k, current_A, voltage_V, NAN, mark) for k, mark in enumerate(marks)]
 
+    def measured_A(self) -> float:
+        """The current that is measured now."""
+        return self._line.number("MEAS:CURR?")
+
     def tick(self) -> int:
         """Always 0: it counts no ticks."""
         return 0

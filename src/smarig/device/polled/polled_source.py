@@ -76,6 +76,10 @@ class PolledSource:
             for k, mark in enumerate(marks)
         ]
 
+    def measured_A(self) -> float:
+        """The current that is measured now. It neither arms the output nor counts as its first tick."""
+        return self.output.measure().current_A
+
     def _arm_again(self) -> None:
         had_lease, self._waits = self.has_lease, ""
         self.output.arm()
