@@ -89,7 +89,8 @@ class SourceAndSensor:
         if not abs(accepted_A - current_A) <= 2e-3:  # also true for nan
             self.off()
             raise Garbled(
-                f"{self.line.where} set {accepted_A:g} A instead of {current_A:g} A. {Garbled.remedy}"
+                f"{self.line.where} set {accepted_A:g} A instead of {current_A:g} A. "
+                f"{Garbled.remedy_at(self.line.where)}"
             )
         self._on = True
 

@@ -55,7 +55,8 @@ class ScpiSupply:
         if not abs(taken - current_A) <= 2e-3:
             self.off()
             raise Garbled(
-                f"{self.where} accepted {taken:g} A instead of the commanded {current_A:g} A. {Garbled.remedy}"
+                f"{self.where} accepted {taken:g} A instead of the commanded {current_A:g} A. "
+                f"{Garbled.remedy_at(self.where)}"
             )
 
     def since(self, tick: int, at_most: int) -> list[CurrentReading]:

@@ -5,7 +5,7 @@ from typing import Literal
 
 from smarig.core import Quality, UsageError
 from smarig.device.encoding.link_faults import Garbled
-from smarig.device.polled.line_counts import reconnections_of, repeats_of
+from smarig.device.polled.line_counts import garbled_remedy, reconnections_of, repeats_of
 from smarig.device.roles.polled import CurrentOutput
 from smarig.device.roles.ticked import CurrentReading
 
@@ -85,7 +85,9 @@ class PolledSource:
         self.output.arm()
         if had_lease and not self.has_lease:  # the limits in force are those of a rig with one
             self.off()
-            raise Garbled(f"The lease of {self.identity} could not be armed again. {Garbled.remedy}")
+            raise Garbled(
+                f"The lease of {self.identity} could not be armed again. {garbled_remedy(self.output)}"
+            )
 
     def tick(self) -> int:
         """Always 0: it counts none."""
