@@ -37,7 +37,7 @@ from smarig.device import (
 )
 from smarig.plant import EFFECTS, Actuator, Effect, effects_to_arguments
 from smarig.rig.bench import Bench
-from smarig.rig.consistency import DRIVERS
+from smarig.rig.consistency import DRIVERS, check_lease
 from smarig.rig.further_sensors import FurtherSensors
 from smarig.rig.paced_rig import PacedRig
 from smarig.rig.rig import Rig
@@ -120,6 +120,8 @@ def _open_bench(
     file: RigFile, actuator: Actuator, links: LinksFile, speed: float, open_: contextlib.ExitStack
 ) -> Bench:
     source = as_current_source(_open_instrument(links.amplifier, file, open_), links.amplifier.driver, file)
+    if source.has_lease:
+        check_lease(file, links)
     sensor = as_position_sensor(
         _open_instrument(links.encoder_daq, file, open_), links.encoder_daq.driver, file
     )

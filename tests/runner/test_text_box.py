@@ -1,4 +1,4 @@
-"""An output that sticks while its set-point and its state obey: every ending measures, says so, and records it."""
+"""A box on a text line: an output that sticks while its set-point and its state obey; its lease."""
 
 import pytest
 
@@ -7,7 +7,7 @@ from simulators.text_bench import TextBench
 from simulators.text_instrument import SimulatedBox
 from smarig.cli import run as cli
 from smarig.config import load_rig
-from smarig.core import Elapsed, Hold, Interrupted, LimitExceeded, RigFault, Severity
+from smarig.core import ConfigError, Elapsed, Hold, Interrupted, LimitExceeded, RigFault, Severity
 from smarig.core.catalogue import own_files
 from smarig.record import check_run
 from smarig.rig import TwinSettings
@@ -123,3 +123,17 @@ def test_a_current_that_ends_is_at_zero(bench, tmp_path):
     assert run["current_A"].max() == pytest.approx(FLOWS_A)
     assert (run.cause, [e for e in run.events if e.kind == "still_on"]) == ("done", [])
     assert box.flows_A == 0.0
+
+
+@pytest.mark.parametrize("has_lease", [True, False])
+def test_only_a_box_with_a_lease_is_refused_because_of_it(bench, has_lease):
+    _, rig = bench
+    rig.write_text(rig.read_text().replace("lease_s = 60.0", "lease_s = 0.9"))
+    driver = rig.with_name("sticking.py")
+    if not has_lease:
+        driver.write_text(driver.read_text().replace('self.line.number("SYST:WDOG?")', "-1.0"))
+        with Session(str(rig)) as session:
+            assert not session.has_lease
+        return
+    with pytest.raises(ConfigError, match=r"period_s = 0.5 is too long for lease_s = 0.9"), Session(str(rig)):
+        pass
