@@ -25,7 +25,9 @@ from smarig.rig.rig import Rig
 from smarig.rig.stress_limit import stress_limit
 
 MIN_MOTION_COUNTS = 5  # more than noise
-REST_TICKS = 25  # one for each block of a settling window
+REST_TICKS, REST_WINDOWS = 100, 4  # readings at rest, and the settling windows that they last at most
+BLOCKS = 25  # of a settling window
+LEAST_RANGE = 2.49  # of 25 normal values, in standard deviations: 1 % of windows have a smaller one
 CURRENT_STEPS = 20  # from zero to the current limit
 STEP_TAUS = 1.5  # time constants per step
 COOL_TAUS = 5.0
@@ -100,7 +102,7 @@ def _checks(rig: SupportsIdle, file: RigFile, on_progress: ProgressCallback) -> 
     no_lease = without_lease_text(file, actuator)
     file = file.model_copy(update={"limits": limits_in_force(file.limits, actuator, has_lease=rig.has_lease)})
     guard = Guard(rig, file.limits, actuator, stress=stress_limit(file, actuator))
-    at_rest = _samples(guard, 0.0, REST_TICKS)
+    at_rest = _samples(guard, 0.0, _rest_ticks(file.period_s))
     rest = at_rest[-1]
     yield _at_rest(rest, file, measured=rig.measures_ambient)
     if not _follows_command(rest, 0.0, file):
@@ -129,21 +131,25 @@ def _at_rest(sample: Sample, file: RigFile, *, measured: bool) -> Check:
 
 
 def _settling(at_rest: list[Sample], file: RigFile) -> Iterator[Check]:
-    """A limitation if readings at rest scatter so much that a hold does not settle.
+    """A limitation if readings at rest scatter so much that no window of a hold is likely to settle.
 
-    A hold compares the means of ``REST_TICKS`` blocks. Means of n independent readings scatter √n times less than as
-    many readings do.
+    A hold compares the means of ``BLOCKS`` blocks; the mean of n readings scatters √n times less than a reading.
     """
-    counts, rule = [s.counts for s in at_rest[-REST_TICKS:]], Settled()
-    per_block = max(1, round(rule.window_s / REST_TICKS / file.period_s))
-    scatter = max(counts) - min(counts)
-    if scatter / math.sqrt(per_block) > rule.band_counts:
+    rule = Settled()
+    per_block = max(1, round(rule.window_s / BLOCKS / file.period_s))
+    scatter = float(np.std([s.counts for s in at_rest], ddof=1))
+    if LEAST_RANGE * scatter / math.sqrt(per_block) > rule.band_counts:
         text = (
-            f"at rest the position scatters by {scatter} counts, too much to settle within band_counts = "
+            f"readings at rest scatter by {scatter:.2g} counts, too much to settle within band_counts = "
             f"{rule.band_counts:g}: make encoder.resolution several times the noise of a reading, or raise "
             "settle.band_counts"
         )
         yield Check("settling", True, text, limitation=True)
+
+
+def _rest_ticks(period_s: float) -> int:
+    """Ticks at rest: enough for a standard deviation within 7 %, if they do not last too long."""
+    return min(REST_TICKS, max(10, round(REST_WINDOWS * Settled().window_s / period_s)))
 
 
 def _heating_checks(
