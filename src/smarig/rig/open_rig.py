@@ -41,7 +41,7 @@ from smarig.rig.consistency import DRIVERS, check_lease
 from smarig.rig.further_sensors import FurtherSensors
 from smarig.rig.paced_rig import PacedRig
 from smarig.rig.rig import Rig
-from smarig.rig.shutdown import AT_ZERO_TEXT, confirm_zero, switch_off, tell_shutdown
+from smarig.rig.shutdown import AT_ZERO_TEXT, add_shutdown_text, confirm_zero, switch_off
 from smarig.rig.twin import Twin, TwinSettings
 
 _NOT_ZEROED = "Make sure that no current flows: its source did not answer."
@@ -102,7 +102,7 @@ def _confirmed_shutdown(rig: Rig) -> Iterator[None]:
         if isinstance(error, Interrupted):
             raise RigFault(f"Run {error}. Its file is closed. {rig.shutdown_unconfirmed}") from None
         if isinstance(error, SmarigError):
-            tell_shutdown(error, rig.shutdown_unconfirmed)
+            add_shutdown_text(error, rig.shutdown_unconfirmed)
         raise
     switch_off(rig)
     if rig.shutdown_unconfirmed:

@@ -31,7 +31,7 @@ def confirm_zero(rig: Any) -> str:
     return rig.confirm_zero() if hasattr(rig, "confirm_zero") else ""
 
 
-def tell_shutdown(error: SmarigError, unconfirmed: str) -> None:
+def add_shutdown_text(error: SmarigError, unconfirmed: str) -> None:
     """Replace the claim of zero current in an error by what is not confirmed. Idempotent."""
     text = str(error).removesuffix(AT_ZERO_TEXT)
     error.args = (text if unconfirmed in text else f"{text} {unconfirmed}",)

@@ -23,7 +23,7 @@ from smarig.core import (
     Waveform,
     Zero,
 )
-from smarig.rig import Guard, tell_shutdown
+from smarig.rig import Guard, add_shutdown_text
 from smarig.runner.absolute_zero import zero_data
 from smarig.runner.checked_generator import CheckedGenerator
 from smarig.runner.listener import Listener, StepStartListener, SuspectListener
@@ -82,7 +82,7 @@ class Runner:
         if not still_on:
             return
         if fault is not None:
-            tell_shutdown(fault, still_on)
+            add_shutdown_text(fault, still_on)
         self._notify("still_on", still_on, level="error")
 
     def _carry_out(self, command: Command) -> StepResult | Sample | None:

@@ -80,13 +80,13 @@ class TextLine:
         ``reads``: whether the instrument may be asked again, because the query changes nothing in it. By default its
         form tells: one word with a question mark at its end, and perhaps arguments (``MEAS:CURR? (@1)``).
         """
-        return self._asked(question, reads, str)
+        return self._query_twice(question, reads, str)
 
     def number(self, question: str, *, reads: bool | None = None) -> float:
         """The answer as a number. Raises Garbled if it is not the number of a reading, twice."""
-        return self._asked(question, reads, lambda answer: self._reading(question, answer))
+        return self._query_twice(question, reads, lambda answer: self._reading(question, answer))
 
-    def _asked(self, question: str, reads: bool | None, meaning: Callable[[str], _T]) -> _T:
+    def _query_twice(self, question: str, reads: bool | None, meaning: Callable[[str], _T]) -> _T:
         """What the answer means, asked once more if there is none or it means nothing."""
         self._make_ready(QUIET)
         try:

@@ -50,7 +50,7 @@ class VisaLine:
 
     def ask(self, question: str, *, reads: bool | None = None) -> str:
         """The answer to a query. ``reads``: whether it may be asked again; by default its form tells (only_reads)."""
-        return self._asked(question, reads, str)
+        return self._query_twice(question, reads, str)
 
     def number(self, question: str, *, reads: bool | None = None) -> float:
         """The first number of the answer; a unit after it is ignored. Raises Garbled without one, twice."""
@@ -58,9 +58,9 @@ class VisaLine:
 
     def numbers(self, question: str, *, reads: bool | None = None) -> list[float]:
         """All numbers of an answer, which commas separate. Raises Garbled if one is none, twice."""
-        return self._asked(question, reads, lambda answer: self._readings(question, answer))
+        return self._query_twice(question, reads, lambda answer: self._readings(question, answer))
 
-    def _asked(self, question: str, reads: bool | None, meaning: Callable[[str], _T]) -> _T:
+    def _query_twice(self, question: str, reads: bool | None, meaning: Callable[[str], _T]) -> _T:
         """What the answer means, asked once more if there is none or it means nothing."""
         self._usable()
         try:
