@@ -65,6 +65,25 @@ def test_the_panel_shows_all_status_values():
         assert part in text, part
 
 
+@pytest.mark.parametrize(("silent_s", "says"), [(1.9, False), (4.0, True)])
+def test_a_device_that_does_not_answer_is_named_within_seconds(silent_s, says):
+    now = [100.0]
+    status = fed([264] * 100, clock=lambda: now[0])
+    now[0] += silent_s
+    assert ("no sample for 4 s, a device does not answer" in shown(status)) == says
+    status.sample(at(80.0), 1, 86.2)
+    assert "does not answer" not in shown(status), "it answers again"
+
+
+def test_a_run_that_is_only_being_closed_waits_for_no_device():
+    now = [100.0]
+    status = fed([264] * 100, clock=lambda: now[0])
+    for k in range(1, RUN_INFO.steps):
+        status.step(result(k), branch="up", target=0.0)
+    now[0] += 10.0
+    assert "does not answer" not in shown(status)
+
+
 def test_an_unsettled_wire_shows_its_spread_and_the_timeout():
     status = fed([k // 40 for k in range(300)])  # a quarter of a count a second
     assert "still moving, time-out in 0:09:30" in shown(status)
@@ -83,7 +102,7 @@ def test_holds_and_profiles_that_just_last_count_down():
 @pytest.mark.parametrize("width", [40, 60, 80, 95, 96, 140])
 def test_no_line_is_wider_than_the_terminal_and_nothing_that_matters_is_cut(width):
     control = RunControl()
-    status = fed([264] * 300, keys=True, control=control, clock=iter([0.0] + [10.0] * 99).__next__)
+    status = fed([264] * 300, keys=True, control=control, clock=iter([0.0] + [10.0] * 999).__next__)
     control.paused = True
     status.event(62.0, "paused", "Paused by the operator: " + "long " * 40)
     text = shown(status, width)
@@ -177,7 +196,7 @@ def test_what_is_refused_before_the_first_sample_is_no_fault():
 
 
 def test_without_unicode_everything_is_ascii():
-    status = fed([264] * 100, keys=True, clock=iter([0.0] + [10.0] * 99).__next__)
+    status = fed([264] * 100, keys=True, clock=iter([0.0] + [10.0] * 999).__next__)
     assert "×" not in shown(status, plain=True)
     for kind, paused in (("info", True), ("warning", False), ("error", False)):
         status.event(61.0, "kind", "text", level=kind)

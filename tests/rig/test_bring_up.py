@@ -1,5 +1,6 @@
 """Bring-up of rigs that do not respond correctly: it reports this and stops heating."""
 
+import numpy as np
 import pytest
 
 from rig.lying import TamperedRig
@@ -30,6 +31,18 @@ def checked(change, rig="one_wire_twin"):
 def test_what_flows_at_rest_ends_it_before_any_heating():
     found, driven = checked(lambda s: s._replace(current_A=s.current_A + 0.1))
     assert (found["at rest"].passed, list(found)[-1], driven) == (False, "at rest", 0.0)
+
+
+@pytest.mark.parametrize(("noise_counts", "warned"), [(0.5, False), (3.0, True)])
+def test_a_sensor_too_noisy_to_settle_is_named(noise_counts, warned):
+    """Resolution as small as the noise of a reading: band_counts is 1, and a block has ten readings."""
+    rng = np.random.default_rng(1)
+    found, _ = checked(lambda s: s._replace(counts=s.counts + round(rng.normal(0, noise_counts))))
+    assert ("settling" in found) == warned
+    if warned:
+        assert found["settling"].limitation
+        assert "make encoder.resolution several times the noise" in found["settling"].observed
+    assert found["encoder direction"].passed
 
 
 @pytest.mark.parametrize(

@@ -4,7 +4,9 @@ import pytest
 
 from smarig.cli import run as cli
 from smarig.config import load_rig, shipped_names
-from smarig.rig.consistency import inconsistencies
+from smarig.core import ConfigError
+from smarig.core.catalogue import own_files
+from smarig.rig.consistency import check_lease, inconsistencies
 
 
 @pytest.mark.parametrize("name", shipped_names("rigs"))
@@ -26,6 +28,10 @@ def test_an_address_of_a_template_is_reported(tmp_path):
     [
         ('links.amplifier.driver = "smarig_amp"', "no driver 'smarig_amp'; did you mean smarig_amplifier?"),
         ('links.encoder_daq.url = ""', "links.encoder_daq.url is missing"),
+        (
+            'links.amplifier.url = "10.0.0.7:5025"',
+            'A network address names its scheme: "tcp://10.0.0.7:5025".',
+        ),
         ("links.amplifier.timeout_s = 0.5", "3 attempts take 1.5 s, longer than lease_s = 1"),
         ("lease_s = 5.0", "lease_s = 5 is outside 0.5…2 s"),
         ("protection.slew_max_A_per_s = 1.0", "is below limits.current_rate_A_per_s = 25"),
@@ -36,7 +42,8 @@ def test_an_address_of_a_template_is_reported(tmp_path):
 )
 def test_inconsistencies_are_reported(tmp_path, capsys, line, says):
     path = tmp_path / "mine.toml"
-    urls = 'links.amplifier.url = "/dev/a"\n' + 'links.encoder_daq.url = "/dev/b"\n' * ("daq.url" not in line)
+    links = ("amplifier", "encoder_daq")
+    urls = "".join(f'links.{name}.url = "/dev/{name}"\n' for name in links if f"{name}.url" not in line)
     path.write_text(f'name = "mine"\nbase = "bench_one_wire"\n{urls}{line}\n', encoding="utf-8")
     assert [says in problem for problem in inconsistencies(load_rig(str(path)))] == [True]
     assert cli(["check", str(path), "--no-current"]) == 2
@@ -56,3 +63,27 @@ def test_links_that_cannot_share_a_port_are_reported(tmp_path, lines, says):
     urls = "".join(f'links.{name}.url = "/dev/ttyACM0"\n' for name in ("amplifier", "encoder_daq"))
     path.write_text(f'name = "mine"\nbase = "uno_one_wire"\n{urls}{lines}\n', encoding="utf-8")
     assert [says in problem for problem in inconsistencies(load_rig(str(path)))] == [True]
+
+
+@pytest.mark.parametrize(
+    ("line", "says"),
+    [
+        ("period_s = 1.0", "period_s = 1 is too long for lease_s = 1"),
+        ("links.amplifier.timeout_s = 1.5", "3 attempts take 4.5 s, longer than lease_s = 1"),
+    ],
+)
+def test_a_lease_is_asked_for_where_there_is_one(tmp_path, monkeypatch, line, says):
+    """A slow instrument of an own driver is refused when it is opened, if it turns out to have a lease."""
+    monkeypatch.chdir(tmp_path)
+    assert cli(["new", "driver", "slow_box"]) == 0
+    links = ("amplifier", "encoder_daq")
+    keys = {"driver": "./slow_box.py", "framing": "lines", "url": "tcp://10.0.0.7:1"}
+    lines = [f'links.{name}.{key} = "{value}"' for name in links for key, value in keys.items()]
+    path = tmp_path / "mine.toml"
+    path.write_text("\n".join(['name = "mine"', 'base = "bench_one_wire"', line, *lines]), encoding="utf-8")
+    with own_files():
+        file = load_rig(str(path))
+        assert inconsistencies(file) == []
+    assert file.links is not None
+    with pytest.raises(ConfigError, match=says):
+        check_lease(file, file.links)

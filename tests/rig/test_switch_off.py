@@ -2,7 +2,7 @@
 
 import pytest
 
-from smarig.rig.open_rig import OFF_ATTEMPTS, switch_off
+from smarig.rig.shutdown import OFF_ATTEMPTS, switch_off
 
 STILL_ON = "The supply did not confirm that it is off. It has no lease: switch it off by hand now."
 

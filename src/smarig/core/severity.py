@@ -30,6 +30,7 @@ KIND_SEVERITY = {  # only kinds whose severity their level does not imply
     "lost": Severity.INVALID,  # samples are missing
     "blind": Severity.INVALID,  # the converter of the current returns no reading
     "link": Severity.INVALID,  # a device cannot be reached
+    "still_on": Severity.INVALID,  # a current is measured after the source was switched off
     "contradiction": Severity.INVALID,  # the reply of a device contradicts what it was ordered
 }
 

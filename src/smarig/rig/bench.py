@@ -22,10 +22,12 @@ from smarig.device import (
     Silent,
 )
 from smarig.plant import Actuator
+from smarig.rig.electrical_plausibility import read_back_tolerance_A
 from smarig.rig.force_statistics import ForceStatistics
 from smarig.rig.further_sensors import FurtherSensors
 from smarig.rig.order_record import OrderRecord
 from smarig.rig.rig import Alarm
+from smarig.rig.shutdown import AT_ZERO_TEXT, OFF_PAUSE_S, current_after_off
 
 CLOCK_CHECK_TICKS = 300  # ticks between two comparisons of both clocks
 CLOCK_READS = 6  # attempts to read both clocks within one tick, and the same twice
@@ -79,6 +81,7 @@ class Bench:
         self._fault: RigFault | None = None  # after a trip
         self._sampled = False
         self.shutdown_unconfirmed = ""  # why the source may still be on
+        self._still_measured = ""  # the sentence about a current that did not end
 
     @property
     def period_s(self) -> float:
@@ -125,7 +128,7 @@ class Bench:
         """Keep why the next step is refused. A device that drives something else is switched off."""
         if self._orders.contradiction or (self.source.tripped and last_quality & Quality.SUSPECT):
             reason = self.source.tripped or self._orders.contradiction  # the device's own comes first
-            self._fault = RigFault(f"{reason} The current is at zero.")
+            self._fault = RigFault(f"{reason}{AT_ZERO_TEXT}")
             self._alarms.append(Alarm("error", "contradiction", str(self._fault)))
             self.safe()
         elif self.source.tripped and last_quality & _OVER:
@@ -315,6 +318,21 @@ class Bench:
         if not self.shutdown_unconfirmed:
             with contextlib.suppress(Exception):
                 self._orders.changed(before_A, self.source.tick())
+
+    def confirm_zero(self) -> str:
+        """After ``safe``: measure whether the current has ended, as a set-point does not tell. Never raises.
+
+        Returns "" or a sentence, which ``shutdown_unconfirmed`` then has as well. Lock-step has no time to wait for.
+        """
+        if self.shutdown_unconfirmed or self.lock_step:
+            return ""
+        tolerance_A = read_back_tolerance_A(self.file.limits, self.file.amplifier)
+        pause_s = max(OFF_PAUSE_S, self._tick_s)  # the next reading is another one
+        flows_A = current_after_off(self.source, tolerance_A, lambda: self._sleep(pause_s))
+        text = f"{abs(flows_A):.2g} A is still measured: switch it off by hand now." if flows_A else ""
+        self._still_measured = (self._still_measured or text) if text else ""  # one sentence for one fault
+        self.shutdown_unconfirmed = self._still_measured
+        return self._still_measured
 
     def close(self) -> None:
         """Close all lines."""

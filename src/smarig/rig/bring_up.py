@@ -12,7 +12,7 @@ from typing import Protocol
 import numpy as np
 
 from smarig.config import RigFile
-from smarig.core import Quality, RigFault, Sample
+from smarig.core import Quality, RigFault, Sample, Settled
 from smarig.device import Check
 from smarig.plant import Actuator
 from smarig.preisach import Preisach, thesis_surface
@@ -25,6 +25,9 @@ from smarig.rig.rig import Rig
 from smarig.rig.stress_limit import stress_limit
 
 MIN_MOTION_COUNTS = 5  # more than noise
+REST_TICKS, REST_WINDOWS = 100, 4  # readings at rest, and the settling windows that they last at most
+BLOCKS = 25  # of a settling window
+LEAST_RANGE = 2.49  # of 25 normal values, in standard deviations: 1 % of windows have a smaller one
 CURRENT_STEPS = 20  # from zero to the current limit
 STEP_TAUS = 1.5  # time constants per step
 COOL_TAUS = 5.0
@@ -99,10 +102,12 @@ def _checks(rig: SupportsIdle, file: RigFile, on_progress: ProgressCallback) -> 
     no_lease = without_lease_text(file, actuator)
     file = file.model_copy(update={"limits": limits_in_force(file.limits, actuator, has_lease=rig.has_lease)})
     guard = Guard(rig, file.limits, actuator, stress=stress_limit(file, actuator))
-    rest = _last_sample(guard, 0.0, 10)
+    at_rest = _samples(guard, 0.0, _rest_ticks(file.period_s))
+    rest = at_rest[-1]
     yield _at_rest(rest, file, measured=rig.measures_ambient)
     if not _follows_command(rest, 0.0, file):
         return
+    yield from _settling(at_rest, file)
     if not math.isnan(rest.temperature_degC) and not rig.holds_wire_limit:
         yield Check("wire temperature", True, HOST_ALONE, limitation=True)
     pulses = [_heating_checks(guard, file, actuator, +1, on_progress)]
@@ -123,6 +128,28 @@ def _at_rest(sample: Sample, file: RigFile, *, measured: bool) -> Check:
     by = "" if measured else " by the rig file (not measured)"
     observed = f"{sample.current_A:.4f} A measured at 0 A; ambient {sample.ambient_degC:.1f} °C{by}"
     return Check("at rest", _follows_command(sample, 0.0, file), observed)
+
+
+def _settling(at_rest: list[Sample], file: RigFile) -> Iterator[Check]:
+    """A limitation if readings at rest scatter so much that no window of a hold is likely to settle.
+
+    A hold compares the means of ``BLOCKS`` blocks; the mean of n readings scatters √n times less than a reading.
+    """
+    rule = Settled()
+    per_block = max(1, round(rule.window_s / BLOCKS / file.period_s))
+    scatter = float(np.std([s.counts for s in at_rest], ddof=1))
+    if LEAST_RANGE * scatter / math.sqrt(per_block) > rule.band_counts:
+        text = (
+            f"readings at rest scatter by {scatter:.2g} counts, too much to settle within band_counts = "
+            f"{rule.band_counts:g}: make encoder.resolution several times the noise of a reading, or raise "
+            "settle.band_counts"
+        )
+        yield Check("settling", True, text, limitation=True)
+
+
+def _rest_ticks(period_s: float) -> int:
+    """Ticks at rest: enough for a standard deviation within 7 %, if they do not last too long."""
+    return min(REST_TICKS, max(10, round(REST_WINDOWS * Settled().window_s / period_s)))
 
 
 def _heating_checks(
@@ -262,12 +289,14 @@ def _tripped(sample: Sample) -> bool:
 
 def _last_sample(guard: Guard, current_A: float, ticks: int) -> Sample:
     """The last sample after a number of ticks at a current."""
-    sample: Sample | None = None
-    left = max(1, ticks)
-    while left > 0:
-        arrived = guard.step(current_A, left)
+    return _samples(guard, current_A, ticks)[-1]
+
+
+def _samples(guard: Guard, current_A: float, ticks: int) -> list[Sample]:
+    """The samples of at least one tick at a current."""
+    found: list[Sample] = []
+    while len(found) < max(1, ticks):
+        arrived = guard.step(current_A, max(1, ticks) - len(found))
         guard.raise_if_tripped()
-        left -= len(arrived)
-        sample = arrived[-1][0]
-    assert sample is not None  # noqa: S101 - at least one tick passed
-    return sample
+        found += [sample for sample, _ in arrived]
+    return found

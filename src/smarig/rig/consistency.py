@@ -1,5 +1,6 @@
 """Checks a bench's rig file before any device is opened: its parts against each other and against the devices."""
 
+import re
 from collections.abc import Iterator
 
 from smarig.config import LinksFile, ProtectionFile, RigFile
@@ -24,6 +25,8 @@ SIMULATED = {  # links whose devices [simulator] starts
     "text": ("amplifier", "encoder_daq"),  # one instrument serves both
 }
 PLACEHOLDER = "REPLACE"  # in the addresses of the templates
+_HOST_AND_PORT = re.compile(r"[A-Za-z0-9.-]+:\d+")  # without a scheme
+_OTHER_ADDRESSES = ("labjack_", "ni_", "visa_")  # drivers whose addresses have a form of their own
 OVER_CURRENT = 1.05  # of the largest current; above it the amplifier trips by itself
 
 
@@ -69,18 +72,35 @@ def _links(file: RigFile, links: LinksFile) -> Iterator[str]:
             yield f"links.{device}.url is missing. Give the port or address of the device."
         if PLACEHOLDER in link.url:
             yield f"links.{device}.url is the placeholder of the template. Give the port or address of the device."
+        if _HOST_AND_PORT.fullmatch(link.url) and not link.driver.startswith(_OTHER_ADDRESSES):
+            yield (
+                f'links.{device}.url = "{link.url}" is no serial port. A network address names its scheme: '
+                f'"tcp://{link.url}".'
+            )
     yield from _shared_port(links)
-    tries_s = ATTEMPTS * links.amplifier.timeout_s
-    if file.simulator is None and tries_s > file.lease_s:
-        yield (
-            f"links.amplifier.timeout_s = {links.amplifier.timeout_s:g}: {ATTEMPTS} attempts take {tries_s:g} s, "
-            f"longer than lease_s = {file.lease_s:g}, so the amplifier would trip before a lost reply is repeated."
-        )
+    if not links.amplifier.driver.endswith(".py"):  # an own driver tells when it is opened
+        yield from _timeout(file, links)
     if links.amplifier.driver == "smarig_amplifier":
         lease = load_register_map("amplifier")["lease"]
         low, high = (lease.value.decode(raw) for raw in lease.limits)
         if not low <= file.lease_s <= high:
             yield f"lease_s = {file.lease_s:g} is outside {low:g}…{high:g} s, the range of the amplifier."
+
+
+def _timeout(file: RigFile, links: LinksFile) -> Iterator[str]:
+    timeout_s = links.amplifier.timeout_s
+    if file.simulator is None and ATTEMPTS * timeout_s > file.lease_s:
+        yield (
+            f"links.amplifier.timeout_s = {timeout_s:g}: {ATTEMPTS} attempts take {ATTEMPTS * timeout_s:g} s, "
+            f"longer than lease_s = {file.lease_s:g}, so the amplifier would trip before a lost reply is repeated."
+        )
+
+
+def check_lease(file: RigFile, links: LinksFile) -> None:
+    """Raise ConfigError if the lease of a source that has one, as was seen when it was opened, is too short."""
+    for problem in (file.period_problem, *_timeout(file, links)):
+        if problem:
+            raise ConfigError(f"Rig '{file.name}': {problem}")
 
 
 def _simulated_devices(file: RigFile) -> tuple[str, ...]:

@@ -14,6 +14,7 @@ from smarig.device import AbsoluteZero
 from smarig.plant import Actuator, JouleHeating
 from smarig.rig.plausibility import REST_TAUS, Plausibility
 from smarig.rig.rig import Alarm, Rig
+from smarig.rig.shutdown import AT_ZERO_TEXT, confirm_zero
 from smarig.rig.stress_limit import StressLimit
 
 _ROUNDING = 1e-9
@@ -114,7 +115,7 @@ class Guard:
 
     def _trip(self, text: str) -> None:
         """Make the rig safe at once and keep the reason."""
-        self.tripped = f"{text} The current is at zero."
+        self.tripped = f"{text}{AT_ZERO_TEXT}"
         self.safe()
 
     def _heating_current_A(self, sample: Sample) -> float:
@@ -175,6 +176,10 @@ class Guard:
         """Set the current to zero."""
         self.rig.safe()
         self._last_A = 0.0
+
+    def confirm_zero(self) -> str:
+        """After ``safe``: a sentence if a current is still measured."""
+        return confirm_zero(self.rig)
 
     def arm(self) -> None:
         """Clear a latched trip of the device and of the guard; the current stays at zero until the next step."""

@@ -10,7 +10,6 @@ import selectors
 import subprocess
 import sys
 import tempfile
-import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any
@@ -38,17 +37,16 @@ from smarig.device import (
 )
 from smarig.plant import EFFECTS, Actuator, Effect, effects_to_arguments
 from smarig.rig.bench import Bench
-from smarig.rig.consistency import DRIVERS
+from smarig.rig.consistency import DRIVERS, check_lease
 from smarig.rig.further_sensors import FurtherSensors
 from smarig.rig.paced_rig import PacedRig
 from smarig.rig.rig import Rig
+from smarig.rig.shutdown import AT_ZERO_TEXT, add_shutdown_text, confirm_zero, switch_off
 from smarig.rig.twin import Twin, TwinSettings
 
-AT_ZERO_TEXT = " The current is at zero."  # removed from an error if the shutdown is not confirmed
 _NOT_ZEROED = "Make sure that no current flows: its source did not answer."
 START_TIMEOUT_S = 60.0  # for simulated devices to start
 STOP_TIMEOUT_S = 10.0  # for simulated devices to end
-OFF_ATTEMPTS, OFF_PAUSE_S = 5, 0.2  # more, to switch off a source that has no lease and did not confirm
 LOCK_STEP_S = 5.0  # reply time of simulated devices that lose no reply: a busy machine delays them
 HOST_TIMEOUT_S = 60.0  # time that they wait for a delayed host; they detect its end at once
 
@@ -88,6 +86,7 @@ def open_rig(
 def _zeroed(rig: Rig) -> str:
     """Set the current to zero for a process that is ended by force, and say so."""
     rig.safe()
+    confirm_zero(rig)
     return rig.shutdown_unconfirmed or AT_ZERO_TEXT.strip()
 
 
@@ -103,23 +102,11 @@ def _confirmed_shutdown(rig: Rig) -> Iterator[None]:
         if isinstance(error, Interrupted):
             raise RigFault(f"Run {error}. Its file is closed. {rig.shutdown_unconfirmed}") from None
         if isinstance(error, SmarigError):
-            error.args = (f"{str(error).removesuffix(AT_ZERO_TEXT)} {rig.shutdown_unconfirmed}",)
+            add_shutdown_text(error, rig.shutdown_unconfirmed)
         raise
     switch_off(rig)
     if rig.shutdown_unconfirmed:
         raise RigFault(f"{rig.shutdown_unconfirmed} The recorded data are complete.")
-
-
-def switch_off(rig: Rig, sleep: Callable[[float], None] = time.sleep) -> None:
-    """Set the current to zero. A source without a lease that does not confirm it is asked again: nothing else switches
-    it off.
-    """
-    rig.safe()
-    for _ in range(OFF_ATTEMPTS):
-        if not rig.shutdown_unconfirmed or getattr(rig, "has_lease", True):
-            return
-        sleep(OFF_PAUSE_S)
-        rig.safe()
 
 
 def required_links(file: RigFile) -> LinksFile:
@@ -133,6 +120,8 @@ def _open_bench(
     file: RigFile, actuator: Actuator, links: LinksFile, speed: float, open_: contextlib.ExitStack
 ) -> Bench:
     source = as_current_source(_open_instrument(links.amplifier, file, open_), links.amplifier.driver, file)
+    if source.has_lease:
+        check_lease(file, links)
     sensor = as_position_sensor(
         _open_instrument(links.encoder_daq, file, open_), links.encoder_daq.driver, file
     )

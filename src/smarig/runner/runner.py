@@ -11,17 +11,19 @@ from smarig.core import (
     Drive,
     Elapsed,
     Hold,
+    Interrupted,
     Mark,
     Protocol,
     Quality,
     Sample,
     Settled,
+    SmarigError,
     StepResult,
     StepVerdict,
     Waveform,
     Zero,
 )
-from smarig.rig import Guard
+from smarig.rig import Guard, add_shutdown_text
 from smarig.runner.absolute_zero import zero_data
 from smarig.runner.checked_generator import CheckedGenerator
 from smarig.runner.listener import Listener, StepStartListener, SuspectListener
@@ -57,13 +59,31 @@ class Runner:
     def run(self, protocol: Protocol) -> None:
         """Execute a protocol to its end. The rig is safe afterwards in every case."""
         checked_generator = CheckedGenerator(protocol, self.control)
+        fault: SmarigError | None = None
         try:
             answer: StepResult | Sample | None = None
             while (command := checked_generator.next(answer)) is not None:
                 answer = self._carry_out(command)
+        except Interrupted:  # claims nothing about the current
+            raise
+        except SmarigError as error:
+            fault = error
+            raise
         finally:
-            self.rig.safe()
-            checked_generator.close()
+            try:
+                self._switch_off(fault)
+            finally:
+                checked_generator.close()
+
+    def _switch_off(self, fault: SmarigError | None) -> None:
+        """Set the current to zero. One that is measured nevertheless is reported, and ``fault`` does not deny it."""
+        self.rig.safe()
+        still_on = self.rig.confirm_zero()
+        if not still_on:
+            return
+        if fault is not None:
+            add_shutdown_text(fault, still_on)
+        self._notify("still_on", still_on, level="error")
 
     def _carry_out(self, command: Command) -> StepResult | Sample | None:
         match command:

@@ -27,6 +27,7 @@ from smarig.device import LinkFault
 from smarig.plant import Actuator
 from smarig.runner import RE_ESTABLISH, Preview, RunControl, SettleWindow, end_severity
 
+_SILENT_S = 2.0  # without a sample, besides two ticks, until a device is said not to answer
 _MIN_OBSERVED_S = 2.0  # of observation, before the speed factor is computed
 
 
@@ -136,6 +137,7 @@ class RunStatus:
         self._control = control or RunControl()
         self._clock, self._started_s = clock, clock()
         self.last_sample: Sample | None = None
+        self._sampled_s = self._started_s  # by the host's clock
         self.input_K = 0.0
         self.command: Hold | Waveform | None = None
         self.finished = 0
@@ -157,6 +159,7 @@ class RunStatus:
         if self._first_s is None:
             self._first_s = s.t_s - self.run_info.period_s
         self.last_sample, self.input_K = s, input_value
+        self._sampled_s = self._clock()
         if self._control.paused:
             self._paused_ticks += 1
         else:
@@ -245,6 +248,16 @@ class RunStatus:
     def share(self) -> float:
         """The elapsed share of the expected duration, 0…1."""
         return 1 - self.left_s / self.run_info.duration_s if self.run_info.duration_s > 0 else 1.0
+
+    @property
+    def silent_s(self) -> float:
+        """Seconds since the last sample, if a device of a bench does not answer; else 0. Steps must be left to do."""
+        if self.last_sample is None or self.run_info.source != "bench" or self.ending is not None:
+            return 0.0
+        silent_s = self._clock() - self._sampled_s
+        late = silent_s > _SILENT_S + 2 * self.run_info.period_s
+        working = self.command is not None or self.finished + self.done_steps < self.run_info.steps
+        return silent_s if late and working else 0.0
 
     @property
     def speed_factor(self) -> float:

@@ -62,6 +62,15 @@ def test_one_reading_a_tick_and_none_before_it_comes(clock):
     )
 
 
+@pytest.mark.parametrize("absurd", [1e30, -1e30, math.inf, 2.0**53 * 0.002])
+def test_a_reading_larger_than_any_is_none(clock, absurd):
+    sensor = PolledPosition(Laser(3.0, absurd, 3.1), RIG, HostClock(RIG, clock))
+    for counts, quality in ((0, Quality.SUSPECT), (50, Quality.GOOD)):
+        clock.now += 0.1
+        (reading,) = sensor.since(1, 5)
+        assert (reading.counts, reading.quality) == (1500 + counts, quality)
+
+
 def test_a_simulated_device_runs_as_much_faster(clock):
     fast = ONE.model_copy(
         update={"simulator": load_rig("one_wire_serial").simulator.model_copy(update={"speed": 20.0})}

@@ -154,6 +154,25 @@ def test_a_query_on_a_cut_line_opens_it_again_and_is_asked_once_more(serve):
     supply.close()
 
 
+def test_a_reply_that_is_no_number_is_asked_once_more(serve, monkeypatch):
+    server = serve("rigol_dp800")
+    supply = visa_supply(link(server), RIG)
+    supply.arm()
+    supply.set_current(0.3)
+    replies, reply = ["ERR 42"], server._reply
+    measured = ("current", "voltage", "both")
+    monkeypatch.setattr(
+        server, "_reply", lambda action: replies.pop() if replies and action in measured else reply(action)
+    )
+    assert supply.measure().current_A == pytest.approx(0.3)
+    assert supply.line.repeats == 1
+    replies += ["ERR 42"] * 2
+    with pytest.raises(Garbled, match="answers 'ERR 42'"):
+        supply.measure()
+    supply.off()
+    supply.close()
+
+
 def test_another_device_at_the_same_address_is_refused(serve):
     server = serve("rigol_dp800")
     supply = visa_supply(link(server), RIG)

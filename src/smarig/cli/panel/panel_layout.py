@@ -129,6 +129,9 @@ def _state(status: RunStatus, plain: bool) -> Text:
         return _with_sign(status.ending.kind, f"{status.ending.word}:", plain).append(status.ending.text)
     if status.error is not None:
         return _with_sign("fault", "TRIP:", plain).append(status.error.text)
+    if silent_s := status.silent_s:
+        words = f"no sample for {silent_s:.0f} s, a device does not answer"
+        return _with_sign("invalid", "WAITING:", plain).append(words)
     if status.stopping:
         return _with_sign("stopped", "STOPPING:", plain).append("the current goes to zero")
     if status.paused:

@@ -61,7 +61,9 @@ class SourceAndSensor:
         self.has_lease = False  # whether it switches itself off when the host stops sending commands
         self.tripped = ""  # why it has switched itself off, as a sentence; "" if it has not
         self._on = False
-        line.write("OUTP OFF")  # first of all: a host that was killed may have left the output on
+        # First of all: a host that was killed may have left the output on. An instrument that acknowledges its commands
+        # needs line.ask("OUTP OFF", reads=False) here and wherever a command is written.
+        line.write("OUTP OFF")
         self.identity = line.identify()
         if self.identity.count(",") < 2:
             raise WrongDevice(f"The device at {line.where} answers '{self.identity}', not an SCPI identity.")
@@ -89,7 +91,8 @@ class SourceAndSensor:
         if not abs(accepted_A - current_A) <= 2e-3:  # also true for nan
             self.off()
             raise Garbled(
-                f"{self.line.where} set {accepted_A:g} A instead of {current_A:g} A. {Garbled.remedy}"
+                f"{self.line.where} set {accepted_A:g} A instead of {current_A:g} A. "
+                f"{Garbled.remedy_at(self.line.where)}"
             )
         self._on = True
 
@@ -100,7 +103,10 @@ class SourceAndSensor:
         return Electrical(self.line.number("MEAS:CURR?"), self.line.number("MEAS:VOLT?"))
 
     def off(self) -> str:
-        """Set the current to zero and verify it. Never raises; returns "", or a sentence if the reply is missing."""
+        """Set the current to zero and verify it. Never raises; returns "", or a sentence if the reply is missing.
+
+        An instrument without OUTP? confirms by CURR?, or else by the measured current.
+        """
         self._on = False
         for _ in range(2):  # the second time over a line that was found broken and is opened again
             with contextlib.suppress(Silent, Garbled):

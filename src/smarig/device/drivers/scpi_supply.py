@@ -55,7 +55,8 @@ class ScpiSupply:
         if not abs(taken - current_A) <= 2e-3:
             self.off()
             raise Garbled(
-                f"{self.where} accepted {taken:g} A instead of the commanded {current_A:g} A. {Garbled.remedy}"
+                f"{self.where} accepted {taken:g} A instead of the commanded {current_A:g} A. "
+                f"{Garbled.remedy_at(self.where)}"
             )
 
     def since(self, tick: int, at_most: int) -> list[CurrentReading]:
@@ -63,6 +64,10 @@ class ScpiSupply:
         current_A, voltage_V = self._line.number("MEAS:CURR?"), self._line.number("MEAS:VOLT?")
         marks = [Quality.STALE] * (at_most - 1) + [Quality.GOOD]
         return [CurrentReading(tick + k, current_A, voltage_V, NAN, mark) for k, mark in enumerate(marks)]
+
+    def measured_A(self) -> float:
+        """The current that is measured now."""
+        return self._line.number("MEAS:CURR?")
 
     def tick(self) -> int:
         """Always 0: it counts no ticks."""

@@ -140,6 +140,11 @@ class SmarigAmplifier(LineDevice):
         mark |= Quality.SUSPECT if self._contradiction else Quality.GOOD
         return [self._reading(first + k, record, mark) for k, record in enumerate(status.records)]
 
+    def measured_A(self) -> float:
+        """The current of the last tick; NaN if its record is not there."""
+        readings = self.since(self.tick(), 1)
+        return readings[-1].current_A if readings else math.nan
+
     def _reading(self, tick: int, record: tuple[int, ...], mark: Quality) -> CurrentReading:
         current, voltage, output, temperature, marks = (f.decode(raw) for f, raw in zip(self._fields, record))
         self._thermometer |= not math.isnan(temperature)

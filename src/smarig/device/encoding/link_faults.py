@@ -2,6 +2,8 @@
 
 from smarig.core import RigFault
 
+_NETWORK = ("tcp://", "socket://", "TCPIP")  # addresses that begin so, TCPIP in VISA
+
 
 class LinkFault(RigFault):
     """A fault of a link."""
@@ -17,6 +19,16 @@ class Garbled(LinkFault):
     """Bytes arrived, but no complete frame. Causes: noise, another baud rate, another device."""
 
     remedy = "Check baud rate and framing in the rig file, the shielding and the ground."
+    network_remedy = "Check its manual for the form of this reply, and whether another program uses it."
+
+    @classmethod
+    def remedy_at(cls, where: str) -> str:
+        """The remedy that fits an address: a network has no baud rate.
+
+        >>> Garbled.remedy_at("tcp://192.168.1.30:5025") == Garbled.network_remedy
+        True
+        """
+        return cls.network_remedy if where.startswith(_NETWORK) else cls.remedy
 
 
 class Stale(LinkFault):

@@ -39,14 +39,14 @@ class ModbusTcp:
             raise self._blamed(error) from None
         if reply.function_code & 0x7F != _function(exchange):
             raise Garbled(
-                f"{self.where}: a reply to function {reply.function_code & 0x7F} arrived. {Garbled.remedy}"
+                f"{self.where}: a reply to function {reply.function_code & 0x7F} arrived. {Garbled.network_remedy}"
             )
         if isinstance(reply, ExceptionResponse):
             return Refusal(reply.exception_code)
         words = list(reply.registers) if exchange.count else []
         if len(words) != exchange.count:
             raise Garbled(
-                f"{self.where}: received {len(words)} words instead of {exchange.count}. {Garbled.remedy}"
+                f"{self.where}: received {len(words)} words instead of {exchange.count}. {Garbled.network_remedy}"
             )
         return words
 
@@ -62,7 +62,9 @@ class ModbusTcp:
     def _blamed(self, error: Exception) -> Silent | Garbled:
         if isinstance(error, ModbusIOException) and UNANSWERED in str(error):
             return Silent(f"{self.where}: no reply within {self._timeout_s:g} s. {Silent.remedy}")
-        return Garbled(f"{self.where}: the reply is incomplete or the connection was cut. {Garbled.remedy}")
+        return Garbled(
+            f"{self.where}: the reply is incomplete or the connection was cut. {Garbled.network_remedy}"
+        )
 
     def _nobody(self) -> Silent:
         return Silent(f"{self.where}: the connection was not accepted. {Silent.remedy}")

@@ -1,4 +1,10 @@
-"""Tells from its form whether a line of text only reads, so that it may be sent once more when it is not answered."""
+"""The form of lines of text: which query may be sent once more, and which answer is a reading."""
+
+import math
+
+LARGEST = (
+    2.0**53
+)  # from here on a number no longer tells its units; 9.9E37 of SCPI means that there is no reading
 
 
 def only_reads(line: str) -> bool:
@@ -14,3 +20,16 @@ def only_reads(line: str) -> bool:
     if not words or ";" in line or not words[0].endswith("?"):
         return False
     return not words[0].startswith("*") or words[0].upper() == "*IDN?"
+
+
+def reading(answer: str) -> float:
+    """The number of an answer; NaN if it is none that a reading can be.
+
+    >>> [reading(answer) for answer in ("0.5", "ERR 42", "inf", "9.91E37", 30 * "9")]
+    [0.5, nan, nan, nan, nan]
+    """
+    try:
+        number = float(answer)
+    except ValueError:
+        return math.nan
+    return number if abs(number) < LARGEST else math.nan

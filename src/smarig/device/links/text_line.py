@@ -5,15 +5,17 @@ instrument's identity and discards everything before it. Answers come in the ord
 identities as were queried no earlier answer can follow. If an identity is lost, the line must first stay quiet for
 QUIET time-outs.
 
-A query that only reads and is not answered is asked once more. A command is never repeated: nobody knows whether it was
-carried out.
+A query that only reads is asked once more if it is not answered, or not by a reading. A command is never repeated:
+nobody knows whether it was carried out.
 """
 
 import math
+from collections.abc import Callable
+from typing import TypeVar
 
 from smarig.device.encoding.link_faults import Garbled, Silent
 from smarig.device.links.port_url import checked_url, close_port, error_of, send_at_once, unopened_port
-from smarig.device.links.query import only_reads
+from smarig.device.links.query import only_reads, reading
 from smarig.device.links.serial_port import PORT_ERRORS
 
 QUIET = 8  # time-outs without a reply after which no answer can follow
@@ -23,10 +25,12 @@ SECOND_WAIT = (
 TRIES = 3  # queries of the identity on a line that still answers
 LATE_LINES = 32  # largest number of lines discarded for one query
 LONGEST = 256  # bytes of an answer
+_T = TypeVar("_T")
 
 
 class TextLine:
-    """Call ``identify`` first. ``who``: the query that every such instrument answers with its name, not a number.
+    """The instrument is identified before anything else is asked. ``who``: the query that every such instrument answers
+    with its name, not a number.
 
     ``url``: a serial port, tcp://HOST:PORT or rfc2217://HOST:PORT. ``repeats`` counts the queries asked once more,
     ``reconnections`` the times when a broken line was opened again.
@@ -53,11 +57,11 @@ class TextLine:
         self.write(self._who)
         for _ in range(LATE_LINES):
             answer = self._answer(self._who)
-            if math.isnan(_number(answer)):
+            if not _is_number(answer):
                 self.identity, self._late = answer, False
                 return answer
         raise Garbled(
-            f"{self.where} answers {self._who} with numbers instead of its identity. {Garbled.remedy}"
+            f"{self.where} answers {self._who} with numbers instead of its identity. {Garbled.remedy_at(self.where)}"
         )
 
     def write(self, text: str) -> None:
@@ -76,26 +80,33 @@ class TextLine:
         ``reads``: whether the instrument may be asked again, because the query changes nothing in it. By default its
         form tells: one word with a question mark at its end, and perhaps arguments (``MEAS:CURR? (@1)``).
         """
+        return self._query_twice(question, reads, str)
+
+    def number(self, question: str, *, reads: bool | None = None) -> float:
+        """The answer as a number. Raises Garbled if it is not the number of a reading, twice."""
+        return self._query_twice(question, reads, lambda answer: self._reading(question, answer))
+
+    def _query_twice(self, question: str, reads: bool | None, meaning: Callable[[str], _T]) -> _T:
+        """What the answer means, asked once more if there is none or it means nothing."""
         self._make_ready(QUIET)
         try:
-            return self._exchange(question)
-        except Silent as unanswered:
+            return meaning(self._exchange(question))
+        except (Silent, Garbled) as fault:
             if not (only_reads(question) if reads is None else reads):
                 raise
             try:
                 self._make_ready(SECOND_WAIT)
             except Silent:
-                raise unanswered from None
+                raise fault from None
         self.repeats += 1
-        return self._exchange(question)
+        return meaning(self._exchange(question))
 
-    def number(self, question: str, *, reads: bool | None = None) -> float:
-        """The answer as a number. Raises Garbled if it is not a number."""
-        answer = self.ask(question, reads=reads)
-        if math.isfinite(number := _number(answer)):
-            return number
-        self._late = True
-        raise Garbled(f"{self.where} answers '{answer}' to {question}. {Garbled.remedy}")
+    def _reading(self, question: str, answer: str) -> float:
+        number = reading(answer)
+        if math.isnan(number):
+            self._late = True  # it may be the answer to another query
+            raise Garbled(f"{self.where} answers '{answer}' to {question}. {Garbled.remedy_at(self.where)}")
+        return number
 
     def close(self) -> None:
         """Close the port. Never raises."""
@@ -104,6 +115,8 @@ class TextLine:
 
     def _make_ready(self, timeouts: int) -> None:
         """Nothing that was asked before can be taken for the next answer. A line found broken is opened again."""
+        if not self.identity:
+            self.identify()
         try:
             if self._late or self._unasked():
                 self._resynchronise(timeouts)
@@ -120,7 +133,9 @@ class TextLine:
             if answer != self.identity:
                 self._late = False
                 return answer
-        raise Garbled(f"{self.where} answers {question} only with its identity. {Garbled.remedy}")
+        raise Garbled(
+            f"{self.where} answers {question} only with its identity. {Garbled.remedy_at(self.where)}"
+        )
 
     def _resynchronise(self, timeouts: int) -> None:
         """Query the identity until every such query is answered or certainly lost, which takes QUIET time-outs."""
@@ -187,9 +202,9 @@ class TextLine:
         return Silent(f"{self.where} cannot be read: {error}. {Silent.remedy}")
 
 
-def _number(text: str) -> float:
-    """The number, or NaN."""
+def _is_number(text: str) -> bool:
     try:
-        return float(text)
+        float(text)
     except ValueError:
-        return math.nan
+        return False
+    return True

@@ -1,14 +1,15 @@
 """A line to an instrument by VISA: USB-TMC, LAN, GPIB or serial, through PyVISA (extra ``visa``).
 
 An answer does not identify its query. After anything went wrong the session is closed, opened again and identified, so
-that a late answer of the old session is never taken for another. A query that only reads and is not answered is asked
-once more, a command never.
+that a late answer of the old session is never taken for another. A query that only reads is asked once more if
+it is not answered, or not by a number; a command never.
 """
 
 import contextlib
 import re
 import socket
-from typing import Any
+from collections.abc import Callable
+from typing import Any, TypeVar
 
 from smarig.core import MissingExtra, UsageError, error_text
 from smarig.device.encoding.link_faults import Garbled, Silent, WrongDevice
@@ -16,6 +17,7 @@ from smarig.device.links.query import only_reads
 
 _NUMBER = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)")
 _IDENTITY = "*IDN?"
+_T = TypeVar("_T")
 
 
 class VisaLine:
@@ -48,28 +50,34 @@ class VisaLine:
 
     def ask(self, question: str, *, reads: bool | None = None) -> str:
         """The answer to a query. ``reads``: whether it may be asked again; by default its form tells (only_reads)."""
+        return self._query_twice(question, reads, str)
+
+    def number(self, question: str, *, reads: bool | None = None) -> float:
+        """The first number of the answer; a unit after it is ignored. Raises Garbled without one, twice."""
+        return self.numbers(question, reads=reads)[0]
+
+    def numbers(self, question: str, *, reads: bool | None = None) -> list[float]:
+        """All numbers of an answer, which commas separate. Raises Garbled if one is none, twice."""
+        return self._query_twice(question, reads, lambda answer: self._readings(question, answer))
+
+    def _query_twice(self, question: str, reads: bool | None, meaning: Callable[[str], _T]) -> _T:
+        """What the answer means, asked once more if there is none or it means nothing."""
         self._usable()
         try:
-            return self._query(question)
-        except Silent:
+            return meaning(self._query(question))
+        except (Silent, Garbled):
             if not (only_reads(question) if reads is None else reads):
                 raise
         self._usable()
         self.repeats += 1
-        return self._query(question)
+        return meaning(self._query(question))
 
-    def number(self, question: str, *, reads: bool | None = None) -> float:
-        """The first number of the answer; a unit after it is ignored. Raises Garbled without one."""
-        return self.numbers(question, reads=reads)[0]
-
-    def numbers(self, question: str, *, reads: bool | None = None) -> list[float]:
-        """All numbers of an answer, which commas separate. Raises Garbled if one is none."""
-        answer = self.ask(question, reads=reads)
+    def _readings(self, question: str, answer: str) -> list[float]:
         found = [_NUMBER.match(part) for part in answer.split(",")]
         numbers = [float(part.group(1)) for part in found if part]
         if not numbers or len(numbers) < len(found):
             self._drop()
-            raise Garbled(f"{self.where} answers '{answer}' to {question}. {Garbled.remedy}")
+            raise Garbled(f"{self.where} answers '{answer}' to {question}. {Garbled.remedy_at(self.where)}")
         return numbers
 
     def close(self) -> None:

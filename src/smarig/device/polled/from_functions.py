@@ -14,6 +14,7 @@ import numpy as np
 
 from smarig.core import NAN, UsageError, error_text
 from smarig.device.encoding.link_faults import Garbled, LinkFault, Silent
+from smarig.device.polled.line_counts import garbled_remedy
 from smarig.device.roles.polled import Electrical
 
 _T = TypeVar("_T")
@@ -83,7 +84,7 @@ class FunctionOutput:
             if not abs(taken_A - current_A) <= _TOLERANCE_A:
                 self.off()
                 raise Garbled(
-                    f"{self.identity} set {taken_A:g} A instead of {current_A:g} A. {Garbled.remedy}"
+                    f"{self.identity} set {taken_A:g} A instead of {current_A:g} A. {garbled_remedy(self)}"
                 )
 
     def measure(self) -> Electrical:

@@ -1,6 +1,8 @@
-"""What the line of a queried instrument counts: its attribute ``line`` (TextLine, VisaLine), if it has one."""
+"""What the line of a queried instrument tells: its attribute ``line`` (TextLine, VisaLine), if it has one."""
 
 from typing import Any
+
+from smarig.device.encoding.link_faults import Garbled
 
 
 def repeats_of(instrument: Any) -> int:
@@ -12,3 +14,8 @@ def reconnections_of(instrument: Any) -> int:
     """How often the line was lost and opened again; an instrument may count that itself."""
     of_line = getattr(getattr(instrument, "line", None), "reconnections", 0)
     return int(getattr(instrument, "reconnections", of_line))
+
+
+def garbled_remedy(instrument: Any) -> str:
+    """The remedy for garbled replies that fits the line of an instrument."""
+    return Garbled.remedy_at(str(getattr(getattr(instrument, "line", None), "where", "")))

@@ -5,8 +5,9 @@ import math
 from smarig.config import RigFile
 from smarig.core import NAN, ConfigError, Quality
 from smarig.device.encoding.link_faults import Garbled
+from smarig.device.links.query import LARGEST
 from smarig.device.polled.host_clock import HostClock
-from smarig.device.polled.line_counts import reconnections_of, repeats_of
+from smarig.device.polled.line_counts import garbled_remedy, reconnections_of, repeats_of
 from smarig.device.roles.polled import PositionInput, TemperatureInput
 from smarig.device.roles.ticked import AbsoluteZero, PositionReading
 from smarig.plant import Actuator
@@ -42,7 +43,7 @@ class PolledPosition:
                 break
         else:
             raise Garbled(
-                f"{sensor.identity} gives no position. Check that its target is in range. {Garbled.remedy}"
+                f"{sensor.identity} gives no position. Check that its target is in range. {garbled_remedy(sensor)}"
             )
 
     @property
@@ -92,7 +93,9 @@ class PolledPosition:
     def zero(self) -> None:
         """Count from the present position on."""
         if not self._update():
-            raise Garbled(f"{self.sensor.identity} gives no position to start from. {Garbled.remedy}")
+            raise Garbled(
+                f"{self.sensor.identity} gives no position to start from. {garbled_remedy(self.sensor)}"
+            )
         self._zero = self._raw
 
     def close(self) -> None:
@@ -102,16 +105,18 @@ class PolledPosition:
             self._room.close()
 
     def _update(self) -> bool:
-        """Read; a reading that does not exist keeps the last one. Raises Garbled after ``LONGEST_GAP_S`` of them."""
-        position = self.sensor.position()
-        if math.isfinite(position):
-            self._raw, self._missing = round(position / self._per_count), 0
+        """Read; a reading that does not exist or is larger than any keeps the last one. Raises Garbled after
+        ``LONGEST_GAP_S`` of them.
+        """
+        counts = self.sensor.position() / self._per_count
+        if abs(counts) < LARGEST:  # false for NaN
+            self._raw, self._missing = round(counts), 0
             return True
         self._missing += 1
         if self._missing > self._gap:
             raise Garbled(
                 f"{self.sensor.identity} has given no position for {LONGEST_GAP_S:g} s. Check that its target is in "
-                f"range. {Garbled.remedy}"
+                f"range. {garbled_remedy(self.sensor)}"
             )
         return False
 

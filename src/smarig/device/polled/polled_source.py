@@ -5,7 +5,7 @@ from typing import Literal
 
 from smarig.core import Quality, UsageError
 from smarig.device.encoding.link_faults import Garbled
-from smarig.device.polled.line_counts import reconnections_of, repeats_of
+from smarig.device.polled.line_counts import garbled_remedy, reconnections_of, repeats_of
 from smarig.device.roles.polled import CurrentOutput
 from smarig.device.roles.ticked import CurrentReading
 
@@ -76,12 +76,18 @@ class PolledSource:
             for k, mark in enumerate(marks)
         ]
 
+    def measured_A(self) -> float:
+        """The current that is measured now. It neither arms the output nor counts as its first tick."""
+        return self.output.measure().current_A
+
     def _arm_again(self) -> None:
         had_lease, self._waits = self.has_lease, ""
         self.output.arm()
         if had_lease and not self.has_lease:  # the limits in force are those of a rig with one
             self.off()
-            raise Garbled(f"The lease of {self.identity} could not be armed again. {Garbled.remedy}")
+            raise Garbled(
+                f"The lease of {self.identity} could not be armed again. {garbled_remedy(self.output)}"
+            )
 
     def tick(self) -> int:
         """Always 0: it counts none."""

@@ -41,6 +41,9 @@ class CurrentSource(Protocol):
     One that measures the wire temperature may limit it itself: ``holds_wire_limit`` says whether it can, and
     ``limit_wire_temperature(largest_degC)`` is called before each current that is set. ``lacks_wire_limit``: whether it
     is armed without that limit, because its thermometer gave its first reading later; it is then armed again.
+
+    ``measured_A()`` of one that has it measures the current now, without renewing an order: at the end of a run, the
+    bench confirms by it that the output has followed ``off``.
     """
 
     @property

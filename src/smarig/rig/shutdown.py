@@ -1,0 +1,55 @@
+"""The end of a rig's operation: the current is set to zero, and what a source does not confirm is said."""
+
+import contextlib
+import time
+from collections.abc import Callable
+from typing import Any
+
+from smarig.core import SmarigError
+from smarig.rig.electrical_plausibility import IN_A_ROW
+from smarig.rig.rig import Rig
+
+AT_ZERO_TEXT = " The current is at zero."  # removed from an error if the shutdown is not confirmed
+OFF_ATTEMPTS, OFF_PAUSE_S = 5, 0.2  # more, to switch off a source that has no lease and did not confirm
+
+
+def switch_off(rig: Rig, sleep: Callable[[float], None] = time.sleep) -> None:
+    """Set the current to zero. A source without a lease that does not confirm it is asked again: nothing else switches
+    it off. One that confirms it is then measured, if it measures.
+    """
+    rig.safe()
+    for _ in range(OFF_ATTEMPTS):
+        if not rig.shutdown_unconfirmed or getattr(rig, "has_lease", True):
+            break
+        sleep(OFF_PAUSE_S)
+        rig.safe()
+    confirm_zero(rig)
+
+
+def confirm_zero(rig: Any) -> str:
+    """After ``safe``: the sentence of a rig that still measures a current; "" if none flows or it does not measure."""
+    return rig.confirm_zero() if hasattr(rig, "confirm_zero") else ""
+
+
+def add_shutdown_text(error: SmarigError, unconfirmed: str) -> None:
+    """Replace the claim of zero current in an error by what is not confirmed. Idempotent."""
+    text = str(error).removesuffix(AT_ZERO_TEXT)
+    error.args = (text if unconfirmed in text else f"{text} {unconfirmed}",)
+
+
+def current_after_off(source: Any, tolerance_A: float, pause: Callable[[], None]) -> float:
+    """The current in A that a source still measures after it was switched off; 0 if it is zero or does not measure.
+
+    The output needs time to fall, and a single reading may be wrong: only what is above the tolerance in one reading
+    and in ``IN_A_ROW`` more counts, with a pause and another order of zero before each.
+    """
+    flows_A = 0.0
+    with contextlib.suppress(Exception):  # whatever a driver raises: the source has confirmed that it is off
+        flows_A = float(source.measured_A())
+        for _ in range(IN_A_ROW):
+            if not abs(flows_A) > tolerance_A:
+                return 0.0
+            source.off()
+            pause()
+            flows_A = float(source.measured_A())
+    return flows_A if abs(flows_A) > tolerance_A else 0.0

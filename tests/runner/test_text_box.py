@@ -1,0 +1,139 @@
+"""A box on a text line: an output that sticks while its set-point and its state obey; its lease."""
+
+import pytest
+
+import smarig
+from simulators.text_bench import TextBench
+from simulators.text_instrument import SimulatedBox
+from smarig.cli import run as cli
+from smarig.config import load_rig
+from smarig.core import ConfigError, Elapsed, Hold, Interrupted, LimitExceeded, RigFault, Severity
+from smarig.core.catalogue import own_files
+from smarig.record import check_run
+from smarig.rig import TwinSettings
+from smarig.runner.listener import CallbackListener
+from smarig.runner.session import Session
+
+SPEED = 20.0
+FLOWS_A = 0.3
+SAYS = "0.3 A is still measured: switch it off by hand now."
+RIG = """
+name = "sticks"
+base = "bench_one_wire"
+wire = "sticks"
+period_s = 0.5
+lease_s = 60.0
+[links.amplifier]
+driver = "./sticking.py"
+framing = "lines"
+url = ""
+[links.encoder_daq]
+driver = "./sticking.py"
+framing = "lines"
+url = ""
+[encoder]
+resolution = 0.002
+[simulator]
+devices = "text"
+speed = 20.0
+"""
+
+
+class Sticks(SimulatedBox):
+    """What flows when ``stuck`` becomes true flows on, whatever is ordered and confirmed."""
+
+    stuck = False
+    _flowed_A = 0.0
+
+    @property
+    def flows_A(self) -> float:
+        if not self.stuck:
+            self._flowed_A = super().flows_A
+        return self._flowed_A
+
+
+@pytest.fixture
+def bench(tmp_path, monkeypatch, capsys):
+    """The box on its wire, and the rig file that reaches it."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path / "data"))
+    assert cli(["new", "driver", "sticking"]) == 0
+    rig = tmp_path / "sticks.toml"
+    rig.write_text(RIG)
+    monkeypatch.setattr("simulators.text_bench.SimulatedBox", Sticks)
+    bench = TextBench(load_rig(str(rig)), TwinSettings(), SPEED)
+    rig.write_text(RIG.replace('url = ""', f'url = "{bench.urls["amplifier"]}"') + "start = false\n")
+    with own_files():
+        yield bench.box, rig
+    bench.close()
+
+
+def held(_setup):
+    yield Hold(FLOWS_A, Elapsed(5.0))
+
+
+def sticking_run(bench, out, error):
+    """A session in which the output sticks with the sixth sample, which this error then ends."""
+    box, rig = bench
+    samples = []
+
+    def watch(sample, _step, _input_K):
+        samples.append(sample)
+        if len(samples) == 6:
+            box.stuck = True
+            if error is not None:
+                raise error
+
+    with Session(str(rig)) as session:
+        session.run("held", {}, out, listeners=[CallbackListener(on_sample=watch)], protocol_factory=held)
+
+
+@pytest.mark.parametrize(
+    ("error", "says", "cause"),
+    [
+        (None, f"{SAYS} The recorded data are complete.", "done"),
+        (
+            Interrupted("interrupted by the keyboard (Ctrl-C)"),
+            f"Run interrupted by the keyboard (Ctrl-C). Its file is closed. {SAYS}",
+            "interrupted by the keyboard (Ctrl-C)",
+        ),
+        (LimitExceeded("Too hot. The current is at zero."), f"Too hot. {SAYS}", f"stopped: Too hot. {SAYS}"),
+    ],
+    ids=["done", "Ctrl-C", "trip"],
+)
+def test_a_current_that_flows_on_is_said_and_recorded(bench, tmp_path, error, says, cause):
+    out = tmp_path / "r.run.sqlite"
+    with pytest.raises(RigFault) as raised:
+        sticking_run(bench, out, error)
+    run = smarig.load_run(out)
+    assert str(raised.value) == says
+    assert raised.value.exit_status == 3
+    assert run.cause == cause
+    (event,) = [e for e in run.events if e.kind == "still_on"]
+    assert event.text == SAYS
+    assert event.severity == Severity.INVALID
+    assert not any("at zero" in sentence for sentence in check_run(out).sentences())
+
+
+def test_a_current_that_ends_is_at_zero(bench, tmp_path):
+    box, rig = bench
+    with Session(str(rig)) as session:
+        session.run("held", {}, tmp_path / "r.run.sqlite", protocol_factory=held)
+    run = smarig.load_run(tmp_path / "r.run.sqlite")
+    assert run["current_A"].max() == pytest.approx(FLOWS_A)
+    assert (run.cause, [e for e in run.events if e.kind == "still_on"]) == ("done", [])
+    assert box.flows_A == 0.0
+
+
+@pytest.mark.parametrize("has_lease", [True, False])
+def test_only_a_box_with_a_lease_is_refused_because_of_it(bench, has_lease):
+    _, rig = bench
+    rig.write_text(rig.read_text().replace("lease_s = 60.0", "lease_s = 0.9"))
+    driver = rig.with_name("sticking.py")
+    if not has_lease:
+        driver.write_text(driver.read_text().replace('self.line.number("SYST:WDOG?")', "-1.0"))
+        with Session(str(rig)) as session:
+            assert not session.has_lease
+        return
+    with pytest.raises(ConfigError, match=r"period_s = 0.5 is too long for lease_s = 0.9"), Session(str(rig)):
+        pass
