@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from replay.sittings import LISTED, LONG, session_runs, twin_plant_model
+from smarig.diagnosis.comparison.commanded.commanded_comparison import _worse
 from smarig.diagnosis.held_out_gain import HeldOutGain, held_out_gain
 from smarig.diagnosis.refit.density_prior import density_prior
 from smarig.diagnosis.refit.memory_noise import memory_covariance, memory_slopes
@@ -193,3 +194,13 @@ def test_the_floor_rises_with_what_is_left_open_of_the_density(walked):
     zero = 0.01 * np.sqrt(1 + 1 / len(train.settled))  # is met on the training runs, with their own noise
     assert floors[0] == pytest.approx(zero, rel=1e-3)
     assert zero < floors[1] < floors[2]
+
+
+def test_an_extended_model_is_no_better_if_settled_points_are_missed_by_more():
+    """By its weights it is better: a reading that the training runs cannot predict counts little there."""
+    base, extended = np.array([1.0, 1.0, 1.0, 1.0]), np.array([0.5, 0.5, 0.5, 3.0])
+    weight = np.array([1.0, 1.0, 1.0, 0.01])
+    found = HeldOutGain(base, extended, np.arange(4), 0.1, weight)
+    assert found.extended < found.base
+    assert _worse(found)
+    assert not _worse(HeldOutGain(base, extended, np.arange(4), 0.1, weight, settled=np.arange(4) < 3))
