@@ -21,6 +21,7 @@ from smarig.plant import Actuator, load_of
 from smarig.preisach import thesis_surface
 from smarig.rig.channel import ChannelCheck
 from smarig.rig.direction import Direction
+from smarig.rig.least_motion import LeastMotion
 from smarig.rig.rig import Alarm
 from smarig.rig.wire_bounds import WireBounds
 
@@ -89,6 +90,9 @@ class ChannelChecks:
         step = max(COUNT_STEP * self._stroke, LEAST_STEP_COUNTS)
         # the file states the noise of a simulated encoder; that of others is not known
         flickers = readings.noise and rig.encoder.noise_counts >= FLICKERS_COUNTS and is_simulated(rig)
+        # the models of Brinson's wire do not enclose other time constants; the tolerance of the zero stands for them
+        margin = step if actuator.file.thermomechanical is None else 2 * zero * self._stroke
+        self._motion = LeastMotion(margin)
         self._position = ChannelCheck(
             zero * self._stroke,
             step,
@@ -96,6 +100,7 @@ class ChannelChecks:
             counter=readings.counter,
             kinds=self._bounds.kinds,
             flickers=flickers,
+            motion=self._motion,
         )
         self._direction = Direction(
             self._bounds.counts_per_K, self._bounds.temperature.least_K, zero * self._stroke, self._bounds.lag
@@ -147,8 +152,10 @@ class ChannelChecks:
         self._position.widen(self._drift_per_K * kelvin)
         found: list[Alarm] = []
         if self._position_known:
-            if self._bounds.positions is not None:
+            beat = self._bounds.positions is not None
+            if beat:
                 self._direction.add(self._bounds.temperature, s.counts)
+            self._motion.add(s.counts, self._bounds.like_positions if beat else None, ticks)
             found += self._of("position", s.counts, self._bounds.positions, counts, s.tick, ticks, input_K)
         self._steady = self._steady + ticks if s.current_command_A == self._command_A else 0
         self._command_A = s.current_command_A
