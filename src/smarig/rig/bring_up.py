@@ -5,9 +5,10 @@ The checks move the wire gently in small steps of current, test the lease and en
 
 import contextlib
 import math
-from collections.abc import Callable, Iterator
+from collections import deque
+from collections.abc import Callable, Iterator, Sequence
 from itertools import chain, takewhile
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
 import numpy as np
 
@@ -24,7 +25,8 @@ from smarig.rig.response import MIN_TRAVEL, MOTION_MARGIN
 from smarig.rig.rig import Rig
 from smarig.rig.stress_limit import stress_limit
 
-MIN_MOTION_COUNTS = 5  # more than noise
+MIN_MOTION_COUNTS = 5  # of the model: less is no motion
+READINGS = 10  # compared, at rest and at the end of a step
 CURRENT_STEPS = 20  # from zero to the current limit
 STEP_TAUS = 1.5  # time constants per step
 COOL_TAUS = 5.0
@@ -132,14 +134,15 @@ def _heating_checks(
     tau_ticks = max(1, round(actuator.tau_s / file.period_s))
     model = _MotionModel(actuator, file, sign)
     largest_A = file.limits.current_max_A if sign > 0 else file.limits.current_min_A
-    begin = _last_sample(guard, 0.0, 1).counts
-    sample, command_A, moved = _last_sample(guard, 0.0, 1), 0.0, 0
+    rest = _last_samples(guard, 0.0, READINGS)
+    sample, command_A, motion = rest[-1], 0.0, _motion(rest, rest, sign)
     for k in range(1, CURRENT_STEPS + 1):
         command_A = largest_A * k / CURRENT_STEPS
-        sample = _last_sample(guard, command_A, round(STEP_TAUS * tau_ticks))
-        moved = sample.counts - begin
-        on_progress(f"    {command_A:+.2f} A: {moved:+d} counts, {guard.input_K:+.0f} K (heating model)")
-        if not _follows_command(sample, command_A, file) or model.has_shown(sign * moved, guard.input_K):
+        heated = _last_samples(guard, command_A, round(STEP_TAUS * tau_ticks))
+        sample, motion = heated[-1], _motion(rest, heated, sign)
+        counts = f"{sign * motion.heated_by:+d} counts"
+        on_progress(f"    {command_A:+.2f} A: {counts}, {guard.input_K:+.0f} K (heating model)")
+        if not _follows_command(sample, command_A, file) or model.has_shown(motion, guard.input_K):
             break
     how = "(last reading, no new one)" if sample.quality & Quality.STALE else "measured"
     wire = ", wire 2" if sign < 0 else ""
@@ -148,10 +151,29 @@ def _heating_checks(
     yield Check(f"read-back{wire}", follows, comparison if follows else f"{comparison}; {_READ_BACK_REMEDY}")
     expected = ExpectedResistance(actuator, file.limits.resistance_tolerance)
     yield _resistance(sample, expected, guard.input_K)._replace(name=f"resistance{wire}")
-    where = f"{moved:+d} counts at {command_A:.2f} A, {guard.input_K:.0f} K (heating model)"
-    yield model.direction(sign * moved, where)._replace(name=f"encoder direction{wire}")
-    yield model.scale(sign * moved, guard.input_K)._replace(name=f"encoder scale{wire}")
+    where = f"{sign * motion.heated_by:+d} counts at {command_A:.2f} A, {guard.input_K:.0f} K (heating model)"
+    direction = model.direction(motion, where)._replace(name=f"encoder direction{wire}")
+    scale = model.scale(motion, guard.input_K)._replace(name=f"encoder scale{wire}")
+    # counts of a wrong unit tell no direction
+    yield from (direction, scale) if scale.passed else (scale, direction)
     _last_sample(guard, 0.0, round(COOL_TAUS * tau_ticks))
+
+
+class _Motion(NamedTuple):
+    """How readings differ from those at rest."""
+
+    heated_by: int
+    """Counts between their medians, in the direction of heating."""
+    clear: bool
+    """Whether none of them is among those at rest: more than noise."""
+    noise: int
+    """Counts between the largest and the smallest reading at rest."""
+
+
+def _motion(rest: Sequence[Sample], heated: Sequence[Sample], sign: int) -> _Motion:
+    before, after = sorted(s.counts for s in rest), sorted(s.counts for s in heated)
+    moved = after[len(after) // 2] - before[len(before) // 2]
+    return _Motion(sign * moved, after[0] > before[-1] or after[-1] < before[0], before[-1] - before[0])
 
 
 class _MotionModel:
@@ -178,27 +200,34 @@ class _MotionModel:
         """The motion of the model."""
         return float(np.interp(abs(input_K), self._inputs_K, self._counts))
 
-    def has_shown(self, moved: int, input_K: float) -> bool:
+    def has_shown(self, motion: _Motion, input_K: float) -> bool:
         """Whether more heat would tell nothing more: a motion that can be compared, or one that is wrong already."""
-        by_model = self.at(input_K)
+        by_model, moved = self.at(input_K), motion.heated_by
         enough = moved >= self._least and by_model >= self._compared
-        wrong = moved <= -self._least or moved > self._largest
-        return enough or wrong or by_model >= self._certain
+        backwards = moved <= -self._least and by_model >= self._least
+        wrong = backwards or abs(moved) > self._largest
+        return (motion.clear and (enough or wrong)) or by_model >= self._certain
 
-    def direction(self, moved: int, where: str) -> Check:
+    def direction(self, motion: _Motion, where: str) -> Check:
         """Whether the wire has moved, as heating moves it."""
         observed = f"{where}; heating must {'decrease' if self._sign < 0 else 'increase'} the counts"
-        if moved <= -self._least:
+        passed = motion.clear and motion.heated_by >= self._least
+        if motion.clear and motion.heated_by <= -self._least:
             observed += f"; {_DIRECTION_REMEDY}"
-        elif moved < self._least:
-            observed += f"; {_MOTION_REMEDY}"
-        return Check("encoder direction", moved >= self._least, observed)
+        elif not passed:
+            noise = (
+                f"; the readings at rest differ by {motion.noise}"
+                if not motion.clear and motion.noise
+                else ""
+            )
+            observed += f"{noise}; {_MOTION_REMEDY}"
+        return Check("encoder direction", passed, observed)
 
-    def scale(self, moved: int, input_K: float) -> Check:
-        """Whether the wire has moved no more than ``MOTION_MARGIN`` times what its model has."""
+    def scale(self, motion: _Motion, input_K: float) -> Check:
+        """Whether the wire has moved no more than ``MOTION_MARGIN`` times what its model has, in any direction."""
         largest = MOTION_MARGIN * max(self.at(input_K), MIN_MOTION_COUNTS)
-        observed = f"{moved} counts, {self.at(input_K):.0f} by the model of the wire"
-        passed = moved <= largest
+        observed = f"{motion.heated_by} counts, {self.at(input_K):.0f} by the model of the wire"
+        passed = not motion.clear or abs(motion.heated_by) <= largest
         return Check("encoder scale", passed, observed if passed else f"{observed}; {_SCALE_REMEDY}")
 
 
@@ -262,12 +291,16 @@ def _tripped(sample: Sample) -> bool:
 
 def _last_sample(guard: Guard, current_A: float, ticks: int) -> Sample:
     """The last sample after a number of ticks at a current."""
-    sample: Sample | None = None
+    return _last_samples(guard, current_A, ticks)[-1]
+
+
+def _last_samples(guard: Guard, current_A: float, ticks: int) -> list[Sample]:
+    """The last samples of a number of ticks at a current: ``READINGS`` of them, or as many as there are."""
+    samples: deque[Sample] = deque(maxlen=READINGS)
     left = max(1, ticks)
     while left > 0:
         arrived = guard.step(current_A, left)
         guard.raise_if_tripped()
         left -= len(arrived)
-        sample = arrived[-1][0]
-    assert sample is not None  # noqa: S101 - at least one tick passed
-    return sample
+        samples.extend(sample for sample, _ in arrived)
+    return list(samples)
