@@ -140,7 +140,7 @@ class ChannelCheck:
         """``moves``: whether a reading must move with the prediction; the resistance of a wire may stay as it is.
         ``motion``: what every wire has moved since the reading last changed.
         """
-        self._one_jump = math.inf if counter else ONE_JUMP
+        self._one_jump, self._late = math.inf if counter else ONE_JUMP, not counter
         self.tolerance, self._step, self._period_s = tolerance, step, period_s
         self._kinds = [WireKind() for _ in range(kinds)]
         self.flicker, self._moves, self.motion = Flicker(flickers=flickers), moves, motion
@@ -178,7 +178,7 @@ class ChannelCheck:
         self._tick += ticks
         if self._evidence > 0.0:
             self._evidence = max(0.0, self._evidence - FADE_PER_S * elapsed_s)
-        excess = self._excess(value, rate)
+        excess = self._excess(value, rate, ticks)
         if bounds is not None:
             self._compare(value, bounds)
         unmoved = self.motion is not None and self.motion.unmoved
@@ -230,7 +230,7 @@ class ChannelCheck:
         else:
             self._still = _all_moved(then, bounds, 2 * self.tolerance)
 
-    def _excess(self, value: float, rate: float) -> float:
+    def _excess(self, value: float, rate: float, ticks: int) -> float:
         """By how much the reading has changed more than it can; adds the evidence."""
         change = 0.0 if self._last is None else value - self._last
         self._last, moved = value, abs(change)
@@ -238,7 +238,10 @@ class ChannelCheck:
         self.flicker.add(value)
         # a reading that is repeated until the next query may then change by what has gathered
         gathers = moved == 0.0 and self.flicker.run < HELD
-        self._allowed = self._allowed + rate if gathers else 0.0
+        if self._late and ticks > 1:  # a late reply may show an earlier moment
+            self._allowed = max(0.0, self._allowed + rate - moved)
+        else:
+            self._allowed = self._allowed + rate if gathers else 0.0
         if excess > 0:
             self.jump = change
             self._evidence += min(abs(moved - self._speed) / self.tolerance, self._one_jump)

@@ -65,6 +65,8 @@ class RigReadings:
     """Whether simulated instruments have the noise of the rig file."""
     counter: bool = True
     """Whether positions are counts at the ticks of a device; else each is a reading of its own, as late as the host."""
+    absolute: bool = False
+    """Whether the zero of the position is that of the sensor, so that a wrong reading leaves those after it right."""
 
 
 AS_IN_FILES = RigReadings()
@@ -125,7 +127,7 @@ class ChannelChecks:
         self._largest_A = max(limits.current_max_A, -limits.current_min_A)
         self._min_A = MIN_SHARE * self._largest_A
         self._one_wire = not actuator.two_wire
-        self._wire_known = readings.own_wire
+        self._wire_known, self._absolute = readings.own_wire, readings.absolute
         self._position_known = readings.own_wire and (load is None or not load.changes)
         self._ticks, self._may_change_K = 0, 0.0  # since the last sample
         self._electrical_ticks, self._electrical_share = 0, 0.0  # since the last beat
@@ -239,7 +241,8 @@ class ChannelChecks:
             return [Alarm("error", channel.fault, self._text(name, channel), doubtful_from)]
         if channel.jump and tick >= self._warn_from:
             self._warn_from = tick + self._warn_ticks
-            text = f"{self._jump_text(name, channel)} Readings from here on may be off by as much."
+            which = "Readings from here on" if name == "position" and not self._absolute else "This reading"
+            text = f"{self._jump_text(name, channel)} {which} may be off by as much."
             return [Alarm("warning", "jump", text)]
         return []
 
