@@ -69,7 +69,7 @@ class PolledPosition:
         return reconnections_of(self.sensor)
 
     def since(self, tick: int, at_most: int) -> list[PositionReading]:
-        """The reading of the present tick if it is not earlier than ``tick``; of the tick of its reply if that is late."""
+        """The reading of the present tick, which is that of its reply, if it is not earlier than ``tick``."""
         if self._clock.tick() < tick or at_most < 1:
             return []
         quality = Quality.GOOD if self._update() else Quality.SUSPECT
