@@ -9,7 +9,8 @@ from smarig.config import load_rig
 from smarig.core.sample import Quality, Sample
 from smarig.plant.actuator import Actuator
 from smarig.rig import Twin
-from smarig.rig.bring_up import _check_lease, _Motion, _MotionModel, bring_up
+from smarig.rig.bring_up import _check_lease, bring_up
+from smarig.rig.motion_model import Motion, MotionModel
 
 
 def checked(change, rig="one_wire_twin"):
@@ -67,7 +68,7 @@ def test_a_coarse_encoder_is_given_all_the_travel_there_is():
     coarse = file.model_copy(update={"encoder": file.encoder.model_copy(update={"counts_per_rev": 50})})
     actuator = Actuator.named(file.actuator)
     enough = [
-        [_MotionModel(actuator, f, +1).has_shown(_Motion(0, False, 0), K) for K in (20, 60, 100, 180)]
+        [MotionModel(actuator, f, +1).has_shown(Motion(0, False, 0), K) for K in (20, 60, 100, 180)]
         for f in (file, coarse)
     ]
     assert enough == [[False, True, True, True], [False, False, False, True]]

@@ -6,26 +6,22 @@ The checks move the wire gently in small steps of current, test the lease and en
 import contextlib
 import math
 from collections import deque
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from itertools import chain, takewhile
-from typing import NamedTuple, Protocol
-
-import numpy as np
+from typing import Protocol
 
 from smarig.config import RigFile
 from smarig.core import Quality, RigFault, Sample
 from smarig.device import Check
 from smarig.plant import Actuator
-from smarig.preisach import Preisach, thesis_surface
 from smarig.rig.electrical_plausibility import MIN_CURRENT_A, read_back_tolerance_A
 from smarig.rig.expected_resistance import ExpectedResistance
 from smarig.rig.guard import Guard
 from smarig.rig.lease_limits import limits_in_force, without_lease_text
-from smarig.rig.response import MIN_TRAVEL, MOTION_MARGIN
+from smarig.rig.motion_model import MotionModel, motion_of
 from smarig.rig.rig import Rig
 from smarig.rig.stress_limit import stress_limit
 
-MIN_MOTION_COUNTS = 5  # of the model: less is no motion
 READINGS = 10  # compared, at rest and at the end of a step
 CURRENT_STEPS = 20  # from zero to the current limit
 STEP_TAUS = 1.5  # time constants per step
@@ -39,9 +35,6 @@ HOST_ALONE = (
     "no register for the limit."
 )
 _READ_BACK_REMEDY = "check the circuit of the wire, the amplifier, the shunt, and the unit of the driver"
-_DIRECTION_REMEDY = "exchange the encoder's lines, or negate the reading in the driver"
-_MOTION_REMEDY = "check encoder, coupling, wire, and the unit of the driver"
-_SCALE_REMEDY = "check the unit of the driver, and encoder.resolution of the rig file"
 
 
 class SupportsIdle(Rig, Protocol):
@@ -132,14 +125,14 @@ def _heating_checks(
 ) -> Iterator[Check]:
     """Raise the current in steps until the wire moves or must have moved by its model; then report and cool."""
     tau_ticks = max(1, round(actuator.tau_s / file.period_s))
-    model = _MotionModel(actuator, file, sign)
+    model = MotionModel(actuator, file, sign)
     largest_A = file.limits.current_max_A if sign > 0 else file.limits.current_min_A
     rest = _last_samples(guard, 0.0, READINGS)
-    sample, command_A, motion = rest[-1], 0.0, _motion(rest, rest, sign)
+    sample, command_A, motion = rest[-1], 0.0, motion_of(rest, rest, sign)
     for k in range(1, CURRENT_STEPS + 1):
         command_A = largest_A * k / CURRENT_STEPS
         heated = _last_samples(guard, command_A, round(STEP_TAUS * tau_ticks))
-        sample, motion = heated[-1], _motion(rest, heated, sign)
+        sample, motion = heated[-1], motion_of(rest, heated, sign)
         counts = f"{sign * motion.heated_by:+d} counts"
         on_progress(f"    {command_A:+.2f} A: {counts}, {guard.input_K:+.0f} K (heating model)")
         if not _follows_command(sample, command_A, file) or model.has_shown(motion, guard.input_K):
@@ -157,78 +150,6 @@ def _heating_checks(
     # counts of a wrong unit tell no direction
     yield from (direction, scale) if scale.passed else (scale, direction)
     _last_sample(guard, 0.0, round(COOL_TAUS * tau_ticks))
-
-
-class _Motion(NamedTuple):
-    """How readings differ from those at rest."""
-
-    heated_by: int
-    """Counts between their medians, in the direction of heating."""
-    clear: bool
-    """Whether none of them is among those at rest: more than noise."""
-    noise: int
-    """Counts between the largest and the smallest reading at rest."""
-
-
-def _motion(rest: Sequence[Sample], heated: Sequence[Sample], sign: int) -> _Motion:
-    before, after = sorted(s.counts for s in rest), sorted(s.counts for s in heated)
-    moved = after[len(after) // 2] - before[len(before) // 2]
-    return _Motion(sign * moved, after[0] > before[-1] or after[-1] < before[0], before[-1] - before[0])
-
-
-class _MotionModel:
-    """The motion of the wire by its model from rest, in counts, against a measured one in the direction of heating.
-
-    ``MIN_TRAVEL`` of the stroke is compared: a motion ``MOTION_MARGIN`` times larger or smaller is that of no wire.
-    """
-
-    def __init__(self, actuator: Actuator, file: RigFile, sign: int) -> None:
-        of_wire = actuator.file.hysteresis
-        h = thesis_surface(of_wire.surface)
-        inputs = np.linspace(0.0, h.upper if sign > 0 else h.lower, 200)
-        y = Preisach(h).simulate(inputs, of_wire.initial)
-        self._sign, self._inputs_K = sign, np.abs(inputs)
-        self._counts = np.abs(y - y[0]) / actuator.resolution(file.encoder)
-        largest = float(self._counts.max())
-        compared = MIN_TRAVEL * abs(h.y_upper - h.y_lower) / actuator.resolution(file.encoder)
-        self._compared = min(compared, largest)
-        self._least = max(MIN_MOTION_COUNTS, self._compared / MOTION_MARGIN)
-        self._certain = min(MOTION_MARGIN * self._least, largest)  # a coarse encoder never reaches the first
-        self._largest = MOTION_MARGIN * max(self._compared, MIN_MOTION_COUNTS)
-
-    def at(self, input_K: float) -> float:
-        """The motion of the model."""
-        return float(np.interp(abs(input_K), self._inputs_K, self._counts))
-
-    def has_shown(self, motion: _Motion, input_K: float) -> bool:
-        """Whether more heat would tell nothing more: a motion that can be compared, or one that is wrong already."""
-        by_model, moved = self.at(input_K), motion.heated_by
-        enough = moved >= self._least and by_model >= self._compared
-        backwards = moved <= -self._least and by_model >= self._least
-        wrong = backwards or abs(moved) > self._largest
-        return (motion.clear and (enough or wrong)) or by_model >= self._certain
-
-    def direction(self, motion: _Motion, where: str) -> Check:
-        """Whether the wire has moved, as heating moves it."""
-        observed = f"{where}; heating must {'decrease' if self._sign < 0 else 'increase'} the counts"
-        passed = motion.clear and motion.heated_by >= self._least
-        if motion.clear and motion.heated_by <= -self._least:
-            observed += f"; {_DIRECTION_REMEDY}"
-        elif not passed:
-            noise = (
-                f"; the readings at rest differ by {motion.noise}"
-                if not motion.clear and motion.noise
-                else ""
-            )
-            observed += f"{noise}; {_MOTION_REMEDY}"
-        return Check("encoder direction", passed, observed)
-
-    def scale(self, motion: _Motion, input_K: float) -> Check:
-        """Whether the wire has moved no more than ``MOTION_MARGIN`` times what its model has, in any direction."""
-        largest = MOTION_MARGIN * max(self.at(input_K), MIN_MOTION_COUNTS)
-        observed = f"{motion.heated_by} counts, {self.at(input_K):.0f} by the model of the wire"
-        passed = not motion.clear or abs(motion.heated_by) <= largest
-        return Check("encoder scale", passed, observed if passed else f"{observed}; {_SCALE_REMEDY}")
 
 
 def _follows_command(sample: Sample, command_A: float, file: RigFile) -> bool:
