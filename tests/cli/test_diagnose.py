@@ -196,11 +196,11 @@ def test_runs_of_two_sessions_are_one_timeline_with_two_zeros(session_folder, tm
     assert found["error"]["base"] < 0.1
 
 
-def test_overlapping_clocks_of_one_session_are_refused(session_folder, capsys):
+def test_a_training_run_given_twice_is_refused(session_folder, capsys):
     train = str(session_folder / "congruency.run.sqlite")
     twice = ["diagnose", str(session_folder / "wire.model.json"), "--train", train, "--train", train]
-    assert cli(twice) == 4
-    assert "belong to one session" in capsys.readouterr().err
+    assert cli(twice) == 2
+    assert "hold the same readings, which would count twice" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("name", ["wire.model.json", "congruency.run.sqlite", "validation.run.sqlite"])

@@ -1,5 +1,7 @@
 """Bring-up of rigs that do not respond correctly: it reports this and stops heating."""
 
+import random
+
 import numpy as np
 import pytest
 
@@ -8,7 +10,8 @@ from smarig.config import load_rig
 from smarig.core.sample import Quality, Sample
 from smarig.plant.actuator import Actuator
 from smarig.rig import Twin
-from smarig.rig.bring_up import _check_lease, _MotionModel, bring_up
+from smarig.rig.bring_up import _check_lease, bring_up
+from smarig.rig.motion_model import Motion, MotionModel
 
 
 def checked(change, rig="one_wire_twin"):
@@ -78,7 +81,8 @@ def test_a_coarse_encoder_is_given_all_the_travel_there_is():
     coarse = file.model_copy(update={"encoder": file.encoder.model_copy(update={"counts_per_rev": 50})})
     actuator = Actuator.named(file.actuator)
     enough = [
-        [_MotionModel(actuator, f, +1).has_shown(0, K) for K in (20, 60, 100, 180)] for f in (file, coarse)
+        [MotionModel(actuator, f, +1).has_shown(Motion(0, False, 0), K) for K in (20, 60, 100, 180)]
+        for f in (file, coarse)
     ]
     assert enough == [[False, True, True, True], [False, False, False, True]]
 
@@ -112,6 +116,36 @@ def test_a_position_in_another_unit_than_the_file_says_is_seen(counts_per_mm, fa
     wrong = [check for check in checks if check.name.startswith("encoder") and not check.passed]
     assert [check.name for check in wrong] == ([failed] if failed else [])
     assert not failed or "the unit of the driver" in wrong[0].observed
+
+
+@pytest.mark.parametrize("factor", [1, -1])
+@pytest.mark.parametrize("seed", range(4))
+def test_the_noise_of_a_sensor_in_micrometres_is_no_direction(factor, seed):
+    """Its noise is a thousand times larger, too: larger than what the first steps move the wire."""
+    dice, file = random.Random(seed), load_rig("one_wire_twin")
+    resolution_mm = 0.002
+    scale = Actuator.named(file.actuator).resolution(file.encoder) / resolution_mm
+
+    def read(sample):
+        return sample._replace(counts=round(1000 * factor * (scale * sample.counts + dice.gauss(0.0, 1.0))))
+
+    lying = TamperedRig("one_wire_twin", read)
+    lying.twin = Twin.named("one_wire_twin", noise=False)
+    lying.identity, lying.has_lease, lying.measures_ambient = lambda: ["a twin"], True, True
+    encoder = file.encoder.model_copy(update={"resolution": resolution_mm, "counts_per_rev": None})
+    checks = []
+    bring_up(lying, file.model_copy(update={"encoder": encoder}), checks.append)
+    assert [check.name for check in checks if not check.passed] == ["encoder scale"]
+
+
+def test_a_sensor_that_only_has_noise_has_no_direction():
+    """It is heated until the wire must have moved."""
+    dice = random.Random(2)
+    found, _ = checked(lambda s: s._replace(counts=round(dice.gauss(0.0, 300.0))))
+    assert not found["encoder direction"].passed
+    assert "the readings at rest differ by" in found["encoder direction"].observed
+    assert "check encoder, coupling" in found["encoder direction"].observed
+    assert list(found)[-1] == "encoder direction"
 
 
 def test_both_wires_are_looked_at():

@@ -11,12 +11,12 @@ import pytest
 
 from benchmarks.plausibility import cell_of, channels, guarded, healthy, levels_A, one_hold
 from smarig.config import load_rig
-from smarig.core import Quality
+from smarig.core import Quality, Sample
 from smarig.plant import Actuator
 from smarig.plant.effects.dead_zone import dead_zone
 from smarig.rig import TwinSettings
 from smarig.rig.channel import FROZEN, ChannelCheck, Constant
-from smarig.rig.channel_checks import tolerance_of
+from smarig.rig.channel_checks import ChannelChecks, RigReadings, tolerance_of
 from smarig.rig.wire_bounds import WireBounds
 from smarig.runner import Runner
 
@@ -45,6 +45,38 @@ def test_a_jump_larger_than_the_tolerance_is_certain_at_once_and_a_smaller_one_i
         channel.add(0.0, None, 0.0, ticks=1, changes=False)
         channel.add(by, None, 0.0, ticks=1, changes=False)
         assert (channel.fault, channel.suspect) == (fault, suspect)
+
+
+@pytest.mark.parametrize(
+    ("readings", "suspect"),
+    [
+        (((0, 1), (5, 1), (20, 3), (25, 1)), False),  # taken at the end of three ticks
+        (((0, 1), (5, 1), (10, 3), (25, 1)), False),  # taken at their beginning
+        (((0, 1), (5, 1), (20, 3), (35, 1)), True),
+        (((0, 1), (5, 1), (10, 1), (25, 1)), True),
+    ],
+)
+def test_the_motion_while_a_reply_is_late_is_no_jump(readings, suspect):
+    """The wire moves by 5 counts a tick at most; a step is 4."""
+    channel, marked = ChannelCheck(100.0, 4.0, PERIOD_S), []
+    for value, ticks in readings:
+        channel.add(float(value), None, 5.0 * ticks, ticks=ticks, changes=True)
+        marked.append(channel.suspect)
+    assert any(marked) == suspect
+
+
+@pytest.mark.parametrize("absolute", [True, False])
+def test_a_jump_of_an_absolute_sensor_leaves_the_readings_after_it_right(absolute):
+    checks = ChannelChecks(FILE, WIRE, RigReadings(counter=False, absolute=absolute))
+    alarms = []
+    for tick, counts in enumerate((0, 0, 9, 0), start=1):
+        checks.pass_ticks(0.0, 1)
+        reading = Sample(tick, tick * PERIOD_S, 0.0, 0.0, 0.0, math.nan, counts, 0.0, 22.0, 0)
+        alarms += checks.check(reading, 0.0)
+    (jump,) = alarms
+    assert jump.kind == "jump"
+    assert ("from here on" in jump.text) != absolute
+    assert ("This reading may be off by as much" in jump.text) == absolute
 
 
 def test_a_single_wrong_reading_of_a_thermometer_is_no_fault():

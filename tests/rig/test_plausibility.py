@@ -66,7 +66,7 @@ def test_a_hot_start_that_was_only_assumed_is_no_reason_to_trip():
     heated(guard, 999, 0.0)
     assert not guard.tripped
     assert guard.input_K < 1e-3
-    with pytest.raises(LimitExceeded, match="fully heated and did not move"):
+    with pytest.raises(LimitExceeded, match="stays the same to the last digit"):
         heated(guard)
 
 

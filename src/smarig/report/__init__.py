@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     from smarig.report.components.html import table as table
     from smarig.report.components.html import tag as tag
     from smarig.report.components.numbers import duration as duration
+    from smarig.report.components.numbers import interval_text as interval_text
     from smarig.report.components.numbers import number as number
     from smarig.report.components.numbers import signed as signed
     from smarig.report.components.numbers import to_uncertainty as to_uncertainty

@@ -15,19 +15,18 @@ from smarig.config import RigFile
 from smarig.core import Quality, RigFault, Sample, Settled
 from smarig.device import Check
 from smarig.plant import Actuator
-from smarig.preisach import Preisach, thesis_surface
 from smarig.rig.electrical_plausibility import MIN_CURRENT_A, read_back_tolerance_A
 from smarig.rig.expected_resistance import ExpectedResistance
 from smarig.rig.guard import Guard
 from smarig.rig.lease_limits import limits_in_force, without_lease_text
-from smarig.rig.response import MIN_TRAVEL, MOTION_MARGIN
+from smarig.rig.motion_model import MotionModel, motion_of
 from smarig.rig.rig import Rig
 from smarig.rig.stress_limit import stress_limit
 
-MIN_MOTION_COUNTS = 5  # more than noise
 REST_TICKS, REST_WINDOWS = 100, 4  # readings at rest, and the settling windows that they last at most
 BLOCKS = 25  # of a settling window
 LEAST_RANGE = 2.49  # of 25 normal values, in standard deviations: 1 % of windows have a smaller one
+READINGS = 10  # compared, at rest and at the end of a step
 CURRENT_STEPS = 20  # from zero to the current limit
 STEP_TAUS = 1.5  # time constants per step
 COOL_TAUS = 5.0
@@ -40,9 +39,6 @@ HOST_ALONE = (
     "no register for the limit."
 )
 _READ_BACK_REMEDY = "check the circuit of the wire, the amplifier, the shunt, and the unit of the driver"
-_DIRECTION_REMEDY = "exchange the encoder's lines, or negate the reading in the driver"
-_MOTION_REMEDY = "check encoder, coupling, wire, and the unit of the driver"
-_SCALE_REMEDY = "check the unit of the driver, and encoder.resolution of the rig file"
 
 
 class SupportsIdle(Rig, Protocol):
@@ -157,16 +153,17 @@ def _heating_checks(
 ) -> Iterator[Check]:
     """Raise the current in steps until the wire moves or must have moved by its model; then report and cool."""
     tau_ticks = max(1, round(actuator.tau_s / file.period_s))
-    model = _MotionModel(actuator, file, sign)
+    model = MotionModel(actuator, file, sign)
     largest_A = file.limits.current_max_A if sign > 0 else file.limits.current_min_A
-    begin = _last_sample(guard, 0.0, 1).counts
-    sample, command_A, moved = _last_sample(guard, 0.0, 1), 0.0, 0
+    rest = _samples(guard, 0.0, READINGS)[-READINGS:]
+    sample, command_A, motion = rest[-1], 0.0, motion_of(rest, rest, sign)
     for k in range(1, CURRENT_STEPS + 1):
         command_A = largest_A * k / CURRENT_STEPS
-        sample = _last_sample(guard, command_A, round(STEP_TAUS * tau_ticks))
-        moved = sample.counts - begin
-        on_progress(f"    {command_A:+.2f} A: {moved:+d} counts, {guard.input_K:+.0f} K (heating model)")
-        if not _follows_command(sample, command_A, file) or model.has_shown(sign * moved, guard.input_K):
+        heated = _samples(guard, command_A, round(STEP_TAUS * tau_ticks))[-READINGS:]
+        sample, motion = heated[-1], motion_of(rest, heated, sign)
+        counts = f"{sign * motion.heated_by:+d} counts"
+        on_progress(f"    {command_A:+.2f} A: {counts}, {guard.input_K:+.0f} K (heating model)")
+        if not _follows_command(sample, command_A, file) or model.has_shown(motion, guard.input_K):
             break
     how = "(last reading, no new one)" if sample.quality & Quality.STALE else "measured"
     wire = ", wire 2" if sign < 0 else ""
@@ -175,58 +172,12 @@ def _heating_checks(
     yield Check(f"read-back{wire}", follows, comparison if follows else f"{comparison}; {_READ_BACK_REMEDY}")
     expected = ExpectedResistance(actuator, file.limits.resistance_tolerance)
     yield _resistance(sample, expected, guard.input_K)._replace(name=f"resistance{wire}")
-    where = f"{moved:+d} counts at {command_A:.2f} A, {guard.input_K:.0f} K (heating model)"
-    yield model.direction(sign * moved, where)._replace(name=f"encoder direction{wire}")
-    yield model.scale(sign * moved, guard.input_K)._replace(name=f"encoder scale{wire}")
+    where = f"{sign * motion.heated_by:+d} counts at {command_A:.2f} A, {guard.input_K:.0f} K (heating model)"
+    direction = model.direction(motion, where)._replace(name=f"encoder direction{wire}")
+    scale = model.scale(motion, guard.input_K)._replace(name=f"encoder scale{wire}")
+    # counts of a wrong unit tell no direction
+    yield from (direction, scale) if scale.passed else (scale, direction)
     _last_sample(guard, 0.0, round(COOL_TAUS * tau_ticks))
-
-
-class _MotionModel:
-    """The motion of the wire by its model from rest, in counts, against a measured one in the direction of heating.
-
-    ``MIN_TRAVEL`` of the stroke is compared: a motion ``MOTION_MARGIN`` times larger or smaller is that of no wire.
-    """
-
-    def __init__(self, actuator: Actuator, file: RigFile, sign: int) -> None:
-        of_wire = actuator.file.hysteresis
-        h = thesis_surface(of_wire.surface)
-        inputs = np.linspace(0.0, h.upper if sign > 0 else h.lower, 200)
-        y = Preisach(h).simulate(inputs, of_wire.initial)
-        self._sign, self._inputs_K = sign, np.abs(inputs)
-        self._counts = np.abs(y - y[0]) / actuator.resolution(file.encoder)
-        largest = float(self._counts.max())
-        compared = MIN_TRAVEL * abs(h.y_upper - h.y_lower) / actuator.resolution(file.encoder)
-        self._compared = min(compared, largest)
-        self._least = max(MIN_MOTION_COUNTS, self._compared / MOTION_MARGIN)
-        self._certain = min(MOTION_MARGIN * self._least, largest)  # a coarse encoder never reaches the first
-        self._largest = MOTION_MARGIN * max(self._compared, MIN_MOTION_COUNTS)
-
-    def at(self, input_K: float) -> float:
-        """The motion of the model."""
-        return float(np.interp(abs(input_K), self._inputs_K, self._counts))
-
-    def has_shown(self, moved: int, input_K: float) -> bool:
-        """Whether more heat would tell nothing more: a motion that can be compared, or one that is wrong already."""
-        by_model = self.at(input_K)
-        enough = moved >= self._least and by_model >= self._compared
-        wrong = moved <= -self._least or moved > self._largest
-        return enough or wrong or by_model >= self._certain
-
-    def direction(self, moved: int, where: str) -> Check:
-        """Whether the wire has moved, as heating moves it."""
-        observed = f"{where}; heating must {'decrease' if self._sign < 0 else 'increase'} the counts"
-        if moved <= -self._least:
-            observed += f"; {_DIRECTION_REMEDY}"
-        elif moved < self._least:
-            observed += f"; {_MOTION_REMEDY}"
-        return Check("encoder direction", moved >= self._least, observed)
-
-    def scale(self, moved: int, input_K: float) -> Check:
-        """Whether the wire has moved no more than ``MOTION_MARGIN`` times what its model has."""
-        largest = MOTION_MARGIN * max(self.at(input_K), MIN_MOTION_COUNTS)
-        observed = f"{moved} counts, {self.at(input_K):.0f} by the model of the wire"
-        passed = moved <= largest
-        return Check("encoder scale", passed, observed if passed else f"{observed}; {_SCALE_REMEDY}")
 
 
 def _follows_command(sample: Sample, command_A: float, file: RigFile) -> bool:

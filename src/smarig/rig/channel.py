@@ -6,8 +6,8 @@ offset of a thermometer. Whatever the constant is, it stays. So four things cann
 * contradiction: the constants that agree with this sample, [x − high − tol, x − low + tol], have none in common with
   those that agreed with all samples before;
 * jump: between two samples the reading changes by more than the predicted rate and a step;
-* frozen: the reading stands still while every wire would move by twice the tolerance, or a reading of known noise is
-  the same to the last digit while the wire changes;
+* frozen: the reading stands still while every wire would move by twice the tolerance, or is the same to the last digit
+  while every wire moves (``least_motion.py``), or while the wire changes if its noise is known;
 * reversed: the reading moves in one direction while every wire would move by twice the tolerance in the other.
 
 Evidence adds up and fades: a gap as large as the tolerance is enough after ``GAP_S`` seconds. A jump as large is enough
@@ -16,6 +16,8 @@ at once for a counter, which is wrong from then on; a reading of its own each ti
 
 import math
 from collections.abc import Sequence
+
+from smarig.rig.least_motion import HELD, LeastMotion
 
 GAP_S = 2.0  # until a gap as large as the tolerance is enough
 LEAST, LARGEST = 0.05, 3.0  # weight of a gap, in tolerances
@@ -26,7 +28,6 @@ MOST = 1.5  # evidence against a kind: what fades in a quarter of an hour
 FROZEN = 300  # equal readings, and
 FROZEN_RUNS = 4  # times the longest run of equal readings before
 STILL = 0.25  # of the step: a reading that changes by no more stands still
-HELD = 20  # samples that may repeat a reading
 
 
 Bounds = Sequence[tuple[float, float]]  # of the prediction for each kind of wire
@@ -134,12 +135,15 @@ class ChannelCheck:
         kinds: int = 1,
         flickers: bool = False,
         moves: bool = True,
+        motion: LeastMotion | None = None,
     ) -> None:
-        """``moves``: whether a reading must move with the prediction; the resistance of a wire may stay as it is."""
-        self._one_jump = math.inf if counter else ONE_JUMP
+        """``moves``: whether a reading must move with the prediction; the resistance of a wire may stay as it is.
+        ``motion``: what every wire has moved since the reading last changed.
+        """
+        self._one_jump, self._late = math.inf if counter else ONE_JUMP, not counter
         self.tolerance, self._step, self._period_s = tolerance, step, period_s
         self._kinds = [WireKind() for _ in range(kinds)]
-        self.flicker, self._moves = Flicker(flickers=flickers), moves
+        self.flicker, self._moves, self.motion = Flicker(flickers=flickers), moves, motion
         self._last: float | None = None
         self._allowed, self._speed = 0.0, 0.0  # what the reading may still change by, and how it changed last
         self._tick, self._against_tick = 0, 0
@@ -174,19 +178,22 @@ class ChannelCheck:
         self._tick += ticks
         if self._evidence > 0.0:
             self._evidence = max(0.0, self._evidence - FADE_PER_S * elapsed_s)
-        excess = self._excess(value, rate)
+        excess = self._excess(value, rate, ticks)
         if bounds is not None:
             self._compare(value, bounds)
-        frozen = self._still or against or (changes and self.flicker.frozen)
+        unmoved = self.motion is not None and self.motion.unmoved
+        frozen = self._still or against or unmoved or (changes and self.flicker.frozen)
         if frozen:
             self._evidence += min(elapsed_s / GAP_S, ONE_GAP)
         self.suspect = excess > 0 or frozen or self._excluded
         self.fault = ""
         certain = self._evidence >= 1.0 or self._all_excluded
         if certain and not self._certain:
-            unmoved = "reversed" if against or (self._still and self._against) else "frozen"
-            self.fault = "contradiction" if self._evidence < 1.0 else unmoved if frozen else "jump"
+            standing = "reversed" if against or (self._still and self._against) else "frozen"
+            self.fault = "contradiction" if self._evidence < 1.0 else standing if frozen else "jump"
             self.doubtful_ticks = self._tick - self._against_tick if self.fault == "contradiction" else 0
+            if self.fault == "frozen" and self.motion is not None:
+                self.doubtful_ticks = self.motion.doubtful_ticks
         self._certain = certain
 
     def _compare(self, value: float, bounds: Bounds) -> None:
@@ -223,7 +230,7 @@ class ChannelCheck:
         else:
             self._still = _all_moved(then, bounds, 2 * self.tolerance)
 
-    def _excess(self, value: float, rate: float) -> float:
+    def _excess(self, value: float, rate: float, ticks: int) -> float:
         """By how much the reading has changed more than it can; adds the evidence."""
         change = 0.0 if self._last is None else value - self._last
         self._last, moved = value, abs(change)
@@ -231,7 +238,10 @@ class ChannelCheck:
         self.flicker.add(value)
         # a reading that is repeated until the next query may then change by what has gathered
         gathers = moved == 0.0 and self.flicker.run < HELD
-        self._allowed = self._allowed + rate if gathers else 0.0
+        if self._late and ticks > 1:  # a late reply may show an earlier moment
+            self._allowed = max(0.0, self._allowed + rate - moved)
+        else:
+            self._allowed = self._allowed + rate if gathers else 0.0
         if excess > 0:
             self.jump = change
             self._evidence += min(abs(moved - self._speed) / self.tolerance, self._one_jump)
@@ -250,6 +260,8 @@ class ChannelCheck:
         """The constant is another one now, and the last reading of another kind."""
         self._last, self._allowed, self.gap, self._still_from = None, 0.0, 0.0, None
         self._excluded = self._still = self._against = False
+        if self.motion is not None:
+            self.motion.forget()
         for kind in self._kinds:
             kind.constant, kind.gap = Constant(), 0.0
 

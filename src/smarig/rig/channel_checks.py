@@ -21,6 +21,7 @@ from smarig.plant import Actuator, load_of
 from smarig.preisach import thesis_surface
 from smarig.rig.channel import ChannelCheck
 from smarig.rig.direction import Direction
+from smarig.rig.least_motion import LeastMotion
 from smarig.rig.rig import Alarm
 from smarig.rig.wire_bounds import WireBounds
 
@@ -64,6 +65,8 @@ class RigReadings:
     """Whether simulated instruments have the noise of the rig file."""
     counter: bool = True
     """Whether positions are counts at the ticks of a device; else each is a reading of its own, as late as the host."""
+    absolute: bool = False
+    """Whether the zero of the position is that of the sensor, so that a wrong reading leaves those after it right."""
 
 
 AS_IN_FILES = RigReadings()
@@ -89,6 +92,9 @@ class ChannelChecks:
         step = max(COUNT_STEP * self._stroke, LEAST_STEP_COUNTS)
         # the file states the noise of a simulated encoder; that of others is not known
         flickers = readings.noise and rig.encoder.noise_counts >= FLICKERS_COUNTS and is_simulated(rig)
+        # the models of Brinson's wire do not enclose other time constants; the tolerance of the zero stands for them
+        margin = step if actuator.file.thermomechanical is None else 2 * zero * self._stroke
+        self._motion = LeastMotion(margin)
         self._position = ChannelCheck(
             zero * self._stroke,
             step,
@@ -96,6 +102,7 @@ class ChannelChecks:
             counter=readings.counter,
             kinds=self._bounds.kinds,
             flickers=flickers,
+            motion=self._motion,
         )
         self._direction = Direction(
             self._bounds.counts_per_K, self._bounds.temperature.least_K, zero * self._stroke, self._bounds.lag
@@ -120,7 +127,7 @@ class ChannelChecks:
         self._largest_A = max(limits.current_max_A, -limits.current_min_A)
         self._min_A = MIN_SHARE * self._largest_A
         self._one_wire = not actuator.two_wire
-        self._wire_known = readings.own_wire
+        self._wire_known, self._absolute = readings.own_wire, readings.absolute
         self._position_known = readings.own_wire and (load is None or not load.changes)
         self._ticks, self._may_change_K = 0, 0.0  # since the last sample
         self._electrical_ticks, self._electrical_share = 0, 0.0  # since the last beat
@@ -147,8 +154,10 @@ class ChannelChecks:
         self._position.widen(self._drift_per_K * kelvin)
         found: list[Alarm] = []
         if self._position_known:
-            if self._bounds.positions is not None:
+            beat = self._bounds.positions is not None
+            if beat:
                 self._direction.add(self._bounds.temperature, s.counts)
+            self._motion.add(s.counts, self._bounds.like_positions if beat else None, ticks)
             found += self._of("position", s.counts, self._bounds.positions, counts, s.tick, ticks, input_K)
         self._steady = self._steady + ticks if s.current_command_A == self._command_A else 0
         self._command_A = s.current_command_A
@@ -232,7 +241,8 @@ class ChannelChecks:
             return [Alarm("error", channel.fault, self._text(name, channel), doubtful_from)]
         if channel.jump and tick >= self._warn_from:
             self._warn_from = tick + self._warn_ticks
-            text = f"{self._jump_text(name, channel)} Readings from here on may be off by as much."
+            which = "Readings from here on" if name == "position" and not self._absolute else "This reading"
+            text = f"{self._jump_text(name, channel)} {which} may be off by as much."
             return [Alarm("warning", "jump", text)]
         return []
 

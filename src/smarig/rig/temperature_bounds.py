@@ -6,6 +6,8 @@ from smarig.plant import Actuator
 from smarig.preisach import thesis_surface
 
 LAGS = (0.3, 1.0, 3.0)  # of the time constant: insulated, thick, in moving air, with latent heat
+EVERY_LAG = slice(None)
+LAG_BANDS = (slice(0, 2), slice(1, 3))  # of like wires
 LEAST_SHARE = 0.015  # δ as a share of the range: ambient temperature, noise of the input
 Bands = list[tuple[float, float]]
 
@@ -30,7 +32,10 @@ class TemperatureBounds:
         self._wires = [[0.0] * len(LAGS) for _ in range(2 if actuator.two_wire else 1)]
         self.rate_K = 0.0
         self.coldest_K, self.hottest_K = [0.0, 0.0], [0.0, 0.0]  # of each wire, with its nominal heat
-        self._lowest_K, self._highest_K = [0.0, 0.0], [0.0, 0.0]  # of those, since ``forget_extremes``
+        self._lowest_K = [
+            [0.0] * len(LAGS) for _ in range(2)
+        ]  # of each wire and lag, since ``forget_extremes``
+        self._highest_K = [[0.0] * len(LAGS) for _ in range(2)]
 
     def step(self, current_A: float) -> None:
         """Advance one tick at a constant current."""
@@ -42,6 +47,7 @@ class TemperatureBounds:
             if end == 0.0 == self.hottest_K[number]:
                 continue  # it has never been heated
             coldest_K, hottest_K, fastest = math.inf, -math.inf, 0.0
+            lowest_K, highest_K = self._lowest_K[number], self._highest_K[number]
             for k, share in self._approach:
                 before = wire[k]
                 change = (end - before) * share
@@ -54,12 +60,12 @@ class TemperatureBounds:
                     coldest_K = wire_K
                 if wire_K > hottest_K:
                     hottest_K = wire_K
+                if wire_K < lowest_K[k]:
+                    lowest_K[k] = wire_K
+                elif wire_K > highest_K[k]:
+                    highest_K[k] = wire_K
             rate_K += fastest
             self.coldest_K[number], self.hottest_K[number] = coldest_K, hottest_K
-            if coldest_K < self._lowest_K[number]:
-                self._lowest_K[number] = coldest_K
-            if hottest_K > self._highest_K[number]:
-                self._highest_K[number] = hottest_K
         self.rate_K = self._fastest * rate_K
 
     @property
@@ -71,17 +77,24 @@ class TemperatureBounds:
         """Bounds of the input of wires whose heat is between these shares of the nominal one."""
         return self._inputs_K(self.coldest_K, self.hottest_K, [(least, largest)])[0]
 
-    def present(self, bands: Bands) -> Bands:
-        """The same for each band of shares."""
-        return self._inputs_K(self.coldest_K, self.hottest_K, bands)
+    def present(self, bands: Bands, lags: slice = EVERY_LAG) -> Bands:
+        """The same for each band of shares, of the wires with these of ``LAGS``."""
+        if lags == EVERY_LAG:
+            return self._inputs_K(self.coldest_K, self.hottest_K, bands)
+        wires = self._wires if self._two_wire else [*self._wires, [0.0] * len(LAGS)]
+        return self._inputs_K([min(wire[lags]) for wire in wires], [max(wire[lags]) for wire in wires], bands)
 
-    def extremes(self, bands: Bands) -> Bands:
+    def extremes(self, bands: Bands, lags: slice = EVERY_LAG) -> Bands:
         """The same of all ticks since ``forget_extremes``."""
-        return self._inputs_K(self._lowest_K, self._highest_K, bands)
+        lowest_K, highest_K = self._lowest_K, self._highest_K
+        return self._inputs_K(
+            [min(wire[lags]) for wire in lowest_K], [max(wire[lags]) for wire in highest_K], bands
+        )
 
     def forget_extremes(self) -> None:
         """Later extremes are those from now on."""
-        self._lowest_K, self._highest_K = self.coldest_K[:], self.hottest_K[:]
+        for number, wire in enumerate(self._wires):
+            self._lowest_K[number], self._highest_K[number] = wire[:], wire[:]
 
     def _inputs_K(self, coldest_K: list[float], hottest_K: list[float], bands: Bands) -> Bands:
         (cold, cold_2), (hot, hot_2), delta_K = coldest_K, hottest_K, self.least_K

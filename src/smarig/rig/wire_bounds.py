@@ -23,7 +23,7 @@ import numpy as np
 
 from smarig.plant import Actuator, ThermomechanicalPlant, WirePhases, thermomechanical_travel
 from smarig.preisach import Everett, Preisach, thesis_surface
-from smarig.rig.temperature_bounds import TemperatureBounds
+from smarig.rig.temperature_bounds import EVERY_LAG, LAG_BANDS, Bands, TemperatureBounds
 
 BEATS_PER_TAU = 6  # how often the bounds of the position are computed
 RATE_FACTOR = 2.0  # of the steepest branch: minor effects make it steeper
@@ -35,8 +35,10 @@ THERMOMECHANICAL_BANDS = 2  # of heat: a model of Brinson costs more
 class _Models(Protocol):
     """Models of the wire with more and more heat; it lies between two of them, one after the other."""
 
-    def advance(self) -> list[tuple[float, float]]:
-        """The bounds of the position between each two, in the rig's unit, at the end of a beat."""
+    def advance(self) -> tuple[Bands, Bands]:
+        """The bounds of the position between each two, in the rig's unit, at the end of a beat; and those of wires that
+        are alike in their time constants, too.
+        """
         ...
 
     def add(self, current_A: float) -> None:
@@ -48,16 +50,39 @@ class _Models(Protocol):
         ...
 
 
+class _Enclosures:
+    """Pairs of Preisach operators, each pair around the wires whose heat is within a band, with these of ``LAGS``."""
+
+    def __init__(self, surface: Everett, bands: Bands, lags: slice = EVERY_LAG) -> None:
+        self._bands, self._lags = bands, lags
+        self.low = [Preisach(surface, "negative", compiled=False) for _ in bands]
+        self.high = [Preisach(surface, "negative", compiled=False) for _ in bands]
+        for operator in self.high:
+            operator.step(surface.upper)
+
+    def advance(self, temperature: TemperatureBounds) -> Bands:
+        """The bounds of the position at the end of a beat."""
+        extremes = temperature.extremes(self._bands, self._lags)
+        present, bounds = temperature.present(self._bands, self._lags), []
+        for low, high, extreme_K, present_K in zip(self.low, self.high, extremes, present):
+            # an extremum within a beat is remembered; most often the operator is there already, or goes on from it
+            for operator, first_K, last_K in zip((low, high), extreme_K, present_K):
+                if first_K != operator.u:
+                    operator.step(first_K)
+                if last_K != first_K:
+                    operator.step(last_K)
+            bounds.append((low.y, high.y))
+        return bounds
+
+
 class _PreisachModels:
     def __init__(
         self, actuator: Actuator, surface: Everett, temperature: TemperatureBounds, heats: list[float]
     ) -> None:
         self._actuator, self._temperature = actuator, temperature
         self._bands = list(pairwise(heats))
-        self._low = [Preisach(surface, "negative", compiled=False) for _ in self._bands]
-        self._high = [Preisach(surface, "negative", compiled=False) for _ in self._bands]
-        for operator in self._high:
-            operator.step(surface.upper)
+        self._wires = _Enclosures(surface, self._bands)
+        self._like = [_Enclosures(surface, self._bands, lags) for lags in LAG_BANDS]
         self._phases = [WirePhases(surface) for _ in range(2)] if actuator.two_wire else []
         self._y_lower = surface.y_lower
         self._stroke = surface.everett(surface.upper, surface.lower)
@@ -65,22 +90,15 @@ class _PreisachModels:
     def add(self, current_A: float) -> None:
         del current_A  # the temperature has it
 
-    def advance(self) -> list[tuple[float, float]]:
-        temperature, found = self._temperature, []
-        extremes, present = temperature.extremes(self._bands), temperature.present(self._bands)
-        for low, high, extreme_K, present_K in zip(self._low, self._high, extremes, present):
-            # an extremum within a beat is remembered; most often the operator is there already, or goes on from it
-            for operator, first_K, last_K in zip((low, high), extreme_K, present_K):
-                if first_K != operator.u:
-                    operator.step(first_K)
-                if last_K != first_K:
-                    operator.step(last_K)
-            found.append((low.y, high.y))
+    def advance(self) -> tuple[Bands, Bands]:
+        temperature = self._temperature
+        bounds = self._wires.advance(temperature)
+        like = [pair for wires in self._like for pair in wires.advance(temperature)]
         temperature.forget_extremes()
         wires = temperature.coldest_K, temperature.hottest_K
         for phases, wires_K, heat in zip(self._phases, wires, (self._bands[0][0], self._bands[-1][1])):
             phases.step([heat * wire_K for wire_K in wires_K])
-        return found
+        return bounds, like
 
     def ohm(self, current_A: float) -> tuple[float, float]:
         if self._phases:
@@ -88,7 +106,8 @@ class _PreisachModels:
             shares = [phases.fraction(wire) for phases in self._phases]
         else:
             shares = [
-                (operator.y - self._y_lower) / self._stroke for operator in (self._low[0], self._high[-1])
+                (operator.y - self._y_lower) / self._stroke
+                for operator in (self._wires.low[0], self._wires.high[-1])
             ]
         a, b = (self._actuator.resistance_at_ohm(share) for share in shares)
         return min(a, b), max(a, b)
@@ -113,12 +132,13 @@ class _ThermomechanicalModels:
         self._n += 1
         self._square_A2 += math.copysign(current_A * current_A, current_A)
 
-    def advance(self) -> list[tuple[float, float]]:
+    def advance(self) -> tuple[Bands, Bands]:
         square = self._square_A2 / self._n
         current_A = math.copysign(math.sqrt(abs(square)), square)
         self._n, self._square_A2 = 0, 0.0
         positions = [plant.step(factor * current_A) for plant, factor in zip(self._plants, self._factors)]
-        return [(min(pair), max(pair)) for pair in pairwise(positions)]
+        bounds = [(min(pair), max(pair)) for pair in pairwise(positions)]
+        return bounds, bounds
 
     def ohm(self, current_A: float) -> tuple[float, float]:
         ohms = [plant.resistance_ohm(current_A) for plant in self._plants]
@@ -161,7 +181,9 @@ class WireBounds:
         self.kinds = (len(heats) - 1) * len(self._strokes)
         self.stroke = travel / position_per_count
         self.counts_per_K = RATE_FACTOR * steepest / position_per_count  # no wire is steeper
-        self._readings: list[tuple[float, float]] = []
+        self._readings: Bands = []
+        self._like: Bands = []
+        self._least_stroke = self._strokes[0][0]
         self._ohm: dict[int, tuple[float, float]] = {}  # of each wire, at the last beat
         self.positions: list[tuple[float, float]] | None = None
 
@@ -175,9 +197,19 @@ class WireBounds:
         if self._ticks >= self._beat:
             self._ticks = 0
             self._ohm = {}
-            self._readings = self._lagging(self._models.advance())
+            bounds, like = self._models.advance()
+            self._readings = self._lagging(bounds, self._readings or bounds)
+            self._like = self._lagging(like, self._like or like)
             self.positions = self._in_counts(self._readings)
         return temperature.rate_K
+
+    @property
+    def like_positions(self) -> Bands:
+        """The bounds at the last beat for each group of wires that are alike in heat and time constants, with the
+        least stroke.
+        """
+        per_unit = self._least_stroke / self._per_count
+        return [(low * per_unit, high * per_unit) for low, high in self._like]
 
     def resistance_ohm(self, current_A: float) -> tuple[float, float]:
         """Bounds of the resistance of the wire that carries this current, at the last beat."""
@@ -199,7 +231,7 @@ class WireBounds:
             for least, largest in self._strokes
         ]
 
-    def _lagging(self, now: list[tuple[float, float]]) -> list[tuple[float, float]]:
+    def _lagging(self, now: Bands, before: Bands) -> Bands:
         """A sensor may still show what was: its bounds retreat at once and advance slowly."""
         lag = self.lag
         return [
@@ -207,7 +239,7 @@ class WireBounds:
                 low if low < low_before else low_before + lag * (low - low_before),
                 high if high > high_before else high_before + lag * (high - high_before),
             )
-            for (low, high), (low_before, high_before) in zip(now, self._readings or now)
+            for (low, high), (low_before, high_before) in zip(now, before)
         ]
 
 

@@ -155,7 +155,8 @@ class Session:
 
     def _readings(self) -> RigReadings:
         counter = not getattr(self.rig, "timed_by_host", False)
-        return RigReadings(self.settings.hysteresis is None, self.settings.noise, counter)
+        absolute = getattr(self.rig, "absolute_zero", None) is not None
+        return RigReadings(self.settings.hysteresis is None, self.settings.noise, counter, absolute)
 
     @property
     def on_own_rig_file(self) -> bool:

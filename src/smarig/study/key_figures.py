@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 from smarig.core import spaced
 from smarig.record import Run
-from smarig.report import Html, display_unit, figure_name, number, signed, tag, to_uncertainty
+from smarig.report import Html, display_unit, figure_name, interval_text, number, signed, tag, to_uncertainty
 from smarig.report import table as html_table
 from smarig.study.study_result import StudyResult
 from smarig.transformation import RunFigures
@@ -46,7 +46,7 @@ def _temperatures(found: RunFigures) -> Iterator[Row]:
             yield (
                 figure_name(name),
                 f"{to_uncertainty(drawn.value, half)}{spaced(unit)}",
-                f"{to_uncertainty(low, half)} to {to_uncertainty(high, half)}{_drift_text(found, name)}",
+                f"{interval_text(low, high)}{_drift_text(found, name)}".removeprefix("; "),
             )
 
 

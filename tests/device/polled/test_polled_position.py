@@ -53,6 +53,22 @@ def test_the_ambient_temperature_is_measured_where_there_is_a_thermometer(clock,
     assert sensor.since(1, 5)[0].ambient_degC == (19.5 if room else 22.0)
 
 
+def test_a_late_reading_belongs_to_the_tick_in_which_it_was_taken(clock):
+    """Its query was repeated, or waited: the wire went on meanwhile."""
+
+    class Late(Laser):
+        def position(self):
+            clock.now += 0.25
+            return super().position()
+
+    sensor = PolledPosition(Late(3.0), RIG, HostClock(RIG, clock))
+    clock.now = 5.3
+    before = sensor.tick()
+    (reading,) = sensor.since(before, 5)
+    assert reading.tick == sensor.tick() == before + 2
+    assert sensor.since(reading.tick + 1, 5) == [], "no tick has two"
+
+
 def test_one_reading_a_tick_and_none_before_it_comes(clock):
     sensor = PolledPosition(Laser(3.0), RIG, HostClock(RIG, clock))
     assert sensor.since(sensor.tick() + 1, 5) == []

@@ -53,7 +53,7 @@ What is not seen: a slip to 0.9, a jump of 5 counts, and on `two_wire_thermomech
 50: a wire within the tolerance may move so, and steps with them are recorded as settled. A wrong sign is seen at the
 first motion of a twentieth of the stroke (half the tolerance) against the heat; while the wire rests, it cannot be
 seen. On hardware `limits.model_tolerance` is 0.3, not 0.1, until the wire is calibrated: errors three times as large
-stay unseen, and a wrong sign is seen at 0.15 of the stroke. The thermometer of a rig with two wires is compared with
+stay unseen, and a wrong sign is seen at 0.15 to 0.2 of it. The thermometer of a rig with two wires is compared with
 `temperature_max_K` only: which wire it is on is not known.
 
 ### Over a line

@@ -19,7 +19,8 @@ REPEATS_AT_START = 3  # readings tried before the first position is known
 class PolledPosition:
     """``count = round((y − y₀)/resolution)``: the resolution is ``[encoder] resolution`` of the rig file.
 
-    A tick has one reading, taken when it is queried for; ticks that the host missed have none. ``room``: a thermometer
+    A tick has one reading, taken when it is queried for; ticks that the host missed have none. A late reply belongs to
+    the tick in which it came: the query may have been repeated. ``room``: a thermometer
     of the room; without one, the rig file's ``ambient_degC`` is recorded.
     """
 
@@ -69,11 +70,11 @@ class PolledPosition:
         return reconnections_of(self.sensor)
 
     def since(self, tick: int, at_most: int) -> list[PositionReading]:
-        """The reading of the present tick if it is not earlier than ``tick``."""
-        now = self._clock.tick()
-        if now < tick or at_most < 1:
+        """The reading of the present tick, which is that of its reply, if it is not earlier than ``tick``."""
+        if self._clock.tick() < tick or at_most < 1:
             return []
         quality = Quality.GOOD if self._update() else Quality.SUSPECT
+        now = self._clock.tick()
         if repeats_of(self.sensor) != self._repeats:
             self._repeats, quality = repeats_of(self.sensor), quality | Quality.RETRIED
         room_degC = self._room.temperature_degC() if self._room else NAN

@@ -2,6 +2,7 @@
 
 import math
 
+ROUNDING = 1e-12  # of a value: what computing it in double precision leaves
 _RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
@@ -30,6 +31,30 @@ def signed(value: float, digits: int = 3) -> str:
     return f"+{number(value, digits)}" if value > 0 else number(value, digits)
 
 
+def has_width(low: float, high: float) -> bool:
+    """Whether the ends of an interval differ by more than the rounding of their computation.
+
+    >>> has_width(2.8, 3.2), has_width(0.012, 0.012), has_width(0.012, 0.012 + 4e-18), has_width(0.0, math.inf)
+    (True, False, False, True)
+    """
+    width = high - low
+    return not math.isfinite(width) or width > ROUNDING * max(abs(low), abs(high))
+
+
+def interval_text(low: float, high: float, unit: str = "", *, missing: str = "") -> str:
+    """An interval to the second significant digit of half its width, with its unit; ``missing`` if it has no width.
+
+    >>> interval_text(2.812, 3.213, " K"), interval_text(0.012, 0.012, " mm", missing="–")
+    ('2.81 to 3.21 K', '–')
+    """
+    half = (high - low) / 2
+    return (
+        f"{to_uncertainty(low, half)} to {to_uncertainty(high, half)}{unit}"
+        if has_width(low, high)
+        else missing
+    )
+
+
 def to_uncertainty(value: float | None, uncertainty: float) -> str:
     """A number to the second significant digit of its uncertainty; to three digits if that is unknown, '–' if missing.
 
@@ -37,8 +62,10 @@ def to_uncertainty(value: float | None, uncertainty: float) -> str:
     ('0.0384', '333', '−44.14')
     >>> to_uncertainty(-5.91e-4, 5.8e-4), to_uncertainty(2.0, 0.0), to_uncertainty(None, 1.0)
     ('−5.9 × 10⁻⁴', '2', '–')
+    >>> to_uncertainty(0.012, 2e-18)
+    '0.012'
     """
-    if not value or not (math.isfinite(value) and 0 < uncertainty < math.inf):
+    if not value or not (math.isfinite(value) and ROUNDING * abs(value) < uncertainty < math.inf):
         return number(value)
     last = math.floor(math.log10(uncertainty)) - 1
     if not 1e-3 <= abs(value) < 1e5:

@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from smarig.core import spaced
 from smarig.record import Run
 from smarig.report.components.html import Html, cards
-from smarig.report.components.numbers import to_uncertainty
+from smarig.report.components.numbers import interval_text, to_uncertainty
 from smarig.report.components.run_description import display_unit
 from smarig.report.transformation.transformation_tables import figure_name, figures_of
 from smarig.transformation import HEADLINE, RunFigures
@@ -33,7 +33,8 @@ def temperature_cards(runs: Iterable[Run]) -> tuple[Html, str]:
         estimate = best.estimate(name)
         low, high = estimate.ci95
         half, unit = (high - low) / 2, spaced(display_unit(estimate.unit))
-        interval = f"95 %: {to_uncertainty(low, half)} to {to_uncertainty(high, half)}{unit}"
+        interval = interval_text(low, high, unit)
+        interval = interval and f"95 %: {interval}"
         above = (
             ""
             if estimate.unit != "K" or name in _DIFFERENCES

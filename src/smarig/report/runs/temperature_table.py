@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from smarig.core import spaced
 from smarig.record import Run
 from smarig.report.components.html import Html, table
-from smarig.report.components.numbers import to_uncertainty
+from smarig.report.components.numbers import interval_text, to_uncertainty
 from smarig.report.components.run_description import display_unit
 from smarig.report.transformation.transformation_tables import figure_name, figures_of
 from smarig.transformation import HEADLINE, RunFigures
@@ -34,5 +34,7 @@ def _cell(figures: RunFigures, name: str) -> str:
     estimate = figures.estimate(name)
     low, high = estimate.ci95
     half = (high - low) / 2
-    ends = f"{to_uncertainty(low, half)} to {to_uncertainty(high, half)}"
-    return f"{to_uncertainty(estimate.value, half)}{spaced(display_unit(estimate.unit))} ({ends})"
+    ends = interval_text(low, high)
+    return (
+        f"{to_uncertainty(estimate.value, half)}{spaced(display_unit(estimate.unit))}{ends and f' ({ends})'}"
+    )

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from smarig.core import UsageError, capitalised, spaced
 from smarig.record import Run
 from smarig.report.components.html import Html, bullets, cards, joined, paragraph, table, tag
-from smarig.report.components.numbers import number, signed, to_uncertainty
+from smarig.report.components.numbers import interval_text, number, signed, to_uncertainty
 from smarig.report.components.run_description import display_unit
 from smarig.transformation import (
     FIGURES,
@@ -51,11 +51,12 @@ def _card(run: RunFigures, name: str) -> tuple[Html, str, str]:
     drawn, unit = run.means[name], spaced(display_unit(run.unit_of(name)))
     low, high = drawn.ci95
     half = (high - low) / 2
-    interval = f"95 %: {to_uncertainty(low, half)} to {to_uncertainty(high, half)}{unit}"
+    interval = interval_text(low, high, unit)
     degC = run.degC(drawn.value) if name in TEMPERATURES and run.record.input_unit != "degC" else None
-    also = f"; {degC:.1f} °C" if degC is not None else ""
-    also += "; no readings between" if name in run.gaps else ""
-    return label, f"{to_uncertainty(drawn.value, half)}{unit}", f"{interval}{also}"
+    parts = [f"95 %: {interval}"] if interval else []
+    parts += [f"{degC:.1f} °C"] if degC is not None else []
+    parts += ["no readings between"] if name in run.gaps else []
+    return label, f"{to_uncertainty(drawn.value, half)}{unit}", "; ".join(parts)
 
 
 def figures_table(run: RunFigures) -> Html:
@@ -84,7 +85,7 @@ def _row(run: RunFigures, name: str, ambient: bool) -> list[object]:
         label,
         to_uncertainty(drawn.value, half),
         *also,
-        f"{to_uncertainty(low, half)} to {to_uncertainty(high, half)}",
+        interval_text(low, high, missing="–"),
         display_unit(run.unit_of(name)),
         str(run.counts[name]),
         slope,

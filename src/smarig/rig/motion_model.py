@@ -1,0 +1,91 @@
+"""The motion of a wire by its model, against that of the readings, when it is heated from rest for the first time."""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from smarig.config import RigFile
+from smarig.core import Sample
+from smarig.device import Check
+from smarig.plant import Actuator
+from smarig.preisach import Preisach, thesis_surface
+from smarig.rig.response import MIN_TRAVEL, MOTION_MARGIN
+
+MIN_MOTION_COUNTS = 5  # of the model: less is no motion
+_DIRECTION_REMEDY = "exchange the encoder's lines, or negate the reading in the driver"
+_MOTION_REMEDY = "check encoder, coupling, wire, and the unit of the driver"
+_SCALE_REMEDY = "check the unit of the driver, and encoder.resolution of the rig file"
+
+
+class Motion(NamedTuple):
+    """How readings differ from those at rest."""
+
+    heated_by: int
+    """Counts between their medians, in the direction of heating."""
+    clear: bool
+    """Whether none of them is among those at rest: more than noise."""
+    noise: int
+    """Counts between the largest and the smallest reading at rest."""
+
+
+def motion_of(rest: Sequence[Sample], heated: Sequence[Sample], sign: int) -> Motion:
+    """How readings while heating differ from those at rest. ``sign``: of the counts that heating gives."""
+    before, after = sorted(s.counts for s in rest), sorted(s.counts for s in heated)
+    moved = after[len(after) // 2] - before[len(before) // 2]
+    return Motion(sign * moved, after[0] > before[-1] or after[-1] < before[0], before[-1] - before[0])
+
+
+class MotionModel:
+    """The motion of the wire by its model from rest, in counts, against a measured one in the direction of heating.
+
+    ``MIN_TRAVEL`` of the stroke is compared: a motion ``MOTION_MARGIN`` times larger or smaller is that of no wire.
+    """
+
+    def __init__(self, actuator: Actuator, file: RigFile, sign: int) -> None:
+        of_wire = actuator.file.hysteresis
+        h = thesis_surface(of_wire.surface)
+        inputs = np.linspace(0.0, h.upper if sign > 0 else h.lower, 200)
+        y = Preisach(h).simulate(inputs, of_wire.initial)
+        self._sign, self._inputs_K = sign, np.abs(inputs)
+        self._counts = np.abs(y - y[0]) / actuator.resolution(file.encoder)
+        largest = float(self._counts.max())
+        compared = MIN_TRAVEL * abs(h.y_upper - h.y_lower) / actuator.resolution(file.encoder)
+        self._compared = min(compared, largest)
+        self._least = max(MIN_MOTION_COUNTS, self._compared / MOTION_MARGIN)
+        self._certain = min(MOTION_MARGIN * self._least, largest)  # a coarse encoder never reaches the first
+        self._largest = MOTION_MARGIN * max(self._compared, MIN_MOTION_COUNTS)
+
+    def at(self, input_K: float) -> float:
+        """The motion of the model."""
+        return float(np.interp(abs(input_K), self._inputs_K, self._counts))
+
+    def has_shown(self, motion: Motion, input_K: float) -> bool:
+        """Whether more heat would tell nothing more: a motion that can be compared, or one that is wrong already."""
+        by_model, moved = self.at(input_K), motion.heated_by
+        enough = moved >= self._least and by_model >= self._compared
+        backwards = moved <= -self._least and by_model >= self._least
+        wrong = backwards or abs(moved) > self._largest
+        return (motion.clear and (enough or wrong)) or by_model >= self._certain
+
+    def direction(self, motion: Motion, where: str) -> Check:
+        """Whether the wire has moved, as heating moves it."""
+        observed = f"{where}; heating must {'decrease' if self._sign < 0 else 'increase'} the counts"
+        passed = motion.clear and motion.heated_by >= self._least
+        if motion.clear and motion.heated_by <= -self._least:
+            observed += f"; {_DIRECTION_REMEDY}"
+        elif not passed:
+            noise = (
+                f"; the readings at rest differ by {motion.noise}"
+                if not motion.clear and motion.noise
+                else ""
+            )
+            observed += f"{noise}; {_MOTION_REMEDY}"
+        return Check("encoder direction", passed, observed)
+
+    def scale(self, motion: Motion, input_K: float) -> Check:
+        """Whether the wire has moved no more than ``MOTION_MARGIN`` times what its model has, in any direction."""
+        largest = MOTION_MARGIN * max(self.at(input_K), MIN_MOTION_COUNTS)
+        observed = f"{motion.heated_by} counts, {self.at(input_K):.0f} by the model of the wire"
+        passed = not motion.clear or abs(motion.heated_by) <= largest
+        return Check("encoder scale", passed, observed if passed else f"{observed}; {_SCALE_REMEDY}")
