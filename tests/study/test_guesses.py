@@ -220,3 +220,11 @@ def test_the_extended_model_has_a_zero_of_its_own_for_each_fitted_run(monkeypatc
     first = candidate_models.CandidateModel("plain", model, (), (), verify(model, ("c",)).runs)  # pyright: ignore
     candidate_models.with_extended(candidate_models.Evaluation((first,), {}, {}), model, split)  # pyright: ignore
     assert (asked["a",], asked["b",]) == ("fitted", "auto")
+
+
+@pytest.mark.parametrize(("unit", "taken"), [("mil", "mil"), ("thou", "mil"), ("furlong", "mm")])
+def test_a_unit_that_is_stated_but_unknown_is_told_as_assumed(tmp_path, unit, taken):
+    columns = {"time [s]": T, "temperature [degC]": U, f"position [{unit}]": X}
+    position = guess_table(table(tmp_path, **columns)).columns[-1]
+    assert position.unit == taken
+    assert ("which is unknown; taken as mm" in position.unit_reason) == (taken == "mm")

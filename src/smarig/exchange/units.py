@@ -19,6 +19,7 @@ _PLAIN: dict[str, tuple[str, float, float]] = {
     "degF": ("temperature", 5 / 9, -160 / 9),
     "cm": ("length", 10.0, 0.0),
     "in": ("length", 25.4, 0.0),
+    "mil": ("length", 0.0254, 0.0),
     "deg": ("angle", 1.0, 0.0),
     "rad": ("angle", 180 / math.pi, 0.0),
     "mrad": ("angle", 0.18 / math.pi, 0.0),

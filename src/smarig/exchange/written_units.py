@@ -59,6 +59,8 @@ _FOREIGN = {  # spellings of other programs and languages
     "inch": "in",
     "inches": "in",
     '"': "in",
+    "mils": "mil",
+    "thou": "mil",
     "percent": "%",
     "pct": "%",
     "prozent": "%",

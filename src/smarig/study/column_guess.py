@@ -105,7 +105,7 @@ def _by_name(facts: ColumnFacts) -> ColumnGuess:
         confidence, reason = STATED, f"its name '{label}' and its unit {unit}"
     if facts.kind == "clock":
         quantity, unit, reason, confidence = q.TIME, "s", "clock times", STATED
-    if written and not unit and quantity:
+    if written and not unit:
         unit_reason, unit_confidence = f"written as '{written}', which is unknown", NONE
     else:
         unit_reason, unit_confidence = ("stated in the file", STATED) if unit else ("", 0.0)
@@ -250,4 +250,6 @@ def _with_unit(guess: ColumnGuess) -> ColumnGuess:
             unit, reason, sure = "T", f"{most:.3g} is a usual flux density in T", 0.7
         case _:
             return guess
+    if guess.unit_reason:  # the file states a unit, but an unknown one
+        reason, sure = f"{guess.unit_reason}; taken as {unit}", min(sure, WEAK)
     return replace(guess, unit=unit, unit_reason=reason, unit_confidence=sure)
