@@ -191,8 +191,10 @@ def _fit(split: DataSplit, best: CandidateModel, *, explained: bool) -> Iterator
             return
         later = "later in the run" if split.kind == "time" else "in the other run"
         yield (
-            f"The model fits its own data to {100 * share:.2g} % of their range and misses what came {later}: the "
-            "specimen or the set-up changed (training, a shifted zero, another temperature reading)."
+            f"The model fits its own data to {100 * share:.2g} % of their range and misses what came {later}: "
+            "either the specimen or the set-up changed (training, a shifted zero, another temperature reading), or the "
+            "wire is no Preisach operator and a free density follows only what it has seen. The diagnosis predicts "
+            "excursions that were left out: if it misses those as well, nothing need have changed."
         )
 
 
