@@ -5,8 +5,10 @@ import pytest
 
 from smarig.core.errors import DataError, StorageError, UsageError
 from smarig.exchange import import_file
-from smarig.exchange.hold_steps import holds, tolerance
+from smarig.exchange.hold_steps import Recording, found_steps, holds, tolerance
 from smarig.plant.actuator import Actuator
+
+COUNT_MM = 0.047
 
 
 def _csv(columns):
@@ -96,6 +98,16 @@ def test_holds_shorter_than_25_s_use_their_last_quarter_and_do_not_settle(write,
     assert [s.n for s in run.steps] == [10, 10]
     assert {s.verdict for s in run.steps} == {"elapsed"}
     assert any("last quarter" in w for w in run.meta["warnings"])
+
+
+@pytest.mark.parametrize(("slope_mm_per_s", "verdict"), [(0.0, "settled"), (0.005, "elapsed")])
+def test_noise_of_single_rows_is_no_motion(slope_mm_per_s, verdict):
+    """A row each second, and noise of half a count."""
+    rng = np.random.default_rng(1)
+    t_s = np.arange(60.0)
+    position = 5.0 + slope_mm_per_s * t_s + 0.5 * COUNT_MM * rng.standard_normal(60)
+    rows, _, _ = found_steps(Recording(t_s, position, COUNT_MM), [(0, 60)], lambda _a, _b: 1.0)
+    assert rows[0][7] == verdict
 
 
 def test_a_noisy_measured_current_gives_the_same_steps():

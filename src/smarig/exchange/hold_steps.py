@@ -14,7 +14,8 @@ from smarig.exchange.reader_result import directions, step_row
 
 Array = NDArray[np.float64]
 WINDOW_S = 25.0
-BLOCKS = 25
+BLOCKS = 25  # of a window, as on a rig, but of few rows each would be noise
+PER_BLOCK = 5  # rows at least
 MIN_SAMPLES = 5
 COMMAND_A = 1e-5  # a command is exact: any change beyond rounding starts another step
 
@@ -98,7 +99,8 @@ def _settle(recording: Recording, a: int, b: int) -> tuple[float | None, int, st
     known = inside[np.isfinite(inside)]
     if not known.size:
         return None, 0, "elapsed", short
-    means = [float(block.mean()) for block in np.array_split(known, min(BLOCKS, known.size))]
+    blocks = min(BLOCKS, max(known.size // PER_BLOCK, 2))
+    means = [float(block.mean()) for block in np.array_split(known, min(blocks, known.size))]
     still = recording.resolution is not None and max(means) - min(means) <= recording.resolution
     return float(known.mean()), known.size, "settled" if still and not short else "elapsed", short
 
