@@ -14,9 +14,9 @@ from identification.made_runs import (
     fod_run,
     made_run,
 )
-from smarig.identification.fod_data import fod_data
+from smarig.identification.fod_data import DescendingCurve, fod_data
 from smarig.identification.surface.curve_fit import fit_curves
-from smarig.identification.surface.curve_report import curve_report, reading_noise
+from smarig.identification.surface.curve_report import _crossing_curves, curve_report, reading_noise
 from smarig.preisach.hysteresis.gorbet_1997 import THESIS_SURFACES, thesis_surface
 from smarig.preisach.operator import Preisach
 
@@ -104,6 +104,14 @@ def test_crossing_proves_a_negative_density(name):
     report = curve_report(fod_data(fod_run(name, seed=1)))
     assert report.cross
     assert any("Prop. 4.6" in w for w in report.warnings)
+
+
+@pytest.mark.parametrize(("inner_y", "crosses"), [(0.47, False), (0.05, True)])
+def test_what_lies_between_coarse_points_is_no_crossing(inner_y, crosses):
+    """A line between 0.08 and 4.70 passes above 0.47, the wire's steep curve need not; 0.05 is below every curve."""
+    lower = DescendingCurve(0, 90.0, np.array([88.0, 64.0, 40.0]), np.array([4.70, 0.08, 0.0]))
+    higher = DescendingCurve(1, 100.0, np.array([98.0, 70.5, 40.0]), np.array([6.0, inner_y, 0.0]))
+    assert (_crossing_curves([lower, higher], 0.01) is not None) == crosses
 
 
 @pytest.mark.parametrize("name", ["one_c", "two_c"])

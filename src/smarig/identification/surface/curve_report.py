@@ -136,7 +136,10 @@ def _largest_rise(d: DescendingCurve) -> float:
 def _crossing_curves(
     descending_curves: list[DescendingCurve], threshold: float
 ) -> tuple[float, float, float] | None:
-    """(α₁, α₂, β) at which a curve from a higher maximum lies lowest below one from a lower maximum."""
+    """(α₁, α₂, β) at which a curve from a higher maximum lies lowest below one from a lower maximum.
+
+    Between two points a curve is known to lie between their outputs, and no more.
+    """
     ordered = sorted(descending_curves, key=lambda d: d.alpha)
     if len(ordered) < 2:
         return None
@@ -144,15 +147,23 @@ def _crossing_curves(
     highest, owner = np.full(grid.size, -np.inf), np.zeros(grid.size)
     worst, found = threshold, None
     for d in ordered:
-        y = np.interp(grid, d.beta[::-1], d.y[::-1], left=np.nan, right=np.nan)
-        y[grid >= d.alpha] = np.nan  # on the rising branch, not inside the loop
-        below = np.where(np.isfinite(y), highest - y, -np.inf)
+        least, most = _between_points(d, grid)
+        below = np.where(np.isfinite(most), highest - most, -np.inf)
         k = int(np.argmax(below))
         if below[k] > worst:
             worst, found = float(below[k]), (float(owner[k]), d.alpha, float(grid[k]))
-        higher = np.isfinite(y) & (y > highest)
-        highest[higher], owner[higher] = y[higher], d.alpha
+        higher = np.isfinite(least) & (least > highest)
+        highest[higher], owner[higher] = least[higher], d.alpha
     return found
+
+
+def _between_points(d: DescendingCurve, inputs: Array) -> tuple[Array, Array]:
+    """(least, most) outputs (n,) of a curve at inputs within its loop, NaN outside: of the points below and above."""
+    beta, y = d.beta[::-1], d.y[::-1]
+    outside = (inputs < beta[0]) | (inputs > beta[-1]) | (inputs >= d.alpha)  # or on the rising branch
+    below = np.clip(np.searchsorted(beta, inputs, side="right") - 1, 0, beta.size - 1)
+    above = np.clip(np.searchsorted(beta, inputs, side="left"), 0, beta.size - 1)
+    return np.where(outside, np.nan, y[below]), np.where(outside, np.nan, y[above])
 
 
 def _spread(descending_curves: list[DescendingCurve]) -> float:
