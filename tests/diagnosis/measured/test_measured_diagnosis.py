@@ -159,7 +159,8 @@ def test_a_held_out_run_whose_thermometer_is_off_is_reported():
     assert offset.with_offset < 0.5 * offset.without
     assert found.verdict.names == ("input_offset",)
     assert not found.extended, "no run is left to measure a gain on"
-    assert "is shifted by" in found.text()
+    assert f"is shifted by {-offset.offset:.3g} [" in found.text()
+    assert "it reads too low" in found.text()
 
 
 def test_a_strain_that_each_cycle_leaves_is_named():
