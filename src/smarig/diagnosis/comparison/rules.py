@@ -87,8 +87,8 @@ class VerdictEvidence:
     ``noise``: of one reading; ``remains``: the error that is left where a part acts. ``blocks``: real excursions.
     ``confounded``: parts that these data cannot part from a part. ``held_out``: error on held-out runs with a part over
     that without, where there are such runs. ``repeatability``: what a settled reading scatters, if known.
-    ``beyond_limit``: error of the plain model on held-out runs over the limit of prediction, 0 if that is missing
-    knowledge.
+    ``beyond_limit``: error of the plain model on held-out runs over the limit of prediction, or over the noise if that
+    is less; 0 if it is missing knowledge.
     ``together``: probability of each combination of parts; without it, parts are taken to exclude each other.
     ``effects_alone``: probability that effects are enough, without a dependence on a variable beside them; a name needs
     ``least_alone``.

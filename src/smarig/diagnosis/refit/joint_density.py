@@ -81,14 +81,20 @@ def joint_densities_from_starts(
         yield joint_density(timeline, start, warm_start)
 
 
+def with_positive_measure(timeline: Timeline, plant_model: PlantModel) -> PlantModel:
+    """The plant model with a positive measure that is fitted to settled positions."""
+    return replace(plant_model, hysteresis=fit_table(_settled_rows(timeline, plant_model), START_SMOOTHING))
+
+
 def _both(timeline: Timeline, plant_model: PlantModel, original: Everett) -> Iterator[PlantModel]:
-    rows = _settled_rows(timeline, predict(timeline, plant_model), plant_model)
-    surface = surface_through_states(rows, original) if isinstance(original, FodSurface) else None
+    surface = None
+    if isinstance(original, FodSurface):
+        surface = surface_through_states(_settled_rows(timeline, plant_model), original)
     if surface is not None:
         yield replace(plant_model, hysteresis=surface)
     else:
         yield with_moved_density(timeline, plant_model, plant_model.hysteresis)
-    yield replace(plant_model, hysteresis=fit_table(rows, START_SMOOTHING))
+    yield with_positive_measure(timeline, plant_model)
 
 
 def with_posterior_density(
@@ -197,9 +203,9 @@ def _start(
     return _Round(plant_model, prediction, refitted, contribution, prior)
 
 
-def _settled_rows(timeline: Timeline, prediction: Prediction, plant_model: PlantModel) -> Observations:
+def _settled_rows(timeline: Timeline, plant_model: PlantModel) -> Observations:
     """The settled positions without what effects add to them, along the inputs with effects."""
-    n = len(timeline.settled)
+    n, prediction = len(timeline.settled), predict(timeline, plant_model)
     y = timeline.settled.value - (prediction.values["settled"] - prediction.output[:n])
     h = plant_model.hysteresis
     rows = Observations.of_states(prediction.states[:n], y, timeline.block, (h.lower, h.upper), timeline.unit)

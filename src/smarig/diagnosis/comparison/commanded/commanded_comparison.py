@@ -83,9 +83,11 @@ def concluded(
     verdict = _with_variable(decide(evidence), evidence, weights.nothing)
     if verdict.reason in ASK_ALL_RUNS:
         verdict = _by_all_runs(verdict, variable_of_all_runs(subject, [*train, *held_out]))
-    likely = verdict.word != "silent" and weights.nothing < RULES["nothing"].value
-    tried = [(by_effects, gain_by_effects)] if by_effects.parts and likely else []
-    if verdict.word == "unknown":
+    likelier = (
+        verdict.word != "silent" and weights.nothing < RULES["nothing"].value
+    )  # something, than nothing
+    tried = [(by_effects, gain_by_effects)] if by_effects.parts and likelier else []
+    if verdict.word == "unknown" and likelier:
         laws = law_extensions(subject, found, by_effects.base)
         of_verdict = [law for law in laws if [p.name for p in law.parts] == [verdict.depends_on]]
         tried += [(law, gain_with(subject, law, train, held_out)) for law in of_verdict or laws]

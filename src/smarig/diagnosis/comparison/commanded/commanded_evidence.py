@@ -103,7 +103,7 @@ def _all_evidence(
     gain: HeldOutGain | None,
     held_out: Mapping[Part, float],
 ) -> VerdictEvidence:
-    span = abs(subject.given.stroke)
+    span, noise = abs(subject.given.stroke), subject.scatter(subject.base)
     pairs = {p: _pairs(found, weights, squares, p) for p in weights.causes}
     return VerdictEvidence(
         causes=weights.causes,
@@ -111,7 +111,7 @@ def _all_evidence(
         size={p: span * _size(pairs[p]) for p in weights.causes},
         span=span,
         error=span * float(np.sqrt(squares[()][FITTED["settled"]])),
-        noise=subject.scatter(subject.base),
+        noise=noise,
         remains={p: span * _remains(pairs[p], p, held_out) for p in weights.causes},
         blocks=int(np.unique(subject.timeline.block).size),
         confounded=_confounded(found, weights),
@@ -119,7 +119,7 @@ def _all_evidence(
         acts_through=weights.acts_through,
         testable=bool(found.screened),
         repeatability=_repeatability(found, weights),
-        beyond_limit=gain.base / gain.floor if gain else 0.0,
+        beyond_limit=_beyond_limit(gain, noise) if gain else 0.0,
         least_alone=RULES["name"].value,  # a name says that nothing else is missing
     )
 
@@ -142,6 +142,11 @@ def ways_of(found: SearchedHypotheses) -> dict[Part, tuple[Part, ...]]:
     """The variables that each effect of the hypotheses acts through."""
     effects = {p for h in found.hypotheses for p in h.parts if p.kind == "effect"}
     return {e: tuple(Part("variable", v) for v in acts_through(e.name)) for e in effects}
+
+
+def _beyond_limit(gain: HeldOutGain, noise: float) -> float:
+    """The base model's error on held-out runs over the limit of prediction, or at settled points over their noise."""
+    return min(gain.base / gain.floor, gain.settled_rms(gain.base_error) / noise)
 
 
 def _size(pairs: Sequence[Pair]) -> float:

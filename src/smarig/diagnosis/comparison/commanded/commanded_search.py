@@ -21,7 +21,7 @@ from smarig.diagnosis.comparison.commanded.screening import (
     collinear,
     screened,
 )
-from smarig.diagnosis.comparison.commanded.variable_trials import Discrepancies
+from smarig.diagnosis.comparison.commanded.variable_trials import Discrepancies, least_near
 from smarig.diagnosis.comparison.compared_hypothesis import ComparedHypothesis, Part, Trial
 from smarig.diagnosis.comparison.weights import PRIOR_PAIR, PRIOR_SINGLE, TEMPERATURE
 from smarig.diagnosis.looks_like import acts_through
@@ -30,7 +30,6 @@ FITTED, VARIABLES, PAIRS = 5, 4, 2  # most hypotheses of each kind that are fitt
 IMITATES = 0.5  # cos² of two traces
 ALWAYS = 3  # effects that are fitted, whatever their linear traces say
 LINEAR_SHARE = 0.2  # of the best gain: an effect with less by linear traces stays at them
-NEAR_NATS, NEAR_SHARE = 10.0, 0.2  # behind the best: farther, trials of the parameters change nothing
 REFERENCES = 4  # densities of the best effect that priors are about, one after the other
 # what the prior of a pair takes: less is no lead
 PAIR_NATS = TEMPERATURE * float(np.log(PRIOR_SINGLE / PRIOR_PAIR))
@@ -197,7 +196,7 @@ def _refined(
 def _least_near_best(found: Sequence[ComparedHypothesis], nothing: float) -> float:
     """The score below which better parameters, or a better prior, would make no effect the best."""
     best = max([h.score for h in found], default=nothing)
-    return max(nothing + PAIR_NATS, best - NEAR_NATS - NEAR_SHARE * (best - nothing))
+    return nothing + max(PAIR_NATS, least_near(best - nothing))
 
 
 def _imitating(

@@ -6,7 +6,6 @@ A wire that changed cannot be described by one density without a larger error of
 """
 
 from collections.abc import Sequence
-from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,7 +13,11 @@ from numpy.typing import NDArray
 from smarig.diagnosis.comparison.commanded.commanded_problem import CommandedProblem
 from smarig.diagnosis.comparison.missing_knowledge import MissingKnowledge, inputs_of_error
 from smarig.diagnosis.comparison.rules import RULES
-from smarig.diagnosis.refit.joint_density import joint_density_from_best_start, settled_rms
+from smarig.diagnosis.refit.joint_density import (
+    joint_density_from_best_start,
+    with_positive_measure,
+    with_posterior_density,
+)
 from smarig.record import Run
 from smarig.replay import PlantModel, Timeline, build_timeline, predict
 
@@ -38,8 +41,8 @@ def missing_knowledge_of(
     if _rms(plain[held]) <= max(RULES["worse"].value * _rms(plain[~held]), RULES["adequate"].value * noise):
         return None
     found = joint_density_from_best_start(timeline, subject.given, subject.original)
-    posterior = replace(found.plant_model, hysteresis=found.refitted.posterior.table())
-    joint = min(found.plant_model, posterior, key=lambda model: settled_rms(timeline, model))
+    positive = with_positive_measure(timeline, subject.given)
+    joint = with_posterior_density(timeline, found.plant_model, found.refitted, positive)
     fitted = _error(timeline, joint, zeroed_by=np.ones_like(held))
     cost = max(_square(fitted[~held]) - _square(plain[~held]), 0.0)
     share = 1.0 - (_square(fitted[held]) + cost) / _square(plain[held])

@@ -37,7 +37,12 @@ from smarig.diagnosis.refit.coupled_readings import CoupledReadings
 
 Array = NDArray[np.float64]
 CHANNEL_VARIABLES = ("time", "level")
-NEAR_NATS, NEAR_SHARE = 10.0, 0.2  # behind the best by screening: farther, a kernel will not predict best
+NEAR_NATS, NEAR_SHARE = 10.0, 0.2  # behind the best: what is farther will not become the best
+
+
+def least_near(best: float) -> float:
+    """The gain in nats from which on a hypothesis may become the best, which gains ``best`` now."""
+    return best - NEAR_NATS - NEAR_SHARE * best
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,7 +96,7 @@ class Discrepancies:
     def hypothesis(self, variable: str) -> ComparedHypothesis:
         """The fitted model with a dependence on a variable; the kernels that are about as promising are its trials."""
         own = [j for j, k in enumerate(self.kernels) if k.plain == variable]
-        least = (1 - NEAR_SHARE) * max(float(self.gains[own].max()), 0.0) - NEAR_NATS
+        least = least_near(max(float(self.gains[own].max()), 0.0))
         chosen = [j for j in sorted(own, key=lambda j: -self.gains[j]) if self.gains[j] >= least]
         channels = self._channels(variable)
         trials = [self._trial(j, channels) for j in chosen]
