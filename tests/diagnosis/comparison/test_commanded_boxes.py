@@ -174,6 +174,16 @@ def test_every_kernel_of_a_variable_that_is_near_its_best_is_a_trial() -> None:
     assert len(smooth.hypothesis("time").trials) == len(near)
 
 
+@pytest.mark.parametrize("vary", [True, False])
+def test_what_is_the_same_everywhere_is_no_variable(*, vary: bool) -> None:
+    subject = compared("").subject
+    if not vary:
+        timeline = subject.timeline
+        subject = replace(subject, timeline=replace(timeline, hold_s=np.full(timeline.hold_s.size, 40.0)))
+    kernels = Discrepancies.about(subject, compared("").subject.base).kernels
+    assert ("hold" in {k.variable for k in kernels}) == vary
+
+
 @pytest.mark.parametrize(("place", "enters"), [("input", "input"), ("heat", "heat_loss")])
 def test_kernel_is_what_a_small_law_changes(place: str, enters: str) -> None:
     subject = compared("").subject

@@ -161,9 +161,9 @@ def _of_others(subject: CommandedProblem, fitted: FittedPlant, own: _Geometry) -
 
 
 def _variables(subject: CommandedProblem, fitted: FittedPlant, coupled: Sequence) -> Mapping[str, Array]:
-    """The variables at positions, and at resistances that of the settled position of their step.
+    """The variables that vary, at positions, and at resistances that of the settled position of their step.
 
-    Time has kernels of its own.
+    Time has kernels of its own. Nothing can depend on what is the same everywhere: its kernel would be a free offset.
     """
     positions = subject.timeline.positions_only
     found = DriveStatistics(positions).variables(fitted.prediction.positions_only)
@@ -174,7 +174,7 @@ def _variables(subject: CommandedProblem, fitted: FittedPlant, coupled: Sequence
             continue
         own = by_kind(positions, z)
         whole[name] = np.concatenate([own[r.kind] if r.kind in own else z[:settled][r.step] for r in coupled])
-    return whole
+    return {name: z for name, z in whole.items() if np.unique(ranks(z)).size > 1}
 
 
 def screened_kernels(C: Array, readings: CoupledReadings, tried: Sequence[Kernel]) -> tuple[Array, Array]:
