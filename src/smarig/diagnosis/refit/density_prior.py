@@ -54,22 +54,22 @@ class DensityPrior:
     def _hat_responses(self, hats: Array) -> Array:
         """Outputs (n, products) of the prior masses times each product of two hats.
 
-        A hat is narrow, so sums run over its own cells only; beyond them they are constant.
+        Sums over β up to each level that is used, then over α; a hat is narrow, so only its own cells are summed.
         """
         used = np.unique(self.rows.indices)
-        i, j = self.triangle.i[used], self.triangle.j[used]
-        across = _grid(self.triangle, self.prior_scale[:, None]) * hats  # (α, β, hat over β)
-        np.cumsum(across, axis=1, out=across)
+        alphas, i = np.unique(self.triangle.i[used], return_inverse=True)
+        betas, j = np.unique(self.triangle.j[used], return_inverse=True)
+        up_to = np.tri(len(hats))  # (cells, cells): which cells lie below each
+        over_beta = (up_to[betas].T[:, :, None] * hats[:, None, :]).reshape(len(hats), -1)
+        across = _grid(self.triangle, self.prior_scale[:, None])[:, :, 0] @ over_beta
+        across = across.reshape(len(hats), betas.size, -1)  # (α, β, hat over β)
         sums = []
         for a, hat in enumerate(hats.T):
-            own = np.flatnonzero(hat)
-            if not own.size:  # the hat lies between two cells
-                sums.append(np.zeros((used.size, a + 1)))
-                continue
-            low, high = own[0], own[-1] + 1
-            up_to = np.cumsum(hat[low:high, None, None] * across[low:high, :, : a + 1], axis=0)
-            here = up_to[np.clip(i - low, 0, high - low - 1), j]
-            sums.append(np.where((i >= low)[:, None], here, 0.0))
+            own = np.flatnonzero(hat)  # none, if the hat lies between two cells
+            parts = across[own, :, : a + 1].reshape(own.size, -1)
+            sums.append(
+                ((up_to[alphas][:, own] * hat[own]) @ parts).reshape(alphas.size, betas.size, a + 1)[i, j]
+            )
         return np.asarray(csr_matrix(self.rows[:, used]) @ np.concatenate(sums, axis=1))
 
     def _grains(self) -> Array:
