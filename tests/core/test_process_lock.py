@@ -3,12 +3,13 @@
 import os
 import subprocess
 import sys
+import threading
 from pathlib import Path
 
 import pytest
 
 from smarig.core.errors import InUse, UsageError
-from smarig.core.process_lock import check_free, lock_folder, process_lock
+from smarig.core.process_lock import check_free, lock_folder, process_lock, try_lock
 
 ROOT = Path(__file__).resolve().parents[2]
 pytestmark = pytest.mark.skipif(os.name == "nt", reason="POSIX links and users")
@@ -47,6 +48,28 @@ def test_the_holder_is_told_with_its_number_its_start_and_its_command(folder, mo
         pytest.fail("two holders")
     with lock():
         pass
+
+
+@pytest.mark.parametrize("lasting", [True, False])
+def test_who_looks_whether_a_lock_is_free_keeps_nobody_from_it(folder, lasting):
+    with only_file(folder).open() as looker:
+        import fcntl
+
+        fcntl.flock(looker, fcntl.LOCK_SH)  # looks longer than ever
+        done = threading.Timer(0.2, looker.close)
+        done.start()
+        with lock(lasting=lasting):
+            done.join()
+            with only_file(folder).open() as other:
+                assert not try_lock(other)
+
+
+def test_those_who_look_keep_each_other_from_nothing(folder):
+    with only_file(folder).open() as looker:
+        import fcntl
+
+        fcntl.flock(looker, fcntl.LOCK_SH)
+        check_free("w", "Wire 'w' is in use", "Wait.")
 
 
 def test_what_a_lock_says_cannot_write_to_the_terminal(folder):

@@ -87,7 +87,7 @@ def _check_free(path: Path, what: str, remedy: str) -> None:
     if not path.exists():
         return
     with contextlib.suppress(OSError), _opened(path, 0) as file:
-        if not try_lock(file):
+        if not shared_lock(file):
             raise InUse(_refusal(file, what, remedy))
 
 
@@ -185,8 +185,14 @@ def _opened(path: Path, create: int) -> IO:
 
 
 def try_lock(file: IO) -> bool:
-    """Lock an open file for this process alone, until it is closed. Whether that succeeded."""
-    return _lock(file, shared=False)
+    """Lock an open file for this process alone, until it is closed. Whether that succeeded.
+
+    Who only looks whether a file is locked shares its lock for a moment; that is waited for.
+    """
+    while not _lock(file, shared=False):
+        if os.name == "nt" or not _lock(file, shared=True):
+            return False
+    return True
 
 
 def shared_lock(file: IO) -> bool:

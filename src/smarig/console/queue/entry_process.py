@@ -16,7 +16,7 @@ from typing import IO
 from smarig.console.command_process import process_command
 from smarig.console.queue.entry_command import entry_command
 from smarig.console.queue.queue_entry import QueueEntry
-from smarig.core import InUse, UsageError, try_lock
+from smarig.core import InUse, UsageError, shared_lock, try_lock
 
 LOGS = "queue.logs"
 LARGEST_LOG_BYTES = (
@@ -79,7 +79,7 @@ def is_alive(folder: Path, number: int) -> bool:
     if not path.exists():
         return False
     with _opened(path, os.O_RDWR) as lock:
-        return not try_lock(lock)
+        return not shared_lock(lock)
 
 
 def forget_result(folder: Path, number: int) -> None:
