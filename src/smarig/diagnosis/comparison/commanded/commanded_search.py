@@ -34,6 +34,7 @@ REFERENCES = 4  # densities of the best effect that priors are about, one after 
 # what the prior of a pair takes: less is no lead
 PAIR_NATS = TEMPERATURE * float(np.log(PRIOR_SINGLE / PRIOR_PAIR))
 Progress = Callable[[str], None]
+FittedEffect = tuple[ComparedHypothesis, FittedPlant]
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,14 +72,20 @@ def search(subject: CommandedProblem, progress: Progress) -> SearchedHypotheses:
     What an effect does distorts the density of the base. All hypotheses are tried with both priors: none gains by it.
     """
     first = _first_fits(subject, progress)
-    other = _with_density_of_best(first)
-    if other is None:
+    found = _with_density_of_best(first)
+    if found is None:
         return _completed(first, progress)
     progress("again with priors about the density of the best effect")
-    return _joined(first.hypotheses, _completed(_first_fits(other, progress), progress))
+    other, best = found
+    return _joined(first.hypotheses, _completed(_first_fits(other, progress, best), progress))
 
 
-def _first_fits(subject: CommandedProblem, progress: Progress) -> _FirstFits:
+def _first_fits(
+    subject: CommandedProblem,
+    progress: Progress,
+    best: FittedEffect | None = None,
+) -> _FirstFits:
+    """``best``: an effect that is fitted already; traces about its density need not show it."""
     base = subject.base
     nothing = ComparedHypothesis((), (subject.trial(base),))
     smooth = Discrepancies.about(subject, base)
@@ -86,7 +93,10 @@ def _first_fits(subject: CommandedProblem, progress: Progress) -> _FirstFits:
     weak = screened(subject, base, traces, smooth.ranking)
     by_variable = [smooth.hypothesis(v) for v in smooth.variables[:VARIABLES]]
     models: dict[tuple[Part, ...], FittedPlant] = {(): base}
-    effects = _fitted_effects(subject, base, weak, by_variable, models, progress, nothing.score)
+    if best is not None:
+        models[best[0].parts] = best[1]
+    known = [best[0]] if best else []
+    effects = _fitted_effects(subject, base, weak, by_variable, known, models, progress, nothing.score)
     return _FirstFits(subject, nothing, smooth, traces, weak, by_variable, effects, models)
 
 
@@ -102,24 +112,24 @@ def _completed(first: _FirstFits, progress: Progress) -> SearchedHypotheses:
     return SearchedHypotheses((nothing, *effects, *variables, *pairs), models, tuple(first.screened))
 
 
-def _with_density_of_best(first: _FirstFits) -> CommandedProblem | None:
-    """The subject with priors about the density of the best effect, or None if these predict it no better."""
+def _with_density_of_best(first: _FirstFits) -> tuple[CommandedProblem, FittedEffect] | None:
+    """The subject with priors about the density of the best effect, and that; None if they predict it no better."""
     ranked = sorted(first.effects, key=lambda h: -h.score)
     if not ranked or ranked[0].score < first.nothing.score + PAIR_NATS:
         return None
-    score, other = ranked[0].score, None
+    score, found = ranked[0].score, None
     with suppress(np.linalg.LinAlgError):  # inputs that the effect moves too close together
         least = _least_near_best(first.effects, first.nothing.score)
         fitted = _best_with_own_prior(first, [h for h in ranked[:ALWAYS] if h.score > least])
         for _ in range(REFERENCES):
-            trying = (other or first.subject).with_reference_from(fitted)
+            trying = (found[0] if found else first.subject).with_reference_from(fitted)
             again = trying.with_density(fitted.effects, fitted)
             tried = ComparedHypothesis(trying.parts(again), (trying.trial(again),))
             tried, again = refined(trying, tried, again)
             if tried.score < score + PAIR_NATS:
                 break
-            other, score, fitted = trying, tried.score, again
-    return other
+            found, score, fitted = (trying, (tried, again)), tried.score, again
+    return found
 
 
 def _best_with_own_prior(first: _FirstFits, ranked: Sequence[ComparedHypothesis]) -> FittedPlant:
@@ -152,14 +162,17 @@ def _fitted_effects(
     base: FittedPlant,
     weak: Sequence[Screened],
     by_variable: Sequence[ComparedHypothesis],
+    known: Sequence[ComparedHypothesis],
     models: dict[tuple[Part, ...], FittedPlant],
     progress: Progress,
     nothing: float,
 ) -> list[ComparedHypothesis]:
-    """The best screened effects with a density of their own."""
-    found: list[ComparedHypothesis] = []
+    """The best screened effects with a density of their own, beside those that are ``known``."""
+    found = list(known)
 
     def fit(one: Screened) -> None:
+        if any(h.parts == (one.part,) for h in found):
+            return
         result = fitted_with(subject, base, [*base.effects, one.effect], one.starts)
         if result is None:
             return
@@ -174,11 +187,9 @@ def _fitted_effects(
     for one in sorted(weak, key=lambda s: -s.trial.score):  # a variable may imitate it in the ranking
         if one.trial.score <= max([h.score for h in found], default=nothing):
             break
-        if all(h.parts != (one.part,) for h in found):
-            fit(one)
+        fit(one)
     for one in [*_imitating(found, weak, nothing), *_through_likely(by_variable, found, weak, nothing)]:
-        if all(h.parts != (one.part,) for h in found):
-            fit(one)
+        fit(one)
     return found
 
 

@@ -34,7 +34,7 @@ def fitted_with(
         fit = _fit_about(subject, start, start.plant_model, effects)
         starts = [fit.effects, *(starts if others else [])]
     found = []
-    for each in starts:
+    for each in _apart(starts):
         with suppress(np.linalg.LinAlgError):  # inputs that the effects move too close together
             fitted = subject.with_density(each, start)
             found.append((subject.trial(fitted), fitted))
@@ -42,6 +42,20 @@ def fitted_with(
         return None
     _, best = max(found, key=lambda pair: pair[0].score)
     return ComparedHypothesis(subject.parts(best), tuple(t for t, _ in found)), best
+
+
+def _apart(starts: Sequence[Sequence[Effect]]) -> list[Sequence[Effect]]:
+    """The starts that differ from all before by at least the shortest step of a search."""
+    kept: list[Sequence[Effect]] = []
+    for each in starts:
+        if not any(_same(each, before) for before in kept):
+            kept.append(each)
+    return kept
+
+
+def _same(one: Sequence[Effect], other: Sequence[Effect]) -> bool:
+    pairs = [(v, b.values[n]) for a, b in zip(one, other) for n, v in a.values.items()]
+    return all(abs(v - w) <= STEP_BOUNDS[0] * max(abs(v), abs(w)) for v, w in pairs)
 
 
 def refined(
@@ -120,6 +134,8 @@ def _along(
             if value == last.values[name]:
                 break
             moved = last.kind(**{**last.values, name: value})
+            if any(_at(t, moved) for t in trials):  # it gained nothing then
+                break
             try:
                 other = subject.with_density((*others, moved), best)
             except np.linalg.LinAlgError:  # as in ``fitted_with``
@@ -129,3 +145,9 @@ def _along(
                 break
             best, top, times = other, trials[-1].score, 2 * times
     return best
+
+
+def _at(trial: Trial, effect: Effect) -> bool:
+    """Whether a trial has an effect at these values."""
+    own = {f"{effect.kind.name}.{n}": v for n, v in effect.values.items()}
+    return all(trial.parameters.get(k) == v for k, v in own.items())
