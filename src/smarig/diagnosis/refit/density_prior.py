@@ -66,7 +66,7 @@ class DensityPrior:
         sums = []
         for a, hat in enumerate(hats.T):
             own = np.flatnonzero(hat)  # none, if the hat lies between two cells
-            parts = across[own, :, : a + 1].reshape(own.size, -1)
+            parts = across[own, :, : a + 1].reshape(own.size, betas.size * (a + 1))
             sums.append(
                 ((up_to[alphas][:, own] * hat[own]) @ parts).reshape(alphas.size, betas.size, a + 1)[i, j]
             )

@@ -34,7 +34,7 @@ REFERENCES = 4  # densities of the best effect that priors are about, one after 
 # what the prior of a pair takes: less is no lead
 PAIR_NATS = TEMPERATURE * float(np.log(PRIOR_SINGLE / PRIOR_PAIR))
 Progress = Callable[[str], None]
-FittedEffect = tuple[ComparedHypothesis, FittedPlant]
+FittedCause = tuple[ComparedHypothesis, FittedPlant]
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,15 +48,15 @@ class SearchedHypotheses:
 
 @dataclass(frozen=True, eq=False)
 class _FirstFits:
-    """What is known of the hypotheses under the priors of a subject before any is refined."""
+    """What is known of the hypotheses under the priors of a subject before any but ``known`` is refined."""
 
     subject: CommandedProblem
     nothing: ComparedHypothesis
-    smooth: Discrepancies
     traces: Sequence[Candidate]
     screened: Sequence[Screened]
     variables: Sequence[ComparedHypothesis]
     effects: Sequence[ComparedHypothesis]
+    known: Sequence[ComparedHypothesis]
     models: dict[tuple[Part, ...], FittedPlant]
 
     @property
@@ -67,15 +67,15 @@ class _FirstFits:
 
 
 def search(subject: CommandedProblem, progress: Progress) -> SearchedHypotheses:
-    """All hypotheses about a subject, scored with priors about the base, or also about the density of the best effect.
+    """All hypotheses about a subject, with priors about the base, or also about the density of the best effect or law.
 
-    What an effect does distorts the density of the base. All hypotheses are tried with both priors: none gains by it.
+    What a cause does distorts the density of the base. All hypotheses are tried with both priors: none gains by it.
     """
     first = _first_fits(subject, progress)
     found = _with_density_of_best(first)
     if found is None:
         return _completed(first, progress)
-    progress("again with priors about the density of the best effect")
+    progress("again with priors about the density of the best cause")
     other, best = found
     return _joined(first.hypotheses, _completed(_first_fits(other, progress, best), progress))
 
@@ -83,9 +83,9 @@ def search(subject: CommandedProblem, progress: Progress) -> SearchedHypotheses:
 def _first_fits(
     subject: CommandedProblem,
     progress: Progress,
-    best: FittedEffect | None = None,
+    best: FittedCause | None = None,
 ) -> _FirstFits:
-    """``best``: an effect that is fitted already; traces about its density need not show it."""
+    """``best``: an effect or a law that is fitted already; nothing about its own density need show it."""
     base = subject.base
     nothing = ComparedHypothesis((), (subject.trial(base),))
     smooth = Discrepancies.about(subject, base)
@@ -93,52 +93,59 @@ def _first_fits(
     weak = screened(subject, base, traces, smooth.ranking)
     by_variable = [smooth.hypothesis(v) for v in smooth.variables[:VARIABLES]]
     models: dict[tuple[Part, ...], FittedPlant] = {(): base}
-    if best is not None:
-        models[best[0].parts] = best[1]
-    known = [best[0]] if best else []
-    effects = _fitted_effects(subject, base, weak, by_variable, known, models, progress, nothing.score)
-    return _FirstFits(subject, nothing, smooth, traces, weak, by_variable, effects, models)
+    shown = [(s.part,) for s in weak[:FITTED]]
+    known = [best] if best and best[0].parts not in shown else []
+    models |= {h.parts: model for h, model in known}
+    effects = [h for h, _ in known if h.parts[-1].kind == "effect"]
+    effects = _fitted_effects(subject, base, weak, by_variable, effects, models, progress, nothing.score)
+    gain = max((h.score - nothing.score for h in effects), default=0.0)
+    variables = _with_laws(subject, smooth, by_variable, known, models, nothing.score, gain)
+    known_effects = [h for h in effects if h in [k for k, _ in known]]
+    return _FirstFits(subject, nothing, traces, weak, variables, effects, known_effects, models)
 
 
 def _completed(first: _FirstFits, progress: Progress) -> SearchedHypotheses:
-    """All hypotheses: effects refined, laws, and the pairs that earn it."""
+    """All hypotheses: effects refined, and the pairs that earn it."""
     subject, nothing, models = first.subject, first.nothing, dict(first.models)
-    effects = _refined(subject, first.effects, models, nothing.score)
+    effects = _refined(subject, first.effects, first.known, models, nothing.score)
     tried = {h.parts for h in effects}
     effects += [s.hypothesis for s in first.screened if (s.part,) not in tried]
-    gain = max((h.score - nothing.score for h in effects), default=0.0)
-    variables = _variables(subject, first.smooth, first.variables, models, nothing, gain, progress)
+    variables = [_reported(h, nothing, progress) for h in first.variables]
     pairs = _pairs(subject, effects, models, first.traces, nothing.score, progress)
     return SearchedHypotheses((nothing, *effects, *variables, *pairs), models, tuple(first.screened))
 
 
-def _with_density_of_best(first: _FirstFits) -> tuple[CommandedProblem, FittedEffect] | None:
-    """The subject with priors about the density of the best effect, and that; None if they predict it no better."""
-    ranked = sorted(first.effects, key=lambda h: -h.score)
-    if not ranked or ranked[0].score < first.nothing.score + PAIR_NATS:
+def _with_density_of_best(first: _FirstFits) -> tuple[CommandedProblem, FittedCause] | None:
+    """The subject with priors about the density of the best cause, and that; None if they predict it no better."""
+    subject, nothing = first.subject, first.nothing.score
+    fitted = [h for h in (*first.effects, *first.variables) if h.parts in first.models]
+    scores = {h.parts: subject.trial(first.models[h.parts]).score for h in fitted}
+    ranked = sorted(fitted, key=lambda h: -scores[h.parts])
+    score = scores[ranked[0].parts] if ranked else nothing
+    if score < nothing + PAIR_NATS:
         return None
-    score, found = ranked[0].score, None
-    with suppress(np.linalg.LinAlgError):  # inputs that the effect moves too close together
-        least = _least_near_best(first.effects, first.nothing.score)
-        fitted = _best_with_own_prior(first, [h for h in ranked[:ALWAYS] if h.score > least])
+    found = None
+    with suppress(np.linalg.LinAlgError):  # inputs that the cause moves too close together
+        least = nothing + max(PAIR_NATS, least_near(score - nothing))
+        best = _best_with_own_prior(first, [h for h in ranked[:ALWAYS] if scores[h.parts] > least])
         for _ in range(REFERENCES):
-            trying = (found[0] if found else first.subject).with_reference_from(fitted)
-            again = trying.with_density(fitted.effects, fitted)
+            trying = (found[0] if found else subject).with_reference_from(best)
+            again = trying.with_density(best.effects, best)
             tried = ComparedHypothesis(trying.parts(again), (trying.trial(again),))
             tried, again = refined(trying, tried, again)
             if tried.score < score + PAIR_NATS:
                 break
-            found, score, fitted = (trying, (tried, again)), tried.score, again
+            found, score, best = (trying, (tried, again)), tried.score, again
     return found
 
 
 def _best_with_own_prior(first: _FirstFits, ranked: Sequence[ComparedHypothesis]) -> FittedPlant:
-    """The best of some effects, at several strengths, each with a density that is its own prior."""
+    """The best of some causes, effects at several strengths, each with a density that is its own prior."""
     subject, base = first.subject, first.models[()]
     fits = []
     for h in ranked:
         *known, last = first.models[h.parts].effects
-        others = next(s.starts for s in first.screened if (s.part,) == h.parts)
+        others = next((s.starts for s in first.screened if (s.part,) == h.parts), ())
         fits += [subject.with_own_prior((*known, e), base) for e in (last, *others)]
     return max(fits, key=lambda fitted: subject.trial(fitted).score)
 
@@ -196,12 +203,13 @@ def _fitted_effects(
 def _refined(
     subject: CommandedProblem,
     found: Sequence[ComparedHypothesis],
+    known: Sequence[ComparedHypothesis],
     models: dict[tuple[Part, ...], FittedPlant],
     nothing: float,
 ) -> list[ComparedHypothesis]:
-    """Effects, those near the best with trials of their parameters."""
+    """Effects, those near the best with trials of their parameters; ``known`` have them."""
     least = _least_near_best(found, nothing)
-    return [_refined_one(subject, h, models) if h.score > least else h for h in found]
+    return [_refined_one(subject, h, models) if h.score > least and h not in known else h for h in found]
 
 
 def _least_near_best(found: Sequence[ComparedHypothesis], nothing: float) -> float:
@@ -241,27 +249,28 @@ def _refined_one(
     return again
 
 
-def _variables(
+def _with_laws(
     subject: CommandedProblem,
     smooth: Discrepancies,
     found: Sequence[ComparedHypothesis],
+    known: Sequence[FittedCause],
     models: dict[tuple[Part, ...], FittedPlant],
-    nothing: ComparedHypothesis,
+    nothing: float,
     gain: float,
-    progress: Progress,
 ) -> list[ComparedHypothesis]:
     """The most promising variables by their kernels, the best of them by a learned law as well.
 
     A law is fitted unless no kernel gains a share of the ``gain`` in nats of the best effect.
     """
     by_parts = {h.parts: h for h in found}
-    best = max((h.score - nothing.score for h in by_parts.values()), default=0.0)
-    if best > max(LINEAR_SHARE * gain, PAIR_NATS):
-        for by_law, models[by_law.parts] in laws(subject, smooth):
-            own = by_parts.get(by_law.parts)
-            joined = by_law if own is None else replace(own, trials=(*own.trials, *by_law.trials))
-            by_parts[by_law.parts] = joined
-    return [_reported(h, nothing, progress) for h in by_parts.values()]
+    best = max((h.score - nothing for h in by_parts.values()), default=0.0)
+    fitted = laws(subject, smooth) if best > max(LINEAR_SHARE * gain, PAIR_NATS) else []
+    fitted += [(h, model) for h, model in known if h.parts[-1].kind == "variable"]
+    for by_law, models[by_law.parts] in sorted(fitted, key=lambda pair: pair[0].score):
+        own = by_parts.get(by_law.parts)
+        joined = by_law if own is None else replace(own, trials=(*own.trials, *by_law.trials))
+        by_parts[by_law.parts] = joined
+    return list(by_parts.values())
 
 
 def _pairs(

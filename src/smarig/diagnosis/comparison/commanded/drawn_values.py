@@ -21,7 +21,7 @@ def drawn_values(hypothesis: ComparedHypothesis, parameter: str, shares: Array) 
     x = np.array([t.parameters[parameter] for t in hypothesis.trials])
     scores = np.array([t.log_scores for t in hypothesis.trials])
     total = scores.sum(axis=1)
-    near = total > total.max() - NEAR_NATS
+    near = (total > total.max() - NEAR_NATS) | _neighbours(x, total)
     chosen = hypothesis.resampled(shares)[parameter]
     if np.unique(x[near]).size < 3:
         return chosen
@@ -33,3 +33,13 @@ def drawn_values(hypothesis: ComparedHypothesis, parameter: str, shares: Array) 
     spread = np.sqrt(-TEMPERATURE / bend) * np.random.default_rng(0).standard_normal(bend.size)
     drawn = np.clip(-first / bend + spread, z.min() - 1, z.max() + 1)
     return np.where(second < 0, best + size * drawn, chosen)
+
+
+def _neighbours(x: Array, total: Array) -> NDArray[np.bool_]:
+    """The best trials (trials,) of the nearest values on both sides of the best: a sure strength has no others near."""
+    best, found = x[int(total.argmax())], np.zeros(x.size, dtype=bool)
+    for side in (x[x < best], x[x > best]):
+        if side.size:
+            value = side[int(np.argmin(np.abs(side - best)))]
+            found[int(np.argmax(np.where(x == value, total, -np.inf)))] = True
+    return found
