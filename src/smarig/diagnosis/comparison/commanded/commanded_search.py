@@ -7,6 +7,7 @@ screening it gains what its prior takes.
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -52,12 +53,18 @@ class _FirstFits:
 
     subject: CommandedProblem
     nothing: ComparedHypothesis
+    smooth: Discrepancies
     traces: Sequence[Candidate]
     screened: Sequence[Screened]
     variables: Sequence[ComparedHypothesis]
     effects: Sequence[ComparedHypothesis]
-    known: Sequence[ComparedHypothesis]
+    known: Sequence[FittedCause]
     models: dict[tuple[Part, ...], FittedPlant]
+
+    @cached_property
+    def laws(self) -> Sequence[FittedCause]:
+        """The most promising variables as learned laws, the best last."""
+        return laws(self.subject, self.smooth)
 
     @property
     def hypotheses(self) -> SearchedHypotheses:
@@ -98,19 +105,17 @@ def _first_fits(
     models |= {h.parts: model for h, model in known}
     effects = [h for h, _ in known if h.parts[-1].kind == "effect"]
     effects = _fitted_effects(subject, base, weak, by_variable, effects, models, progress, nothing.score)
-    gain = max((h.score - nothing.score for h in effects), default=0.0)
-    variables = _with_laws(subject, smooth, by_variable, known, models, nothing.score, gain)
-    known_effects = [h for h in effects if h in [k for k, _ in known]]
-    return _FirstFits(subject, nothing, traces, weak, variables, effects, known_effects, models)
+    return _FirstFits(subject, nothing, smooth, traces, weak, by_variable, effects, known, models)
 
 
 def _completed(first: _FirstFits, progress: Progress) -> SearchedHypotheses:
-    """All hypotheses: effects refined, and the pairs that earn it."""
+    """All hypotheses: effects refined, laws, and the pairs that earn it."""
     subject, nothing, models = first.subject, first.nothing, dict(first.models)
-    effects = _refined(subject, first.effects, first.known, models, nothing.score)
+    effects = _refined(subject, first.effects, [h for h, _ in first.known], models, nothing.score)
     tried = {h.parts for h in effects}
     effects += [s.hypothesis for s in first.screened if (s.part,) not in tried]
-    variables = [_reported(h, nothing, progress) for h in first.variables]
+    gain = max((h.score - nothing.score for h in effects), default=0.0)
+    variables = [_reported(h, nothing, progress) for h in _with_laws(first, models, gain)]
     pairs = _pairs(subject, effects, models, first.traces, nothing.score, progress)
     return SearchedHypotheses((nothing, *effects, *variables, *pairs), models, tuple(first.screened))
 
@@ -118,16 +123,14 @@ def _completed(first: _FirstFits, progress: Progress) -> SearchedHypotheses:
 def _with_density_of_best(first: _FirstFits) -> tuple[CommandedProblem, FittedCause] | None:
     """The subject with priors about the density of the best cause, and that; None if they predict it no better."""
     subject, nothing = first.subject, first.nothing.score
-    fitted = [h for h in (*first.effects, *first.variables) if h.parts in first.models]
-    scores = {h.parts: subject.trial(first.models[h.parts]).score for h in fitted}
-    ranked = sorted(fitted, key=lambda h: -scores[h.parts])
-    score = scores[ranked[0].parts] if ranked else nothing
+    ranked = sorted(_rivals(first), key=lambda pair: -pair[0].score)
+    score = ranked[0][0].score if ranked else nothing
     if score < nothing + PAIR_NATS:
         return None
     found = None
     with suppress(np.linalg.LinAlgError):  # inputs that the cause moves too close together
-        least = nothing + max(PAIR_NATS, least_near(score - nothing))
-        best = _best_with_own_prior(first, [h for h in ranked[:ALWAYS] if scores[h.parts] > least])
+        least = _least_near_best([ranked[0][0]], nothing)
+        best = _best_with_own_prior(first, [pair for pair in ranked[:ALWAYS] if pair[0].score > least])
         for _ in range(REFERENCES):
             trying = (found[0] if found else subject).with_reference_from(best)
             again = trying.with_density(best.effects, best)
@@ -139,12 +142,20 @@ def _with_density_of_best(first: _FirstFits) -> tuple[CommandedProblem, FittedCa
     return found
 
 
-def _best_with_own_prior(first: _FirstFits, ranked: Sequence[ComparedHypothesis]) -> FittedPlant:
+def _rivals(first: _FirstFits) -> list[FittedCause]:
+    """The effects, and the laws if a variable predicts as well as any of them."""
+    effects = [(h, first.models[h.parts]) for h in first.effects]
+    best = max((h.score for h in first.effects), default=first.nothing.score)
+    by_laws = any(h.score > best for h in first.variables)
+    return [*effects, *(first.laws if by_laws else [])]
+
+
+def _best_with_own_prior(first: _FirstFits, ranked: Sequence[FittedCause]) -> FittedPlant:
     """The best of some causes, effects at several strengths, each with a density that is its own prior."""
     subject, base = first.subject, first.models[()]
     fits = []
-    for h in ranked:
-        *known, last = first.models[h.parts].effects
+    for h, model in ranked:
+        *known, last = model.effects
         others = next((s.starts for s in first.screened if (s.part,) == h.parts), ())
         fits += [subject.with_own_prior((*known, e), base) for e in (last, *others)]
     return max(fits, key=lambda fitted: subject.trial(fitted).score)
@@ -250,22 +261,16 @@ def _refined_one(
 
 
 def _with_laws(
-    subject: CommandedProblem,
-    smooth: Discrepancies,
-    found: Sequence[ComparedHypothesis],
-    known: Sequence[FittedCause],
-    models: dict[tuple[Part, ...], FittedPlant],
-    nothing: float,
-    gain: float,
+    first: _FirstFits, models: dict[tuple[Part, ...], FittedPlant], gain: float
 ) -> list[ComparedHypothesis]:
     """The most promising variables by their kernels, the best of them by a learned law as well.
 
     A law is fitted unless no kernel gains a share of the ``gain`` in nats of the best effect.
     """
-    by_parts = {h.parts: h for h in found}
-    best = max((h.score - nothing for h in by_parts.values()), default=0.0)
-    fitted = laws(subject, smooth) if best > max(LINEAR_SHARE * gain, PAIR_NATS) else []
-    fitted += [(h, model) for h, model in known if h.parts[-1].kind == "variable"]
+    by_parts = {h.parts: h for h in first.variables}
+    best = max((h.score - first.nothing.score for h in by_parts.values()), default=0.0)
+    fitted = [pair for pair in first.known if pair[0].parts[-1].kind == "variable"]
+    fitted += first.laws if best > max(LINEAR_SHARE * gain, PAIR_NATS) else []
     for by_law, models[by_law.parts] in sorted(fitted, key=lambda pair: pair[0].score):
         own = by_parts.get(by_law.parts)
         joined = by_law if own is None else replace(own, trials=(*own.trials, *by_law.trials))
