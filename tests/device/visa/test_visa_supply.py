@@ -98,6 +98,21 @@ def test_a_watchdog_that_does_not_read_back_is_no_lease(serve):
     assert supply.has_lease is False
 
 
+def test_an_output_whose_state_is_garbled_is_not_taken_for_off(serve):
+    server = serve("rigol_dp800")
+    supply = visa_supply(link(server), RIG)
+    supply.arm()
+    supply.set_current(0.3)
+    answer, garbled = server.answer, ["\x0f1?", "O"]
+    server.answer = lambda line: garbled.pop(0) if "OUTP?" in line and garbled else answer(line)
+    with pytest.raises(Garbled, match="answers 'O' to :OUTP"):
+        supply.measure()
+    assert supply.measure().current_A == pytest.approx(0.3, abs=0.01)
+    garbled.append("0x")
+    assert supply.measure().current_A == pytest.approx(0.3, abs=0.01)
+    supply.close()
+
+
 def test_a_lease_that_the_watchdog_cannot_count_is_refused(serve):
     rig = RIG.model_copy(update={"lease_s": 1.5})
     with pytest.raises(

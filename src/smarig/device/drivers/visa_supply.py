@@ -14,8 +14,6 @@ from smarig.device.links.visa_line import VisaLine
 from smarig.device.polled.from_functions import FunctionOutput
 from smarig.plant import Actuator, largest_voltage_V
 
-_ON = ("1", "ON")
-
 
 class VisaSupplySettings(TomlTable):
     """[links.amplifier.settings] of visa_supply."""
@@ -95,7 +93,7 @@ class _SupplyCommands:
 
     def is_on(self) -> bool:
         """Whether the output is on, and no protection has disabled it."""
-        on = self.line.ask(self._filled(self.make.output.query), reads=True).upper() in _ON
+        on = self.line.switched_on(self._filled(self.make.output.query))
         protection = self.make.protection
         if not on or protection is None:
             return on
@@ -121,7 +119,7 @@ class _SupplyCommands:
             return False
         for command in watchdog.arm:
             self.line.write(filled(command, channel=self._channel, lease=round(lease_s)))
-        armed = self.line.ask(self._filled(watchdog.query)).upper() in _ON
+        armed = self.line.switched_on(self._filled(watchdog.query))
         return armed and self.line.number(self._filled(watchdog.time)) == round(lease_s)
 
     def _filled(self, command: str, value: float = 0.0) -> str:

@@ -9,7 +9,7 @@ import contextlib
 import re
 import socket
 from collections.abc import Callable
-from typing import Any, TypeVar
+from typing import Any, NoReturn, TypeVar
 
 from smarig.core import MissingExtra, UsageError, error_text
 from smarig.device.encoding.link_faults import Garbled, Silent, WrongDevice
@@ -17,6 +17,7 @@ from smarig.device.links.query import only_reads
 
 _NUMBER = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)")
 _IDENTITY = "*IDN?"
+_SWITCH = {"1": True, "ON": True, "0": False, "OFF": False}
 _T = TypeVar("_T")
 
 
@@ -52,6 +53,10 @@ class VisaLine:
         """The answer to a query. ``reads``: whether it may be asked again; by default its form tells (only_reads)."""
         return self._query_twice(question, reads, str)
 
+    def switched_on(self, question: str) -> bool:
+        """Whether the answer to a query that only reads says on. Raises Garbled if it says neither, twice."""
+        return self._query_twice(question, True, lambda answer: self._switch(question, answer))
+
     def number(self, question: str, *, reads: bool | None = None) -> float:
         """The first number of the answer; a unit after it is ignored. Raises Garbled without one, twice."""
         return self.numbers(question, reads=reads)[0]
@@ -76,9 +81,17 @@ class VisaLine:
         found = [_NUMBER.match(part) for part in answer.split(",")]
         numbers = [float(part.group(1)) for part in found if part]
         if not numbers or len(numbers) < len(found):
-            self._drop()
-            raise Garbled(f"{self.where} answers '{answer}' to {question}. {Garbled.remedy_at(self.where)}")
+            self._garbled(question, answer)
         return numbers
+
+    def _switch(self, question: str, answer: str) -> bool:
+        if answer.upper() not in _SWITCH:
+            self._garbled(question, answer)
+        return _SWITCH[answer.upper()]
+
+    def _garbled(self, question: str, answer: str) -> NoReturn:
+        self._drop()
+        raise Garbled(f"{self.where} answers '{answer}' to {question}. {Garbled.remedy_at(self.where)}")
 
     def close(self) -> None:
         """Close the session. Never raises."""
