@@ -44,13 +44,13 @@ def coupled_readings(
     prediction: Prediction,
     plant_model: PlantModel,
     contribution: Array | None = None,
-    prior: Everett | None = None,
+    prior: Everett | DensityPrior | None = None,
     smoothing: float = SMOOTHING,
 ) -> CoupledReadings:
     """The coupled readings of a simulated timeline.
 
     ``contribution`` is ``effect_contribution`` where it is known. ``prior``: the density that the prior is about, if
-    not that of the plant model; ``smoothing`` that of the prior.
+    not that of the plant model, or the prior itself; ``smoothing`` that of the prior.
     """
     coupled = [r for r in timeline.all_readings if r.kind in OUTPUT_DEPENDENT_KINDS]
     y = np.concatenate([r.value - prediction.values[r.kind] for r in coupled])
@@ -63,7 +63,7 @@ def coupled_readings(
     )
     scaled_error = encoder_error_traces(timeline, plant_model, coupled) / scale[:, None]
     free += scaled_error @ scaled_error.T
-    about = density_prior(prediction, prior or h, smoothing)
+    about = prior if isinstance(prior, DensityPrior) else density_prior(prediction, prior or h, smoothing)
     full_output = y + prediction.output_slope * (
         prediction.output - h.y_lower
     )  # for any hysteresis, not only for changes of this one

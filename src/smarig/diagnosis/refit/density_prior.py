@@ -8,7 +8,8 @@ The cells are a triangle on a scale on which the output moves evenly, so that a 
 much structure as a flat tail.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -34,7 +35,8 @@ class DensityPrior:
     observations.
 
     ``prior_scale`` (cells,) scales the deviations: as smooth as products of two ``hats`` (N, s + 1), with one array
-    for each scale of smoothness, then grains of variance ``prior_scale``.
+    for each scale of smoothness, then grains of variance ``prior_scale``. ``whole``: the prior whose first rows
+    these are.
     """
 
     triangle: Triangle
@@ -42,14 +44,22 @@ class DensityPrior:
     mass: Array
     prior_scale: Array
     hats: tuple[Array, ...]
+    whole: "DensityPrior | None" = None
 
-    @property
+    @cached_property
     def covariances(self) -> tuple[Array, ...]:
         """Covariances (n, n) of the outputs at the memories, in strokes², without a common zero: by scale, then
         grains.
         """
+        if self.whole is not None:
+            n = self.rows.get_shape()[0]
+            return tuple(c[:n, :n] for c in self.whole.covariances)
         shapes = [self._hat_responses(hats) for hats in self.hats]
         return (*(shape @ shape.T for shape in shapes), self._grains())
+
+    def first(self, n: int) -> "DensityPrior":
+        """The same at the first n memories."""
+        return replace(self, rows=csr_matrix(self.rows[:n]), whole=self)
 
     def _hat_responses(self, hats: Array) -> Array:
         """Outputs (n, products) of the prior masses times each product of two hats.

@@ -8,12 +8,14 @@ density. The iteration starts from a positive measure fitted to settled position
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from functools import cached_property
 from math import inf
 
 import numpy as np
 from numpy.typing import NDArray
 
 from smarig.diagnosis.refit.coupled_readings import effect_contribution
+from smarig.diagnosis.refit.density_prior import DensityPrior, density_prior
 from smarig.diagnosis.refit.moved_density import with_moved_density
 from smarig.diagnosis.refit.refit import Refit, refit
 from smarig.identification import Observations, fit_table, surface_through_states
@@ -55,7 +57,8 @@ def joint_density(
             break
     refitted = best.refitted
     if len(timeline.positions_only.all_readings) < len(timeline.all_readings):
-        refitted = refit(timeline, best.prediction, best.plant_model, refitted, prior=prior)
+        about = best.prior.along(best.prediction) if best.prior else None
+        refitted = refit(timeline, best.prediction, best.plant_model, refitted, prior=about)
     return JointDensity(best.plant_model, best.prediction, refitted)
 
 
@@ -160,31 +163,50 @@ def position_rms(timeline: Timeline, plant_model: PlantModel) -> dict[str, float
 
 
 @dataclass(frozen=True, eq=False)
+class _FixedPrior:
+    """A prior about ``density``: one along all inputs that equal those of ``prediction``."""
+
+    density: Everett
+    prediction: Prediction
+
+    @cached_property
+    def _along(self) -> DensityPrior:
+        return density_prior(self.prediction, self.density)
+
+    def along(self, prediction: Prediction) -> DensityPrior:
+        """The prior for the coupled readings of a prediction."""
+        if np.array_equal(prediction.hysteresis_input_K, self.prediction.hysteresis_input_K):
+            return self._along
+        return density_prior(prediction, self.density)
+
+
+@dataclass(frozen=True, eq=False)
 class _Round:
     """A plant model, its prediction of the timeline, its positions refitted, and what the last round gained, in nats.
 
-    ``contribution`` (n,) is that of the effects to positions: no density changes it much. ``prior`` is the density that
-    the prior is about; None if that is the one of the plant model.
+    ``contribution`` (n,) is that of the effects to positions: no density changes it much. ``prior`` is None if it is
+    about the density of the plant model.
     """
 
     plant_model: PlantModel
     prediction: Prediction
     refitted: Refit
     contribution: Array
-    prior: Everett | None
+    prior: "_FixedPrior | None"
     gain: float = inf
 
     def next(self, timeline: Timeline) -> "_Round":
         """The round that follows, or the same if that gains nothing."""
         model = replace(self.plant_model, hysteresis=self.refitted.posterior.table())
         prediction = predict(timeline, model)
+        own = prediction.positions_only
         refitted = refit(
             timeline.positions_only,
-            prediction.positions_only,
+            own,
             model,
             self.refitted,
             self.contribution,
-            self.prior,
+            self.prior and self.prior.along(prediction).first(own.output.size),
             from_both_sides=False,
         )
         gain = refitted.log_evidence - self.refitted.log_evidence
@@ -199,8 +221,10 @@ def _start(
     prediction, positions = predict(timeline, plant_model), timeline.positions_only
     own = prediction.positions_only
     contribution = effect_contribution(positions, own, plant_model)
-    refitted = refit(positions, own, plant_model, warm_start, contribution, prior)
-    return _Round(plant_model, prediction, refitted, contribution, prior)
+    fixed = _FixedPrior(prior, prediction) if prior else None
+    about = fixed and fixed.along(prediction).first(own.output.size)
+    refitted = refit(positions, own, plant_model, warm_start, contribution, about)
+    return _Round(plant_model, prediction, refitted, contribution, fixed)
 
 
 def _settled_rows(timeline: Timeline, plant_model: PlantModel) -> Observations:

@@ -16,7 +16,7 @@ from scipy.linalg import cho_solve, cholesky, solve_triangular
 from smarig.diagnosis.drive_statistics import DriveStatistics
 from smarig.diagnosis.refit.coupled_readings import coupled_readings
 from smarig.diagnosis.refit.density_posterior import DensityPosterior
-from smarig.diagnosis.refit.density_prior import SMOOTHING
+from smarig.diagnosis.refit.density_prior import SMOOTHING, DensityPrior
 from smarig.diagnosis.refit.memory_noise import memory_covariance
 from smarig.diagnosis.refit.reading_noise import independent_block, session_means
 from smarig.diagnosis.refit.variance_components import (
@@ -85,7 +85,7 @@ def refit(
     plant_model: PlantModel,
     warm_start: "Refit | None" = None,
     contribution: Array | None = None,
-    prior: Everett | None = None,
+    prior: Everett | DensityPrior | None = None,
     smoothing: float = SMOOTHING,
     *,
     from_both_sides: bool = True,
