@@ -21,6 +21,7 @@ def call(capsys, *arguments):
     return status, out, err
 
 
+@pytest.mark.long("takes three seconds")
 def test_forward_reports_ratios_memory_and_agreement(capsys):
     status, out, _ = call(capsys, "benchmark", "forward", "--quick", "--json")
     found = json.loads(out)

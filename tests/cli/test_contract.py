@@ -229,6 +229,7 @@ def test_an_unwritable_folder_is_reported(capsys, tmp_path):
     assert "cannot be written" in err
 
 
+@pytest.mark.long("takes three seconds")
 def test_a_folder_of_runs_gets_a_page_each(capsys, tmp_path):
     call(capsys, "run", "quick_look", "--rig", "one_wire_twin", "-o", tmp_path / "q", "--quiet")
     status, out, _ = call(capsys, "report", tmp_path / "q", "--json")

@@ -164,7 +164,9 @@ def stopped_terminal():
 
 
 @pytest.mark.skipif(os.name == "nt", reason="needs a pseudo-terminal")
-@pytest.mark.parametrize("term", ["xterm", "dumb"])
+@pytest.mark.parametrize(
+    "term", ["xterm", pytest.param("dumb", marks=pytest.mark.long("takes five seconds"))]
+)
 def test_a_terminal_that_is_stopped_holds_up_nothing(tmp_path, term):
     """A whole run is recorded and the command ends, although its stderr never takes a byte."""
     out = tmp_path / "v.run.sqlite"

@@ -25,6 +25,7 @@ def call(capsys, *arguments):
     return status, out, err
 
 
+@pytest.mark.long("takes ten seconds")
 def test_the_tests_of_a_new_package_pass(project, acme):
     done = subprocess.run(
         [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "tests"],

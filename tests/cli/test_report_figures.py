@@ -19,6 +19,7 @@ def folder(tmp_path_factory):
     return made
 
 
+@pytest.mark.long("takes five seconds")
 def test_a_page_that_is_there_does_not_hinder_its_figures(folder, tmp_path, capsys):
     page = folder / "a.html"
     assert cli(["report", str(folder / "a.run.sqlite")]) == 0
@@ -35,6 +36,7 @@ def test_a_page_that_is_there_does_not_hinder_its_figures(folder, tmp_path, caps
     page.unlink()
 
 
+@pytest.mark.long("takes five seconds")
 def test_a_folder_gives_the_figures_of_each_page(folder, tmp_path, capsys):
     assert cli(["report", str(folder), "--figures", str(tmp_path / "f"), "--json"]) == 0
     assert len(json.loads(capsys.readouterr().out)["reports"]) == 2

@@ -144,6 +144,7 @@ def test_the_american_spelling_is_understood(capsys):
     assert "smarig characterise" in capsys.readouterr().out
 
 
+@pytest.mark.long("takes ten seconds")
 def test_a_run_whose_actuator_nobody_names_is_diagnosed(files, capsys):
     assert cli(["diagnose", str(files["model"]), "--train", str(files["run"])]) == 0
     assert "a Preisach model" in capsys.readouterr().out

@@ -100,7 +100,9 @@ with w.working_line("study"):
 
 
 @pytest.mark.skipif(os.name == "nt", reason="needs a pseudo-terminal")
-@pytest.mark.parametrize("term", ["xterm", "dumb"])
+@pytest.mark.parametrize(
+    "term", ["xterm", pytest.param("dumb", marks=pytest.mark.long("takes three seconds"))]
+)
 def test_a_question_is_left_alone_and_a_dumb_terminal_gets_no_line(term):
     text = shown_at_a_terminal(_ASKED, term)
     between = text.split(b"Which column?")[1].split(b"answered")[0]

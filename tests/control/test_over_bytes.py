@@ -157,7 +157,9 @@ LOSSES = [
     pytest.param("serial", "gain_scheduled", "amplifier", "dead_line", marks=pytest.mark.long),
     ("modbus_tcp", "inverse", "amplifier", "unplugged"),
     ("modbus_rtu", "pi", "encoder_daq", "dead_line"),
-    ("modbus_rtu", "regulate", "amplifier", "dead_line"),
+    pytest.param(
+        "modbus_rtu", "regulate", "amplifier", "dead_line", marks=pytest.mark.long("takes ten seconds")
+    ),
 ]
 
 

@@ -15,6 +15,7 @@ def test_it_finds_nothing_if_nothing_is_hidden(number):
     assert not found.extended
 
 
+@pytest.mark.long("takes ten seconds")
 def test_it_finds_nothing_in_an_unusual_but_classical_density_or_noise():
     assert answer(6, "hard_null").verdict.word == "silent"
 

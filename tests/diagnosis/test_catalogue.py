@@ -55,6 +55,7 @@ LONG = {
     "creep",
     "cross_talk",
     "dead_zone",
+    "eccentricity",
     "end_conduction",
     "fatigue",
     "latent_heat",

@@ -85,13 +85,13 @@ WRONG_VARIABLE = {
     "shaking": "named ambient_drift: no thermometer of the room contradicts",
     "warming_amplifier": "named fatigue",
 }
-SHORT = ("dead_zone", "slip", "walking")  # those that are not left to .ci/long
+SHORT = ("slip", "walking")  # those that are not left to .ci/long
 where_there_is_time = pytest.mark.long("takes minutes")
 
 
-def selected(names):
+def selected(names, short=SHORT):
     """All of them; those that take long where there is time (``SMARIG_LONG``, as in ``.ci/long``)."""
-    return [name if name in SHORT else pytest.param(name, marks=where_there_is_time) for name in names]
+    return [name if name in short else pytest.param(name, marks=where_there_is_time) for name in names]
 
 
 @cache
@@ -143,7 +143,7 @@ def test_its_strength_lies_in_its_interval(name, request):
     assert ends[0] * ends[1] > 0
 
 
-@pytest.mark.parametrize("name", selected(TAKEN_UP))
+@pytest.mark.parametrize("name", selected(TAKEN_UP, ["dead_zone"]))
 def test_nothing_is_named_where_a_density_takes_the_effect_up(name):
     assert answer(name, "taken up").verdict.word == "silent"
 

@@ -112,7 +112,10 @@ def _in_shell(line: str, folder: Path) -> tuple[int, str]:
     return done.returncode, done.stdout
 
 
-LONG = ("self_sensing", "several_loads", "study_files")  # pages whose commands take long
+LONG = (  # pages whose commands take long
+    *("self_sensing", "several_loads", "study_files", "hidden_effect", "close_a_loop", "identify_fast"),
+    *("laboratory_supply", "export_for_other_programs", "forc_diagrams", "control_findings"),
+)
 TIMED = (
     "labjack",
     "own_bench",

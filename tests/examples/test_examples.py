@@ -33,6 +33,7 @@ def test_first_steps(tmp_path):
     assert (tmp_path / "first_steps.html").stat().st_size > 50_000
 
 
+@pytest.mark.long("takes five seconds")
 def test_identify_your_wire(tmp_path):
     found = errors(said_by("identify_your_wire", tmp_path))
     assert set(found) == {"constant", "exponential", "positive"}
@@ -55,6 +56,7 @@ def test_find_the_hidden_effect(tmp_path):
     assert (tmp_path / "diagnosed.model.json").is_file()
 
 
+@pytest.mark.long("takes five seconds")
 def test_close_the_loop(tmp_path):
     said = said_by("close_the_loop", tmp_path)
     off = {

@@ -6,6 +6,8 @@
 import os
 import random
 
+import pytest
+
 from firmware.codes import IS_OFF
 from firmware.firmware_build import frame
 from firmware.uno_emulator import AMPLIFIER
@@ -36,6 +38,7 @@ def damaged(chance):
     return bytes(whole[: chance.randrange(1, len(whole))] if chance.random() < 0.2 else whole)
 
 
+@pytest.mark.long("takes three seconds")
 def test_a_request_during_a_reply_is_lost_and_does_not_change_it(uno):
     board = uno("--speed", "0.02")  # slow enough to speak in between on a busy machine
     request = frame(bytes([65, 3, 0, 0, 0, AMPLIFIER.size("status")]))

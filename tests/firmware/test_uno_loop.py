@@ -66,6 +66,7 @@ def steps(board, currents_mA, wire_ohm):
     return found
 
 
+@pytest.mark.long("takes ten seconds")
 @pytest.mark.parametrize("name", BENCHES if os.environ.get("SMARIG_LONG") else list(BENCHES)[:1])
 def test_steps(name, uno):
     supply_V, wire_ohm, currents_mA = BENCHES[name]

@@ -4,6 +4,7 @@ All times are device times.
 """
 
 import numpy as np
+import pytest
 
 from firmware.codes import ARMED, IS_OFF, LEASE, OPEN, OVER_CURRENT, STOP, TRIPPED
 from firmware.uno_emulator import AMPLIFIER, DAQ
@@ -109,6 +110,7 @@ def test_without_a_current_sensor_the_gate_closes(uno):
     assert np.sum(trace.mean_uA[-500:] > NO_CURRENT_uA) < 60, "no burst in later ticks"
 
 
+@pytest.mark.long("takes ten seconds")
 def test_the_current_sensor_may_come_back(uno):
     board = driven(uno)
     board.tell("unplug ina219")
@@ -162,6 +164,7 @@ def flashes(trace, ms):
     return int(np.sum(np.diff(trace.led[-ms:]) > 0))
 
 
+@pytest.mark.long("takes ten seconds")
 def test_the_led_tells_the_state(uno):
     board = uno()
     board.settings()

@@ -48,6 +48,7 @@ def runs(uno, tmp_path):
     return list(zip(made["uno"], made["twin"], strict=True))
 
 
+@pytest.mark.long("takes twenty seconds")
 def test_positions_settle_where_the_twins_do(runs):
     differences, moved = [], 0.0
     for on_board, in_twin in runs:

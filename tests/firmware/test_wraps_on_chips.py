@@ -25,6 +25,12 @@ WRAPS = {
 }
 
 
+def one_of(names, always):
+    """All of them; but one of them where there is time (``SMARIG_LONG``, as in ``.ci/long``)."""
+    long = pytest.mark.long("takes up to ten seconds")
+    return [name if name == always else pytest.param(name, marks=long) for name in names]
+
+
 def begun(folder, wrap):
     """A folder to build in, the Makefiles' variables, and the two boots of a campaign."""
     sequence, tick, boots = WRAPS[wrap]
@@ -49,7 +55,7 @@ class Called:
         return bytes.fromhex("".join(self._board.told(f"answer amp {ADDRESS} {request.hex()}")[1:]))
 
 
-@pytest.mark.parametrize("wrap", WRAPS)
+@pytest.mark.parametrize("wrap", one_of(WRAPS, "a word"))
 def test_no_frame_is_new_again_on_an_avr(build_folder, tmp_path, wrap):
     folder, variables, boots = begun(build_folder / "uno", wrap)
     build(folder, "uno_emulator")
@@ -60,7 +66,7 @@ def test_no_frame_is_new_again_on_an_avr(build_folder, tmp_path, wrap):
     assert said >= 2 * EXCHANGES
 
 
-@pytest.mark.parametrize("wrap", WRAPS)
+@pytest.mark.parametrize("wrap", one_of(WRAPS, "the end of all"))
 def test_no_frame_is_new_again_on_a_cortex_m(build_folder, wrap):
     folder, variables, boots = begun(build_folder / "cortex_m", wrap)
     make(folder, "cortex_m_amplifier_rtu.elf", CORTEX_M, *variables)
@@ -129,7 +135,7 @@ def dies_among_its_own_frames(chip, said):
     return sum(uA != 0 for uA in chip.driven_uA[began:])
 
 
-@pytest.mark.parametrize("architecture", ARCHITECTURES)
+@pytest.mark.parametrize("architecture", one_of(ARCHITECTURES, "avr"))
 def test_nor_in_the_next_boot_of_a_program(build_folder, architecture):
     folder, variables, _ = begun(build_folder / architecture, "a word")
     prefix, needs = {"avr": ("", AVR), "cortex_m": ("cortex_m_", CORTEX_M)}[architecture]

@@ -48,6 +48,7 @@ def test_twin_to_model_to_verification(session_folder, tmp_path):
     assert run["transient"]["nrmse"] < 0.01
 
 
+@pytest.mark.long("takes five seconds")
 def test_a_model_of_another_form_is_distinguished(session_folder):
     runs = [load_run(session_folder / f"{p}.run.sqlite") for p in ("first_order_descending", "validation")]
     errors = {
@@ -57,7 +58,14 @@ def test_a_model_of_another_form_is_distinguished(session_folder):
     assert errors["constant"] > 10 * errors["exponential"]
 
 
-@pytest.mark.parametrize("name", ["MSM33-55-1_d330.forc", "UB199BF", "hchb_forc"])
+@pytest.mark.parametrize(
+    "name",
+    [
+        "MSM33-55-1_d330.forc",
+        "UB199BF",
+        pytest.param("hchb_forc", marks=pytest.mark.long("takes three seconds")),
+    ],
+)
 def test_even_reversal_curves_predict_the_odd_ones(shared_data, tmp_path, name):
     path = tmp_path / "forc.run.sqlite"
     import_file(shared_data / "forc_magnetic" / name, format="forc", out=path)

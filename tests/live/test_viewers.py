@@ -153,6 +153,7 @@ def test_the_native_viewer_shows_a_run_and_a_latecomer_sees_its_beginning(tmp_pa
     assert told == []
 
 
+@pytest.mark.long("takes five seconds")
 def test_two_wires_and_a_shaft_are_shown_without_a_complaint(two_wire, tmp_path):
     from smarig.live.rerun_output import save_screenshot_of, viewer_state
 
@@ -173,6 +174,7 @@ def test_two_wires_and_a_shaft_are_shown_without_a_complaint(two_wire, tmp_path)
     assert "TWIN · Wires and shaft" in state["views"]
 
 
+@pytest.mark.long("takes half a minute")
 def test_the_web_viewer_shows_a_run_with_the_internet_blocked(tmp_path):
     found()
     port, web_port = free_port(), free_port()

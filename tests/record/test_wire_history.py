@@ -70,6 +70,7 @@ def test_it_adds_up_over_runs_and_stands_in_their_records(tmp_path, rig):
     assert [h.wire for h in wire_histories()] == [WIRE]
 
 
+@pytest.mark.long("takes three seconds")
 def test_an_interrupted_run_counts_once_however_it_ended(tmp_path, rig):
     whole = smarig.run("congruency", rig=rig, out=tmp_path / "a.run.sqlite", **LOOPS)
     undisturbed = of()
@@ -121,6 +122,7 @@ def test_a_worn_wire_is_refused_before_anything_moves(tmp_path, urls):
     assert not (tmp_path / "b.run.sqlite").exists()
 
 
+@pytest.mark.long("takes three seconds")
 def test_a_twin_is_never_worn(tmp_path):
     worn = tmp_path / "worn.toml"
     worn.write_text('name = "worn"\nbase = "one_wire_twin"\n[limits]\ncycles_max = 1\n', encoding="utf-8")

@@ -67,6 +67,7 @@ def test_the_page_opens_with_the_sentences_and_the_diagram(run):
     assert "mT" in page.plots[0]["layout"]["xaxis"]["title"]["text"]
 
 
+@pytest.mark.long("takes five seconds")
 def test_a_run_of_reversal_curves_gets_this_page_from_report(run):
     assert "FORC diagram" in Page(run_page(run)).visible
 
@@ -91,12 +92,14 @@ def test_the_level_follows_the_peak(evidence, ratio, level):
     assert ("Do not read" in found.advice) == (level == "bad")
 
 
+@pytest.mark.long("takes five seconds")
 def test_noise_alone_is_called_unreadable(tmp_path):
     found = forc_assessment(forc_evidence(reversal_run(tmp_path, noise=10.0)))
     assert found.level in ("bad", "warning")
     assert "as they are" not in found.advice
 
 
+@pytest.mark.long("takes five seconds")
 def test_a_ridge_is_named_and_its_section_is_open(tmp_path):
     words = forc_page(reversal_run(tmp_path, ridge=True))
     assert "A central ridge lies at" in Page(words).visible
@@ -147,7 +150,7 @@ def test_a_run_without_curves_is_refused_by_the_diagram_and_kept_by_report(tmp_p
     ("name", "h_c", "h_u", "ridge"),
     [
         pytest.param("UB199BF", 0.058, -0.004, False, marks=pytest.mark.long),
-        ("hchb_forc", 942.0, 21.0, True),
+        pytest.param("hchb_forc", 942.0, 21.0, True, marks=pytest.mark.long("takes ten seconds")),
         ("MSM33-55-1_d330.forc", None, 0.0, True),
     ],
 )

@@ -12,6 +12,9 @@ from smarig.rig.twin import TwinSettings
 from smarig.runner.session import Session
 
 KINDS = ("run", "index", "comparison", "models", "characterise", "diagnose", "regulate", "certificate")
+# Read on a desk, too, where there is time.
+ON_A_PHONE = ("comparison", "characterise", "diagnose", "regulate", "certificate")
+LONG = pytest.mark.long("takes up to five seconds; tried on a phone")
 
 
 def smarig_(*words):
@@ -100,8 +103,14 @@ def test_a_page_is_small(pages, kind):
     assert pages[kind].stat().st_size < 1.0e6
 
 
-@pytest.mark.parametrize("width", [1280, 400])
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize(
+    ("kind", "width"),
+    [
+        pytest.param(kind, width, marks=[LONG] if width == 1280 and kind in ON_A_PHONE else [])
+        for kind in KINDS
+        for width in (1280, 400)
+    ],
+)
 def test_everyone_can_read_it_on_a_desk_and_on_a_phone(opened, kind, width):
     axe()
     tab = opened(kind, width)
@@ -180,6 +189,7 @@ def test_the_index_is_searched_and_ordered_by_keys_alone(opened):
     assert tab.run("document.querySelector('th[data-key=seed]').ariaSort") == "descending"
 
 
+@pytest.mark.long("takes ten seconds")
 def test_a_choice_in_a_figure_is_a_button_that_keys_reach(browser, pages):
     tab = browser.open(pages["characterise"])
     tab.run("document.querySelectorAll('details').forEach(each => each.open = true)")

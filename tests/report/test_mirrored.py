@@ -49,6 +49,7 @@ def test_the_density_is_the_same_from_either_side(both):
     assert np.nanmax(np.abs(mu - other)) < 0.05 * np.nanmax(mu)
 
 
+@pytest.mark.long("takes twenty seconds")
 def test_the_replayed_model_goes_through_the_measured_points(both):
     for run, found in both:
         inputs, outputs = run.points()

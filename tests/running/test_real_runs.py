@@ -162,6 +162,7 @@ def _stopped_or_ended(pid):
     return found if found[0] else None
 
 
+@pytest.mark.long("takes five seconds")
 @pytest.mark.usefixtures("folder")
 def test_a_twin_as_fast_as_possible_overruns_slow_readers_but_tears_nothing(tmp_path):
     """Two readers, one of which sleeps: what it missed is counted, and every sample that it gets is of one tick."""
@@ -211,6 +212,7 @@ set = { points = 3 }
 """
 
 
+@pytest.mark.long("takes five seconds")
 @pytest.mark.usefixtures("folder")
 def test_each_run_of_a_campaign_is_announced_in_its_turn(tmp_path):
     (tmp_path / "two.toml").write_text(CAMPAIGN)

@@ -12,7 +12,13 @@ TWIN = ("--rig", "one_wire_twin", "--speed", "50", "--quiet")
 RUN = ("run", "validation", *TWIN, "--set", "points=4", "-o", "v.run.sqlite")
 
 
-@pytest.mark.parametrize("resume", [("resume", "v.run.sqlite", *TWIN), (*RUN, "--continue")])
+@pytest.mark.parametrize(
+    "resume",
+    [
+        ("resume", "v.run.sqlite", *TWIN),
+        pytest.param((*RUN, "--continue"), marks=pytest.mark.long("takes five seconds")),
+    ],
+)
 @pytest.mark.usefixtures("folder")
 def test_what_was_done_before_counts(resume, tmp_path):
     with started_run(tmp_path, *RUN) as process:

@@ -57,6 +57,7 @@ def test_temperatures_that_no_thermometer_measured_say_so(run):
     assert not any("No thermometer" in note for note in run_figures(measured).notes)
 
 
+@pytest.mark.long("takes three seconds")
 def test_first_order_curves_give_an_assembled_heating_branch(tmp_path):
     levels = ",".join(f"{174.1 * k / 11:.3f}" for k in range(12))
     first = smarig.run(

@@ -19,6 +19,8 @@ from smarig.console.library import found_files, scan
 from smarig.core import process_lock
 from smarig.record import Recorder, load_run, recording
 
+LONGER = pytest.mark.long("takes three seconds")
+
 ROOT = Path(__file__).resolve().parents[3]
 
 
@@ -399,7 +401,7 @@ Library.open(sys.argv[1]).refresh(progress=lambda done, total: print(done, flush
 
 
 @pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="needs SIGKILL")
-@pytest.mark.parametrize("after", [1, 3, 5])
+@pytest.mark.parametrize("after", [pytest.param(1, marks=LONGER), 3, pytest.param(5, marks=LONGER)])
 def test_a_scan_that_is_killed_loses_at_most_what_it_was_reading(folder, after):
     with subprocess.Popen(
         [sys.executable, "-c", KILLED, str(folder)], stdout=subprocess.PIPE, text=True, env=_environment()
@@ -416,6 +418,7 @@ def test_a_scan_that_is_killed_loses_at_most_what_it_was_reading(folder, after):
     assert contents(library) == once
 
 
+@pytest.mark.long("takes five seconds")
 def test_two_processes_at_once_both_find_everything(folder):
     """Both scan and search until each has found all of it."""
     for k in range(4, 24):

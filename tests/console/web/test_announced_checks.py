@@ -36,6 +36,7 @@ def stop_everything(console):
     return html.unescape(console.ask(console.ask("/stop-all", "POST").headers["location"]).body)
 
 
+@pytest.mark.long("takes three seconds")
 def test_a_check_of_a_terminal_is_shown_by_the_console_of_its_folder_and_ended_by_it(folder):
     (folder / "mine.toml").write_text(BENCH)
     with started_run(folder, "check", "bench.toml", "--yes") as process, started_console(folder) as console:
@@ -84,6 +85,7 @@ def test_a_check_of_a_killed_console_is_ended_by_the_next(folder):
         assert "without finishing" not in second.ask("/").body  # it has switched off and said so
 
 
+@pytest.mark.long("takes three seconds")
 def test_a_check_of_its_own_is_told_of_once_and_why_it_ended(folder):
     with started_console(folder) as console:
         console.ask("/rigs/check", "POST", console.own | FORM, urlencode({"rig": "bench.toml"}))

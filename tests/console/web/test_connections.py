@@ -52,8 +52,16 @@ def descriptors(console: Console) -> int:
     return len(list(Path(f"/proc/{console.process.pid}/fd").iterdir()))
 
 
+LONGER = pytest.mark.long("takes three seconds")
+
+
 @pytest.mark.parametrize(
-    "says", [b"", b"GET / HTTP/1.1\r\nHost: 127", b"POST / HTTP/1.1\r\nContent-Length: 9\r\n\r\n"]
+    "says",
+    [
+        pytest.param(b"", marks=LONGER),
+        b"GET / HTTP/1.1\r\nHost: 127",
+        pytest.param(b"POST / HTTP/1.1\r\nContent-Length: 9\r\n\r\n", marks=LONGER),
+    ],
 )
 def test_the_holder_of_the_token_gets_in_beside_a_crowd_without_it(console: Console, says):
     with crowd(console, says):

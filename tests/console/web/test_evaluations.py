@@ -92,6 +92,7 @@ def test_a_model_is_verified_on_a_run(console, place):
     assert "Being computed" not in shown(console, place, "diagnose")
 
 
+@pytest.mark.long("takes five seconds")
 def test_a_diagnosis_is_computed_while_the_console_answers_and_its_page_is_in_the_library(
     console, folder, place
 ):

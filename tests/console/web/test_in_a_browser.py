@@ -107,6 +107,7 @@ def test_a_run_is_paused_continued_and_stopped_by_clicks(visitor, console):
     let_the_queue_continue(visitor)
 
 
+@pytest.mark.long("takes ten seconds")
 def test_a_run_shows_the_boundary_its_events_and_the_residual_of_a_chosen_model(visitor):
     start(visitor, LONG, "watched")
     plane = "document.getElementById('plane')"
@@ -136,6 +137,7 @@ def test_a_run_shows_the_boundary_its_events_and_the_residual_of_a_chosen_model(
     let_the_queue_continue(visitor)
 
 
+@pytest.mark.long("takes ten seconds")
 def test_a_console_that_is_stopped_is_told_and_its_page_catches_up(visitor, console):
     start(visitor, LONG, "stopped_console")
     drawn = "Number(document.getElementById('live').dataset.drawn)"
@@ -221,6 +223,7 @@ def test_the_end_of_a_run_is_in_the_title_and_in_a_notification_that_was_wanted(
     let_the_queue_continue(visitor)
 
 
+@pytest.mark.long("takes ten seconds")
 def test_the_queue_is_put_in_another_order_while_a_run_is_in_progress(visitor, console):
     start(visitor, LONG, "present")
     for name in ("first", "second"):
@@ -310,6 +313,7 @@ def test_a_run_is_searched_tagged_and_described(visitor):
     visitor.shows("Nothing in this folder matches.")
 
 
+@pytest.mark.long("takes ten seconds")
 def test_a_model_is_verified_by_clicks_and_the_command_follows_the_choice(visitor, console):
     shutil.copy(MODEL, console.folder / "another.model.json")
     visitor.go("/library?text=recorded_once")
@@ -325,6 +329,7 @@ def test_a_model_is_verified_by_clicks_and_the_command_follows_the_choice(visito
     visitor.shows("Verdict: ")  # without a click
 
 
+@pytest.mark.long("takes five seconds")
 def test_a_figure_of_a_page_is_explored_in_the_console(visitor, console):
     """The page has no access to the console, but the script of its figures."""
     visitor.go("/library?text=recorded_once")
@@ -356,6 +361,7 @@ def european(folder):
     return file
 
 
+@pytest.mark.long("takes ten seconds")
 def test_a_file_with_decimal_commas_is_studied_by_clicks(visitor, tmp_path):
     visitor.go("/study")
     dropped = """(() => { const data = new DataTransfer(); data.items.add(new File(["1"], "dropped.csv"));
@@ -440,6 +446,9 @@ PAGES = (
 )
 
 
+VIEWS = ((1280, False), (400, True), *(((400, False), (1280, True)) if os.environ.get("SMARIG_LONG") else ()))
+
+
 @pytest.mark.parametrize("name", [*PAGES, "run that has ended"])
 def test_everyone_can_read_it_on_a_desk_and_on_a_phone_by_day_and_by_night(visitor, pages, name):
     axe()
@@ -449,7 +458,7 @@ def test_everyone_can_read_it_on_a_desk_and_on_a_phone_by_day_and_by_night(visit
         visitor.until(
             "!document.getElementById('plane') || !!document.querySelector('#plane svg')", "the plane"
         )
-        for width, dark in ((1280, False), (400, True), (400, False), (1280, True)):
+        for width, dark in VIEWS:
             tab.resize(width)
             tab.dark(dark)
             visitor.until(f"document.documentElement.scrollWidth === {width}", "it scrolls sideways")

@@ -177,6 +177,7 @@ def test_a_run_outlives_a_killed_console_and_the_next_one_shows_it(tmp_path, own
         assert stored.stopped_by.kind == "program"
 
 
+@pytest.mark.long("takes five seconds")
 def test_a_killed_run_is_shown_until_it_is_dismissed_also_by_the_next_console(tmp_path, own_running_dir):
     (tmp_path / "runs").mkdir()
     out = tmp_path / "runs" / "a'<b>.run.sqlite"

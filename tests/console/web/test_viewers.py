@@ -76,6 +76,7 @@ def test_a_missing_extra_is_its_one_sentence(folder, tmp_path, monkeypatch):
     assert not re.search(LINK, body)
 
 
+@pytest.mark.long("takes three seconds")
 def test_only_runs_have_a_viewer(folder):
     with started_console(folder) as console:
         assert console.ask("/library/nothing/viewer", "POST").status == 422

@@ -16,11 +16,12 @@ import pytest
 ROOT = Path(__file__).resolve().parents[3]
 FIRMWARE = "firmware_protocol/firmware"
 SHORT = {"amplifier": "AMP", "encoder_daq": "DAQ"}
+LONG = pytest.mark.long("takes up to ten seconds")
 RENAMED = [
-    ("amplifier", "trip"),
+    pytest.param(("amplifier", "trip"), marks=LONG),
     ("amplifier", "lease"),
-    ("encoder_daq", "ring_next"),
-    ("encoder_daq", "order"),
+    pytest.param(("encoder_daq", "ring_next"), marks=LONG),
+    pytest.param(("encoder_daq", "order"), marks=LONG),
 ]
 
 DRIVE = {

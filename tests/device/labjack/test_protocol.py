@@ -24,6 +24,7 @@ encoder = { resolution = 0.002 }
 HELD = 20  # samples at the end of a step that are averaged
 
 
+@pytest.mark.long("takes three seconds")
 def test_settled_positions_are_those_of_the_twin(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     bench, twin = (settled(tmp_path, name, text) for name, text in (("bench", LABJACK), ("twin", TWIN)))

@@ -110,7 +110,9 @@ def qcodes_laser(where, rig):
 
 
 @pytest.mark.filterwarnings("default")  # of packages that are not ours
-@pytest.mark.parametrize("library", ["pymeasure", "qcodes"])
+@pytest.mark.parametrize(
+    "library", ["pymeasure", pytest.param("qcodes", marks=pytest.mark.long("takes five seconds"))]
+)
 def test_their_instruments_drive_a_run(library, tmp_path):
     pytest.importorskip(library, reason=f"{library} is not installed")
     for name in ("supply", "laser"):

@@ -34,7 +34,9 @@ def bench(tmp_path):
         bench.close()
 
 
-@pytest.mark.parametrize("make", ["keysight_n6700", "rigol_dp800"])
+@pytest.mark.parametrize(
+    "make", [pytest.param("keysight_n6700", marks=pytest.mark.long("takes five seconds")), "rigol_dp800"]
+)
 def test_a_run_moves_the_wire_and_says_whether_it_has_a_lease(bench, make, tmp_path):
     devices, command = bench(make)
     done = subprocess.run(command, capture_output=True, text=True, timeout=120)
@@ -67,6 +69,7 @@ def test_a_killed_host_leaves_no_current_on(bench, moment):
     assert supply.off_after_s is None or supply.off_after_s < LEASE_S + LATE_S, "None: it was off already"
 
 
+@pytest.mark.long("takes ten seconds")
 def test_a_command_starts_the_supply_of_its_rig_file(tmp_path):
     rig = tmp_path / "mine.toml"
     rig.write_text(

@@ -75,6 +75,7 @@ def test_effect_of_no_strength_scores_as_nothing_does(name: str) -> None:
     assert score == pytest.approx(nothing, abs=0.2)
 
 
+@pytest.mark.long("takes twenty seconds")
 def test_effect_out_of_the_catalogue_leaves_a_variable_or_a_relative() -> None:
     found = compared("walking", ("walking",))
     assert found.weights.nothing < 0.1
@@ -109,6 +110,7 @@ def test_values_of_a_named_effect_are_those_of_the_extended_model() -> None:
     assert compared("").model is compared("").original
 
 
+@pytest.mark.long("takes twenty seconds")
 def test_unknown_cause_is_a_law_of_its_variable_in_the_model() -> None:
     found = compared("walking", ("walking",))
     assert found.learned is not None

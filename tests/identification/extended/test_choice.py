@@ -54,6 +54,7 @@ def test_an_extension_is_kept_in_the_file_and_predicts_from_it(name, tmp_path):
         again.check_classical("A loop")
 
 
+@pytest.mark.long("takes three seconds")
 def test_the_best_extension_of_a_restricted_wire_is_the_restricted_model():
     result = identify(runs(restricted), "table", extension="best")
     found = result.to_json()["extension"]
@@ -71,6 +72,7 @@ def test_for_a_classical_wire_no_extension_is_chosen_and_the_file_has_none(tmp_p
     assert "extension" not in result.model.save(tmp_path / "m.model.json").read_text()
 
 
+@pytest.mark.long("takes three seconds")
 def test_accommodation_is_found_and_held_out_runs_show_the_cost_of_drift_in_the_first_order_curves():
     def wire(u):
         return truths.accommodating(u, 0.6, 0.4, m=9)

@@ -69,6 +69,7 @@ def test_the_model_survives_its_file_bit_for_bit(tmp_path):
     assert np.array_equal(simulate(again, loaded(160.0)), simulate(model, loaded(160.0)), equal_nan=True)
 
 
+@pytest.mark.long("takes three seconds")
 def test_loads_that_differ_in_shape_get_a_measure_each(tmp_path):
     """The loop widens with the load, which no gain describes."""
 
@@ -97,6 +98,7 @@ def test_runs_without_a_stress_or_of_one_stress_are_refused_in_one_sentence():
         identify([loaded(50.0), loaded(120.0)], "exponential", load_from="stress")
 
 
+@pytest.mark.long("takes five seconds")
 def test_the_command_identifies_loads_and_simulates_another(shared_data, tmp_path, capsys):
     files = []
     for stress in (50, 150, 100):

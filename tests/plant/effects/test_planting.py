@@ -88,6 +88,7 @@ def test_a_seed_hides_one_effect_or_none_and_every_effect_has_seeds():
             assert 0.6 <= share <= 1.8
 
 
+@pytest.mark.long("takes five seconds")
 def test_the_mystery_rig_behaves_like_its_hidden_effect_and_does_not_reveal_it(tmp_path):
     seed = next(
         s

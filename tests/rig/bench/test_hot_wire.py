@@ -87,6 +87,7 @@ def test_a_run_that_is_resumed_at_once_starts_as_hot_as_its_wire(devices, tmp_pa
     assert begin_K <= session.file.limits.temperature_max_K
 
 
+@pytest.mark.long("takes three seconds")
 def test_a_new_session_starts_as_hot_as_the_last_one_ended(devices, tmp_path):
     left_hot(devices, tmp_path / "first.run.sqlite")
     control, out = RunControl(), tmp_path / "second.run.sqlite"
@@ -112,6 +113,7 @@ def test_its_limit_trips_at_the_first_sample_of_a_current_that_heats_further(dev
             session.guard.step(0.0)
 
 
+@pytest.mark.long("takes three seconds")
 def test_a_wire_that_has_cooled_meanwhile_starts_cold(devices, tmp_path):
     left_hot(devices, tmp_path / "first.run.sqlite")
     for _ in range(50):  # 75 s of the devices' time

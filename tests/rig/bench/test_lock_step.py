@@ -1,6 +1,6 @@
 """The bench over real bytes equals the twin in process, sample by sample: one clock, one wire, one noise.
 
-Two wires on each link, and two thermomechanical ones, only with ``SMARIG_LONG=1``.
+Two wires on each link, and two thermomechanical ones, and the firmware over lines, only with ``SMARIG_LONG=1``.
 """
 
 from functools import cache
@@ -22,8 +22,7 @@ where_there_is_time = pytest.mark.long("takes five seconds")
 LINKS = ("serial", "modbus_tcp", "modbus_rtu")
 RIGS = [
     *(("one", link) for link in LINKS),
-    ("two", LINKS[0]),
-    *(pytest.param("two", link, marks=where_there_is_time) for link in LINKS[1:]),
+    *(pytest.param("two", link, marks=where_there_is_time) for link in LINKS),
 ]
 
 
@@ -76,7 +75,7 @@ def same(twins, benches):
         assert bench.twin, "simulated devices are a twin"
 
 
-@pytest.mark.parametrize("framing", ["lines", "modbus_rtu"])
+@pytest.mark.parametrize("framing", [pytest.param("lines", marks=where_there_is_time), "modbus_rtu"])
 def test_the_firmware_built_for_this_machine_makes_no_difference(twin, framing, tmp_path, tmp_path_factory):
     library = make(tmp_path_factory.mktemp("firmware"), "libsmarig_firmware.so", ("gcc",))
     base = "one_wire_serial" if framing == "lines" else "one_wire_modbus_rtu"

@@ -2,7 +2,8 @@
 
 No committed sample is lost, ``resume`` finishes the run, and its table equals that of an uninterrupted run.
 
-There are three moments in lock-step, where time advances after the kill because the test polls the encoder.
+There is one moment in lock-step, with ``SMARIG_LONG`` three, where time advances after the kill because the test
+polls the encoder.
 The long campaign has ``SMARIG_KILLS`` moments in real time × 20, and ``SMARIG_CHIP_KILLS`` on the firmware
 under simavr. Moments are spread evenly over the run.
 """
@@ -15,6 +16,7 @@ from rig.bench.mortal import SimulatedDevices, killed_and_resumed, same_table, u
 from rig.bench.wired_chips import Chips
 
 KILLS = int(os.environ.get("SMARIG_KILLS", "3"))
+LONG = pytest.mark.long("takes ten seconds")
 CHIP_KILLS = int(os.environ.get("SMARIG_CHIP_KILLS", "0"))
 SPEED = 20.0 if "SMARIG_KILLS" in os.environ else 0.0
 LEASE_S = 2.0 if SPEED else 0.5  # of the device's time: a tenth of a second of ours in real time
@@ -38,7 +40,12 @@ def whole(tmp_path_factory):
         devices.close()
 
 
-@pytest.mark.parametrize("k", range(KILLS))
+@pytest.mark.parametrize(
+    "k",
+    range(KILLS)
+    if "SMARIG_KILLS" in os.environ
+    else [pytest.param(0, marks=LONG), 1, pytest.param(2, marks=LONG)],
+)
 def test_a_killed_host_costs_time_and_nothing_else(k, devices, whole, tmp_path):
     same_table(killed_and_resumed(devices, whole, (k + 0.5) / KILLS, tmp_path / "mortal.run.sqlite"), whole)
 
