@@ -119,7 +119,7 @@ def test_a_chamber_whose_thermometer_failed_for_some_rows(shared_data, tmp_path)
     assert not found.effects()
 
 
-@pytest.mark.parametrize("name", ["MSM33-55-1_d330.forc", "UB199BF", "hchb_forc"])
+@pytest.mark.parametrize("name", ["MSM33-55-1_d330.forc", pytest.param("UB199BF", marks=long), "hchb_forc"])
 def test_magnetic_reversal_curves_are_silent(shared_data, tmp_path, name):
     source, target = shared_data / "forc_magnetic" / name, tmp_path / "m.run.sqlite"
     if not source.is_file():
@@ -161,6 +161,7 @@ def test_polarisation_depends_on_the_rate(loops):
     assert shares["rate"] > 0.2
 
 
+@pytest.mark.long("takes three seconds")
 def test_a_heating_step_shows_a_sensor_that_answers_late(shared_data, tmp_path):
     """Known: a dead time of some seconds. One transient is too few for a name, but not for the likeliest cause."""
     run = imported(

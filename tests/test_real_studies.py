@@ -30,7 +30,7 @@ def value(found, name):
     ("files", "names"),
     [
         pytest.param(WATER, ("input_lag",), id="water", marks=long),
-        pytest.param(FLEXINOL, ("stress_shift",), id="flexinol"),
+        pytest.param(FLEXINOL, ("stress_shift",), id="flexinol", marks=long),
         pytest.param(ISOBARIC, ("stress_shift",), id="isobaric", marks=long),
         pytest.param(["sma_cycles/cycles.txt"], ("ratcheting",), id="cycles", marks=long),
         pytest.param(["sma_staircase/test.csv"], (), id="staircase"),
@@ -74,6 +74,7 @@ def test_the_slope_of_the_transformation_contains_the_known_one(shared_data, fil
     assert low <= known <= high
 
 
+@pytest.mark.long("takes three seconds")
 def test_a_thermometer_that_was_moved_between_two_days(shared_data, tmp_path):
     found = studied(shared_data, [f"sma_force_runs/AB{k}_thin.csv" for k in (5, 7)], tmp_path / "out")
     (offset,) = found.diagnosis.offsets

@@ -47,6 +47,7 @@ def test_a_bench_that_is_not_fails_the_check_that_sees_it(fault, check, tmp_path
     assert check in [c["name"] for c in found["checks"] if not c["passed"]]
 
 
+@pytest.mark.long("takes three seconds")
 @pytest.mark.parametrize("more", [["--json"], []])
 def test_a_device_that_is_lost_does_not_hide_the_checks_before(more, tmp_path, capsys):
     """Its shutdown is not confirmed either, which is said once, in the last check."""
@@ -165,6 +166,7 @@ def a_{unit}_laser(where, rig):
 """
 
 
+@pytest.mark.long("takes three seconds")
 def test_a_position_in_mm_is_checked_without_a_rig_file(tmp_path, capsys, monkeypatch):
     """It does not demand that a shipped file be changed."""
     monkeypatch.chdir(tmp_path)

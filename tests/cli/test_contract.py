@@ -112,6 +112,7 @@ def test_a_closed_output_pipe_changes_no_status(capsys, monkeypatch, stream, arg
         unheard.flush()
 
 
+@pytest.mark.long("takes three seconds")
 def test_a_run_whose_lines_nobody_reads_is_done(tmp_path):
     out = tmp_path / "unheard.run.sqlite"
     where = ["--rig", "one_wire_twin", "-o", str(out), "--wire", "unheard", "--set", "points=2"]
@@ -239,6 +240,7 @@ def test_a_folder_of_runs_gets_a_page_each(capsys, tmp_path):
     assert call(capsys, "report", tmp_path / "q", "-o", tmp_path / "one.html")[0] == 2
 
 
+@pytest.mark.long("takes three seconds")
 def test_any_run_gives_a_positive_model(capsys, tmp_path):
     recorded, model = tmp_path / "v.run.sqlite", tmp_path / "v.model.json"
     call(capsys, "run", "validation", "--rig", "one_wire_twin", "-o", recorded, "--set", "points=12")
@@ -269,6 +271,7 @@ def test_symmetry_is_for_the_positive_surface_and_a_range_around_zero(capsys, tm
     assert not model.exists()
 
 
+@pytest.mark.long("takes three seconds")
 def test_controllers_are_listed_without_docstrings():
     """``python -OO`` removes them."""
     words = [sys.executable, "-OO", "-m", "smarig", "list", "controllers", "--settings"]

@@ -90,6 +90,7 @@ def test_the_protocol_runs(capsys, made):
     }
 
 
+@pytest.mark.long("takes three seconds")
 @pytest.mark.parametrize(("model", "rig"), [("one_e", "one_wire_twin"), ("two_p", "two_wire_twin")])
 def test_the_controller_follows(capsys, made, tmp_path, model, rig):
     words = ["--reference", "ramps", "--set", "seconds=60", "--rig", rig, "-o", "c.run.sqlite", "--quiet"]

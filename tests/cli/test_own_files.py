@@ -169,6 +169,7 @@ def test_a_path_in_a_run_is_never_loaded(capsys, killed, here):
         assert not (here / "executed").exists()
 
 
+@pytest.mark.long("takes three seconds")
 def test_an_own_effect_is_the_same_over_real_bytes(capsys, here):
     call(capsys, "new", "effect", "soft_mount")
     effect = ["--effect", "./soft_mount.py=5", "--set", "points=2", "--seed", "3", "--quiet"]
@@ -183,6 +184,7 @@ def test_an_own_effect_is_the_same_over_real_bytes(capsys, here):
     assert call(capsys, "resume", killed, "--effect", "./soft_mount.py", "--quiet")[0] == 0
 
 
+@pytest.mark.long("takes three seconds")
 def test_a_rig_file_may_bring_its_driver(capsys, here, monkeypatch):
     (here / "elsewhere").mkdir()
     monkeypatch.chdir(here / "elsewhere")
@@ -241,6 +243,7 @@ def test_checking_the_file_finds_a_driver_that_is_not_there(capsys, here):
     assert "links.amplifier.driver: There is no file" in err
 
 
+@pytest.mark.long("takes three seconds")
 def test_a_model_brings_no_driver_and_moves_no_hardware(capsys, here):
     levels = ["--set", "partition_K=0,60,120,174"]
     call(capsys, "run", "first_order_descending", "--rig", "./twin.toml", "-o", "f.run.sqlite", *levels)

@@ -123,6 +123,7 @@ def test_a_trip_stays_on_the_screen_in_words_and_in_red(screen, tmp_path):
     assert re.search(r"\x1b\[31m(\x1b\[\d+m)*✖ TRIP", screen.text(coloured=True))
 
 
+@pytest.mark.long("takes three seconds")
 def test_a_narrow_and_short_terminal_without_colours(screen):
     wish = ("run", "validation", "--rig", "two_wire_twin", "-o", "v.run.sqlite", "--speed", SLOW)
     screen.run(*wish, size=(60, 8), environment=("NO_COLOR=1", "COLUMNS=200"))

@@ -92,6 +92,7 @@ def test_a_run_holds_the_plugins_that_it_was_made_with(capsys, acme):
     assert [entry["kind"] for entry in run.meta["own_files"]] == ["protocol", "effect"]
 
 
+@pytest.mark.long("takes three seconds")
 def test_resuming_needs_the_same_plugins_by_name(capsys, acme, project):
     assert call(capsys, *RUN, "-o", "r.run.sqlite")[0] == 0
     cut(Path("r.run.sqlite"), acme / "k.run.sqlite", int(load_run("r.run.sqlite")["tick"][-1]) - 100)
@@ -113,6 +114,7 @@ def test_resuming_needs_the_same_plugins_by_name(capsys, acme, project):
     assert load_run("k.run.sqlite").cause == "done"
 
 
+@pytest.mark.long("takes three seconds")
 def test_a_form_and_an_export_format_are_used_by_name(capsys, acme):
     levels = ("--set", "partition_K=0,60,120,174")
     assert (
@@ -150,6 +152,7 @@ def test_a_rig_file_names_the_driver_of_a_plugin(capsys, acme):
     assert "no driver 'acme_drive'; did you mean acme_driver?" in err
 
 
+@pytest.mark.long("takes three seconds")
 def test_a_driver_of_a_plugin_is_recorded_and_not_loaded_by_the_run(capsys, acme):
     text = "from smarig.device import smarig_amplifier as amp\ndef relay(where, rig):\n    return amp(where, rig)\n"
     site = acme / "site"

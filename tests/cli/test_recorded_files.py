@@ -118,6 +118,7 @@ def test_a_name_that_is_no_text_is_refused_alone_and_left_out_of_a_folder(capsys
     assert (tmp_path / "killed.html").exists()
 
 
+@pytest.mark.long("takes three seconds")
 @pytest.mark.skipif(os.name == "nt", reason="POSIX files")
 def test_odd_entries_do_not_stop_the_report_of_a_folder(capsys, tmp_path, killed):
     (tmp_path / "folder.run.sqlite").mkdir()

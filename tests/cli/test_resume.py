@@ -77,6 +77,7 @@ def test_an_imported_run_is_refused(capsys, tmp_path):
     assert status == 2, err
 
 
+@pytest.mark.long("takes three seconds")
 def test_reports_and_exports_read_a_resumed_run(capsys, tmp_path, killed):
     with sqlite3.connect(killed) as db:  # of a wire that outlives its runs
         db.execute("INSERT INTO run VALUES ('wire_history', '\"3 runs\"')")
@@ -150,6 +151,7 @@ def test_another_scale_is_refused_before_anything_moves(capsys, killed_on_own_fi
         assert killed_on_own_files.read_bytes() == before
 
 
+@pytest.mark.long("takes three seconds")
 def test_a_comment_is_told_in_a_line(capsys, killed_on_own_files):
     edit(*COMMENT)
     status, out, err = call(capsys, "resume", killed_on_own_files, "--rig", "mine.toml", "--quiet", "--json")
@@ -161,6 +163,7 @@ def test_a_comment_is_told_in_a_line(capsys, killed_on_own_files):
     ]
 
 
+@pytest.mark.long("takes three seconds")
 def test_a_raised_limit_is_told_in_the_log_before_the_run_goes_on(capsys, killed_on_own_files):
     edit("base.toml", "temperature_max_K = 185.0", "temperature_max_K = 190.0")
     status, _, err = call(capsys, "resume", killed_on_own_files, "--rig", "mine.toml")

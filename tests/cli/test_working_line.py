@@ -74,6 +74,7 @@ def shown_at_a_terminal(script, term):
     return text
 
 
+@pytest.mark.long("takes three seconds")
 @pytest.mark.skipif(os.name == "nt", reason="needs a pseudo-terminal")
 def test_the_line_is_removed_before_other_output():
     text = shown_at_a_terminal(_SLOW, "xterm")
@@ -129,6 +130,7 @@ def test_no_message_is_printed_behind_the_line():
     assert len(re.findall(rb"(?:(?<=\x1b\[K)|(?<=\n)|^)message \d+\.\r\n", text)) == 300
 
 
+@pytest.mark.long("takes three seconds")
 def test_a_closed_stderr_changes_nothing():
     done = subprocess.run(
         [sys.executable, "-m", "smarig", "report", "nope.sqlite"], stderr=None, capture_output=False,

@@ -129,6 +129,7 @@ def test_every_wire_converges_below_the_first_bound_from_any_state():
         assert np.abs(y[-50:] - loop.setpoint).max() < 1e-3
 
 
+@pytest.mark.long("takes three seconds")
 def test_every_wire_goes_to_its_count_without_overshoot_below_the_second_bound():
     """The whole bound, from rest, with counts and with a source between the saturations."""
     for loop, _ in random_loops(2, WIRES):

@@ -136,7 +136,7 @@ def twin(tmp_path_factory):
 @pytest.mark.parametrize(
     "link",
     [
-        "one_wire_serial",
+        pytest.param("one_wire_serial", marks=pytest.mark.long),
         pytest.param("one_wire_modbus_tcp", marks=pytest.mark.long),
         pytest.param("one_wire_modbus_rtu", marks=pytest.mark.long),
         "two_wire_serial",

@@ -45,6 +45,7 @@ def synthetic(run, u, y, **meta):
     return replace(run, columns=columns, meta=run.meta | meta)
 
 
+@pytest.mark.long("takes three seconds")
 def test_a_twin_keeps_the_bound_and_its_model_within_noise(run):
     found = passivity_of_run(run, model_of("one_e"))
     (one,) = found.segments

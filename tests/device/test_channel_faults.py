@@ -102,6 +102,7 @@ def ni(_tmp_path) -> Iterator[Double]:
 
 DOUBLES = {"labjack": labjack, "visa": visa, "ni": ni}
 REAL_TIME = pytest.mark.long("a minute of real time")
+FIVE_SECONDS = pytest.mark.long("takes five seconds; tried on the shipped devices")
 NAMES = [pytest.param("labjack", marks=REAL_TIME), "visa", pytest.param("ni", marks=REAL_TIME)]
 
 
@@ -147,7 +148,9 @@ def ended(double: Double, began: Callable[[], bool]) -> tuple[float, float, str]
     return marked_s - began_s, math.nan, ""
 
 
-@pytest.mark.parametrize("fault", FAULTS)
+@pytest.mark.parametrize(
+    "fault", [pytest.param(name, marks=[] if name == "stuck" else FIVE_SECONDS) for name in FAULTS]
+)
 @pytest.mark.parametrize("double", NAMES)
 def test_a_failing_position_switches_the_current_off(double, fault, tmp_path):
     change, limit_s = FAULTS[fault]
@@ -160,6 +163,7 @@ def test_a_failing_position_switches_the_current_off(double, fault, tmp_path):
         assert bench.flows_A() == 0.0
 
 
+@pytest.mark.long("takes ten seconds")
 @pytest.mark.parametrize("double", NAMES)
 def test_a_sound_position_does_not(double, tmp_path):
     with DOUBLES[double](tmp_path) as bench:

@@ -115,6 +115,7 @@ def _in_shell(line: str, folder: Path) -> tuple[int, str]:
 LONG = (  # pages whose commands take long
     *("self_sensing", "several_loads", "study_files", "hidden_effect", "close_a_loop", "identify_fast"),
     *("laboratory_supply", "export_for_other_programs", "forc_diagrams", "control_findings"),
+    *("transformation_temperatures", "figures_for_papers"),
 )
 TIMED = (
     "labjack",

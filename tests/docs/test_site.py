@@ -55,6 +55,7 @@ def site(tmp_path):
     return out
 
 
+@pytest.mark.long("takes a minute")
 def test_the_site(site):
     """One test, for it is built once."""
     pages = {path: PageContents(path) for path in sorted(site.rglob("*.html"))}
@@ -115,6 +116,57 @@ def _unreached(site, pages):
     for path in pages.keys() - reached:
         if path.name not in WRITTEN_BY_SPHINX:
             yield f"{path.relative_to(site)} is reached from nowhere"
+
+
+HEADING = re.compile(r"^#{1,3} (.+)$", re.MULTILINE)
+PAGE_LINK = re.compile(r"\]\(([^)\s]*[.#/][^)\s]*)\)")  # no formula
+TOCTREE = re.compile(r"```\{toctree\}\n(.*?)```", re.DOTALL)
+
+
+def _anchors(text):
+    """Those of the headings, as MyST makes them."""
+    return {re.sub(r"[^\w\- ]", "", words.lower()).replace(" ", "-") for words in HEADING.findall(text)}
+
+
+def _written():
+    """The pages that people have written, with their texts."""
+    pages = (ROOT / "docs").rglob("*.md")
+    return {p: p.read_text(encoding="utf-8") for p in pages if "generated" not in p.parts}
+
+
+def _wrong_links(texts):
+    """Without a build: links to pages and headings that are not there; generated pages are left to Sphinx."""
+    for path, text in texts.items():
+        for target in PAGE_LINK.findall(text):
+            parts = urlsplit(target)
+            there = (path.parent / unquote(parts.path)).resolve() if parts.path else path
+            if parts.scheme or "generated" in there.parts:
+                continue
+            if there not in texts and not there.exists():
+                yield f"{path.name}: no {target}"
+            elif parts.fragment and there in texts and parts.fragment not in _anchors(texts[there]):
+                yield f"{path.name}: no heading {target}"
+
+
+def test_links_between_pages_lead_to_pages_and_headings():
+    texts = _written()
+    assert not list(_wrong_links(texts))
+    trees = [(path.parent, tree) for path, text in texts.items() for tree in TOCTREE.findall(text)]
+    listed = {
+        p
+        for folder, tree in trees
+        for entry in filter(None, tree.splitlines())
+        for p in folder.glob(f"{entry}.md")
+    }
+    assert texts.keys() - listed == {ROOT / "docs" / "index.md"}, "every page is in a table of contents"
+
+
+def test_a_wrong_link_between_pages_is_found(tmp_path):
+    links = "[b](#a-title) [c](#c) [d](nothing.md) [e](https://elsewhere.org) γ[u](t)"
+    assert list(_wrong_links({tmp_path / "a.md": f"# A title\n{links}"})) == [
+        "a.md: no heading #c",
+        "a.md: no nothing.md",
+    ]
 
 
 LINK = re.compile(r"\]\(([^)\s]+)\)")

@@ -210,6 +210,7 @@ def test_an_fmu_passes_validation_and_equals_the_model(tmp_path, wire_model):
     assert again["output"][1] > expected[1]
 
 
+@pytest.mark.long("takes three seconds")
 @needs_gcc
 def test_the_fmu_compiles_without_a_warning_and_without_undefined_behaviour(tmp_path, wire_model):
     (file,) = export_model(wire_model, to="fmu", out=tmp_path / "wire.fmu")
@@ -221,6 +222,7 @@ def test_the_fmu_compiles_without_a_warning_and_without_undefined_behaviour(tmp_
     assert done.returncode == 0, done.stderr
 
 
+@pytest.mark.long("takes three seconds")
 def test_an_fmu_without_a_compiler_holds_sources_only(tmp_path, wire_model, monkeypatch):
     monkeypatch.setattr("smarig.exchange.c_code.fmu_archive.shutil.which", lambda name: None)
     (file,) = export_model(wire_model, to="fmu", out=tmp_path / "wire.fmu")
@@ -228,6 +230,7 @@ def test_an_fmu_without_a_compiler_holds_sources_only(tmp_path, wire_model, monk
     assert sorted(names) == ["modelDescription.xml", "sources/fmi2.c", "sources/wire.c", "sources/wire.h"]
 
 
+@pytest.mark.long("takes three seconds")
 @needs_gcc
 def test_a_failing_compiler_leaves_no_file(tmp_path, wire_model, monkeypatch):
     monkeypatch.setattr("smarig.exchange.c_code.fmu_archive._FLAGS", ("--no-such-flag",))

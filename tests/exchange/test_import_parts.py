@@ -99,6 +99,7 @@ def test_wrong_predecessors_are_refused(part, tmp_path):
         part("second", slice(CUT, None), MAPPING.replace('"um"', '"nm"'), continues=first.path)
 
 
+@pytest.mark.long("takes three seconds")
 def test_a_quantity_without_unit_is_printed_without_one(part, tmp_path, capsys):
     from smarig.cli import run
 

@@ -3,6 +3,8 @@
 import re
 import subprocess
 
+import pytest
+
 from firmware.uno_emulator import NEEDS, UNO, build
 
 FLASH, BOOTLOADER, RAM = 32768, 512, 2048
@@ -40,6 +42,7 @@ def test_another_largest_current_is_another_program(tmp_path):
     assert NEEDS
 
 
+@pytest.mark.long("takes three seconds")
 def test_the_largest_current_of_a_board_is_kept_by_later_builds(tmp_path):
     small = build(tmp_path, "uno.elf", "BOARD_MAX_uA=500000").read_bytes()
     assert build(tmp_path, "uno.elf").read_bytes() == small

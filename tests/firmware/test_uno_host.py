@@ -1,6 +1,6 @@
 """A host on the Uno under simavr: both roles on one port; kill -9, after which the lease ends the current.
 
-Two kills by default, twenty with ``SMARIG_LONG=1``. All times are device times.
+One kill by default, twenty with ``SMARIG_LONG=1``. All times are device times.
 """
 
 import os
@@ -21,7 +21,7 @@ from smarig.rig import TwinSettings
 from smarig.rig.open_rig import open_rig
 
 LONG = bool(os.environ.get("SMARIG_LONG"))
-KILLS = 20 if LONG else 2
+KILLS = 20 if LONG else 1
 APART_MS = 137  # from one moment of a kill to the next: another phase of tick and exchange
 FOLLOWS = ("--speed", "0", "--wait", "110")  # device time waits for a host, so a busy machine makes none late
 SIMULATOR = "{ start = false, speed = 200.0 }"

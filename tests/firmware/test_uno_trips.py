@@ -60,6 +60,7 @@ def test_it_drives_and_measures(uno):
     assert abs(np.mean(trace.mean_uA[-200:]) - HALF_uA) < 1000, "what really flows"
 
 
+@pytest.mark.long("takes three seconds")
 def test_the_ring_keeps_32_samples(uno):
     board = uno()
     board.settings(period=20)
@@ -91,6 +92,7 @@ def test_the_stop_input_ends_the_current_at_once(uno):
     assert last_flow_ms(trace) <= stopped_ms + 8, "not at the end of the tick"
 
 
+@pytest.mark.long("takes three seconds")
 def test_a_short_stop_is_not_forgotten(uno):
     board = driven(uno)
     board.tell("stop open")

@@ -25,8 +25,8 @@ WRAPS = {
 }
 
 
-def one_of(names, always):
-    """All of them; but one of them where there is time (``SMARIG_LONG``, as in ``.ci/long``)."""
+def one_of(names, always=None):
+    """All of them; all but one where there is time (``SMARIG_LONG``, as in ``.ci/long``)."""
     long = pytest.mark.long("takes up to ten seconds")
     return [name if name == always else pytest.param(name, marks=long) for name in names]
 
@@ -135,7 +135,7 @@ def dies_among_its_own_frames(chip, said):
     return sum(uA != 0 for uA in chip.driven_uA[began:])
 
 
-@pytest.mark.parametrize("architecture", one_of(ARCHITECTURES, "avr"))
+@pytest.mark.parametrize("architecture", one_of(ARCHITECTURES))
 def test_nor_in_the_next_boot_of_a_program(build_folder, architecture):
     folder, variables, _ = begun(build_folder / architecture, "a word")
     prefix, needs = {"avr": ("", AVR), "cortex_m": ("cortex_m_", CORTEX_M)}[architecture]

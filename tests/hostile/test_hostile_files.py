@@ -43,12 +43,21 @@ def _chosen() -> list[Case]:
     return found
 
 
+SLOW = (
+    "numbers 'temperature_degC is 3': diagnose trained on it",
+    "numbers 'every step void': identify a table",
+)
+LONG = pytest.mark.long("takes up to half a minute")
+
+
 @pytest.fixture(scope="module")
 def material(tmp_path_factory) -> Material:
     return make_material(tmp_path_factory.mktemp("honest"))
 
 
-@pytest.mark.parametrize("case", _chosen(), ids=str)
+@pytest.mark.parametrize(
+    "case", [pytest.param(case, marks=LONG if str(case) in SLOW else []) for case in _chosen()], ids=str
+)
 def test_a_hostile_file_ends_a_command_properly(capfd, tmp_path, material, case):
     if case.kind == "hdf5":
         pytest.importorskip("h5py", reason="needs h5py (extra 'files')")

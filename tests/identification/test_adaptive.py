@@ -309,6 +309,7 @@ def test_it_stops_earlier_at_a_larger_target_error():
     assert 2 < held[0] < held[1] < 60
 
 
+@pytest.mark.long("takes three seconds")
 def test_the_command_line_hands_the_informed_chooser_over_and_a_seed_fixes_all(tmp_path):
     runs = []
     for k in range(2):

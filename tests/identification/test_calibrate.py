@@ -196,6 +196,7 @@ def test_measured_staircase():
     assert "cannot be determined" in found.not_available["tau"]
 
 
+@pytest.mark.long("takes three seconds")
 def test_the_twin_s_resistances_and_time_constant(tmp_path):
     wire = Actuator.named("gorbet_one_wire")
     with Session("one_wire_twin", seed=3) as session:

@@ -171,6 +171,7 @@ def published():
     return generator.curves(0.005, seed=0)
 
 
+@pytest.mark.long("takes three seconds")
 def test_it_recovers_the_published_density_better_than_any_constant_quadratic(published):
     automatic = benchmark.score(forc_density(*published).mu)
     oracle = min(benchmark.score(forc_density(*published, smoothing=s).mu) for s in range(10, 15))

@@ -88,6 +88,7 @@ def test_noise_alone_shows_nothing():
     assert central_ridge(data, diagram) is None or not central_ridge(data, diagram).present
 
 
+@pytest.mark.long("takes three seconds")
 def test_a_ridge_is_told_from_its_background(ridged):
     ridge = central_ridge(ridged, forc_diagram(ridged))
     assert ridge.present

@@ -44,9 +44,17 @@ def test_the_model_predicts_what_was_not_measured():
     assert "exponential from 65 points" in repr(result)
 
 
+LONG = pytest.mark.long("takes three seconds")
+
+
 @pytest.mark.parametrize(
     ("name", "form"),
-    [("one_e", "exponential"), ("two_p", "parabolic"), ("one_c", "constant"), ("two_c", "constant")],
+    [
+        ("one_e", "exponential"),
+        pytest.param("two_p", "parabolic", marks=LONG),
+        pytest.param("one_c", "constant", marks=LONG),
+        ("two_c", "constant"),
+    ],
 )
 def test_best_finds_the_form_of_the_truth_and_the_simplest_that_does(name, form):
     for seed in range(4 if os.environ.get("SMARIG_LONG") else 2):

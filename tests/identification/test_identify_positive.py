@@ -146,6 +146,7 @@ def test_other_runs_of_the_wire_make_it_better():
     assert max(ratios) < 1.2
 
 
+@pytest.mark.long("takes three seconds")
 def test_where_no_positive_measure_is_true_other_runs_do_no_harm():
     fod, loops = fod_run("one_e", seed=4), driven_run("one_e", LOOPS, seed=5, name="b.run.sqlite")
     alone, both = identify(fod, "positive"), identify([fod, loops], "positive")
@@ -254,6 +255,7 @@ def planted(share):
     return made_run(inputs, Preisach.from_surface(table).simulate(inputs) + noise)
 
 
+@pytest.mark.long("takes three seconds")
 def test_the_cost_of_non_negativity_is_reported_where_it_occurs():
     asked = [w for w in identify(planted(3.0), "positive").warnings if "favour negative mass" in w]
     assert len(asked) == 1

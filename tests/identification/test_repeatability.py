@@ -80,6 +80,7 @@ def test_a_fit_that_follows_the_scatter_of_a_walking_wire_is_poor_and_its_verifi
     assert judged.to_json()["repeatability"]["drift_per_cycle"] == pytest.approx(0.01, rel=0.1)
 
 
+@pytest.mark.long("takes three seconds")
 def test_repeats_that_differ_by_more_than_readings_are_never_good(tmp_path):
     run = run_of_twin(tmp_path, "wiping_out", 1, ["settling"])
     floor = noise_floor(run)
@@ -90,7 +91,9 @@ def test_repeats_that_differ_by_more_than_readings_are_never_good(tmp_path):
     assert "the noise of a reading" in cautious.text
 
 
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize(
+    "seed", [0, *(pytest.param(seed, marks=pytest.mark.long("takes three seconds")) for seed in (1, 2))]
+)
 def test_a_clean_twin_is_silent(tmp_path, seed):
     assert not noise_floor(run_of_twin(tmp_path, "wiping_out", seed)).warnings
 

@@ -22,6 +22,7 @@ def run_of_twin(folder, protocol, seed, effects=()):
         return load_run(session.run(protocol, {}, folder / f"{protocol}{seed}.run.sqlite"))
 
 
+@pytest.mark.long("takes five seconds")
 def test_a_twin_that_is_a_preisach_model_passes_both_tests(tmp_path):
     found = [congruency(run_of_twin(tmp_path, "congruency", seed)) for seed in range(2)]
     found.append(wiping_out(run_of_twin(tmp_path, "wiping_out", 0)))

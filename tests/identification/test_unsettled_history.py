@@ -22,6 +22,7 @@ def session(tmp_path_factory):
     return [load_run(folder / f"{name}.run.sqlite") for name, _ in plan]
 
 
+@pytest.mark.long("takes three seconds")
 def test_an_initialisation_is_part_of_the_history(session, tmp_path):
     initialisation, curves, _ = session
     assert not initialisation.settled

@@ -63,8 +63,15 @@ def test_a_waveform_is_cut_where_its_sign_changes():
     assert received == ["result 5"]
 
 
+LONG = pytest.mark.long("takes three seconds")
+
+
 @pytest.mark.parametrize(
-    "name", ["initialise", "wiping_out", "congruency", "first_order_descending", "validation", "minor_loops"]
+    "name",
+    [
+        *("initialise", "wiping_out", "minor_loops"),
+        *(pytest.param(name, marks=LONG) for name in ("congruency", "first_order_descending", "validation")),
+    ],
 )
 def test_every_protocol_runs_under_the_limit_of_the_template(name):
     assert load_rig("bench_two_wire").limits.stress_max_MPa == 300.0

@@ -19,7 +19,7 @@ from record.faults.power_cut import LINK, OPEN, SYNC, UNLINK, WRITE, Call, Disk
 
 ROOT = Path(__file__).resolve().parents[2]
 LONG = bool(os.environ.get("SMARIG_LONG"))
-SHARE = 1.0 if LONG else 0.04
+SHARES = {"errors": 0.02}  # by default
 GROUPS = {
     "errors": tuple(kind for kind in LIVE if kind not in KILLS),
     "kills": KILLS,
@@ -38,7 +38,8 @@ def library(tmp_path_factory):
 def test_what_is_acknowledged_is_kept_and_what_is_said_is_true(library, tmp_path, group):
     env = {**os.environ, "LD_PRELOAD": str(library), "OMP_NUM_THREADS": "1"}
     paths = [str(ROOT / "src"), str(ROOT / "tests")]
-    words = [sys.executable, "-m", "record.faults.campaign", tmp_path / "disk", str(SHARE), *GROUPS[group]]
+    share = str(1.0 if LONG else SHARES.get(group, 0.04))
+    words = [sys.executable, "-m", "record.faults.campaign", tmp_path / "disk", share, *GROUPS[group]]
     done = subprocess.run(
         words,
         env={**env, "PYTHONPATH": os.pathsep.join(paths)},

@@ -57,6 +57,7 @@ def test_what_is_counted():
     assert (wear.largest_input_K, wear.last_tick) == (70.0, 9)
 
 
+@pytest.mark.long("takes three seconds")
 def test_it_adds_up_over_runs_and_stands_in_their_records(tmp_path, rig):
     first = smarig.run("congruency", rig=rig, out=tmp_path / "a.run.sqlite", **LOOPS)
     one = of()

@@ -22,6 +22,7 @@ def under(name="a", **conditions):
     return replace(run, meta={**run.meta, "conditions": stored})
 
 
+@pytest.mark.long("takes three seconds")
 def test_pooled_stresses_are_said_in_one_sentence_and_kept_with_the_model(tmp_path):
     runs = [under(str(s), stress=(s, "MPa")) for s in (100.0, 50.0, 150.0)]
     sentence = (

@@ -39,6 +39,7 @@ def test_lost_ticks_count_and_readings_without_voltage_do_not(blocks):
     assert found.difference_percent == pytest.approx(100 * (5 / 4.75 - 1))
 
 
+@pytest.mark.long("takes three seconds")
 def test_page_and_json_state_both_and_what_heated_the_twin(tmp_path, capsys):
     wire = tmp_path / "balanced.toml"
     assert cli(["new", "actuator", "balanced", "-o", str(wire)]) == 0

@@ -174,6 +174,7 @@ def test_the_resistance_of_one_wire_follows_the_output_by_its_slope(tmp_path):
     np.testing.assert_allclose(np.diff(measured), slope[1:] * np.diff(y), atol=2e-5)
 
 
+@pytest.mark.long("takes three seconds")
 def test_the_resistances_of_two_wires_follow_their_own_phases_and_not_the_output(tmp_path):
     found, ohms, measured = resistances(tmp_path, "two_wire_twin")
     assert np.all(found.output_slope[~ohms] == 1.0)

@@ -41,6 +41,7 @@ def with_shifted_zero(run, by):
     return replace(with_columns(run, position=run["position"] + by), steps=steps)
 
 
+@pytest.mark.long("takes three seconds")
 def test_a_joined_timeline_holds_every_sessions_readings_in_turn(apart, joined_timeline):
     alone = [build_timeline(runs, TAU_S) for runs in apart]
     assert len(joined_timeline.sessions) == 2
@@ -133,7 +134,16 @@ def test_positions_alone_are_read_at_the_same_times_from_the_same_memories(joine
     )
 
 
-@pytest.mark.parametrize("effect", ["walking=1", "settling=5", "accommodation", "creep"])
+@pytest.mark.parametrize(
+    "effect",
+    [
+        "walking=1",
+        *(
+            pytest.param(effect, marks=pytest.mark.long("takes three seconds"))
+            for effect in ("settling=5", "accommodation", "creep")
+        ),
+    ],
+)
 def test_effects_restart_in_each_session(tmp_path, effect):
     """Twice the same commands leave twice the same trace, however far the first had come."""
     (tmp_path / "a").mkdir(), (tmp_path / "b").mkdir()

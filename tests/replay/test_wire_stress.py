@@ -32,6 +32,7 @@ def run(tmp_path_factory):
     )
 
 
+@pytest.mark.long("takes three seconds")
 def test_one_hot_wire_gives_the_change_of_the_thesis(run):
     found = stress_over_run(run, WIRE, SURFACE)
     assert found is not None
@@ -63,6 +64,7 @@ def test_a_second_wire_that_is_heated_too_early_adds_stress(run):
     assert found.most_MPa == pytest.approx(most, rel=1e-6)
 
 
+@pytest.mark.long("takes three seconds")
 def test_it_stands_in_the_json_and_on_the_page_of_two_preisach_wires_only(run, tmp_path, capsys):
     assert cli(["report", str(run.path), "-o", str(tmp_path / "a.html"), "--json"]) == 0
     assert json.loads(capsys.readouterr().out)["stress"]["change_percent"] == pytest.approx(7.76)

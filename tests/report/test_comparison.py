@@ -344,6 +344,7 @@ def wire(tmp_path_factory):
     return {name: load_run(folder / f"{name}.run.sqlite") for name in "cvw"}
 
 
+@pytest.mark.long("takes three seconds")
 def test_a_zero_walk_exceeds_the_noise(wire):
     found = aligned({"v": wire["v"], "w": wire["w"]})[1]
     assert found.difference.size == len(wire["v"].settled)
@@ -403,6 +404,7 @@ def test_one_step_of_two_runs_with_one_zero_shows_no_change():
     assert "only 1 step in common" in assessed.quality
 
 
+@pytest.mark.long("takes three seconds")
 def test_the_model_of_the_first_day_is_tried_on_the_other(tmp_path):
     """A wire that became slack overnight."""
     runs, levels = {}, {"partition_K": (0, 50, 80, 160)}

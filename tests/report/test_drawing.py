@@ -185,6 +185,7 @@ def test_a_panel_becomes_a_file(tmp_path, end, start):
     assert (tmp_path / "loop").read_bytes().startswith(start)
 
 
+@pytest.mark.long("takes three seconds")
 def test_the_figures_of_a_page_are_saved_while_it_is_made(tmp_path):
     panels = [Panel([line([0, k], [0, 1], "a", BLUE)], LAYOUT) for k in (1, 2)]
     one, two = Figure(panels[:1], "Hysteresis: μ of the run.", [], ""), Figure(panels, "Errors", [], "")

@@ -66,6 +66,7 @@ def test_a_hostile_page_puts_no_markup_into_the_index(tmp_path):
     assert HOSTILE in Page(text).visible
 
 
+@pytest.mark.long("takes three seconds")
 def test_pages_and_models_are_listed_the_most_serious_first(tmp_path):
     with Session("one_wire_twin", seed=3) as session:
         curves = {"partition_K": (0, 50, 70, 90, 110, 160)}

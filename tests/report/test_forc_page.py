@@ -117,6 +117,7 @@ def test_drift_is_shown_with_the_decision(tmp_path):
     np.testing.assert_allclose(e.data.y / np.ptp(e.data.y), raw.data.y / np.ptp(raw.data.y), atol=4e-3)
 
 
+@pytest.mark.long("takes three seconds")
 def test_a_given_smoothing_is_told_as_given(run):
     words = Page(forc_page(run, smoothing=4.0)).visible
     assert "The smoothing factor 4 was given" in words

@@ -9,6 +9,7 @@ import pytest
 CODE = "from smarig.report.drawing import WIDE_PX; import matplotlib.font_manager; print(WIDE_PX)"
 
 
+@pytest.mark.long("takes three seconds")
 @pytest.mark.skipif(os.name == "nt", reason="/dev/null is no folder")
 def test_nothing_is_said_of_the_folder_of_matplotlib(tmp_path):
     nowhere = dict.fromkeys(("HOME", "XDG_CONFIG_HOME", "XDG_CACHE_HOME"), "/dev/null")

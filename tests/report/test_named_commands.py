@@ -14,7 +14,10 @@ RUNS = {
 }
 
 
-@pytest.mark.parametrize("protocol", RUNS)
+@pytest.mark.parametrize(
+    "protocol",
+    ["minor_loops", pytest.param("first_order_descending", marks=pytest.mark.long("takes three seconds"))],
+)
 def test_it_makes_a_model(protocol, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     assert cli(["run", protocol, "--rig", "one_wire_twin", *RUNS[protocol], "-o", "a.run.sqlite"]) == 0

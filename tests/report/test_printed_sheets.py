@@ -57,6 +57,7 @@ def test_the_sheet_of_a_run(full_loop, with_model, tmp_path):
     assert printed_pages(page, tmp_path) == 1
 
 
+@pytest.mark.long("takes three seconds")
 def test_the_sheet_of_two_days_compared(full_loop, tmp_path):
     page = tmp_path / "page.html"
     assert cli(["report", *[str(full_loop.path)] * 2, "--summary"]) == 2, "one file twice"

@@ -44,6 +44,7 @@ def test_a_loss_of_stroke_is_found():
     assert not changes["M_s"].significant
 
 
+@pytest.mark.long("takes three seconds")
 def test_where_nothing_changed_it_says_so():
     """95 % hold for all figures together: of 20 pairs one may differ in some figure."""
     differ = [any(c.significant for c in temperature_change(*days(seed))) for seed in range(20)]

@@ -203,6 +203,7 @@ def test_a_fault_in_the_middle_of_a_motion_is_marked_in_time(warmed, channel, fa
     assert cell.tripped_s < 250.0
 
 
+@pytest.mark.long("takes three seconds")
 def test_sound_wires_are_not_marked():
     found = healthy(("one_wire_twin",), 2, 1)
     assert (found["tripped"], found["marked"]) == ([], {})

@@ -10,8 +10,18 @@ from smarig.rig import check_driver, driver_check, rig_for_check
 LINKS = ("serial", "modbus_tcp", "modbus_rtu")
 
 
-@pytest.mark.parametrize("link", LINKS)
-@pytest.mark.parametrize("role", ["amplifier", "encoder_daq"])
+LONG = pytest.mark.long("takes three seconds")
+ALWAYS = {("amplifier", "serial"), ("encoder_daq", "modbus_tcp"), ("encoder_daq", "modbus_rtu")}
+
+
+@pytest.mark.parametrize(
+    ("role", "link"),
+    [
+        pytest.param(role, link, marks=[] if (role, link) in ALWAYS else LONG)
+        for role in ("amplifier", "encoder_daq")
+        for link in LINKS
+    ],
+)
 def test_a_shipped_driver_meets_the_contract_over_each_link(link, role):
     name = f"one_wire_{link}"
     found = list(check_driver(name, load_rig(name), role))

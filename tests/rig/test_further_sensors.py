@@ -107,6 +107,7 @@ def test_the_mean_of_forces_is_that_of_the_finite_readings():
     assert forces.n == 0
 
 
+@pytest.mark.long("takes three seconds")
 @pytest.mark.parametrize(
     ("by_sensor", "links", "source"),
     [(True, {}, None), (False, {"room_thermometer": "room"}, None), (False, {}, "rig file")],

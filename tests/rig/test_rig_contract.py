@@ -11,10 +11,12 @@ from smarig.plant.actuator import Actuator
 from smarig.rig.open_rig import open_rig
 from smarig.rig.twin import TwinSettings
 
-LINKS = ("serial", "modbus_tcp", "modbus_rtu")
+OF_BOTH_KINDS = pytest.mark.long("takes ten seconds; each half of it is tried on another rig")
 RIGS = [
-    *("one_wire_twin", "two_wire_twin", "one_wire_thermomechanical", "two_wire_thermomechanical"),
-    *(f"one_wire_{link}" for link in LINKS),
+    *("one_wire_twin", "two_wire_twin", "one_wire_thermomechanical"),
+    pytest.param("two_wire_thermomechanical", marks=OF_BOTH_KINDS),
+    *("one_wire_serial", "one_wire_modbus_tcp"),
+    pytest.param("one_wire_modbus_rtu", marks=OF_BOTH_KINDS),
     *("firmware one_wire_serial", "firmware one_wire_modbus_rtu"),
 ]
 LEASE_S = 0.5  # the shortest: tests of it take as long

@@ -30,6 +30,7 @@ def test_it_moves_returns_and_repeats(rig):
     )
 
 
+@pytest.mark.long("takes three seconds")
 def test_holds_within_a_narrow_transformation_are_no_slip():
     """The input hardly changes between two holds, and the wire moves through most of its travel."""
     twin = Twin.named("two_wire_thermomechanical", seed=1)

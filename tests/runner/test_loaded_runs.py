@@ -84,6 +84,7 @@ def test_a_run_under_a_load_that_changes_is_not_resumed(tmp_path):
         resume(out)
 
 
+@pytest.mark.long("takes three seconds")
 def test_the_stress_strain_loop_has_the_critical_stresses_of_brinson(tmp_path):
     """Superelastic, in a chamber: forward from 410 to 634 MPa, back from 312 to 96 MPa."""
     rig = tmp_path / "chamber.toml"

@@ -24,6 +24,7 @@ from smarig.runner.run_control import RunControl
 from smarig.runner.session import Session
 
 RIGS = ("one_wire_twin", "two_wire_twin")
+LONG = pytest.mark.long("takes up to three seconds")
 PARTITIONS = {"one_wire_twin": "0,65,75,174", "two_wire_twin": "-185,0,60,185"}
 
 
@@ -58,8 +59,14 @@ def events(run, kind):
 # --- what must come out ------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("rig", RIGS)
-@pytest.mark.parametrize("share", [0.0, 0.2, 0.37, 0.5, 0.83])
+@pytest.mark.parametrize(
+    ("share", "rig"),
+    [
+        *((share, "one_wire_twin") for share in (0.0, 0.2, 0.37, 0.5, 0.83)),
+        *((share, "two_wire_twin") for share in (0.0, 0.5)),
+        *(pytest.param(share, "two_wire_twin", marks=LONG) for share in (0.2, 0.37, 0.83)),
+    ],
+)
 def test_a_killed_run_ends_with_the_table_of_a_whole_one(whole, tmp_path, rig, share):
     tick = max(1, round(share * len(whole[rig])))
     run = resume(cut(whole[rig].path, tmp_path / "r.run.sqlite", tick))
@@ -108,6 +115,7 @@ def test_void_steps_teach_nothing(whole, tmp_path):
     assert model.fit["points"] == undisturbed.fit["points"]
 
 
+@pytest.mark.long("takes three seconds")
 def test_a_run_can_be_interrupted_again_and_during_restoration(whole, tmp_path):
     path = cut(whole["two_wire_twin"].path, tmp_path / "a.run.sqlite", 5000)
     once = resume(path)
@@ -271,6 +279,7 @@ def test_an_interrupted_waveform_restarts_the_protocol(tmp_path):
     assert last[0] == pytest.approx(last[1], abs=run.meta["output"]["per_count"])
 
 
+@pytest.mark.long("takes three seconds")
 def test_a_memory_that_cannot_be_restored_restarts_the_protocol(tmp_path):
     """Two wires, never saturated: what they remember hangs on where they began."""
     settings = {"temperatures_K": "50,-30,40,-20"}
@@ -293,6 +302,7 @@ def test_a_memory_that_cannot_be_restored_restarts_the_protocol(tmp_path):
     assert counts_apart(again, whole) < 1
 
 
+@pytest.mark.long("takes three seconds")
 def test_a_chooser_called_again_gives_the_same_choice(tmp_path):
     whole = smarig.run("adaptive_fod", rig="one_wire_twin", out=tmp_path / "w.run.sqlite", longest_h=0.4)
     run = resume(cut(whole.path, tmp_path / "r.run.sqlite", 8000))
@@ -432,7 +442,7 @@ def test_settings_given_as_values_are_kept(tmp_path):
 
 
 @pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="needs SIGKILL")
-@pytest.mark.parametrize("rig", RIGS)
+@pytest.mark.parametrize("rig", ["one_wire_twin", pytest.param("two_wire_twin", marks=LONG)])
 def test_after_kill_9(whole, tmp_path, rig):
     out = tmp_path / "r.run.sqlite"
     command = [sys.executable, "-m", "smarig", "run", "first_order_descending", "--rig", rig, "--seed", "1"]

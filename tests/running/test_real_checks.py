@@ -87,6 +87,7 @@ def test_a_killed_check_is_told_of_once(folder, rig):
         assert (collect_ended(), files(folder)) == ((), [])
 
 
+@pytest.mark.long("takes three seconds")
 @pytest.mark.usefixtures("folder")
 def test_a_check_that_cannot_be_announced_is_made_and_says_so(rig):
     (rig / "no_folder").touch()

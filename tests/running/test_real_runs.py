@@ -85,7 +85,11 @@ def test_a_run_is_found_followed_paused_continued_and_stopped(folder, tmp_path):
     ("name", "words"),
     [
         ("regulate", ["--setpoint", "6", "--hold-s", "600"]),
-        ("track", ["--reference", "steps", "--set", "seconds=600"]),
+        pytest.param(
+            "track",
+            ["--reference", "steps", "--set", "seconds=600"],
+            marks=pytest.mark.long("takes three seconds"),
+        ),
     ],
 )
 def test_a_closed_loop_is_found_and_stopped_too(name, words, folder, tmp_path):
@@ -135,6 +139,7 @@ def test_terminate_ends_the_run_safely(folder, tmp_path):
     assert files(folder) == []
 
 
+@pytest.mark.long("takes five seconds")
 @POSIX
 @pytest.mark.usefixtures("folder")
 def test_a_reader_that_is_stopped_while_it_reads_changes_nothing(tmp_path):

@@ -63,6 +63,7 @@ def test_what_was_done_is_not_done_again_unless_it_changed(folder, tmp_path):
     assert not any(o.reused for o in study_each([folder], out, other, workers=1))
 
 
+@pytest.mark.long("takes three seconds")
 def test_a_folder_on_the_command_line_in_two_processes(folder, tmp_path, capsys):
     out = tmp_path / "out"
     assert cli(["study", str(folder), "-o", str(out), "--no-diagnosis", "--workers", "2", "--json"]) == 0

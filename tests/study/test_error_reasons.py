@@ -43,6 +43,7 @@ def test_an_output_that_goes_back_within_a_branch_is_said(tmp_path):
     assert any("goes back by" in s for s in expanding.reasons)
 
 
+@pytest.mark.long("takes three seconds")
 def test_a_first_branch_of_another_state_is_no_output_that_goes_back(tmp_path):
     u = 72.5 - 47.5 * np.cos(np.linspace(0, 20 * np.pi, 2400))
     x = displacements(u)

@@ -229,6 +229,7 @@ def test_files_without_a_table_are_refused(tmp_path):
         study([tmp_path / "a.txt"], tmp_path / "out")
 
 
+@pytest.mark.long("takes three seconds")
 def test_the_error_on_blocks_left_out_is_that_of_the_model_that_is_shown(tmp_path):
     """A learned term predicts better, but it is not the model of the first sentence."""
     u = temperatures(1, 120)

@@ -24,6 +24,7 @@ def cycles(count, per_cycle, **more):
     return tuple(np.concatenate(columns) for columns in zip(*parts))
 
 
+@pytest.mark.long("takes three seconds")
 def test_a_drift_is_found_with_its_interval():
     """Over 30 noisy cycles that fall by 0.2 K each."""
     covered = 0

@@ -24,6 +24,7 @@ def inside(seeds, **options):
     return np.array(hits), np.array(errors)
 
 
+@pytest.mark.long("takes three seconds")
 def test_intervals_cover_the_true_temperatures():
     hits, errors = inside(range(60))
     assert 0.88 <= hits.mean() <= 0.99

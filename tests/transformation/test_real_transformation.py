@@ -60,6 +60,7 @@ def test_both_implementations_agree_on_nitico_where_readings_allow(measured, str
         assert any("lies between two readings" in note for note in found.notes)
 
 
+@pytest.mark.long("takes three seconds")
 def test_both_implementations_agree_on_fifty_noisy_cycles(measured):
     """The temperature has a noise of 5 K; the second implementation averages the cycles first.
 

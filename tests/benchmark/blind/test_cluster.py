@@ -31,6 +31,7 @@ def test_a_cluster_gives_the_answers_of_one_process(scheduler, tmp_path):
     assert not spread["failed"]
 
 
+@pytest.mark.long("takes three seconds")
 @pytest.mark.filterwarnings("default::ResourceWarning")
 @pytest.mark.parametrize("address", ["tcp://127.0.0.1:1", "nowhere", "foo://x:1"])
 def test_an_address_without_a_scheduler_is_one_sentence(address, monkeypatch):

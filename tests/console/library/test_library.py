@@ -217,6 +217,7 @@ def test_figures_in_several_units_have_a_trend_each(tmp_path):
     assert found["A_s"].values.size == 2
 
 
+@pytest.mark.long("takes three seconds")
 def test_cycles_are_those_of_the_history_of_a_wire_and_add_up(tmp_path):
     """A twin's run: the range of its rig comes from the run, and the count agrees with ``Wear``."""
     made = tmp_path / "a.run.sqlite"

@@ -170,6 +170,7 @@ def test_tags_of_two_people_at_once_are_all_kept(library):
     assert other.tag(id, [*only(other).tags, "theirs"]).tags == ("base", "mine", "theirs")
 
 
+@pytest.mark.long("takes three seconds")
 def test_many_threads_and_processes_write_at_once(library):
     id = only(library).id
     words = (

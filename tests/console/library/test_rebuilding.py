@@ -118,6 +118,7 @@ def _settle_all(folder):
             settled(file)
 
 
+@pytest.mark.long("takes five seconds")
 @settings(max_examples=40)
 @given(st.lists(OPERATION, min_size=4, max_size=14))
 @example([(_make, 0, 0), (_copy, 0, 1), (_scan, 0, 0), (_remove, 0, 0)])

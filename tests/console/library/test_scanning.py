@@ -346,6 +346,7 @@ def test_more_names_than_any_folder_has_are_left_out(folder, monkeypatch):
 OTHER_FILES = 100_000 if os.environ.get("SMARIG_LONG") else 20_000
 
 
+@pytest.mark.long("takes three seconds")
 def test_many_other_files_are_not_opened(tmp_path, reads):
     names = [tmp_path / f"{k}.csv" for k in range(OTHER_FILES)]
     for name in names:

@@ -4,6 +4,8 @@ import json
 import os
 import signal
 
+import pytest
+
 from console.queue.entries import events, opened, request, wait_until, work_until_idle, worker
 from smarig.console.queue.entry_process import EntryFiles, bound_log, is_alive
 from smarig.console.queue.queue_entry import EntryState
@@ -38,6 +40,7 @@ def test_runs_follow_each_other_in_the_order_of_the_queue(tmp_path):
     assert not (tmp_path / "removed.run.sqlite").exists()
 
 
+@pytest.mark.long("takes three seconds")
 def test_the_queue_stops_after_this_one_and_while_it_is_paused(tmp_path):
     with opened(tmp_path) as queue, worker(tmp_path) as one:
         a, b = queue.add(request("a")), queue.add(request("b"))

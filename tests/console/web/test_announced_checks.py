@@ -65,6 +65,7 @@ def test_a_check_of_a_terminal_is_shown_by_the_console_of_its_folder_and_ended_b
         assert 'action="/rigs/check"' in page
 
 
+@pytest.mark.long("takes three seconds")
 def test_the_button_of_a_check_stops_it(folder):
     with started_run(folder, "check", "bench.toml", "--yes") as process, started_console(folder) as console:
         reply = console.ask(f"/runs/{announced_check().key}/stop", "POST")

@@ -70,6 +70,7 @@ def test_the_holder_of_the_token_gets_in_beside_a_crowd_without_it(console: Cons
         assert descriptors(console) < DESCRIPTORS / 2, "the rest is for the queue, the library and streams"
 
 
+@pytest.mark.long("takes five seconds")
 def test_a_connection_that_has_shown_the_token_stays_open(console: Console):
     own = http.client.HTTPConnection("127.0.0.1", console.port, timeout=30)
     own.connect()
@@ -90,6 +91,7 @@ def test_a_connection_without_the_token_is_closed_after_its_answer(console: Cons
     assert text.startswith(b"HTTP/1.1 403")
 
 
+@pytest.mark.long("takes three seconds")
 def test_malformed_requests_and_crowds_do_not_fill_the_log(console: Console):
     for _ in range(100):
         with socket.create_connection(("127.0.0.1", console.port), 30) as one:

@@ -158,6 +158,7 @@ def test_a_console_that_is_stopped_is_told_and_its_page_catches_up(visitor, cons
     let_the_queue_continue(visitor)
 
 
+@pytest.mark.long("takes three seconds")
 def test_errors_in_the_list_of_events_are_marked_by_word_and_by_more_than_colour(visitor):
     start(visitor, LONG, "marked")
     visitor.until("!!document.querySelector('#events li')", "an event")
@@ -204,7 +205,9 @@ HIDE = """Object.defineProperty(document, 'visibilityState', { value: 'hidden', 
 document.dispatchEvent(new Event('visibilitychange'))"""
 
 
-@pytest.mark.parametrize("is_hidden", [pytest.param(False, marks=pytest.mark.long), True])
+@pytest.mark.parametrize(
+    "is_hidden", [pytest.param(False, marks=pytest.mark.long), pytest.param(True, marks=pytest.mark.long)]
+)
 def test_the_end_of_a_run_is_in_the_title_and_in_a_notification_that_was_wanted(visitor, notes, is_hidden):
     start(visitor, LONG, f"notified_{is_hidden}")
     assert notes("requests") == []
@@ -382,6 +385,7 @@ def test_a_file_with_decimal_commas_is_studied_by_clicks(visitor, tmp_path):
     visitor.until("document.querySelector('iframe').clientHeight > 300", "the style sheet is applied")
 
 
+@pytest.mark.long("takes three seconds")
 def test_a_run_is_started_with_keys_alone(visitor, console):
     visitor.go(SHORT.format("keys"))
     for _ in range(60):

@@ -222,6 +222,7 @@ def _refusal(tmp_path, *arguments, script=""):
     return subprocess.run([*command, *arguments], cwd=tmp_path, capture_output=True, text=True, timeout=90)
 
 
+@pytest.mark.long("takes three seconds")
 def test_what_it_cannot_start_with_is_one_sentence(tmp_path):
     (tmp_path / "file").touch()
     with socket.socket() as taken:
@@ -243,6 +244,7 @@ def test_what_it_cannot_start_with_is_one_sentence(tmp_path):
     assert "extra 'console'" in done[-1].stderr
 
 
+@pytest.mark.long("takes three seconds")
 def test_the_entry_of_a_run_that_has_ended_is_read_again_when_it_is_opened(tmp_path):
     """Long before the library looks at the folder again."""
     being_recorded = "The run is being recorded."

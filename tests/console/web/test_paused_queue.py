@@ -2,11 +2,14 @@
 
 from urllib.parse import urlencode
 
+import pytest
+
 from console.web.started_console import started_console
 
 FORM = {"Content-Type": "application/x-www-form-urlencoded"}
 
 
+@pytest.mark.long("takes three seconds")
 def test_what_is_added_to_a_paused_queue_does_not_seem_started(tmp_path, monkeypatch):
     monkeypatch.setenv("SMARIG_RUNNING_DIR", str(tmp_path / "running"))
     with started_console(tmp_path / "runs") as console:

@@ -42,7 +42,13 @@ def answers(address: str) -> bool:
         return False
 
 
-@pytest.mark.parametrize("end", [pytest.param(signal.SIGTERM, marks=pytest.mark.long), signal.SIGKILL])
+@pytest.mark.parametrize(
+    "end",
+    [
+        pytest.param(end, marks=pytest.mark.long("takes ten seconds"))
+        for end in (signal.SIGTERM, signal.SIGKILL)
+    ],
+)
 def test_it_opens_in_the_browser_and_ends_with_the_console(folder, end):
     pytest.importorskip("rerun", reason="the extra 'live' is not installed")
     with started_console(folder) as console:
@@ -60,6 +66,7 @@ def test_it_opens_in_the_browser_and_ends_with_the_console(folder, end):
     waited(lambda: not answers(address), "the end of the viewer")
 
 
+@pytest.mark.long("takes three seconds")
 def test_a_missing_extra_is_its_one_sentence(folder, tmp_path, monkeypatch):
     (tmp_path / "without" / "rerun").mkdir(parents=True)
     (tmp_path / "without" / "rerun" / "__init__.py").write_text("raise ImportError")

@@ -19,8 +19,8 @@ SHORT = {"amplifier": "AMP", "encoder_daq": "DAQ"}
 LONG = pytest.mark.long("takes up to ten seconds")
 RENAMED = [
     pytest.param(("amplifier", "trip"), marks=LONG),
-    ("amplifier", "lease"),
-    pytest.param(("encoder_daq", "ring_next"), marks=LONG),
+    pytest.param(("amplifier", "lease"), marks=LONG),
+    ("encoder_daq", "ring_next"),
     pytest.param(("encoder_daq", "order"), marks=LONG),
 ]
 

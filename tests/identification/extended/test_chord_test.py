@@ -50,6 +50,7 @@ def test_the_verdict_is_right(outputs, name):
     assert verdicts.count(name) >= 18
 
 
+@pytest.mark.long("takes three seconds")
 @pytest.mark.parametrize("floor", [KNOWN, NoiseFloor(NOISE, 10**6, "mm", "repeats")])
 def test_p_values_are_uniform_where_the_property_holds(outputs, floor):
     classical = [judged(outputs["Preisach"], seed, floor) for seed in range(200)]

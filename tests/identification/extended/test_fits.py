@@ -93,6 +93,7 @@ def test_the_identified_moving_model_predicts_held_out_loops():
     assert np.sqrt(np.mean(left**2)) < 0.03
 
 
+@pytest.mark.long("takes three seconds")
 def test_a_classical_wire_shows_no_feedback():
     u, y = (FIRST, LOOPS), [truths.classical(v) for v in (FIRST, LOOPS)]
     fits = [identify_moving([record(u[0], y[0], s), record(u[1], y[1], 99 + s)]) for s in range(2)]

@@ -107,7 +107,13 @@ COMPUTATIONS = {
 }
 
 
-@pytest.mark.parametrize("name", COMPUTATIONS)
+@pytest.mark.parametrize(
+    "name",
+    [
+        name if name == "fit" else pytest.param(name, marks=pytest.mark.long("takes three seconds"))
+        for name in COMPUTATIONS
+    ],
+)
 def test_every_factor_is_computed_by_one_thread(monkeypatch, name):
     """Threads of BLAS share a narrow band badly: they wait for each other, most of all on a busy machine."""
     seen, factor = [], NewtonSystem.factor

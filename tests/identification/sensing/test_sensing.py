@@ -103,6 +103,7 @@ def test_runs_that_do_not_determine_a_resistance_are_refused(commissioned):
         sensing_errors(model, [held])
 
 
+@pytest.mark.long("takes three seconds")
 def test_regulation_without_encoder_on_the_command_line(commissioned, capsys):
     words = ["regulate", str(commissioned / "sensing.model.json"), "--setpoint", "6", "--hold-s", "60"]
     words += ["--rig", "one_wire_twin", "--within", "0.05", "--quiet", "--json"]

@@ -31,6 +31,7 @@ def found(tau, gain=1.0, drift=0.0, seed=0):
     return tau_of_sweeps([SweepRecord.of(swept_run(tau=tau, gain=gain, drift=drift, seed=seed))])
 
 
+@pytest.mark.long("takes three seconds")
 @pytest.mark.parametrize(("tau", "gain"), [(0.65, 1.08), (1.55, 0.92)])
 def test_a_hidden_time_constant_is_found(tau, gain):
     estimate = found(tau, gain).tau

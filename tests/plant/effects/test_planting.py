@@ -106,6 +106,7 @@ def test_the_mystery_rig_behaves_like_its_hidden_effect_and_does_not_reveal_it(t
     assert "backlash" not in json.dumps(meta)
 
 
+@pytest.mark.long("takes five seconds")
 def test_run_plants_effects_on_a_twin_and_records_them(tmp_path):
     out = tmp_path / "c.run.sqlite"
     line = ["run", "wiping_out", "--rig", "one_wire_twin", "-o", str(out), "--quiet"]

@@ -23,6 +23,7 @@ TWICE = {  # slow, and tried on the other device or link
     *("dead line, encoder_daq, in a hold, serial", "dead line, amplifier, in a hold, serial"),
     *("everything garbled, amplifier, in a hold, serial", "power gone, amplifier, in a hold, serial"),
     *("late replies, in a hold, serial", "reboot, amplifier, in a hold, serial"),
+    *("reboot, encoder_daq, in a hold, serial", "unplugged, encoder_daq, in a hold, serial"),
 }
 SLOW = pytest.mark.long("takes ten seconds; its kind is tried on the other device or link")
 assert CELLS.keys() >= TWICE

@@ -6,6 +6,7 @@ import sys
 import time
 
 import numpy as np
+import pytest
 
 from firmware.codes import LEASE, TRIPPED
 from rig.bench.wired_chips import Chips
@@ -27,6 +28,9 @@ PATIENCE_S = 60.0
 TIMEOUT_S = 5.0  # of a reply: a busy machine takes its time
 
 
+@pytest.mark.parametrize(
+    "start", [pytest.param("avr", marks=pytest.mark.long("takes five seconds")), "cortex_m"], indirect=True
+)
 def test_the_lease_ends_the_current(start, tmp_path):
     chips = Chips(tmp_path, start, timeout_s=TIMEOUT_S)
     host = subprocess.Popen([sys.executable, "-c", HOST, str(chips.rig)])

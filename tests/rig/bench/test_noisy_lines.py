@@ -38,6 +38,7 @@ KINDS = {
         "repeated": "",
     },  # its own checksum keeps it whole
 }
+SELDOM = [] if LONG else pytest.mark.long("takes five seconds; the whole campaign takes every link")
 
 
 def rig(folder, link):
@@ -60,7 +61,10 @@ def rig(folder, link):
     return str(path)
 
 
-@pytest.mark.parametrize("link", ["serial", "modbus_tcp", pytest.param("modbus_rtu", marks=pytest.mark.long)])
+@pytest.mark.parametrize(
+    "link",
+    ["serial", *(pytest.param(name, marks=SELDOM) for name in ("modbus_tcp", "modbus_rtu"))],
+)
 def test_a_bad_line_costs_time_and_nothing_else(link, tmp_path):
     name = rig(tmp_path, link)
     file = load_rig(name)
