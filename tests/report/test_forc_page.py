@@ -152,7 +152,7 @@ def test_a_run_without_curves_is_refused_by_the_diagram_and_kept_by_report(tmp_p
     [
         pytest.param("UB199BF", 0.058, -0.004, False, marks=pytest.mark.long),
         pytest.param("hchb_forc", 942.0, 21.0, True, marks=pytest.mark.long("takes ten seconds")),
-        ("MSM33-55-1_d330.forc", None, 0.0, True),
+        pytest.param("MSM33-55-1_d330.forc", None, 0.0, True, marks=pytest.mark.long("takes five seconds")),
     ],
 )
 def test_measured_files_peak_where_others_find_the_peak(name, h_c, h_u, ridge):

@@ -15,8 +15,8 @@ OF_BOTH_KINDS = pytest.mark.long("takes ten seconds; each half of it is tried on
 RIGS = [
     *("one_wire_twin", "two_wire_twin", "one_wire_thermomechanical"),
     pytest.param("two_wire_thermomechanical", marks=OF_BOTH_KINDS),
-    *("one_wire_serial", "one_wire_modbus_tcp"),
-    pytest.param("one_wire_modbus_rtu", marks=OF_BOTH_KINDS),
+    "one_wire_modbus_tcp",
+    *(pytest.param(f"one_wire_{link}", marks=OF_BOTH_KINDS) for link in ("serial", "modbus_rtu")),
     *("firmware one_wire_serial", "firmware one_wire_modbus_rtu"),
 ]
 LEASE_S = 0.5  # the shortest: tests of it take as long

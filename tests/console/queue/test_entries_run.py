@@ -23,6 +23,7 @@ def states(queue):
     return {entry.id: entry.state for entry in queue.entries()}
 
 
+@pytest.mark.long("takes three seconds")
 def test_runs_follow_each_other_in_the_order_of_the_queue(tmp_path):
     with opened(tmp_path) as queue, worker(tmp_path) as one:
         first, removed, edited = (queue.add(request(name)) for name in ("first", "removed", "edited"))

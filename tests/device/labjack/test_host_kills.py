@@ -15,7 +15,7 @@ import pytest
 from device.labjack.boxes import running_box
 
 LONG = bool(os.environ.get("SMARIG_LONG"))
-KILLS = 20 if LONG else 3
+KILLS = 20 if LONG else 2
 LEASE_S, SPEED = 2.0, 10.0
 OBSERVING_S = 2.0  # of the box: this process may be late by a fifth of a second
 PATIENCE_S = 30.0  # of the clock

@@ -28,8 +28,8 @@ Phases: {", ".join(PHASES)}.
 Links: {", ".join(LINKS)}. The network ports of pyserial, {" and ".join(RELAYED)}, are tested with three faults:
 {"; ".join(REPRESENTATIVE)}.
 
-The everyday tests try each fault that does not need real time once, these three on each of the first links, and the
-first of them over a socket. `SMARIG_FAULTS=all` tries all {len(CELLS)} cells (`.ci/long`).
+The everyday tests try each kind of fault that does not need real time once, and these three on Modbus TCP or RTU.
+`SMARIG_FAULTS=all` tries all {len(CELLS)} cells (`.ci/long`).
 The lease is {LEASE_S:g} s in lock-step and {REAL_LEASE_S:g} s in real time, which runs {REAL_TIME} times as fast as the
 wall clock.
 In messages, … stands for varying text. "done" stands for a run that ends normally.
