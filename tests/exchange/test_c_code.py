@@ -230,7 +230,6 @@ def test_an_fmu_without_a_compiler_holds_sources_only(tmp_path, wire_model, monk
     assert sorted(names) == ["modelDescription.xml", "sources/fmi2.c", "sources/wire.c", "sources/wire.h"]
 
 
-@pytest.mark.long("takes three seconds")
 @needs_gcc
 def test_a_failing_compiler_leaves_no_file(tmp_path, wire_model, monkeypatch):
     monkeypatch.setattr("smarig.exchange.c_code.fmu_archive._FLAGS", ("--no-such-flag",))

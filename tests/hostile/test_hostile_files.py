@@ -108,7 +108,7 @@ HONEST = [
     ("run", "verify"),
     ("run", "identify"),
     ("run", "simulate"),
-    ("run", "diagnose"),
+    pytest.param("run", "diagnose", marks=LONG),
     ("run", "resume"),
     ("table", "import csv"),
     ("toml", "check"),

@@ -101,7 +101,6 @@ def curves(tmp_path_factory):
     )
 
 
-@pytest.mark.long("takes three seconds")
 def test_identify_takes_the_weight_and_stores_it(capsys, curves, tmp_path):
     words = ["identify", str(curves.path), "--surface", "exponential", "--slopes", "1.5"]
     assert cli([*words, "-o", str(tmp_path / "m.model.json"), "--json"]) == 0

@@ -55,6 +55,7 @@ def test_fig_5_3_fast_loops_drift_slow_loops_do_not_and_the_operator_explains_bo
         assert np.max(np.abs(residual)) < 3
 
 
+@pytest.mark.long("takes three seconds")
 def test_fig_5_4_initialisation():
     rig = load_rig("two_wire_twin")
     none, thesis, planned = (

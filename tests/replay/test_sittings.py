@@ -41,7 +41,6 @@ def with_shifted_zero(run, by):
     return replace(with_columns(run, position=run["position"] + by), steps=steps)
 
 
-@pytest.mark.long("takes three seconds")
 def test_a_joined_timeline_holds_every_sessions_readings_in_turn(apart, joined_timeline):
     alone = [build_timeline(runs, TAU_S) for runs in apart]
     assert len(joined_timeline.sessions) == 2

@@ -344,7 +344,6 @@ def wire(tmp_path_factory):
     return {name: load_run(folder / f"{name}.run.sqlite") for name in "cvw"}
 
 
-@pytest.mark.long("takes three seconds")
 def test_a_zero_walk_exceeds_the_noise(wire):
     found = aligned({"v": wire["v"], "w": wire["w"]})[1]
     assert found.difference.size == len(wire["v"].settled)

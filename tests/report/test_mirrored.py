@@ -10,6 +10,8 @@ from smarig.report.components.page import Section, page
 from smarig.report.models import identification_plot_data
 from smarig.runner.session import Session
 
+pytestmark = pytest.mark.long("takes twenty seconds")
+
 
 @pytest.fixture(scope="module")
 def both(tmp_path_factory):
@@ -23,7 +25,6 @@ def both(tmp_path_factory):
     return found
 
 
-@pytest.mark.long
 def test_measured_curves_are_the_measured_points(both):
     for run, found in both:
         points = {(round(u, 6), round(y, 9)) for u, y in zip(*run.points())}
@@ -36,7 +37,6 @@ def test_measured_curves_are_the_measured_points(both):
         assert len(drawn) > 60
 
 
-@pytest.mark.long("identifies and diagnoses twice")
 def test_the_density_is_the_same_from_either_side(both):
     (_, descending), (_, ascending) = both
     assert not descending.data.mirrored
@@ -49,7 +49,6 @@ def test_the_density_is_the_same_from_either_side(both):
     assert np.nanmax(np.abs(mu - other)) < 0.05 * np.nanmax(mu)
 
 
-@pytest.mark.long("takes twenty seconds")
 def test_the_replayed_model_goes_through_the_measured_points(both):
     for run, found in both:
         inputs, outputs = run.points()

@@ -29,7 +29,6 @@ def _page(result):
     return (result.folder / "index.html").read_text(encoding="utf-8")
 
 
-@pytest.mark.long("takes three seconds")
 def test_the_loop_comes_before_everything_but_the_verdict(loads):
     page = _page(loads)
     first = page[page.index("<main>") : page.index('id="section-2"')]

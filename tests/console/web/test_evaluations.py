@@ -71,7 +71,6 @@ def result(console: Console, place: str, name: str) -> str:
     return waited(ended, f"the end of {name}")
 
 
-@pytest.mark.long("takes three seconds")
 def test_the_commands_name_each_model_as_a_shell_reads_them(console, folder, place):
     text = shown(console, place, "verify")
     commands = [html.unescape(c) for c in re.findall('data-command="(smarig verify [^"]*)"', text)]

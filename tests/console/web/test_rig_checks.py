@@ -80,7 +80,6 @@ def test_a_rig_file_that_is_not_valid_toml_is_listed_with_its_error(tmp_path, co
     assert not second.name.endswith(".toml"), "nothing says that the other file is a rig"
 
 
-@pytest.mark.long("takes three seconds")
 def test_a_rig_file_that_is_not_valid_toml_is_shown_but_not_started(console: Console, folder):
     (folder / "quote.toml").write_text('base = "one_wire_serial"\nname = "quote\n')
     assert re.search(
@@ -202,7 +201,6 @@ def processes():
     return subprocess.run(["ps", "-eo", "args", "-ww"], capture_output=True, text=True, check=True).stdout
 
 
-@pytest.mark.long("takes three seconds")
 def test_an_address_with_a_null_character_is_refused_in_a_sentence(console: Console):
     reply = console.ask("/library/run?file=%00")
     assert (reply.status, reply.body[:38]) == (400, "The address holds a null character, or")

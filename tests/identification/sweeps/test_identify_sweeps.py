@@ -35,7 +35,6 @@ def settled_run(seed):
     return made_run(inputs, y, encoder_zero="power-up", actuator="gorbet_one_wire")
 
 
-@pytest.mark.long("takes three seconds")
 def test_the_model_predicts_settled_holds(result):
     errors = verify(result.model, settled_run(5)).runs[0]
     assert errors.offset_kind == "known"
