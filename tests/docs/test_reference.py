@@ -68,7 +68,6 @@ def test_kept_examples_are_explained_key_by_key():
         assert not unexplained(line.split()[1], output), line
 
 
-@pytest.mark.long("takes twenty seconds")
 def test_what_commands_print_is_what_is_documented(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("SMARIG_HISTORY_DIR", str(tmp_path / ".wires"))

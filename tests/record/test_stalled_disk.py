@@ -148,7 +148,6 @@ def test_a_simulation_has_time(tmp_path):
     bench.close()
 
 
-@pytest.mark.long("takes five seconds")
 @pytest.mark.skipif(
     shutil.which("gcc") is None or os.name == "nt", reason="needs gcc for a file system that hangs"
 )

@@ -21,7 +21,6 @@ from smarig.report.diagnosis_page import diagnosis_page
 from smarig.rig.twin import TwinSettings
 from smarig.runner.session import Session
 
-pytestmark = pytest.mark.long("a diagnosis of its own, which takes half a minute")
 COMPETE = ("ambient_drift", "creep", "eccentricity", "slip", "walking")
 LEVELS = (0, 50, 70, 80, 90, 110, 160)
 

@@ -63,7 +63,6 @@ def test_a_check_is_found_and_stopped_with_its_list(folder, rig):
     assert (runs_in_progress(), collect_ended(), files(folder)) == ((), (), [])
 
 
-@pytest.mark.long("takes five seconds")
 @pytest.mark.usefixtures("folder")
 def test_a_request_and_a_signal_at_once_do_not_cut_the_shutdown_off(rig):
     """ "Stop everything" sends both, and a second signal must not interrupt what switches off."""

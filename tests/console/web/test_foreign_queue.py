@@ -36,7 +36,6 @@ def values(page: str) -> list[str]:
     return [html.unescape(value) for value in re.findall(r'name="entry" value="([^"]+)"', page)]
 
 
-@pytest.mark.long("takes three seconds")
 def test_a_queue_that_came_with_a_folder_waits_and_starts_what_is_clicked(gift, tmp_path):
     executed: Path = tmp_path / "executed"
     with started_console(gift) as console:
