@@ -10,6 +10,7 @@ from smarig.config import load_rig
 from smarig.core import ConfigError, Elapsed, Hold, Interrupted, LimitExceeded, RigFault, Severity
 from smarig.core.catalogue import own_files
 from smarig.record import check_run
+from smarig.report.runs.run_assessment import run_assessment
 from smarig.rig import TwinSettings
 from smarig.runner.listener import CallbackListener
 from smarig.runner.session import Session
@@ -113,6 +114,7 @@ def test_a_current_that_flows_on_is_said_and_recorded(bench, tmp_path, error, sa
     assert event.text == SAYS
     assert event.severity == Severity.INVALID
     assert not any("at zero" in sentence for sentence in check_run(out).sentences())
+    assert "why the source did not switch off" in run_assessment(run).advice
 
 
 def test_a_current_that_ends_is_at_zero(bench, tmp_path):

@@ -98,6 +98,8 @@ def _unused_holds(late: int, interrupted: int, steps: int) -> str:
 
 
 def _advice(run: AnyRun, level: str) -> str:
+    if any(e.kind == "still_on" for e in run.events):
+        return "Find out why the source did not switch off before you use the rig again."
     if level == "bad" and run.cause == "done":
         return "Repeat the run, or leave out what the events concern, before using it."
     if level == "bad":
