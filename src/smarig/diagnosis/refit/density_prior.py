@@ -57,6 +57,11 @@ class DensityPrior:
         shapes = [self._hat_responses(hats) for hats in self.hats]
         return (*(shape @ shape.T for shape in shapes), self._grains())
 
+    @property
+    def bare(self) -> "DensityPrior":
+        """The same without covariances that were computed: they are large."""
+        return replace(self, whole=None)
+
     def first(self, n: int) -> "DensityPrior":
         """The same at the first n memories."""
         return replace(self, rows=csr_matrix(self.rows[:n]), whole=self)

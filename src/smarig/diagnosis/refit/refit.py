@@ -137,7 +137,7 @@ def refit(
         coupled=n,
         log_components=found,
         posterior=DensityPosterior(
-            prior=about,
+            prior=about.bare,
             variances=np.array(variances),
             covariance=density,
             output_slope=output_slope,
