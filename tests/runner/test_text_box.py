@@ -44,7 +44,11 @@ class Sticks(SimulatedBox):
     """What flows when ``stuck`` becomes true flows on, whatever is ordered and confirmed."""
 
     stuck = False
+    admits = False  # says itself that its output is on
     _flowed_A = 0.0
+
+    def _answer(self, line: str) -> str | None:
+        return "1" if self.stuck and self.admits and line == "OUTP?" else super()._answer(line)
 
     @property
     def flows_A(self) -> float:
@@ -115,6 +119,27 @@ def test_a_current_that_flows_on_is_said_and_recorded(bench, tmp_path, error, sa
     assert event.severity == Severity.INVALID
     assert not any("at zero" in sentence for sentence in check_run(out).sentences())
     assert "why the source did not switch off" in run_assessment(run).advice
+
+
+@pytest.mark.parametrize(
+    ("error", "cause"),
+    [
+        (LimitExceeded("Too hot. The current is at zero."), "stopped: Too hot. "),
+        (KeyboardInterrupt(), "interrupted at once"),
+    ],
+    ids=["trip", "second Ctrl-C"],
+)
+def test_an_output_that_is_not_confirmed_off_is_said_and_recorded(bench, tmp_path, error, cause):
+    out = tmp_path / "r.run.sqlite"
+    bench[0].admits = True
+    with pytest.raises(RigFault, match="did not confirm that it is off"):
+        sticking_run(bench, out, error)
+    run = smarig.load_run(out)
+    assert run.cause.startswith(cause)
+    assert "at zero" not in run.cause
+    (event,) = [e for e in run.events if e.kind == "still_on"]
+    assert "did not confirm that it is off" in event.text
+    assert not any("at zero" in sentence for sentence in check_run(out).sentences())
 
 
 def test_a_current_that_ends_is_at_zero(bench, tmp_path):

@@ -69,6 +69,7 @@ if TYPE_CHECKING:
     from smarig.core.gated_keys import GATED_KEYS as GATED_KEYS
     from smarig.core.gated_keys import GatedKey as GatedKey
     from smarig.core.gated_keys import Origin as Origin
+    from smarig.core.held_signals import HeldSignals as HeldSignals
     from smarig.core.leftover import Leftover as Leftover
     from smarig.core.leftover import Writer as Writer
     from smarig.core.leftover import leftovers as leftovers

@@ -30,7 +30,7 @@ KIND_SEVERITY = {  # only kinds whose severity their level does not imply
     "lost": Severity.INVALID,  # samples are missing
     "blind": Severity.INVALID,  # the converter of the current returns no reading
     "link": Severity.INVALID,  # a device cannot be reached
-    "still_on": Severity.INVALID,  # a current is measured after the source was switched off
+    "still_on": Severity.INVALID,  # the source was switched off and may be on: not confirmed, or a current is measured
     "contradiction": Severity.INVALID,  # the reply of a device contradicts what it was ordered
 }
 

@@ -198,4 +198,4 @@ def parent_death_signal() -> list[str]:
         return []
     ask = "import ctypes,os,sys; ctypes.CDLL(None).prctl(1, 9)\n"  # PR_SET_PDEATHSIG, SIGKILL
     become = "os.nice(10); os.getppid() == int(sys.argv[1]) and os.execv(sys.argv[2], sys.argv[2:])"
-    return [sys.executable, "-S", "-c", ask + become, str(os.getpid())]
+    return [sys.executable, "-S", "-P", "-c", ask + become, str(os.getpid())]

@@ -11,7 +11,7 @@ import time
 from collections.abc import Callable
 
 from smarig.config import RigFile
-from smarig.core import LeaseExpired, Quality, RigFault, Sample
+from smarig.core import LeaseExpired, Quality, RigFault, Sample, error_text
 from smarig.device import (
     AbsoluteZero,
     CurrentReading,
@@ -27,7 +27,7 @@ from smarig.rig.force_statistics import ForceStatistics
 from smarig.rig.further_sensors import FurtherSensors
 from smarig.rig.order_record import OrderRecord
 from smarig.rig.rig import Alarm
-from smarig.rig.shutdown import AT_ZERO_TEXT, OFF_PAUSE_S, current_after_off
+from smarig.rig.shutdown import NOT_CONFIRMED, OFF_PAUSE_S, current_after_off, with_shutdown_text
 
 CLOCK_CHECK_TICKS = 300  # ticks between two comparisons of both clocks
 CLOCK_READS = 6  # attempts to read both clocks within one tick, and the same twice
@@ -128,9 +128,9 @@ class Bench:
         """Keep why the next step is refused. A device that drives something else is switched off."""
         if self._orders.contradiction or (self.source.tripped and last_quality & Quality.SUSPECT):
             reason = self.source.tripped or self._orders.contradiction  # the device's own comes first
-            self._fault = RigFault(f"{reason}{AT_ZERO_TEXT}")
-            self._alarms.append(Alarm("error", "contradiction", str(self._fault)))
             self.safe()
+            self._fault = RigFault(with_shutdown_text(reason, self))
+            self._alarms.append(Alarm("error", "contradiction", str(self._fault)))
         elif self.source.tripped and last_quality & _OVER:
             self._fault = LeaseExpired(self.source.tripped)
 
@@ -314,7 +314,11 @@ class Bench:
     def safe(self) -> None:
         """Set the current to zero. Never raises; without a connection the lease does it."""
         before_A, self._command_A = self._command_A, 0.0
-        self.shutdown_unconfirmed = self.source.off()
+        self.shutdown_unconfirmed = NOT_CONFIRMED  # also if a signal or a driver cuts it off
+        try:
+            self.shutdown_unconfirmed = self.source.off()
+        except Exception as error:
+            self.shutdown_unconfirmed = f"{NOT_CONFIRMED} The driver says: {error_text(error)}."
         if not self.shutdown_unconfirmed:
             with contextlib.suppress(Exception):
                 self._orders.changed(before_A, self.source.tick())

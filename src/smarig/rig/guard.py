@@ -14,7 +14,7 @@ from smarig.device import AbsoluteZero
 from smarig.plant import Actuator, JouleHeating
 from smarig.rig.plausibility import REST_TAUS, Plausibility
 from smarig.rig.rig import Alarm, Rig
-from smarig.rig.shutdown import AT_ZERO_TEXT, confirm_zero
+from smarig.rig.shutdown import confirm_zero, with_shutdown_text
 from smarig.rig.stress_limit import StressLimit
 
 _ROUNDING = 1e-9
@@ -115,8 +115,8 @@ class Guard:
 
     def _trip(self, text: str) -> None:
         """Make the rig safe at once and keep the reason."""
-        self.tripped = f"{text}{AT_ZERO_TEXT}"
         self.safe()
+        self.tripped = with_shutdown_text(text, self.rig)
 
     def _heating_current_A(self, sample: Sample) -> float:
         """The measured current. If it is stale, the larger of the commanded and the last measured current."""
@@ -180,6 +180,16 @@ class Guard:
     def confirm_zero(self) -> str:
         """After ``safe``: a sentence if a current is still measured."""
         return confirm_zero(self.rig)
+
+    @property
+    def shutdown_unconfirmed(self) -> str:
+        """Why the source may still be on after ``safe``; "" if it is off."""
+        return self.rig.shutdown_unconfirmed
+
+    @property
+    def has_lease(self) -> bool:
+        """Whether the source switches itself off when the host stops communicating."""
+        return getattr(self.rig, "has_lease", True)
 
     def arm(self) -> None:
         """Clear a latched trip of the device and of the guard; the current stays at zero until the next step."""

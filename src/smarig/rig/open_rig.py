@@ -17,6 +17,7 @@ from typing import Any
 from smarig.config import LinkFile, LinksFile, LoadFile, RigFile, SimulatorFile
 from smarig.core import (
     ConfigError,
+    HeldSignals,
     Interrupted,
     RigFault,
     SmarigError,
@@ -66,6 +67,7 @@ def open_rig(
     If ``settings`` contain the hysteresis of a model, the rig is a twin in process.
     """
     with contextlib.ExitStack() as open_:
+        signals = open_.enter_context(HeldSignals())
         if file.kind == "twin" or settings.hysteresis is not None:  # a model replaces the hardware
             twin = Twin(file, actuator, settings)
             found: Rig = PacedRig(twin, speed, while_waiting=while_waiting) if speed else twin
@@ -79,7 +81,10 @@ def open_rig(
                 )
             found = _open_bench(file, actuator, links, pace, open_)
         open_.callback(found.close)
-        with at_forced_end(lambda: _zeroed(found), _NOT_ZEROED, zeroes=True), _confirmed_shutdown(found):
+        with (
+            at_forced_end(lambda: _zeroed(found), _NOT_ZEROED, zeroes=True),
+            _confirmed_shutdown(found, signals),
+        ):
             yield found
 
 
@@ -91,19 +96,25 @@ def _zeroed(rig: Rig) -> str:
 
 
 @contextmanager
-def _confirmed_shutdown(rig: Rig) -> Iterator[None]:
-    """Set the current to zero at every exit. An unconfirmed shutdown becomes part of the error message."""
+def _confirmed_shutdown(rig: Rig, signals: HeldSignals) -> Iterator[None]:
+    """Set the current to zero at every exit. An unconfirmed shutdown becomes part of the error message.
+
+    A second Ctrl-C neither cuts the end off nor takes its words away.
+    """
     try:
         yield
     except BaseException as error:
+        signals.hold()
         switch_off(rig)
         if not rig.shutdown_unconfirmed:
             raise
-        if isinstance(error, Interrupted):
-            raise RigFault(f"Run {error}. Its file is closed. {rig.shutdown_unconfirmed}") from None
+        if isinstance(error, Interrupted | KeyboardInterrupt):
+            how = str(error) or "interrupted by the keyboard (Ctrl-C)"
+            raise RigFault(f"Run {how}. Its file is closed. {rig.shutdown_unconfirmed}") from None
         if isinstance(error, SmarigError):
             add_shutdown_text(error, rig.shutdown_unconfirmed)
         raise
+    signals.hold()
     switch_off(rig)
     if rig.shutdown_unconfirmed:
         raise RigFault(f"{rig.shutdown_unconfirmed} The recorded data are complete.")
@@ -185,7 +196,7 @@ def started_simulator(
     min_timeout_s = LOCK_STEP_S if not (speed or how.faults) else 0.0
     search = [str(shipped("simulators").parent), os.environ.get("PYTHONPATH", "")]
     process = subprocess.Popen(
-        [sys.executable, "-m", *specific, *wire],
+        [sys.executable, "-P", "-m", *specific, *wire],  # no file of this folder is a module
         stdin=subprocess.PIPE,
         stdout=subprocess.PIPE,
         text=True,

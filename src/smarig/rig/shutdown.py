@@ -10,12 +10,15 @@ from smarig.rig.electrical_plausibility import IN_A_ROW
 from smarig.rig.rig import Rig
 
 AT_ZERO_TEXT = " The current is at zero."  # removed from an error if the shutdown is not confirmed
+NOT_CONFIRMED = "The source did not confirm that it is off: switch it off by hand now."
 OFF_ATTEMPTS, OFF_PAUSE_S = 5, 0.2  # more, to switch off a source that has no lease and did not confirm
 
 
-def switch_off(rig: Rig, sleep: Callable[[float], None] = time.sleep) -> None:
+def switch_off(rig: Any, sleep: Callable[[float], None] = time.sleep) -> str:
     """Set the current to zero. A source without a lease that does not confirm it is asked again: nothing else switches
     it off. One that confirms it is then measured, if it measures.
+
+    Returns why it may still be on, or "".
     """
     rig.safe()
     for _ in range(OFF_ATTEMPTS):
@@ -24,11 +27,17 @@ def switch_off(rig: Rig, sleep: Callable[[float], None] = time.sleep) -> None:
         sleep(OFF_PAUSE_S)
         rig.safe()
     confirm_zero(rig)
+    return rig.shutdown_unconfirmed
 
 
 def confirm_zero(rig: Any) -> str:
     """After ``safe``: the sentence of a rig that still measures a current; "" if none flows or it does not measure."""
     return rig.confirm_zero() if hasattr(rig, "confirm_zero") else ""
+
+
+def with_shutdown_text(text: str, rig: Rig) -> str:
+    """A reason to stop, with what is known of the current after ``safe``."""
+    return f"{text} {rig.shutdown_unconfirmed}" if rig.shutdown_unconfirmed else f"{text}{AT_ZERO_TEXT}"
 
 
 def add_shutdown_text(error: SmarigError, unconfirmed: str) -> None:

@@ -10,14 +10,15 @@ import os
 import socket
 import stat
 from collections.abc import Iterator
-from contextlib import AbstractContextManager, ExitStack, contextmanager
+from contextlib import AbstractContextManager, ExitStack, contextmanager, suppress
 from pathlib import Path
 from urllib.parse import urlsplit
 
-from smarig.config import RigFile
+from smarig.config import LinksFile, RigFile
 from smarig.core import process_lock
 from smarig.runner.run_metadata import outlives_session
 
+SHARED = ("room_thermometer",)  # a device of the room may serve several rigs
 MODBUS_PORT = 502  # of an address without a port
 _THIS_COMPUTER = "localhost"
 
@@ -28,7 +29,9 @@ def rig_locks(file: RigFile, wire: str) -> Iterator[None]:
     with ExitStack() as held:
         if outlives_session(file):
             held.enter_context(wire_lock(wire))
-            urls = [file.links.amplifier.url, file.links.encoder_daq.url] if file.links else []
+            roles = LinksFile.model_fields if file.links else ()
+            links = [getattr(file.links, role) for role in roles if role not in SHARED]
+            urls = [link.url for link in links if link is not None]
             lines = {key: url for url in urls for key in line_keys(url)}
             for key in sorted(lines):
                 held.enter_context(_line_lock(key, lines[key]))
@@ -57,7 +60,7 @@ def line_keys(url: str) -> set[str]:
 
     Units of Modbus share their line, so the unit's address is no part of it.
 
-    >>> line_keys("tcp://127.0.0.1") == line_keys("socket://LOCALHOST:502")
+    >>> line_keys("tcp://127.0.0.1") == line_keys("socket://LOCALHOST:502") == line_keys("tcp://127.1")
     True
     """
     if not url:
@@ -98,6 +101,8 @@ def _place(rest: str) -> str | None:
 
 def _host(name: str) -> str:
     name = name.rstrip(".").lower()
+    with suppress(OSError):
+        name = socket.inet_ntoa(socket.inet_aton(name))  # 127.1 and 0x7f000001 are addresses, too
     try:
         address = ipaddress.ip_address(name)
     except ValueError:

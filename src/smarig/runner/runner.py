@@ -23,7 +23,7 @@ from smarig.core import (
     Waveform,
     Zero,
 )
-from smarig.rig import Guard, add_shutdown_text
+from smarig.rig import Guard, add_shutdown_text, switch_off
 from smarig.runner.absolute_zero import zero_data
 from smarig.runner.checked_generator import CheckedGenerator
 from smarig.runner.listener import Listener, StepStartListener, SuspectListener
@@ -76,14 +76,14 @@ class Runner:
                 checked_generator.close()
 
     def _switch_off(self, fault: SmarigError | None) -> None:
-        """Set the current to zero. One that is measured nevertheless is reported, and ``fault`` does not deny it."""
-        self.rig.safe()
-        still_on = self.rig.confirm_zero()
-        if not still_on:
-            return
-        if fault is not None:
-            add_shutdown_text(fault, still_on)
-        self._notify("still_on", still_on, level="error")
+        """Set the current to zero. One that may flow on is reported, and ``fault`` does not deny it."""
+        with self.control.undisturbed():
+            unconfirmed = switch_off(self.rig)
+            if not unconfirmed:
+                return
+            if fault is not None:
+                add_shutdown_text(fault, unconfirmed)
+            self._notify("still_on", unconfirmed, level="error")
 
     def _carry_out(self, command: Command) -> StepResult | Sample | None:
         match command:

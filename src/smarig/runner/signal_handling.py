@@ -16,7 +16,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any
 
-from smarig.core import Interrupted, Requester
+from smarig.core import Interrupted, Requester, SmarigError
 from smarig.runner.run_control import RunControl
 
 INSISTS_S = 0.5  # after the first Ctrl-C; an earlier one counts as the same request
@@ -69,7 +69,10 @@ def stop_on_signals(control: RunControl) -> Iterator[None]:
     old = {number: signal.signal(number, on_signal) for number in handled}
     try:
         yield
-    except KeyboardInterrupt:
+    except KeyboardInterrupt as interrupt:
+        told = interrupt.__context__
+        if isinstance(told, SmarigError) and not isinstance(told, Interrupted):
+            raise told from None  # what was being told is not lost
         if not control.stopping:
             raise
         raise Interrupted(control.cause) from None

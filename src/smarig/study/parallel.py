@@ -50,6 +50,7 @@ def _with_plugins(names: Sequence[str], function: Callable[[Any], Answer], task:
 
 def _by_processes(function: Callable[[Any], Answer], tasks: Sequence[Any], workers: int) -> Iterator[Answer]:
     others = set(active_children())
+    os.environ["PYTHONSAFEPATH"] = "1"  # no file of this folder is a module of a worker
     pool = ProcessPoolExecutor(workers, mp_context=get_context("spawn"), initializer=_follow_parent)
     finished = False
     try:

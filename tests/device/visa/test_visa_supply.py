@@ -135,6 +135,12 @@ def test_wrong_settings_are_one_sentence(settings, sentence, serve):
     assert getattr(error.value, "exit_status", 1) == 2
 
 
+@pytest.mark.parametrize("backend", ["./notes.txt@ivi", "/tmp/lib.so", "@evil"])
+def test_a_rig_file_loads_no_library(backend, serve):
+    with pytest.raises(ConfigError, match="backend"):
+        visa_supply(link(serve("rigol_dp800"), backend=backend), RIG)
+
+
 def test_an_unknown_make_names_the_known_ones_and_the_way_out(serve):
     server = serve("rigol_dp800")
     server.identity = "ACME,PS 1,0,0"
@@ -246,8 +252,8 @@ def test_no_device_and_no_backend_are_one_sentence(serve):
     server = serve("rigol_dp800")
     with pytest.raises(RigFault, match="Connection refused"):
         visa_supply(link(server).model_copy(update={"url": "TCPIP0::127.0.0.1::9::SOCKET"}), RIG)
-    with pytest.raises(Exception, match="cannot use the backend '@absent'"):
-        visa_supply(link(server, backend="@absent"), RIG)
+    with pytest.raises(Exception, match="cannot use the backend '@sim'"):
+        visa_supply(link(server, backend="@sim"), RIG)
 
 
 def test_an_address_that_is_none_is_one_sentence():

@@ -86,7 +86,8 @@ class SourceAndSensor:
     def set_current(self, current_A: float) -> None:
         """Set the current and read the setting back. The bench refuses NaN before it comes here."""
         self.line.write(f"CURR {current_A:.6f}")
-        self.line.write("OUTP ON")
+        if not self._on:  # only then: what its watchdog has switched off must stay off
+            self.line.write("OUTP ON")
         accepted_A = self.line.number("CURR?")
         if not abs(accepted_A - current_A) <= 2e-3:  # also true for nan
             self.off()

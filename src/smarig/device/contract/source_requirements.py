@@ -1,6 +1,7 @@
 """Requirements on current sources. They drive a tenth of the rig's largest current, and leave the output at zero."""
 
 import math
+from contextlib import suppress
 from typing import Any
 
 from smarig.core import Quality, SmarigError
@@ -139,7 +140,9 @@ def first_order_after_a_pause(case: ContractCase) -> str:
 
 
 def lease(case: ContractCase) -> str:
-    """A source that claims a lease switches itself off when the host is silent, says so, and can be armed again."""
+    """A source that claims a lease switches itself off when the host is silent, says so, and stays off until it is
+    armed, also if the next order comes before anybody has asked it.
+    """
     with case.opened() as source:
         if not source.has_lease:
             return Limitation("it has none: its rig takes lower limits, and only a cut-out stops the current")
@@ -156,6 +159,15 @@ def lease(case: ContractCase) -> str:
         require(bool(int(now.quality) & Quality.TRIPPED), "its readings are not marked as tripped")
         source.arm()
         require(not source.tripped, f"arm does not clear the trip: {source.tripped}")
+        source.set(case.test_A)
+        case.wait(case.rig.lease_s + LEASE_MARGIN_S)
+        with suppress(SmarigError):
+            source.set(case.test_A)
+        again_A = _settled(case, source).current_A
+        require(
+            abs(again_A) <= case.tolerance_A,
+            f"{again_A:.4g} A flow by an order after the lease is over: switch on only after arm",
+        )
     return f"{reason}"
 
 

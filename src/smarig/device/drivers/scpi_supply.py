@@ -30,7 +30,7 @@ class ScpiSupply:
         self.where = where.url
         self._line = TextLine(where.url, where.baud, where.timeout_s)
         self.tripped = ""
-        self.has_lease = False
+        self.has_lease = self._on = False
         self._voltage_V = voltage_V
         self._line.write("OUTP OFF")  # first: a killed host may have left it on
         self.identity = self._line.identify()
@@ -50,7 +50,9 @@ class ScpiSupply:
     def set(self, current_A: float) -> None:
         """Set the current, switch on and read the setting back."""
         self._line.write(f"CURR {current_A:.6f}")
-        self._line.write("OUTP ON")
+        if not self._on:  # only then: what a protection has switched off must stay off
+            self._line.write("OUTP ON")
+            self._on = True
         taken = self._line.number("CURR?")
         if not abs(taken - current_A) <= 2e-3:
             self.off()
@@ -75,6 +77,7 @@ class ScpiSupply:
 
     def off(self) -> str:
         """Set zero, switch off and query the output. Without a lease, nothing else switches it off."""
+        self._on = False
         try:
             self._line.write("CURR 0")
             self._line.write("OUTP OFF")

@@ -5,7 +5,7 @@ import math
 from smarig.config import LinkFile, RigFile
 from smarig.core import NAN, TomlTable
 from smarig.device.drivers._driver_settings import settings_of
-from smarig.device.links.visa_line import VisaLine
+from smarig.device.links.visa_line import Backend, VisaLine
 from smarig.device.polled.from_functions import FunctionInput
 
 _OVERFLOW = 1e30  # meters answer 9.9E37 for an overload
@@ -22,7 +22,7 @@ class VisaMeterSettings(TomlTable):
     high: float = math.inf  # a reading above is none
     prepare: tuple[str, ...] = ()  # commands sent once
     absolute: bool = False  # the zero of a position survives a restart: a laser, not a counter
-    backend: str = ""  # of PyVISA; empty: the vendor's library if there is one, else pyvisa-py
+    backend: Backend = ""
 
 
 def visa_meter(where: LinkFile, rig: RigFile) -> FunctionInput:

@@ -10,7 +10,7 @@ from smarig.config import LinkFile, RigFile
 from smarig.core import ConfigError, TomlTable
 from smarig.device.drivers._driver_settings import settings_of
 from smarig.device.drivers._makes import Make, filled, make_of
-from smarig.device.links.visa_line import VisaLine
+from smarig.device.links.visa_line import Backend, VisaLine
 from smarig.device.polled.from_functions import FunctionOutput
 from smarig.plant import Actuator, largest_voltage_V
 
@@ -21,7 +21,7 @@ class VisaSupplySettings(TomlTable):
     channel: int = Field(default=1, ge=1, le=99)  # output of a supply with several
     make: str = ""  # in place of the one that *IDN? tells
     makes: str = ""  # file with makes of your own
-    backend: str = ""  # of PyVISA; empty: the vendor's library if there is one, else pyvisa-py
+    backend: Backend = ""
 
 
 def visa_supply(where: LinkFile, rig: RigFile) -> FunctionOutput:

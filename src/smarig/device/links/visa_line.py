@@ -9,12 +9,15 @@ import contextlib
 import re
 import socket
 from collections.abc import Callable
-from typing import Any, NoReturn, TypeVar
+from typing import Any, Literal, NoReturn, TypeVar
 
 from smarig.core import MissingExtra, UsageError, error_text
 from smarig.device.encoding.link_faults import Garbled, Silent, WrongDevice
 from smarig.device.links.query import only_reads
 
+# of PyVISA; empty: that of ~/.pyvisarc, the vendor's library if there is one, else pyvisa-py. No path: a rig file that
+# came from elsewhere would load a library.
+Backend = Literal["", "@ivi", "@py", "@sim"]
 _NUMBER = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)")
 _IDENTITY = "*IDN?"
 _SWITCH = {"1": True, "ON": True, "0": False, "OFF": False}
