@@ -98,6 +98,7 @@ def test_a_coarse_encoder_is_given_all_the_travel_there_is():
         (20, 1000, "encoder scale"),
         (20, 1e-3, "encoder direction"),
         (20_000, 1e-3, "encoder direction"),
+        (1 / 15, 1000, "encoder scale"),  # micrometres, with a resolution chosen for their noise
     ],
 )
 def test_a_position_in_another_unit_than_the_file_says_is_seen(counts_per_mm, factor, failed):

@@ -209,6 +209,8 @@ def _check_lease(rig: SupportsIdle, file: RigFile) -> Iterator[Check]:
     found = f"the output switched off {took_s:.2f} s after the last command"
     if not first:
         found = "the output did not switch off"
+        if not rig.counts_ticks:  # only asked: nobody knows what it did in between
+            found += ", or an order after the silence switched it on again"
     elif not rig.counts_ticks:  # it was off when it was next queried; the moment is not known
         in_time, found = True, f"the output was off when it was asked {took_s:.2f} s after the last command"
     flows_A = max((abs(s.current_A) for s in later if s.tick > first), default=0.0)

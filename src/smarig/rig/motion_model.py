@@ -84,8 +84,14 @@ class MotionModel:
         return Check("encoder direction", passed, observed)
 
     def scale(self, motion: Motion, input_K: float) -> Check:
-        """Whether the wire has moved no more than ``MOTION_MARGIN`` times what its model has, in any direction."""
+        """Whether the wire has moved no more than ``MOTION_MARGIN`` times what its model has, in any direction.
+
+        Counts that are too large for the model to move by some tell nothing of a wire.
+        """
         largest = MOTION_MARGIN * max(self.at(input_K), MIN_MOTION_COUNTS)
         observed = f"{motion.heated_by} counts, {self.at(input_K):.0f} by the model of the wire"
+        whole = float(self._counts.max())
+        if whole < MIN_MOTION_COUNTS:
+            return Check("encoder scale", False, f"its whole stroke is {whole:.2g} counts; {_SCALE_REMEDY}")
         passed = not motion.clear or abs(motion.heated_by) <= largest
         return Check("encoder scale", passed, observed if passed else f"{observed}; {_SCALE_REMEDY}")
