@@ -209,7 +209,7 @@ def _check_lease(rig: SupportsIdle, file: RigFile) -> Iterator[Check]:
     found = f"the output switched off {took_s:.2f} s after the last command"
     if not first:
         found = "the output did not switch off"
-        if not rig.counts_ticks:  # only asked: nobody knows what it did in between
+        if not getattr(rig, "counts_ticks", True):  # only asked: nobody knows what it did in between
             found += ", or an order after the silence switched it on again"
     elif not rig.counts_ticks:  # it was off when it was next queried; the moment is not known
         in_time, found = True, f"the output was off when it was asked {took_s:.2f} s after the last command"
