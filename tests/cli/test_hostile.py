@@ -47,7 +47,7 @@ def recorded(tmp_path, capsys):
 
 def test_a_read_back_that_is_no_number_trips_at_once():
     class Blind:
-        period_s, tick = 0.1, 0
+        period_s, tick, shutdown_unconfirmed = 0.1, 0, ""
 
         def step(self, current_A, at_most=1):
             return tuple(s._replace(current_A=math.nan) for s in twin.step(current_A, at_most))
