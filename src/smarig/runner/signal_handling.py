@@ -70,9 +70,9 @@ def stop_on_signals(control: RunControl) -> Iterator[None]:
     try:
         yield
     except KeyboardInterrupt as interrupt:
-        told = interrupt.__context__
-        if isinstance(told, SmarigError) and not isinstance(told, Interrupted):
-            raise told from None  # what was being told is not lost
+        before = interrupt.__context__
+        if isinstance(before, SmarigError) and not isinstance(before, Interrupted):
+            raise before from None  # the error that was on its way is not lost
         if not control.stopping:
             raise
         raise Interrupted(control.cause) from None
