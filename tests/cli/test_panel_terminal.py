@@ -80,7 +80,13 @@ def _kept(name, text):
 
 def test_a_run_a_pause_and_a_safe_stop(screen, tmp_path):
     screen.run("run", "validation", "--rig", "one_wire_twin", "-o", "v.run.sqlite", "--speed", SLOW)
-    running = screen.shows(r"● running", r"step +2 of 42 +validation +to \+23\.4 K", "left", "real time")
+    running = screen.shows(
+        r"● running",
+        r"step +2 of 42 +validation +to \+23\.4 K",
+        "left",
+        "real time",
+        r"measured \+0\.36\d\d A",
+    )
     _kept("run", running)
     for part in (
         r"TWIN +validation",
