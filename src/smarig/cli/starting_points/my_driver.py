@@ -87,6 +87,7 @@ class SourceAndSensor:
         """Set the current and read the setting back. The bench refuses NaN before it comes here."""
         self.line.write(f"CURR {current_A:.6f}")
         if not self._on:  # only then: what its watchdog has switched off must stay off
+            self._on = True
             self.line.write("OUTP ON")
         accepted_A = self.line.number("CURR?")
         if not abs(accepted_A - current_A) <= 2e-3:  # also true for nan
@@ -95,7 +96,6 @@ class SourceAndSensor:
                 f"{self.line.where} set {accepted_A:g} A instead of {current_A:g} A. "
                 f"{Garbled.remedy_at(self.line.where)}"
             )
-        self._on = True
 
     def measure(self) -> Electrical:
         """The current and the voltage now, and the temperature of the wire if the instrument measures it."""

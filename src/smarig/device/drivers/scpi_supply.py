@@ -51,8 +51,8 @@ class ScpiSupply:
         """Set the current, switch on and read the setting back."""
         self._line.write(f"CURR {current_A:.6f}")
         if not self._on:  # only then: what a protection has switched off must stay off
-            self._line.write("OUTP ON")
             self._on = True
+            self._line.write("OUTP ON")
         taken = self._line.number("CURR?")
         if not abs(taken - current_A) <= 2e-3:
             self.off()
