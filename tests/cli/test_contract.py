@@ -277,3 +277,19 @@ def test_controllers_are_listed_without_docstrings():
     words = [sys.executable, "-OO", "-m", "smarig", "list", "controllers", "--settings"]
     found = subprocess.run(words, capture_output=True, text=True, check=True)
     assert "pi (regulate)" in found.stdout
+
+
+@pytest.mark.parametrize("given", ["abc", "", "-5", "1.5", "²", "99999999999999999", "9" * 5000])
+def test_a_source_date_that_is_no_time_is_one_sentence(capsys, monkeypatch, given):
+    monkeypatch.setenv("SOURCE_DATE_EPOCH", given)
+    status, out, err = call(capsys, "list", "rigs")
+    assert (status, out) == (2, "")
+    assert err.startswith("smarig: The environment variable SOURCE_DATE_EPOCH is '")
+    assert "Traceback" not in err
+    assert len(err.splitlines()) == 1
+
+
+@pytest.mark.parametrize("given", ["0", "1700000000", "253402300799"])
+def test_a_source_date_is_accepted(capsys, monkeypatch, given):
+    monkeypatch.setenv("SOURCE_DATE_EPOCH", given)
+    assert call(capsys, "list", "rigs")[0] == 0

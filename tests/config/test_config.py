@@ -2,13 +2,16 @@
 sentence."""
 
 from pathlib import Path
+from typing import get_args
 
 import pytest
 
 from smarig import config
 from smarig.config import load_rig
+from smarig.config.file_schemas import SurfaceName
 from smarig.core import toml_file
 from smarig.core.errors import ConfigError, UsageError
+from smarig.preisach.hysteresis.gorbet_1997 import THESIS_SURFACES
 
 CONFIGS = Path(__file__).resolve().parents[2] / "configs"
 LOADERS = {"rigs": config.load_rig, "actuators": config.load_actuator, "campaigns": config.load_campaign}
@@ -231,3 +234,29 @@ def test_a_link_is_simulated_or_somewhere(tmp_path):
         load_rig(str(path))
     path.write_text(both + "simulator.start = false\n", encoding="utf-8")
     assert load_rig(str(path)).links.amplifier.url == "/dev/ttyUSB0"
+
+
+def actuator_with(tmp_path, old: str, new: str) -> str:
+    path = tmp_path / "mine.toml"
+    path.write_text((CONFIGS / "actuators/gorbet_one_wire.toml").read_text().replace(old, new))
+    return str(path)
+
+
+@pytest.mark.parametrize(
+    ("surface", "sentence"),
+    [
+        (
+            "zzz",
+            r"hysteresis\.surface.*'one_c', 'one_p', 'one_e', 'two_c', 'two_p' or 'two_e' \(given: 'zzz'\)",
+        ),
+        ("two_e", r"surface = 'two_e' is none of one_wire\. There are: one_c, one_p, one_e"),
+    ],
+)
+def test_a_surface_that_is_none_of_this_wire_names_those_that_there_are(tmp_path, surface, sentence):
+    path = actuator_with(tmp_path, 'surface = "one_e"', f'surface = "{surface}"')
+    with pytest.raises(ConfigError, match=sentence):
+        config.load_actuator(path)
+
+
+def test_the_names_of_surfaces_are_those_of_the_table():
+    assert get_args(SurfaceName) == THESIS_SURFACES

@@ -28,6 +28,10 @@ from smarig.core import (
 
 _FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
 EXIT_LIMIT_S = 4.0  # for what the interpreter clears up
+_SOURCE_DATE = (
+    "SOURCE_DATE_EPOCH"  # libraries read it when they are imported: each would fail in words of its own
+)
+_LATEST_S = 253402300799  # 9999-12-31, the last day that a date can have
 _ENDING = ("SIGINT", "SIGTERM", "SIGHUP")
 _SPELLINGS = {"characterize": "characterise"}
 EPILOG = """\b
@@ -99,6 +103,7 @@ def run(arguments: Sequence[str] | None = None) -> int:
     _interrupt_on("SIGTERM", "SIGHUP")
     try:
         given = sys.argv[1:] if arguments is None else arguments
+        _check_source_date()
         with own_files(), _blame_own_file(), working_line(_command_name(given)):
             status = cli.main(args=arguments, prog_name="smarig", standalone_mode=False)
         return status if isinstance(status, int) else 0
@@ -129,6 +134,19 @@ def run(arguments: Sequence[str] | None = None) -> int:
             f"Internal error ({type(error).__name__}: {error}). This is a bug in smarig; "
             "set SMARIG_DEBUG=1 to see the traceback.",
             1,
+        )
+
+
+def _check_source_date() -> None:
+    """Raise UsageError if the variable that dates files for reproducible builds is no time."""
+    given = os.environ.get(_SOURCE_DATE)
+    if given is None:
+        return
+    is_whole = given.isascii() and given.isdecimal() and len(given) < 20
+    if not is_whole or int(given) > _LATEST_S:
+        raise UsageError(
+            f"The environment variable {_SOURCE_DATE} is '{given}', expected whole seconds since 1970, "
+            f"0 to {_LATEST_S}. Correct it, or unset it."
         )
 
 

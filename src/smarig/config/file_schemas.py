@@ -59,10 +59,13 @@ class TransmissionSection(TomlTable):
     radius: PulleyRadius  # radius of the pulley that the wire turns
 
 
-class HysteresisSection(TomlTable):
-    """The operator that a twin uses: a surface of Table 5.1 or a model file."""
+SurfaceName = Literal["one_c", "one_p", "one_e", "two_c", "two_p", "two_e"]
 
-    surface: str  # name of a surface of Table 5.1
+
+class HysteresisSection(TomlTable):
+    """The operator that a twin uses: a surface of Table 5.1."""
+
+    surface: SurfaceName  # name of a surface of Table 5.1: of one wire, or of two
     initial: Literal["negative", "anhysteretic"]  # initial state of a twin's wire
 
 
@@ -94,6 +97,16 @@ class ActuatorFile(TomlTable):
                 f"the values of [wire] and [heating] give a thermal time constant of {tau_s:.3g} s, which must lie "
                 f"between {TAU_RANGE_S[0]:g} and {TAU_RANGE_S[1]:g} s; check diameter, active_length and "
                 "reference_current"
+            )
+        return self
+
+    @model_validator(mode="after")
+    def _surface_fits_arrangement(self) -> "ActuatorFile":
+        wires = self.arrangement.removesuffix("_wire")
+        if not self.hysteresis.surface.startswith(wires):
+            raise ValueError(
+                f"hysteresis.surface = '{self.hysteresis.surface}' is none of {self.arrangement}. "
+                f"There are: {', '.join(f'{wires}_{form}' for form in 'cpe')}"
             )
         return self
 
