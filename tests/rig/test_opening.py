@@ -38,7 +38,7 @@ class Deaf:
             f"Run interrupted by .* Its file is closed. {SHUTDOWN_UNCONFIRMED}",
         ),
         (
-            LimitExceeded("Too hot. The current is at zero."),
+            LimitExceeded("Too hot.").at_zero(),
             LimitExceeded,
             rf"^Too hot\. {SHUTDOWN_UNCONFIRMED}$",
         ),

@@ -102,7 +102,7 @@ def sticking_run(bench, out, error):
             f"Run interrupted by the keyboard (Ctrl-C). Its file is closed. {SAYS}",
             "interrupted by the keyboard (Ctrl-C)",
         ),
-        (LimitExceeded("Too hot. The current is at zero."), f"Too hot. {SAYS}", f"stopped: Too hot. {SAYS}"),
+        (LimitExceeded("Too hot.").at_zero(), f"Too hot. {SAYS}", f"stopped: Too hot. {SAYS}"),
     ],
     ids=["done", "Ctrl-C", "trip"],
 )
@@ -124,7 +124,7 @@ def test_a_current_that_flows_on_is_said_and_recorded(bench, tmp_path, error, sa
 @pytest.mark.parametrize(
     ("error", "cause"),
     [
-        (LimitExceeded("Too hot. The current is at zero."), "stopped: Too hot. "),
+        (LimitExceeded("Too hot.").at_zero(), "stopped: Too hot. "),
         (KeyboardInterrupt(), "interrupted at once"),
     ],
     ids=["trip", "second Ctrl-C"],

@@ -73,4 +73,4 @@ def _folder_of(rig: str) -> Path:
 
 
 def _stopped(cause: str) -> CheckStopped:
-    return CheckStopped(f"The check was {cause}. The current is at zero.")
+    return CheckStopped(f"The check was {cause}.").at_zero()

@@ -55,6 +55,5 @@ class DivergenceMonitor:
             self._windows_without_progress += 1
         if self._windows_without_progress >= _WINDOWS - 1:
             raise LimitExceeded(
-                f"The loop diverges: its rms error is {rms:.3g} and has not improved for {self._limits.seconds:g} s. "
-                "The current is at zero."
-            )
+                f"The loop diverges: its rms error is {rms:.3g} and has not improved for {self._limits.seconds:g} s."
+            ).at_zero()

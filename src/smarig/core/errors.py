@@ -1,13 +1,40 @@
 """Errors by cause, each with an exit status and a message that states what to do."""
 
+from typing import Self
+
+AT_ZERO = "The current is at zero."
+
 # What float and numpy raise for values that they cannot convert; the last one for integers of over 308 digits.
 NOT_NUMBERS = (TypeError, ValueError, OverflowError)
 
 
 class SmarigError(Exception):
-    """Base class of all errors that smarig raises on purpose. ``exit_status`` is the exit status of the CLI."""
+    """Base class of all errors that smarig raises on purpose. ``exit_status`` is the exit status of the CLI.
+
+    ``current_text`` is a sentence about the current of a rig, which ends the message. Whoever switches the rig off
+    replaces it.
+
+    >>> error = LimitExceeded("Too hot.").at_zero()
+    >>> str(error)
+    'Too hot. The current is at zero.'
+    >>> error.current_text = "0.7 A is still measured: switch it off by hand now."
+    >>> str(error)
+    'Too hot. 0.7 A is still measured: switch it off by hand now.'
+    """
 
     exit_status = 1
+    current_text = ""
+
+    def at_zero(self) -> Self:
+        """This error, as one that ends a run at zero current."""
+        self.current_text = AT_ZERO
+        return self
+
+    def __str__(self) -> str:
+        text = super().__str__()
+        if not self.current_text or self.current_text in text:  # a driver may have said so itself
+            return text
+        return f"{text} {self.current_text}"
 
 
 class UsageError(SmarigError):

@@ -59,8 +59,8 @@ class Recorder:
         self._ended = False  # the end is stored; only the merging into one file is left
         self._hashes = SampleHashes()
         self._hashed_blocks = 0  # while closing
-        self._failure: str | None = None
-        self._loss_text: str | None = None
+        self._failure: StorageError | None = None
+        self._loss: StorageError | None = None
         self._stall_s = TWIN_STALL_S if meta.get("source") in ("twin", "simulation") else STALL_S
         self._waiting_since: float | None = None  # host time of the oldest sample not yet taken by a commit
         self._stored = _Stored()
@@ -85,8 +85,8 @@ class Recorder:
         Raises StorageError after writing has failed, or if the disk has stored nothing for too long.
         """
         if self._failure is not None:
-            self._loss_text = None
-            raise StorageError(self._failure)
+            self._loss = None
+            raise self._failure
         self._rows.append(
             (s[0], s[1], step, s[2], s[3], s[4], s[5], input_value, s[6], s[7], s[8], int(s[9]))
         )
@@ -97,8 +97,8 @@ class Recorder:
             self._waiting_since = now
         elif now - self._waiting_since > self._stall_s and not self._stores_again():
             raise StorageError(
-                f"Run {self.path}: the disk has stored nothing for {self._stall_s:g} s. The current is at zero."
-            )
+                f"Run {self.path}: the disk has stored nothing for {self._stall_s:g} s."
+            ).at_zero()
 
     def _let_the_writer_catch_up(self) -> None:
         """Wait, so that memory does not grow with the run. Never on a bench: there the disk has stalled before."""
@@ -175,7 +175,7 @@ class Recorder:
             self._commit_rest()
             self._store_end()
         except Exception as error:  # any failure must reach close
-            self._loss_text = (
+            self._loss = StorageError(
                 f"The end of run {self.path} could not be written: {error}. {self._stored_text()}"
             )
         finally:
@@ -186,7 +186,7 @@ class Recorder:
         try:
             self._commit()
         except StorageError as error:  # samples that cannot be stored; all others are
-            self._loss_text = str(error)
+            self._loss = error
 
     def _store_end(self) -> None:
         with self._db:
@@ -208,10 +208,10 @@ class Recorder:
                 self._hashes.hash_block(self._db)
                 self._check_space()
             except StorageError as error:  # samples are lost: reported at the next sample or at the end
-                self._failure = self._loss_text = f"{error} The current is at zero."
+                self._failure = self._loss = error.at_zero()
                 return
             except Exception as error:  # any failure must reach the tick
-                self._failure = f"Run {self.path} cannot be written: {error}. The current is at zero."
+                self._failure = StorageError(f"Run {self.path} cannot be written: {error}.").at_zero()
                 return
 
     def _commit(self) -> None:
@@ -288,9 +288,9 @@ class Recorder:
         self._wake.set()
         self._wait_for_writer()
         if self._thread.is_alive():
-            raise StorageError(self._stalled_text())
-        if self._loss_text is not None:
-            raise StorageError(self._loss_text)
+            raise StorageError(self._stalled_text()).at_zero()
+        if self._loss is not None:
+            raise self._loss
 
     def _wait_for_writer(self) -> None:
         """Wait as long as something is stored or hashed every few seconds."""
@@ -304,7 +304,7 @@ class Recorder:
             text = f"The end of run {self.path} is stored, but since then the disk does not answer."
         else:
             text = f"Run {self.path} could not be closed in time: the disk does not answer. {self._stored_text()}"
-        return f"{text} The current is at zero."
+        return text
 
     def on_disk(self) -> str:
         """What is on disk, while the run or its closing goes on."""

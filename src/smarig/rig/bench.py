@@ -27,7 +27,7 @@ from smarig.rig.force_statistics import ForceStatistics
 from smarig.rig.further_sensors import FurtherSensors
 from smarig.rig.order_record import OrderRecord
 from smarig.rig.rig import Alarm
-from smarig.rig.shutdown import NOT_CONFIRMED, OFF_PAUSE_S, current_after_off, with_shutdown_text
+from smarig.rig.shutdown import NOT_CONFIRMED, OFF_PAUSE_S, current_after_off, after_shutdown
 
 CLOCK_CHECK_TICKS = 300  # ticks between two comparisons of both clocks
 CLOCK_READS = 6  # attempts to read both clocks within one tick, and the same twice
@@ -129,7 +129,7 @@ class Bench:
         if self._orders.contradiction or (self.source.tripped and last_quality & Quality.SUSPECT):
             reason = self.source.tripped or self._orders.contradiction  # the device's own comes first
             self.safe()
-            self._fault = RigFault(with_shutdown_text(reason, self))
+            self._fault = after_shutdown(RigFault(reason), self)
             self._alarms.append(Alarm("error", "contradiction", str(self._fault)))
         elif self.source.tripped and last_quality & _OVER:
             self._fault = LeaseExpired(self.source.tripped)

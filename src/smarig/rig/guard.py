@@ -14,7 +14,7 @@ from smarig.device import AbsoluteZero
 from smarig.plant import Actuator, JouleHeating
 from smarig.rig.plausibility import REST_TAUS, Plausibility
 from smarig.rig.rig import Alarm, Rig
-from smarig.rig.shutdown import confirm_zero, with_shutdown_text
+from smarig.rig.shutdown import after_shutdown, confirm_zero
 from smarig.rig.stress_limit import StressLimit
 
 _ROUNDING = 1e-9
@@ -116,7 +116,7 @@ class Guard:
     def _trip(self, text: str) -> None:
         """Make the rig safe at once and keep the reason."""
         self.safe()
-        self.tripped = with_shutdown_text(text, self.rig)
+        self.tripped = text
 
     def _heating_current_A(self, sample: Sample) -> float:
         """The measured current. If it is stale, the larger of the commanded and the last measured current."""
@@ -145,7 +145,7 @@ class Guard:
     def raise_if_tripped(self) -> None:
         """Raise LimitExceeded if a limit has tripped."""
         if self.tripped:
-            raise LimitExceeded(self.tripped)
+            raise after_shutdown(LimitExceeded(self.tripped), self.rig)
 
     def _check_command(self, current_A: float) -> None:
         limits = self.limits

@@ -16,6 +16,7 @@ from typing import Any
 
 from smarig.config import LinkFile, LinksFile, LoadFile, RigFile, SimulatorFile
 from smarig.core import (
+    AT_ZERO,
     ConfigError,
     HeldSignals,
     Interrupted,
@@ -42,7 +43,7 @@ from smarig.rig.consistency import DRIVERS, check_lease
 from smarig.rig.further_sensors import FurtherSensors
 from smarig.rig.paced_rig import PacedRig
 from smarig.rig.rig import Rig
-from smarig.rig.shutdown import AT_ZERO_TEXT, add_shutdown_text, confirm_zero, switch_off
+from smarig.rig.shutdown import after_shutdown, confirm_zero, switch_off
 from smarig.rig.twin import Twin, TwinSettings
 
 _NOT_ZEROED = "Make sure that no current flows: its source did not answer."
@@ -92,7 +93,7 @@ def _zeroed(rig: Rig) -> str:
     """Set the current to zero for a process that is ended by force, and say so."""
     rig.safe()
     confirm_zero(rig)
-    return rig.shutdown_unconfirmed or AT_ZERO_TEXT.strip()
+    return rig.shutdown_unconfirmed or AT_ZERO
 
 
 @contextmanager
@@ -112,7 +113,7 @@ def _confirmed_shutdown(rig: Rig, signals: HeldSignals) -> Iterator[None]:
             how = str(error) or "interrupted by the keyboard (Ctrl-C)"
             raise RigFault(f"Run {how}. Its file is closed. {rig.shutdown_unconfirmed}") from None
         if isinstance(error, SmarigError):
-            add_shutdown_text(error, rig.shutdown_unconfirmed)
+            after_shutdown(error, rig)
         raise
     signals.hold()
     switch_off(rig)

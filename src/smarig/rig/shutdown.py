@@ -3,14 +3,14 @@
 import contextlib
 import time
 from collections.abc import Callable
-from typing import Any
+from typing import Any, TypeVar
 
-from smarig.core import SmarigError
+from smarig.core import AT_ZERO, SmarigError
 from smarig.rig.electrical_plausibility import IN_A_ROW
 from smarig.rig.rig import Rig
 
-AT_ZERO_TEXT = " The current is at zero."  # removed from an error if the shutdown is not confirmed
 NOT_CONFIRMED = "The source did not confirm that it is off: switch it off by hand now."
+_Error = TypeVar("_Error", bound=SmarigError)
 OFF_ATTEMPTS, OFF_PAUSE_S = 5, 0.2  # more, to switch off a source that has no lease and did not confirm
 
 
@@ -35,15 +35,10 @@ def confirm_zero(rig: Any) -> str:
     return rig.confirm_zero() if hasattr(rig, "confirm_zero") else ""
 
 
-def with_shutdown_text(text: str, rig: Rig) -> str:
-    """A reason to stop, with what is known of the current after ``safe``."""
-    return f"{text} {rig.shutdown_unconfirmed}" if rig.shutdown_unconfirmed else f"{text}{AT_ZERO_TEXT}"
-
-
-def add_shutdown_text(error: SmarigError, unconfirmed: str) -> None:
-    """Replace the claim of zero current in an error by what is not confirmed. Idempotent."""
-    text = str(error).removesuffix(AT_ZERO_TEXT)
-    error.args = (text if unconfirmed in text else f"{text} {unconfirmed}",)
+def after_shutdown(error: _Error, rig: Rig) -> _Error:
+    """The error, with what is known of the current after ``safe``."""
+    error.current_text = rig.shutdown_unconfirmed or AT_ZERO
+    return error
 
 
 def current_after_off(source: Any, tolerance_A: float, pause: Callable[[], None]) -> float:

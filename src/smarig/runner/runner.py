@@ -23,7 +23,7 @@ from smarig.core import (
     Waveform,
     Zero,
 )
-from smarig.rig import Guard, add_shutdown_text, switch_off
+from smarig.rig import Guard, after_shutdown, switch_off
 from smarig.runner.absolute_zero import zero_data
 from smarig.runner.checked_generator import CheckedGenerator
 from smarig.runner.listener import Listener, StepStartListener, SuspectListener
@@ -82,7 +82,7 @@ class Runner:
             if not unconfirmed:
                 return
             if fault is not None:
-                add_shutdown_text(fault, unconfirmed)
+                after_shutdown(fault, self.rig)
             self._notify("still_on", unconfirmed, level="error")
 
     def _carry_out(self, command: Command) -> StepResult | Sample | None:

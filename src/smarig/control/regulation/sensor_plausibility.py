@@ -49,8 +49,8 @@ class SensorPlausibility:
         if self._at_limit_s > LIMIT_TAUS * setup.tau_s:
             raise LimitExceeded(
                 f"The set-point is unreachable: the source has been at its limit of {source_K:.3g} K for "
-                f"{self._at_limit_s:.0f} s, and the position error is {abs(error):.3g}. The current is at zero."
-            )
+                f"{self._at_limit_s:.0f} s, and the position error is {abs(error):.3g}."
+            ).at_zero()
 
     def _check_motion(self, position: float) -> None:
         output, read = self._last_motion
@@ -60,5 +60,5 @@ class SensorPlausibility:
             raise LimitExceeded(
                 f"According to the model the wire moved by {abs(self._operator.y - output):.3g}, but according to "
                 f"the {self._sensor} only by "
-                f"{abs(position - read):.3g}. Check the {self._sensor} and the wire. The current is at zero."
-            )
+                f"{abs(position - read):.3g}. Check the {self._sensor} and the wire."
+            ).at_zero()

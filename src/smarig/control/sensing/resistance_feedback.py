@@ -67,8 +67,8 @@ class ResistanceFeedback:
         if self._missing_s > LONGEST_S:
             raise LimitExceeded(
                 f"The wire has carried {current_A:.3g} A for {LONGEST_S:g} s without a voltage reading, so its "
-                "position is not known. The current is at zero."
-            )
+                "position is not known."
+            ).at_zero()
         self._implausible_s = (
             self._implausible_s + self.period_s if abs(found.deviation) > IMPLAUSIBLE else 0.0
         )
@@ -76,5 +76,5 @@ class ResistanceFeedback:
             raise LimitExceeded(
                 f"The resistance {sample.voltage_V / current_A:.4g} ohm is {abs(found.deviation):.1f} standard "
                 f"deviations from what the model expects, for {LONGEST_S:g} s. Check the contacts, the wire and the "
-                "model. The current is at zero."
-            )
+                "model."
+            ).at_zero()

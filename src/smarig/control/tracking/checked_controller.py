@@ -65,8 +65,8 @@ class CheckedController:
             )
         if not math.isfinite(current_A):
             raise LimitExceeded(
-                f"{self._location()}: it commanded {current_A} A, so the loop is invalid. The current is at zero."
-            )
+                f"{self._location()}: it commanded {current_A} A, so the loop is invalid."
+            ).at_zero()
         return current_A
 
     @contextlib.contextmanager
