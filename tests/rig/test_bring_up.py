@@ -63,11 +63,43 @@ def test_a_shunt_that_shows_nothing_ends_it_within_the_first_stairs(change):
     assert driven <= 0.1 + 1e-9, "of 1 A: two stairs of twenty"
 
 
+def test_a_source_without_a_voltage_is_reported():
+    found, driven = checked(lambda s: s._replace(voltage_V=float("nan")))
+    check = found["resistance"]
+    assert (check.passed, check.limitation) == (True, True)
+    assert "measures no voltage" in check.observed
+    assert "an ohmmeter: 4.05 to 5.50 ohm" in check.observed
+    assert "lease" in found, "it goes on"
+    assert driven > 0.0
+
+
 def test_an_encoder_that_does_not_count_ends_it_where_the_wire_must_have_moved():
     found, driven = checked(lambda s: s._replace(counts=0))
     assert (found["encoder direction"].passed, list(found)[-1]) == (False, "encoder direction")
     assert "check encoder, coupling" in found["encoder direction"].observed
     assert driven <= 0.65, "not all of its 1 A"
+
+
+@pytest.mark.parametrize(("tolerance", "passed"), [(0.1, False), (0.6, True)])
+def test_a_wire_that_transforms_later_is_heated_as_far_as_the_tolerance_says(tolerance, passed):
+    """It needs twice the heat of its file. Without any motion the heating ends, too."""
+    driven = [0.0]
+    wire = Twin.named("one_wire_twin", noise=False)
+
+    def late(sample):
+        driven.append(abs(lying.twin.output_A))
+        wire.step(sample.current_A / np.sqrt(2))
+        return sample._replace(counts=wire.step(sample.current_A / np.sqrt(2))[-1].counts)
+
+    lying = TamperedRig("one_wire_twin", late)
+    lying.identity, lying.has_lease, lying.measures_ambient = lambda: ["a twin"], True, True
+    limits = lying.file.limits.model_copy(update={"model_tolerance": tolerance})
+    checks = []
+    bring_up(lying, lying.file.model_copy(update={"limits": limits}), checks.append)
+    direction = next(c for c in checks if c.name == "encoder direction")
+    assert direction.passed == passed
+    assert passed or "raise limits.model_tolerance = 0.1" in direction.observed
+    assert max(driven) <= limits.current_max_A
 
 
 def test_an_encoder_that_counts_backwards_is_told_from_one_that_does_not_count():

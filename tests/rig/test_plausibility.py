@@ -47,6 +47,7 @@ LIES = [
     ("resistance", from_tick(50, voltage_V=lambda x: 0.1 * x), "ohm is outside"),
     ("jump", lambda s: s._replace(counts=s.counts + 120) if s.tick == 60 else s, "jumped by 1"),
     ("still", from_tick(0, counts=lambda _: 3), "fully heated and did not move"),
+    ("voltage", from_tick(50, voltage_V=lambda _: float("nan")), "The voltage is not measured any more"),
 ]
 
 
@@ -57,6 +58,14 @@ def test_what_cannot_be_trips_to_zero_with_its_cause(kind, lie, words):
         heated(guard)
     assert twin.output_A == 0.0
     assert [a.kind for a in guard.alarms() if a.level == "error"] == [kind]
+
+
+def test_a_source_that_never_measures_a_voltage_is_a_warning_once():
+    guard, _ = guarded(from_tick(0, voltage_V=lambda _: float("nan")))
+    heated(guard, 200)
+    (warning,) = guard.alarms()
+    assert (warning.level, warning.kind) == ("warning", "voltage")
+    assert "an ohmmeter: 4.05 to 5.50 ohm" in warning.text
 
 
 def test_a_hot_start_that_was_only_assumed_is_no_reason_to_trip():

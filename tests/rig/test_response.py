@@ -7,7 +7,8 @@ from smarig.core import LimitExceeded
 from smarig.plant import Actuator
 from smarig.rig import Guard, Plausibility, Twin
 from smarig.rig.channel_checks import RigReadings
-from smarig.rig.response import Response
+from smarig.rig.motion_model import Motion, MotionModel
+from smarig.rig.response import UNIT_REMEDY, Response
 
 FILE = load_rig("one_wire_twin")
 WIRE = Actuator.named(FILE.actuator)
@@ -38,6 +39,24 @@ def test_a_loop_in_another_unit_warns_once(factor, times):
     texts = warnings(factor, loop(0.7))
     assert len(texts) == times
     assert all("the unit of the driver, and encoder.resolution" in text for text in texts)
+
+
+def driven(guard, currents_A):
+    for current_A in currents_A:
+        guard.step(current_A)
+
+
+def test_a_unit_that_is_too_small_ends_the_run_with_the_words_of_a_bring_up():
+    """Micrometres, where the file says millimetres: the first motion is faster than any wire."""
+    twin = Twin.named("one_wire_twin", noise=False)
+    step = twin.step
+    twin.step = lambda *a: tuple(s._replace(counts=1000 * s.counts) for s in step(*a))
+    guard = Guard(twin, FILE.limits, WIRE, Plausibility(FILE, WIRE, RigReadings(noise=False)))
+    says = rf"faster than the wire can \(its stroke is 266 counts\).*{UNIT_REMEDY}"
+    with pytest.raises(LimitExceeded, match=says):
+        driven(guard, loop(0.7))
+    scale = MotionModel(WIRE, FILE, +1).scale(Motion(9000, True, 0), 30.0)
+    assert UNIT_REMEDY in scale.observed
 
 
 @pytest.mark.parametrize("factor", [1e-3, 0.0])

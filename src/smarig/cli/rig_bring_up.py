@@ -1,10 +1,11 @@
 """The bring-up of a bench: announced and stopped as a run is, and never without the list of the checks it has made."""
 
+import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import NamedTuple
 
-from smarig.cli.output import show_message
+from smarig.cli.output import json_requested, show_message
 from smarig.config import RigFile
 from smarig.core import Interrupted, SmarigError, error_text
 from smarig.device import Check
@@ -30,8 +31,14 @@ class BringUp(NamedTuple):
 def announced_bring_up(rig: str, file: RigFile, actuator: Actuator) -> BringUp:
     """Bring a bench up. Raises the error of a rig that could not even be opened."""
     checks: list[Check] = []
+
+    def on_check(check: Check) -> None:
+        checks.append(check)
+        if json_requested() or not sys.stdout.isatty():  # a terminal shows the list of the end as well
+            show_message(check.line)
+
     try:
-        _bring_up(rig, file, actuator, checks.append)
+        _bring_up(rig, file, actuator, on_check)
     except Exception as error:  # a driver may raise anything, and the list is worth as much
         if not checks:
             raise

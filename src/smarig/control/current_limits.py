@@ -14,9 +14,7 @@ _RATE_MARGIN = 0.999  # of the largest step, so that rounding does not exceed it
 def limited_current(setup: Setup, commanded_A: float, last_A: float) -> float:
     """The current nearest to the command within range and rate, after ``last_A``. Raises LimitExceeded for NaN."""
     if not math.isfinite(commanded_A):
-        raise LimitExceeded(
-            f"The controller commanded {commanded_A} A, so the loop is invalid."
-        ).at_zero()
+        raise LimitExceeded(f"The controller commanded {commanded_A} A, so the loop is invalid.").at_zero()
     step_A = _RATE_MARGIN * setup.limits.current_rate_A_per_s * setup.period_s
     rate_limited_A = min(max(commanded_A, last_A - step_A), last_A + step_A)
     return min(max(rate_limited_A, setup.current_for(setup.lower_K)), setup.current_for(setup.upper_K))

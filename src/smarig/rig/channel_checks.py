@@ -22,6 +22,7 @@ from smarig.preisach import thesis_surface
 from smarig.rig.channel import ChannelCheck
 from smarig.rig.direction import Direction
 from smarig.rig.least_motion import LeastMotion
+from smarig.rig.response import UNIT_REMEDY
 from smarig.rig.rig import Alarm
 from smarig.rig.wire_bounds import WireBounds
 
@@ -247,8 +248,9 @@ class ChannelChecks:
         return []
 
     def _jump_text(self, name: str, channel: ChannelCheck) -> str:
+        whole = f" (its stroke is {self._stroke:.0f} counts)" if name == "position" else ""
         time = "one tick" if channel.ticks == 1 else f"{channel.ticks} ticks"
-        return f"The {name} jumped by {self._amount(name, channel.jump)} in {time}, faster than the wire can."
+        return f"The {name} jumped by {self._amount(name, channel.jump)} in {time}, faster than the wire can{whole}."
 
     def _text(self, name: str, channel: ChannelCheck) -> str:
         check = f" Check {_REMEDY[name]}."
@@ -290,7 +292,7 @@ class ChannelChecks:
 
 
 _REMEDY = {
-    "position": "encoder, coupling, cable and wire",
+    "position": f"encoder, coupling, cable and wire, {UNIT_REMEDY}",
     "thermometer": "thermometer, shunt and cooling",
     "voltage": "clamps, voltage leads and shunt",
     "voltage of wire 2": "clamps, voltage leads and shunt",

@@ -10,7 +10,7 @@ from typing import NamedTuple
 from smarig.config import AmplifierFile, LimitsFile
 from smarig.core import Quality, Sample
 from smarig.plant import Actuator, largest_voltage_V
-from smarig.rig.expected_resistance import ExpectedResistance
+from smarig.rig.expected_resistance import ExpectedResistance, without_voltage_text
 from smarig.rig.rig import Alarm
 
 IN_A_ROW = 3  # consecutive samples that show a current: a single one may be wrong
@@ -19,6 +19,7 @@ MIN_CURRENT_A = 0.05  # a smaller current does not determine a resistance
 READ_BACK_TOLERANCE = 0.05  # of the largest current: set-point against read-back, and
 NOISE_SDS = 6.0  # standard deviations of the reading: a true difference of the tolerance may be read larger
 
+_NO_VOLTAGE = "The voltage is not measured any more. Check its leads and the source."
 _SATURATED = int(Quality.SATURATED)  # a plain integer, because it is used every tick
 
 
@@ -38,6 +39,7 @@ class ElectricalPlausibility:
         self._largest_V = largest_voltage_V(limits, actuator)
         self._evidence = 0  # samples with a fault since the last one that shows none
         self._phase_known = True
+        self._has_voltage, self._without_voltage = False, 0  # samples with a current and no voltage
         self.suspect = False
 
     def rearmed(self) -> None:
@@ -53,6 +55,10 @@ class ElectricalPlausibility:
         fault = self._fault(s, input_K)
         self._phase_known = True
         self.suspect = fault is not None
+        if fault is None and math.isnan(s.voltage_V) and abs(s.current_A) >= MIN_CURRENT_A:
+            self._without_voltage += 1
+            if self._without_voltage == IN_A_ROW:
+                return [Alarm("warning", "voltage", without_voltage_text(*self._resistance.any_phase_ohm))]
         if fault is None:
             # a smaller current shows nothing: one that pauses must trip too
             self._evidence = 0 if abs(s.current_A) >= MIN_CURRENT_A else self._evidence
@@ -77,10 +83,13 @@ class ElectricalPlausibility:
             return _Fault("voltage", text, _weight(abs(s.voltage_V) / self._largest_V))
         if abs(s.current_A) < MIN_CURRENT_A:
             return None
+        if math.isnan(s.voltage_V):  # a source may have none; one that it had must not vanish
+            return _Fault("voltage", _NO_VOLTAGE) if self._has_voltage else None
+        self._has_voltage = True
         ohm = s.voltage_V / s.current_A
         expected = self._resistance
         low, high = expected.band_ohm(input_K, s.current_A) if self._phase_known else expected.any_phase_ohm
-        if low <= ohm <= high or math.isnan(ohm):
+        if low <= ohm <= high:
             return None
         where = f", its limits at a predicted input of {input_K:.0f} K" if self._phase_known else ""
         text = (

@@ -49,6 +49,15 @@ class ExpectedResistance:
         return self._bands[wire][min(max(k, 0), GRID)]
 
 
+def without_voltage_text(low_ohm: float, high_ohm: float) -> str:
+    """What it means for a rig that its source measures no voltage."""
+    return (
+        "The source measures no voltage, so nobody sees another wire, a bad clamp, or a shunt that reads low, which "
+        "overheats the wire. Check the current with a meter of your own, and the wire with an ohmmeter: "
+        f"{low_ohm:.2f} to {high_ohm:.2f} ohm."
+    )
+
+
 def _highest_ohm(actuator: Actuator, tolerance: float, least: Array, most: Array) -> list[float]:
     ends = np.array([[actuator.resistance_at_ohm(xi) for xi in share] for share in (least, most)])
     return ((1 + tolerance) * ends.max(axis=0)).tolist()

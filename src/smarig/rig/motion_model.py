@@ -10,12 +10,13 @@ from smarig.core import Sample
 from smarig.device import Check
 from smarig.plant import Actuator
 from smarig.preisach import Preisach, thesis_surface
-from smarig.rig.response import MIN_TRAVEL, MOTION_MARGIN
+from smarig.rig.channel_checks import tolerance_of
+from smarig.rig.response import MIN_TRAVEL, MOTION_MARGIN, UNIT_REMEDY
 
 MIN_MOTION_COUNTS = 5  # of the model: less is no motion
 _DIRECTION_REMEDY = "exchange the encoder's lines, or negate the reading in the driver"
-_MOTION_REMEDY = "check encoder, coupling, wire, and the unit of the driver"
-_SCALE_REMEDY = "check the unit of the driver, and encoder.resolution of the rig file"
+_MOTION_REMEDY = f"check encoder, coupling and wire, {UNIT_REMEDY}"
+_SCALE_REMEDY = f"check {UNIT_REMEDY}"
 
 
 class Motion(NamedTuple):
@@ -48,6 +49,7 @@ class MotionModel:
         inputs = np.linspace(0.0, h.upper if sign > 0 else h.lower, 200)
         y = Preisach(h).simulate(inputs, of_wire.initial)
         self._sign, self._inputs_K = sign, np.abs(inputs)
+        self._tolerance, self._name = tolerance_of(file), actuator.name
         self._counts = np.abs(y - y[0]) / actuator.resolution(file.encoder)
         largest = float(self._counts.max())
         compared = MIN_TRAVEL * abs(h.y_upper - h.y_lower) / actuator.resolution(file.encoder)
@@ -61,12 +63,16 @@ class MotionModel:
         return float(np.interp(abs(input_K), self._inputs_K, self._counts))
 
     def has_shown(self, motion: Motion, input_K: float) -> bool:
-        """Whether more heat would tell nothing more: a motion that can be compared, or one that is wrong already."""
+        """Whether more heat would tell nothing more: a motion that can be compared, one that is wrong already, or none,
+        although every wire within ``limits.model_tolerance`` has moved.
+        """
         by_model, moved = self.at(input_K), motion.heated_by
+        hot_K = abs(input_K)
+        latest_K = hot_K if hot_K >= self._inputs_K[-1] else (1 - self._tolerance) * hot_K
         enough = moved >= self._least and by_model >= self._compared
         backwards = moved <= -self._least and by_model >= self._least
         wrong = backwards or abs(moved) > self._largest
-        return (motion.clear and (enough or wrong)) or by_model >= self._certain
+        return (motion.clear and (enough or wrong)) or self.at(latest_K) >= self._certain
 
     def direction(self, motion: Motion, where: str) -> Check:
         """Whether the wire has moved, as heating moves it."""
@@ -80,8 +86,15 @@ class MotionModel:
                 if not motion.clear and motion.noise
                 else ""
             )
-            observed += f"{noise}; {_MOTION_REMEDY}"
+            observed += f"{noise}; {_MOTION_REMEDY}. {self._later}"
         return Check("encoder direction", passed, observed)
+
+    @property
+    def _later(self) -> str:
+        return (
+            f"If they are in order, the wire transforms later than {self._name}: raise limits.model_tolerance = "
+            f"{self._tolerance:g} in the rig file, and it is heated further, within the limits"
+        )
 
     def scale(self, motion: Motion, input_K: float) -> Check:
         """Whether the wire has moved no more than ``MOTION_MARGIN`` times what its model has, in any direction.

@@ -14,6 +14,7 @@ MIN_TRAVEL = 0.03  # of the travel: less is no motion
 MOTION_MARGIN = (
     10  # times more or less than its model: no calibrated wire deviates that far, but a wrong unit does
 )
+UNIT_REMEDY = "the unit of the driver, and encoder.resolution of the rig file"
 
 
 class Response:
@@ -53,6 +54,6 @@ class Response:
         self._warned = True
         text = (
             f"The position has moved by {high - low} counts, and the model of {self._actuator.name} by {expected:.0f}. "
-            "Check encoder, coupling and wire, the unit of the driver, and encoder.resolution."
+            f"Check encoder, coupling and wire, {UNIT_REMEDY}."
         )
         return [Alarm("warning", "still", text)]

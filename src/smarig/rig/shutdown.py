@@ -1,12 +1,10 @@
 """The end of a rig's operation: the current is set to zero, and what a source does not confirm is said."""
 
-import contextlib
 import time
 from collections.abc import Callable
 from typing import Any, TypeVar
 
 from smarig.core import AT_ZERO, SmarigError
-from smarig.rig.electrical_plausibility import IN_A_ROW
 from smarig.rig.rig import Rig
 
 NOT_CONFIRMED = "The source did not confirm that it is off: switch it off by hand now."
@@ -39,21 +37,3 @@ def after_shutdown(error: _Error, rig: Rig) -> _Error:
     """The error, with what is known of the current after ``safe``."""
     error.current_text = rig.shutdown_unconfirmed or AT_ZERO
     return error
-
-
-def current_after_off(source: Any, tolerance_A: float, pause: Callable[[], None]) -> float:
-    """The current in A that a source still measures after it was switched off; 0 if it is zero or does not measure.
-
-    The output needs time to fall, and a single reading may be wrong: only what is above the tolerance in one reading
-    and in ``IN_A_ROW`` more counts, with a pause and another order of zero before each.
-    """
-    flows_A = 0.0
-    with contextlib.suppress(Exception):  # whatever a driver raises: the source has confirmed that it is off
-        flows_A = float(source.measured_A())
-        for _ in range(IN_A_ROW):
-            if not abs(flows_A) > tolerance_A:
-                return 0.0
-            source.off()
-            pause()
-            flows_A = float(source.measured_A())
-    return flows_A if abs(flows_A) > tolerance_A else 0.0

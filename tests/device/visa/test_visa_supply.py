@@ -98,6 +98,53 @@ def test_a_watchdog_that_does_not_read_back_is_no_lease(serve):
     assert supply.has_lease is False
 
 
+class StuckRelay(SimulatedSupply):
+    """Its output stays closed while its state and its setting obey."""
+
+    @property
+    def flows_A(self):
+        self._closed_A = super().flows_A or getattr(self, "_closed_A", 0.0)
+        return self._closed_A
+
+
+@pytest.mark.parametrize("make", ["rigol_dp800", "keysight_n6700"])
+def test_an_output_that_says_off_and_conducts_is_not_confirmed(make):
+    server = StuckRelay(make)
+    supply = visa_supply(link(server), RIG)
+    supply.arm()
+    supply.set_current(0.4)
+    assert "did not confirm that it is off" in supply.off()
+    assert supply.measure().current_A == pytest.approx(0.4, abs=0.01)
+    supply.close()
+    server.close()
+
+
+def test_an_output_that_measures_nothing_while_it_is_off_is_off(serve):
+    server = serve("rigol_dp800")
+    answer = server.answer
+    server.answer = lambda line: "9.91E37" if "MEAS" in line and not server.output else answer(line)
+    supply = visa_supply(link(server), RIG)
+    supply.arm()
+    supply.set_current(0.4)
+    assert supply.measure().current_A == pytest.approx(0.4, abs=0.01)
+    assert supply.off() == ""
+    assert supply.measure()[:2] == (0.0, 0.0)
+    supply.close()
+
+
+def test_a_source_meter_is_not_asked_for_a_reading_while_it_is_off(serve):
+    server = serve("keithley_2400")
+    answer, heard = server.answer, []
+    server.answer = lambda line: heard.append((line, server.output)) or answer(line)
+    supply = visa_supply(link(server), RIG)
+    supply.arm()
+    supply.set_current(0.4)
+    supply.measure()
+    assert supply.off() == ""
+    assert {on for line, on in heard if line == ":READ?"} == {True}
+    supply.close()
+
+
 def test_an_output_whose_state_is_garbled_is_not_taken_for_off(serve):
     server = serve("rigol_dp800")
     supply = visa_supply(link(server), RIG)

@@ -81,7 +81,9 @@ POWER = (
     ),
 )
 ZERO = "The current is at zero."
-REMEDY = "Check encoder, coupling, cable and wire."
+REMEDY = (
+    "Check encoder, coupling, cable and wire, the unit of the driver, and encoder.resolution of the rig file."
+)
 SAME = f"The position stays the same to the last digit while the temperature of the wire changes. {REMEDY} {ZERO}"
 AWAY = f"The position is … counts away from all that a wire within … can have here, … {REMEDY} … {ZERO}"
 HOT = f"The measured wire temperature … °C is … K above ambient and exceeds the limit temperature_max_K = …. {ZERO}"
@@ -109,7 +111,11 @@ READINGS = (
         "jumping encoder",
         "reads 500 counts too much at once",
         "detects a jump that no wire can make, sets 0 A",
-        Outcome(3, f"The position jumped by … counts in one tick, faster than the wire can. {REMEDY} {ZERO}"),
+        Outcome(
+            3,
+            "The position jumped by … counts in one tick, faster than the wire can (its stroke is … counts). "
+            f"{REMEDY} {ZERO}",
+        ),
         on("jumping_encoder", ENCODER, counts=500),
         by_time=True,
         phases={"opening": DONE, "zeroing": DONE},

@@ -42,8 +42,8 @@ def off_after_a_killed_host(case: ContractCase) -> str:
 
 
 def current_as_ordered(case: ContractCase) -> str:
-    """The measured current is the ordered one, with a voltage; the next order replaces it; the gain is 1."""
-    found, measured_A = [], []
+    """The measured current is the ordered one; the next order replaces it; the gain is 1."""
+    found, measured_A, has_voltage = [], [], True
     with case.opened() as source:
         for ordered_A in (case.test_A, case.test_A / 2):
             source.set(ordered_A)
@@ -52,12 +52,14 @@ def current_as_ordered(case: ContractCase) -> str:
                 abs(now.current_A - ordered_A) <= case.tolerance_A,
                 f"{now.current_A:.4g} A measured, {ordered_A:.4g} A ordered",
             )
-            require(math.isfinite(now.voltage_V), "it measures no voltage, which the wire's resistance needs")
+            has_voltage = has_voltage and math.isfinite(now.voltage_V)
             found.append(f"{now.current_A:.4f} A at {ordered_A:.4g} A")
             measured_A.append(now.current_A)
     gain = (measured_A[0] - measured_A[1]) / (case.test_A / 2)
     text = f"{', '.join(found)}: gain {gain:.2f}"
     require(abs(gain - 1) <= GAIN_TOLERANCE, f"{text}, not 1")
+    if not has_voltage:
+        return Limitation(f"{text}; it measures no voltage, so the resistance of the wire is not checked")
     return text
 
 

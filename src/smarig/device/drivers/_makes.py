@@ -33,11 +33,14 @@ class OutputCommands(TomlTable):
 
 
 class MeasureCommands(TomlTable):
-    """One query each, or one that answers voltage and current in this order."""
+    """One query each, or one that answers voltage and current in this order. ``while_off``: also of an output that is
+    off; one that answers no number then has no current.
+    """
 
     current: str = ""
     voltage: str = ""
     both: str = ""
+    while_off: bool = True
 
 
 class ProtectionQuery(TomlTable):

@@ -4,12 +4,16 @@ It has a lease only if the make has a watchdog that turns the output off without
 time were read back. Without one the current stays on when the host fails, and the rig takes lower limits.
 """
 
+from contextlib import nullcontext, suppress
+
 from pydantic import Field
 
 from smarig.config import LinkFile, RigFile
 from smarig.core import ConfigError, TomlTable
 from smarig.device.drivers._driver_settings import settings_of
 from smarig.device.drivers._makes import Make, filled, make_of
+from smarig.device.encoding.link_faults import Garbled, Silent
+from smarig.device.links.query import LARGEST
 from smarig.device.links.visa_line import Backend, VisaLine
 from smarig.device.polled.from_functions import FunctionOutput
 from smarig.plant import Actuator, largest_voltage_V
@@ -101,16 +105,26 @@ class _SupplyCommands:
         return not (code & protection.bits if protection.bits else code)
 
     def measured(self) -> tuple[float, float]:
-        """(voltage, current); zero while the output is off, because some do not measure then."""
+        """(voltage, current), also of an output that says that it is off: its relay may stick. Zero if it does not
+        measure then.
+        """
+        is_on = self.is_on()
+        found = 0.0, 0.0
+        if is_on or self.make.measure.while_off:
+            with nullcontext() if is_on else suppress(Silent, Garbled):
+                found = self._measured()
+        if not is_on and abs(found[1]) >= LARGEST:  # 9.91E37: no reading
+            found = 0.0, 0.0
+        self.last_V = found[0]
+        return found
+
+    def _measured(self) -> tuple[float, float]:
         measure = self.make.measure
-        if not self.is_on():
-            self.last_V, current_A = 0.0, 0.0
-        elif measure.both:
-            self.last_V, current_A = self.line.numbers(self._filled(measure.both), reads=True)[:2]
-        else:
-            current_A = self.line.number(self._filled(measure.current), reads=True)
-            self.last_V = self.line.number(self._filled(measure.voltage), reads=True)
-        return self.last_V, current_A
+        if measure.both:
+            voltage_V, current_A = self.line.numbers(self._filled(measure.both), reads=True)[:2]
+            return voltage_V, current_A
+        current_A = self.line.number(self._filled(measure.current), reads=True)
+        return self.line.number(self._filled(measure.voltage), reads=True), current_A
 
     def arm_watchdog(self, lease_s: float) -> bool:
         """Arm it, and read state and time back."""

@@ -6,14 +6,17 @@ adds what a rig needs besides: read-backs, a confirmed switch-off, one kind of e
 
 import contextlib
 import math
+import time
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import partial
 from typing import Any, TypeVar
 
 import numpy as np
 
 from smarig.core import NAN, UsageError, error_text
 from smarig.device.encoding.link_faults import Garbled, LinkFault, Silent
+from smarig.device.polled.falling_current import OFF_PAUSE_S, current_after_off
 from smarig.device.polled.line_counts import garbled_remedy
 from smarig.device.roles.polled import Electrical
 
@@ -99,8 +102,7 @@ class FunctionOutput:
         """Zero and off, then confirmed by every read-back that there is."""
         self._on, self._ordered_A = False, 0.0
         try:
-            self._call("setting zero", self.set_current_A, 0.0)
-            self._call("switching off", self.switch_off)
+            self._order_off()
             if self._confirmed_off():
                 return ""
         except BaseException:  # whatever the library raises: nobody has confirmed anything
@@ -114,6 +116,10 @@ class FunctionOutput:
         """Close what the library has opened. Never raises."""
         closed(self.close_all)
 
+    def _order_off(self) -> None:
+        self._call("setting zero", self.set_current_A, 0.0)
+        self._call("switching off", self.switch_off)
+
     def _confirmed_off(self) -> bool:
         """Whether state, setting and measured current all say so, of those that there are."""
         if self.is_on is not None and self._state() is not False:
@@ -122,7 +128,11 @@ class FunctionOutput:
             setting_A = self._number("reading the setting", self.setting_A)
             if not abs(setting_A) <= _TOLERANCE_A:
                 return False
-        return abs(self._number("measuring the current", self.current_A)) <= _OFF_A
+        return self._flows_after_off_A() == 0.0
+
+    def _flows_after_off_A(self) -> float:
+        measured_A = partial(self._number, "measuring the current", self.current_A)
+        return current_after_off(measured_A, self._order_off, _OFF_A, partial(time.sleep, OFF_PAUSE_S))
 
     def _state(self) -> bool | None:
         """Whether the output is on; None for an answer that is neither yes nor no."""
