@@ -32,7 +32,7 @@ def check_one_driver(rig: str | None, driver: str, role: str, url: str, wire: st
             found.append(result)
     met = sum(result.passed for result in found)
     lines = [f"{driver} as {role}: {met} of {len(found)} requirements are met."]
-    if role == _POWERED and any(result.limitation for result in found):
+    if role == _POWERED and any(result.limitation and result.name == "lease" for result in found):
         lines.append(without_lease_text(file, Actuator.named(file.actuator)))
     if role == "encoder_daq":
         lines.append("Its sign and its unit are checked with heat, by a bring-up: smarig check RIG.")
