@@ -9,6 +9,7 @@ import contextlib
 import math
 import time
 from collections.abc import Callable
+from typing import Any
 
 from smarig.config import RigFile
 from smarig.core import LeaseExpired, Quality, RigFault, Sample, error_text
@@ -333,7 +334,8 @@ class Bench:
             return ""
         tolerance_A = read_back_tolerance_A(self.file.limits, self.file.amplifier)
         pause_s = max(OFF_PAUSE_S, self._tick_s)  # the next reading is another one
-        flows_A, source = 0.0, self.source
+        flows_A = 0.0
+        source: Any = self.source  # measured_A is optional
         with contextlib.suppress(
             Exception
         ):  # whatever a driver raises: the source has confirmed that it is off
