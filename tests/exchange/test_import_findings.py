@@ -5,7 +5,7 @@ import re
 import numpy as np
 import pytest
 
-from smarig.exchange.channel_faults import channel_findings, clipped, quantum
+from smarig.exchange.channel_faults import channel_findings, clipped, quantum, unused_findings
 from smarig.exchange.findings import duplicate_columns, repeated_rows, saturation_marks
 from smarig.exchange.loop_faults import LoopRecord, branch_ends, loop_findings
 from smarig.exchange.time_axis import time_findings
@@ -22,12 +22,20 @@ def _wire(u):
     return 1 / (1 + np.exp(-(u - np.where(rising, 60, 40)) / 5))
 
 
+def _texts(findings):
+    return [f.text for f in findings]
+
+
+def _kinds(findings):
+    return [f.kind for f in findings if f.kind]
+
+
 def _channel(x):
-    return channel_findings("temperature_degC", "degC", x, LINE)
+    return _texts(channel_findings("temperature_degC", "degC", x, LINE))
 
 
 def _loop(u, y):
-    return loop_findings(LoopRecord(u, y, LINE, "degC", "mm"))
+    return _texts(loop_findings(LoopRecord(u, y, LINE, "degC", "mm")))
 
 
 def _healthy():
@@ -113,7 +121,7 @@ def test_a_loop_that_does_not_close_is_reported_with_its_gap():
 
 def test_an_offset_of_a_symmetric_drive_is_found_but_not_of_a_temperature():
     volts = LoopRecord(U - 40, _healthy(), LINE, "V", "uC/cm^2")
-    assert any("centre +10" in s for s in loop_findings(volts))
+    assert any("centre +10" in s for s in _texts(loop_findings(volts)))
     assert not any("centre" in s for s in _loop(U - 40, _healthy()))
 
 
@@ -123,14 +131,33 @@ def test_copies_and_repeats():
     assert "+0.248: the same data with another zero" in duplicate_columns({"a": a, "b": a + 0.248})[0]
     assert duplicate_columns({"a": a, "b": a**2}) == []
     twice = np.repeat(a[:10], 2)
-    assert "10 rows repeat the row before" in repeated_rows({"a": twice}, LINE[:20])[0]
+    assert "10 rows repeat the row before" in repeated_rows({"a": twice}, LINE[:20])[0].text
 
 
 def test_time_gaps_are_found():
     t_s = np.arange(N) * 0.1
     t_s[200:] += 30
-    assert "1 time gaps" in time_findings(t_s, LINE, "refuse")[0]
-    assert "30.1 s after line 201" in time_findings(t_s, LINE, "refuse")[0]
+    assert "1 time gaps" in time_findings(t_s, LINE, "refuse")[0].text
+    assert "30.1 s after line 201" in time_findings(t_s, LINE, "refuse")[0].text
+
+
+def test_what_a_study_or_a_diagnosis_asks_for_has_a_kind_beside_its_sentence():
+    healthy = _healthy()
+
+    def of(u, y):
+        return _kinds(loop_findings(LoopRecord(u, y, LINE, "degC", "mm")))
+
+    def of_channel(x):
+        return _kinds(channel_findings("temperature_degC", "degC", x, LINE))
+
+    assert of(U, np.where(np.arange(N) < 120, 0.0, 5.0)) == ["jump", "open loop"]
+    assert of(U + np.random.default_rng(2).normal(0, 4, N), healthy) == ["noisy input"]
+    assert of(U, _wire(U)[::-1]) == ["leading output"]
+    assert of(np.where(np.isin(np.arange(N), [150, 151]), 0.0, U), healthy) == ["drop-outs"]
+    assert of_channel(np.minimum(healthy, np.quantile(healthy, 0.9))) == ["clipped channel"]
+    assert of_channel(np.where(np.arange(N) == 100, 1000.0, healthy)) == ["spikes"]
+    assert _kinds(unused_findings("The column", np.where(np.arange(N) == 100, 1000.0, healthy), LINE)) == []
+    assert _kinds(time_findings(np.repeat(np.arange(N / 2), 2), LINE, "mean")) == ["repeated times"]
 
 
 def test_branch_ends_ignore_what_is_smaller_than_the_threshold():
@@ -148,7 +175,7 @@ def test_a_designed_sequence_is_checked_for_loop_direction_only():
     assert len(loop_findings(loop)) > 0
     assert loop_findings(loop, designed=True) == []
     backwards = LoopRecord(U, _healthy()[::-1], LINE, "K", "mm")
-    assert "output leads its input" in loop_findings(backwards, designed=True)[0]
+    assert "output leads its input" in loop_findings(backwards, designed=True)[0].text
 
 
 def _growing_cycles(rows):
@@ -159,7 +186,7 @@ def _growing_cycles(rows):
 
 def _noise_findings(u):
     line = np.arange(2, u.size + 2)
-    return [f for f in loop_findings(LoopRecord(u, u, line, "mm", "kN")) if "opposite to the direction" in f]
+    return [f for f in loop_findings(LoopRecord(u, u, line, "mm", "kN")) if f.kind == "noisy input"]
 
 
 def test_small_cycles_are_no_noise_but_single_rows_are():
@@ -167,7 +194,7 @@ def test_small_cycles_are_no_noise_but_single_rows_are():
     noisy = _growing_cycles(40)
     noisy[5::10] += 8.0
     (found,) = _noise_findings(noisy)
-    assert "(small cycles not counted)" in found
+    assert "(small cycles not counted)" in found.text
 
 
 def test_a_single_row_of_a_short_record_is_no_noise():

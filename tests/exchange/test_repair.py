@@ -30,6 +30,9 @@ def test_dropouts_are_found_and_masked_in_the_input_and_its_channel(table, run_o
     T[[30, 31, 150]] = 0.0
     plain, run = run_of(T, x), run_of(T, x, repair=True)
     assert any("exactly 0 degC in 3 rows" in w for w in plain.info.warnings)
+    kinds, left = ({f.kind for f in r.info.import_findings} for r in (plain, run))
+    assert kinds - left == {"drop-outs"}  # they were masked
+    assert {f.text for f in plain.info.import_findings} <= set(plain.info.warnings)
     assert plain["input"][30] == 0.0
     for name in ("input", "temperature_degC"):
         assert np.flatnonzero(np.isnan(run[name])).tolist() == [30, 31, 150]

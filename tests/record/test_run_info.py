@@ -99,7 +99,7 @@ def test_every_key_that_is_checked_has_an_attribute(key):
 
 @pytest.mark.parametrize("key", sorted(KEY_TYPES))
 def test_a_value_of_another_type_is_not_known_but_kept(key):
-    odd = {"seven": 7} if key in ("effects", "warnings", "own_files", "instruments") else [7]
+    odd = {"seven": 7} if key in ("effects", "warnings", "findings", "own_files", "instruments") else [7]
     with pytest.raises(TypeError, match=f"its key '{key}' is not"):
         check_metadata({key: odd})
     info = RunInfo.of({key: odd})

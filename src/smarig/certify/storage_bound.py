@@ -83,5 +83,4 @@ def _dissipative(analysis: HysteresisAnalysis) -> tuple[bool | None, str]:
     decided = analysis.dissipativity
     if decided is None:
         return None, analysis.undecided.rstrip(".")
-    _, _, why = decided.text.partition(": ")
-    return decided.dissipative, why.rstrip(".")
+    return decided.dissipative, decided.reason

@@ -49,6 +49,7 @@ if TYPE_CHECKING:
     from smarig.core.errors import RigFault as RigFault
     from smarig.core.errors import SmarigError as SmarigError
     from smarig.core.errors import StorageError as StorageError
+    from smarig.core.errors import UnknownEntry as UnknownEntry
     from smarig.core.errors import UsageError as UsageError
     from smarig.core.file_content import CURVES as CURVES
     from smarig.core.file_content import MODEL as MODEL

@@ -17,7 +17,7 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
-from smarig.core.errors import UsageError
+from smarig.core.errors import UnknownEntry, UsageError
 from smarig.core.gate import passed
 from smarig.core.own_file import OwnFile, check_own_name, load_own_file, read_own_file
 from smarig.core.plugin import (
@@ -49,7 +49,9 @@ def catalogue_entry(package: str, name: str) -> Any:
     if not _is_loaded(package, name) and name not in (known := catalogue_names(package)):
         hint = plugin_hint(package, name)
         known = sorted({*known, *offered_names(package)})
-        raise UsageError(hint or f"No {catalogue_kind(package)} '{name}'{suggestion(name, known)}.")
+        if hint:
+            raise UsageError(hint)
+        raise UnknownEntry(f"No {catalogue_kind(package)} '{name}'{suggestion(name, known)}.")
     return getattr(importlib.import_module(f"{package}.{name}"), name)
 
 

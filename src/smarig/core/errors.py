@@ -47,6 +47,10 @@ class ConfigError(UsageError):
     """A configuration file is wrong: names the file, the key and the expected value (exit 2)."""
 
 
+class UnknownEntry(UsageError):
+    """A catalogue has no entry of a name (exit 2)."""
+
+
 class MissingExtra(UsageError):
     """A package of one of smarig's extras is not installed (exit 2). ``extra`` names the extra."""
 

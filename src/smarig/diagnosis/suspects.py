@@ -3,14 +3,16 @@
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 
-from smarig.exchange import finding_kind
-from smarig.record import Run
+from smarig.record import FindingKind, Run
 
-MATCHES = {
-    "output leads its input": "input_lag",
-    "loop does not close": "ratcheting",
-    "condition not constant": "stress_shift",
+MATCHES: dict[FindingKind, str] = {
+    "leading output": "input_lag",
+    "open loop": "ratcheting",
+    "varying condition": "stress_shift",
 }
+NO_SUSPECTS: frozenset[FindingKind] = frozenset(
+    {"noisy input"}
+)  # a model takes it for reversals, no effect looks so
 
 
 @dataclass(frozen=True)
@@ -47,10 +49,10 @@ def suspect_lines(
 
 
 def suspects(runs: Sequence[Run]) -> list[Suspect]:
-    """The suspicious findings that runs keep from their import, except those that were repaired."""
+    """The suspicious findings that runs keep from their import; what was repaired has lost its kind."""
     return [
-        Suspect(run.name, sentence, MATCHES.get(kind))
+        Suspect(run.name, f.text, MATCHES.get(f.kind))
         for run in runs
-        for sentence in run.info.warnings
-        if (kind := finding_kind(sentence)) and not any(r.startswith(kind) for r in run.info.repairs)
+        for f in run.info.import_findings
+        if f.kind and f.kind not in NO_SUSPECTS
     ]

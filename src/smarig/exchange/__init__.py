@@ -12,7 +12,6 @@ if TYPE_CHECKING:
     from smarig.exchange.exporting import export_model as export_model
     from smarig.exchange.exporting import export_run as export_run
     from smarig.exchange.find_tables import find_tables as find_tables
-    from smarig.exchange.finding_kind import finding_kind as finding_kind
     from smarig.exchange.forc_file import ForcFile as ForcFile
     from smarig.exchange.forc_file import read_forc as read_forc
     from smarig.exchange.found_table import FoundColumn as FoundColumn

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from smarig.core import spaced
+from smarig.record import ImportFinding, remarks
 
 Array = NDArray[np.float64]
 _COARSE = 0.002  # of the range: smaller steps are invisible in a hysteresis loop
@@ -17,7 +18,7 @@ _CLIPPED_ROWS = 5
 
 def channel_findings(
     name: str, unit: str, x: Array, line: NDArray[np.int64], *, rests: bool = False
-) -> list[str]:
+) -> list[ImportFinding]:
     """Findings on one channel ``x`` (n,); ``line`` (n,) are the lines of the values.
 
     ``rests``: the channel itself may stand still, so held values do not mean that a sensor is read too often.
@@ -27,21 +28,21 @@ def channel_findings(
     if values.size < 10:
         return []
     if np.ptp(values) == 0:
-        return [
+        return remarks(
             f"{name} is {values[0]:g}{spaced(unit)} in every row. It is nominal or not connected, not measured."
-        ]
+        )
     stuck = [] if rests else _clipped(name, unit, values, where)  # a wire rests at both ends of its travel
-    return stuck + _spikes(name, unit, values, where) + _steps(name, unit, values, rests)
+    return stuck + _spikes(name, unit, values, where) + remarks(*_steps(name, unit, values, rests))
 
 
-def unused_findings(name: str, x: Array, line: NDArray[np.int64]) -> list[str]:
+def unused_findings(name: str, x: Array, line: NDArray[np.int64]) -> list[ImportFinding]:
     """Findings on a column that is not imported but shows faults of the logger: constant or spiky."""
     values = x[np.isfinite(x)]
     if values.size < 10:
         return []
     if np.ptp(values) == 0:
-        return [f"{name} is {values[0]:g} in every row."]
-    return _spikes(name, "", values, line[np.isfinite(x)])
+        return remarks(f"{name} is {values[0]:g} in every row.")
+    return [f.without_kind for f in _spikes(name, "", values, line[np.isfinite(x)])]
 
 
 def clipped(x: Array) -> NDArray[np.bool_]:
@@ -90,15 +91,16 @@ def _runs(mask: NDArray[np.bool_]) -> list[tuple[int, int]]:
     return list(zip(edges[::2], edges[1::2]))
 
 
-def _clipped(name: str, unit: str, x: Array, line: NDArray[np.int64]) -> list[str]:
+def _clipped(name: str, unit: str, x: Array, line: NDArray[np.int64]) -> list[ImportFinding]:
     mask = clipped(x)
     if not mask.any():
         return []
     rows = line[mask]
-    return [
+    text = (
         f"{name} is clipped at {x[mask][0]:g}{spaced(unit)} in {rows.size} rows "
         f"(from line {rows.min()} to {rows.max()}): the range of the sensor ends there. Marked as saturated."
-    ]
+    )
+    return [ImportFinding(text, "clipped channel")]
 
 
 def lone_spikes(x: Array) -> NDArray[np.bool_]:
@@ -117,17 +119,18 @@ def lone_spikes(x: Array) -> NDArray[np.bool_]:
     return mask
 
 
-def _spikes(name: str, unit: str, x: Array, line: NDArray[np.int64]) -> list[str]:
+def _spikes(name: str, unit: str, x: Array, line: NDArray[np.int64]) -> list[ImportFinding]:
     lone = lone_spikes(x)
     if not lone.any():
         return []
     height = np.minimum(np.abs(x[1:-1] - x[:-2]), np.abs(x[1:-1] - x[2:]))
     k = int(np.argmax(np.where(lone[1:-1], height, 0.0))) + 1
-    return [
+    text = (
         f"{name} has single-row spikes in {int(lone.sum())} place(s), the largest "
         f"{f'{x[k]:g}{spaced(unit)}'.strip()} between {x[k - 1]:g} and {x[k + 1]:g} (line {line[k]}); "
         f"kept as they are."
-    ]
+    )
+    return [ImportFinding(text, "spikes")]
 
 
 def _steps(name: str, unit: str, x: Array, rests: bool) -> list[str]:

@@ -7,21 +7,22 @@ from numpy.typing import NDArray
 
 from smarig.core import Quality
 from smarig.exchange.channel_faults import channel_findings, clipped
+from smarig.record import ImportFinding, remarks
 
 Array = NDArray[np.float64]
 
 
 def record_findings(
     columns: Mapping[str, Array], units: Mapping[str, str], line: NDArray[np.int64]
-) -> list[str]:
+) -> list[ImportFinding]:
     """Findings on every measured channel named in ``units``, and on command against measured current."""
-    out: list[str] = []
+    out: list[ImportFinding] = []
     for name, unit in units.items():
         if name in columns and name not in ("input", "current_command_A"):
             out += channel_findings(name, unit, columns[name], line, rests=name == "position")
     both = [columns.get(name) for name in ("current_A", "current_command_A")]
     if both[0] is not None and both[1] is not None:
-        out += _command_error(both[0], both[1])
+        out += remarks(*_command_error(both[0], both[1]))
     return out
 
 
@@ -42,15 +43,16 @@ def duplicate_columns(columns: Mapping[str, Array]) -> list[str]:
     return out
 
 
-def repeated_rows(columns: Mapping[str, Array], line: NDArray[np.int64]) -> list[str]:
+def repeated_rows(columns: Mapping[str, Array], line: NDArray[np.int64]) -> list[ImportFinding]:
     """A finding on neighbouring rows that are equal in every column."""
     same = np.all([x[1:] == x[:-1] for x in columns.values()], axis=0)
     if not same.any():
         return []
-    return [
+    text = (
         f"{int(same.sum())} rows repeat the row before in every column (first: line {line[1:][same][0]}). "
         f"They were written twice or not measured again."
-    ]
+    )
+    return [ImportFinding(text, "repeated rows")]
 
 
 def saturation_marks(columns: Mapping[str, Array], channels: Mapping[str, str]) -> Array:

@@ -17,7 +17,7 @@ from smarig.exchange.repair import Repair, repaired
 from smarig.exchange.rig_constants import RigConstants
 from smarig.exchange.unchanged_file import unchanged
 from smarig.exchange.value_bounds import LONGEST_S
-from smarig.record import CONTINUED, Run, load_run, write_run
+from smarig.record import CONTINUED, ImportFinding, Run, load_run, write_run
 
 LARGEST_BYTES = 2 * 10**9
 
@@ -29,8 +29,13 @@ class ImportReport:
     run: Path
     rows: int
     steps: int
-    warnings: tuple[str, ...]
+    findings: tuple[ImportFinding, ...]
     repairs: tuple[Repair, ...] = ()
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """The findings, one or two sentences each."""
+        return tuple(f.text for f in self.findings)
 
 
 def import_file(
@@ -72,7 +77,10 @@ def import_file(
     draft, repairs = repaired(draft) if repair else (draft, ())
     if t0 is not None:
         draft = _shifted(draft, source, t0)
-    meta = described | draft.meta | {"warnings": list(draft.warnings)}
+    known = [f.to_json() for f in draft.findings if f.kind]
+    meta = (
+        described | draft.meta | {"warnings": list(draft.warnings)} | ({"findings": known} if known else {})
+    )
     if t0 is not None:
         meta["t0_s"] = t0
     if before is not None:
@@ -81,7 +89,7 @@ def import_file(
         write_run(target, meta, draft.sql_columns(), list(draft.steps), force=force)
     except OSError as error:
         raise StorageError(f"Run file {target} cannot be written: {error.strerror or error}.") from None
-    return ImportReport(target, len(draft), len(draft.steps), draft.warnings, repairs)
+    return ImportReport(target, len(draft), len(draft.steps), draft.findings, repairs)
 
 
 def _shifted(draft: RunDraft, source: Path, t0: float) -> RunDraft:
@@ -89,7 +97,7 @@ def _shifted(draft: RunDraft, source: Path, t0: float) -> RunDraft:
         raise UsageError(f"{source} has no time, so --t0 has no meaning. Leave it out.")
     columns = {**draft.columns, "t_s": draft.columns["t_s"] + t0}
     steps = tuple((*s[:5], s[5] + t0, s[6] + t0, *s[7:]) for s in draft.steps)
-    return RunDraft(columns, draft.meta, steps, draft.warnings)
+    return RunDraft(columns, draft.meta, steps, draft.findings)
 
 
 def _continued(meta: dict[str, Any], source: Path, before: Run) -> dict[str, Any]:

@@ -13,6 +13,7 @@ from smarig.core import spaced
 from smarig.exchange.channel_faults import quantum
 from smarig.measurement import dropouts, first_branch_differs, width_of_leading_loops
 from smarig.preisach import turning_points
+from smarig.record import ImportFinding, remarks
 
 Array = NDArray[np.float64]
 _REVERSAL = 0.2  # of the input's range: smallest branch
@@ -50,14 +51,15 @@ class LoopRecord:
         )
 
 
-def _dropout_finding(loop: LoopRecord, lost: NDArray[np.bool_]) -> str:
-    return (
+def _dropout_finding(loop: LoopRecord, lost: NDArray[np.bool_]) -> ImportFinding:
+    text = (
         f"The input reads exactly 0 {loop.input_unit} in {int(lost.sum())} rows, far from the rows around them (first: "
         f"line {loop.line[lost][0]}): drop-outs of the instrument."
     )
+    return ImportFinding(text, "drop-outs")
 
 
-def loop_findings(loop: LoopRecord, *, designed: bool = False) -> list[str]:
+def loop_findings(loop: LoopRecord, *, designed: bool = False) -> list[ImportFinding]:
     """All findings on an input–output record; none for records that are too short or too flat.
 
     ``designed``: every point was commanded. Then large steps, small reversals and repeated visits with another
@@ -75,7 +77,7 @@ def loop_findings(loop: LoopRecord, *, designed: bool = False) -> list[str]:
         return [_dropout_finding(known, lost), *loop_findings(kept)]
     found = _jumps(known) + _false_reversals(known, turns)
     if first_branch_differs(known.u, known.y, turns):
-        found.append(
+        found += remarks(
             "The first branch differs from all later ones that start at the same end of the input: the specimen began "
             "in another state. Fits start after it."
         )
@@ -84,7 +86,7 @@ def loop_findings(loop: LoopRecord, *, designed: bool = False) -> list[str]:
         found += _not_closed(known, turns)
     # The output follows a current with the lag of the heating, so its loops in time do not show the hysteresis.
     direction = _wrong_direction(known, turns) if known.input_unit != "A" else []
-    return found + direction + _centre(known)
+    return found + direction + remarks(*_centre(known))
 
 
 def branch_ends(u: Array, threshold: float) -> list[int]:
@@ -99,20 +101,21 @@ def branch_ends(u: Array, threshold: float) -> list[int]:
     return turns
 
 
-def _jumps(loop: LoopRecord) -> list[str]:
+def _jumps(loop: LoopRecord) -> list[ImportFinding]:
     step = np.where(np.diff(loop.row) == 1, np.abs(np.diff(loop.y)), 0.0)
     large = step > _JUMP * np.ptp(loop.y)
     if not large.any():
         return []
     k = int(np.argmax(step))
-    return [
+    text = (
         f"The output jumps by more than {100 * _JUMP:.0f} % of its range between neighbouring rows in "
         f"{int(large.sum())} place(s), at most {loop.y[k + 1] - loop.y[k]:+.4g}{spaced(loop.output_unit)} from line "
         f"{loop.line[k]} to {loop.line[k + 1]}: the values in between were not sampled."
-    ]
+    )
+    return [ImportFinding(text, "jump")]
 
 
-def _false_reversals(loop: LoopRecord, turns: list[int]) -> list[str]:
+def _false_reversals(loop: LoopRecord, turns: list[int]) -> list[ImportFinding]:
     """Rows against the direction of their branch that are noise: not those of small cycles within it."""
     moves = np.diff(loop.u)
     direction = np.zeros(moves.size)
@@ -122,12 +125,13 @@ def _false_reversals(loop: LoopRecord, turns: list[int]) -> list[str]:
     false = back > _CONTRARY * np.ptp(loop.u)
     if false.sum() < _FEWEST_FALSE or false.mean() < 0.01:
         return []
-    return [
+    text = (
         f"The input moves opposite to the direction of its branch in {int(false.sum())} rows, by up to "
         f"{back.max():.3g} "
         f"{loop.input_unit} (small cycles not counted): a hysteresis model takes such noise for reversals. "
         f"Smooth it or use a threshold."
-    ]
+    )
+    return [ImportFinding(text, "noisy input")]
 
 
 def _small_cycles(u: Array) -> NDArray[np.bool_]:
@@ -139,7 +143,7 @@ def _small_cycles(u: Array) -> NDArray[np.bool_]:
     return found
 
 
-def _not_closed(loop: LoopRecord, turns: list[int]) -> list[str]:
+def _not_closed(loop: LoopRecord, turns: list[int]) -> list[ImportFinding]:
     low, high, near = loop.u.min(), loop.u.max(), _SAME * float(np.ptp(loop.u))
     ends = {
         "At the low end of the input": [k for k in turns if loop.u[k] <= low + near],
@@ -159,21 +163,23 @@ def _not_closed(loop: LoopRecord, turns: list[int]) -> list[str]:
         if y.size > 1 and abs(y[-1] - y[0]) > limit:
             path = [y[0], y[-1]] if y.size == 2 else [y[0], y[1], y[-1]]
             shown = (" → … → " if y.size > 3 else " → ").join(f"{v:.4g}" for v in path)
-            out.append(
+            text = (
                 f"{end} the output goes {shown}{spaced(loop.output_unit)} over {y.size} visits "
                 f"({100 * (y[-1] - y[0]) / np.ptp(loop.y):+.1f} % of the range): the loop does not close."
             )
+            out.append(ImportFinding(text, "open loop"))
     return out
 
 
-def _wrong_direction(loop: LoopRecord, turns: list[int]) -> list[str]:
+def _wrong_direction(loop: LoopRecord, turns: list[int]) -> list[ImportFinding]:
     width = width_of_leading_loops(loop.u, loop.y, turns)
     if width is None:
         return []
-    return [
+    text = (
         f"The output leads its input (mean loop width {100 * width:.1f} % of the range): the loop runs in the wrong "
         f"direction. Branches or columns are swapped, or the sensor of the input lags."
-    ]
+    )
+    return [ImportFinding(text, "leading output")]
 
 
 def _centre(loop: LoopRecord) -> list[str]:

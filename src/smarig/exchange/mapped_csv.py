@@ -20,7 +20,7 @@ from smarig.exchange.time_axis import check_time, merge_repeats, time_findings
 from smarig.exchange.unit_conversion import convert
 from smarig.exchange.units import spelled
 from smarig.exchange.value_bounds import check_bounds, check_size, check_strain, plausible
-from smarig.record import OWN_ZERO
+from smarig.record import OWN_ZERO, ImportFinding, remarks
 
 Array = NDArray[np.float64]
 
@@ -50,36 +50,36 @@ def mapped_draft(path: Path, table: Table, mapping: MappingFile) -> RunDraft:
     """The run of a table that holds every column of its mapping; loops keep their numbers as ``step``."""
     table, clock = _with_time(path, _of_plausible_size(path, table, mapping), mapping)
     columns, line, branch, notes = _unfold_branches(path, table, mapping)
-    conditions, remarks = _conditions(path, table, mapping)
+    conditions, constant = _conditions(path, table, mapping)
     odd = _compare_sensors(path, table, mapping, columns)
     columns["input"] = columns[mapping.input.channel]
     units = {channel: mapping.unit_of(channel) for channel in columns if channel not in ("t_s", "step")}
     columns["quality"] = saturation_marks(columns, units)
-    warnings = [
-        *table.notes,
+    findings = [
+        *remarks(*table.notes),
         *clock,
-        *notes,
-        *odd,
-        *remarks,
-        *duplicate_columns(_without_time(table, mapping)),
+        *remarks(*notes, *odd),
+        *constant,
+        *remarks(*duplicate_columns(_without_time(table, mapping))),
     ]
     if mapping.time is None:  # with a clock, equal rows may be rest
-        warnings += repeated_rows(_without_time(table, mapping), table.line)
-    warnings += _findings_by_loop(columns, units, line, table.loop)
+        findings += repeated_rows(_without_time(table, mapping), table.line)
+    findings += _findings_by_loop(columns, units, line, table.loop)
     for name in mapping.ignore:
         if name in table.columns:
-            warnings += unused_findings(f"The unused column '{name}'", table.columns[name], table.line)
+            findings += unused_findings(f"The unused column '{name}'", table.columns[name], table.line)
     if mapping.output is None:
-        warnings.append(
+        findings += remarks(
             "These data have no position. They show the heating of the wire, but not its hysteresis."
         )
     elif mapping.output.quantity == "strain":
         column = mapping.tables()[0][1]["position"].column
-        warnings += check_strain(path, column, convert(columns["position"], mapping.output.unit, "mm/mm"))
+        strain = convert(columns["position"], mapping.output.unit, "mm/mm")
+        findings += remarks(*check_strain(path, column, strain))
     if table.loop is not None:
         columns["step"] = table.loop.astype(float)
     steps = _reading_steps(columns, branch) if mapping.steps == "rows" else []
-    return RunDraft(columns, _meta(mapping, columns, conditions, table), tuple(steps), tuple(warnings))
+    return RunDraft(columns, _meta(mapping, columns, conditions, table), tuple(steps), tuple(findings))
 
 
 def _of_plausible_size(path: Path, table: Table, mapping: MappingFile) -> Table:
@@ -96,7 +96,7 @@ def _findings_by_loop(
     units: dict[str, str],
     line: NDArray[np.int64],
     number: NDArray[np.int64] | None,
-) -> list[str]:
+) -> list[ImportFinding]:
     """Findings on channels and on input against output; loop by loop if loops are numbered."""
     if number is not None:
         parts = [(f"Loop {k}: ", number == k) for k in np.unique(number).tolist()]
@@ -109,11 +109,11 @@ def _findings_by_loop(
         if "position" in part:
             loop = LoopRecord(part["input"], part["position"], where, units["input"], units["position"])
             found += loop_findings(loop)
-        out += [prefix + sentence for sentence in found]
+        out += [f.beginning_with(prefix) for f in found]
     return out
 
 
-def _with_time(path: Path, table: Table, mapping: MappingFile) -> tuple[Table, list[str]]:
+def _with_time(path: Path, table: Table, mapping: MappingFile) -> tuple[Table, list[ImportFinding]]:
     """The table with a column 't_s' (NaN without a clock); repeats are treated as the mapping states."""
     time = mapping.time
     if time is None:
@@ -134,7 +134,7 @@ def _with_time(path: Path, table: Table, mapping: MappingFile) -> tuple[Table, l
     check_time(path, time.column or "time", t_s, table.line, time.repeated)
     messages = time_findings(t_s, table.line, time.repeated) if time.period_s is None else []
     if time.period_s is not None:
-        messages.append(
+        messages += remarks(
             f"The file has no clock. The period of {time.period_s:g} s comes from the mapping and is not measured."
         )
     if time.repeated != "mean":
@@ -186,7 +186,7 @@ def _scaled(table: Table, column: Column | Condition) -> Array:
     return column.scale * table.columns[column.column] + column.offset
 
 
-def _conditions(path: Path, table: Table, mapping: MappingFile) -> tuple[dict[str, Any], list[str]]:
+def _conditions(path: Path, table: Table, mapping: MappingFile) -> tuple[dict[str, Any], list[ImportFinding]]:
     """Quantities meant to be constant, as mean, min, max; a finding if they were not."""
     out, messages = {}, []
     for name, column in mapping.conditions.items():
@@ -202,13 +202,12 @@ def _conditions(path: Path, table: Table, mapping: MappingFile) -> tuple[dict[st
         mean, low, high = float(np.nanmean(x)), float(np.nanmin(x)), float(np.nanmax(x))
         out[name] = {"unit": spelled(column.unit), "mean": mean, "min": low, "max": high}
         if low == high:
-            messages.append(
+            messages += remarks(
                 f"{name} is exactly {low:g}{spaced(column.unit)} in every row: nominal, not measured."
             )
         elif high - low > 0.1 * abs(mean):
-            messages.append(
-                f"{name} was not constant: {low:.4g} … {high:.4g}, mean {mean:.4g}{spaced(column.unit)}."
-            )
+            text = f"{name} was not constant: {low:.4g} … {high:.4g}, mean {mean:.4g}{spaced(column.unit)}."
+            messages.append(ImportFinding(text, "varying condition"))
     return out, messages
 
 

@@ -22,6 +22,7 @@ from smarig.exchange.text_table import Table, TableLayout
 from smarig.exchange.time_axis import check_time, time_findings
 from smarig.exchange.value_bounds import check_bounds, check_size
 from smarig.exchange.with_heating_model import input_description
+from smarig.record import ImportFinding, remarks
 
 Array = NDArray[np.float64]
 CURRENTS = ("current_command_A", "current_A")
@@ -58,22 +59,22 @@ def read_own_csv(path: Path, rig: RigConstants | None = None) -> RunDraft:
     ranges = (
         _step_ranges(table.columns["step"]) if "step" in table.columns else holds(drive, _band(table, drive))
     )
-    rows, columns["step"], remarks = found_steps(
+    rows, columns["step"], notes = found_steps(
         Recording(t_s, columns["position"], resolution), ranges, target
     )
     measured = {**UNITS, "position": unit}
     columns["quality"] = np.fmax(_flags(path, table), saturation_marks(columns, measured))
-    warnings = [
-        *table.notes,
+    findings = [
+        *remarks(*table.notes),
         *time_findings(t_s, line, "refuse"),
-        *duplicate_columns({k: x for k, x in table.columns.items() if k in (*POSITIONS, *UNITS)}),
+        *remarks(*duplicate_columns({k: x for k, x in table.columns.items() if k in (*POSITIONS, *UNITS)})),
         *record_findings(columns, measured, line),
         *_loop(rows, columns["step"], line, input_meta["unit"], unit),
-        *(remarks if "step" not in table.columns else []),
+        *remarks(*(notes if "step" not in table.columns else [])),
     ]
     output_meta = {"quantity": QUANTITIES[unit], "unit": unit, "per_count": resolution}
     meta = {"protocol": "imported", "input": input_meta, "output": output_meta}
-    return RunDraft(columns, meta, tuple(rows), tuple(warnings))
+    return RunDraft(columns, meta, tuple(rows), tuple(findings))
 
 
 def _drive(path: Path, table: Table, columns: dict[str, Array]) -> Array:
@@ -84,7 +85,9 @@ def _drive(path: Path, table: Table, columns: dict[str, Array]) -> Array:
     return drive
 
 
-def _loop(rows: list[tuple], step: Array, line: NDArray[np.int64], input_unit: str, unit: str) -> list[str]:
+def _loop(
+    rows: list[tuple], step: Array, line: NDArray[np.int64], input_unit: str, unit: str
+) -> list[ImportFinding]:
     """Findings on the loop of the ends of the steps; between them the wire is moving."""
     target, position = (np.array([row[k] for row in rows], dtype=float) for k in (4, 8))
     begins = np.concatenate([[0], np.flatnonzero(np.diff(np.nan_to_num(step, nan=-1.0))) + 1])

@@ -1,12 +1,14 @@
 """The result of every reader: columns of a run, its steps, its description, and the findings."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+
+from smarig.record import ImportFinding
 
 Array = NDArray[np.float64]
 
@@ -14,15 +16,20 @@ Array = NDArray[np.float64]
 @dataclass(frozen=True)
 class RunDraft:
     """A run to be written: ``columns`` (n,) each under names of SAMPLE_COLUMNS, NaN where unknown;
-    ``steps`` in STEP_COLUMNS order; ``warnings`` one sentence each."""
+    ``steps`` in STEP_COLUMNS order; ``findings`` on the file."""
 
     columns: dict[str, Array]
     meta: dict[str, Any]
     steps: tuple[tuple, ...] = ()
-    warnings: tuple[str, ...] = field(default=())
+    findings: tuple[ImportFinding, ...] = ()
 
     def __len__(self) -> int:
         return next(iter(self.columns.values())).size
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """The findings, one or two sentences each."""
+        return tuple(f.text for f in self.findings)
 
     def sql_columns(self) -> dict[str, Array | NDArray[np.int64]]:
         """The columns as the run file stores them: a running tick, and a mark on every sample."""

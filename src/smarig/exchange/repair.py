@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from smarig.exchange.channel_faults import lone_spikes
 from smarig.exchange.reader_result import RunDraft
 from smarig.measurement import dropouts
+from smarig.record import FindingKind, remarks
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -18,12 +19,21 @@ MASKED, DROPPED = "masked", "dropped"
 
 @dataclass(frozen=True)
 class Repair:
-    """Rows (of the file's table, from 0) that were ``masked`` in ``channels``, or dropped as a whole."""
+    """Rows (of the file's table, from 0) that were ``masked`` in ``channels``, or dropped as a whole.
 
-    kind: str
+    ``finding`` is the kind of the findings that no longer apply, ``of`` the channel where there may be several.
+    """
+
+    finding: FindingKind
     treatment: str
     rows: tuple[int, ...]
     channels: tuple[str, ...] = ()
+    of: str = ""
+
+    @property
+    def kind(self) -> str:
+        """What is repaired, the key of the run's ``repairs``."""
+        return f"{self.finding}{self.of}"
 
     def to_json(self) -> dict[str, Any]:
         """Plain values, as the run keeps them; neighbouring rows as [first, last]."""
@@ -50,15 +60,17 @@ def repaired(draft: RunDraft) -> tuple[RunDraft, tuple[Repair, ...]]:
     for name in ("input", "position"):
         if name in columns:
             channels = _driving(columns) if name == "input" else [name]
-            found.append(_masked(columns, f"spikes of {name}", channels, lone_spikes(columns[name])))
+            found.append(_masked(columns, "spikes", channels, lone_spikes(columns[name]), f" of {name}"))
     again = _repeated(columns)
     if again.any():
         found.append(Repair("repeated rows", DROPPED, _rows(again)))
         columns = {name: x[~again] for name, x in columns.items()}
     done = tuple(r for r in found if r.rows)
     meta = draft.meta | ({"repairs": {r.kind: r.to_json() for r in done}} if done else {})
-    warnings = (*draft.warnings, *(r.text for r in done))
-    return replace(draft, columns=columns, meta=meta, warnings=warnings), done
+    mended = {r.finding for r in done}
+    left = [f.without_kind if f.kind in mended else f for f in draft.findings]
+    findings = (*left, *remarks(*(r.text for r in done)))
+    return replace(draft, columns=columns, meta=meta, findings=findings), done
 
 
 def _driving(columns: Mapping[str, Array]) -> list[str]:
@@ -75,10 +87,12 @@ def _dropouts(u: Array) -> Mask:
     return found
 
 
-def _masked(columns: dict[str, Array], kind: str, channels: list[str], rows: Mask) -> Repair:
+def _masked(
+    columns: dict[str, Array], finding: FindingKind, channels: list[str], rows: Mask, of: str = ""
+) -> Repair:
     for name in channels:
         columns[name][rows] = np.nan
-    return Repair(kind, MASKED, _rows(rows), tuple(channels))
+    return Repair(finding, MASKED, _rows(rows), tuple(channels), of)
 
 
 def _repeated(columns: Mapping[str, Array]) -> Mask:

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from smarig.core import DataError
+from smarig.record import ImportFinding
 
 Array = NDArray[np.float64]
 Repeats = Literal["refuse", "mean", "keep_order"]
@@ -34,7 +35,7 @@ def check_time(path: Path, name: str, t_s: Array, line: NDArray[np.int64], repea
         )
 
 
-def time_findings(t_s: Array, line: NDArray[np.int64], repeated: Repeats) -> list[str]:
+def time_findings(t_s: Array, line: NDArray[np.int64], repeated: Repeats) -> list[ImportFinding]:
     """Findings on repeats and gaps."""
     step = np.diff(t_s)
     out = []
@@ -43,7 +44,9 @@ def time_findings(t_s: Array, line: NDArray[np.int64], repeated: Repeats) -> lis
         what = (
             "each group was replaced by its mean" if repeated == "mean" else "the order of the file was kept"
         )
-        out.append(f"{same} rows repeat the time of the previous row; {what}.")
+        out.append(
+            ImportFinding(f"{same} rows repeat the time of the previous row; {what}.", "repeated times")
+        )
     moving = step[step > 0]
     if moving.size < 3:
         return out
@@ -51,10 +54,11 @@ def time_findings(t_s: Array, line: NDArray[np.int64], repeated: Repeats) -> lis
     gaps = step > 10 * usual
     if gaps.any():
         k = int(np.argmax(step))
-        out.append(
+        text = (
             f"{int(gaps.sum())} time gaps of more than ten times the usual {usual:.3g} s, "
             f"the longest {step[k]:.3g} s after line {line[k]}."
         )
+        out.append(ImportFinding(text, "time gaps"))
     return out
 
 

@@ -13,6 +13,7 @@ from smarig.core import UsageError
 from smarig.exchange.hold_steps import Recording, found_steps, holds, tolerance
 from smarig.exchange.reader_result import RunDraft
 from smarig.exchange.rig_constants import RigConstants
+from smarig.record import remarks
 
 Array = NDArray[np.float64]
 
@@ -38,16 +39,16 @@ def with_heating_model(draft: RunDraft, rig: RigConstants) -> RunDraft:
         (*row[:4], None if row[4] is None else rig.actuator.input_for(row[4]), *row[5:])
         for row in draft.steps
     ]
-    remarks: list[str] = []
+    notes: list[str] = []
     if timed and not steps:
         ranges = holds(drive, tolerance(drive))
         recording = Recording(t_s, draft.columns["position"], rig.per_count)
-        steps, columns["step"], remarks = found_steps(
+        steps, columns["step"], notes = found_steps(
             recording, ranges, lambda a, b: rig.actuator.input_for(float(np.mean(drive[a:b])))
         )
     meta = draft.meta | {"input": input_description(rig, "heating model along the current, from a cold wire")}
     return replace(
-        draft, columns=columns, meta=meta, steps=tuple(steps), warnings=(*draft.warnings, *remarks)
+        draft, columns=columns, meta=meta, steps=tuple(steps), findings=(*draft.findings, *remarks(*notes))
     )
 
 

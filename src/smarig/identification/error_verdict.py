@@ -1,6 +1,6 @@
 """The verdict on an error: how it compares with the noise of the readings."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import StrEnum
 
 from smarig.identification.repeatability import STEADY, Repeatability
@@ -30,9 +30,10 @@ class ErrorLevel(StrEnum):
 
 @dataclass(frozen=True)
 class ErrorVerdict:
-    """The ``level`` of an error, and its size relative to the noise as text."""
+    """The ``level`` of an error, and in words its ``size`` relative to the noise, and both with what limits them."""
 
     level: ErrorLevel
+    size: str
     text: str
 
 
@@ -52,8 +53,8 @@ def error_verdict(
     if not repeatability.text:
         return found
     if found.level is ErrorLevel.GOOD and repeatability.over_readings is not None:
-        found = ErrorVerdict(ErrorLevel.FAIR, "at the scatter of repeats: fair")
-    return ErrorVerdict(found.level, f"{found.text}; {repeatability.text}")
+        found = _sized(ErrorLevel.FAIR, "at the scatter of repeats")
+    return replace(found, text=f"{found.text}; {repeatability.text}")
 
 
 def _of_error(rms: float, floor: float | None, share: float) -> ErrorVerdict:
@@ -61,13 +62,17 @@ def _of_error(rms: float, floor: float | None, share: float) -> ErrorVerdict:
     if floor:
         ratio = rms / floor
         if ratio <= GOOD_RATIO:
-            return ErrorVerdict(ErrorLevel.GOOD, "at the noise floor: good")
+            return _sized(ErrorLevel.GOOD, "at the noise floor")
         level = ErrorLevel.FAIR if ratio <= POOR_RATIO else ErrorLevel.POOR
-        return ErrorVerdict(level, f"{_above_threshold_text(ratio)} × the noise floor: {level}")
+        return _sized(level, f"{_above_threshold_text(ratio)} × the noise floor")
     percent = f"{100 * share:.2g} % of the travel"
     if share > POOR_SHARE:
-        return ErrorVerdict(ErrorLevel.POOR, f"{percent}: poor; the noise is unknown")
-    return ErrorVerdict(ErrorLevel.UNKNOWN, f"{percent}; the noise is unknown")
+        return ErrorVerdict(ErrorLevel.POOR, percent, f"{percent}: poor; the noise is unknown")
+    return ErrorVerdict(ErrorLevel.UNKNOWN, percent, f"{percent}; the noise is unknown")
+
+
+def _sized(level: ErrorLevel, size: str) -> ErrorVerdict:
+    return ErrorVerdict(level, size, f"{size}: {level}")
 
 
 def _above_threshold_text(ratio: float) -> str:

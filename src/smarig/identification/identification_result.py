@@ -68,7 +68,7 @@ class Identification(NotebookDisplay):
         repeatability = Repeatability(noise.drift_per_cycle, noise.over_readings)
         found = error_verdict(rms, noise.value, rms / travel if travel else 0.0, repeatability)
         if found.level is ErrorLevel.GOOD and self.positive and not self.positive.held_out.curves:
-            return ErrorVerdict(ErrorLevel.UNKNOWN, NOT_TESTED)
+            return ErrorVerdict(ErrorLevel.UNKNOWN, "", NOT_TESTED)
         return found
 
     def to_json(self) -> dict[str, Any]:

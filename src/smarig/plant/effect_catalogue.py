@@ -8,6 +8,7 @@ from typing import Any
 
 from smarig.core import (
     DataError,
+    UnknownEntry,
     UsageError,
     catalogue_entry,
     catalogue_names,
@@ -113,7 +114,7 @@ def effects_from_json(records: Iterable[Mapping[str, Any]]) -> tuple[Effect, ...
         raise DataError(f"an effect is not of the form {{name, parameters}}: {error}") from None
     except UsageError as error:
         hint = " (give your own effect again with --effect ./FILE.py)"
-        unknown = str(error).startswith("No effect ")
+        unknown = isinstance(error, UnknownEntry)
         raise DataError(f"{str(error).rstrip('.')}{hint * unknown}") from None
     repeated = next((name for name, n in Counter(p.kind.name for p in found_effects).items() if n > 1), None)
     if repeated:

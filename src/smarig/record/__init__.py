@@ -13,6 +13,9 @@ if TYPE_CHECKING:
     from smarig.record.guarded_database import SIDECARS as SIDECARS
     from smarig.record.guarded_database import check_sidecars as check_sidecars
     from smarig.record.guarded_database import restrict as restrict
+    from smarig.record.import_finding import FindingKind as FindingKind
+    from smarig.record.import_finding import ImportFinding as ImportFinding
+    from smarig.record.import_finding import remarks as remarks
     from smarig.record.last_heat import LastHeat as LastHeat
     from smarig.record.metadata import is_timestamp as is_timestamp
     from smarig.record.new_run_file import write_run as write_run

@@ -136,7 +136,7 @@ KEY_TYPES = {
     ),
     **dict.fromkeys(("begun_with", "shift", "hashes", "salvaged", "load"), is_table),
     **dict.fromkeys(("rig_values", "actuator_values", "rig_sha256"), is_table),
-    **dict.fromkeys(("effects", "warnings", "own_files", "instruments"), _list),
+    **dict.fromkeys(("effects", "warnings", "findings", "own_files", "instruments"), _list),
     **dict.fromkeys(("seed", "history_until_tick"), is_integer),
     "actuator": _name,
     "period_s": _duration,
@@ -172,6 +172,8 @@ def check_metadata(meta: Mapping[str, Any]) -> None:
     for key in ("effects", "warnings"):
         if not all(map(is_line, meta.get(key) or ())):
             raise TypeError(f"its key '{key}' contains a value that is not a string")
+    if not all(is_table(f) and is_line(f.get("text", "")) for f in meta.get("findings") or ()):
+        raise TypeError("its key 'findings' contains a value that is not a table with a text")
 
 
 def _check_key(table: Mapping[str, Any], key: str, kind: Callable[[Any], bool], where: str) -> None:

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from typing import Any, Self, final
 
 from smarig.core import named_where_text
+from smarig.record.import_finding import ImportFinding
 from smarig.record.metadata import KEY_TYPES, QUANTITY_KEYS, is_integer, is_table, is_text, is_timestamp
 from smarig.record.stopped_by import StoppedBy
 
@@ -122,7 +123,8 @@ class RunInfo(StoredTable):
     ``device``, ``shift`` of its ticks and counts, ``launch_args``, ``own_files``, ``closed_loop``,
     ``history_until_tick``. Closing: ``end``, ``hashes``.
     ``salvaged``: what is known to be missing. ``conditions`` that runs are compared by; the ``load`` of a rig's wire.
-    Imports: ``imported``, ``warnings``, ``repairs``, ``t0_s``, ``header``, ``companions``, ``forc``. Simulations:
+    Imports: ``imported``, ``warnings``, ``findings`` (those of the warnings that have a kind), ``repairs``, ``t0_s``,
+    ``header``, ``companions``, ``forc``. Simulations:
     ``model`` and the run it was simulated ``along``.
     """
 
@@ -165,6 +167,7 @@ class RunInfo(StoredTable):
     conditions: Mapping[str, Any] = field(default_factory=dict)
     load: Mapping[str, Any] = field(default_factory=dict)
     warnings: tuple[str, ...] = ()
+    findings: tuple[Mapping[str, Any], ...] = ()
     repairs: Mapping[str, Any] = field(default_factory=dict)
     t0_s: float | None = None
     header: Mapping[str, Any] = field(default_factory=dict)
@@ -183,11 +186,16 @@ class RunInfo(StoredTable):
         for key, table in _TABLES.items():
             if key in found:
                 found[key] = table.of(found[key])
-        for key in ("effects", "warnings", "own_files", "instruments"):
+        for key in ("effects", "warnings", "findings", "own_files", "instruments"):
             if key in found:
                 found[key] = tuple(found[key])
         found["closed_loop"] = bool(meta.get("closed_loop"))
         return cls(**found)
+
+    @property
+    def import_findings(self) -> tuple[ImportFinding, ...]:
+        """The ``findings`` as values."""
+        return tuple(ImportFinding.of(f) for f in self.findings)
 
 
 _IMPORT_KEYS = ("file", "format", "mapping", "sha256", "continues", "continues_sha256")

@@ -6,10 +6,10 @@ from itertools import pairwise
 import numpy as np
 
 from smarig.core import spaced
-from smarig.exchange import dimension, finding_kind
+from smarig.exchange import dimension
 from smarig.identification import RunVerification
 from smarig.measurement import first_branch_differs, reversals
-from smarig.record import Run
+from smarig.record import FindingKind, Run
 from smarig.replay import recorded_conditions
 from smarig.study.candidate_models import CandidateModel
 from smarig.study.data_split import LOAD, DataSplit
@@ -25,7 +25,6 @@ _BACK_SHARE = 0.08  # of the output's range
 _WIDE_BRANCH = 0.5  # of the input's range
 _FEWEST_ROWS, _PARTS = 60, 20  # of a branch
 _FEW_READINGS = 100  # a model passes through so few, whatever the specimen does
-_LEADS, _CONTRARY = "output leads its input", "moves opposite to the direction of its branch"
 
 
 def error_reasons(split: DataSplit, best: CandidateModel) -> list[str]:
@@ -54,7 +53,7 @@ def one_way(best: CandidateModel) -> bool:
 
 def wrong_direction(tables: Sequence[ImportedTable]) -> Iterator[str]:
     """A sentence on loops in which the output leads its input, which no hysteresis does."""
-    found = [w for t in tables for w in t.warnings if finding_kind(w) == _LEADS]
+    found = _of_kind(tables, "leading output")
     if found:
         many = f" In {len(found)} of {len(tables)} runs." if len(tables) > 1 else ""
         yield f"{found[0]}{many}"
@@ -62,8 +61,11 @@ def wrong_direction(tables: Sequence[ImportedTable]) -> Iterator[str]:
 
 def noisy_input(tables: Sequence[ImportedTable]) -> Iterator[str]:
     """The first sentence of the import on an input whose noise a model takes for reversals."""
-    found = [w for t in tables for w in t.warnings if _CONTRARY in w]
-    yield from found[:1]
+    yield from _of_kind(tables, "noisy input")[:1]
+
+
+def _of_kind(tables: Sequence[ImportedTable], kind: FindingKind) -> list[str]:
+    return [f.text for t in tables for f in t.findings if f.kind == kind]
 
 
 def _conditions(split: DataSplit) -> Iterator[str]:

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from smarig.core import DataError, atomic_file
 from smarig.exchange import ImportReport, import_file, load_mapping
-from smarig.record import Run, load_run
+from smarig.record import ImportFinding, Run, load_run
 from smarig.study.mapping_draft import mapping_draft
 from smarig.study.table_guess import TableGuess
 
@@ -18,7 +18,12 @@ class ImportedTable:
 
     title: str
     run: Run
-    warnings: tuple[str, ...]
+    findings: tuple[ImportFinding, ...]
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """The findings, one or two sentences each."""
+        return tuple(f.text for f in self.findings)
 
 
 def table_title(guess: TableGuess) -> str:
@@ -52,7 +57,7 @@ def import_tables(
                 raise
             left_out[title] = str(error)
             continue
-        found.append(ImportedTable(title, load_run(report.run), report.warnings))
+        found.append(ImportedTable(title, load_run(report.run), report.findings))
     if not found:
         raise DataError("No table could be imported: " + " ".join(left_out.values()))
     return found, left_out

@@ -11,8 +11,11 @@ from smarig.diagnosis import diagnose
 from smarig.diagnosis.comparison.measured.measured_runs import selected_rows
 from smarig.diagnosis.suspects import suspects
 from smarig.exchange.loop_faults import LoopRecord, loop_findings
+from smarig.exchange.reader_result import RunDraft
+from smarig.exchange.repair import repaired
 from smarig.identification import identify
 from smarig.measurement import input_records
+from smarig.record import remarks
 
 pytestmark = pytest.mark.usefixtures("few_readings")
 T = triangles((85.0, 62.0, 80.0, 57.0, 85.0, 66.0), rows=40)
@@ -23,8 +26,14 @@ def with_meta(run, **meta):
     return replace(run, meta={**run.meta, **meta})
 
 
+def with_findings(run, findings, **meta):
+    """The run as its import would have written it."""
+    stored = [f.to_json() for f in findings if f.kind]
+    return with_meta(run, warnings=[f.text for f in findings], findings=stored, **meta)
+
+
 def found_in(u, y):
-    """What the import would write about a record."""
+    """What the import finds in a record."""
     return loop_findings(LoopRecord(u, y, np.arange(u.size), "degC", "%"))
 
 
@@ -32,7 +41,8 @@ def test_a_late_thermometer_and_a_lasting_strain_become_suspects_with_their_effe
     u = triangles((85.0, 85.0), rows=100)
     leading = found_in(u, -RelayWire(1).strain(u[::-1])[::-1])
     growing = found_in(u, 4 - RelayWire(1).strain(u) + np.linspace(0, 1, u.size))
-    run = with_meta(as_run("a", T, STRAIN), warnings=[*leading, *growing, "position comes in steps of 1 mm."])
+    steps = remarks("position comes in steps of 1 mm.")
+    run = with_findings(as_run("a", T, STRAIN), [*leading, *growing, *steps])
     assert {s.effect for s in suspects([run])} == {"input_lag", "ratcheting"}
     assert len(suspects([run])) == len([*leading, *growing])
 
@@ -40,16 +50,21 @@ def test_a_late_thermometer_and_a_lasting_strain_become_suspects_with_their_effe
 def test_what_was_repaired_is_no_suspect():
     lost = T.copy()
     lost[[50, 51]] = 0.0
-    sentences = found_in(lost, STRAIN)
-    run = with_meta(as_run("a", lost, STRAIN), warnings=sentences)
-    assert [s.effect for s in suspects([run]) if "drop-outs" in s.finding] == [None]
-    assert not [s for s in suspects([with_meta(run, repairs={"drop-outs": {}})]) if "drop-outs" in s.finding]
+    columns = {"input": lost, "position": STRAIN, "t_s": np.full(lost.size, np.nan)}
+    draft = RunDraft(columns, {}, (), tuple(found_in(lost, STRAIN)))
+    mended, _ = repaired(draft)
+    before, after = (with_findings(as_run("a", lost, STRAIN), d.findings) for d in (draft, mended))
+    assert [s.effect for s in suspects([before]) if "drop-outs" in s.finding] == [None]
+    assert not [s for s in suspects([after]) if "drop-outs" in s.finding]
+    assert set(draft.warnings) < set(mended.warnings)  # what was found is still told
 
 
 def test_the_diagnosis_lists_suspects_and_conditions_in_its_json_and_text():
     sentence = "stress was not constant: 40 … 60, mean 50 MPa."
     stress = {"stress": {"unit": "MPa", "mean": 50.0}}
-    run = with_meta(as_run("a", T, STRAIN), warnings=[sentence], conditions=stress)
+    run = with_meta(
+        as_run("a", T, STRAIN), findings=[{"kind": "varying condition", "text": sentence}], conditions=stress
+    )
     model = identify(as_run("m", T, STRAIN, stress=80.0), "positive").model
     found = diagnose(model, [run])
     assert found.to_json()["suspects"] == [{"run": "a", "finding": sentence, "effect": "stress_shift"}]
@@ -64,7 +79,9 @@ def test_the_diagnosis_lists_suspects_and_conditions_in_its_json_and_text():
 def test_a_suspect_that_these_data_cannot_show_is_stated_as_such():
     sentence = "At the low end of the input the output goes 1 → 2 % over 2 visits: the loop does not close."
     two = triangles((85.0,), rows=80)  # one cycle: a strain that remains from cycle to cycle cannot show
-    run = with_meta(as_run("a", two, RelayWire(1).strain(two)), warnings=[sentence])
+    run = with_meta(
+        as_run("a", two, RelayWire(1).strain(two)), findings=[{"kind": "open loop", "text": sentence}]
+    )
     found = diagnose(identify(run, "positive").model, [run])
     assert "ratcheting" in found.not_testable
     assert f"The import of a found: {sentence} It would match ratcheting, which these data cannot show." in (

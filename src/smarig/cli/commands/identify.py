@@ -105,7 +105,7 @@ def command(
         show_message(result.crossing_note)
     if result.fit_verdict.level == ErrorLevel.POOR:
         show_message(
-            f"Warning: The fit is poor, {result.fit_verdict.text.partition(': poor')[0]}. The data do not follow this "
+            f"Warning: The fit is poor, {result.fit_verdict.size}. The data do not follow this "
             f"model, or something else acts on them: smarig diagnose {out} --train RUN finds the cause."
         )
     found = {**result.to_json(), "model": str(out)}

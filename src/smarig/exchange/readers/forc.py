@@ -8,7 +8,7 @@ from smarig.core import DataError, UsageError
 from smarig.exchange.drift import ForcCurves, correct_drift_if_it_helps
 from smarig.exchange.forc_file import ForcFile, read_forc
 from smarig.exchange.reader_result import RunDraft
-from smarig.record import FORC_PROTOCOL
+from smarig.record import FORC_PROTOCOL, remarks
 
 
 def forc(path: Path, *, rig: str | None = None, mapping: str | None = None) -> RunDraft:
@@ -41,7 +41,7 @@ def forc(path: Path, *, rig: str | None = None, mapping: str | None = None) -> R
     }
     if file.saturated_first:
         meta["initial"] = "positive"
-    return RunDraft(columns, meta, (), tuple(warnings))
+    return RunDraft(columns, meta, (), tuple(remarks(*warnings)))
 
 
 def _drift(file: ForcFile) -> tuple[dict, str] | None:

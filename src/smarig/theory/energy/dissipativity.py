@@ -46,23 +46,23 @@ class DissipativityCertificate:
     @property
     def text(self) -> str:
         """One sentence for a report."""
-        high, low = self.at
-        if self.dissipative:
-            return (
-                "Dissipative: no loop gives energy back in a cycle "
-                f"(every loop area is at least {_with_unit(f'{self.lower_bound:.3g}', self.unit)})."
-            )
         if self.dissipative is None:
-            return (
-                f"Undecided: all loop areas exceed {_with_unit(f'{self.lower_bound:.3g}', self.unit)}; "
-                "the smallest one found is "
-                f"{_with_unit(f'{self.area:.3g}', self.unit)}."
-            )
-        return (
-            "Not dissipative with any storage function: the loop "
-            f"{_with_unit(f'{low:.4g} ↔ {high:.4g}', self.input_unit)} "
-            f"gives back {_with_unit(f'{-self.area:.4g}', self.unit)} in every cycle."
-        )
+            return f"Undecided: {self.reason}."
+        head = "Dissipative" if self.dissipative else "Not dissipative with any storage function"
+        return f"{head}: {self.reason}."
+
+    @property
+    def reason(self) -> str:
+        """The area that decides, as a clause."""
+        high, low = self.at
+        bound = _with_unit(f"{self.lower_bound:.3g}", self.unit)
+        if self.dissipative:
+            return f"no loop gives energy back in a cycle (every loop area is at least {bound})"
+        if self.dissipative is None:
+            smallest = _with_unit(f"{self.area:.3g}", self.unit)
+            return f"all loop areas exceed {bound}; the smallest one found is {smallest}"
+        loop = _with_unit(f"{low:.4g} ↔ {high:.4g}", self.input_unit)
+        return f"the loop {loop} gives back {_with_unit(f'{-self.area:.4g}', self.unit)} in every cycle"
 
 
 def _with_unit(number: str, unit: str) -> str:
