@@ -134,8 +134,8 @@ def test_blocks_hold_no_training_and_held_out_readings_at_once():
 def test_a_positive_density_fits_a_wire_to_its_noise():
     problem = reading_problem(split_run())
     prior = positive_prior(problem, [r.u for r in problem.records], problem.y)
-    assert (prior.density >= 0).all()
-    left = problem.y - prior.features @ prior.density
+    assert (prior.relays.density >= 0).all()
+    left = problem.y - prior.relays.features @ prior.relays.density
     assert np.std(left) < 0.02
 
 

@@ -15,6 +15,7 @@ from smarig.diagnosis.comparison.measured.acting_effects import acting_inputs, a
 from smarig.diagnosis.comparison.measured.plain_variables import Surface, variable_parts
 from smarig.diagnosis.comparison.measured.positive_prior import (
     SLOPE_STEP,
+    PositiveDensity,
     PositivePrior,
     positive_prior,
 )
@@ -55,6 +56,57 @@ class Addition:
 
 
 @dataclass(frozen=True, eq=False)
+class KeptAddition:
+    """A fitted candidate without its covariances, for those of all candidates would fill the memory.
+
+    ``output`` (m,) is predicted from the training readings, and ``added`` (m,) the share of the candidate's own parts.
+    ``common`` is the number of sizes before theirs. ``run_error`` is the rms of the errors of each training run
+    predicted from the others.
+    """
+
+    candidate: Addition
+    relays: PositiveDensity
+    common: int
+    sizes: Array
+    dual: Array
+    error: Array
+    output: Array
+    added: Array
+    run_error: float
+    problem: ReadingProblem
+
+    @property
+    def noise(self) -> float:
+        """Standard deviation of a reading."""
+        return float(np.sqrt(self.sizes[-1]))
+
+    @property
+    def rms(self) -> float:
+        """Of the left-out errors."""
+        return float(np.sqrt(np.nanmean(self.error**2)))
+
+    @property
+    def misfit(self) -> float:
+        """Rms of what the model leaves of the training readings that it is fitted to."""
+        return float(np.sqrt(np.mean((self.problem.y - self.output)[self.problem.train] ** 2)))
+
+    def held_out_error(self) -> Array:
+        """Errors of the held-out readings."""
+        return (self.problem.y - self.output)[~self.problem.train]
+
+    def surface(self) -> Surface:
+        """Level and slope at all readings; those of training readings from blocks left out."""
+        problem, level = self.problem, self.output.copy()
+        level[problem.train] = problem.y[problem.train] - self.error
+        up, down = (self.relays.shifted(problem, step) for step in (SLOPE_STEP, -SLOPE_STEP))
+        slope = (up - down)[:, problem.train] @ self.dual
+        own = slope[problem.train]
+        size = SLOPE_SIZE * float(problem.y[problem.train].std())
+        size /= max(float(np.sqrt(np.mean(own**2))), 1e-12)
+        return Surface(level - level[problem.train].mean(), slope * size)
+
+
+@dataclass(frozen=True, eq=False)
 class FittedAddition:
     """A candidate with its covariances (m, m): ``common`` of every hypothesis, ``own`` of its parts."""
 
@@ -65,78 +117,62 @@ class FittedAddition:
     fit: GaussianFit
     problem: ReadingProblem
 
-    @property
-    def matrices(self) -> list[Array]:
-        """In the order of the sizes."""
-        return [*self.common, *self.own, self.problem.within_block]
+    def kept(self) -> KeptAddition:
+        """What is asked of the candidate once others are fitted."""
+        n, fit = len(self.common), self.fit
+        return KeptAddition(
+            candidate=self.candidate,
+            relays=self.prior.relays,
+            common=n,
+            sizes=fit.sizes,
+            dual=fit.dual,
+            error=fit.error,
+            output=LEVEL * float(fit.dual.sum()) + self._explained((*self.common, *self.own), fit.sizes),
+            added=self._explained(self.own, fit.sizes[n:]),
+            run_error=self._run_error(),
+            problem=self.problem,
+        )
 
-    def predicted(self, matrices: Sequence[Array] | None = None, sizes: Array | None = None) -> Array:
-        """Outputs (m,) of all readings, from the training readings."""
-        train, dual = self.problem.train, self.fit.dual
-        matrices = self.matrices[:-1] if matrices is None else matrices
-        sizes = self.fit.sizes[: len(matrices)] if sizes is None else sizes
-        level = LEVEL * float(dual.sum())
-        return level + np.add.reduce([s * (k[:, train] @ dual) for s, k in zip(sizes, matrices)])
-
-    @property
-    def misfit(self) -> float:
-        """Rms of what the model leaves of the training readings that it is fitted to."""
+    def _explained(self, matrices: Sequence[Array], sizes: Array) -> Array:
+        """What covariances times ``sizes`` explain of the training readings, at all readings (m,)."""
         train = self.problem.train
-        return float(np.sqrt(np.mean((self.problem.y - self.predicted())[train] ** 2)))
-
-    @property
-    def added(self) -> Array:
-        """What the own parts add to the readings (m,)."""
-        begin, train = len(self.common), self.problem.train
-        sizes = self.fit.sizes[begin : begin + len(self.own)]
-        parts = [s * (k[:, train] @ self.fit.dual) for s, k in zip(sizes, self.own)]
+        parts = [s * (k[:, train] @ self.fit.dual) for s, k in zip(sizes, matrices)]
         return np.add.reduce(parts) if parts else np.zeros(train.size)
 
-    @cached_property
-    def run_error(self) -> float:
-        """Rms of the errors of each training run predicted from the others."""
+    def _run_error(self) -> float:
         runs = self.problem.record[self.problem.train]
         error, _ = left_out(
             self.fit.precision, self.fit.dual, [np.flatnonzero(runs == r) for r in np.unique(runs)]
         )
         return float(np.sqrt(np.mean(error**2)))
 
-    def held_out_error(self) -> Array:
-        """Errors of the held-out readings."""
-        held = ~self.problem.train
-        return (self.problem.y - self.predicted())[held]
+    @property
+    def score(self) -> float:
+        """Log predictive density of all blocks, in nats."""
+        return float(self._scores([self._unseen(rows) for rows in self.problem.unseen]).sum())
 
     def trial(self) -> Trial:
-        """The trial of the hypothesis; its state is what fits it again."""
+        """The trial of the hypothesis; its state is what is kept of the fit."""
         values = {k: v for e in self.candidate.effects for k, v in e.values.items() if k != "reference"}
         squares = [float(np.sum(self.fit.error[b] ** 2)) for b in self.problem.blocks]
         unseen = [self._unseen(rows) for rows in self.problem.unseen]
-        scores = np.r_[self.fit.scores, [s for s, _ in unseen]]
-        return Trial(values, scores, np.r_[squares, [q for _, q in unseen]], self)
+        return Trial(values, self._scores(unseen), np.r_[squares, [q for _, q in unseen]], self.kept())
+
+    def _scores(self, unseen: Sequence[tuple[float, float]]) -> Array:
+        return np.r_[self.fit.scores, [s for s, _ in unseen]]
 
     def _unseen(self, rows: Rows) -> tuple[float, float]:
         """(log predictive density, sum of squared errors) of the held-out readings at ``rows`` of m."""
         train, sizes = self.problem.train, self.fit.sizes
-        cross = LEVEL + np.add.reduce([s * k[rows][:, train] for s, k in zip(sizes, self.matrices)])
-        own = LEVEL + np.add.reduce([s * k[np.ix_(rows, rows)] for s, k in zip(sizes, self.matrices)])
+        matrices = (*self.common, *self.own, self.problem.within_block)
+        cross = LEVEL + np.add.reduce([s * k[rows][:, train] for s, k in zip(sizes, matrices)])
+        own = LEVEL + np.add.reduce([s * k[np.ix_(rows, rows)] for s, k in zip(sizes, matrices)])
         values, vectors = eigh(own - cross @ self.fit.precision @ cross.T, check_finite=False)
         variance = np.maximum(values, 0.0) + sizes[-1]  # differences of large numbers may be negative
         error = self.problem.y[rows] - cross @ self.fit.dual
         square = float(np.sum((vectors.T @ error) ** 2 / variance))
         score = log_t_density(square, rows.size, -0.5 * float(np.log(variance).sum()))
         return score, float(error @ error)
-
-
-def surface_of(fitted: FittedAddition) -> Surface:
-    """Level and slope of a fit at all readings; those of training readings from blocks left out."""
-    problem = fitted.problem
-    level = fitted.predicted()
-    level[problem.train] = problem.y[problem.train] - fitted.fit.error
-    up, down = (fitted.prior.shifted(problem, step) for step in (SLOPE_STEP, -SLOPE_STEP))
-    slope = (up - down)[:, problem.train] @ fitted.fit.dual
-    own = slope[problem.train]
-    size = SLOPE_SIZE * float(problem.y[problem.train].std()) / max(float(np.sqrt(np.mean(own**2))), 1e-12)
-    return Surface(level - level[problem.train].mean(), slope * size)
 
 
 @dataclass(frozen=True, eq=False)
@@ -152,14 +188,13 @@ class SearchBasis:
     sizes: Array
     target: Array
 
-    def of(self, fitted: FittedAddition) -> "SearchBasis":
+    def of(self, fitted: KeptAddition) -> "SearchBasis":
         """With the density and the slopes of a fit: those of the plain model contain the errors that it explains."""
-        target = self.problem.y - fitted.added
-        prior = positive_prior(
-            self.problem, acting_inputs(self.problem, fitted.candidate.effects, fitted.candidate.laws), target
-        )
-        sizes = np.r_[fitted.fit.sizes[: len(fitted.common)], fitted.fit.sizes[-2:]]
-        return SearchBasis(self.problem, prior, surface_of(fitted), sizes, target)
+        target, candidate = self.problem.y - fitted.added, fitted.candidate
+        inputs = acting_inputs(self.problem, candidate.effects, candidate.laws)
+        prior = positive_prior(self.problem, inputs, target, self.prior)
+        sizes = np.r_[fitted.sizes[: fitted.common], fitted.sizes[-2:]]
+        return SearchBasis(self.problem, prior, fitted.surface(), sizes, target)
 
     @cached_property
     def slope_noise(self) -> list[Array]:
@@ -172,7 +207,7 @@ class SearchBasis:
         iterations: int,
         *,
         same_input: bool = False,
-        near: FittedAddition | None = None,
+        near: KeptAddition | None = None,
     ) -> FittedAddition:
         """A candidate with sizes found from those of the basis (``iterations`` 0 keeps them).
 
@@ -196,7 +231,7 @@ class SearchBasis:
         n = len(common)
         sizes = np.r_[self.sizes[:n], [ADDED_SIZE] * len(own), self.sizes[-2:]]
         if near is not None:
-            sizes = near.fit.sizes
+            sizes = near.sizes
         fit = fit_gaussian(
             problem.y[problem.train], [k[at] for k in matrices], problem.blocks, sizes, iterations
         )
@@ -210,7 +245,7 @@ def first_basis(problem: ReadingProblem, iterations: int) -> tuple[SearchBasis, 
     sizes = np.r_[FIRST_SIZE, [SMALL] * (count - 1), BLOCK_SIZE, NOISE_SIZE]
     rough = SearchBasis(problem, prior, None, sizes, problem.y)
     first = rough.fitted(Addition(), iterations)
-    surface = surface_of(first)
+    surface = first.kept().surface()
     sizes = np.r_[first.fit.sizes[:-2], BLOCK_SIZE / 10, first.fit.sizes[-2:]]
     basis = replace(rough, surface=surface, sizes=sizes)
     base = basis.fitted(Addition(), iterations)

@@ -11,7 +11,7 @@ import numpy as np
 
 from smarig.diagnosis.comparison.compared_hypothesis import ComparedHypothesis, Part, Trial
 from smarig.diagnosis.comparison.measured.acting_effects import Tries, testable_effects
-from smarig.diagnosis.comparison.measured.additions import Addition, FittedAddition, SearchBasis
+from smarig.diagnosis.comparison.measured.additions import Addition, KeptAddition, SearchBasis
 from smarig.diagnosis.comparison.measured.plain_variables import testable_variables
 from smarig.measurement import LearnedTerm, MeasurementEffect, MeasurementEffectType
 
@@ -24,7 +24,7 @@ ROUNDS = 2  # of values half way to the neighbours of the best
 WORTH_A_PAIR = 2.0  # nats that the best part must gain, before pairs are tried
 Progress = Callable[[str], None]
 Values = tuple[float, ...]
-Fit = Callable[[MeasurementEffect, FittedAddition | None], Trial]
+Fit = Callable[[MeasurementEffect, KeptAddition | None], Trial]
 LawOf = Callable[[str], LearnedTerm | None]
 
 
@@ -40,16 +40,16 @@ class Search:
     def with_law(self, hypothesis: ComparedHypothesis, law: LearnedTerm) -> ComparedHypothesis:
         """The hypothesis of a variable with one more trial, in which the law moves the input."""
         (name,) = (p.name for p in hypothesis.parts)
-        fitted = self.basis.fitted(Addition(variables=(name,), laws=(law,)), FIT_STEPS)
-        again = (fitted.trial(), *self._again(fitted))
+        trial = self.basis.fitted(Addition(variables=(name,), laws=(law,)), FIT_STEPS).trial()
+        again = (trial, *self._again(trial))
         return _slim(replace(hypothesis, trials=(*hypothesis.trials, *again)))
 
     def variable(self, name: str) -> ComparedHypothesis:
         """The hypothesis that adds a variable."""
         candidate = replace(self.start, variables=(*self.start.variables, name))
-        fitted = self.basis.fitted(candidate, FIT_STEPS)
+        trial = self.basis.fitted(candidate, FIT_STEPS).trial()
         self.progress(name)
-        return _slim(ComparedHypothesis(candidate.parts, (fitted.trial(), *self._again(fitted))))
+        return _slim(ComparedHypothesis(candidate.parts, (trial, *self._again(trial))))
 
     def effect(self, kind: MeasurementEffectType, tries: Tries) -> ComparedHypothesis:
         """The hypothesis that adds an effect, with the trials of its values.
@@ -63,7 +63,7 @@ class Search:
         best = _best(trials)
         if not self.start.parts:  # pairs already stand in the basis of their first part
             if kind.additive or best.score <= self.least:
-                trials += self._again(best.state)
+                trials += self._again(best)
             else:
                 own = self._series(kind, tries, self._in_its_own_basis, ranks)
                 trials = max(trials, own, key=lambda series: _best(series).score)
@@ -118,12 +118,12 @@ class Search:
             values[name] = max(scores, key=lambda x: scores[x])
         return list(trials.values())
 
-    def _in_this_basis(self, effect: MeasurementEffect, near: FittedAddition | None) -> Trial:
+    def _in_this_basis(self, effect: MeasurementEffect, near: KeptAddition | None) -> Trial:
         return self.basis.fitted(self.start.with_effect(effect), FIT_STEPS, near=near).trial()
 
-    def _in_its_own_basis(self, effect: MeasurementEffect, near: FittedAddition | None) -> Trial:
+    def _in_its_own_basis(self, effect: MeasurementEffect, near: KeptAddition | None) -> Trial:
         """An effect with the density and slopes that it leaves."""
-        fitted = self.basis.fitted(self.start.with_effect(effect), FIT_STEPS, near=near)
+        fitted = self.basis.fitted(self.start.with_effect(effect), FIT_STEPS, near=near).kept()
         own = self.basis.of(fitted)
         return own.fitted(fitted.candidate, FIT_STEPS, same_input=True, near=fitted).trial()
 
@@ -132,21 +132,21 @@ class Search:
     ) -> list[float]:
         """Values around the best option, best first, with the smaller errors that the model has there."""
         first = self.basis.fitted(self.start.with_effect(kind(**(values | {name: options[0]}))), FIT_STEPS)
-        search = replace(self, basis=self.basis.of(first))
+        search = replace(self, basis=self.basis.of(first.kept()))
         return sorted(
             _around(options[0], options), key=lambda x: -search._score(kind(**(values | {name: x})))
         )
 
     def _score(self, effect: MeasurementEffect) -> float:
         """With the sizes of the basis."""
-        return self.basis.fitted(self.start.with_effect(effect), 0).trial().score
+        return self.basis.fitted(self.start.with_effect(effect), 0).score
 
-    def _again(self, fitted: FittedAddition) -> list[Trial]:
+    def _again(self, trial: Trial) -> list[Trial]:
         """A candidate once more, in its own basis; pairs already stand in that of their first part."""
         if self.start.parts:
             return []
-        basis = self.basis.of(fitted)
-        return [basis.fitted(fitted.candidate, FIT_STEPS, same_input=True).trial()]
+        basis = self.basis.of(trial.state)
+        return [basis.fitted(trial.state.candidate, FIT_STEPS, same_input=True).trial()]
 
     def _reference(self, kind: MeasurementEffectType) -> dict[str, float]:
         if not kind.by_condition:
@@ -159,7 +159,7 @@ def _best(trials: Iterable[Trial]) -> Trial:
 
 
 def _slim(hypothesis: ComparedHypothesis) -> ComparedHypothesis:
-    """The fit of the best trial only: matrices of all would fill the memory."""
+    """The fit of the best trial only."""
     best = hypothesis.best
     return replace(
         hypothesis, trials=tuple(t if t is best else replace(t, state=None) for t in hypothesis.trials)
@@ -208,19 +208,19 @@ def _between(values: Sequence[float], best: float) -> list[float]:
 
 def searched_hypotheses(
     basis: SearchBasis,
-    base: FittedAddition,
+    base: Trial,
     progress: Progress,
     only: Iterable[str] | None = None,
     without: Sequence[str] = (),
     law_of: LawOf = lambda _: None,
 ) -> list[ComparedHypothesis]:
-    """All hypotheses; ``only`` and ``without`` are names of effects and variables.
+    """All hypotheses; ``base`` is the plain model, ``only`` and ``without`` are names of effects and variables.
 
     ``law_of`` gives the law of a variable, or None.
     """
     effects = [(k, t) for k, t in testable_effects(basis.problem) if _wanted(k.name, only, without)]
     variables = [v for v in testable_variables(basis.problem) if _wanted(v, only, without)]
-    nothing = ComparedHypothesis((), (base.trial(),))
+    nothing = ComparedHypothesis((), (base,))
     search, found = Search(basis, Addition(), progress, nothing.score), [nothing]
     effects = [
         (kind, search.likeliest(kind, [t for k, t in effects if k is kind])) for kind in _kinds(effects)
@@ -283,7 +283,7 @@ def _pairs(
 
 
 def _extending(basis: SearchBasis, best: ComparedHypothesis, progress: Progress) -> Search:
-    fitted: FittedAddition = best.best.state
+    fitted: KeptAddition = best.best.state
     return Search(basis.of(fitted), fitted.candidate, progress)
 
 

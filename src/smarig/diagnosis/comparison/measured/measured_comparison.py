@@ -19,7 +19,7 @@ from smarig.diagnosis.comparison.compared_hypothesis import ComparedHypothesis, 
 from smarig.diagnosis.comparison.effects_alone import with_effects_alone
 from smarig.diagnosis.comparison.intervals import interval
 from smarig.diagnosis.comparison.measured.acting_effects import testable_effects
-from smarig.diagnosis.comparison.measured.additions import FittedAddition, first_basis
+from smarig.diagnosis.comparison.measured.additions import KeptAddition, first_basis
 from smarig.diagnosis.comparison.measured.hypothesis_search import LawOf, searched_hypotheses
 from smarig.diagnosis.comparison.measured.missing_share import missing_knowledge, missing_share
 from smarig.diagnosis.comparison.measured.reading_problem import ReadingProblem, reading_problem
@@ -109,13 +109,16 @@ def compare_measured(
         raise DataError("The training runs contain no reading in which input and output are known.")
     suspected = frozenset(s.effect for s in suspects(train_runs) if s.effect)
     problem = replace(reading_problem(wires), suspected=suspected)
-    basis, base = first_basis(problem, BASE_STEPS)
+    basis, plain = first_basis(problem, BASE_STEPS)
+    base = plain.kept()
     missing = 0.0 if problem.train.all() else missing_share(base)
     if missing < RULES["not_determined"].value:
         problem = problem.with_unseen()
-        basis, base = replace(basis, problem=problem), replace(base, problem=problem)
+        basis, plain = replace(basis, problem=problem), replace(plain, problem=problem)
+    nothing = plain.trial()
+    del plain  # and its covariances
     weights = _weighed(
-        problem, searched_hypotheses(basis, base, progress, without=without, law_of=law_of), seed
+        problem, searched_hypotheses(basis, nothing, progress, without=without, law_of=law_of), seed
     )
     held = _held_out_errors(base, weights)
     evidence = _evidence(problem, base, weights, held)
@@ -132,10 +135,10 @@ def compare_measured(
         offsets=() if deciding is weights else _offsets(deciding),
         between_runs=deciding is not weights,
         parameters=_parameters(deciding),
-        base_error=base.fit.rms * scale,
-        extended_error=best.fit.rms * scale,
+        base_error=base.rms * scale,
+        extended_error=best.rms * scale,
         held_out={name: error * scale for name, error in held.items()},
-        noise=min(base.fit.noise, best.fit.noise) * scale,
+        noise=min(base.noise, best.noise) * scale,
         missing=missing_knowledge(base, missing) if _held_out_is_off(base) else None,
         adequate=evidence.adequate,
         testable=_testable(problem, deciding),
@@ -155,12 +158,12 @@ def _weighed(problem: ReadingProblem, hypotheses: Sequence[ComparedHypothesis], 
     return weigh(hypotheses, seed, TEMPERATURE * max(cut, 1.0))
 
 
-def fitted(hypothesis: ComparedHypothesis) -> FittedAddition:
+def fitted(hypothesis: ComparedHypothesis) -> KeptAddition:
     """The fit of a hypothesis at its best trial."""
     return hypothesis.best.state
 
 
-def _held_out_errors(base: FittedAddition, weights: Weights) -> dict[str, float]:
+def _held_out_errors(base: KeptAddition, weights: Weights) -> dict[str, float]:
     """The error on held-out readings of the plain model, of the heaviest hypothesis, and with each cause."""
     if base.problem.train.all():
         return {}
@@ -171,7 +174,7 @@ def _held_out_errors(base: FittedAddition, weights: Weights) -> dict[str, float]
 
 
 def _evidence(
-    problem: ReadingProblem, base: FittedAddition, weights: Weights, held: Mapping[str, float]
+    problem: ReadingProblem, base: KeptAddition, weights: Weights, held: Mapping[str, float]
 ) -> VerdictEvidence:
     sizes, ratios = {}, {}
     for part in weights.causes:
@@ -185,7 +188,7 @@ def _evidence(
         if part.name in OF_EACH_RUN:
             continue
         if best.name in held:
-            ratios[part] = held[best.name] / max(held["nothing"], base.fit.noise)
+            ratios[part] = held[best.name] / max(held["nothing"], base.noise)
         elif not held and part.name in BETWEEN_RUNS:
             ratios[part] = fitted(best).run_error / base.run_error
     evidence = VerdictEvidence(
@@ -197,8 +200,8 @@ def _evidence(
         size=sizes,
         span=1.0,
         error=base.misfit,
-        noise=base.fit.noise,
-        remains=dict.fromkeys(sizes, float(np.sqrt(fitted(weights.heaviest).fit.sizes[-2]))),
+        noise=base.noise,
+        remains=dict.fromkeys(sizes, float(np.sqrt(fitted(weights.heaviest).sizes[-2]))),
         blocks=problem.independent,
         confounded=confounded(problem, weights.causes),
         held_out=ratios,
@@ -243,7 +246,7 @@ def _with_held_out_runs(
     wires: Sequence[WireRecord],
     verdict: Verdict,
     own: Weights,
-    base: FittedAddition,
+    base: KeptAddition,
     missing: float,
     without: Sequence[str],
     seed: int,
@@ -255,18 +258,18 @@ def _with_held_out_runs(
     problem = reading_problem([replace(w, held_out=np.zeros_like(w.held_out)) for w in wires])
     basis, plain = first_basis(problem, BASE_STEPS)
     weights = _weighed(
-        problem, searched_hypotheses(basis, plain, lambda _: None, BETWEEN_RUNS, without), seed
+        problem, searched_hypotheses(basis, plain.trial(), lambda _: None, BETWEEN_RUNS, without), seed
     )
-    found = decide(_evidence(problem, plain, weights, {}))
+    found = decide(_evidence(problem, plain.kept(), weights, {}))
     clearer = found.word in ("named", "ambiguous") or found.depends_on is not None
     return (found, weights) if clearer and verdict.depends_on in (None, *BETWEEN_RUNS) else (verdict, own)
 
 
-def _held_out_is_off(base: FittedAddition) -> bool:
+def _held_out_is_off(base: KeptAddition) -> bool:
     """Whether the plain model predicts the held-out runs worse than its own blocks, and than noise would."""
     if base.problem.train.all():
         return False
-    least = max(RULES["worse"].value * base.misfit, RULES["adequate"].value * base.fit.noise)
+    least = max(RULES["worse"].value * base.misfit, RULES["adequate"].value * base.noise)
     return _rms(base.held_out_error()) > least
 
 
@@ -291,7 +294,7 @@ def _offsets(weights: Weights) -> tuple[RunOffset, ...]:
     offsets = []
     for name, value in single.best.parameters.items():
         at = found.problem.record == names.index(name)
-        without, with_offset = (_rms(f.fit.error[at]) * scale for f in (plain, found))
+        without, with_offset = (_rms(f.error[at]) * scale for f in (plain, found))
         low, high = interval(single, name, weights)
         offsets.append(RunOffset(name, value, (min(low, value), max(high, value)), without, with_offset))
     return tuple(offsets)

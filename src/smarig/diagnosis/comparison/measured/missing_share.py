@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import nnls
 
-from smarig.diagnosis.comparison.measured.additions import FittedAddition
+from smarig.diagnosis.comparison.measured.additions import KeptAddition
 from smarig.diagnosis.comparison.missing_knowledge import MissingKnowledge, inputs_of_error
 from smarig.diagnosis.comparison.rules import RULES
 
@@ -18,7 +18,7 @@ Array = NDArray[np.float64]
 CONSTANT = 10.0  # column of the unknown zero, of either sign
 
 
-def missing_knowledge(base: FittedAddition, share: float) -> MissingKnowledge | None:
+def missing_knowledge(base: KeptAddition, share: float) -> MissingKnowledge | None:
     """The missing knowledge, or None if the held-out error is no matter of knowledge."""
     if share < RULES["not_determined"].value:
         return None
@@ -27,11 +27,11 @@ def missing_knowledge(base: FittedAddition, share: float) -> MissingKnowledge | 
     return MissingKnowledge(min(share, 1.0), inputs_of_error(u, square))
 
 
-def missing_share(base: FittedAddition) -> float:
+def missing_share(base: KeptAddition) -> float:
     """Share of the held-out square error that one density for all readings would not have."""
     train, y = base.problem.train, base.problem.y
     ones = np.full((y.size, 1), CONSTANT)
-    columns = np.hstack([base.prior.features, ones, -ones])
+    columns = np.hstack([base.relays.features, ones, -ones])
     error = base.held_out_error()
     total = float(error @ error)
     if not total:

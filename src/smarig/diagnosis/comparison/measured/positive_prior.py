@@ -24,15 +24,14 @@ SLOPE_STEP = 0.01
 
 
 @dataclass(frozen=True, eq=False)
-class PositivePrior:
-    """Features (m, k) of all readings for an input that acts, density w₀ (k,), and their covariance (m, m).
+class PositiveDensity:
+    """Features (m, k) of all readings for an input that acts, and density w₀ (k,).
 
-    The covariance is that of deviations as large as w₀, over ``variance``, its mean over the training readings.
+    ``variance`` is the mean over the training readings of the variance of deviations as large as w₀.
     """
 
     features: Array
     density: Array
-    covariance: Array
     warped: tuple[Array, ...]
     variance: float
 
@@ -42,15 +41,29 @@ class PositivePrior:
         return GRID.covariance(moved, self.features, self.density) / self.variance
 
 
-def positive_prior(problem: ReadingProblem, inputs: Sequence[Array], target: Array) -> PositivePrior:
-    """The prior for inputs (n,) of each record that act on the wire, and a ``target`` (m,) of its positive fit."""
-    warped = _warped(problem, inputs)
-    features = _features(problem, warped)
+@dataclass(frozen=True, eq=False)
+class PositivePrior:
+    """A density, and the covariance (m, m) of deviations as large as it, over ``relays.variance``."""
+
+    relays: PositiveDensity
+    covariance: Array
+
+
+def positive_prior(
+    problem: ReadingProblem, inputs: Sequence[Array], target: Array, near: PositivePrior | None = None
+) -> PositivePrior:
+    """The prior for inputs (n,) of each record that act on the wire, and a ``target`` (m,) of its positive fit.
+
+    If ``near`` is of the same inputs, both hold one array of features.
+    """
+    warped = tuple(_warped(problem, inputs))
+    same = near is not None and all(map(np.array_equal, near.relays.warped, warped))
+    features = near.relays.features if near is not None and same else _features(problem, warped)
     train = problem.train
     density = _positive_fit(features[train], target[train])
     covariance = GRID.covariance(features, features, density)
     variance = float(np.mean(np.diag(covariance)[train])) or 1.0
-    return PositivePrior(features, density, covariance / variance, tuple(warped), variance)
+    return PositivePrior(PositiveDensity(features, density, warped, variance), covariance / variance)
 
 
 def _features(problem: ReadingProblem, inputs: Sequence[Array]) -> Array:
