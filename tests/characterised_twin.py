@@ -45,7 +45,8 @@ class CharacterisedTwin:
 
     def evidence(self) -> Evidence:
         """The evidence. Its paths are relative to the folder in which the command ran."""
-        return pickle.loads((self.folder / EVIDENCE).read_bytes())
+        with (self.folder / EVIDENCE).open("rb") as file:  # its bytes take as much memory as what they hold
+            return pickle.load(file)
 
 
 def characterised_twin(folder: Path) -> CharacterisedTwin:
@@ -124,9 +125,10 @@ def run_command(previews: Path) -> None:
     if status:
         sys.exit(printed.getvalue())
     Path(PRINTED).write_text(printed.getvalue(), encoding="utf-8")
-    pickled = io.BytesIO()
-    _Pickler(pickled).dump(evidence[0])
-    Path(EVIDENCE).write_bytes(pickled.getvalue())  # last: whole, or not there
+    begun = Path(EVIDENCE).with_suffix(".begun")
+    with begun.open("wb") as file:
+        _Pickler(file).dump(evidence[0])
+    begun.replace(EVIDENCE)  # last: whole, or not there
 
 
 if __name__ == "__main__":  # by its name, under which pickles are read

@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterable, Sequence
 from typing import Any
 
 import numpy as np
-from scipy.stats import beta
+from scipy.special import betaincinv
 
 from benchmarks.boxes.box_effects import EFFECTS, INVISIBLE_WITHOUT
 
@@ -137,14 +137,14 @@ def removable_share(r: Record) -> float | None:
 def rate(records: Sequence[Record], condition: Callable[[Record], bool]) -> dict[str, Any]:
     """Hits of a condition with their 95 % bounds (Clopper–Pearson)."""
     n, k = len(records), sum(map(condition, records))
-    low = float(beta.ppf(0.025, k, n - k + 1)) if k else 0.0
-    high = float(beta.ppf(0.975, k + 1, n - k)) if k < n else 1.0
+    low = float(betaincinv(k, n - k + 1, 0.025)) if k else 0.0
+    high = float(betaincinv(k + 1, n - k, 0.975)) if k < n else 1.0
     return {"hits": k, "of": n, "rate": k / n if n else None, "ci95": [low, high] if n else None}
 
 
 def _upper(records: Sequence[Record], condition: Callable[[Record], bool]) -> float | None:
     n, k = len(records), sum(map(condition, records))
-    return (float(beta.ppf(0.95, k + 1, n - k)) if k < n else 1.0) if n else None
+    return (float(betaincinv(k + 1, n - k, 0.95)) if k < n else 1.0) if n else None
 
 
 def _power(records: Sequence[Record]) -> list[dict[str, Any]]:

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from scipy.signal import lsim
 
 from control.findings_page import CLASSES
 from control.measures import DT_S, tables
@@ -61,6 +60,8 @@ def test_a_member_never_gives_more_than_it_was_supplied(name: str):
 
 def integral(k: PositionController, u: np.ndarray, t: np.ndarray, a: float) -> np.ndarray:
     """∫ (u̇ Ku − a²|Ku|²) up to every T; in the convention of K that is w_c with b = c."""
+    from scipy.signal import lsim
+
     _, y, _ = lsim((k.numerator[::-1], k.denominator[::-1]), u, t)
     middle = (y[1:] + y[:-1]) / 2
     return np.cumsum(np.diff(u) * middle - a**2 * middle**2 * np.diff(t))

@@ -5,7 +5,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from scipy.stats import multivariate_normal
 
 from smarig.diagnosis.refit.variance_components import START, ReadingCovariance
 
@@ -42,6 +41,8 @@ def mixed():
 
 
 def test_the_cost_is_minus_the_log_density_of_a_normal_with_all_that_readings_spread_by(mixed):
+    from scipy.stats import multivariate_normal
+
     reading_covariance, memory = mixed
     *weights, s_m, s0, s_T = 10.0**LOG_COMPONENTS
     outputs = sum(w * shape for w, shape in zip(weights, reading_covariance.shapes)) + s_T**2 * memory

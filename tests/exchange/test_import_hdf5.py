@@ -10,10 +10,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from extras import skip_without
 from smarig.core.errors import DataError, UsageError
 from smarig.exchange import find_tables, import_file
 
-h5py = pytest.importorskip("h5py", reason="needs h5py (extra 'files')")
+skip_without("h5py", extra="files")
 
 from hostile import hdf5_files as crafted  # noqa: E402
 from hostile.material import HDF5_MAPPING, SECRET, Material  # noqa: E402
@@ -150,6 +151,8 @@ def test_a_link_or_references_that_a_mapping_names_are_refused_by_name(tmp_path,
 
 @pytest.mark.parametrize("group", ["/nope", "/H", "/other/x", "round"])
 def test_a_missing_group_and_a_link_to_one_are_named(tmp_path, here, group):
+    import h5py
+
     path = make(tmp_path / "a.h5", "soft links")
     with h5py.File(path, "a") as file:
         file["other"] = h5py.ExternalLink("elsewhere.h5", "/")

@@ -8,13 +8,15 @@ from collections import Counter
 
 import pytest
 
-pytest.importorskip("h5py", reason="needs h5py (extra 'files')")
-pytest.importorskip("openpyxl", reason="needs openpyxl (extra 'files')")
-pytest.importorskip("pyarrow", reason="needs pyarrow (extra 'parquet')")
+from extras import skip_without
 
-from mutated.campaign import open_one
-from mutated.formats import FORMATS
-from smarig.exchange import hdf5_child, hdf5_process
+skip_without("h5py", extra="files")
+skip_without("openpyxl", extra="files")
+skip_without("pyarrow", extra="parquet")
+
+from mutated.campaign import open_one  # noqa: E402
+from mutated.formats import FORMATS  # noqa: E402
+from smarig.exchange import hdf5_child, hdf5_process  # noqa: E402
 
 pytestmark = [
     pytest.mark.filterwarnings("ignore"),  # of libraries, on what they read

@@ -6,7 +6,6 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from scipy.signal import lfilter
 
 from smarig.core.command import Hold, StepResult, StepVerdict, Waveform
 from smarig.core.errors import UsageError
@@ -28,6 +27,8 @@ def driven(setup, settings=None):
     current = np.concatenate([c for _, c in parts])
     steady = setup.actuator.gain_K_per_A2 * current**2 * np.where(current < 0, -1, 1)
     decay = np.exp(-setup.period_s / setup.tau_s)
+    from scipy.signal import lfilter
+
     u = lfilter([1 - decay], [1, -decay], steady)
     ends = np.cumsum([0, *(len(c) for _, c in parts)])
     return [(name, u[a:b], current[a:b]) for (name, _), (a, b) in zip(parts, pairwise(ends))]

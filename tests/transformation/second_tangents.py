@@ -8,7 +8,6 @@ from collections import namedtuple
 
 import numpy as np
 from scipy.ndimage import uniform_filter1d
-from scipy.stats import linregress
 
 Line = namedtuple("Line", "slope intercept")
 CHORD = 0.3  # of the output: length of the regressions
@@ -36,6 +35,8 @@ def corners(temperature, output, middle=None):
 
 def steepest(t, y):
     """The steepest regression over a third of the output, and its middle."""
+    from scipy.stats import linregress
+
     size, best, at = CHORD * np.ptp(y), None, 0.0
     for a in range(t.size - 1):
         far = np.flatnonzero(np.abs(y[a:] - y[a]) >= size)
@@ -51,6 +52,8 @@ def steepest(t, y):
 
 def _between(t, y, middle):
     """The regression of the temperature on the output between two shares of the output, as a line y(t)."""
+    from scipy.stats import linregress
+
     share = (y - y[0]) / (y[-1] - y[0])
     rows = (share >= middle[0]) & (share <= middle[1])
     line = linregress(y[rows], t[rows])
@@ -66,6 +69,8 @@ def _foot(grid, calm, at, side):
 
 
 def _meet(t, y, steep, foot, side):
+    from scipy.stats import linregress
+
     rows = t <= foot if side < 0 else t >= foot
     if rows.sum() < 3:
         return np.nan

@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-from scipy.stats import binom
 
 from benchmark.blind.records import ambiguous, parameter, record
 from benchmarks.blind.score_table import GROUPS, VARIABLES, confusable, is_correct_variable, score_table
@@ -18,6 +17,8 @@ def empty(alarms, of, category="empty"):
     ("alarms", "of", "upper"), [(0, 60, 0.0487), (0, 100, 0.0295), (8, 300, 0.0476), (5, 5, 1.0)]
 )
 def test_the_bound_on_false_alarms_is_clopper_and_pearsons_one_sided(alarms, of, upper):
+    from scipy.stats import binom
+
     found = score_table(empty(alarms, of))["false_alarms"]
     assert (found["hits"], found["of"], found["rate"]) == (alarms, of, alarms / of)
     assert found["upper95"] == pytest.approx(upper, abs=5e-5)
@@ -26,6 +27,8 @@ def test_the_bound_on_false_alarms_is_clopper_and_pearsons_one_sided(alarms, of,
 
 
 def test_rates_have_clopper_and_pearsons_bounds_of_both_sides():
+    from scipy.stats import binom
+
     low, high = score_table(empty(8, 300))["false_alarms"]["ci95"]
     assert (low, high) == (pytest.approx(0.0116, abs=5e-5), pytest.approx(0.0519, abs=5e-5))
     assert binom.sf(7, 300, low) == pytest.approx(0.025)

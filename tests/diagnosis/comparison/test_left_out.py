@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 from numpy.typing import NDArray
-from scipy.stats import multivariate_t
 
 from smarig.diagnosis.comparison.block_predictions import NU, left_out
 
@@ -35,6 +34,8 @@ def test_errors_are_those_of_a_prediction_from_the_other_blocks():
 
 
 def test_scores_are_multivariate_t_densities_of_these_errors():
+    from scipy.stats import multivariate_t
+
     k, y = made(2)
     _, scores = left_out(*dual(k, y), BLOCKS)
     for rows, score in zip(BLOCKS, scores):

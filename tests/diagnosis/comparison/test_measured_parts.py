@@ -4,7 +4,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from scipy.stats import multivariate_normal
 
 from diagnosis.measured.independent_wire import RelayWire, as_run, triangles
 from smarig.diagnosis.comparison import gaussian_fit
@@ -67,6 +66,8 @@ def test_the_gradient_of_the_evidence_is_that_of_finite_differences():
 
 
 def test_sizes_are_those_of_the_largest_evidence():
+    from scipy.stats import multivariate_normal
+
     rng = np.random.default_rng(1)
     z = np.linspace(0, 1, 60)
     k = np.exp(-0.5 * ((z[:, None] - z) / 0.1) ** 2)

@@ -7,7 +7,6 @@ mean of values that the blocks disagree on has the standard deviation of the val
 import numpy as np
 import pytest
 from scipy.integrate import quad
-from scipy.stats import beta
 
 from smarig.diagnosis.comparison.commanded.drawn_values import drawn_values
 from smarig.diagnosis.comparison.compared_hypothesis import ComparedHypothesis, Part, Trial
@@ -42,6 +41,8 @@ def test_two_blocks_that_disagree_leave_what_their_integral_says(gains):
 
 @pytest.mark.parametrize("blocks", [5, 10, 20, 40])
 def test_a_gain_in_one_block_is_as_likely_as_that_block_is_to_be_drawn(blocks):
+    from scipy.stats import beta
+
     gains = np.r_[40.0, np.full(blocks - 1, -10.0 / (blocks - 1))]
     share = beta(1, blocks - 1)
 

@@ -3,7 +3,6 @@
 from pathlib import Path
 
 import numpy as np
-from scipy.signal import lfilter
 
 from smarig.core import Hold, Waveform
 from smarig.protocols import Setup, build_protocol
@@ -24,6 +23,8 @@ def relays(seed=0):
 
 def heated(current_A, tau_s, gain=GAIN):
     """Temperature (n,) after each tick of a current: a first-order low-pass of (R/hA) i²."""
+    from scipy.signal import lfilter
+
     decay = np.exp(-DT_S / tau_s)
     return lfilter([1 - decay], [1, -decay], gain * np.asarray(current_A) ** 2)
 

@@ -6,7 +6,6 @@ the stroke.
 """
 
 import numpy as np
-from scipy.stats import gamma, norm, qmc
 
 STROKE = 10.0
 LOWER, UPPER = 0.0, 150.0
@@ -16,6 +15,8 @@ class Wire:
     """Relays up at ``alpha``, down at ``beta``; ``on`` or not."""
 
     def __init__(self, m=14, seed=1):
+        from scipy.stats import gamma, norm, qmc
+
         spread = qmc.Sobol(2, seed=seed).random_base2(m)
         centre = 75 + 20 * norm.ppf(spread[:, 0])
         half = 4 * gamma.ppf(spread[:, 1], 4)
