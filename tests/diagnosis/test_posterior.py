@@ -60,7 +60,17 @@ def posterior_of(path, read, kept=slice(None)):
     dual_weights = cho_solve((factor, True), (read[kept] - WIRE.y_lower) / STROKE - prior.outputs(prior.mass))
     ones = np.ones(n)
     return DensityPosterior(
-        prior, VARIANCES, density, ones, factor, free, dual_weights, STROKE * ones, STROKE, WIRE.y_lower, "mm"
+        prior,
+        VARIANCES,
+        ones,
+        factor,
+        free,
+        dual_weights,
+        density @ dual_weights,
+        STROKE * ones,
+        STROKE,
+        WIRE.y_lower,
+        "mm",
     )
 
 

@@ -19,8 +19,9 @@ TOLERANCE_STROKES = 1e-5  # strokes
 
 @dataclass(frozen=True, eq=False)
 class DensityPosterior:
-    """A prior, the ``variances`` of its parts with their sum ``covariance`` (n, n), and ``dual_weights`` (n,) =
-    C⁻¹y.
+    """A prior, the ``variances`` of its parts, and ``dual_weights`` (n,) = C⁻¹y.
+
+    ``outputs`` (n,), in strokes, are the mean deviations from those of the prior.
 
     ``factor`` is the Cholesky factor of C. ``output_slope`` (n,) is the slope of scaled readings to the output in
     strokes. ``free`` (n, n) is the covariance of zeros. ``zero_scale`` (n,) is in output units per scaled reading
@@ -29,11 +30,11 @@ class DensityPosterior:
 
     prior: DensityPrior
     variances: Array
-    covariance: Array
     output_slope: Array
     factor: Array
     free: Array
     dual_weights: Array
+    outputs: Array
     zero_scale: Array
     stroke: float
     y_lower: float
@@ -53,7 +54,7 @@ class DensityPosterior:
         """
         dual_weights, shift = self.output_slope * self.dual_weights, self.free @ self.dual_weights
         masses = self.prior.posterior_masses(self.variances, dual_weights)
-        wanted = self.output_slope * (self.covariance @ dual_weights) + shift
+        wanted = self.output_slope * self.outputs + shift
         for _ in range(MAX_CORRECTIONS):
             remainder = wanted - self.output_slope * self.prior.outputs(masses - self.prior.mass) - shift
             if np.sqrt(np.mean(remainder**2) / np.mean(self.output_slope**2)) < TOLERANCE_STROKES:

@@ -139,11 +139,11 @@ def refit(
         posterior=DensityPosterior(
             prior=about.bare,
             variances=np.array(variances),
-            covariance=density,
             output_slope=output_slope,
             factor=factor[:n, :n],
             free=free,
             dual_weights=dual_weights,
+            outputs=density @ (output_slope * dual_weights),
             zero_scale=readings.zero_scale,
             stroke=span,
             y_lower=plant_model.hysteresis.y_lower,

@@ -23,16 +23,12 @@ Integers = NDArray[np.int64]
 
 @dataclass(frozen=True, eq=False)
 class Triangle:
-    """Cells (i, j), i ≥ j, between neighbouring ``nodes`` (N + 1,); cell k spans α in [u_i, u_i+1], β in [u_j, u_j+1].
-
-    ``masses`` (cells, unknowns) maps the unknowns to ν of each cell, an output change.
-    """
+    """Cells (i, j), i ≥ j, between ``nodes`` (N + 1,): cell k spans α in [u_i, u_i+1] and β in [u_j, u_j+1]."""
 
     nodes: Array
     place: Array | None = None
     i: Integers = field(init=False, repr=False)
     j: Integers = field(init=False, repr=False)
-    masses: csr_matrix = field(init=False, repr=False)
     _unknown: Integers = field(init=False, repr=False)
     _cell: Integers = field(init=False, repr=False)
     _x: Array = field(init=False, repr=False)
@@ -55,7 +51,6 @@ class Triangle:
         }
         for name, value in values.items():
             object.__setattr__(self, name, value)
-        object.__setattr__(self, "masses", self._mass_matrix())
 
     @property
     def cells(self) -> int:
@@ -131,7 +126,9 @@ class Triangle:
 
     # --- mass, smoothness, and table --------------------------------------------------
 
-    def _mass_matrix(self) -> csr_matrix:
+    @cached_property
+    def masses(self) -> csr_matrix:
+        """(cells, unknowns): maps the unknowns to ν of each cell, an output change."""
         i, j = self.i, self.j
         inner = np.where(i == j, 0.0, 1.0)  # on the diagonal ν is F(u_i+1, u_i) alone
         rows = _SparseRows(self.unknowns, i.size)

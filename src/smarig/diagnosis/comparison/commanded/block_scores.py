@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from smarig.diagnosis.comparison.block_predictions import inverse, left_out
 from smarig.diagnosis.comparison.commanded.channel_model import ChannelModel
 from smarig.diagnosis.comparison.compared_hypothesis import Trial
-from smarig.replay import OUTPUT_DEPENDENT_KINDS, PlantModel, Prediction, Timeline
+from smarig.replay import OUTPUT_DEPENDENT_KINDS, Prediction, Timeline
 
 Array = NDArray[np.float64]
 Rows = NDArray[np.int64]
@@ -74,12 +74,11 @@ def trial_of(
     timeline: Timeline,
     problems: Sequence[Problem],
     parameters: Mapping[str, float],
-    plant_model: PlantModel | None,
     shifts: Sequence[Array] = (),
 ) -> Trial:
     """The scores of all blocks; ``shifts`` are taken from the readings of each problem.
 
-    The state of the trial is the plant model, and by kind the mean square of left-out errors in shares of the span.
+    The state of the trial is, by kind, the mean square of left-out errors in shares of the span.
     """
     count = int(timeline.block.max()) + 1
     total, squares = np.zeros(count), {}
@@ -97,7 +96,7 @@ def trial_of(
                 settled = own
             at += size
     per_block = np.bincount(timeline.block, settled**2, count).astype(float)
-    return Trial(parameters, total, per_block, (plant_model, squares))
+    return Trial(parameters, total, per_block, squares)
 
 
 def _span_of(timeline: Timeline, kind: str) -> float:

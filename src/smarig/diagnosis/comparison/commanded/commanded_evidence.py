@@ -59,7 +59,7 @@ def _squares(
     def fitted(model: PlantModel) -> Squares:
         return {FITTED[k]: (e / span) ** 2 for k, e in position_rms(subject.timeline, model).items()}
 
-    squares = {h.parts: dict(h.best.state[1]) for h in found.hypotheses}
+    squares = {h.parts: dict(h.best.state) for h in found.hypotheses}
     squares[()] |= fitted(base)
     for h, w in zip(weights.hypotheses, weights.weight.tolist()):
         by_effects = h.parts and all(p.kind == "effect" for p in h.parts)

@@ -150,7 +150,7 @@ class CommandedProblem:
 
     def trial(self, fitted: FittedPlant) -> Trial:
         """The scores of a fitted model, less what its parameters gain by being fitted to the scored blocks too."""
-        found = trial_of(self.timeline, fitted.problems, fitted.parameters, fitted.plant_model)
+        found = trial_of(self.timeline, fitted.problems, fitted.parameters)
         return less_optimism(found, fitted.effects)
 
     def readings(self, fitted: FittedPlant) -> tuple[CoupledReadings, Array]:

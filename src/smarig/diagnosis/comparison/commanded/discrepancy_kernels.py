@@ -7,8 +7,9 @@ input in proportion to the heating. Trends and jumps are there where no effect o
 kernels alone, an effect of a simple shape would win for being simple.
 """
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -36,14 +37,15 @@ JUMP_EDGE = 0.05  # of the record: a jump nearer to its ends moves too few readi
 
 @dataclass(frozen=True, eq=False)
 class Kernel:
-    """A dependence on ``variable`` that acts at a ``place``: ``shape`` (n, n) in strokes² or per K².
+    """A dependence on ``variable`` that acts at a ``place``: ``shape()`` (n, n) in strokes² or per K².
 
-    ``free`` counts its parameters that are fitted to the scored blocks: the time of a jump.
+    It is computed when it is asked for: together, all shapes are larger than anything else of a diagnosis. ``free``
+    counts the parameters that are fitted to the scored blocks: the time of a jump.
     """
 
     variable: str
     place: str
-    shape: Array
+    shape: Callable[[], Array]
     free: int = 0
 
     @property
@@ -117,13 +119,18 @@ def _of_time(own: _Geometry) -> Iterator[Kernel]:
     middle = float(own.t_s.mean())  # a density identified from all readings is that of their middle
     trend, trend_at = (own.t_s - middle) / lasting, (own.at_s - middle) / lasting
     for share in TIME_SHARES:
-        yield Kernel("time", "output", own.output(falling(own.t_s, share * lasting)))
-        yield Kernel("time", "input", own.input(falling(own.at_s, share * lasting)))
-    yield Kernel("time", "output", own.output(np.outer(trend, trend)))
-    yield Kernel("time", "gain", own.gain(falling(own.t_s, TIME_SHARES[-1] * lasting)))
-    yield Kernel("time", "gain", own.gain(np.outer(trend, trend)))
-    yield Kernel("time", "heat", own.heat(falling(own.at_s, TIME_SHARES[-1] * lasting)))
-    yield Kernel("time", "heat", own.heat(np.outer(trend_at, trend_at)))
+        yield Kernel(
+            "time", "output", partial(lambda length: own.output(falling(own.t_s, length)), share * lasting)
+        )
+        yield Kernel(
+            "time", "input", partial(lambda length: own.input(falling(own.at_s, length)), share * lasting)
+        )
+    longest = TIME_SHARES[-1] * lasting
+    yield Kernel("time", "output", lambda: own.output(np.outer(trend, trend)))
+    yield Kernel("time", "gain", lambda: own.gain(falling(own.t_s, longest)))
+    yield Kernel("time", "gain", lambda: own.gain(np.outer(trend, trend)))
+    yield Kernel("time", "heat", lambda: own.heat(falling(own.at_s, longest)))
+    yield Kernel("time", "heat", lambda: own.heat(np.outer(trend_at, trend_at)))
 
 
 def _jump(own: _Geometry, readings: CoupledReadings, C: Array, *, heat: bool) -> Kernel | None:
@@ -142,22 +149,23 @@ def _jump(own: _Geometry, readings: CoupledReadings, C: Array, *, heat: bool) ->
     square = np.sum(white**2, axis=0)
     gain = np.where(square > 0, (data @ white) ** 2 / np.where(square > 0, square, 1.0), 0.0)
     trace = traces[:, int(np.argmax(gain))]
-    return Kernel("time", "heat" if heat else "input", np.outer(trace, trace), free=1)
+    return Kernel("time", "heat" if heat else "input", lambda: np.outer(trace, trace), free=1)
 
 
 def _of_others(subject: CommandedProblem, fitted: FittedPlant, own: _Geometry) -> Iterator[Kernel]:
     timeline, prediction = subject.timeline, fitted.prediction
     coupled = [r for r in timeline.all_readings if r.kind in OUTPUT_DEPENDENT_KINDS]
 
-    def both(variable: str, shape: Array) -> Iterator[Kernel]:
-        yield Kernel(variable, "output", own.is_position[:, None] * shape * own.is_position)
-        yield Kernel(variable, "input", own.slope[:, None] * shape * own.slope)
+    def both(variable: str, shape: Callable[[], Array]) -> Iterator[Kernel]:
+        yield Kernel(variable, "output", lambda: own.is_position[:, None] * shape() * own.is_position)
+        yield Kernel(variable, "input", lambda: own.slope[:, None] * shape() * own.slope)
 
     for name, z in _variables(subject, fitted, coupled).items():
-        yield from both(name, falling(ranks(z), RANK_LENGTH))
+        yield from both(name, partial(falling, ranks(z), RANK_LENGTH))
     block = timeline.block[np.concatenate([r.step for r in coupled])]
-    yield from both("branch", np.equal.outer(block, block) * falling(ranks(prediction.output), RANK_LENGTH))
-    yield from both(WALK, walk_kernel(own.session, own.t_s, prediction.output))
+    level = ranks(prediction.output)
+    yield from both("branch", lambda: np.equal.outer(block, block) * falling(level, RANK_LENGTH))
+    yield from both(WALK, partial(walk_kernel, own.session, own.t_s, prediction.output))
 
 
 def _variables(subject: CommandedProblem, fitted: FittedPlant, coupled: Sequence) -> Mapping[str, Array]:
@@ -187,7 +195,7 @@ def screened_kernels(C: Array, readings: CoupledReadings, tried: Sequence[Kernel
 
     data, gains, sizes = whitened(readings.covariance.y), [], []
     for kernel in tried:
-        shape = slope[:, None] * kernel.shape * slope
+        shape = slope[:, None] * kernel.shape() * slope
         values, vectors = eigh(whitened(whitened(shape).T), check_finite=False)
         squares = (vectors.T @ data) ** 2
         grown = 1 + SIZES[:, None] * np.maximum(values, 0.0)

@@ -68,7 +68,7 @@ def screened(
     """All effects that change a reading, the best first; ``ranking``: problems in which they are compared."""
     names = {e.kind.name for e in fitted.effects}
     problems = ranking or fitted.problems
-    nothing = [trial_of(subject.timeline, p, {}, None).score for p in (fitted.problems, problems)]
+    nothing = [trial_of(subject.timeline, p, {}).score for p in (fitted.problems, problems)]
     all_found = [
         one
         for c in found
@@ -101,10 +101,10 @@ def _screened(
     value = candidate.variants[k].strength * float(own[k])
     effect = kind(**{**candidate.variants[k].values, kind.primary.name: value})
     parameters = fitted.parameters | {f"{kind.name}.{n}": v for n, v in effect.values.items()}
-    trial = trial_of(subject.timeline, fitted.problems, parameters, None, shifts)
+    trial = trial_of(subject.timeline, fitted.problems, parameters, shifts)
     trial = less_optimism(trial, [*fitted.effects, effect])
     white = np.concatenate([p.root @ s for p, s in zip(fitted.problems, shifts)])
-    ranked = trial_of(subject.timeline, ranking, parameters, None, shifts)
+    ranked = trial_of(subject.timeline, ranking, parameters, shifts)
     by_channel = _by_channels(candidate, k, fitted.problems[1:], traces[1:])
     most = max((gain for _, gain in by_channel), default=0.0)
     usual = {kind.primary.typical, max(-kind.primary.typical, kind.primary.lower)} - {0.0}

@@ -104,12 +104,11 @@ class Discrepancies:
         return ComparedHypothesis((*parts, Part("variable", variable)), tuple(trials))
 
     def _trial(self, j: int, channels: tuple[Problem, ...]) -> Trial:
-        model = self.fitted.plant_model
-        found = trial_of(self.subject.timeline, (self._with(j), *channels), self.fitted.parameters, model)
+        found = trial_of(self.subject.timeline, (self._with(j), *channels), self.fitted.parameters)
         return less_optimism(found, self.fitted.effects, self.kernels[j].free)
 
     def _with(self, j: int) -> Problem:
-        found = self.readings.covariance.with_shape(self.kernels[j].shape)
+        found = self.readings.covariance.with_shape(self.kernels[j].shape())
         at, size = len(found.shapes) - 1, np.log10(self._screened[1][j])
         _, components = found.likeliest_near(self.memory, np.insert(self.start, at, size))
         C = found.covariance(self.memory, components)
