@@ -34,11 +34,13 @@ def material(tmp_path_factory) -> Material:
 
 
 @pytest.fixture(scope="module")
-def canaries(tmp_path_factory, material) -> Canaries:
-    with pytest.MonkeyPatch.context() as patch, contextlib.suppress(ImportError):
+def canaries(tmp_path_factory, material) -> Iterator[Canaries]:
+    with pytest.MonkeyPatch.context() as patch:
+        # matplotlib's list of fonts: read here once, and by the workers of a study, which would write it to their HOME
         patch.setenv("MPLCONFIGDIR", str(tmp_path_factory.mktemp("matplotlib")))
-        importlib.import_module("matplotlib.font_manager")  # it looks for fonts, once
-    return fill(tmp_path_factory.mktemp("elsewhere") / "outside", material)
+        with contextlib.suppress(ImportError):
+            importlib.import_module("matplotlib.font_manager")
+        yield fill(tmp_path_factory.mktemp("elsewhere") / "outside", material)
 
 
 def _walk() -> Iterator[Case]:
