@@ -11,7 +11,7 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.core import UsageError, catalogue_entry, catalogue_names, own_entries, plugin_hint
+from smarig.core import UsageError, catalogue_entry, catalogue_names, own_entries, plugin_hint, shown
 
 Array = NDArray[np.float64]
 Parameters = tuple[float, ...]
@@ -91,7 +91,7 @@ def surface_form(name: str) -> SurfaceForm:
     known = surface_forms()
     if name not in known:
         hint = plugin_hint(FORMS, name)
-        raise UsageError(hint or f"Surface form '{name}' must be one of {', '.join(known)}.")
+        raise UsageError(hint or f"Surface form {shown(name)} must be one of {', '.join(known)}.")
     return known[name]
 
 
