@@ -80,26 +80,61 @@ def test_an_encoder_that_does_not_count_ends_it_where_the_wire_must_have_moved()
     assert driven <= 0.65, "not all of its 1 A"
 
 
-@pytest.mark.parametrize(("tolerance", "passed"), [(0.1, False), (0.6, True)])
-def test_a_wire_that_transforms_later_is_heated_as_far_as_the_tolerance_says(tolerance, passed):
-    """It needs twice the heat of its file. Without any motion the heating ends, too."""
-    driven = [0.0]
+def late_wire(tolerance, read=lambda counts, _: counts):
+    """Checks by name of a wire that needs twice the heat of its file; the sensor reads (counts, heat in kelvin)."""
     wire = Twin.named("one_wire_twin", noise=False)
+    driven = [0.0]
 
     def late(sample):
         driven.append(abs(lying.twin.output_A))
         wire.step(sample.current_A / np.sqrt(2))
-        return sample._replace(counts=wire.step(sample.current_A / np.sqrt(2))[-1].counts)
+        counts = wire.step(sample.current_A / np.sqrt(2))[-1].counts
+        return sample._replace(counts=round(read(counts, wire.specimen.wire_K[0])))
 
     lying = TamperedRig("one_wire_twin", late)
     lying.identity, lying.has_lease, lying.measures_ambient = lambda: ["a twin"], True, True
     limits = lying.file.limits.model_copy(update={"model_tolerance": tolerance})
     checks = []
     bring_up(lying, lying.file.model_copy(update={"limits": limits}), checks.append)
-    direction = next(c for c in checks if c.name == "encoder direction")
+    assert max(driven) <= limits.current_max_A
+    return {c.name: c for c in checks}
+
+
+@pytest.mark.parametrize(("tolerance", "passed"), [(0.1, False), (0.6, True)])
+def test_a_wire_that_transforms_later_is_heated_as_far_as_the_tolerance_says(tolerance, passed):
+    """Without any motion the heating ends, too."""
+    direction = late_wire(tolerance)["encoder direction"]
     assert direction.passed == passed
     assert passed or "raise limits.model_tolerance = 0.1" in direction.observed
-    assert max(driven) <= limits.current_max_A
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+@pytest.mark.parametrize("tolerance", [0.1, 0.3, 0.6])
+def test_what_a_wire_lengthens_before_it_transforms_is_no_motion(sign, tolerance):
+    """By 0.1 counts per kelvin, as 0.4 m of wire do: against its direction, and more than noise."""
+    found = late_wire(tolerance, lambda counts, wire_K: sign * (counts - 0.1 * wire_K))
+    direction = found["encoder direction"]
+    assert direction.passed == (sign > 0 and tolerance > 0.1)
+    reversed_ = "exchange the encoder's lines" in direction.observed
+    assert reversed_ == (sign < 0 and tolerance > 0.1), direction.observed
+
+
+@pytest.mark.parametrize("factor", [15, 66])
+def test_a_scale_that_is_far_too_small_is_seen(factor):
+    found, _ = checked(lambda s: s._replace(counts=round(s.counts / factor)))
+    assert not found["encoder direction"].passed
+    assert "a motion has 8 counts or more" in found["encoder direction"].observed
+    assert "heating must" not in found["encoder direction"].observed
+    assert "the unit of the driver" in found["encoder direction"].observed
+
+
+def test_where_the_current_ends_the_heating_that_is_said():
+    lying = TamperedRig("one_wire_twin", lambda s: s._replace(counts=0))
+    lying.identity, lying.has_lease, lying.measures_ambient = lambda: ["a twin"], True, True
+    limits = lying.file.limits.model_copy(update={"current_max_A": 0.4})
+    checks = []
+    bring_up(lying, lying.file.model_copy(update={"limits": limits}), checks.append)
+    assert "needs more heat than limits.current_max_A" in checks[-1].observed
 
 
 def test_an_encoder_that_counts_backwards_is_told_from_one_that_does_not_count():

@@ -172,7 +172,7 @@ def _heating_checks(
     expected = ExpectedResistance(actuator, file.limits.resistance_tolerance)
     yield _resistance(sample, expected, guard.input_K)._replace(name=f"resistance{wire}")
     where = f"{sign * motion.heated_by:+d} counts at {command_A:.2f} A, {guard.input_K:.0f} K (heating model)"
-    direction = model.direction(motion, where)._replace(name=f"encoder direction{wire}")
+    direction = model.direction(motion, where, guard.input_K)._replace(name=f"encoder direction{wire}")
     scale = model.scale(motion, guard.input_K)._replace(name=f"encoder scale{wire}")
     # counts of a wrong unit tell no direction
     yield from (direction, scale) if scale.passed else (scale, direction)

@@ -1,5 +1,6 @@
 """The motion of a wire by its model, against that of the readings, when it is heated from rest for the first time."""
 
+import math
 from collections.abc import Sequence
 from typing import NamedTuple
 
@@ -40,7 +41,8 @@ def motion_of(rest: Sequence[Sample], heated: Sequence[Sample], sign: int) -> Mo
 class MotionModel:
     """The motion of the wire by its model from rest, in counts, against a measured one in the direction of heating.
 
-    ``MIN_TRAVEL`` of the stroke is compared: a motion ``MOTION_MARGIN`` times larger or smaller is that of no wire.
+    A motion of less than ``MIN_TRAVEL`` of the stroke tells nothing: before it transforms, a wire lengthens.
+    One that is ``MOTION_MARGIN`` times larger or smaller than the model's is that of no wire.
     """
 
     def __init__(self, actuator: Actuator, file: RigFile, sign: int) -> None:
@@ -54,8 +56,9 @@ class MotionModel:
         largest = float(self._counts.max())
         compared = MIN_TRAVEL * abs(h.y_upper - h.y_lower) / actuator.resolution(file.encoder)
         self._compared = min(compared, largest)
-        self._least = max(MIN_MOTION_COUNTS, self._compared / MOTION_MARGIN)
-        self._certain = min(MOTION_MARGIN * self._least, largest)  # a coarse encoder never reaches the first
+        self._least = max(MIN_MOTION_COUNTS, self._compared)
+        some = max(MIN_MOTION_COUNTS, self._compared / MOTION_MARGIN)
+        self._certain = min(MOTION_MARGIN * some, largest)  # a coarse encoder never reaches the first
         self._largest = MOTION_MARGIN * max(self._compared, MIN_MOTION_COUNTS)
 
     def at(self, input_K: float) -> float:
@@ -67,33 +70,38 @@ class MotionModel:
         although every wire within ``limits.model_tolerance`` has moved.
         """
         by_model, moved = self.at(input_K), motion.heated_by
+        compared = abs(moved) >= self._least and by_model >= self._compared
+        shown = motion.clear and (compared or abs(moved) > self._largest)
+        return shown or self._every_wire_has_moved(input_K)
+
+    def _every_wire_has_moved(self, input_K: float) -> bool:
         hot_K = abs(input_K)
         latest_K = hot_K if hot_K >= self._inputs_K[-1] else (1 - self._tolerance) * hot_K
-        enough = moved >= self._least and by_model >= self._compared
-        backwards = moved <= -self._least and by_model >= self._least
-        wrong = backwards or abs(moved) > self._largest
-        return (motion.clear and (enough or wrong)) or self.at(latest_K) >= self._certain
+        return self.at(latest_K) >= self._certain
 
-    def direction(self, motion: Motion, where: str) -> Check:
+    def direction(self, motion: Motion, where: str, input_K: float) -> Check:
         """Whether the wire has moved, as heating moves it."""
-        observed = f"{where}; heating must {'decrease' if self._sign < 0 else 'increase'} the counts"
-        passed = motion.clear and motion.heated_by >= self._least
-        if motion.clear and motion.heated_by <= -self._least:
-            observed += f"; {_DIRECTION_REMEDY}"
-        elif not passed:
-            noise = (
-                f"; the readings at rest differ by {motion.noise}"
-                if not motion.clear and motion.noise
-                else ""
-            )
-            observed += f"{noise}; {_MOTION_REMEDY}. {self._later}"
-        return Check("encoder direction", passed, observed)
+        way = f"{where}; heating must {'decrease' if self._sign < 0 else 'increase'} the counts"
+        if not motion.clear or abs(motion.heated_by) < self._least:
+            return Check("encoder direction", False, f"{where}; {self._no_motion(motion, input_K)}")
+        if motion.heated_by < 0:
+            return Check("encoder direction", False, f"{way}; {_DIRECTION_REMEDY}")
+        return Check("encoder direction", True, way)
 
-    @property
-    def _later(self) -> str:
+    def _no_motion(self, motion: Motion, input_K: float) -> str:
+        noise = (
+            f"the readings at rest differ by {motion.noise}; " if not motion.clear and motion.noise else ""
+        )
+        if self._every_wire_has_moved(input_K):
+            further = (
+                f"raise limits.model_tolerance = {self._tolerance:g} in the rig file, and it is heated further, within "
+                "the limits"
+            )
+        else:
+            further = "it needs more heat than limits.current_max_A (for wire 2 current_min_A) allows"
         return (
-            f"If they are in order, the wire transforms later than {self._name}: raise limits.model_tolerance = "
-            f"{self._tolerance:g} in the rig file, and it is heated further, within the limits"
+            f"{noise}a motion has {math.ceil(self._least)} counts or more; {_MOTION_REMEDY}. If they are in order, the "
+            f"wire transforms later than {self._name}: {further}"
         )
 
     def scale(self, motion: Motion, input_K: float) -> Check:

@@ -54,6 +54,6 @@ class Response:
         self._warned = True
         text = (
             f"The position has moved by {high - low} counts, and the model of {self._actuator.name} by {expected:.0f}. "
-            f"Check encoder, coupling and wire, {UNIT_REMEDY}."
+            f"Check encoder, coupling and wire, {UNIT_REMEDY}. If they are in order, the wire transforms later."
         )
         return [Alarm("warning", "still", text)]
