@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from smarig.device.encoding.register import from_words as from_words
     from smarig.device.encoding.register import load_register_map as load_register_map
     from smarig.device.encoding.register import to_words as to_words
+    from smarig.device.links.network_address import no_scheme_text as no_scheme_text
     from smarig.device.links.shared_text_line import SharedTextLine as SharedTextLine
     from smarig.device.links.shared_text_line import shared_text_line as shared_text_line
     from smarig.device.links.text_line import TextLine as TextLine

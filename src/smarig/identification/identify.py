@@ -14,6 +14,7 @@ from threadpoolctl import threadpool_limits
 
 from smarig.core import DataError, UsageError, suggestion
 from smarig.identification.assumed_starts import assumed_starts, assumed_starts_text
+from smarig.identification.early_ends import early_end_warnings
 from smarig.identification.extended.choose_extension import choose_extension
 from smarig.identification.extended.extension_names import NONE, extension_names
 from smarig.identification.fitted_hysteresis import (
@@ -126,7 +127,14 @@ def identify(
         parameters=fit.names if fit else (),
         covariance=fit.covariance if fit else np.empty((0, 0)),
         intervals=fit.intervals if fit else {},
-        warnings=(*curves.warnings, *found.warnings, *late, *floor.warnings, *pooled_conditions(loaded)),
+        warnings=(
+            *early_end_warnings(loaded),
+            *curves.warnings,
+            *found.warnings,
+            *late,
+            *floor.warnings,
+            *pooled_conditions(loaded),
+        ),
         **model_metadata(loaded),
     )
     model = heating.model(model) if heating else model

@@ -8,6 +8,7 @@ import numpy as np
 
 from smarig.core import DataError, UsageError, spaced
 from smarig.identification.density_report import density_report
+from smarig.identification.early_ends import early_end_warnings
 from smarig.identification.extended.extension_names import NONE
 from smarig.identification.fod_data import first_order_points
 from smarig.identification.identification_result import Identification
@@ -77,7 +78,12 @@ def identify_loads(runs: Sequence[Run], condition: str) -> Identification:
         provenance=tuple(provenance(run) for run in everything),
         twin=any(run.twin for run in runs),
         created=datetime.now(UTC).isoformat(timespec="seconds"),
-        warnings=(*_warnings(found), *floor.warnings, *pooled_conditions(runs, {condition})),
+        warnings=(
+            *early_end_warnings(everything),
+            *_warnings(found),
+            *floor.warnings,
+            *pooled_conditions(runs, {condition}),
+        ),
         measurement={**found.part.to_json(), **({"temperature": source} if source else {})},
         **model_metadata(runs),
     )

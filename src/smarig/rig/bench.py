@@ -194,7 +194,7 @@ class Bench:
             )
         if lost and self._sampled:  # before the first sample nothing was recorded that could be lost
             count = "1 sample was" if lost == 1 else f"{lost} samples were"
-            text = f"{count} lost because the position was not read in time."
+            text = f"{count} lost because the position was not read in time. If this repeats, raise period_s."
             self._alarms.append(Alarm("warning", "lost", text))
         self._sampled = True
         return found

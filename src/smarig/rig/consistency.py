@@ -1,6 +1,5 @@
 """Checks a bench's rig file before any device is opened: its parts against each other and against the devices."""
 
-import re
 from collections.abc import Iterator
 
 from smarig.config import LinksFile, ProtectionFile, RigFile
@@ -13,7 +12,7 @@ from smarig.core import (
     resolve_name,
     suggestion,
 )
-from smarig.device import ATTEMPTS, load_register_map
+from smarig.device import ATTEMPTS, load_register_map, no_scheme_text
 from smarig.plant import Actuator, load_of
 from smarig.rig.stress_limit import stress_limit
 
@@ -25,7 +24,6 @@ SIMULATED = {  # links whose devices [simulator] starts
     "text": ("amplifier", "encoder_daq"),  # one instrument serves both
 }
 PLACEHOLDER = "REPLACE"  # in the addresses of the templates
-_HOST_AND_PORT = re.compile(r"[A-Za-z0-9.-]+:\d+")  # without a scheme
 _OTHER_ADDRESSES = ("labjack_", "ni_", "visa_")  # drivers whose addresses have a form of their own
 OVER_CURRENT = 1.05  # of the largest current; above it the amplifier trips by itself
 
@@ -72,11 +70,9 @@ def _links(file: RigFile, links: LinksFile) -> Iterator[str]:
             yield f"links.{device}.url is missing. Give the port or address of the device."
         if PLACEHOLDER in link.url:
             yield f"links.{device}.url is the placeholder of the template. Give the port or address of the device."
-        if _HOST_AND_PORT.fullmatch(link.url) and not link.driver.startswith(_OTHER_ADDRESSES):
-            yield (
-                f'links.{device}.url = "{link.url}" is no serial port. A network address names its scheme: '
-                f'"tcp://{link.url}".'
-            )
+        wrong = no_scheme_text(link.url)
+        if wrong and not link.driver.startswith(_OTHER_ADDRESSES):
+            yield f"links.{device}.url = {wrong}"
     yield from _shared_port(links)
     if not links.amplifier.driver.endswith(".py"):  # an own driver tells when it is opened
         yield from _timeout(file, links)

@@ -85,6 +85,11 @@ def test_a_broken_sensor_is_found(kind, role, requirement, observed):
     assert observed in broken(kind, role).get(requirement, "it was not found")
 
 
+def test_a_sensor_that_does_not_rest_at_zero_is_told_what_to_check():
+    found = broken(faulty.NoZero, "encoder_daq")["zero"]
+    assert all(word in found for word in ("unit", "noise", "encoder.resolution"))
+
+
 def test_a_source_without_a_lease_says_so_and_passes():
     results = {
         r.name: r.observed for r in check_contract("amplifier", case(faulty.TickedOutput, "amplifier"))

@@ -7,6 +7,7 @@ import pytest
 
 from smarig.config import load_rig
 from smarig.core.errors import ConfigError
+from smarig.device import no_scheme_text
 from smarig.device.links.opening import opened
 from smarig.device.links.text_line import TextLine
 
@@ -46,6 +47,17 @@ def test_an_unknown_scheme_is_a_sentence_that_lists_the_schemes(framing, url):
     for open_line in (lambda: opened(where, 65), lambda: TextLine(url, 9600, 0.3)):
         with pytest.raises(ConfigError, match=r"serial port, tcp://HOST:PORT .* or rfc2217://HOST:PORT"):
             open_line()
+
+
+@pytest.mark.parametrize("framing", ["lines", "modbus_rtu"])
+def test_an_address_without_its_scheme_is_the_sentence_of_the_rig_check(framing):
+    url = "127.0.0.1:7199"
+    links = load_rig("bench_one_wire").links
+    where = links.amplifier.model_copy(update={"framing": framing, "url": url})
+    for open_line in (lambda: opened(where, 65), lambda: TextLine(url, 9600, 0.3)):
+        with pytest.raises(ConfigError) as refused:
+            open_line()
+        assert str(refused.value) == no_scheme_text(url)
 
 
 @pytest.mark.parametrize("scheme", ["tcp", "socket"])

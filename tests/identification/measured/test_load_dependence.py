@@ -69,6 +69,13 @@ def test_the_model_survives_its_file_bit_for_bit(tmp_path):
     assert np.array_equal(simulate(again, loaded(160.0)), simulate(model, loaded(160.0)), equal_nan=True)
 
 
+def test_a_run_that_ended_early_is_named():
+    tripped = loaded(LOADS[0]).with_meta(end={"cause": "stopped: The lease expired."})
+    found = identify([tripped, *(loaded(s) for s in LOADS[1:])], load_from="stress")
+    (warning,) = [w for w in found.warnings if "ended early" in w]
+    assert "stopped: The lease expired. The model describes only the rows before." in warning
+
+
 @pytest.mark.long("takes three seconds")
 def test_loads_that_differ_in_shape_get_a_measure_each(tmp_path):
     """The loop widens with the load, which no gain describes."""

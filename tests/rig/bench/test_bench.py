@@ -75,6 +75,7 @@ def test_samples_lost_from_the_ring_are_reported_once():
     alarm, *rest = bench.alarms()
     assert (alarm.level, alarm.kind, rest) == ("warning", "lost", [])
     assert "29 samples were lost" in alarm.text
+    assert alarm.text.endswith("raise period_s.")
     assert bench.alarms() == []
 
 

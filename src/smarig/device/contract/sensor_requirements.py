@@ -53,7 +53,11 @@ def zeroing(case: ContractCase) -> str:
         sensor.zero()
         counts = _last(case, sensor).counts
     most = STILL_COUNTS + 5 * case.rig.encoder.noise_counts
-    require(abs(counts) <= most, f"{counts} counts after zero")
+    require(
+        abs(counts) <= most,
+        f"{counts} counts after zero; check that the driver returns its readings in its unit, and that a count (for a "
+        "sensor in mm or degrees encoder.resolution) is no smaller than the noise of a reading",
+    )
     return f"{counts} counts after zero"
 
 

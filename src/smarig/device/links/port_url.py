@@ -14,6 +14,7 @@ from urllib.parse import urlsplit
 import serial
 
 from smarig.core import ConfigError
+from smarig.device.links.network_address import no_scheme_text
 
 NETWORK = ("tcp", "socket", "rfc2217")  # schemes with host and port
 LOCAL = ("alt", "cp2110", "hwgrep", "loop", "spy")  # of pyserial, for ports of this computer
@@ -23,13 +24,16 @@ _SCHEMES = (
 
 
 def checked_url(url: str) -> str:
-    """The URL in the words of pyserial. Raises ConfigError for an unknown scheme, and for one without host or port.
+    """The URL in the words of pyserial. Raises ConfigError for an unknown scheme or none, and for one without host or
+    port.
 
     >>> checked_url("tcp://192.168.1.30:5025"), checked_url("/dev/ttyUSB0")
     ('socket://192.168.1.30:5025', '/dev/ttyUSB0')
     """
     scheme, is_url, rest = url.partition("://")
     if not is_url:
+        if wrong := no_scheme_text(url):
+            raise ConfigError(wrong)
         return url
     if scheme not in (*NETWORK, *LOCAL):
         raise ConfigError(f"'{url}': nothing is reached by '{scheme}://'. Give {_SCHEMES}.")
