@@ -101,16 +101,6 @@ class ActuatorFile(TomlTable):
         return self
 
     @model_validator(mode="after")
-    def _surface_fits_arrangement(self) -> "ActuatorFile":
-        wires = self.arrangement.removesuffix("_wire")
-        if not self.hysteresis.surface.startswith(wires):
-            raise ValueError(
-                f"hysteresis.surface = '{self.hysteresis.surface}' is none of {self.arrangement}. "
-                f"There are: {', '.join(f'{wires}_{form}' for form in 'cpe')}"
-            )
-        return self
-
-    @model_validator(mode="after")
     def _load_fits_arrangement(self) -> "ActuatorFile":
         t, two = self.thermomechanical, self.arrangement == "two_wire"
         if t is None:

@@ -100,7 +100,10 @@ class SourceAndSensor:
     def measure(self) -> Electrical:
         """The current and the voltage now, and the temperature of the wire if the instrument measures it."""
         if self._on and self.line.number("OUTP?") == 0:
-            self._on, self.tripped = False, f"{self.identity} has switched off: its watchdog or a protection."
+            self._on = False
+            self.tripped = (
+                f"{self.identity} has switched off or was never on: check watchdog, protections, OUTP ON."
+            )
         return Electrical(self.line.number("MEAS:CURR?"), self.line.number("MEAS:VOLT?"))
 
     def off(self) -> str:

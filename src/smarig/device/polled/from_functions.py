@@ -149,7 +149,10 @@ class FunctionOutput:
             setting_A = self._number("reading the setting", self.setting_A)
             off = off or abs(setting_A) <= _TOLERANCE_A < abs(self._ordered_A)
         if off:
-            self.tripped = f"{self.identity} has switched its output off: its watchdog or a protection."
+            self.tripped = (
+                f"{self.identity} has switched its output off, or it was never on: check its watchdog, protections, "
+                "and the command that switches it on."
+            )
 
     def _call(self, what: str, function: Callable[..., _T], *values: float) -> _T:
         return called(self.identity, what, function, *values)
