@@ -2,14 +2,22 @@
 
 import time
 from collections.abc import Callable
-from typing import Any, TypeVar
+from typing import Any, Protocol, TypeVar
 
 from smarig.core import AT_ZERO, SmarigError
-from smarig.rig.rig import Rig
 
 NOT_CONFIRMED = "The source did not confirm that it is off: switch it off by hand now."
 _Error = TypeVar("_Error", bound=SmarigError)
 OFF_ATTEMPTS, OFF_PAUSE_S = 5, 0.2  # more, to switch off a source that has no lease and did not confirm
+
+
+class SupportsShutdown(Protocol):
+    """A rig, or its guard."""
+
+    @property
+    def shutdown_unconfirmed(self) -> str:
+        """Why a current may still flow after ``safe``, "" if none does."""
+        ...
 
 
 def switch_off(rig: Any, sleep: Callable[[float], None] = time.sleep) -> str:
@@ -33,7 +41,7 @@ def confirm_zero(rig: Any) -> str:
     return rig.confirm_zero() if hasattr(rig, "confirm_zero") else ""
 
 
-def after_shutdown(error: _Error, rig: Rig) -> _Error:
+def after_shutdown(error: _Error, rig: SupportsShutdown) -> _Error:
     """The error, with what is known of the current after ``safe``."""
     error.current_text = rig.shutdown_unconfirmed or AT_ZERO
     return error
