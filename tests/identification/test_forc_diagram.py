@@ -12,9 +12,14 @@ STEP = 2.0  # mT
 def relay_moments(h_c, h_u, weight, reversal, field):
     """Moment of relays after saturation, a fall to ``reversal`` and a rise to ``field``."""
     up, down = h_u + h_c, h_u - h_c
-    fell = reversal[:, None] <= down
-    rose = field[:, None] >= up
-    return np.where(fell & ~rose, -1.0, 1.0) @ weight
+
+    def of(rows):
+        fell = reversal[rows, None] <= down
+        rose = field[rows, None] >= up
+        return np.where(fell & ~rose, -1.0, 1.0) @ weight
+
+    parts = np.array_split(np.arange(field.size), 20)  # all relays at all rows would be 150 MB
+    return np.concatenate([of(rows) for rows in parts])
 
 
 def reversal_curves(h_c, h_u, weight, *, noise=0.0, curves=60, low=-90.0, seed=0):
