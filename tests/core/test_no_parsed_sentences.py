@@ -8,7 +8,7 @@ import smarig
 
 SOURCE = Path(smarig.__file__).parent
 SENTENCE = re.compile(
-    r"\b(warnings?|sentences?|remarks?|messages?|headline)\b|\bfindings?\b(?!\.)|\.text\b|\btext\(\)|str\(e(rror)?\)"
+    r"\b(warnings?|sentences?|remarks?|messages?|headline)\b|\bfindings?\b(?!\.)|\.text\b|\btext\(\)|\bcause\b|str\(e(rror)?\)"
 )
 METHODS = {
     "startswith",
@@ -18,6 +18,8 @@ METHODS = {
     "count",
     "partition",
     "rpartition",
+    "removeprefix",
+    "removesuffix",
     "split",
     "match",
     "search",

@@ -135,3 +135,10 @@ def test_what_a_file_may_hold_is_read_as_it_stands(meta):
     info = RunInfo.of(meta)
     for key in set(meta) & set(KEY_TYPES):
         assert key not in info.extra or meta[key] in (None, {})
+
+
+@pytest.mark.parametrize(
+    "stored", [{"kind": [], "text": "x"}, {"kind": {}, "text": 1}, {"kind": "new", "text": "x"}, 7, None]
+)
+def test_a_finding_of_an_unknown_kind_has_none(stored):
+    assert [f.kind for f in RunInfo.of({"findings": [stored]}).import_findings] in ([None], [])

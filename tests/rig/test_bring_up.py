@@ -128,6 +128,19 @@ def test_a_scale_that_is_far_too_small_is_seen(factor):
     assert "the unit of the driver" in found["encoder direction"].observed
 
 
+@pytest.mark.parametrize("counts_per_mm", [20, 500, 5000])
+def test_a_wire_that_moves_three_times_less_passes_at_any_resolution(counts_per_mm):
+    file = load_rig("one_wire_twin")
+    scale = counts_per_mm * Actuator.named(file.actuator).resolution(file.encoder)
+    lying = TamperedRig("one_wire_twin", lambda s: s._replace(counts=round(scale * s.counts / 3)))
+    lying.twin = Twin.named("one_wire_twin", noise=False)
+    lying.identity, lying.has_lease, lying.measures_ambient = lambda: ["a twin"], True, True
+    encoder = file.encoder.model_copy(update={"resolution": 1 / counts_per_mm, "counts_per_rev": None})
+    checks = []
+    bring_up(lying, file.model_copy(update={"encoder": encoder}), checks.append)
+    assert [c.observed for c in checks if c.name.startswith("encoder") and not c.passed] == []
+
+
 def test_where_the_current_ends_the_heating_that_is_said():
     lying = TamperedRig("one_wire_twin", lambda s: s._replace(counts=0))
     lying.identity, lying.has_lease, lying.measures_ambient = lambda: ["a twin"], True, True

@@ -36,6 +36,7 @@ if TYPE_CHECKING:
     from smarig.device.polled.adapted import as_position_sensor as as_position_sensor
     from smarig.device.polled.adapted import as_temperature_input as as_temperature_input
     from smarig.device.polled.current_loop import CurrentLoop as CurrentLoop
+    from smarig.device.polled.falling_current import OFF_PAUSE_S as OFF_PAUSE_S
     from smarig.device.polled.falling_current import current_after_off as current_after_off
     from smarig.device.polled.from_functions import FunctionInput as FunctionInput
     from smarig.device.polled.from_functions import FunctionOutput as FunctionOutput

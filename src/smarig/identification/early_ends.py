@@ -9,11 +9,10 @@ from smarig.record import Run
 
 def early_end_warnings(runs: Sequence[Run]) -> list[str]:
     """A sentence for each run that a trip, a fault or a request ended, with the time of its last row and the cause."""
-    return [_warning(run) for run in runs if run.info.end is not None and run.cause != "done"]
+    return [_warning(run) for run in runs if run.info.end is not None and run.early_end]
 
 
 def _warning(run: Run) -> str:
     known = run["t_s"][np.isfinite(run["t_s"])]
     when = f" at {known[-1]:.1f} s" if known.size else ""
-    cause = run.cause.removeprefix("incomplete: ").rstrip(".")
-    return f"{run.name} ended early{when}: {cause}. The model describes only the rows before."
+    return f"{run.name} ended early{when}: {run.early_end}. The model describes only the rows before."

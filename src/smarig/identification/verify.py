@@ -250,8 +250,8 @@ def _validity_warnings(model: Model, run: Run, *, is_training: bool) -> list[str
             "The model was fitted to this run. The errors show how well it fits, not how well it predicts."
         )
     found += foreign_conditions(model, run)
-    if run.cause != "done":
-        found.append(f"The run is incomplete: {run.cause.removeprefix('incomplete: ')}.")
+    if run.early_end:
+        found.append(f"The run is incomplete: {run.early_end}.")
     return found
 
 

@@ -80,6 +80,14 @@ class AnyRun(ABC):
         return "incomplete: the run was never closed" if end is None or end.cause is None else end.cause
 
     @property
+    def early_end(self) -> str:
+        """Why the run did not end as planned, as a clause; "" if it did."""
+        if self.cause == "done":
+            return ""
+        end = self.info.end
+        return "the run was never closed" if end is None or end.cause is None else end.cause.rstrip(".")
+
+    @property
     def stopped_by(self) -> StoppedBy | None:
         """Who asked for the end; None if nobody did, or if it was not recorded."""
         return self.info.end.stopped_by if self.info.end is not None else None

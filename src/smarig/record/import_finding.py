@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Any, Literal, get_args
+from typing import Any, Literal, cast, get_args
 
 FindingKind = Literal[
     "leading output",
@@ -17,7 +17,7 @@ FindingKind = Literal[
     "repeated times",
     "noisy input",
 ]
-FINDING_KINDS: frozenset[str] = frozenset(get_args(FindingKind))
+FINDING_KINDS: tuple[FindingKind, ...] = get_args(FindingKind)
 
 
 @dataclass(frozen=True)
@@ -43,8 +43,8 @@ class ImportFinding:
     @classmethod
     def of(cls, table: Mapping[str, Any], /) -> "ImportFinding":
         """Read a stored table; a kind that this version does not know is none."""
-        kind = table.get("kind")
-        return cls(str(table.get("text", "")), kind if kind in FINDING_KINDS else None)
+        known = [k for k in FINDING_KINDS if k == table.get("kind")]  # a stranger's may be anything
+        return cls(str(table.get("text", "")), cast("FindingKind | None", known[0] if known else None))
 
 
 def remarks(*sentences: str) -> list[ImportFinding]:

@@ -195,7 +195,7 @@ class RunInfo(StoredTable):
     @property
     def import_findings(self) -> tuple[ImportFinding, ...]:
         """The ``findings`` as values."""
-        return tuple(ImportFinding.of(f) for f in self.findings)
+        return tuple(ImportFinding.of(f) for f in self.findings if isinstance(f, Mapping))
 
 
 _IMPORT_KEYS = ("file", "format", "mapping", "sha256", "continues", "continues_sha256")

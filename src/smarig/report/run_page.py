@@ -204,8 +204,7 @@ def ending_notices(runs: list[Run]) -> list[Html]:
             "bad",
             paragraph(
                 tag("b", f"Incomplete run {run.path.name}: "),
-                run.cause.removeprefix("incomplete: ").rstrip("."),
-                ".",
+                f"{run.early_end}.",
                 f" Its end was requested by {run.stopped_by.text}." if run.stopped_by else "",
             ),
         )

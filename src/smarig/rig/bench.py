@@ -14,6 +14,7 @@ from typing import Any
 from smarig.config import RigFile
 from smarig.core import LeaseExpired, Quality, RigFault, Sample, error_text
 from smarig.device import (
+    OFF_PAUSE_S,
     AbsoluteZero,
     CurrentReading,
     CurrentSource,
@@ -29,7 +30,7 @@ from smarig.rig.force_statistics import ForceStatistics
 from smarig.rig.further_sensors import FurtherSensors
 from smarig.rig.order_record import OrderRecord
 from smarig.rig.rig import Alarm
-from smarig.rig.shutdown import NOT_CONFIRMED, OFF_PAUSE_S, after_shutdown
+from smarig.rig.shutdown import NOT_CONFIRMED, after_shutdown
 
 CLOCK_CHECK_TICKS = 300  # ticks between two comparisons of both clocks
 CLOCK_READS = 6  # attempts to read both clocks within one tick, and the same twice

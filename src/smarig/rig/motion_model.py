@@ -57,9 +57,8 @@ class MotionModel:
         compared = MIN_TRAVEL * abs(h.y_upper - h.y_lower) / actuator.resolution(file.encoder)
         self._compared = min(compared, largest)
         self._least = max(MIN_MOTION_COUNTS, self._compared)
-        some = max(MIN_MOTION_COUNTS, self._compared / MOTION_MARGIN)
-        self._certain = min(MOTION_MARGIN * some, largest)  # a coarse encoder never reaches the first
-        self._largest = MOTION_MARGIN * max(self._compared, MIN_MOTION_COUNTS)
+        self._largest = MOTION_MARGIN * self._least
+        self._certain = min(self._largest, largest)  # a coarse encoder never reaches the first
 
     def at(self, input_K: float) -> float:
         """The motion of the model."""

@@ -5,10 +5,11 @@ from collections.abc import Callable
 from typing import Any, Protocol, TypeVar
 
 from smarig.core import AT_ZERO, SmarigError
+from smarig.device import OFF_PAUSE_S
 
 NOT_CONFIRMED = "The source did not confirm that it is off: switch it off by hand now."
 _Error = TypeVar("_Error", bound=SmarigError)
-OFF_ATTEMPTS, OFF_PAUSE_S = 5, 0.2  # more, to switch off a source that has no lease and did not confirm
+OFF_ATTEMPTS = 5  # more, to switch off a source that has no lease and did not confirm
 
 
 class SupportsShutdown(Protocol):

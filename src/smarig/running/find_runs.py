@@ -29,11 +29,16 @@ class EndedRun(NamedTuple):
         >>> EndedRun({"protocol": "validation", "rig": "one_wire_twin", "pid": 7, "out": "/a/v.sqlite"}, {}).sentence
         'validation on one_wire_twin (process 7) ended without closing /a/v.sqlite.'
         """
+        return f"{self.clause}."
+
+    @property
+    def clause(self) -> str:
+        """The same without its full stop."""
         info = self.info
         if self.is_check:
-            return printable(f"The check of {info['rig']} (process {info['pid']}) ended without finishing.")
+            return printable(f"The check of {info['rig']} (process {info['pid']}) ended without finishing")
         what = f"{info['protocol']} on {info['rig']} (process {info['pid']})"
-        return printable(f"{what} ended without closing {info['out']}.")
+        return printable(f"{what} ended without closing {info['out']}")
 
     @property
     def is_check(self) -> bool:

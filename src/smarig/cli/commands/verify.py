@@ -47,9 +47,7 @@ def command(model: Path, runs: tuple[Path, ...], select: str | None) -> None:
             show_message(f"Warning: {warning}")
     for run in result.runs:
         if run.verdict.level == ErrorLevel.POOR:
-            show_message(
-                f"Warning: The model does not predict {run.run}: {run.verdict.text.removesuffix(': poor')}."
-            )
+            show_message(f"Warning: The model does not predict {run.run}: {run.verdict.size}.")
     lines = [
         f"{run['run']}: rms error {run['rms']:.4g}{spaced(unit)} (NRMSE {run['nrmse']:.3g}), "
         f"largest {run['max_abs']:.4g}{spaced(unit)}, n = {run['n']}; noise floor "

@@ -84,7 +84,7 @@ def _described(ended: EndedRun) -> UnfinishedRun:
     key = f"{info['pid']}-{info['start_epoch']:.3f}"
     if ended.is_check:
         began = time.strftime("%Y-%m-%d %H:%M", time.localtime(info["start_epoch"]))
-        return UnfinishedRun(key, f"{ended.sentence.removesuffix('.')}; it began at {began}.", "")
+        return UnfinishedRun(key, f"{ended.clause}; it began at {began}.", "")
     protocol, rig, file = (printable(str(info[name])) for name in ("protocol", "rig", "out"))
     when = time.strftime(
         "%Y-%m-%d %H:%M", time.localtime(_last_written(Path(info["out"]), info["start_epoch"]))

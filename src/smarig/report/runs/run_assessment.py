@@ -72,7 +72,7 @@ def _record_quality(run: AnyRun) -> tuple[str, str]:
     if not len(run):
         return "bad", "The run has no samples."
     if not run.complete or run.cause != "done":
-        return "bad", f"The run is incomplete: {run.cause.removeprefix('incomplete: ').rstrip('.')}."
+        return "bad", f"The run is incomplete: {run.early_end}."
     if run.severity in _SEVERE:
         return "bad", f"The run had an event of severity {run.severity}; see Data quality."
     if m.timed_out + m.interrupted:

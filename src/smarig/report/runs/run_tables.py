@@ -176,8 +176,7 @@ def quality_table(runs: Mapping[str, Run]) -> Html:
     unseen = list(dict.fromkeys(m for m in marks.values() if m not in {marks[key] for key in seen}))
     rows = []
     for (name, run), c in zip(runs.items(), counts):
-        ended = run.cause.partition(":")[0]  # all of it stands at the top of the page
-        state = ended if run.complete else tag("b", ended)
+        state = tag("b", "incomplete") if run.early_end else "done"  # why stands at the top of the page
         marked = [str(getattr(c, key)) for key in seen]
         settled = "–" if run.info.protocol == "initialise" else c.settled
         rows.append((name, duration(duration_s(run)), thousands(c.samples), c.steps, settled, *marked, state))
