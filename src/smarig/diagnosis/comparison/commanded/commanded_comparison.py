@@ -19,6 +19,7 @@ from smarig.diagnosis.comparison.commanded.compared_runs import subject_of
 from smarig.diagnosis.comparison.commanded.extension import (
     extension_of,
     gain_with,
+    held_out_shares,
     law_extensions,
 )
 from smarig.diagnosis.comparison.commanded.shown_by_held_out import variable_of_all_runs
@@ -76,7 +77,8 @@ def concluded(
     weights = weigh(found.hypotheses, seed, acts_through=ways_of(found))
     by_effects = extension_of(subject, found, weights)
     gain_by_effects = gain_with(subject, by_effects, train, held_out)
-    evidence = evidence_of(subject, found, weights, by_effects, gain_by_effects)
+    shares = held_out_shares(subject, found, by_effects, gain_by_effects, train, held_out)
+    evidence = evidence_of(subject, found, weights, by_effects, gain_by_effects, shares)
     missing = missing_knowledge_of(subject, by_effects.base, evidence.noise, train, held_out)
     if missing:
         evidence = replace(evidence, beyond_limit=0.0)

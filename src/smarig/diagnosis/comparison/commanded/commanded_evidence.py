@@ -34,13 +34,14 @@ def evidence_of(
     weights: Weights,
     by_effects: Extension,
     gain: HeldOutGain | None,
+    held_out: Mapping[Part, float],
 ) -> VerdictEvidence:
     """What a verdict is decided from; a hypothesis that removes less than the least size is none.
 
-    ``by_effects`` is the extension by the heaviest hypothesis with effects, ``gain`` are its errors on held-out runs.
+    ``by_effects`` is the extension by the heaviest hypothesis with effects, ``gain`` are its errors on held-out runs;
+    ``held_out``: ``held_out_shares``.
     """
     squares = _squares(subject, found, weights, by_effects.base)
-    held_out = _held_out_of(by_effects, gain)
     evidence = with_effects_alone(_all_evidence(subject, found, weights, squares, gain, held_out), weights)
     evidence = _without_negligible(evidence, weights, squares)
     return _with_held_out_gain(evidence, found, weights, squares, by_effects.parts, gain)
@@ -219,13 +220,6 @@ def _repeatability(found: SearchedHypotheses, weights: Weights) -> float:
     """What a settled reading scatters by the heaviest hypothesis that was fitted."""
     effects = tuple(p for p in weights.heaviest.parts if p.kind == "effect")
     return found.models.get(effects, found.models[()]).refitted.noise.settled
-
-
-def _held_out_of(extension: Extension, gain: HeldOutGain | None) -> dict[Part, float]:
-    """The error on held-out runs with the causes of the extension, over that without."""
-    if gain is None or not gain.base:
-        return {}
-    return dict.fromkeys(extension.parts, gain.extended / gain.base)
 
 
 def _with_held_out_gain(

@@ -1,7 +1,7 @@
 """The model that the heaviest hypothesis extends, its parameters, and its gain on held-out runs."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import inf
 
 import numpy as np
@@ -106,3 +106,29 @@ def gain_with(
         variances=refitted.posterior.variances,
         original=subject.given,
     )
+
+
+def held_out_shares(
+    subject: CommandedProblem,
+    found: SearchedHypotheses,
+    extension: Extension,
+    gain: HeldOutGain | None,
+    train: Sequence[Run],
+    held_out: Sequence[Run],
+) -> dict[Part, float]:
+    """By part of an extension, the error on held-out runs with it over that without; empty without such runs.
+
+    What one effect of a pair removes says nothing of the other: each is compared with the other alone.
+    """
+    shares = {}
+    for part in extension.parts if gain else ():
+        others = tuple(p for p in extension.parts if p != part)
+        alone, own = found.models.get(others) if others else None, gain
+        if alone is not None:
+            base = with_density_for_effects(
+                subject.timeline, alone.plant_model, alone.refitted, extension.base
+            )
+            own = gain_with(subject, replace(extension, base=base), train, held_out)
+        if own is not None and own.base:
+            shares[part] = own.extended / own.base
+    return shares
