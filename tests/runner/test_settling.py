@@ -62,6 +62,36 @@ def test_a_hold_that_never_settles_times_out_and_is_marked():
     assert results[0].n == 250
 
 
+class ScatteringCurrent:
+    """A rig whose measured current scatters about the ordered one, or is off by a share of it."""
+
+    def __init__(self, rig, sd_A, gain):
+        self._rig, self._sd_A, self._gain, self._rng = rig, sd_A, gain, np.random.default_rng(5)
+
+    def __getattr__(self, name):
+        return getattr(self._rig, name)
+
+    def step(self, current_A, at_most=1):
+        for s in self._rig.step(current_A, at_most):
+            yield s._replace(current_A=s.current_A * self._gain + self._rng.normal(0, self._sd_A))
+
+
+@pytest.mark.parametrize(("sd_A", "gain"), [(0.0003, 1.0), (0.002, 1.0), (0.0, 1.01)])
+def test_what_the_measured_current_scatters_does_not_prolong_a_hold(sd_A, gain):
+    ends = []
+    for rig in (lambda twin: twin, lambda twin: ScatteringCurrent(twin, sd_A, gain)):
+        twin = Twin.named("one_wire_twin", seed=1)
+        guard = Guard(rig(twin), twin.file.limits, twin.actuator)
+        results = []
+        Runner(guard, 0.047, [CallbackListener(on_step=results.append)]).run(
+            hold for hold in [Hold(0.5, Settled()), Hold(0.6, Settled()), Hold(0.4, Settled())]
+        )
+        assert {r.verdict for r in results} == {StepVerdict.SETTLED}
+        ends.append([r.t_end_s - r.t_start_s for r in results])
+    # its heat at the begin of the second hold is that of another current
+    assert ends[1] == pytest.approx(ends[0], abs=1.0)
+
+
 def test_a_fixed_hold_reports_its_last_25_seconds():
     twin = Twin.named("one_wire_twin", noise=False)
     results = []

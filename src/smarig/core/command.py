@@ -28,8 +28,8 @@ class Settled:
     The window is cut into 25 blocks. The wire has settled when the means of the last 25 blocks lie within
     ``band_counts`` of each other (peak to peak). Block means are used because single samples carry the encoder's
     noise. That noise also hides the last tenth of a count of an approach, a bias with the sign of the move. The window
-    therefore starts only when the heating model is within ``approach_K`` of its steady state. ``timeout_s`` ends a hold
-    that does not settle, with the verdict timed_out.
+    therefore starts only when the heating model, at the current as ordered, is within ``approach_K`` of its steady
+    state. ``timeout_s`` ends a hold that does not settle, with the verdict timed_out.
     """
 
     band_counts: float = 1.0

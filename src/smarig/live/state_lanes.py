@@ -4,6 +4,7 @@ run.
 A change is a state with the time at which it starts.
 """
 
+import math
 from collections import deque
 from collections.abc import Sequence
 
@@ -115,8 +116,9 @@ class SettlingMonitor:
 
     def _begin(self, current_A: float) -> None:
         self._window = SettleWindow(self._until, self._period_s)
-        steady_input_K = self._actuator.input_for(current_A)
-        self._approach = Approach(steady_input_K, self._until.approach_K, self._input_K)
+        distance_K = self._actuator.input_for(current_A) - self._input_K
+        decay = math.exp(-self._period_s / self._actuator.tau_s)
+        self._approach = Approach(distance_K, self._until.approach_K, decay)
         self._counts: deque[int] = deque()
         self._sum = 0
 
@@ -125,7 +127,7 @@ class SettlingMonitor:
         if step != self._step:
             self._step = step
             self._begin(s.current_command_A)
-        arrived = self._approach.passed(input_K)
+        arrived = self._approach.passed()
         self._input_K = input_K
         if step is None:
             return NAN, NAN

@@ -113,7 +113,9 @@ class Runner:
                 limit_s, at_limit = timeout_s, StepVerdict.TIMED_OUT
         limit = max(1, round(limit_s / self.rig.period_s))
         start_s, ticks = self.t_s, 0
-        approach = Approach(self.rig.steady_input_K(command.current_A), approach_K, self.rig.input_K)
+        approach = Approach(
+            self.rig.steady_input_K(command.current_A) - self.rig.input_K, approach_K, self.rig.heating.decay
+        )
         self._begin(command, window)
         while (paused := self._paused()) or (ticks < limit and not window.settled):
             at_most = 1 if paused else min(limit - ticks, window.min_ticks_left)
@@ -186,10 +188,10 @@ class Runner:
         for measured, input_K in self.rig.step(current_A, at_most):
             sample = self.shift.apply(measured, self.rig.period_s, self.position_per_count)
             self.t_s, self._last = sample.t_s, sample
-            heated = approach is None or approach.passed(input_K)
             is_current = sample.current_command_A == current_A or self._stale_samples >= BACKLOG
             self._stale_samples = 0 if is_current else self._stale_samples + 1
             counted += is_current
+            heated = approach is None or (is_current and approach.passed())
             if window is not None and is_current and not sample.quality & _SUSPECT:
                 window.add(sample.counts, heated)
             for listener in self.listeners:

@@ -14,17 +14,20 @@ BLOCKS = 25
 
 
 class Approach:
-    """Detects that the heating model has come near its steady state; it then stays detected."""
+    """Detects that the heating model has come near its steady state at a current; it then stays detected.
 
-    def __init__(self, steady_input_K: float, near_K: float, input_K: float) -> None:
-        self._steady_input_K, self._near_K = steady_input_K, near_K
-        self._input_K, self._arrived = input_K, False
+    What is left to the steady state shrinks by ``decay`` with each tick at the current as ordered. The measured
+    current scatters: along it, the model may never come so near.
+    """
 
-    def passed(self, input_K: float) -> bool:
-        """Whether the model had arrived before a tick that ends at ``input_K``."""
-        self._arrived = self._arrived or abs(self._steady_input_K - self._input_K) < self._near_K
-        self._input_K = input_K
-        return self._arrived
+    def __init__(self, distance_K: float, near_K: float, decay: float) -> None:
+        self._distance_K, self._near_K, self._decay = abs(distance_K), near_K, decay
+
+    def passed(self) -> bool:
+        """Whether the model had arrived before a tick at the current, which passes."""
+        arrived = self._distance_K < self._near_K
+        self._distance_K *= self._decay
+        return arrived
 
 
 class SettleWindow:
