@@ -48,7 +48,8 @@ RUN_KEYS = {
     "initial": "state of the hysteresis at the first sample",
     "period_s": "length of a tick",
     "start_epoch": "seconds since 1970 at tick 0; a label only, because time is counted in ticks",
-    "encoder_zero": "where the encoder was zeroed; with the epoch it distinguishes sessions; own: an arbitrary zero",
+    "encoder_zero": "where the encoder was zeroed; with the epoch it distinguishes sessions; absolute: that of this "
+    "sensor, in all sessions; own: an arbitrary zero",
     "device": "identities and boot counts of the devices",
     "shift": "ticks and counts between the devices' zeros and the run's, where it was resumed",
     "recorder_pid": "process that wrote it",

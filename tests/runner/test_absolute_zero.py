@@ -10,6 +10,7 @@ from rig.bench.instruments import FakeClock
 from runner.interrupted import cut
 from smarig.core import DataError
 from smarig.device import Electrical, HostClock, PolledPosition, PolledSource
+from smarig.identification import identify, verify
 from smarig.record import load_run
 from smarig.rig import Bench
 from smarig.runner import Session, resume
@@ -19,6 +20,7 @@ RIG = """name = "absolute"
 base = "laboratory_supply"
 wire = "{wire}"
 encoder.resolution = 0.01
+encoder.noise_counts = 0.0
 links.amplifier.url = "TCPIP0::192.0.2.1::9::SOCKET"
 links.encoder_daq.url = "TCPIP0::192.0.2.2::9::SOCKET"
 simulator.start = false
@@ -151,3 +153,24 @@ def test_a_sensor_that_counts_from_0_or_another_one_has_lost_it(ended, bench, th
     bench.update(then)
     with pytest.raises(DataError, match="The zero of the encoder is lost"):
         resume(killed, rig=rig_file(tmp_path))
+
+
+LOOPS = {"low_A": 0, "high_A": 0.5, "loops": 1, "loop_s": 200}
+
+
+@pytest.mark.parametrize(
+    ("then", "zero"), [({}, "known"), ({"identity": "laser 43"}, "fitted"), ({"absolute": False}, "known")]
+)
+def test_a_model_is_verified_on_runs_of_other_sessions(bench, then, zero, tmp_path):
+    """An absolute sensor has the same zero in all; others are at zero when a cold wire is switched on."""
+    bench.update(absolute=then.get("absolute", True))
+    runs = []
+    for name in ("first", "later"):
+        with Session(rig_file(tmp_path)) as session:
+            runs.append(session.run("minor_loops", LOOPS, tmp_path / f"{name}.run.sqlite"))
+        bench.update(then)
+    model = identify(runs[0], "positive").model
+    found = verify(model, runs[1]).runs[0]
+    stroke = float(np.ptp(found.measured))
+    assert found.offset_kind == zero
+    assert found.settled.rms < 0.03 * stroke

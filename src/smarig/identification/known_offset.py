@@ -3,14 +3,14 @@
 from smarig.identification.measured.zero_by_load import stress_at_start, zero_slope_of
 from smarig.identification.run_zeros import has_own_zero
 from smarig.record import FORC_PROTOCOL, Run
-from smarig.replay import Model, driven_by_input, provenance, recorded_start, stress_at_points
+from smarig.replay import Model, driven_by_input, provenance, recorded_start, share_zero, stress_at_points
 
 
 def known_offset(model: Model, run: Run) -> float | None:
     """The offset from the model's output to the run's zero, or None if the record does not determine it.
 
-    It is 0 for the training runs, for runs of the same session with the same encoder zero, and for reversal curves
-    (absolute). It is −y(initial state) for a run zeroed at power-up in a named state.
+    It is 0 for the training runs, for runs of the same session with the same encoder zero, for runs of the same
+    absolute sensor, and for reversal curves. It is −y(initial state) for a run zeroed at power-up in a named state.
     """
     if model.temperature is not None and not driven_by_input([run]):
         return _offset_under_load(model, run)
@@ -19,11 +19,7 @@ def known_offset(model: Model, run: Run) -> float | None:
         same_file = mine.sha256 and mine.sha256 == made_from.sha256
         if same_file and has_own_zero(run) and made_from is not model.provenance[0]:
             return None
-        same_session = mine.start_epoch is not None and (mine.start_epoch, mine.encoder_zero) == (
-            made_from.start_epoch,
-            made_from.encoder_zero,
-        )
-        if same_file or same_session:
+        if same_file or share_zero(mine, made_from):
             return 0.0
     if mine.protocol == FORC_PROTOCOL:
         return 0.0

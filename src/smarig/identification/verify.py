@@ -1,8 +1,8 @@
 """Verification: errors of a model at settled points of runs, simulated along the whole history of each run.
 
 The encoder is relative, so model and run agree only up to its zero. The zero is known if the run has the zero of a
-training run, or was zeroed at power-up in a named state. Otherwise one additive offset is fitted, and the result
-reports it.
+training run (of its session, or of its absolute sensor), or was zeroed at power-up in a named state. Otherwise one
+additive offset is fitted, and the result reports it.
 """
 
 from collections.abc import Sequence

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from smarig.record.recorder import Recorder as Recorder
     from smarig.record.recording_lock import check_not_recording as check_not_recording
     from smarig.record.recording_lock import recording as recording
+    from smarig.record.run import ABSOLUTE_ZERO as ABSOLUTE_ZERO
     from smarig.record.run import CONTINUED as CONTINUED
     from smarig.record.run import FORC_PROTOCOL as FORC_PROTOCOL
     from smarig.record.run import OWN_ZERO as OWN_ZERO

@@ -36,6 +36,8 @@ from smarig.record.table_hashes import block_hash, damaged_tables, hashes_of, is
 
 CONTINUED = "continued"  # ``initial`` of a run that starts in the final state of the one before
 OWN_ZERO = "own"  # ``encoder_zero`` of an imported run whose zero is unrelated to that of other runs
+# ``encoder_zero`` of a run that counts from the zero of its sensor begins with it; the sensor's identity follows
+ABSOLUTE_ZERO = "absolute: "
 FORC_PROTOCOL = "first_order_reversal_curves"  # protocol of runs imported from FORC files
 _UNMEASURABLE = (
     f"{{count}} sample(s) or step(s) hold a number over {LARGEST:g}, which nothing measured can be. "

@@ -37,6 +37,7 @@ if TYPE_CHECKING:
     from smarig.replay.provenance import missing_earlier_runs as missing_earlier_runs
     from smarig.replay.provenance import model_metadata as model_metadata
     from smarig.replay.provenance import provenance as provenance
+    from smarig.replay.provenance import share_zero as share_zero
     from smarig.replay.recorded_actuator import recorded_actuator as recorded_actuator
     from smarig.replay.rig_record import load_of_run as load_of_run
     from smarig.replay.rig_record import load_records as load_records

@@ -6,7 +6,7 @@ from pathlib import Path, PureWindowsPath
 from typing import Any
 
 from smarig.core import UsageError, leads_out
-from smarig.record import CONTINUED, AnyRun, Run, SignalInfo, load_run
+from smarig.record import ABSOLUTE_ZERO, CONTINUED, AnyRun, Run, SignalInfo, load_run
 from smarig.replay.conditions import recorded_conditions
 from smarig.replay.model_file import ActuatorRecord, Model, Provenance, SignalDescription
 from smarig.replay.recorded_actuator import recorded_actuator
@@ -26,6 +26,13 @@ def provenance(run: Run) -> Provenance:
         wire=run.info.wire or "",
         conditions=recorded_conditions(run),
     )
+
+
+def share_zero(one: Provenance, other: Provenance) -> bool:
+    """Whether two runs count from the same zero: that of one session, or of one absolute sensor."""
+    same_session = one.start_epoch is not None and one.start_epoch == other.start_epoch
+    same_sensor = (one.encoder_zero or "").startswith(ABSOLUTE_ZERO)
+    return (same_session or same_sensor) and one.encoder_zero == other.encoder_zero
 
 
 def file_hash(run: AnyRun) -> str:

@@ -6,7 +6,7 @@ count of the record = own count of the sensor − own count at the zero of the r
 from typing import Any
 
 from smarig.device import AbsoluteZero
-from smarig.record import Run
+from smarig.record import ABSOLUTE_ZERO, Run
 
 _KEY = "absolute_zero"
 _EVENT_KINDS = ("start", "zero")  # the last of these counts
@@ -15,6 +15,11 @@ _EVENT_KINDS = ("start", "zero")  # the last of these counts
 def zero_data(zero: AbsoluteZero | None) -> dict[str, Any]:
     """Data of an event; nothing for a sensor whose zero is lost with its session."""
     return {} if zero is None else {_KEY: zero._asdict()}
+
+
+def zero_of_session(zero: AbsoluteZero | None) -> str:
+    """``encoder_zero`` of a session whose encoder was not zeroed: that of power-up, or of an absolute sensor itself."""
+    return f"{ABSOLUTE_ZERO}{zero.sensor}" if zero is not None and zero.counts == 0 else "power-up"
 
 
 def recorded_zero(run: Run) -> AbsoluteZero | None:

@@ -51,7 +51,7 @@ from smarig.rig import (
     stress_limit,
     without_lease_text,
 )
-from smarig.runner.absolute_zero import zero_data
+from smarig.runner.absolute_zero import zero_data, zero_of_session
 from smarig.runner.end_severity import end_severity
 from smarig.runner.listener import CallbackListener, Listener
 from smarig.runner.lock import rig_locks
@@ -140,6 +140,7 @@ class Session:
             Plausibility(self.file, self.actuator, self._readings()),
             stress_limit(self.file, self.actuator),
         )
+        self._zero = zero_of_session(self.guard.absolute_zero)
         with suppress(SmarigError):  # a damaged history: a run reports it
             history = self.history()
             self.start_hot(history.heat if history else None)

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from smarig.core import UsageError
 from smarig.identification import noise_floor
 from smarig.record import Run
-from smarig.replay import provenance, recorded_start
+from smarig.replay import provenance, recorded_start, share_zero
 
 Array = NDArray[np.float64]
 ZERO_COUNTS = 2.0  # counts: two zeros of the same state of a wire differ by less, by rounding and noise
@@ -110,8 +110,7 @@ def common_steps(first: Run, run: Run) -> int:
 
 
 def _offset(run: Run, first: Run, difference: Array) -> tuple[float, str]:
-    sessions = [(p.start_epoch, p.encoder_zero) for p in map(provenance, (first, run))]
-    if sessions[0][0] is not None and sessions[0] == sessions[1]:
+    if share_zero(provenance(first), provenance(run)):
         return 0.0, "known"
     if (start := _state_at_power_up(first)) is not None and start == _state_at_power_up(run):
         return 0.0, "power-up"
