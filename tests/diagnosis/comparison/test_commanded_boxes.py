@@ -11,7 +11,7 @@ import pytest
 
 from benchmarks.boxes import write_box
 from smarig.diagnosis import CommandedDiagnosis, diagnose_commanded
-from smarig.diagnosis.comparison.commanded import commanded_comparison
+from smarig.diagnosis.comparison.commanded import commanded_comparison, commanded_search
 from smarig.diagnosis.comparison.commanded.commanded_comparison import concluded
 from smarig.diagnosis.comparison.commanded.commanded_diagnosis import _parameters
 from smarig.diagnosis.comparison.commanded.commanded_problem import less_optimism
@@ -45,6 +45,17 @@ def test_hidden_effect_is_the_first_cause() -> None:
     assert found.causes[Part("effect", "walking")] > 0.9
     assert found.verdict.word == "named"
     assert found.verdict.names[0] == "walking"
+
+
+def test_the_second_search_keeps_the_best_of_the_first() -> None:
+    """Fitted again from the variances of nothing, the same effect may predict worse, and a pair wins by that."""
+    found = compared("walking")
+    rivals = tuple(k for k in found.subject.catalogue if k.name in ("walking", "slip"))
+    subject, parts = replace(found.subject, catalogue=rivals), (Part("effect", "walking"),)
+    best = next(h for h in found.found.hypotheses if h.parts == parts), found.found.models[parts]
+    again = commanded_search._first_fits(subject, lambda _: None, best).hypotheses
+    assert best[0] in again.hypotheses
+    assert again.models[parts] is best[1]
 
 
 def test_strength_is_right_and_inside_its_interval() -> None:

@@ -92,7 +92,7 @@ def _first_fits(
     progress: Progress,
     best: FittedCause | None = None,
 ) -> _FirstFits:
-    """``best``: an effect or a law that is fitted already; nothing about its own density need show it."""
+    """``best``: an effect or a law that is fitted already; from the variances of nothing it may be missed."""
     base = subject.base
     nothing = ComparedHypothesis((), (subject.trial(base),))
     smooth = Discrepancies.about(subject, base)
@@ -100,8 +100,7 @@ def _first_fits(
     weak = screened(subject, base, traces, smooth.ranking)
     by_variable = [smooth.hypothesis(v) for v in smooth.variables[:VARIABLES]]
     models: dict[tuple[Part, ...], FittedPlant] = {(): base}
-    shown = [(s.part,) for s in weak[:FITTED]]
-    known = [best] if best and best[0].parts not in shown else []
+    known = [best] if best else []
     models |= {h.parts: model for h, model in known}
     effects = [h for h, _ in known if h.parts[-1].kind == "effect"]
     effects = _fitted_effects(subject, base, weak, by_variable, effects, models, progress, nothing.score)
