@@ -7,6 +7,9 @@ QUIET time-outs.
 
 A query that only reads is asked once more if it is not answered, or not by a reading. A command is never repeated:
 nobody knows whether it was carried out.
+
+A command waits for nothing: it is sent whatever state the line is in, because it may be the order of zero current. What
+must wait, until the line is resynchronised, is the next query.
 """
 
 import math
@@ -19,9 +22,9 @@ from smarig.device.links.query import only_reads, reading
 from smarig.device.links.serial_port import PORT_ERRORS
 
 QUIET = 8  # time-outs without a reply after which no answer can follow
-SECOND_WAIT = (
-    2  # time-outs that a second attempt waits for the identity; a dead line is no reason to wait longer
-)
+# time-outs that a second attempt waits for the identity, and each attempt after one in which nothing came: a dead line
+# is no reason to wait longer
+SECOND_WAIT = 2
 TRIES = 3  # queries of the identity on a line that still answers
 LATE_LINES = 32  # largest number of lines discarded for one query
 LONGEST = 256  # bytes of an answer
@@ -32,15 +35,19 @@ class TextLine:
     """The instrument is identified before anything else is asked. ``who``: the query that every such instrument answers
     with its name, not a number.
 
-    ``url``: a serial port, tcp://HOST:PORT or rfc2217://HOST:PORT. ``repeats`` counts the queries asked once more,
-    ``reconnections`` the times when a broken line was opened again.
+    ``url``: a serial port, tcp://HOST:PORT or rfc2217://HOST:PORT. ``acknowledged``: the instrument answers each
+    command ("OK"). ``repeats`` counts the queries asked once more, ``reconnections`` the times when a broken line was
+    opened again.
     """
 
-    def __init__(self, url: str, baud: int, timeout_s: float, who: str = "*IDN?") -> None:
+    def __init__(
+        self, url: str, baud: int, timeout_s: float, who: str = "*IDN?", *, acknowledged: bool = False
+    ) -> None:
         self.where, self.identity = url, ""
         self.repeats = self.reconnections = 0
-        self._who = who
+        self._who, self._acknowledged = who, acknowledged
         self._late = True  # answers to earlier queries may still come
+        self._dead = False  # no reply came to the last query of the identity
         self._identities = 0  # queried and not yet received
         self._heard = b""  # the incomplete line
         self._broken = self._closed = False
@@ -54,18 +61,43 @@ class TextLine:
 
     def identify(self) -> str:
         """The instrument's identity. Numbers before it answer queries of another process."""
-        self.write(self._who)
+        self._send(self._who)
         for _ in range(LATE_LINES):
             answer = self._answer(self._who)
             if not _is_number(answer):
-                self.identity, self._late = answer, False
-                return answer
+                self.identity, self._late = self._last_of(answer), False
+                return self.identity
         raise Garbled(
             f"{self.where} answers {self._who} with numbers instead of its identity. {Garbled.remedy_at(self.where)}"
         )
 
+    def _last_of(self, line: str) -> str:
+        """The last line that comes. Acknowledgements of earlier commands look like an identity and come before it."""
+        for _ in range(LATE_LINES if self._acknowledged else 0):
+            if not (more := self._line(1)):
+                break
+            line = more
+        return line
+
     def write(self, text: str) -> None:
-        """Send a line that has no answer. It is sent once, on a line that is opened again first if it was broken."""
+        """Send a command at once, and once, on a line that is opened again first if it was broken.
+
+        An acknowledgement is discarded. One that cannot be told from earlier answers, or that does not come in time, is
+        no fault of the command: the next query is kept from taking it for its answer.
+        """
+        in_step = self._acknowledged and self._in_step()
+        self._send(text)
+        if self._acknowledged:
+            self._late = not (in_step and self._line(1))
+
+    def _in_step(self) -> bool:
+        """Whether the next line can only be the answer to the next query."""
+        try:
+            return not (self._late or self._unasked())
+        except Silent:
+            return False
+
+    def _send(self, text: str) -> None:
         if self._broken:
             self._reopen()
         try:
@@ -76,6 +108,9 @@ class TextLine:
 
     def ask(self, question: str, *, reads: bool | None = None) -> str:
         """The answer to this query and to no other. Raises Silent, Garbled.
+
+        A command whose answer is of interest waits until the line is resynchronised, and is sent even if that fails.
+        ``write`` sends it first: an order to zero.
 
         ``reads``: whether the instrument may be asked again, because the query changes nothing in it. By default its
         form tells: one word with a question mark at its end, and perhaps arguments (``MEAS:CURR? (@1)``).
@@ -88,11 +123,17 @@ class TextLine:
 
     def _query_twice(self, question: str, reads: bool | None, meaning: Callable[[str], _T]) -> _T:
         """What the answer means, asked once more if there is none or it means nothing."""
-        self._make_ready(QUIET)
+        reads = only_reads(question) if reads is None else reads
+        try:
+            self._make_ready(QUIET)
+        except (Silent, Garbled):
+            if not reads:
+                self._send(question)  # nobody can tell its answer, but it may be an order to zero
+            raise
         try:
             return meaning(self._exchange(question))
         except (Silent, Garbled) as fault:
-            if not (only_reads(question) if reads is None else reads):
+            if not reads:
                 raise
             try:
                 self._make_ready(SECOND_WAIT)
@@ -127,7 +168,7 @@ class TextLine:
 
     def _exchange(self, question: str) -> str:
         self._late = True
-        self.write(question)
+        self._send(question)
         for _ in range(LATE_LINES):
             answer = self._answer(question)
             if answer != self.identity:
@@ -141,19 +182,20 @@ class TextLine:
         """Query the identity until every such query is answered or certainly lost, which takes QUIET time-outs."""
         self._late = True
         for _ in range(TRIES):
-            self.write(self._who)
+            self._send(self._who)
             self._identities += 1
-            heard = 0
-            while self._identities and (line := self._line(timeouts)):
-                heard += 1
+            wait = SECOND_WAIT if self._dead else timeouts
+            self._dead = True
+            while self._identities and (line := self._line(wait)):
+                self._dead, wait = False, timeouts
                 self._identities -= line == self.identity
             if not self._identities:
                 self._late = False
                 return
-            if timeouts < QUIET:
+            if wait < QUIET:
                 break
             self._identities = 0
-            if not heard:
+            if self._dead:
                 break
         raise Silent(f"{self.where} does not identify itself. {Silent.remedy}")
 

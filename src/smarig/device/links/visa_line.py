@@ -3,6 +3,9 @@
 An answer does not identify its query. After anything went wrong the session is closed, opened again and identified, so
 that a late answer of the old session is never taken for another. A query that only reads is asked once more if
 it is not answered, or not by a number; a command never.
+
+An order to zero waits for no answer: it is sent over a session that was opened again before the instrument has
+identified itself, which the next query waits for.
 """
 
 import contextlib
@@ -32,6 +35,7 @@ class VisaLine:
         self._timeout_ms, self._baud = round(1000 * timeout_s), baud
         self._manager = _manager(backend)
         self._session: Any = None
+        self._verified = True  # the instrument of this session has identified itself, or nobody knows it yet
         self.reconnections = self.repeats = 0  # sessions opened again; queries asked once more
         self._open()
 
@@ -44,9 +48,11 @@ class VisaLine:
         self.identity = found
         return found
 
-    def write(self, text: str) -> None:
-        """Send a command without an answer."""
-        session = self._usable()
+    def write(self, text: str, *, at_once: bool = False) -> None:
+        """Send a command without an answer. ``at_once``: an order to zero, which does not wait until the instrument of
+        a session that was opened again is known to be the same.
+        """
+        session = self._usable(verified=not at_once)
         try:
             session.write(text)
         except Exception as error:
@@ -110,13 +116,15 @@ class VisaLine:
             self._fail(error, question)
             raise  # not reached
 
-    def _usable(self) -> Any:
-        """The session, opened again and identified after a fault."""
+    def _usable(self, *, verified: bool = True) -> Any:
+        """The session, opened again after a fault, and identified if it must be."""
         if self._session is None:
             self._open()
-            if self.identity:
-                self.identify()
-                self.reconnections += 1
+            self._verified = not self.identity
+        if verified and not self._verified:
+            self.identify()
+            self._verified = True
+            self.reconnections += 1
         return self._session
 
     def _open(self) -> None:
