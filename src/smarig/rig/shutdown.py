@@ -21,19 +21,28 @@ class SupportsShutdown(Protocol):
         ...
 
 
-def switch_off(rig: Any, sleep: Callable[[float], None] = time.sleep) -> str:
+def switch_off(
+    rig: Any, sleep: Callable[[float], None] = time.sleep, tell: Callable[[str], None] = lambda _: None
+) -> str:
     """Set the current to zero. A source without a lease that does not confirm it is asked again: nothing else switches
     it off. One that confirms it is then measured, if it measures.
 
-    Returns why it may still be on, or "".
+    Returns why it may still be on, or "". ``tell`` is told so after the first attempt: who can switch it off by hand
+    must not wait for the others.
     """
     rig.safe()
+    told = rig.shutdown_unconfirmed
+    if told:
+        tell(told)
     for _ in range(OFF_ATTEMPTS):
         if not rig.shutdown_unconfirmed or getattr(rig, "has_lease", True):
             break
         sleep(OFF_PAUSE_S)
         rig.safe()
+    told = told and rig.shutdown_unconfirmed
     confirm_zero(rig)
+    if rig.shutdown_unconfirmed and not told:
+        tell(rig.shutdown_unconfirmed)
     return rig.shutdown_unconfirmed
 
 

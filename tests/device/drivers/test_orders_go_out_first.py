@@ -1,4 +1,4 @@
-"""An order to zero is on the wire before anything else, whatever replies were lost; its acknowledgement is no answer."""
+"""An order to zero is on the wire before anything else, whatever was lost; its acknowledgement is no answer."""
 
 import contextlib
 import threading
