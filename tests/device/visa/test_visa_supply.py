@@ -346,6 +346,20 @@ def test_a_voltage_limit_holds_the_current_back(serve):
     supply.close()
 
 
+def test_a_line_ends_as_its_link_says():
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        line = VisaLine(
+            f"TCPIP0::127.0.0.1::{server.getsockname()[1]}::SOCKET", 1.0, backend="@py", line_end="\r\n"
+        )
+        connection, _ = server.accept()
+        with connection, connection.makefile("rb") as lines:
+            line.write("CURR 0")
+            assert lines.readline() == b"CURR 0\r\n"
+            connection.sendall(b"ACME,1\r\n")
+            assert line.identify() == "ACME,1"
+        line.close()
+
+
 def test_a_query_after_a_command_is_not_held_back(serve):
     """Else each takes the 40 ms after which the command is acknowledged."""
     server = serve("rigol_dp800")

@@ -31,7 +31,9 @@ class VisaSupplySettings(TomlTable):
 def visa_supply(where: LinkFile, rig: RigFile) -> FunctionOutput:
     """The supply at a VISA address: off, identified, with its voltage limited."""
     settings = settings_of(where, VisaSupplySettings)
-    line = VisaLine(where.url, where.timeout_s, backend=settings.backend, baud=where.baud)
+    line = VisaLine(
+        where.url, where.timeout_s, backend=settings.backend, baud=where.baud, line_end=where.line_end
+    )
     try:
         name, make = make_of(line.identify(), settings.make, settings.makes)
         if rig.limits.current_min_A < 0 and not make.bipolar:

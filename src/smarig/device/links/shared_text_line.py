@@ -39,7 +39,7 @@ class SharedTextLine(ConnectionUse[TextLine]):
 
 
 def shared_text_line(where: LinkFile, who: str = "*IDN?", *, acknowledged: bool = False) -> SharedTextLine:
-    """The text line of a link, shared with all that use the same address. The first user's ``timeout_s`` holds.
+    """The text line of a link, shared with all that use the same address. The first user's values hold.
 
     ``who``: the query of its identity. ``acknowledged``: the instrument answers each command, such as with "OK".
 
@@ -49,5 +49,7 @@ def shared_text_line(where: LinkFile, who: str = "*IDN?", *, acknowledged: bool 
     return _LINES.use(
         SharedTextLine,
         key,
-        lambda: TextLine(where.url, where.baud, where.timeout_s, who, acknowledged=acknowledged),
+        lambda: TextLine(
+            where.url, where.baud, where.timeout_s, who, line_end=where.line_end, acknowledged=acknowledged
+        ),
     )

@@ -28,6 +28,7 @@ SECOND_WAIT = 2
 TRIES = 3  # queries of the identity on a line that still answers
 LATE_LINES = 32  # largest number of lines discarded for one query
 LONGEST = 256  # bytes of an answer
+LINE_ENDS = {b"\n": "a line feed", b"\r\n": "CR LF", b"\r": "CR"}  # names for messages
 _T = TypeVar("_T")
 
 
@@ -35,17 +36,25 @@ class TextLine:
     """The instrument is identified before anything else is asked. ``who``: the query that every such instrument answers
     with its name, not a number.
 
-    ``url``: a serial port, tcp://HOST:PORT or rfc2217://HOST:PORT. ``acknowledged``: the instrument answers each
-    command ("OK"). ``repeats`` counts the queries asked once more, ``reconnections`` the times when a broken line was
-    opened again.
+    ``url``: a serial port, tcp://HOST:PORT or rfc2217://HOST:PORT. ``line_end``: a reply ends with its last character.
+    ``acknowledged``: the instrument answers each command ("OK"). ``repeats`` counts the queries asked once more,
+    ``reconnections`` the times when a broken line was opened again.
     """
 
     def __init__(
-        self, url: str, baud: int, timeout_s: float, who: str = "*IDN?", *, acknowledged: bool = False
+        self,
+        url: str,
+        baud: int,
+        timeout_s: float,
+        who: str = "*IDN?",
+        *,
+        line_end: str = "\n",
+        acknowledged: bool = False,
     ) -> None:
         self.where, self.identity = url, ""
         self.repeats = self.reconnections = 0
         self._who, self._acknowledged = who, acknowledged
+        self._line_end, self._reply_end = line_end.encode(), line_end[-1].encode()
         self._late = True  # answers to earlier queries may still come
         self._dead = False  # no reply came to the last query of the identity
         self._identities = 0  # queried and not yet received
@@ -68,7 +77,8 @@ class TextLine:
                 self.identity, self._late = self._last_of(answer), False
                 return self.identity
         raise Garbled(
-            f"{self.where} answers {self._who} with numbers instead of its identity. {Garbled.remedy_at(self.where)}"
+            f"{self.where} answers {self._who.strip()} with numbers instead of its identity. "
+            f"{Garbled.remedy_at(self.where)}"
         )
 
     def _last_of(self, line: str) -> str:
@@ -101,7 +111,7 @@ class TextLine:
         if self._broken:
             self._reopen()
         try:
-            self._port.write(f"{text}\n".encode())
+            self._port.write(text.encode() + self._line_end)
         except PORT_ERRORS as error:
             self._broken = not self._closed
             raise Silent(f"{self.where} cannot be written to: {error}. {Silent.remedy}") from None
@@ -146,7 +156,9 @@ class TextLine:
         number = reading(answer)
         if math.isnan(number):
             self._late = True  # it may be the answer to another query
-            raise Garbled(f"{self.where} answers '{answer}' to {question}. {Garbled.remedy_at(self.where)}")
+            raise Garbled(
+                f"{self.where} answers '{answer}' to {question.strip()}. {Garbled.remedy_at(self.where)}"
+            )
         return number
 
     def close(self) -> None:
@@ -175,7 +187,7 @@ class TextLine:
                 self._late = False
                 return answer
         raise Garbled(
-            f"{self.where} answers {question} only with its identity. {Garbled.remedy_at(self.where)}"
+            f"{self.where} answers {question.strip()} only with its identity. {Garbled.remedy_at(self.where)}"
         )
 
     def _resynchronise(self, timeouts: int) -> None:
@@ -216,17 +228,25 @@ class TextLine:
     def _answer(self, question: str) -> str:
         line = self._line(1)
         if not line:
-            raise Silent(f"{self.where} does not answer {question}. {Silent.remedy}")
+            never_heard = "" if self.identity else f" {self._line_end_text()}"
+            raise Silent(f"{self.where} does not answer {question.strip()}. {Silent.remedy}{never_heard}")
         return line
+
+    def _line_end_text(self) -> str:
+        """What may be wrong if nothing was ever understood."""
+        name = LINE_ENDS.get(self._line_end, repr(self._line_end.decode()))
+        if self._heard:
+            return f"It sent something that does not end with {name}: set line_end of its link."
+        return f"If its lines do not end with {name}, set line_end of its link."
 
     def _line(self, timeouts: int) -> str:
         """The next complete line that is not empty; "" if none arrives within this number of time-outs."""
         for _ in range(timeouts):
             try:
-                self._heard = (self._heard + self._port.read_until(b"\n", LONGEST))[-LONGEST:]
+                self._heard = (self._heard + self._port.read_until(self._reply_end, LONGEST))[-LONGEST:]
             except PORT_ERRORS as error:
                 raise self._unreadable(error) from None
-            if self._heard.endswith(b"\n"):
+            if self._heard.endswith(self._reply_end):
                 line, self._heard = self._heard.decode("ascii", "replace").strip(), b""
                 if line:
                     return line

@@ -30,9 +30,17 @@ _T = TypeVar("_T")
 class VisaLine:
     """``resource`` is a VISA address such as TCPIP0::192.168.1.20::INSTR; ``backend`` is that of PyVISA ("@py")."""
 
-    def __init__(self, resource: str, timeout_s: float, *, backend: str = "", baud: int = 115200) -> None:
+    def __init__(
+        self,
+        resource: str,
+        timeout_s: float,
+        *,
+        backend: str = "",
+        baud: int = 115200,
+        line_end: str = "\n",
+    ) -> None:
         self.where, self.identity = resource, ""
-        self._timeout_ms, self._baud = round(1000 * timeout_s), baud
+        self._timeout_ms, self._baud, self._line_end = round(1000 * timeout_s), baud, line_end
         self._manager = _manager(backend)
         self._session: Any = None
         self._verified = True  # the instrument of this session has identified itself, or nobody knows it yet
@@ -100,7 +108,9 @@ class VisaLine:
 
     def _garbled(self, question: str, answer: str) -> NoReturn:
         self._drop()
-        raise Garbled(f"{self.where} answers '{answer}' to {question}. {Garbled.remedy_at(self.where)}")
+        raise Garbled(
+            f"{self.where} answers '{answer}' to {question.strip()}. {Garbled.remedy_at(self.where)}"
+        )
 
     def close(self) -> None:
         """Close the session. Never raises."""
@@ -130,7 +140,10 @@ class VisaLine:
     def _open(self) -> None:
         try:
             self._session = self._manager.open_resource(
-                self.where, open_timeout=self._timeout_ms, read_termination="\n", write_termination="\n"
+                self.where,
+                open_timeout=self._timeout_ms,
+                read_termination=self._line_end[-1],
+                write_termination=self._line_end,
             )
             self._session.timeout = self._timeout_ms
             self._without_delay()
@@ -157,7 +170,9 @@ class VisaLine:
 
     def _fail(self, error: Exception, what: str) -> None:
         self._drop()
-        raise Silent(f"{self.where} does not answer {what}: {error_text(error)}. {Silent.remedy}") from None
+        raise Silent(
+            f"{self.where} does not answer {what.strip()}: {error_text(error)}. {Silent.remedy}"
+        ) from None
 
     def _drop(self) -> None:
         session, self._session = self._session, None
