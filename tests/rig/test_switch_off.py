@@ -54,3 +54,13 @@ def test_a_current_that_is_measured_after_all_is_told():
     told = []
     switch_off(Flows(3), lambda _: None, told.append)
     assert told == [STILL_ON, FLOWS]
+
+
+def test_a_listener_that_fails_keeps_no_zero_back():
+    def full(_):
+        raise OSError("No space left on device")
+
+    rig = IgnoresZero(3)
+    with pytest.raises(OSError, match="No space"):
+        switch_off(rig, lambda _: None, full)
+    assert (rig.orders, rig.shutdown_unconfirmed) == (3, "")

@@ -146,33 +146,44 @@ def test_an_output_that_is_not_confirmed_off_is_said_and_recorded(bench, tmp_pat
     assert not any("at zero" in sentence for sentence in check_run(out).sentences())
 
 
-def test_without_a_lease_it_is_said_after_the_first_zero_and_once(bench, tmp_path):
-    """The others follow: each waits for replies that do not come."""
+def run_that_loses_its_replies(bench, out, on_still_on):
+    """Of a box without a lease, from the sixth sample on. ``on_still_on`` gets the text of each such event."""
     box, rig = bench
     rig.write_text(rig.read_text().replace('framing = "lines"', 'framing = "lines"\ntimeout_s = 0.15'))
     driver = rig.with_name("sticking.py")
     driver.write_text(driver.read_text().replace('self.line.number("SYST:WDOG?")', "-1.0"))
-    told, out = [], tmp_path / "r.run.sqlite"
 
     class Listens(CallbackListener):
         def event(self, t_s, kind, text, *, level="info", **data):
             if kind == "still_on":
-                told.append((box.zeros, text))
+                on_still_on(text)
 
     def loses_replies(sample, _step, _input_K):
         box.mute = sample.tick >= 6
         box.zeros = 0
 
-    with (
-        pytest.raises(RigFault, match="It has no lease: switch it off by hand now"),
-        Session(str(rig)) as session,
-    ):
+    with Session(str(rig)) as session:
         session.run("held", {}, out, listeners=[Listens(on_sample=loses_replies)], protocol_factory=held)
-    ((zeros, text),) = told
+
+
+def test_without_a_lease_it_is_said_after_the_first_zero_and_once(bench, tmp_path):
+    """The others follow: each waits for replies that do not come."""
+    box, said, out = bench[0], [], tmp_path / "r.run.sqlite"
+    with pytest.raises(RigFault, match="It has no lease: switch it off by hand now"):
+        run_that_loses_its_replies(bench, out, lambda text: said.append((box.zeros, text)))
+    ((zeros, text),) = said
     assert zeros == 2, "those of one off()"
     assert "It has no lease: switch it off by hand now." in text
     assert box.zeros >= 2 * (1 + OFF_ATTEMPTS)
     assert [e.text for e in smarig.load_run(out).events if e.kind == "still_on"] == [text]
+
+
+def test_a_source_that_confirms_later_is_said_to_be_off(bench, tmp_path):
+    out = tmp_path / "r.run.sqlite"
+    with pytest.raises(RigFault, match="does not answer [^ ]*\\. Check its power[^.]*\\.$"):
+        run_that_loses_its_replies(bench, out, lambda _: setattr(bench[0], "mute", False))
+    kinds = [e.kind for e in smarig.load_run(out).events]
+    assert kinds[kinds.index("still_on") :][:2] == ["still_on", "off"]
 
 
 def test_a_current_that_ends_is_at_zero(bench, tmp_path):

@@ -62,10 +62,10 @@ def open_rig(
     *,
     speed: float | None = None,
     while_waiting: Callable[[], None] = lambda: None,
-    tell: Callable[[str], None] = lambda _: None,
+    report: Callable[[str], None] = lambda _: None,
 ) -> Iterator[Rig]:
-    """A rig that is safe and closed afterwards. ``settings`` are those of a twin or of simulated devices. ``tell`` is
-    told at once if the rig does not confirm that it is off.
+    """A rig that is safe and closed afterwards. ``settings`` are those of a twin or of simulated devices. ``report``
+    gets the sentence about a rig that does not confirm that it is off, at once.
 
     If ``settings`` contain the hysteresis of a model, the rig is a twin in process.
     """
@@ -86,7 +86,7 @@ def open_rig(
         open_.callback(found.close)
         with (
             at_forced_end(lambda: _zeroed(found), _NOT_ZEROED, zeroes=True),
-            _confirmed_shutdown(found, signals, tell),
+            _confirmed_shutdown(found, signals, report),
         ):
             yield found
 
@@ -100,7 +100,7 @@ def _zeroed(rig: Rig) -> str:
 
 @contextmanager
 def _confirmed_shutdown(
-    rig: Rig, signals: HeldSignals, tell: Callable[[str], None] = lambda _: None
+    rig: Rig, signals: HeldSignals, report: Callable[[str], None] = lambda _: None
 ) -> Iterator[None]:
     """Set the current to zero at every exit. An unconfirmed shutdown becomes part of the error message.
 
@@ -110,7 +110,7 @@ def _confirmed_shutdown(
         yield
     except BaseException as error:
         signals.hold()
-        switch_off(rig, tell=tell)
+        switch_off(rig, report=report)
         if not rig.shutdown_unconfirmed:
             raise
         if isinstance(error, Interrupted | KeyboardInterrupt):
@@ -120,7 +120,7 @@ def _confirmed_shutdown(
             after_shutdown(error, rig)
         raise
     signals.hold()
-    switch_off(rig, tell=tell)
+    switch_off(rig, report=report)
     if rig.shutdown_unconfirmed:
         raise RigFault(f"{rig.shutdown_unconfirmed} The recorded data are complete.")
 

@@ -77,17 +77,17 @@ class Runner:
 
     def _switch_off(self, fault: SmarigError | None) -> None:
         """Set the current to zero. One that may flow on is reported, and ``fault`` does not deny it."""
-        told: list[str] = []
+        reported: list[str] = []
 
-        def tell(unconfirmed: str) -> None:
-            told.append(unconfirmed)
+        def report(unconfirmed: str) -> None:
+            reported.append(unconfirmed)
             self._notify("still_on", unconfirmed, level="error")
 
         with self.control.undisturbed():
-            if switch_off(self.rig, tell=tell):
+            if switch_off(self.rig, report=report):
                 if fault is not None:
                     after_shutdown(fault, self.rig)
-            elif told:
+            elif reported:
                 self._notify("off", "The source has now confirmed that it is off.", level="warning")
 
     def _carry_out(self, command: Command) -> StepResult | Sample | None:
