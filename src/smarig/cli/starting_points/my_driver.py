@@ -7,7 +7,7 @@ Name it in a rig file in the same folder, for one or both of these roles:
 
     [links.amplifier]
     driver = "./my_driver.py"
-    framing = "lines"                # this driver does not use it
+    framing = "lines"                # of text; line_end, if they end otherwise than with a line feed
     url = "tcp://HOST:PORT"          # or a serial port: /dev/serial/by-id/…
 
     [links.encoder_daq]
