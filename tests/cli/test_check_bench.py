@@ -166,6 +166,31 @@ def a_{unit}_laser(where, rig):
 """
 
 
+BLIND = """
+import math
+from smarig.device import Electrical
+class Blind:
+    identity, tripped, has_lease = "blind", "", False
+    def arm(self): pass
+    def set_current(self, current_A): pass
+    def measure(self): return Electrical(math.nan, 1.0)
+    def off(self): return ""
+    def close(self): pass
+def blind(where, rig):
+    return Blind()
+"""
+
+
+def test_a_driver_that_measures_no_current_gets_one_line(tmp_path, capsys, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "blind.py").write_text(BLIND)
+    assert cli(["check", "--driver", "./blind.py", "--url", "anywhere", "--yes"]) == 3
+    out, err = capsys.readouterr()
+    (line,) = [line for line in err.splitlines() if line.startswith("NOT")]
+    assert "the driver measures no current" in line
+    assert "1 of 12 requirements are met.\nThe last 10 were not tested." in out
+
+
 @pytest.mark.long("takes three seconds")
 def test_a_position_in_mm_is_checked_without_a_rig_file(tmp_path, capsys, monkeypatch):
     """It does not demand that a shipped file be changed."""

@@ -63,9 +63,17 @@ def test_the_actuator_is_found_in_the_folder_of_the_rig(capsys, made, tmp_path, 
     made["rig"].write_text(rig)
     (tmp_path / "elsewhere").mkdir()
     monkeypatch.chdir(tmp_path / "elsewhere")
-    status, out, _ = call(capsys, "check", "../first_rig.toml", "--json")
+    status, out, err = call(capsys, "check", "../first_rig.toml", "--json")
     assert status == 0
     assert json.loads(out)["actuator"] == "first_actuator"
+    (warning,) = err.splitlines()
+    assert "first_actuator still has values of the template" in warning
+    assert "wire.diameter, wire.active_length, heating.resistance_martensite" in warning
+    assert "transmission.radius. Replace each" in warning
+    assert "density" not in warning, "its source is typical NiTi"
+    file = made["actuator"]
+    file.write_text(file.read_text().replace('"replace: ', '"measured: '))
+    assert call(capsys, "check", "../first_rig.toml")[2] == ""
 
 
 def test_the_protocol_runs(capsys, made):

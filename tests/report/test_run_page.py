@@ -7,6 +7,7 @@ import plotly.graph_objects as go
 import pytest
 
 from report.pages import LOADING, Page, run_of, step, unpacked
+from smarig.config import load_actuator, load_rig
 from smarig.core.sample import Quality
 from smarig.record import Event
 from smarig.report.run_page import run_page
@@ -50,6 +51,33 @@ def test_a_twin_run_shows_its_numbers_and_its_label(twin):
     assert page.row("Notes")[1] == "<script>1</script>"
     assert "<script>1</script>" not in text
     assert "retraces segment A" in page.visible
+
+
+def test_values_of_a_template_or_of_another_sensor_are_not_shown_as_those_of_the_bench():
+    rig = load_rig("bench_one_wire")
+    rig = rig.model_copy(update={"encoder": rig.encoder.model_copy(update={"resolution": 0.005})})
+    actuator = load_actuator("gorbet_one_wire").model_dump(mode="json")
+    actuator["transmission"]["radius"]["source"] = "replace: of the pulley with the encoder"
+    moved = {"position": [0.0, 1.0], "t_s": [0.0, 1.0]}
+    output = {"quantity": "position", "unit": "mm"}
+    page = Page(
+        run_page(
+            run_of(moved, rig_values=rig.model_dump(mode="json"), actuator_values=actuator, output=output)
+        )
+    )
+    assert page.row("Radius")[1:] == ["15", "mm", "template: of another wire"]
+    assert "replace:" not in page.visible
+    assert page.row("Resistance martensite")[3] == "section 5.1.3"
+    assert page.row("Encoder: resolution")[1:] == ["0.005", "mm", "rig file"]
+    assert "counts per rev" not in page.visible
+    assert page.row("Amplifier: saturation")[3] == "rig file, for previews and checks"
+    assert page.row("Limits: current max")[3] == "rig file"
+
+
+def test_a_step_that_moved_is_not_said_to_have_ended_at_its_mean():
+    page = Page(run_page(run_of({"t_s": [0.0]}, (step(0, 20.0, -1.79, "elapsed"),))))
+    (words,) = [words for words in page.captions if words.startswith("Steps.")] or [page.visible]
+    assert "A step that is not 'settled' may have moved in them, and ended elsewhere." in words
 
 
 def test_the_settled_points_are_drawn_as_measured(twin):

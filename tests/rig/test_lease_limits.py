@@ -8,7 +8,8 @@ import pytest
 from control.model_files import model_of
 from smarig.cli import run as cli
 from smarig.config import load_rig
-from smarig.core import UsageError
+from smarig.core import Elapsed, Hold, UsageError
+from smarig.core.catalogue import own_files
 from smarig.plant import Actuator
 from smarig.record import load_run
 from smarig.rig import limits_in_force
@@ -38,7 +39,8 @@ def rig(tmp_path):
         'name = "mine"\nbase = "one_wire_serial"\nlimits.temperature_max_K = 120.0\n'
         '[links.amplifier]\ndriver = "./unleased.py"\n'
     )
-    return path
+    with own_files():
+        yield path
 
 
 def test_the_largest_current_heats_to_80_percent_of_the_limit():
@@ -82,6 +84,18 @@ def test_a_run_takes_the_lower_limits_and_says_so(rig, tmp_path):
 
 
 LIMIT_A = 0.7426  # (5.3): 96 K of 120 K
+
+
+def test_a_refused_start_says_why_the_limit_is_not_that_of_the_file(rig, tmp_path):
+    def held(_setup):
+        yield Hold(0.9, Elapsed(1))
+
+    with Session(str(rig)) as session:
+        for asked in ({"settings": {"currents_A": (0.9,)}}, {"settings": {}, "protocol_factory": held}):
+            with pytest.raises(UsageError, match="outside the .*limits 0…0.742") as refused:
+                session.run("step_currents", out=tmp_path / "high.run.sqlite", **asked)
+            assert str(refused.value).endswith(f" A. {session.no_lease}")
+            assert "The current source has no lease" in str(refused.value)
 
 
 @pytest.mark.parametrize(

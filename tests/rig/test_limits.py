@@ -1,5 +1,7 @@
 """Limits on the host: current, rate and predicted temperature are refused or trip, and the rig ends at zero."""
 
+import math
+
 import pytest
 
 from smarig.core.command import Elapsed, Hold
@@ -32,6 +34,15 @@ def test_a_forbidden_command_never_reaches_the_rig(limits, current_A, message):
     with pytest.raises(LimitExceeded, match=message):
         Runner(guard, 1.0, []).run(generator(Hold(current_A, Elapsed(1))))
     assert twin.tick == 0
+    assert twin.output_A == 0.0
+
+
+def test_a_source_without_a_measured_current_trips_and_is_told_what_to_do(monkeypatch):
+    twin, guard = guarded()
+    step = twin.step
+    monkeypatch.setattr(twin, "step", lambda *given: [s._replace(current_A=math.nan) for s in step(*given)])
+    with pytest.raises(LimitExceeded, match="reads nan A.*put a shunt into the circuit.*at zero"):
+        Runner(guard, 1.0, []).run(generator(Hold(0.02, Elapsed(1))))
     assert twin.output_A == 0.0
 
 

@@ -4,6 +4,7 @@ import pytest
 
 from smarig.rig.shutdown import OFF_ATTEMPTS, switch_off
 
+FLOWS = "0.3 A is still measured: switch it off by hand now."
 STILL_ON = "The supply did not confirm that it is off. It has no lease: switch it off by hand now."
 
 
@@ -32,7 +33,34 @@ class IgnoresZero:
     ids=["at once", "later", "never", "has a lease"],
 )
 def test_zero_is_ordered_until_it_is_confirmed(rig, orders, text):
-    pauses = []
-    switch_off(rig, pauses.append)
+    pauses, told = [], []
+    switch_off(rig, pauses.append, lambda said: told.append((rig.orders, said)))
     assert (rig.orders, rig.shutdown_unconfirmed) == (orders, text)
     assert len(pauses) == orders - 1
+    assert told == ([(1, STILL_ON)] if orders > 1 or text else []), "at once, and once"
+
+
+def test_a_current_that_is_measured_after_all_is_told():
+    class Flows(IgnoresZero):
+        flows = ""
+
+        @property
+        def shutdown_unconfirmed(self):
+            return super().shutdown_unconfirmed or self.flows
+
+        def confirm_zero(self):
+            self.flows = FLOWS
+
+    told = []
+    switch_off(Flows(3), lambda _: None, told.append)
+    assert told == [STILL_ON, FLOWS]
+
+
+def test_a_listener_that_fails_keeps_no_zero_back():
+    def full(_):
+        raise OSError("No space left on device")
+
+    rig = IgnoresZero(3)
+    with pytest.raises(OSError, match="No space"):
+        switch_off(rig, lambda _: None, full)
+    assert (rig.orders, rig.shutdown_unconfirmed) == (3, "")

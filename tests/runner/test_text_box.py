@@ -12,6 +12,7 @@ from smarig.core.catalogue import own_files
 from smarig.record import check_run
 from smarig.report.runs.run_assessment import run_assessment
 from smarig.rig import TwinSettings
+from smarig.rig.shutdown import OFF_ATTEMPTS
 from smarig.runner.listener import CallbackListener
 from smarig.runner.session import Session
 
@@ -41,14 +42,17 @@ speed = 20.0
 
 
 class Sticks(SimulatedBox):
-    """What flows when ``stuck`` becomes true flows on, whatever is ordered and confirmed."""
+    """What flows when ``stuck`` becomes true flows on, whatever is ordered and confirmed. ``mute`` loses answers."""
 
-    stuck = False
+    stuck = mute = False
+    zeros = 0  # orders of zero that arrived
     admits = False  # says itself that its output is on
     _flowed_A = 0.0
 
     def _answer(self, line: str) -> str | None:
-        return "1" if self.stuck and self.admits and line == "OUTP?" else super()._answer(line)
+        self.zeros += line == "CURR 0"
+        found = "1" if self.stuck and self.admits and line == "OUTP?" else super()._answer(line)
+        return None if self.mute else found
 
     @property
     def flows_A(self) -> float:
@@ -140,6 +144,46 @@ def test_an_output_that_is_not_confirmed_off_is_said_and_recorded(bench, tmp_pat
     (event,) = [e for e in run.events if e.kind == "still_on"]
     assert "did not confirm that it is off" in event.text
     assert not any("at zero" in sentence for sentence in check_run(out).sentences())
+
+
+def run_that_loses_its_replies(bench, out, on_still_on):
+    """Of a box without a lease, from the sixth sample on. ``on_still_on`` gets the text of each such event."""
+    box, rig = bench
+    rig.write_text(rig.read_text().replace('framing = "lines"', 'framing = "lines"\ntimeout_s = 0.15'))
+    driver = rig.with_name("sticking.py")
+    driver.write_text(driver.read_text().replace('self.line.number("SYST:WDOG?")', "-1.0"))
+
+    class Listens(CallbackListener):
+        def event(self, t_s, kind, text, *, level="info", **data):
+            if kind == "still_on":
+                on_still_on(text)
+
+    def loses_replies(sample, _step, _input_K):
+        box.mute = sample.tick >= 6
+        box.zeros = 0
+
+    with Session(str(rig)) as session:
+        session.run("held", {}, out, listeners=[Listens(on_sample=loses_replies)], protocol_factory=held)
+
+
+def test_without_a_lease_it_is_said_after_the_first_zero_and_once(bench, tmp_path):
+    """The others follow: each waits for replies that do not come."""
+    box, said, out = bench[0], [], tmp_path / "r.run.sqlite"
+    with pytest.raises(RigFault, match="It has no lease: switch it off by hand now"):
+        run_that_loses_its_replies(bench, out, lambda text: said.append((box.zeros, text)))
+    ((zeros, text),) = said
+    assert zeros == 2, "those of one off()"
+    assert "It has no lease: switch it off by hand now." in text
+    assert box.zeros >= 2 * (1 + OFF_ATTEMPTS)
+    assert [e.text for e in smarig.load_run(out).events if e.kind == "still_on"] == [text]
+
+
+def test_a_source_that_confirms_later_is_said_to_be_off(bench, tmp_path):
+    out = tmp_path / "r.run.sqlite"
+    with pytest.raises(RigFault, match="does not answer [^ ]*\\. Check its power[^.]*\\.$"):
+        run_that_loses_its_replies(bench, out, lambda _: setattr(bench[0], "mute", False))
+    kinds = [e.kind for e in smarig.load_run(out).events]
+    assert kinds[kinds.index("still_on") :][:2] == ["still_on", "off"]
 
 
 def test_a_current_that_ends_is_at_zero(bench, tmp_path):

@@ -6,7 +6,7 @@ from smarig.cli.confirmation import confirm
 from smarig.cli.output import emit, show_message
 from smarig.config import RigFile, load_rig
 from smarig.core import RigFault, UsageError
-from smarig.device import Role
+from smarig.device import Role, contract
 from smarig.plant import Actuator
 from smarig.rig import check_driver, rig_for_check, without_lease_text
 from smarig.runner import rig_locks
@@ -31,7 +31,10 @@ def check_one_driver(rig: str | None, driver: str, role: str, url: str, wire: st
             show_message(result.line)
             found.append(result)
     met = sum(result.passed for result in found)
-    lines = [f"{driver} as {role}: {met} of {len(found)} requirements are met."]
+    untested = len(contract(cast(Role, role))) - len(found)
+    lines = [f"{driver} as {role}: {met} of {len(found) + untested} requirements are met."]
+    if untested:
+        lines.append(f"The last {untested} were not tested.")
     if role == _POWERED and any(result.limitation and result.name == "lease" for result in found):
         lines.append(without_lease_text(file, Actuator.named(file.actuator)))
     if role == "encoder_daq":

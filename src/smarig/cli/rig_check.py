@@ -4,10 +4,10 @@ import time
 from typing import Any
 
 from smarig.cli.confirmation import confirm
-from smarig.cli.output import emit
+from smarig.cli.output import emit, show_message
 from smarig.cli.progress import preview_progress
 from smarig.cli.rig_bring_up import announced_bring_up
-from smarig.config import RigFile, load_rig, shipped_names
+from smarig.config import RigFile, load_rig, shipped_names, template_values
 from smarig.core import ConfigError, LeaseExpired, RigFault, UsageError, catalogue_names
 from smarig.device import Check
 from smarig.plant import Actuator
@@ -40,6 +40,11 @@ def check_rig(rig: str, protocol: str | None, pairs: tuple[str, ...], *, bring_u
     }
     if file.kind == "twin":
         found["lease_trips"] = _lease_trips(Twin.named(rig))
+    if unknown := list(template_values(actuator.file)):
+        show_message(
+            f"Warning: {actuator.name} still has values of the template, which are those of another wire: "
+            f"{', '.join(unknown)}. Replace each, and its source."
+        )
     lines = [f"{_LABELS.get(key, key):>20}: {_short(value)}" for key, value in found.items()]
     if protocol:
         cost = preview(protocol, file, parse_pairs(pairs), report=preview_progress())

@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from smarig.config.quantity import InUnit as InUnit
     from smarig.config.quantity import PositiveIn as PositiveIn
     from smarig.config.quantity import Quantity as Quantity
+    from smarig.config.quantity import template_values as template_values
     from smarig.config.recorded_rig import rig_from_text as rig_from_text
     from smarig.config.thermomechanical_file import ThermomechanicalSection as ThermomechanicalSection
 else:

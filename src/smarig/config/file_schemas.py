@@ -221,6 +221,7 @@ class LinkFile(TomlTable):
     baud: int = Field(default=115200, ge=300, le=4_000_000)  # baud rate of a serial port
     address: int = Field(default=0, ge=0, le=247)  # Modbus address; 0: the device's default
     timeout_s: Number = Field(default=0.3, gt=0, le=5)  # time limit for one reply
+    line_end: Literal["\n", "\r\n", "\r"] = "\n"  # ends a line of text; a reply ends with its last character
     settings: dict[str, Any] = Field(
         default_factory=dict
     )  # keys of the driver's own: channels, scales, ranges
@@ -231,6 +232,12 @@ class LinkFile(TomlTable):
         if url.lower().startswith("spy:") and "file=" in url.lower():
             raise ValueError("spy:// with file= would write a file; leave out file=")
         return url
+
+    @model_validator(mode="after")
+    def _lines_end(self) -> "LinkFile":
+        if self.line_end != "\n" and self.framing != "lines":
+            raise ValueError(f'line_end belongs to framing = "lines"; leave it out with "{self.framing}"')
+        return self
 
 
 class LinksFile(TomlTable):

@@ -1,6 +1,7 @@
 """A physical quantity of a configuration file: value, unit and source, in the unit that its key requires."""
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Annotated
 
@@ -18,6 +19,11 @@ class Quantity(TomlTable):
 
     def __float__(self) -> float:
         return self.value
+
+    @property
+    def of_template(self) -> bool:
+        """Whether it is still that of ``smarig new actuator``, and so of another wire."""
+        return self.source.startswith("replace:")
 
 
 @dataclass(frozen=True)
@@ -76,3 +82,13 @@ Kelvin = Annotated[Quantity, AfterValidator(PositiveIn("K", 1.0, 5000.0))]
 Amperes = Annotated[Quantity, AfterValidator(PositiveIn("A", 1e-6, 1e4))]
 Density = Annotated[Quantity, AfterValidator(PositiveIn("kg/m^3", 1.0, 1e5))]
 SpecificHeat = Annotated[Quantity, AfterValidator(PositiveIn("J/(kg K)", 1.0, 1e6))]
+
+
+def template_values(table: TomlTable, within: str = "") -> Iterator[str]:
+    """The keys of the quantities of a file that nobody has replaced, such as "wire.diameter"."""
+    for name, value in table:
+        if isinstance(value, Quantity):
+            if value.of_template:
+                yield f"{within}{name}"
+        elif isinstance(value, TomlTable):
+            yield from template_values(value, f"{within}{name}.")

@@ -51,6 +51,7 @@ if TYPE_CHECKING:
     from smarig.device.roles.polled import PositionInput as PositionInput
     from smarig.device.roles.polled import TemperatureInput as TemperatureInput
     from smarig.device.roles.polled import VoltageOutput as VoltageOutput
+    from smarig.device.roles.ticked import NO_MEASURED_CURRENT as NO_MEASURED_CURRENT
     from smarig.device.roles.ticked import AbsoluteZero as AbsoluteZero
     from smarig.device.roles.ticked import CurrentReading as CurrentReading
     from smarig.device.roles.ticked import CurrentSource as CurrentSource

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 
 from smarig.config import LimitsFile
 from smarig.core import LimitExceeded, Quality, Sample
-from smarig.device import AbsoluteZero
+from smarig.device import NO_MEASURED_CURRENT, AbsoluteZero
 from smarig.plant import Actuator, JouleHeating
 from smarig.rig.plausibility import REST_TAUS, Plausibility
 from smarig.rig.rig import Alarm, Rig
@@ -110,6 +110,8 @@ class Guard:
                 f"Predicted wire temperature {hottest_K:.5g} K above ambient exceeds the limit "
                 f"temperature_max_K = {self.limits.temperature_max_K:g}."
             )
+        elif math.isnan(current_A):
+            self._trip(f"The measured current reads {current_A} A. {NO_MEASURED_CURRENT}")
         else:
             self._trip(f"The measured current reads {current_A} A.")
 

@@ -62,8 +62,10 @@ def open_rig(
     *,
     speed: float | None = None,
     while_waiting: Callable[[], None] = lambda: None,
+    report: Callable[[str], None] = lambda _: None,
 ) -> Iterator[Rig]:
-    """A rig that is safe and closed afterwards. ``settings`` are those of a twin or of simulated devices.
+    """A rig that is safe and closed afterwards. ``settings`` are those of a twin or of simulated devices. ``report``
+    gets the sentence about a rig that does not confirm that it is off, at once.
 
     If ``settings`` contain the hysteresis of a model, the rig is a twin in process.
     """
@@ -84,7 +86,7 @@ def open_rig(
         open_.callback(found.close)
         with (
             at_forced_end(lambda: _zeroed(found), _NOT_ZEROED, zeroes=True),
-            _confirmed_shutdown(found, signals),
+            _confirmed_shutdown(found, signals, report),
         ):
             yield found
 
@@ -97,7 +99,9 @@ def _zeroed(rig: Rig) -> str:
 
 
 @contextmanager
-def _confirmed_shutdown(rig: Rig, signals: HeldSignals) -> Iterator[None]:
+def _confirmed_shutdown(
+    rig: Rig, signals: HeldSignals, report: Callable[[str], None] = lambda _: None
+) -> Iterator[None]:
     """Set the current to zero at every exit. An unconfirmed shutdown becomes part of the error message.
 
     A second Ctrl-C neither cuts the end off nor takes its words away.
@@ -106,7 +110,7 @@ def _confirmed_shutdown(rig: Rig, signals: HeldSignals) -> Iterator[None]:
         yield
     except BaseException as error:
         signals.hold()
-        switch_off(rig)
+        switch_off(rig, report=report)
         if not rig.shutdown_unconfirmed:
             raise
         if isinstance(error, Interrupted | KeyboardInterrupt):
@@ -116,7 +120,7 @@ def _confirmed_shutdown(rig: Rig, signals: HeldSignals) -> Iterator[None]:
             after_shutdown(error, rig)
         raise
     signals.hold()
-    switch_off(rig)
+    switch_off(rig, report=report)
     if rig.shutdown_unconfirmed:
         raise RigFault(f"{rig.shutdown_unconfirmed} The recorded data are complete.")
 

@@ -21,19 +21,30 @@ class SupportsShutdown(Protocol):
         ...
 
 
-def switch_off(rig: Any, sleep: Callable[[float], None] = time.sleep) -> str:
+def switch_off(
+    rig: Any, sleep: Callable[[float], None] = time.sleep, report: Callable[[str], None] = lambda _: None
+) -> str:
     """Set the current to zero. A source without a lease that does not confirm it is asked again: nothing else switches
     it off. One that confirms it is then measured, if it measures.
 
-    Returns why it may still be on, or "".
+    Returns why it may still be on, or "". ``report`` gets it after the first attempt: who can switch it off by hand
+    must not wait for the others.
     """
     rig.safe()
-    for _ in range(OFF_ATTEMPTS):
-        if not rig.shutdown_unconfirmed or getattr(rig, "has_lease", True):
-            break
-        sleep(OFF_PAUSE_S)
-        rig.safe()
+    reported = rig.shutdown_unconfirmed
+    try:
+        if reported:
+            report(reported)
+    finally:  # also if nobody can be reached
+        for _ in range(OFF_ATTEMPTS):
+            if not rig.shutdown_unconfirmed or getattr(rig, "has_lease", True):
+                break
+            sleep(OFF_PAUSE_S)
+            rig.safe()
+    reported = reported and rig.shutdown_unconfirmed
     confirm_zero(rig)
+    if rig.shutdown_unconfirmed and not reported:
+        report(rig.shutdown_unconfirmed)
     return rig.shutdown_unconfirmed
 
 

@@ -77,13 +77,18 @@ class Runner:
 
     def _switch_off(self, fault: SmarigError | None) -> None:
         """Set the current to zero. One that may flow on is reported, and ``fault`` does not deny it."""
-        with self.control.undisturbed():
-            unconfirmed = switch_off(self.rig)
-            if not unconfirmed:
-                return
-            if fault is not None:
-                after_shutdown(fault, self.rig)
+        reported: list[str] = []
+
+        def report(unconfirmed: str) -> None:
+            reported.append(unconfirmed)
             self._notify("still_on", unconfirmed, level="error")
+
+        with self.control.undisturbed():
+            if switch_off(self.rig, report=report):
+                if fault is not None:
+                    after_shutdown(fault, self.rig)
+            elif reported:
+                self._notify("off", "The source has now confirmed that it is off.", level="warning")
 
     def _carry_out(self, command: Command) -> StepResult | Sample | None:
         match command:

@@ -6,8 +6,8 @@ its cause.
 
 import shlex
 import time
-from collections.abc import Mapping, Sequence
-from contextlib import ExitStack, suppress
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import asdict
 from pathlib import Path
 from types import TracebackType
@@ -20,6 +20,7 @@ from smarig.core import (
     Requester,
     Sample,
     SmarigError,
+    UsageError,
     at_forced_end,
     in_time,
     passed,
@@ -210,15 +211,16 @@ class Session:
         the catalogue; ``protocol`` is its name in the record.
         """
         out, protocol = Path(out), protocol if protocol_factory else resolve_name(PROTOCOLS, protocol)
-        generator = (
-            protocol_factory(self.setup)
-            if protocol_factory
-            else build_protocol(protocol, self.setup, settings, chooser)
-        )
-        cost = expected
-        if self.no_lease and cost and cost.peak_current_A > 0:  # it was made for the limits of the file
-            cost = None
-        cost = cost or preview(protocol, self.file, settings, self.control, chooser, protocol_factory)
+        with self._lower_limits_explained():
+            generator = (
+                protocol_factory(self.setup)
+                if protocol_factory
+                else build_protocol(protocol, self.setup, settings, chooser)
+            )
+            cost = expected
+            if self.no_lease and cost and cost.peak_current_A > 0:  # it was made for the limits of the file
+                cost = None
+            cost = cost or preview(protocol, self.file, settings, self.control, chooser, protocol_factory)
         check_free_space(out, cost.bytes)
         before = self.history()
         check_cycle_limit(before, self.file.limits)
@@ -240,6 +242,16 @@ class Session:
                     listener.event(runner.t_s, "no_lease", self.no_lease, level="warning")
             self.carry_out(recorder, runner, generator, new_run=True)
         return out
+
+    @contextmanager
+    def _lower_limits_explained(self) -> Iterator[None]:
+        """A refusal that names a limit says why it is not that of the rig file."""
+        try:
+            yield
+        except UsageError as refused:
+            if not self.no_lease or type(refused) is not UsageError:
+                raise
+            raise UsageError(f"{refused} {self.no_lease}") from None
 
     def runner(self, listeners: Sequence[Listener], shift: Shift | None = None) -> Runner:
         """A runner that continues after the device's last tick, shifted by ``shift``."""

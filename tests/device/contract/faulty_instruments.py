@@ -75,6 +75,11 @@ class OnWhenOpened(Output):
         self.state["A"] = 0.2
 
 
+class MeasuresNoCurrent(Output):
+    def measure(self):
+        return Electrical(math.nan, 5 * self.state["A"])
+
+
 class Weak(Output):
     def measure(self):
         now = super().measure()

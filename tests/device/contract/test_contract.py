@@ -70,6 +70,14 @@ def test_a_broken_output_is_found(kind, requirement, observed):
     assert observed in broken(kind, "amplifier").get(requirement, "it was not found")
 
 
+def test_a_source_that_measures_no_current_is_refused_once_and_told_what_to_do():
+    passed, refused = check_contract("amplifier", case(faulty.MeasuresNoCurrent, "amplifier"))
+    assert (passed.name, passed.passed) == ("identity", True)
+    assert (refused.name, refused.passed) == ("off after opening", False)
+    assert refused.observed.startswith("the driver measures no current. ")
+    assert "put a shunt into the circuit" in refused.observed
+
+
 @pytest.mark.parametrize(
     ("kind", "role", "requirement", "observed"),
     [

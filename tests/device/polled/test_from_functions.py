@@ -201,3 +201,17 @@ def test_a_watchdog_that_is_not_read_back_is_no_lease():
 
 def test_a_reading_that_is_none_is_nan():
     assert math.isnan(FunctionInput("laser", lambda: None, "mm").position())
+
+
+def test_it_is_switched_off_also_if_setting_zero_fails():
+    supply = Library()
+    source = output(supply)
+    source.arm()
+    source.set_current(0.3)
+
+    def unanswered(_level):
+        raise OSError("VI_ERROR_TMO")
+
+    source.set_current_A = unanswered
+    assert "did not confirm that it is off" in source.off()
+    assert not supply.enabled

@@ -252,6 +252,34 @@ def test_another_device_at_the_same_address_is_refused(serve):
     assert "did not confirm" in supply.off()
 
 
+def test_zero_goes_out_first_though_every_reply_is_lost(serve):
+    server = serve("rigol_dp800")
+    supply = visa_supply(link(server).model_copy(update={"timeout_s": 0.2}), RIG)
+    supply.arm()
+    supply.set_current(0.3)
+    answer, heard = server.answer, []
+
+    def obeys_and_says_nothing(line):
+        heard.append(line)
+        answer(line)
+
+    server.answer = obeys_and_says_nothing
+    with pytest.raises(Silent):
+        supply.measure()
+    assert server.flows_A == 0.3
+    for _ in range(2):
+        heard.clear()
+        assert "It has no lease: switch it off by hand now." in supply.off()
+        assert heard[:2] == [":SOUR1:CURR 0", ":OUTP CH1,OFF"]
+        assert server.flows_A == 0.0
+    with pytest.raises(Silent):
+        supply.set_current(0.4)
+    assert (server.level_A, server.flows_A) == (0.0, 0.0), "any other order waits for the identity"
+    server.answer = answer
+    assert supply.off() == ""
+    supply.close()
+
+
 def test_a_late_answer_is_never_taken_for_the_next(serve):
     server = serve("rigol_dp800")
     supply = visa_supply(link(server).model_copy(update={"timeout_s": 0.2}), RIG)
@@ -316,6 +344,20 @@ def test_a_voltage_limit_holds_the_current_back(serve):
     supply.set_current(0.4)
     assert supply.measure().current_A == pytest.approx(server.limit_V / 20.0, abs=1e-5)
     supply.close()
+
+
+def test_a_line_ends_as_its_link_says():
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        line = VisaLine(
+            f"TCPIP0::127.0.0.1::{server.getsockname()[1]}::SOCKET", 1.0, backend="@py", line_end="\r\n"
+        )
+        connection, _ = server.accept()
+        with connection, connection.makefile("rb") as lines:
+            line.write("CURR 0")
+            assert lines.readline() == b"CURR 0\r\n"
+            connection.sendall(b"ACME,1\r\n")
+            assert line.identify() == "ACME,1"
+        line.close()
 
 
 def test_a_query_after_a_command_is_not_held_back(serve):

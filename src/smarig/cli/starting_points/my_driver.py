@@ -7,7 +7,7 @@ Name it in a rig file in the same folder, for one or both of these roles:
 
     [links.amplifier]
     driver = "./my_driver.py"
-    framing = "lines"                # this driver does not use it
+    framing = "lines"                # of text; line_end, if they end otherwise than with a line feed
     url = "tcp://HOST:PORT"          # or a serial port: /dev/serial/by-id/…
 
     [links.encoder_daq]
@@ -40,7 +40,8 @@ def my_driver(where: LinkFile, rig: RigFile) -> "SourceAndSensor":
         raise ConfigError(f"Rig '{rig.name}' has a negative current_min_A, but this source is unipolar.")
     heating = Actuator.named(rig.actuator).file.heating
     ohm = max(heating.resistance_martensite.value, heating.resistance_austenite.value)
-    line = shared_text_line(where, who="*IDN?")
+    # acknowledged=True for an instrument that answers each command, such as with OK
+    line = shared_text_line(where, who="*IDN?", acknowledged=False)
     try:
         return SourceAndSensor(line, rig.lease_s, HEADROOM * rig.limits.current_max_A * ohm)
     except BaseException:
@@ -61,9 +62,7 @@ class SourceAndSensor:
         self.has_lease = False  # whether it switches itself off when the host stops sending commands
         self.tripped = ""  # why it has switched itself off, as a sentence; "" if it has not
         self._on = False
-        # First of all: a host that was killed may have left the output on. An instrument that acknowledges its commands
-        # needs line.ask("OUTP OFF", reads=False) here and wherever a command is written.
-        line.write("OUTP OFF")
+        line.write("OUTP OFF")  # first of all: a host that was killed may have left the output on
         self.identity = line.identify()
         if self.identity.count(",") < 2:
             raise WrongDevice(f"The device at {line.where} answers '{self.identity}', not an SCPI identity.")
@@ -109,7 +108,8 @@ class SourceAndSensor:
     def off(self) -> str:
         """Set the current to zero and verify it. Never raises; returns "", or a sentence if the reply is missing.
 
-        An instrument without OUTP? confirms by CURR?, or else by the measured current.
+        Orders by ``write``: it sends at once, also if nothing is answered any more; ``ask`` would wait. An instrument
+        without OUTP? confirms by CURR?, or else by the measured current.
         """
         self._on = False
         for _ in range(2):  # the second time over a line that was found broken and is opened again

@@ -21,6 +21,10 @@ class Broken(Exception):
     """A requirement is not met; the text says what was observed."""
 
 
+class Unusable(Broken):
+    """A requirement is not met without which no other can be tested."""
+
+
 class Check(NamedTuple):
     """The result of one check: its name, whether it is passed, what was observed.
 
@@ -102,13 +106,17 @@ Requirement = Callable[[ContractCase], str]  # returns what was observed; raises
 
 
 def results(case: ContractCase, requirements: dict[str, Requirement]) -> Iterator[Check]:
-    """Every requirement in order; an error of the driver is a broken requirement, not the end."""
+    """Every requirement in order, up to one that makes the others untestable; an error of the driver is a broken
+    requirement, not the end.
+    """
     for name, requirement in requirements.items():
         try:
             observed = requirement(case)
             yield Check(name, True, observed, isinstance(observed, Limitation))
         except Broken as broken:
             yield Check(name, False, str(broken))
+            if isinstance(broken, Unusable):
+                return
         except SmarigError as error:
             yield Check(name, False, f"it raised: {error}")
         except (Exception, SystemExit) as error:

@@ -11,9 +11,10 @@ from smarig.device.contract.contract_case import (
     Broken,
     ContractCase,
     Limitation,
+    Unusable,
     require,
 )
-from smarig.device.roles.ticked import CurrentReading, CurrentSource
+from smarig.device.roles.ticked import NO_MEASURED_CURRENT, CurrentReading, CurrentSource
 
 LEASE_MARGIN_S = 1.5  # besides the lease, until the output must be off
 BLOCK_TICKS = 3  # readings asked for at once
@@ -23,6 +24,8 @@ def off_after_opening(case: ContractCase) -> str:
     """Opening leaves the output at zero current."""
     with case.opened() as source:
         current_A = _settled(case, source).current_A
+        if math.isnan(current_A):
+            raise Unusable(f"the driver measures no current. {NO_MEASURED_CURRENT}")
         require(abs(current_A) <= case.tolerance_A, f"{current_A:.4g} A flow after opening")
         return f"{current_A:.4f} A after opening"
 

@@ -28,7 +28,7 @@ class ScpiSupply:
 
     def __init__(self, where: LinkFile, voltage_V: float) -> None:
         self.where = where.url
-        self._line = TextLine(where.url, where.baud, where.timeout_s)
+        self._line = TextLine(where.url, where.baud, where.timeout_s, line_end=where.line_end)
         self.tripped = ""
         self.has_lease = self._on = False
         self._voltage_V = voltage_V

@@ -29,7 +29,9 @@ def visa_meter(where: LinkFile, rig: RigFile) -> FunctionInput:
     """The meter at a VISA address."""
     del rig
     settings = settings_of(where, VisaMeterSettings)
-    line = VisaLine(where.url, where.timeout_s, backend=settings.backend, baud=where.baud)
+    line = VisaLine(
+        where.url, where.timeout_s, backend=settings.backend, baud=where.baud, line_end=where.line_end
+    )
     try:
         line.identify()
         for command in settings.prepare:

@@ -31,7 +31,9 @@ class VisaSupplySettings(TomlTable):
 def visa_supply(where: LinkFile, rig: RigFile) -> FunctionOutput:
     """The supply at a VISA address: off, identified, with its voltage limited."""
     settings = settings_of(where, VisaSupplySettings)
-    line = VisaLine(where.url, where.timeout_s, backend=settings.backend, baud=where.baud)
+    line = VisaLine(
+        where.url, where.timeout_s, backend=settings.backend, baud=where.baud, line_end=where.line_end
+    )
     try:
         name, make = make_of(line.identify(), settings.make, settings.makes)
         if rig.limits.current_min_A < 0 and not make.bipolar:
@@ -54,7 +56,7 @@ def _output(supply: "_SupplyCommands") -> FunctionOutput:
         current_A=lambda: supply.measured()[1],
         voltage_V=lambda: supply.last_V,
         switch_on=lambda: supply.send(supply.make.output.on),
-        switch_off=lambda: supply.send(supply.make.output.off),
+        switch_off=lambda: supply.send(supply.make.output.off, at_once=True),
         is_on=supply.is_on,
         prepare=supply.prepare,
         arm_watchdog=supply.arm_watchdog if supply.make.watchdog else None,
@@ -75,9 +77,9 @@ class _SupplyCommands:
                 f"lease_s = {rig.lease_s:g}: the watchdog of this supply counts whole seconds. Give 1, 2, …"
             )
 
-    def send(self, command: str, value: float = 0.0) -> None:
-        """A command with its values."""
-        self.line.write(self._filled(command, value))
+    def send(self, command: str, value: float = 0.0, *, at_once: bool = False) -> None:
+        """A command with its values; ``at_once`` for one that takes the current away."""
+        self.line.write(self._filled(command, value), at_once=at_once)
 
     def prepare(self) -> None:
         """Function, protections and voltage limit, while the output is off."""
@@ -89,7 +91,7 @@ class _SupplyCommands:
 
     def set_current(self, current_A: float) -> None:
         """Set the current."""
-        self.send(self.make.current.set, current_A)
+        self.send(self.make.current.set, current_A, at_once=current_A == 0)
 
     def setting_A(self) -> float:
         """The set current, read back."""

@@ -25,6 +25,10 @@ def opened(where: LinkFile, default_address: int) -> Link:
             port = SharedPort(where.url, where.baud, where.timeout_s, address)
             return SerialLine(where.url, rtu_framing(address), where.timeout_s, port=port)
         case "lines":
+            if where.line_end != "\n":
+                raise ConfigError(
+                    f"The lines of firmware_protocol end with a line feed: leave out line_end of {where.url}."
+                )
             return SerialLine(where.url, TEXT, where.timeout_s, where.baud)
 
 

@@ -26,7 +26,7 @@ class SharedTextLine(ConnectionUse[TextLine]):
         return self.connection.identity or self.connection.identify()
 
     def write(self, text: str) -> None:
-        """Send a line that has no answer."""
+        """Send a command at once, whatever state the line is in."""
         self.connection.write(text)
 
     def ask(self, question: str, *, reads: bool | None = None) -> str:
@@ -38,10 +38,18 @@ class SharedTextLine(ConnectionUse[TextLine]):
         return self.connection.number(question, reads=reads)
 
 
-def shared_text_line(where: LinkFile, who: str = "*IDN?") -> SharedTextLine:
-    """The text line of a link, shared with all that use the same address. The first user's ``timeout_s`` holds.
+def shared_text_line(where: LinkFile, who: str = "*IDN?", *, acknowledged: bool = False) -> SharedTextLine:
+    """The text line of a link, shared with all that use the same address. The first user's values hold.
+
+    ``who``: the query of its identity. ``acknowledged``: the instrument answers each command, such as with "OK".
 
     Raises Silent if nothing listens there, ConfigError for an unknown scheme.
     """
     key = checked_url(where.url)
-    return _LINES.use(SharedTextLine, key, lambda: TextLine(where.url, where.baud, where.timeout_s, who))
+    return _LINES.use(
+        SharedTextLine,
+        key,
+        lambda: TextLine(
+            where.url, where.baud, where.timeout_s, who, line_end=where.line_end, acknowledged=acknowledged
+        ),
+    )

@@ -7,6 +7,9 @@ QUIET time-outs.
 
 A query that only reads is asked once more if it is not answered, or not by a reading. A command is never repeated:
 nobody knows whether it was carried out.
+
+A command waits for nothing: it is sent whatever state the line is in, because it may be the order of zero current. What
+must wait, until the line is resynchronised, is the next query.
 """
 
 import math
@@ -19,12 +22,13 @@ from smarig.device.links.query import only_reads, reading
 from smarig.device.links.serial_port import PORT_ERRORS
 
 QUIET = 8  # time-outs without a reply after which no answer can follow
-SECOND_WAIT = (
-    2  # time-outs that a second attempt waits for the identity; a dead line is no reason to wait longer
-)
+# time-outs that a second attempt waits for the identity, and each attempt after one in which nothing came: a dead line
+# is no reason to wait longer
+SECOND_WAIT = 2
 TRIES = 3  # queries of the identity on a line that still answers
 LATE_LINES = 32  # largest number of lines discarded for one query
 LONGEST = 256  # bytes of an answer
+LINE_ENDS = {b"\n": "a line feed", b"\r\n": "CR LF", b"\r": "CR"}  # names for messages
 _T = TypeVar("_T")
 
 
@@ -32,15 +36,27 @@ class TextLine:
     """The instrument is identified before anything else is asked. ``who``: the query that every such instrument answers
     with its name, not a number.
 
-    ``url``: a serial port, tcp://HOST:PORT or rfc2217://HOST:PORT. ``repeats`` counts the queries asked once more,
+    ``url``: a serial port, tcp://HOST:PORT or rfc2217://HOST:PORT. ``line_end``: a reply ends with its last character.
+    ``acknowledged``: the instrument answers each command ("OK"). ``repeats`` counts the queries asked once more,
     ``reconnections`` the times when a broken line was opened again.
     """
 
-    def __init__(self, url: str, baud: int, timeout_s: float, who: str = "*IDN?") -> None:
+    def __init__(
+        self,
+        url: str,
+        baud: int,
+        timeout_s: float,
+        who: str = "*IDN?",
+        *,
+        line_end: str = "\n",
+        acknowledged: bool = False,
+    ) -> None:
         self.where, self.identity = url, ""
         self.repeats = self.reconnections = 0
-        self._who = who
+        self._who, self._acknowledged = who, acknowledged
+        self._line_end, self._reply_end = line_end.encode(), line_end[-1].encode()
         self._late = True  # answers to earlier queries may still come
+        self._dead = False  # no reply came to the last query of the identity
         self._identities = 0  # queried and not yet received
         self._heard = b""  # the incomplete line
         self._broken = self._closed = False
@@ -54,28 +70,57 @@ class TextLine:
 
     def identify(self) -> str:
         """The instrument's identity. Numbers before it answer queries of another process."""
-        self.write(self._who)
+        self._send(self._who)
         for _ in range(LATE_LINES):
             answer = self._answer(self._who)
             if not _is_number(answer):
-                self.identity, self._late = answer, False
-                return answer
+                self.identity, self._late = self._last_of(answer), False
+                return self.identity
         raise Garbled(
-            f"{self.where} answers {self._who} with numbers instead of its identity. {Garbled.remedy_at(self.where)}"
+            f"{self.where} answers {self._who.strip()} with numbers instead of its identity. "
+            f"{Garbled.remedy_at(self.where)}"
         )
 
+    def _last_of(self, line: str) -> str:
+        """The last line that comes. Acknowledgements of earlier commands look like an identity and come before it."""
+        for _ in range(LATE_LINES if self._acknowledged else 0):
+            if not (more := self._line(1)):
+                break
+            line = more
+        return line
+
     def write(self, text: str) -> None:
-        """Send a line that has no answer. It is sent once, on a line that is opened again first if it was broken."""
+        """Send a command at once, and once, on a line that is opened again first if it was broken.
+
+        An acknowledgement is discarded. One that cannot be told from earlier answers, or that does not come in time, is
+        no fault of the command: the next query is kept from taking it for its answer.
+        """
+        in_step = self._acknowledged and self._in_step()
+        self._send(text)
+        if self._acknowledged:
+            self._late = not (in_step and self._line(1))
+
+    def _in_step(self) -> bool:
+        """Whether the next line can only be the answer to the next query."""
+        try:
+            return not (self._late or self._unasked())
+        except Silent:
+            return False
+
+    def _send(self, text: str) -> None:
         if self._broken:
             self._reopen()
         try:
-            self._port.write(f"{text}\n".encode())
+            self._port.write(text.encode() + self._line_end)
         except PORT_ERRORS as error:
             self._broken = not self._closed
             raise Silent(f"{self.where} cannot be written to: {error}. {Silent.remedy}") from None
 
     def ask(self, question: str, *, reads: bool | None = None) -> str:
         """The answer to this query and to no other. Raises Silent, Garbled.
+
+        A command whose answer is of interest waits until the line is resynchronised, and is sent even if that fails.
+        ``write`` sends it first: an order to zero.
 
         ``reads``: whether the instrument may be asked again, because the query changes nothing in it. By default its
         form tells: one word with a question mark at its end, and perhaps arguments (``MEAS:CURR? (@1)``).
@@ -88,11 +133,17 @@ class TextLine:
 
     def _query_twice(self, question: str, reads: bool | None, meaning: Callable[[str], _T]) -> _T:
         """What the answer means, asked once more if there is none or it means nothing."""
-        self._make_ready(QUIET)
+        reads = only_reads(question) if reads is None else reads
+        try:
+            self._make_ready(QUIET)
+        except (Silent, Garbled):
+            if not reads:
+                self._send(question)  # nobody can tell its answer, but it may be an order to zero
+            raise
         try:
             return meaning(self._exchange(question))
         except (Silent, Garbled) as fault:
-            if not (only_reads(question) if reads is None else reads):
+            if not reads:
                 raise
             try:
                 self._make_ready(SECOND_WAIT)
@@ -105,7 +156,9 @@ class TextLine:
         number = reading(answer)
         if math.isnan(number):
             self._late = True  # it may be the answer to another query
-            raise Garbled(f"{self.where} answers '{answer}' to {question}. {Garbled.remedy_at(self.where)}")
+            raise Garbled(
+                f"{self.where} answers '{answer}' to {question.strip()}. {Garbled.remedy_at(self.where)}"
+            )
         return number
 
     def close(self) -> None:
@@ -127,33 +180,34 @@ class TextLine:
 
     def _exchange(self, question: str) -> str:
         self._late = True
-        self.write(question)
+        self._send(question)
         for _ in range(LATE_LINES):
             answer = self._answer(question)
             if answer != self.identity:
                 self._late = False
                 return answer
         raise Garbled(
-            f"{self.where} answers {question} only with its identity. {Garbled.remedy_at(self.where)}"
+            f"{self.where} answers {question.strip()} only with its identity. {Garbled.remedy_at(self.where)}"
         )
 
     def _resynchronise(self, timeouts: int) -> None:
         """Query the identity until every such query is answered or certainly lost, which takes QUIET time-outs."""
         self._late = True
         for _ in range(TRIES):
-            self.write(self._who)
+            self._send(self._who)
             self._identities += 1
-            heard = 0
-            while self._identities and (line := self._line(timeouts)):
-                heard += 1
+            wait = SECOND_WAIT if self._dead else timeouts
+            self._dead = True
+            while self._identities and (line := self._line(wait)):
+                self._dead, wait = False, timeouts
                 self._identities -= line == self.identity
             if not self._identities:
                 self._late = False
                 return
-            if timeouts < QUIET:
+            if wait < QUIET:
                 break
             self._identities = 0
-            if not heard:
+            if self._dead:
                 break
         raise Silent(f"{self.where} does not identify itself. {Silent.remedy}")
 
@@ -174,17 +228,25 @@ class TextLine:
     def _answer(self, question: str) -> str:
         line = self._line(1)
         if not line:
-            raise Silent(f"{self.where} does not answer {question}. {Silent.remedy}")
+            never_heard = "" if self.identity else f" {self._line_end_text()}"
+            raise Silent(f"{self.where} does not answer {question.strip()}. {Silent.remedy}{never_heard}")
         return line
+
+    def _line_end_text(self) -> str:
+        """What may be wrong if nothing was ever understood."""
+        name = LINE_ENDS.get(self._line_end, repr(self._line_end.decode()))
+        if self._heard:
+            return f"It sent something that does not end with {name}: set line_end of its link."
+        return f"If its lines do not end with {name}, set line_end of its link."
 
     def _line(self, timeouts: int) -> str:
         """The next complete line that is not empty; "" if none arrives within this number of time-outs."""
         for _ in range(timeouts):
             try:
-                self._heard = (self._heard + self._port.read_until(b"\n", LONGEST))[-LONGEST:]
+                self._heard = (self._heard + self._port.read_until(self._reply_end, LONGEST))[-LONGEST:]
             except PORT_ERRORS as error:
                 raise self._unreadable(error) from None
-            if self._heard.endswith(b"\n"):
+            if self._heard.endswith(self._reply_end):
                 line, self._heard = self._heard.decode("ascii", "replace").strip(), b""
                 if line:
                     return line

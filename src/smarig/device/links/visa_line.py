@@ -3,6 +3,9 @@
 An answer does not identify its query. After anything went wrong the session is closed, opened again and identified, so
 that a late answer of the old session is never taken for another. A query that only reads is asked once more if
 it is not answered, or not by a number; a command never.
+
+An order to zero waits for no answer: it is sent over a session that was opened again before the instrument has
+identified itself, which the next query waits for.
 """
 
 import contextlib
@@ -27,11 +30,20 @@ _T = TypeVar("_T")
 class VisaLine:
     """``resource`` is a VISA address such as TCPIP0::192.168.1.20::INSTR; ``backend`` is that of PyVISA ("@py")."""
 
-    def __init__(self, resource: str, timeout_s: float, *, backend: str = "", baud: int = 115200) -> None:
+    def __init__(
+        self,
+        resource: str,
+        timeout_s: float,
+        *,
+        backend: str = "",
+        baud: int = 115200,
+        line_end: str = "\n",
+    ) -> None:
         self.where, self.identity = resource, ""
-        self._timeout_ms, self._baud = round(1000 * timeout_s), baud
+        self._timeout_ms, self._baud, self._line_end = round(1000 * timeout_s), baud, line_end
         self._manager = _manager(backend)
         self._session: Any = None
+        self._verified = True  # the instrument of this session has identified itself, or nobody knows it yet
         self.reconnections = self.repeats = 0  # sessions opened again; queries asked once more
         self._open()
 
@@ -44,9 +56,11 @@ class VisaLine:
         self.identity = found
         return found
 
-    def write(self, text: str) -> None:
-        """Send a command without an answer."""
-        session = self._usable()
+    def write(self, text: str, *, at_once: bool = False) -> None:
+        """Send a command without an answer. ``at_once``: an order to zero, which does not wait until the instrument of
+        a session that was opened again is known to be the same.
+        """
+        session = self._usable(verified=not at_once)
         try:
             session.write(text)
         except Exception as error:
@@ -94,7 +108,9 @@ class VisaLine:
 
     def _garbled(self, question: str, answer: str) -> NoReturn:
         self._drop()
-        raise Garbled(f"{self.where} answers '{answer}' to {question}. {Garbled.remedy_at(self.where)}")
+        raise Garbled(
+            f"{self.where} answers '{answer}' to {question.strip()}. {Garbled.remedy_at(self.where)}"
+        )
 
     def close(self) -> None:
         """Close the session. Never raises."""
@@ -110,19 +126,24 @@ class VisaLine:
             self._fail(error, question)
             raise  # not reached
 
-    def _usable(self) -> Any:
-        """The session, opened again and identified after a fault."""
+    def _usable(self, *, verified: bool = True) -> Any:
+        """The session, opened again after a fault, and identified if it must be."""
         if self._session is None:
             self._open()
-            if self.identity:
-                self.identify()
-                self.reconnections += 1
+            self._verified = not self.identity
+        if verified and not self._verified:
+            self.identify()
+            self._verified = True
+            self.reconnections += 1
         return self._session
 
     def _open(self) -> None:
         try:
             self._session = self._manager.open_resource(
-                self.where, open_timeout=self._timeout_ms, read_termination="\n", write_termination="\n"
+                self.where,
+                open_timeout=self._timeout_ms,
+                read_termination=self._line_end[-1],
+                write_termination=self._line_end,
             )
             self._session.timeout = self._timeout_ms
             self._without_delay()
@@ -149,7 +170,9 @@ class VisaLine:
 
     def _fail(self, error: Exception, what: str) -> None:
         self._drop()
-        raise Silent(f"{self.where} does not answer {what}: {error_text(error)}. {Silent.remedy}") from None
+        raise Silent(
+            f"{self.where} does not answer {what.strip()}: {error_text(error)}. {Silent.remedy}"
+        ) from None
 
     def _drop(self) -> None:
         session, self._session = self._session, None

@@ -117,8 +117,10 @@ class FunctionOutput:
         closed(self.close_all)
 
     def _order_off(self) -> None:
-        self._call("setting zero", self.set_current_A, 0.0)
-        self._call("switching off", self.switch_off)
+        try:
+            self._call("setting zero", self.set_current_A, 0.0)
+        finally:  # whether or not the first order was confirmed
+            self._call("switching off", self.switch_off)
 
     def _confirmed_off(self) -> bool:
         """Whether state, setting and measured current all say so, of those that there are."""

@@ -11,7 +11,10 @@ from smarig.core import NAN
 
 
 class Electrical(NamedTuple):
-    """One measurement of a source: current, voltage across the wire, and a wire temperature if it has one."""
+    """One measurement of a source: current, voltage across the wire, and a wire temperature if it has one.
+
+    The current must be measured: every limit rests on it, and a source that returns NaN is not used.
+    """
 
     current_A: float
     voltage_V: float

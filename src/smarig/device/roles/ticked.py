@@ -4,6 +4,12 @@ from typing import Any, NamedTuple, Protocol
 
 from smarig.core import Quality
 
+NO_MEASURED_CURRENT = (
+    "Every limit of current and heat rests on the measured current, so a source without one is not used: put a shunt "
+    "into the circuit, measure its voltage with the instrument or a meter, and return that over its resistance. The "
+    "ordered current in its place would be compared with itself."
+)
+
 
 class CurrentReading(NamedTuple):
     """Measured values of a current source at one of its ticks.

@@ -114,15 +114,20 @@ def _rig_rows(run: Run) -> Iterable[Row]:
         return
     for group in ("limits", "amplifier", "encoder"):
         part = rig.get(group)
-        for key, value in part.items() if isinstance(part, dict) else ():
-            if value is None:  # a limit that was not set
+        if not isinstance(part, dict):
+            continue
+        unused = {"counts_per_rev"} if part.get("resolution") else set()  # its sensor is no encoder
+        of_preview = rig.get("kind") == "bench" and group != "limits"
+        for key, value in part.items():
+            if value is None or key in unused:  # a limit that was not set
                 continue
             name, unit = _name_and_unit(key)
+            unit = run.unit if key == "resolution" else unit
             yield (
                 f"{group.capitalize()}: {name}",
                 f"{value:g}" if isinstance(value, float) else value,
                 unit,
-                "rig file",
+                "rig file, for previews and checks" if of_preview and key != "resolution" else "rig file",
             )
 
 
@@ -159,7 +164,7 @@ def _actuator_rows(run: Run) -> Iterable[Row]:
                     key.replace("_", " ").capitalize(),
                     f"{quantity.value:g}",
                     display_unit(quantity.unit),
-                    quantity.source,
+                    "template: of another wire" if quantity.of_template else quantity.source,
                 )
     yield "Thermal time constant τ", f"{actuator.tau_s:.3g}", "s", "derived: ρ c_p V/(hA)"
     yield "Heat loss hA", f"{actuator.hA_W_per_K:.3g}", "W/K", "derived: R I²/T"
@@ -268,7 +273,10 @@ def steps_table(run: Run, most: int = 400) -> Html:
         "Verdict",
         "Mark",
     )
-    words = f"Steps. The position is the mean of the last n samples.{more}"
+    words = (
+        "Steps. The position is the mean of the last n samples. A step that is not 'settled' may have moved in them, "
+        f"and ended elsewhere.{more}"
+    )
     return (
         tag("details", tag("summary", f"{len(run.steps)} steps"), table(header, rows, words))
         if rows

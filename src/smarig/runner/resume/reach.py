@@ -25,6 +25,7 @@ _LINK = {
     "baud": Reach.NOTHING,
     "address": Reach.NOTHING,
     "timeout_s": Reach.NOTHING,
+    "line_end": Reach.NOTHING,
     "settings": Reach.NUMBERS,  # channels and scales
 }
 _THERMOMECHANICAL = tuple(f"thermomechanical.{key}" for key in ThermomechanicalSection.model_fields)
