@@ -22,7 +22,7 @@ from smarig.rig.twin import TwinSettings
 from smarig.runner.session import Session
 
 COMPETE = ("ambient_drift", "creep", "eccentricity", "slip", "walking")
-LEVELS = (0, 50, 70, 80, 90, 110, 160)
+LEVELS = (0, 50, 60, 70, 75, 80, 90, 95, 100, 110, 160)  # ten excursions: enough for a name
 
 
 def lived(folder, seed, *effects, with_validation=False):

@@ -47,15 +47,19 @@ def test_hidden_effect_is_the_first_cause() -> None:
     assert found.verdict.names[0] == "walking"
 
 
-def test_the_second_search_keeps_the_best_of_the_first() -> None:
-    """Fitted again from the variances of nothing, the same effect may predict worse, and a pair wins by that."""
+@pytest.mark.parametrize("worse_nats", [0.0, 1000.0])
+def test_the_second_search_keeps_the_best_of_the_first(worse_nats: float) -> None:
+    """Fitted again from the variances of nothing, an effect may predict worse, and a pair wins by that; or better."""
     found = compared("walking")
     rivals = tuple(k for k in found.subject.catalogue if k.name in ("walking", "slip"))
     subject, parts = replace(found.subject, catalogue=rivals), (Part("effect", "walking"),)
-    best = next(h for h in found.found.hypotheses if h.parts == parts), found.found.models[parts]
-    again = commanded_search._first_fits(subject, lambda _: None, best).hypotheses
-    assert best[0] in again.hypotheses
-    assert again.models[parts] is best[1]
+    own, model = next(h for h in found.found.hypotheses if h.parts == parts), found.found.models[parts]
+    best = replace(own, trials=tuple(replace(t, log_scores=t.log_scores - worse_nats) for t in own.trials))
+    again = commanded_search._first_fits(subject, lambda _: None, (best, model))
+    kept = next(h for h in again.effects if h.parts == parts)
+    assert set(best.trials) < set(kept.trials)
+    assert (again.models[parts] is model) == (worse_nats == 0)
+    assert [h for h, _ in again.known] == ([kept] if worse_nats == 0 else [])
 
 
 def test_strength_is_right_and_inside_its_interval() -> None:

@@ -92,7 +92,7 @@ def _first_fits(
     progress: Progress,
     best: FittedCause | None = None,
 ) -> _FirstFits:
-    """``best``: an effect or a law that is fitted already; from the variances of nothing it may be missed."""
+    """``best``: an effect or a law that is fitted already; nothing about its own density need show it."""
     base = subject.base
     nothing = ComparedHypothesis((), (subject.trial(base),))
     smooth = Discrepancies.about(subject, base)
@@ -100,11 +100,31 @@ def _first_fits(
     weak = screened(subject, base, traces, smooth.ranking)
     by_variable = [smooth.hypothesis(v) for v in smooth.variables[:VARIABLES]]
     models: dict[tuple[Part, ...], FittedPlant] = {(): base}
-    known = [best] if best else []
+    shown = [(s.part,) for s in weak[:FITTED]]
+    known = [best] if best and best[0].parts not in shown else []
     models |= {h.parts: model for h, model in known}
     effects = [h for h, _ in known if h.parts[-1].kind == "effect"]
     effects = _fitted_effects(subject, base, weak, by_variable, effects, models, progress, nothing.score)
+    if best and not known:
+        effects, known = _with_best(effects, best, models)
     return _FirstFits(subject, nothing, smooth, traces, weak, by_variable, effects, known, models)
+
+
+def _with_best(
+    effects: Sequence[ComparedHypothesis], best: FittedCause, models: dict[tuple[Part, ...], FittedPlant]
+) -> tuple[list[ComparedHypothesis], list[FittedCause]]:
+    """Effects with the trials of the best cause of a search before, and that, if it predicts better than fitted anew.
+
+    A search that begins with the variances of nothing may end at a worse likelihood, or at a better one.
+    """
+    before, model = best
+    own = next((h for h in effects if h.parts == before.parts), before)
+    others = [h for h in effects if h is not own]
+    if own is not before and own.score >= before.score:
+        return [*others, replace(own, trials=(*own.trials, *before.trials))], []
+    models[before.parts] = model
+    joined = before if own is before else replace(before, trials=(*own.trials, *before.trials))
+    return [*others, joined], [(joined, model)]
 
 
 def _completed(first: _FirstFits, progress: Progress) -> SearchedHypotheses:
