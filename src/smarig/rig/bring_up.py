@@ -94,8 +94,8 @@ def bring_up(
 ) -> None:
     """Make all checks in order; ``on_check`` receives each at once, so that those before a fault are not lost with it.
 
-    ``watch`` follows the wire, except through the test of the lease, at a tenth of the largest current. Raises RigFault if
-    the rig is lost or trips.
+    ``watch`` follows the wire, except through the test of the lease, at a tenth of the largest current. Raises RigFault
+    if the rig is lost or trips.
     """
     try:
         for check in _checks(rig, file, on_progress, watch):
