@@ -6,6 +6,7 @@ from smarig.core.lazy_exports import lazy_exports
 
 if TYPE_CHECKING:
     from smarig.record import schema as schema
+    from smarig.record.any_run import ABSOLUTE_ZERO as ABSOLUTE_ZERO
     from smarig.record.any_run import AnyRun as AnyRun
     from smarig.record.clock_watch import ClockWatch as ClockWatch
     from smarig.record.continuation import Continuation as Continuation

@@ -16,6 +16,9 @@ from smarig.record.stopped_by import StoppedBy
 if TYPE_CHECKING:
     from smarig.record.run import Event, Step
 
+ABSOLUTE_ZERO = (
+    "absolute_zero"  # in the data of the event that starts a run: the zero of a sensor that keeps it
+)
 BLOCK_ROWS = 50_000  # of the blocks that large runs are written in
 
 
@@ -91,6 +94,13 @@ class AnyRun(ABC):
     def stopped_by(self) -> StoppedBy | None:
         """Who asked for the end; None if nobody did, or if it was not recorded."""
         return self.info.end.stopped_by if self.info.end is not None else None
+
+    @property
+    def zero_of_sensor(self) -> bool:
+        """Whether the output has the zero of an absolute sensor: it survives a restart, and the run did not set it."""
+        starts = [e for e in self.events if e.kind == "start"]
+        absolute = bool(starts) and isinstance(starts[-1].data.get(ABSOLUTE_ZERO), dict)
+        return absolute and not str(self.info.encoder_zero).startswith("zeroed")
 
     @property
     def severity(self) -> Severity:

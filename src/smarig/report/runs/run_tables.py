@@ -67,7 +67,10 @@ def _run_rows(run: Run) -> Iterable[Row]:
     if info.wire_history:
         yield "Wire before this run", info.wire_history, "", "wire history"
     for key in ("initial", "encoder_zero", "seed", "notes"):
-        if (value := getattr(info, key)) not in (None, ""):
+        value = getattr(info, key)
+        if key == "encoder_zero" and run.zero_of_sensor:
+            value = "that of the sensor, which keeps it"
+        if value not in (None, ""):
             yield key.replace("_", " ").capitalize(), value, "", "run file"
     for key, own in recorded_conditions(run).items():
         source = "imported file" if info.imported else "run file"
