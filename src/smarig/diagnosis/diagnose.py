@@ -50,8 +50,8 @@ def diagnose(
         if held_out_runs and not any(run.settled for run in held_out_runs):
             names = ", ".join(run.path.name for run in held_out_runs)
             raise DataError(
-                f"The held-out runs contain no settled steps. In place of {names}, hold out a run whose protocol waits at "
-                "each input, such as validation, or none."
+                f"The held-out runs contain no settled steps. In place of {names}, hold out a run whose protocol waits "
+                "at each input, such as validation, or none."
             )
         return diagnose_commanded(
             original, train_runs, held_out_runs, seed=seed, without=without, progress=progress

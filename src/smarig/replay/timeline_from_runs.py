@@ -36,8 +36,8 @@ def build_timeline(runs: Sequence[Run], tau_s: float) -> Timeline:
     if not any(run.settled for run in runs):
         names = ", ".join(map(_with_protocol, runs))
         raise DataError(
-            f"The runs contain no settled steps: {names}. A diagnosis needs some. Make a run whose protocol waits at each "
-            "input, such as validation or first_order_descending."
+            f"The runs contain no settled steps: {names}. A diagnosis needs some. Make a run whose protocol waits at "
+            "each input, such as validation or first_order_descending."
         )
     for run in runs:
         if not (run.has("t_s") and (run.has("current_command_A") or run.has("current_A"))):
