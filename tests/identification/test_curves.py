@@ -111,7 +111,8 @@ def test_what_lies_between_coarse_points_is_no_crossing(inner_y, crosses):
     """A line between 0.08 and 4.70 passes above 0.47, the wire's steep curve need not; 0.05 is below every curve."""
     lower = DescendingCurve(0, 90.0, np.array([88.0, 64.0, 40.0]), np.array([4.70, 0.08, 0.0]))
     higher = DescendingCurve(1, 100.0, np.array([98.0, 70.5, 40.0]), np.array([6.0, inner_y, 0.0]))
-    assert (_crossing_curves([lower, higher], 0.01) is not None) == crosses
+    curves = [lower, higher]
+    assert (_crossing_curves(curves, curves, 0.01) is not None) == crosses
 
 
 @pytest.mark.parametrize("name", ["one_c", "two_c"])

@@ -176,3 +176,23 @@ def test_a_model_and_runs_may_be_paths_and_anything_else_is_one_sentence(one, tm
     for wrong in (5, None, [one]):
         with pytest.raises(UsageError, match="Give runs, as load_run returns them, or the paths"):
             verify(one, wrong)
+
+
+def test_a_share_of_a_range_that_is_only_noise_is_no_figure(one):
+    """Of a wire that stands still the range is that of its noise, and an error of a millimetre 'over 1000 %' of it."""
+    still = [0.0, 4.0] * 15  # one_e moves by a hundredth of a count
+    noise = 0.01 * np.random.default_rng(3).standard_normal(len(still))
+    errors = verify(one, made_run(still, 1.0 + noise)).runs[0]
+    assert errors.noise_floor == pytest.approx(0.01, rel=0.3)
+    assert errors.settled.rms > 0
+    assert errors.to_json()["nrmse"] is None
+    assert errors.settled.share_text == "the measured range is no more than its noise"
+    moving = verify(one, made_run(still, 1.0 + noise + 0.1 * np.array(still) / 4)).runs[0]
+    assert moving.noise_floor == pytest.approx(errors.noise_floor, rel=0.1)
+    assert moving.settled.share_text.endswith(" % of the measured range")
+
+
+def test_one_point_has_no_range(one):
+    errors = verify(one, made_run([90.0], [3.0], initial="negative")).runs[0]
+    assert errors.to_json()["nrmse"] is None
+    assert errors.verdict.text == "the output does not move, and the noise is unknown"

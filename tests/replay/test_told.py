@@ -163,8 +163,10 @@ def test_no_block_spans_two_runs_and_none_turns_upwards(timeline):
 
 def test_a_run_without_settled_steps_is_refused_unless_another_has_some(runs):
     bare = replace(runs[1], steps=())
-    with pytest.raises(DataError, match=r"contain no settled steps.*\.$"):
+    with pytest.raises(DataError, match=r"contain no settled steps.*\.$") as refused:
         build_timeline([bare], TAU_S)
+    assert f": {bare.path.name} ({bare.info.protocol}). A diagnosis needs some." in str(refused.value)
+    assert "such as validation or first_order_descending" in str(refused.value)
     both = build_timeline([runs[0], bare], TAU_S)
     assert len(both.settled) == len(runs[0].settled)
     assert both.drive.end_s[-1] == pytest.approx(sum(map(len, runs)) * 0.1)

@@ -97,7 +97,48 @@ def test_a_diagnosis_without_finding_states_it_and_shows_no_extended_model(silen
     assert "Nothing stands out" in page.visible
     assert "no held-out run" in page.card("Gain on held-out data")
     assert not page.traces("extended model")
-    assert "No experiment is needed" in page.visible
+
+
+def test_no_experiment_is_needed_only_where_everything_was_tested(named, silent, monkeypatch):
+    """Effects that these runs cannot show, no held-out run, a given model that is far off: each is left open."""
+    after = lambda d: Page(diagnosis_page(d)).visible.split("The next experiment")[-1]  # noqa: E731
+    assert silent.not_identifiable
+    assert "No experiment is needed" not in after(silent)
+    assert "No run was held out" in after(silent)
+    assert "lists effects that may be present" in after(silent)
+    tested = replace(silent, gain=named.gain)
+    assert "No run was held out" not in after(tested)
+    assert "No experiment is needed" not in after(tested)
+    monkeypatch.setattr(CommandedDiagnosis, "not_identifiable", ())
+    assert "No experiment is needed" in after(tested)
+    assert "No experiment is needed" not in after(silent)
+    monkeypatch.setattr(CommandedDiagnosis, "given_is_far", True)
+    assert "The given model is far from these data" in after(tested)
+    assert "No experiment is needed" not in after(tested)
+
+
+def test_a_silent_diagnosis_says_on_what_it_was_tested(named, silent):
+    shown = len(silent.subject.catalogue) - len(silent.not_identifiable)
+    points = len(silent.timeline.settled)
+    line = next(line for line in silent.lines() if line.startswith("Tested: "))
+    assert line.startswith(
+        f"Tested: {shown} of {len(silent.subject.catalogue)} effects, on {points} settled points in "
+    )
+    assert line.endswith("excursions; no run was held out.")
+    assert f"held out: {named.gain.blocks} blocks" in replace(silent, gain=named.gain).text()
+    assert "Tested: " not in named.text()
+
+
+def test_runs_with_few_excursions_say_that_they_could_name_nothing(silent):
+    few, many = (replace(silent, evidence=replace(silent.evidence, blocks=n)) for n in (3, 30))
+    words = "The runs have 3 excursions, too few for the name of a cause."
+    assert words in Page(diagnosis_page(few)).visible
+    assert "too few for the name" not in Page(diagnosis_page(many)).visible
+
+
+def test_what_scatters_along_the_input_is_not_taken_for_the_room(named_page):
+    assert named_page.row("Noise of the wire's temperature, σ of the input")
+    assert "mbient fluctuation" not in named_page.visible
 
 
 @pytest.mark.parametrize(

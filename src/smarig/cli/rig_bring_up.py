@@ -11,7 +11,7 @@ from smarig.core import Interrupted, SmarigError, error_text
 from smarig.device import Check
 from smarig.plant import Actuator
 from smarig.rig import Bench, StoppableBench, TwinSettings, bring_up, open_rig
-from smarig.runner import RunControl, rig_locks, stop_on_signals
+from smarig.runner import BringUpHistory, RunControl, rig_locks, stop_on_signals
 from smarig.running import RunStatus, announced, check_info
 
 
@@ -50,11 +50,6 @@ def announced_bring_up(rig: str, file: RigFile, actuator: Actuator) -> BringUp:
 def _bring_up(rig: str, file: RigFile, actuator: Actuator, on_check: Callable[[Check], None]) -> None:
     """Announced before the devices are opened: from then on, current may flow."""
     control, info = RunControl(), check_info(file, _folder_of(rig))
-
-    def raise_if_stopped() -> None:
-        if control.stopping:
-            raise _stopped(control.cause)
-
     try:
         with (
             rig_locks(file, file.wire),
@@ -66,12 +61,30 @@ def _bring_up(rig: str, file: RigFile, actuator: Actuator, on_check: Callable[[C
             for _, text, _ in control.reports():  # why others cannot see it
                 show_message(text)
             try:
-                bring_up(StoppableBench(bench, raise_if_stopped), file, on_check, show_message)
+                _bring_up_with_history(bench, file, actuator, control, on_check)
             except KeyboardInterrupt:  # a second Ctrl-C
                 # Raised in here, so that open_rig adds what was not confirmed.
                 raise _stopped(control.cause) from None
     except Interrupted as error:  # a second Ctrl-C while the devices were opened or closed
         raise CheckStopped(f"The check was {error}. Make sure that no current flows.") from None
+
+
+def _bring_up_with_history(
+    bench: Bench, file: RigFile, actuator: Actuator, control: RunControl, on_check: Callable[[Check], None]
+) -> None:
+    """However it ends, the heating enters the history of the wire."""
+
+    def raise_if_stopped() -> None:
+        if control.stopping:
+            raise _stopped(control.cause)
+
+    history = BringUpHistory(bench, file, actuator)
+    try:
+        bring_up(StoppableBench(bench, raise_if_stopped), file, on_check, show_message, history)
+    finally:
+        with control.undisturbed():
+            if failure := history.save():
+                show_message(failure)
 
 
 def _folder_of(rig: str) -> Path:

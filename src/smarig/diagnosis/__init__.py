@@ -50,6 +50,7 @@ if TYPE_CHECKING:
     from smarig.diagnosis.held_out_gain import HeldOutGain as HeldOutGain
     from smarig.diagnosis.noise_terms import POINT_NOISE as POINT_NOISE
     from smarig.diagnosis.noise_terms import PREDICTION_LIMIT as PREDICTION_LIMIT
+    from smarig.diagnosis.noise_terms import WIRE_NOISE as WIRE_NOISE
     from smarig.diagnosis.refit.joint_density import joint_density as joint_density
     from smarig.diagnosis.refit.joint_density import (
         joint_density_from_best_start as joint_density_from_best_start,

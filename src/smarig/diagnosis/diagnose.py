@@ -48,8 +48,10 @@ def diagnose(
         if select is not None:
             raise UsageError("A selection of points needs runs with a measured input, not runs of a rig.")
         if held_out_runs and not any(run.settled for run in held_out_runs):
+            names = ", ".join(run.path.name for run in held_out_runs)
             raise DataError(
-                "The held-out runs contain no settled steps. Hold out a run that has some, or none."
+                f"The held-out runs contain no settled steps. In place of {names}, hold out a run whose protocol waits "
+                "at each input, such as validation, or none."
             )
         return diagnose_commanded(
             original, train_runs, held_out_runs, seed=seed, without=without, progress=progress

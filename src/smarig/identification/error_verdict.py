@@ -65,6 +65,8 @@ def _of_error(rms: float, floor: float | None, share: float) -> ErrorVerdict:
             return _sized(ErrorLevel.GOOD, "at the noise floor")
         level = ErrorLevel.FAIR if ratio <= POOR_RATIO else ErrorLevel.POOR
         return _sized(level, f"{_above_threshold_text(ratio)} × the noise floor")
+    if not share >= 0:
+        return ErrorVerdict(ErrorLevel.UNKNOWN, "", "the output does not move, and the noise is unknown")
     percent = f"{100 * share:.2g} % of the travel"
     if share > POOR_SHARE:
         return ErrorVerdict(ErrorLevel.POOR, percent, f"{percent}: poor; the noise is unknown")

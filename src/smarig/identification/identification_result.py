@@ -120,8 +120,16 @@ class Identification(NotebookDisplay):
         words += f"rms error {fit['rms']:.3g}{unit}"
         if self.positive is not None and self.positive.held_out.curves:
             words += f", {self.positive.held_out.rms:.3g}{unit} on held-out curves"
-        sign = "μ ≥ 0 everywhere" if self.density.M_P else "μ < 0 somewhere"
-        return f"{words}; {sign}."
+        return f"{words}; {self._sign_of_density}."
+
+    @property
+    def _sign_of_density(self) -> str:
+        """The sign of the surface's μ, and whether the data contradict it."""
+        if not self.density.M_P:
+            return "μ < 0 somewhere"
+        if self.curves.cross:
+            return "its μ ≥ 0 everywhere, although that of the data is not"
+        return "μ ≥ 0 everywhere"
 
     def __repr__(self) -> str:
         d, fit = self.density, self.model.fit

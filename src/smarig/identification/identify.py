@@ -39,6 +39,7 @@ from smarig.identification.surface.choose_surface import (
     choose_surface,
 )
 from smarig.identification.surface.curve_report import curve_report
+from smarig.identification.surface.moving_readings import motion_within_a_tick
 from smarig.identification.surface.surface_fit import ROOT_WEIGHT, MajorLoopWeighting, fit_surface
 from smarig.identification.surface.surface_kinds import BEST_KIND, POSITIVE_KIND, surface_kinds
 from smarig.identification.sweeps.heating_of_sweeps import (
@@ -112,7 +113,8 @@ def identify(
         if kind in surface_forms() and fit is None:
             fit = fit_surface(data, kind, anchor=anchor, weights=weights, slopes=slopes)
         found = fitted_surface(loaded, data, fit, select, weights)
-    curves = curve_report(everything)  # from all points: a selection does not show the range
+    # from all points: a selection does not show the range
+    curves = curve_report(everything, motion_within_a_tick(loaded, everything))
     fit, floor = found.fit, noise_floor(loaded)
     late = _unsettled_warning(loaded, data, found)
     model = Model(

@@ -19,6 +19,7 @@ from smarig.identification.noise_floor import noise_floor, noise_record
 from smarig.identification.rows_used import THINNED, rows_used
 from smarig.identification.surface.curve_report import curve_report
 from smarig.identification.surface.fit_figures import error_figures
+from smarig.identification.surface.moving_readings import motion_within_a_tick
 from smarig.identification.surface.surface_kinds import BEST_KIND, POSITIVE_KIND
 from smarig.measurement import InputRecord
 from smarig.preisach import FodTable
@@ -67,7 +68,7 @@ def identify_loads(runs: Sequence[Run], condition: str) -> Identification:
     table = found.hysteresis
     falls = table.values[-1, -1] < table.y_lower
     density = density_report(FodTable(table.nodes, -table.values, table.unit) if falls else table)
-    curves, floor = curve_report(data), noise_floor(runs)
+    curves, floor = curve_report(data, motion_within_a_tick(runs, data)), noise_floor(runs)
     figures = error_figures(found.error, np.zeros(found.error.size, dtype=bool), 1.0)
     model = Model(
         name=f"{runs[0].info.wire or runs[0].name} by {condition}",

@@ -12,8 +12,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from smarig.core import chi2_tail, f_tail
 from smarig.identification.changed_states import unchanged
 from smarig.identification.repeatability import (
+    P_EXCESS,
     STEADY,
     PooledRepeats,
     Repeatability,
@@ -51,6 +53,19 @@ class NoiseFloor:
     def warnings(self) -> tuple[str, ...]:
         """Warnings about the repeats, one or two sentences each."""
         return (self.repeatability.warning,) if self.repeatability.text else ()
+
+    def explains(self, outputs: NDArray[np.float64]) -> bool:
+        """Whether outputs (n,) differ by no more than this noise makes them differ; False if the noise is unknown.
+
+        An F test, as the repeats are few; a χ² test of the noise within windows, which contain many readings.
+        """
+        freedom = outputs.size - 1
+        if not self.value or freedom < 1:
+            return freedom < 1
+        ratio = float(np.var(outputs, ddof=1)) / self.value**2
+        repeated = self.source in ("repeats", "saturation")
+        by_chance = f_tail(ratio, freedom, self.n_pairs) if repeated else chi2_tail(ratio * freedom, freedom)
+        return by_chance >= P_EXCESS
 
 
 def noise_record(floor: NoiseFloor) -> NoiseRecord:

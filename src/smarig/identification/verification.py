@@ -15,16 +15,32 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class PredictionErrors:
-    """Errors (model minus data) of n points in the run's unit; nrmse = rms / (max − min) of the measured output."""
+    """Errors (model minus data) of n points in the run's unit; nrmse = rms / (max − min) of the measured output.
+
+    ``nrmse`` is NaN where noise explains the measured range: a share of that would say nothing of the model.
+    """
 
     n: int
     rms: float
     nrmse: float
     max_abs: float
 
-    def to_json(self) -> dict[str, float]:
+    @property
+    def has_share(self) -> bool:
+        """Whether there is an ``nrmse``."""
+        return bool(np.isfinite(self.nrmse))
+
+    @property
+    def share_text(self) -> str:
+        """The error as a share of the measured range, in words."""
+        if not self.has_share:
+            return "the measured range is no more than its noise"
+        return f"{100 * self.nrmse:.2f} % of the measured range"
+
+    def to_json(self) -> dict[str, float | None]:
         """Plain values."""
-        return {"n": self.n, "rms": self.rms, "nrmse": self.nrmse, "max_abs": self.max_abs}
+        nrmse = self.nrmse if self.has_share else None
+        return {"n": self.n, "rms": self.rms, "nrmse": nrmse, "max_abs": self.max_abs}
 
 
 @dataclass(frozen=True, eq=False)

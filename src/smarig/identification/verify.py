@@ -18,11 +18,12 @@ from smarig.identification.fod_data import first_order_points
 from smarig.identification.known_offset import known_offset
 from smarig.identification.measured.load_dependence import expected_rms, is_far
 from smarig.identification.measured.zero_by_load import fitted_zero_slope, zero_slope_of
-from smarig.identification.noise_floor import noise_floor
+from smarig.identification.noise_floor import NoiseFloor, noise_floor
 from smarig.identification.point_selection import matches
 from smarig.identification.rows_used import without_dropouts
 from smarig.identification.run_zeros import has_own_zero
 from smarig.identification.verification import PredictionErrors, RunVerification, Verification
+from smarig.measurement import input_noise_sd
 from smarig.record import FORC_PROTOCOL, Run, Runs, continues_run, loaded_runs
 from smarig.replay import (
     Model,
@@ -129,13 +130,12 @@ def _verified(
     shift, kind = _offset(model, run, (measured - predicted)[counts], offset)
     if before is not None and kind == "fitted" and offset != "fitted":
         shift, kind = before.offset, before.offset_kind
-    span = float(np.ptp(measured))
     outside = int(np.sum(out_of_range(model, applied_inputs(model, run)[counts])))
     early = 0 if run.info.protocol == FORC_PROTOCOL else int(np.sum(selected & ~counts))
     floor, is_training = noise_floor(run), _is_training(model, run)
     return RunVerification(
         run=str(run.path),
-        settled=_errors((predicted + shift - measured)[counts], span),
+        settled=_errors((predicted + shift - measured)[counts], measured, floor),
         transient=None if select is not None or by_load else _transient(model, run, shift),
         noise_floor=floor.value,
         offset=shift,
@@ -205,9 +205,10 @@ def _far_loads(model: Model, run: Run) -> list[str]:
     ]
 
 
-def _errors(error: Array, span: float) -> PredictionErrors:
-    rms = float(np.sqrt(np.mean(error**2)))
-    return PredictionErrors(error.size, rms, rms / span if span else float("nan"), float(np.abs(error).max()))
+def _errors(error: Array, measured: Array, floor: NoiseFloor) -> PredictionErrors:
+    rms, span = float(np.sqrt(np.mean(error**2))), float(np.ptp(measured))
+    share = rms / span if span and not floor.explains(measured) else float("nan")
+    return PredictionErrors(error.size, rms, share, float(np.abs(error).max()))
 
 
 def _transient(model: Model, run: Run, shift: float) -> PredictionErrors | None:
@@ -215,12 +216,10 @@ def _transient(model: Model, run: Run, shift: float) -> PredictionErrors | None:
     if not (run.settled and run.has("input") and run.has("position")):
         return None
     error = simulate_samples(model, run) + shift - run["position"]
-    known = np.isfinite(error)
-    return (
-        _errors(error[known], float(np.nanmax(run["position"]) - np.nanmin(run["position"])))
-        if known.any()
-        else None
-    )
+    known, read = np.isfinite(error), run["position"][np.isfinite(run["position"])]
+    noise = input_noise_sd(read) if read.size > 2 else None  # from second differences
+    floor = NoiseFloor(noise, read.size, run.unit, "readings")
+    return _errors(error[known], read, floor) if known.any() else None
 
 
 def _offset(model: Model, run: Run, difference: Array, offset: Offset) -> tuple[float, str]:

@@ -151,6 +151,7 @@ class EffectType:
     texts describe for the reader how the effect enters, what it looks like, what it is confused with, what
     distinguishes it, and what a lab can do against it (``remedy``). ``change``, if the strength is a percentage of the
     stroke, says what it does, with "{size}" in the output's unit: for a positive strength, and for a negative one.
+    ``needs_wheel``: only an encoder on a pulley can have it, not a sensor that reads a length.
     ``memoryless``: the effect on the position (for a feedback, on the input) follows from the present state alone, so a
     replay needs it only at readings (a feedback also at turning points); an effect with memory is computed at every
     step. ``output_independent``: changes before the hysteresis follow from the ``ThermalState`` and the input range
@@ -176,6 +177,7 @@ class EffectType:
     output_independent: bool = False
     remedy: str = ""
     change: tuple[str, ...] = ()
+    needs_wheel: bool = False
     shape: Any = None  # of a learned effect, which no catalogue lists
 
     @property

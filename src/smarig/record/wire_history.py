@@ -1,4 +1,4 @@
-"""The history of a wire over all its runs: one small file per wire, rewritten at the end of each run.
+"""The history of a wire: one small file per wire, rewritten at the end of each run and bring-up.
 
     cycles       times the predicted input rose above half of the rig's range after it was below a quarter
     hours hot    time with the input above half of the range
@@ -8,7 +8,7 @@ For two wires the input is |T₁ − T₂|: heating either wire wears the pair. 
 is measured. Only wires that outlive a session have a history: those of hardware, and of simulated devices that were
 started elsewhere (``twin``). A twin is a new wire in every session.
 
-``heat`` is the heat of the wire at the end of the last run, from which the next session starts. A process that is
+``heat`` is the heat of the wire at the end of the last of them, from which the next session starts. A process that is
 killed writes none: only ``smarig resume`` knows the heat that it left.
 """
 
@@ -81,7 +81,7 @@ class WireHistory:
         heat: LastHeat | None = None,
         now: Callable[[], datetime] | None = None,
     ) -> "WireHistory":
-        """The history after a run, or after the rest of a continued run."""
+        """The history after a run; not ``new_run``: after the rest of a continued run, or a bring-up."""
         now_text = (now() if now else datetime.now(UTC)).strftime("%Y-%m-%dT%H:%M:%SZ")
         return replace(
             self,

@@ -34,7 +34,11 @@ def build_timeline(runs: Sequence[Run], tau_s: float) -> Timeline:
     if driven_by_input(runs):
         return build_measured_input_timeline(runs)
     if not any(run.settled for run in runs):
-        raise DataError("The runs contain no settled steps. A diagnosis needs settled steps.")
+        names = ", ".join(map(_with_protocol, runs))
+        raise DataError(
+            f"The runs contain no settled steps: {names}. A diagnosis needs some. Make a run whose protocol waits at "
+            "each input, such as validation or first_order_descending."
+        )
     for run in runs:
         if not (run.has("t_s") and (run.has("current_command_A") or run.has("current_A"))):
             raise DataError(
@@ -43,6 +47,12 @@ def build_timeline(runs: Sequence[Run], tau_s: float) -> Timeline:
     timelines = [_session_timeline(some, tau_s) for some in _runs_by_session(runs)]
     timelines = [timeline for timeline in timelines if len(timeline.settled)]
     return timelines[0] if len(timelines) == 1 else join_sessions(timelines, tau_s)
+
+
+def _with_protocol(run: Run) -> str:
+    """The name of a run's file, and what the run was."""
+    protocol = run.info.protocol
+    return f"{run.path.name} ({protocol})" if protocol else run.path.name
 
 
 def _runs_by_session(runs: Sequence[Run]) -> list[list[Run]]:

@@ -91,13 +91,14 @@ def _errors(verifications: _Verifications, unit: str) -> Html:
     return table(
         (*header, "rms / noise", f"zero ({unit})"),
         rows,
-        "Errors (measured − model) at settled points. nrmse: rms as a share of the measured range. "
+        "Errors (measured − model) at settled points. nrmse: rms as a share of the measured range, – "
+        "where that is no more than noise. "
         "rms / noise near 1: the error is noise.",
     )
 
 
 def _error_cells(e: PredictionErrors) -> tuple[str, str, str, str]:
-    return str(e.n), number(e.rms), f"{100 * e.nrmse:.2f} %", number(e.max_abs)
+    return str(e.n), number(e.rms), f"{100 * e.nrmse:.2f} %" if e.has_share else "–", number(e.max_abs)
 
 
 def _zero_text(each: RunVerification) -> str:

@@ -73,31 +73,73 @@ class SupportsIdle(Rig, Protocol):
         ...
 
 
+class WireWatch(Protocol):
+    """What follows the heat of the wire through a bring-up."""
+
+    def begin(self, guard: Guard) -> None:
+        """Receive the guard, whose prediction it may start hot, before the first step."""
+        ...
+
+    def add(self, sample: Sample, input_K: float) -> None:
+        """Receive each sample with the predicted input."""
+        ...
+
+
 def bring_up(
     rig: SupportsIdle,
     file: RigFile,
     on_check: Callable[[Check], None],
     on_progress: ProgressCallback = lambda _: None,
+    watch: WireWatch | None = None,
 ) -> None:
     """Make all checks in order; ``on_check`` receives each at once, so that those before a fault are not lost with it.
 
-    Raises RigFault if the rig is lost or trips.
+    ``watch`` follows the wire, except through the test of the lease, at a tenth of the largest current. Raises RigFault
+    if the rig is lost or trips.
     """
     try:
-        for check in _checks(rig, file, on_progress):
+        for check in _checks(rig, file, on_progress, watch):
             on_check(check)
     finally:
         rig.safe()
 
 
-def _checks(rig: SupportsIdle, file: RigFile, on_progress: ProgressCallback) -> Iterator[Check]:
+class _WatchedWire:
+    """The wire behind a guard, and what follows its heat."""
+
+    def __init__(self, guard: Guard, watch: WireWatch | None) -> None:
+        self._guard, self._watch = guard, watch
+        if watch is not None:
+            watch.begin(guard)
+
+    @property
+    def input_K(self) -> float:
+        """The predicted input."""
+        return self._guard.input_K
+
+    def samples(self, current_A: float, ticks: int) -> list[Sample]:
+        """The samples of at least one tick at a current."""
+        found: list[Sample] = []
+        while len(found) < max(1, ticks):
+            arrived = self._guard.step(current_A, max(1, ticks) - len(found))
+            if self._watch is not None:
+                for sample, input_K in arrived:
+                    self._watch.add(sample, input_K)
+            self._guard.raise_if_tripped()
+            found += [sample for sample, _ in arrived]
+        return found
+
+
+def _checks(
+    rig: SupportsIdle, file: RigFile, on_progress: ProgressCallback, watch: WireWatch | None
+) -> Iterator[Check]:
     """A rig that does not follow its command, or does not move when heated, is not heated further."""
     yield Check("devices", True, "; ".join(rig.identity()))
     actuator = Actuator.named(file.actuator)
     no_lease = without_lease_text(file, actuator)
     file = file.model_copy(update={"limits": limits_in_force(file.limits, actuator, has_lease=rig.has_lease)})
-    guard = Guard(rig, file.limits, actuator, stress=stress_limit(file, actuator))
-    at_rest = _samples(guard, 0.0, _rest_ticks(file.period_s))
+    wire = _WatchedWire(Guard(rig, file.limits, actuator, stress=stress_limit(file, actuator)), watch)
+    at_rest = wire.samples(0.0, _rest_ticks(file.period_s))
     rest = at_rest[-1]
     yield _at_rest(rest, file, measured=rig.measures_ambient)
     if not _follows_command(rest, 0.0, file):
@@ -105,9 +147,9 @@ def _checks(rig: SupportsIdle, file: RigFile, on_progress: ProgressCallback) -> 
     yield from _settling(at_rest, file)
     if not math.isnan(rest.temperature_degC) and not rig.holds_wire_limit:
         yield Check("wire temperature", True, HOST_ALONE, limitation=True)
-    pulses = [_heating_checks(guard, file, actuator, +1, on_progress)]
+    pulses = [_heating_checks(wire, file, actuator, +1, on_progress)]
     if file.limits.current_min_A < 0:  # the second wire
-        pulses.append(_heating_checks(guard, file, actuator, -1, on_progress))
+        pulses.append(_heating_checks(wire, file, actuator, -1, on_progress))
     for check in chain(*pulses):
         yield check
         if not check.passed:
@@ -148,35 +190,35 @@ def _rest_ticks(period_s: float) -> int:
 
 
 def _heating_checks(
-    guard: Guard, file: RigFile, actuator: Actuator, sign: int, on_progress: ProgressCallback
+    wire: _WatchedWire, file: RigFile, actuator: Actuator, sign: int, on_progress: ProgressCallback
 ) -> Iterator[Check]:
     """Raise the current in steps until the wire moves or must have moved by its model; then report and cool."""
     tau_ticks = max(1, round(actuator.tau_s / file.period_s))
     model = MotionModel(actuator, file, sign)
     largest_A = file.limits.current_max_A if sign > 0 else file.limits.current_min_A
-    rest = _samples(guard, 0.0, READINGS)[-READINGS:]
+    rest = wire.samples(0.0, READINGS)[-READINGS:]
     sample, command_A, motion = rest[-1], 0.0, motion_of(rest, rest, sign)
     for k in range(1, CURRENT_STEPS + 1):
         command_A = largest_A * k / CURRENT_STEPS
-        heated = _samples(guard, command_A, round(STEP_TAUS * tau_ticks))[-READINGS:]
+        heated = wire.samples(command_A, round(STEP_TAUS * tau_ticks))[-READINGS:]
         sample, motion = heated[-1], motion_of(rest, heated, sign)
         counts = f"{sign * motion.heated_by:+d} counts"
-        on_progress(f"    {command_A:+.2f} A: {counts}, {guard.input_K:+.0f} K (heating model)")
-        if not _follows_command(sample, command_A, file) or model.has_shown(motion, guard.input_K):
+        on_progress(f"    {command_A:+.2f} A: {counts}, {wire.input_K:+.0f} K (heating model)")
+        if not _follows_command(sample, command_A, file) or model.has_shown(motion, wire.input_K):
             break
     how = "(last reading, no new one)" if sample.quality & Quality.STALE else "measured"
-    wire = ", wire 2" if sign < 0 else ""
+    which = ", wire 2" if sign < 0 else ""
     comparison = f"{sample.current_A:.4f} A {how} at {command_A:.4f} A"
     follows = _follows_command(sample, command_A, file)
-    yield Check(f"read-back{wire}", follows, comparison if follows else f"{comparison}; {_READ_BACK_REMEDY}")
+    yield Check(f"read-back{which}", follows, comparison if follows else f"{comparison}; {_READ_BACK_REMEDY}")
     expected = ExpectedResistance(actuator, file.limits.resistance_tolerance)
-    yield _resistance(sample, expected, guard.input_K)._replace(name=f"resistance{wire}")
-    where = f"{sign * motion.heated_by:+d} counts at {command_A:.2f} A, {guard.input_K:.0f} K (heating model)"
-    direction = model.direction(motion, where, guard.input_K)._replace(name=f"encoder direction{wire}")
-    scale = model.scale(motion, guard.input_K)._replace(name=f"encoder scale{wire}")
+    yield _resistance(sample, expected, wire.input_K)._replace(name=f"resistance{which}")
+    where = f"{sign * motion.heated_by:+d} counts at {command_A:.2f} A, {wire.input_K:.0f} K (heating model)"
+    direction = model.direction(motion, where, wire.input_K)._replace(name=f"encoder direction{which}")
+    scale = model.scale(motion, wire.input_K)._replace(name=f"encoder scale{which}")
     # counts of a wrong unit tell no direction
     yield from (direction, scale) if scale.passed else (scale, direction)
-    _last_sample(guard, 0.0, round(COOL_TAUS * tau_ticks))
+    wire.samples(0.0, round(COOL_TAUS * tau_ticks))
 
 
 def _follows_command(sample: Sample, command_A: float, file: RigFile) -> bool:
@@ -239,18 +281,3 @@ def _first_tripped(rig: Rig, last_command_tick: int) -> int:
 
 def _tripped(sample: Sample) -> bool:
     return bool(sample.quality & Quality.TRIPPED)
-
-
-def _last_sample(guard: Guard, current_A: float, ticks: int) -> Sample:
-    """The last sample after a number of ticks at a current."""
-    return _samples(guard, current_A, ticks)[-1]
-
-
-def _samples(guard: Guard, current_A: float, ticks: int) -> list[Sample]:
-    """The samples of at least one tick at a current."""
-    found: list[Sample] = []
-    while len(found) < max(1, ticks):
-        arrived = guard.step(current_A, max(1, ticks) - len(found))
-        guard.raise_if_tripped()
-        found += [sample for sample, _ in arrived]
-    return found

@@ -6,6 +6,7 @@ from smarig.core.lazy_exports import lazy_exports
 
 if TYPE_CHECKING:
     from smarig.runner.bounded_listener import BoundedListener as BoundedListener
+    from smarig.runner.bring_up_history import BringUpHistory as BringUpHistory
     from smarig.runner.end_severity import end_severity as end_severity
     from smarig.runner.initialisation_spread import initialisation_spread as initialisation_spread
     from smarig.runner.listener import CallbackListener as CallbackListener

@@ -49,7 +49,7 @@ def command(model: Path, runs: tuple[Path, ...], select: str | None) -> None:
         if run.verdict.level == ErrorLevel.POOR:
             show_message(f"Warning: The model does not predict {run.run}: {run.verdict.size}.")
     lines = [
-        f"{run['run']}: rms error {run['rms']:.4g}{spaced(unit)} (NRMSE {run['nrmse']:.3g}), "
+        f"{run['run']}: rms error {run['rms']:.4g}{spaced(unit)} ({_share(run)}), "
         f"largest {run['max_abs']:.4g}{spaced(unit)}, n = {run['n']}; noise floor "
         f"{_floor(run, unit)}{_expected(run, unit)}"
         for run in found["runs"]
@@ -68,6 +68,13 @@ def _verdict(run: "RunVerification", model: Path) -> str:
         else ""
     )
     return f"Verdict: {found.text}{more}."
+
+
+def _share(run: dict) -> str:
+    """The error over the measured range, if that is more than noise."""
+    if run["nrmse"] is None:
+        return "no NRMSE: the measured range is no more than its noise"
+    return f"NRMSE {run['nrmse']:.3g}"
 
 
 def _expected(run: dict, unit: str) -> str:

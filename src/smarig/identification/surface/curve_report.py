@@ -5,7 +5,8 @@
   that the input range was too small.
 * Prop. 4.6: curves that cross inside the major loop prove μ < 0 somewhere; the converse is not proved.
 
-Differences count if they exceed five times the noise of a reading.
+Differences count if they exceed five times the noise of a reading, and rises and crossings of a wire in motion if they
+also exceed what it moves within one tick.
 """
 
 from dataclasses import dataclass, replace
@@ -47,10 +48,11 @@ class CurveReport:
     warnings: tuple[str, ...]
 
 
-def curve_report(data: FodData) -> CurveReport:
+def curve_report(data: FodData, moved: Array | None = None) -> CurveReport:
     """Compare the curves of FOD data (k points) with their own noise; each warning is one or two sentences.
 
-    An output that falls while the input rises, as a strain does, is compared in its negative.
+    ``moved`` (k,) is the motion of the output within one tick of each reading (default: all were held). An output
+    that falls while the input rises, as a strain does, is compared in its negative.
     """
     turned = float(np.cov(data.beta, data.y)[0, 1]) < 0 if data.y.size > 1 else False
     data = replace(data, y=-data.y) if turned else data
@@ -69,8 +71,9 @@ def curve_report(data: FodData) -> CurveReport:
         )
     noise = reading_noise(data)
     threshold = SIGNIFICANT * noise if np.isfinite(noise) else 0.0
-    rising = [d.alpha for d in descending_curves if _largest_rise(d) > threshold]
-    crossing = _crossing_curves(descending_curves, threshold)
+    lowest, highest = _extremes(data, moved)
+    rising = [low.alpha for low, high in zip(lowest, highest) if _largest_rise(low, high) > threshold]
+    crossing = _crossing_curves(lowest, highest, threshold)
     spread = _spread(descending_curves)
     merge = spread <= max(_SPREAD_FACTOR * np.nan_to_num(noise), _MERGED * float(np.ptp(data.y)))
     angle, angle_noise = _top_angle(data, descending_curves, noise)
@@ -88,7 +91,7 @@ def curve_report(data: FodData) -> CurveReport:
         first, second, place = (f"{sign * value + 0.0:g}" for value in crossing)  # no −0
         warnings.append(
             f"First-order curves cross inside the major loop (α = {first} and {second} near β = {place}): the density "
-            "μ is negative somewhere (Prop. 4.6)."
+            "μ of these data is negative somewhere (Prop. 4.6)."
         )
     if not merge:
         warnings.append(
@@ -128,32 +131,40 @@ def reading_noise(data: FodData) -> float:
     return fit_curves(data).sigma
 
 
-def _largest_rise(d: DescendingCurve) -> float:
-    """Largest rise of the output while the input falls."""
-    return float(np.max(d.y - np.minimum.accumulate(d.y)))
+def _extremes(data: FodData, moved: Array | None) -> tuple[list[DescendingCurve], list[DescendingCurve]]:
+    """The descending curves of the lowest and of the highest outputs that the readings may stand for."""
+    by = 0.0 if moved is None else moved
+    lowest, highest = (replace(data, y=data.y + sign * by) for sign in (-1.0, 1.0))
+    return lowest.descending_curves(), highest.descending_curves()
+
+
+def _largest_rise(lowest: DescendingCurve, highest: DescendingCurve) -> float:
+    """Largest rise of the output while the input falls, at least."""
+    return float(np.max(lowest.y - np.minimum.accumulate(highest.y)))
 
 
 def _crossing_curves(
-    descending_curves: list[DescendingCurve], threshold: float
+    lowest: list[DescendingCurve], highest: list[DescendingCurve], threshold: float
 ) -> tuple[float, float, float] | None:
     """(α₁, α₂, β) at which a curve from a higher maximum lies lowest below one from a lower maximum.
 
-    Between two points a curve is known to lie between their outputs, and no more.
+    ``lowest`` and ``highest`` are the same curves with the outputs that they have at least and at most. Between two
+    points a curve is known to lie between their outputs, and no more.
     """
-    ordered = sorted(descending_curves, key=lambda d: d.alpha)
+    ordered = sorted(zip(lowest, highest), key=lambda both: both[0].alpha)
     if len(ordered) < 2:
         return None
-    grid = np.unique(np.concatenate([d.beta for d in ordered]))
-    highest, owner = np.full(grid.size, -np.inf), np.zeros(grid.size)
+    grid = np.unique(np.concatenate([low.beta for low, _ in ordered]))
+    upper, owner = np.full(grid.size, -np.inf), np.zeros(grid.size)
     worst, found = threshold, None
-    for d in ordered:
-        least, most = _between_points(d, grid)
-        below = np.where(np.isfinite(most), highest - most, -np.inf)
+    for low, high in ordered:
+        least, most = _between_points(low, grid)[0], _between_points(high, grid)[1]
+        below = np.where(np.isfinite(most), upper - most, -np.inf)
         k = int(np.argmax(below))
         if below[k] > worst:
-            worst, found = float(below[k]), (float(owner[k]), d.alpha, float(grid[k]))
-        higher = np.isfinite(least) & (least > highest)
-        highest[higher], owner[higher] = least[higher], d.alpha
+            worst, found = float(below[k]), (float(owner[k]), low.alpha, float(grid[k]))
+        higher = np.isfinite(least) & (least > upper)
+        upper[higher], owner[higher] = least[higher], low.alpha
     return found
 
 

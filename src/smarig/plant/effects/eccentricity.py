@@ -35,4 +35,5 @@ eccentricity = EffectType(
     ),
     act=_act,
     memoryless=True,
+    needs_wheel=True,
 )

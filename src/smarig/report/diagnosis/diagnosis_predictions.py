@@ -51,7 +51,7 @@ def readings(timeline: Timeline, kind: str) -> ReadingSeries:
 
 
 def rms_noise(d: CommandedDiagnosis, kind: str) -> tuple[float, float]:
-    """Rms noise of one kind of reading: without, and with the ambient fluctuation in the state of the hysteresis."""
+    """Rms noise of one kind of reading: by itself, and with that of the temperature in the state of the hysteresis."""
     model, before = d.fitted, 0
     fitted = model.refitted
     for r in d.timeline.all_readings[: [r.kind for r in d.timeline.all_readings].index(kind)]:

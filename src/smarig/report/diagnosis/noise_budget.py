@@ -1,10 +1,10 @@
-"""The noise in a diagnosis: a table of readings and ambient fluctuations, their sum, and the time step error."""
+"""The noise in a diagnosis: a table of readings and of the wire's temperature, their sum, and the time step error."""
 
 from collections.abc import Iterator
 
 import numpy as np
 
-from smarig.diagnosis import MIN_COUNT_SD, POINT_NOISE, CommandedDiagnosis, NoiseEstimate
+from smarig.diagnosis import MIN_COUNT_SD, POINT_NOISE, WIRE_NOISE, CommandedDiagnosis, NoiseEstimate
 from smarig.report.components.html import Html, paragraph, table
 from smarig.report.components.numbers import number
 from smarig.report.components.run_description import count_size, display_unit
@@ -21,18 +21,18 @@ def noise_budget(d: CommandedDiagnosis) -> Iterator[Html]:
         ("Settled position, σ of a reading", *(number(n.settled) for n in noises), unit),
         *_count_row(noises, size),
         (
-            "Ambient fluctuation, σ of the input",
+            f"{WIRE_NOISE.capitalize()}, σ of the input",
             *(number(n.temperature_K) for n in noises),
             u,
         ),
         (
-            "Ambient fluctuation, correlation time",
+            f"{WIRE_NOISE.capitalize()}, correlation time",
             *(number(n.correlation_s) for n in noises),
             "s",
         ),
         (
-            "Ambient fluctuation × rms slope ∂y/∂u",
-            *(number(v) for v in _fluctuation_effect(d, noises)),
+            f"{WIRE_NOISE.capitalize()} × rms slope ∂y/∂u",
+            *(number(v) for v in _effect_of_wire_noise(d, noises)),
             unit,
         ),
     ]
@@ -44,7 +44,8 @@ def noise_budget(d: CommandedDiagnosis) -> Iterator[Html]:
     )
     yield paragraph(
         f"Together, the {POINT_NOISE}: {number(whole, 2)} {unit} rms{_counts_text(whole, size, unit)}. It includes "
-        "past ambient fluctuations that remain in the state of the hysteresis until they are wiped out."
+        f"the {WIRE_NOISE}, which is what the readings scatter along the input: the room, the readings of the current "
+        "and the heating model contribute. Its past remains in the state of the hysteresis until it is wiped out."
     )
     if d.noise.settled <= 1.001 * MIN_COUNT_SD * abs(d.base.per_count):
         yield paragraph(
@@ -69,7 +70,7 @@ def _counts_text(value: float, size: float, unit: str) -> str:
     return f", {number(value / size, 2)} counts of {number(size)} {unit}" if size else ""
 
 
-def _fluctuation_effect(d: CommandedDiagnosis, noises: list[NoiseEstimate]) -> list[float]:
+def _effect_of_wire_noise(d: CommandedDiagnosis, noises: list[NoiseEstimate]) -> list[float]:
     slope = float(np.sqrt(np.mean(input_slopes(d) ** 2)))
     return [n.temperature_K * slope for n in noises]
 

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from typing import Any
 
-from smarig.diagnosis import CommandedDiagnosis
+from smarig.diagnosis import WIRE_NOISE, CommandedDiagnosis
 from smarig.replay import OUTPUT_DEPENDENT_KINDS
 from smarig.report.components.figure import Figure, Panel, Trace, dots, line
 from smarig.report.components.numbers import number
@@ -27,8 +27,8 @@ from smarig.report.diagnosis.residual_axes import (
 )
 from smarig.report.runs.representation_figure import noise_band
 
-_FLUCTUATION_RATIO = (
-    1.02  # noise with ambient fluctuation over that without, from which a second band is drawn
+_WIRE_NOISE_RATIO = (
+    1.02  # noise with that of the wire's temperature over that without, from which a second band is drawn
 )
 _READING_NAMES = {
     "settled": "settled positions",
@@ -79,10 +79,10 @@ def _residual_channel_figure(
         for error, own_half_range, (_, label, colour) in zip(errors, half_range, predictions.labelled)
     ]
     zero = "" if kind == "current" else " (the mean is removed, because the zero is free)"
-    fluctuation_text = (
+    bands_text = (
         f" Grey band: ± 2 σ of a reading (σ = {own:.2g} {unit}, rms); "
-        f"light band: ± 2 σ including ambient fluctuation (σ = {whole:.2g} {unit}, rms)."
-        if whole > _FLUCTUATION_RATIO * own
+        f"light band: ± 2 σ including the {WIRE_NOISE} (σ = {whole:.2g} {unit}, rms)."
+        if whole > _WIRE_NOISE_RATIO * own
         else f" Grey band: ± 2 σ of a reading (σ = {own:.2g} {unit}, rms)."
     )
     sizes = " → ".join(number(rms(e)) for e in errors)
@@ -91,7 +91,7 @@ def _residual_channel_figure(
         title,
         [
             f"Measured − predicted{zero}, n = {len(r)}, rms {sizes} "
-            f"{unit}{models_text(predictions, half_range)}.{fluctuation_text}",
+            f"{unit}{models_text(predictions, half_range)}.{bands_text}",
             "Each density was refitted to these readings, so residuals that a density can absorb are not "
             "shown."
             if kind in OUTPUT_DEPENDENT_KINDS
@@ -121,10 +121,10 @@ def _residual_panel(
     x, x_axis = residual_abscissa(d, name, kind)
     low, high = float(x.min()), float(x.max())
     bands = [noise_band(low, high, 2 * noise[0], "± 2 σ of a reading")]
-    if noise[1] > _FLUCTUATION_RATIO * noise[0]:
+    if noise[1] > _WIRE_NOISE_RATIO * noise[0]:
         bands.insert(
             0,
-            noise_band(low, high, 2 * noise[1], "± 2 σ with ambient fluctuation")
+            noise_band(low, high, 2 * noise[1], f"± 2 σ with {WIRE_NOISE}")
             | {"fillcolor": "rgba(107,114,128,.10)"},
         )
     data: list[Trace] = [

@@ -72,18 +72,40 @@ def next_experiment(d: CommandedDiagnosis) -> Iterator[Html]:
         time = f", {duration(3600 * float(hours))} on the rig" if hours is not None else ""
         yield notice("good", paragraph(tag("b", f"{run['protocol']}{time}")), paragraph(str(run["why"])))
         return
+    if d.verdict.word == "silent" and (left_open := list(_left_open(d))):
+        yield paragraph("Nothing stands out in what was tested. More is known after this:")
+        yield bullets(left_open)
+        return
     yield paragraph(_advice(d))
     if d.verdict.names:
         types = {t.name: t for t in effect_types()}
         yield bullets(distinguishing_text(types[n]) for n in d.verdict.names)
 
 
+def _left_open(d: CommandedDiagnosis) -> Iterator[str]:
+    """What a silent diagnosis has not tested, each with the run that would; nothing if it has tested everything."""
+    if d.gain is None:
+        yield (
+            "No run was held out, so the model has predicted blocks of its own runs only. Run validation with another "
+            "seed, and give that run with --held-out."
+        )
+    if d.too_short_to_name:
+        yield (
+            f"The runs have {d.evidence.blocks} excursions, too few for the name of a cause. More have "
+            "first_order_descending, and validation with more points."
+        )
+    if d.not_identifiable:
+        yield "Section “What could not have been seen” lists effects that may be present, with what would show each."
+    if d.given_is_far:
+        yield "The given model is far from these data. Identify the wire again from them, and verify that model."
+
+
 def _advice(d: CommandedDiagnosis) -> str:
     match d.verdict.word:
         case "silent":
             return (
-                "No experiment is needed. Section “What could not have been seen” lists effects that may still be "
-                "present."
+                "No experiment is needed. These runs would show each effect of the catalogue at some strength, and the "
+                "held-out runs do not contradict the plain model."
             )
         case "not_identifiable":
             return "Make a run that can show an effect. The list above states what would show each effect."

@@ -92,8 +92,8 @@ def _held_out(e: Evidence) -> tuple[ErrorVerdict | None, str]:
 def _verdict_on(rms: float, found: Verification) -> ErrorVerdict:
     """The verdict on an error at the settled points of verified runs."""
     floors = [run.noise_floor for run in found.runs if run.noise_floor]
-    travel = min(run.settled.rms / run.settled.nrmse for run in found.runs if run.settled.nrmse)
-    return error_verdict(rms, max(floors, default=None), rms / travel)
+    travels = [run.settled.rms / run.settled.nrmse for run in found.runs if run.settled.nrmse > 0]
+    return error_verdict(rms, max(floors, default=None), rms / min(travels, default=float("nan")))
 
 
 def _quality_level(e: Evidence, verdict: ErrorVerdict | None) -> str:

@@ -50,8 +50,7 @@ def validation_figure(verification: RunVerification, run: Run, surface: str) -> 
         f"The {surface} model on the held-out run.",
         [
             f"First panel: {e.n} settled points in order of time. Other panels: measured − model against time and "
-            f"against the input. The error is {e.rms:.3g}{spaced(unit)} ({100 * e.nrmse:.2f} % of the "
-            "measured range), at "
+            f"against the input. The error is {e.rms:.3g}{spaced(unit)} ({e.share_text}), at "
             f"most {e.max_abs:.3g}{spaced(unit)}{floor}. {zero}",
             run_caption(run),
         ],

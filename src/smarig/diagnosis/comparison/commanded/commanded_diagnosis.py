@@ -18,9 +18,11 @@ from smarig.diagnosis.comparison.commanded.kernel_shapes import PLAIN, WALK
 from smarig.diagnosis.comparison.compared_hypothesis import ComparedHypothesis, Part
 from smarig.diagnosis.comparison.finding import Finding
 from smarig.diagnosis.comparison.missing_knowledge import MissingKnowledge
-from smarig.diagnosis.comparison.rules import SENTENCES, Verdict, VerdictEvidence
+from smarig.diagnosis.comparison.rules import RULES, SENTENCES, Verdict, VerdictEvidence
 from smarig.diagnosis.comparison.weights import Weights
 from smarig.diagnosis.diagnosed_model import diagnosed_model
+from smarig.diagnosis.diagnosis_text import FAR_OFF_RATIO
+from smarig.diagnosis.effects_to_try import effects_to_try
 from smarig.diagnosis.held_out_gain import HeldOutGain
 from smarig.diagnosis.refit.joint_density import settled_rms
 from smarig.diagnosis.refit.refit import NoiseEstimate
@@ -138,7 +140,10 @@ class CommandedDiagnosis(NotebookDisplay):
     def learned(self) -> CommandedLaw | None:
         """The law that the extended model has instead of effects."""
         law = next((e for e in self.extended_plant.catalogue_effects if e.kind.shape), None)
-        return CommandedLaw.of(law, self.found.hypotheses, self.extension.parts) if law else None
+        if law is None:
+            return None
+        possible = effects_to_try(self.subject.given, self.timeline.runs[0])
+        return CommandedLaw.of(law, self.found.hypotheses, self.extension.parts, possible)
 
     @property
     def not_identifiable(self) -> tuple[str, ...]:
@@ -163,6 +168,17 @@ class CommandedDiagnosis(NotebookDisplay):
         floor = float(np.sqrt(np.mean(self.noise.white[: len(timeline.settled)] ** 2)))
         models = (self.subject.given, self.base, self.extended_plant)
         return ErrorSummary(timeline.unit, floor, *(settled_rms(timeline, m) for m in models))
+
+    @property
+    def given_is_far(self) -> bool:
+        """Whether the given model is of another wire or state, by its error over that of a model fitted to the runs."""
+        e = self.error
+        return e.original > FAR_OFF_RATIO * max(min(e.base, e.extended), e.noise_floor)
+
+    @property
+    def too_short_to_name(self) -> bool:
+        """Whether the runs have too few excursions for the name of a cause, and none was held out in their place."""
+        return self.gain is None and self.evidence.blocks < RULES["least_blocks"].value
 
     @property
     def times_noise(self) -> float:

@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING
 from smarig.diagnosis.comparison.rules import RULES, SENTENCES
 from smarig.diagnosis.comparison.verdict_sentences import verdict_lines
 from smarig.diagnosis.diagnosis_text import (
-    FAR_OFF_RATIO,
     as_verified,
     gain_text,
     held_out_text,
@@ -26,6 +25,8 @@ def commanded_lines(d: "CommandedDiagnosis") -> Iterator[str]:
     """The findings, one or two sentences per line; the verdict first."""
     silence = f"Nothing stands out. {SENTENCES[d.verdict.reason]}"
     yield from verdict_lines(d.verdict, d.findings, d.causes, silence)
+    if d.verdict.word == "silent":
+        yield _tested(d)
     if d.verdict.word == "named":
         yield from filter(None, (e.kind.remedy_text for e in d.likely_effects))
     yield from _learned(d)
@@ -40,6 +41,17 @@ def commanded_lines(d: "CommandedDiagnosis") -> Iterator[str]:
         yield d.separating_run["why"]
     if d.not_identifiable:
         yield f"Effects that these data cannot show at any strength: {', '.join(d.not_identifiable)}."
+
+
+def _tested(d: "CommandedDiagnosis") -> str:
+    """On what data nothing stands out."""
+    points, excursions = len(d.timeline.settled), d.evidence.blocks
+    effects = len(d.subject.catalogue) - len(d.not_identifiable)
+    held_out = "no run was held out" if d.gain is None else f"held out: {d.gain.blocks} blocks"
+    return (
+        f"Tested: {effects} of {len(d.subject.catalogue)} effects, on {points} settled points in {excursions} "
+        f"excursions; {held_out}."
+    )
 
 
 def _learned(d: "CommandedDiagnosis") -> Iterator[str]:
@@ -67,7 +79,7 @@ def _errors(d: "CommandedDiagnosis") -> Iterator[str]:
     if d.times_noise > RULES["adequate"].value:
         scatter = f"{d.scatter:.2g} {e.unit}"
         yield f"Without effects, the model misses these runs by {d.times_noise:.0f} × their scatter of {scatter}."
-    if e.original > FAR_OFF_RATIO * max(min(e.base, e.extended), e.noise_floor):
+    if d.given_is_far:
         yield (
             "The given model is far from these data, with or without effects. The model of this diagnosis is fitted "
             "to them."

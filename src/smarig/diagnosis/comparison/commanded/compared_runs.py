@@ -29,6 +29,7 @@ def subject_of(
         build_timeline([*train, *held_out], tau_s)
     timeline = build_timeline(list(train), tau_s)
     given = plant_model_of(model, timeline.runs[0])
-    visible = [k for k in effects_to_try(given, without) if timeline.drive.can_show(k, given.hysteresis)]
+    possible = effects_to_try(given, timeline.runs[0], without)
+    visible = [k for k in possible if timeline.drive.can_show(k, given.hysteresis)]
     present = {e.kind.name for e in given.catalogue_effects}
     return CommandedProblem.of(timeline, given, [k for k in visible if k.name not in present])
