@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.core import chi2_tail, f_tail
+from smarig.core import chi2_tail
 from smarig.identification.changed_states import unchanged
 from smarig.identification.repeatability import (
     P_EXCESS,
@@ -57,15 +57,13 @@ class NoiseFloor:
     def explains(self, outputs: NDArray[np.float64]) -> bool:
         """Whether outputs (n,) differ by no more than this noise makes them differ; False if the noise is unknown.
 
-        An F test, as the repeats are few; a χ² test of the noise within windows, which contain many readings.
+        A χ² test with the noise as it was estimated: an F test of few repeats would call any range noise.
         """
         freedom = outputs.size - 1
         if not self.value or freedom < 1:
             return freedom < 1
         ratio = float(np.var(outputs, ddof=1)) / self.value**2
-        repeated = self.source in ("repeats", "saturation")
-        by_chance = f_tail(ratio, freedom, self.n_pairs) if repeated else chi2_tail(ratio * freedom, freedom)
-        return by_chance >= P_EXCESS
+        return chi2_tail(ratio * freedom, freedom) >= P_EXCESS
 
 
 def noise_record(floor: NoiseFloor) -> NoiseRecord:
