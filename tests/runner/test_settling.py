@@ -1,6 +1,7 @@
 """The settling rule: noise does not prevent settling, drift does, and time-outs are reported."""
 
 import math
+from typing import cast
 
 import numpy as np
 import pytest
@@ -8,6 +9,7 @@ import pytest
 from smarig.core.command import Elapsed, Hold, Settled, StepVerdict
 from smarig.core.errors import UsageError
 from smarig.rig.guard import Guard
+from smarig.rig.rig import Rig
 from smarig.rig.twin import Twin
 from smarig.runner.listener import CallbackListener
 from smarig.runner.runner import Runner
@@ -81,7 +83,7 @@ def test_what_the_measured_current_scatters_does_not_prolong_a_hold(sd_A, gain):
     ends = []
     for rig in (lambda twin: twin, lambda twin: ScatteringCurrent(twin, sd_A, gain)):
         twin = Twin.named("one_wire_twin", seed=1)
-        guard = Guard(rig(twin), twin.file.limits, twin.actuator)
+        guard = Guard(cast(Rig, rig(twin)), twin.file.limits, twin.actuator)
         results = []
         Runner(guard, 0.047, [CallbackListener(on_step=results.append)]).run(
             hold for hold in [Hold(0.5, Settled()), Hold(0.6, Settled()), Hold(0.4, Settled())]
