@@ -93,6 +93,7 @@ if TYPE_CHECKING:
     from smarig.identification.verdict_thresholds import POOR_RATIO as POOR_RATIO
     from smarig.identification.verdict_thresholds import study_sentences as study_sentences
     from smarig.identification.verdict_thresholds import verdict_sentences as verdict_sentences
+    from smarig.identification.verification import ONLY_NOISE as ONLY_NOISE
     from smarig.identification.verification import PredictionErrors as PredictionErrors
     from smarig.identification.verification import RunVerification as RunVerification
     from smarig.identification.verification import Verification as Verification

@@ -13,6 +13,9 @@ from smarig.identification.repeatability import STEADY, Repeatability
 Array = NDArray[np.float64]
 
 
+ONLY_NOISE = "the measured range is no more than its noise"
+
+
 @dataclass(frozen=True)
 class PredictionErrors:
     """Errors (model minus data) of n points in the run's unit; nrmse = rms / (max − min) of the measured output.
@@ -34,7 +37,7 @@ class PredictionErrors:
     def share_text(self) -> str:
         """The error as a share of the measured range, in words."""
         if not self.has_share:
-            return "the measured range is no more than its noise"
+            return ONLY_NOISE
         return f"{100 * self.nrmse:.2f} % of the measured range"
 
     def to_json(self) -> dict[str, float | None]:

@@ -8,10 +8,10 @@ from smarig.config import RigFile
 from smarig.core import Sample, SmarigError, in_time
 from smarig.plant import Actuator
 from smarig.protocols import Setup
-from smarig.record import Wear, WireHistory, load_wire_history
+from smarig.record import WireHistory, load_wire_history
 from smarig.rig import Bench, Guard, TwinSettings
 from smarig.runner.run_metadata import outlives_session, twin_source
-from smarig.runner.wire_heat import elapsed_s, heat_at_the_end, heat_left
+from smarig.runner.wire_heat import elapsed_s, heat_at_the_end, heat_left, not_written, wear_from
 
 
 class BringUpHistory:
@@ -22,7 +22,8 @@ class BringUpHistory:
         self._twin = twin_source(file, TwinSettings()) == "twin"
         self._guard: Guard | None = None
         self._last: Sample | None = None
-        self._wear = self._new_wear(0.0)
+        self._setup = Setup(actuator, file.limits, file.period_s)
+        self._wear = wear_from(self._setup, 0.0)
 
     def begin(self, guard: Guard) -> None:
         """Start the prediction with the heat that the wire may still have."""
@@ -35,7 +36,7 @@ class BringUpHistory:
             device, tick = self._bench.sensor.identity, self._bench.tick
             since_s = elapsed_s(history.heat, device, tick, self._file.period_s, twin=self._twin)
             guard.start_hot(heat_left(history.heat, self._actuator, since_s, has_lease=self._bench.has_lease))
-            self._wear = self._new_wear(guard.input_K)
+            self._wear = wear_from(self._setup, guard.input_K)
 
     def add(self, sample: Sample, input_K: float) -> None:
         """Add a tick at a predicted input."""
@@ -56,7 +57,7 @@ class BringUpHistory:
                 found = history.after(self._wear, new_run=False, heat=heat)
                 in_time(found.save, f"The history of wire '{self._file.wire}'")
         except SmarigError as error:
-            return f"The wire's history was not written: {error} The next session takes the wire to be cold."
+            return not_written(error)
         return ""
 
     def _history(self) -> WireHistory | None:
@@ -65,7 +66,3 @@ class BringUpHistory:
             return None
         wire = self._file.wire
         return in_time(lambda: load_wire_history(wire, twin=self._twin), f"The history of wire '{wire}'")
-
-    def _new_wear(self, input_K: float) -> Wear:
-        setup = Setup(self._actuator, self._file.limits, self._file.period_s)
-        return Wear(max(setup.upper_K, -setup.lower_K), self._file.period_s, input_K)

@@ -75,7 +75,7 @@ from smarig.runner.run_metadata import (
 from smarig.runner.runner import Runner
 from smarig.runner.signal_handling import stop_on_signals
 from smarig.runner.start_checks import check_cycle_limit, check_free_space
-from smarig.runner.wire_heat import elapsed_s, heat_at_the_end, heat_left
+from smarig.runner.wire_heat import elapsed_s, heat_at_the_end, heat_left, not_written, wear_from
 
 
 class Session:
@@ -336,9 +336,8 @@ class Session:
                 if wear.last_tick:
                     recorder.describe("history_until_tick", wear.last_tick)
         except SmarigError as error:
-            text = f"The wire's history was not written: {error} The next session takes the wire to be cold."
             for listener in runner.listeners:
-                listener.event(runner.t_s, "history", text, level="warning")
+                listener.event(runner.t_s, "history", not_written(error), level="warning")
 
     def _heat(self) -> LastHeat | None:
         """The heat of the wires at the end of a run; None if their devices end with the session."""
@@ -356,7 +355,7 @@ class Session:
 
     def new_wear(self, input_K: float = 0.0) -> Wear:
         """Wear of zero, from an input on."""
-        return Wear(max(self.setup.upper_K, -self.setup.lower_K), self.file.period_s, input_K)
+        return wear_from(self.setup, input_K)
 
     def _note_zero(self, kind: str, t_s: float) -> None:
         if kind == "zero":

@@ -14,15 +14,26 @@ import time
 
 import numpy as np
 
-from smarig.core import Quality, Sample
+from smarig.core import Quality, Sample, SmarigError
 from smarig.plant import Actuator, JouleHeating
-from smarig.record import LastHeat, Run
+from smarig.protocols import Setup
+from smarig.record import LastHeat, Run, Wear
 from smarig.rig import Guard
 
 COLD_TAUS = 10.0  # after this time without a current the wire is cold
 UNRECORDED_S = 1.0  # of the host's time: the last samples of a killed process may be missing
 LONGEST_S = 3e8  # ten years: a clock that says more has been set
 _MEMORY_TAUS = 40.0  # an earlier temperature is forgotten to the last bit
+
+
+def wear_from(setup: Setup, input_K: float) -> Wear:
+    """Wear of zero, from an input on."""
+    return Wear(max(setup.upper_K, -setup.lower_K), setup.period_s, input_K)
+
+
+def not_written(error: SmarigError) -> str:
+    """What it means that the history of a wire could not be written."""
+    return f"The wire's history was not written: {error} The next session takes the wire to be cold."
 
 
 def heat_left(

@@ -72,8 +72,10 @@ def _verdict(run: "RunVerification", model: Path) -> str:
 
 def _share(run: dict) -> str:
     """The error over the measured range, if that is more than noise."""
+    from smarig.identification import ONLY_NOISE
+
     if run["nrmse"] is None:
-        return "no NRMSE: the measured range is no more than its noise"
+        return f"no NRMSE: {ONLY_NOISE}"
     return f"NRMSE {run['nrmse']:.3g}"
 
 

@@ -16,12 +16,7 @@ from smarig.diagnosis.comparison.commanded.effect_traces import Candidate
 from smarig.diagnosis.comparison.commanded.effect_trials import fitted_with, refined
 from smarig.diagnosis.comparison.commanded.law_trials import laws
 from smarig.diagnosis.comparison.commanded.periods import with_best_period
-from smarig.diagnosis.comparison.commanded.screening import (
-    Screened,
-    candidates,
-    collinear,
-    screened,
-)
+from smarig.diagnosis.comparison.commanded.screening import Screened, candidates, collinear, screened
 from smarig.diagnosis.comparison.commanded.variable_trials import Discrepancies, least_near
 from smarig.diagnosis.comparison.compared_hypothesis import ComparedHypothesis, Part, Trial
 from smarig.diagnosis.comparison.weights import PRIOR_PAIR, PRIOR_SINGLE, TEMPERATURE
@@ -118,12 +113,12 @@ def _with_best(
     A search that begins with the variances of nothing may end at a worse likelihood, or at a better one.
     """
     before, model = best
-    own = next((h for h in effects if h.parts == before.parts), before)
-    others = [h for h in effects if h is not own]
-    if own is not before and own.score >= before.score:
-        return [*others, replace(own, trials=(*own.trials, *before.trials))], []
+    own = [h for h in effects if h.parts == before.parts]  # none, if it could not be fitted anew
+    others = [h for h in effects if h not in own]
+    joined = replace(before, trials=tuple(t for h in (*own, before) for t in h.trials))
+    if own and own[0].score >= before.score:
+        return [*others, joined], []
     models[before.parts] = model
-    joined = before if own is before else replace(before, trials=(*own.trials, *before.trials))
     return [*others, joined], [(joined, model)]
 
 
