@@ -91,9 +91,8 @@ def _errors(verifications: _Verifications, unit: str) -> Html:
     return table(
         (*header, "rms / noise", f"zero ({unit})"),
         rows,
-        "Errors (measured − model) at settled points. nrmse: rms as a share of the measured range, – "
-        "where that is no more than noise. "
-        "rms / noise near 1: the error is noise.",
+        "Errors (measured − model) at settled points. nrmse: rms as a share of the measured range "
+        "(–: that range is no more than noise). rms / noise near 1: the error is noise.",
     )
 
 
