@@ -27,7 +27,7 @@ from smarig.device.drivers import _ni
 from smarig.plant import Actuator
 from smarig.rig import Guard, Plausibility, RigReadings, TwinSettings, open_rig
 
-SPEED = 20.0  # device seconds per second
+SPEED = 5.0  # device seconds per second: at 20, a busy host reads too rarely for the first of the two checks
 BEGINS_MM = 3.0  # of 12.6: the wire is moving at its fastest
 SOUND_S = 70.0  # a bench that starts does not know how hot its wire is until it has rested
 LEASE_S = 40.0  # of device time: a busy machine must not expire it
