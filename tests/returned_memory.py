@@ -1,7 +1,8 @@
 """Memory that tests have freed is returned to the system, so that a worker is as large as what it uses.
 
 Figures and diagnoses leave cycles of large arrays, which Python collects late, and holes between small objects, which
-glibc keeps.
+glibc keeps. Arrays from ``MAPPED_BYTES`` on have mappings of their own: without a limit, glibc would learn from the
+first large array that is freed to put the next into its heap, where it leaves a hole.
 """
 
 import ctypes
@@ -12,14 +13,18 @@ from pathlib import Path
 
 STATM = Path("/proc/self/statm")
 GROWTH_BYTES = 32 << 20
+MAPPED_BYTES = 1 << 20
+M_MMAP_THRESHOLD = -3  # of glibc's malloc.h
 
 
 class ReturnedMemory:
     """``after_test`` collects and trims when the process has grown by ``GROWTH_BYTES`` since it last did."""
 
     def __init__(self) -> None:
-        self._trim = _malloc_trim()
+        self._trim = _of_c_library("malloc_trim")
         self._resident = 0
+        if mallopt := _of_c_library("mallopt"):
+            mallopt(M_MMAP_THRESHOLD, MAPPED_BYTES)
 
     def before_collection(self) -> None:
         """Importing modules and making tests leaves little to collect."""
@@ -49,9 +54,9 @@ def resident_bytes() -> int:
     return int(STATM.read_bytes().split()[1]) * os.sysconf("SC_PAGE_SIZE")
 
 
-def _malloc_trim():
-    """The function of glibc that returns free memory, None elsewhere."""
+def _of_c_library(name: str):
+    """A function of glibc, None elsewhere."""
     try:
-        return ctypes.CDLL(None).malloc_trim
+        return getattr(ctypes.CDLL(None), name)
     except (AttributeError, TypeError, OSError):
         return None
