@@ -76,7 +76,7 @@ class DensityPrior:
         betas, j = np.unique(self.triangle.j[used], return_inverse=True)
         up_to = np.tri(len(hats))  # (cells, cells): which cells lie below each
         over_beta = (up_to[betas].T[:, :, None] * hats[:, None, :]).reshape(len(hats), -1)
-        across = _grid(self.triangle, self.prior_scale[:, None])[:, :, 0] @ over_beta
+        across = _grid(self.triangle, self.prior_scale) @ over_beta
         across = across.reshape(len(hats), betas.size, -1)  # (α, β, hat over β)
         sums = []
         for a, hat in enumerate(hats.T):
@@ -91,14 +91,14 @@ class DensityPrior:
         """Covariance by grains: two outputs share the grains of the cells that lie below both."""
         used = np.unique(self.rows.indices)
         i, j = self.triangle.i[used], self.triangle.j[used]
-        total = np.cumsum(np.cumsum(_grid(self.triangle, self.prior_scale[:, None]), axis=0), axis=1)[:, :, 0]
+        total = np.cumsum(np.cumsum(_grid(self.triangle, self.prior_scale), axis=0), axis=1)
         shared = total[np.minimum(i[:, None], i), np.minimum(j[:, None], j)]
         rows = self.rows[:, used].toarray()  # few cells, and each in many rows
         return np.asarray(rows @ shared @ rows.T)
 
     def outputs(self, mass: Array) -> Array:
         """Outputs (n,) at the memories, in strokes, of masses (cells,)."""
-        return np.asarray(self.rows @ _below(self.triangle, mass[:, None])).ravel()
+        return np.asarray(self.rows @ _below(self.triangle, mass)).ravel()
 
     def posterior_masses(self, variances: Array, dual_weights: Array, mass: Array | None = None) -> Array:
         """Masses (cells,) ≥ 0 in strokes: the posterior mean for variances of the parts and ``dual_weights`` (n,) =
@@ -107,12 +107,13 @@ class DensityPrior:
         The deviations are from the prior masses or from others. Masses that are negative there may stay so.
         """
         start_mass = self.mass if mass is None else mass
-        adjoint = _grid(self.triangle, (self.rows.T @ dual_weights)[:, None])[::-1, ::-1]
-        i, j = self.triangle.i, self.triangle.j
-        cells = np.cumsum(np.cumsum(adjoint, axis=0), axis=1)[::-1, ::-1][i, j, 0]
-        weighted_cells = _grid(self.triangle, (self.prior_scale * cells)[:, None])[:, :, 0]
+        adjoint = _grid(self.triangle, self.rows.T @ dual_weights)[::-1, ::-1]
+        cells = _of_cells(self.triangle, np.cumsum(np.cumsum(adjoint, axis=0), axis=1)[::-1, ::-1])
+        weighted_cells = _grid(self.triangle, self.prior_scale * cells)
         increments = [
-            w * self.prior_scale * (hats @ np.tril(hats.T @ weighted_cells @ hats) @ hats.T)[i, j]
+            w
+            * self.prior_scale
+            * _of_cells(self.triangle, hats @ np.tril(hats.T @ weighted_cells @ hats) @ hats.T)
             for w, hats in zip(variances, self.hats)
         ]
         grains = variances[len(self.hats)] * self.prior_scale * cells
@@ -139,18 +140,22 @@ def density_prior(prediction: Prediction, hysteresis: Everett, smoothing: float 
     return DensityPrior(triangle, X, _smoothed(triangle, mass, smoothing), prior_scale, hats)
 
 
-def _grid(triangle: Triangle, columns: Array) -> Array:
-    """Values of cells (cells, k) on the square of α and β, (N, N, k)."""
+def _grid(triangle: Triangle, values: Array) -> Array:
+    """Values of cells (cells,) on the square of α and β, (N, N)."""
     n = triangle.nodes.size - 1
-    grid = np.zeros((n, n, columns.shape[1]))
-    grid[triangle.i, triangle.j] = columns
-    return grid
+    grid = np.zeros(n * n)
+    grid[triangle.i * n + triangle.j] = values
+    return grid.reshape(n, n)
 
 
-def _below(triangle: Triangle, columns: Array) -> Array:
-    """Sums over the cells with α and β up to those of each cell, (cells, k): the FOD surface of a mass."""
-    total = np.cumsum(np.cumsum(_grid(triangle, columns), axis=0), axis=1)
-    return total[triangle.i, triangle.j]
+def _of_cells(triangle: Triangle, grid: Array) -> Array:
+    """The values of the cells (cells,) on the square."""
+    return grid.ravel().take(triangle.i * grid.shape[1] + triangle.j)
+
+
+def _below(triangle: Triangle, mass: Array) -> Array:
+    """Sums over the cells with α and β up to those of each cell, (cells,): the FOD surface of a mass."""
+    return _of_cells(triangle, np.cumsum(np.cumsum(_grid(triangle, mass), axis=0), axis=1))
 
 
 def _hats(triangle: Triangle, n: int) -> Array:
@@ -200,7 +205,7 @@ def _smoothed(triangle: Triangle, mass: Array, width: float) -> Array:
     area = size[i] * size[j] * np.where(i == j, 0.5, 1.0)
 
     def spread(values: Array) -> Array:
-        return (kernel @ _grid(triangle, values[:, None])[:, :, 0] @ kernel.T)[i, j]
+        return _of_cells(triangle, kernel @ _grid(triangle, values) @ kernel.T)
 
     found = area * spread(mass) / spread(area)
     return found * (mass.sum() / (found.sum() or 1.0))
