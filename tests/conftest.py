@@ -125,6 +125,7 @@ def _caches_of_a_file(request):
             # a cache without a bound in smarig is small, and dear to fill
             if isinstance(value, CACHE) and (module is request.module or value.cache_parameters()["maxsize"]):
                 value.cache_clear()
+    MEMORY.after_file()
 
 
 @pytest.fixture(scope="session")

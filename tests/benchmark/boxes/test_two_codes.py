@@ -4,7 +4,7 @@ Their difference must be small compared with the effect itself. This is the only
 imports ``smarig.plant``.
 """
 
-from functools import cache
+from functools import lru_cache
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -40,7 +40,7 @@ WIDE = {
 }
 
 
-@cache
+@lru_cache(maxsize=1)  # its relays are large
 def estimators_rig(rig):
     """Actuator, from the file a box would write, and the same relays as a measure."""
     h = few_relays(rig)
