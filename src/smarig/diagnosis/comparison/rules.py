@@ -68,7 +68,7 @@ SENTENCES = {
     "few_blocks": "There are too few excursions for a name.",
     "confounded": "In these data the cause varies together with others.",
     "worse": "With the likeliest cause, the held-out runs are predicted worse.",
-    "not_borne_out": "What the likeliest cause removes of the training runs' errors remains in the held-out runs.",
+    "not_borne_out": "Of the held-out runs' errors, the likeliest cause removes less than it leaves.",
     "left_over": "Beside the likeliest cause, errors go with a variable.",
     "incomplete": "With the likeliest cause, the errors still go with the variable that it acts through.",
     "beside": "What is likely removes less of the error than it leaves.",
@@ -92,7 +92,7 @@ class VerdictEvidence:
     ``together``: probability of each combination of parts; without it, parts are taken to exclude each other.
     ``effects_alone``: probability that effects are enough, without a dependence on a variable beside them; a name needs
     ``least_alone``.
-    ``not_borne_out``: parts that explain the training runs, and of held-out runs nothing where much is to be explained.
+    ``not_borne_out``: parts that explain the training runs, and of held-out runs' large errors less than they leave.
     ``acts_through``: the variables of an effect. ``testable``: whether the data can show any effect.
     """
 

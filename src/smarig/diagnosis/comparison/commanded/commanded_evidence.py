@@ -230,20 +230,20 @@ def _with_held_out_gain(
     parts: Sequence[Part],
     gain: HeldOutGain | None,
 ) -> VerdictEvidence:
-    """Evidence with the parts of an extended model whose gain held-out runs do not show, though much is to be gained.
+    """Evidence with the parts of an extended model that remove less of the held-out runs' error than they leave.
 
-    What acts in another channel only, such as the current, need not show in positions.
+    Only where that is large: these runs, which no fit has seen, then tell more than blocks of the training runs. What
+    acts in another channel only, such as the current, need not show in positions.
     """
     if gain is None or gain.base < RULES["adequate"].value * gain.floor:
-        return e
-    if gain.extended * RULES["worse"].value <= gain.base:
         return e
 
     def in_positions(part: Part) -> bool:
         pairs = _pairs(found, weights, squares, part)
         return max(_times_rest(*pair, POSITIONS) for pair in pairs) >= RULES["beside_rest"].value
 
-    return replace(e, not_borne_out=frozenset(p for p in parts if in_positions(p)))
+    too_little = [p for p in parts if _times_rest_unseen(e.held_out, p) < RULES["beside_rest"].value]
+    return replace(e, not_borne_out=frozenset(p for p in too_little if in_positions(p)))
 
 
 def _confounded(found: SearchedHypotheses, weights: Weights) -> dict[Part, tuple[Part, ...]]:
