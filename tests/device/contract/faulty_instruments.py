@@ -230,6 +230,16 @@ class Impatient(TickedOutput):
         return [reading._replace(quality=mark) for reading in super().since(tick, at_most)]
 
 
+class FedByOrders(Impatient):
+    """Its lease is renewed by orders alone, as that of a box whose heartbeat is written with the set-point."""
+
+    def since(self, tick, at_most):
+        fed_s = self.fed_s
+        found = super().since(tick, at_most)
+        self.fed_s = fed_s
+        return found
+
+
 class TooMany(TickedOutput):
     def since(self, tick, at_most):
         return super().since(tick, at_most + 2)

@@ -57,6 +57,7 @@ def test_a_good_instrument_meets_every_requirement(kind, role):
         (faulty.StaysOn, "off confirmed", "A flow after off"),
         (faulty.OffRaises, "off on a closed line", "off raised OSError"),
         (faulty.Impatient, "first order after a pause", "Its watchdog has switched it off. It had 2.5 s"),
+        (faulty.FedByOrders, "current held", "with a query in each tick: measure must renew the lease"),
         (faulty.NoLease, "lease", "flow after the lease is over"),
         (faulty.SilentTrip, "lease", "tripped does not say why"),
         (faulty.StaysTripped, "lease", "arm does not clear the trip"),

@@ -18,6 +18,8 @@ from smarig.device.roles.ticked import NO_MEASURED_CURRENT, CurrentReading, Curr
 
 LEASE_MARGIN_S = 1.5  # besides the lease, until the output must be off
 BLOCK_TICKS = 3  # readings asked for at once
+HELD_LEASES = 2.0  # for which an order is held
+LATE, ATTEMPTS = 0.5, 3  # of the lease between two queries: it may expire for that, so it is tried again
 
 
 def off_after_opening(case: ContractCase) -> str:
@@ -144,6 +146,31 @@ def first_order_after_a_pause(case: ContractCase) -> str:
     return f"{current_A:.4f} A by an order {pause_s:g} s after opening"
 
 
+def current_held(case: ContractCase) -> str:
+    """An order stays in force for longer than the lease, if only readings are asked for: a run repeats no order."""
+    with case.opened() as source:
+        if not source.has_lease:
+            return "it has no lease that could expire"
+        held_s = HELD_LEASES * case.rig.lease_s
+        for _ in range(ATTEMPTS):
+            source.arm()
+            source.set(case.test_A)
+            passed_s = late_s = 0.0
+            while passed_s < held_s and not source.tripped:
+                waited_s = case.wait_ticks(1) * case.rig.period_s
+                passed_s, late_s = passed_s + waited_s, max(late_s, waited_s)
+                now_A = _reading(case, source).current_A
+            if not source.tripped or late_s < LATE * case.rig.lease_s:
+                break
+        require(
+            not source.tripped,
+            f"{source.tripped} That was {passed_s:.1f} s after an order, with a query in each tick: measure must "
+            "renew the lease, too",
+        )
+        require(abs(now_A - case.test_A) <= case.tolerance_A, f"{now_A:.4g} A flow {passed_s:.1f} s after an order")
+    return f"{now_A:.4f} A {passed_s:.1f} s after the order, which is not repeated"
+
+
 def lease(case: ContractCase) -> str:
     """A source that claims a lease switches itself off when the host is silent, says so, and stays off until it is
     armed, also if the next order comes before anybody has asked it.
@@ -185,6 +212,7 @@ REQUIREMENTS = {
     "off on a closed line": off_on_a_closed_line,
     "off after a killed host": off_after_a_killed_host,
     "first order after a pause": first_order_after_a_pause,
+    "current held": current_held,
     "lease": lease,
 }
 
