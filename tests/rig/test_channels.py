@@ -65,6 +65,24 @@ def test_the_motion_while_a_reply_is_late_is_no_jump(readings, suspect):
     assert any(marked) == suspect
 
 
+@pytest.mark.parametrize(
+    ("moving", "jump", "suspect"),
+    [
+        ((0, 2, 4, 6), 20, True),  # new at each query: it rests at 6, and then jumps
+        ((0, 0, 0, 6), 20, False),  # repeats a reading until the next: it may have moved meanwhile
+        ((0, 2, 4, 6), 9, False),
+    ],
+)
+def test_what_gathers_while_a_reading_rests_counts_for_a_sensor_that_repeats_readings_only(
+    moving, jump, suspect
+):
+    """The wire moves by 3 counts a tick at most; a step is 4."""
+    channel = ChannelCheck(100.0, 4.0, PERIOD_S)
+    for value in (*moving, *[6] * 10, 6 + jump):
+        channel.add(float(value), None, 3.0, ticks=1, changes=True)
+    assert channel.suspect == suspect
+
+
 @pytest.mark.parametrize("absolute", [True, False])
 def test_a_jump_of_an_absolute_sensor_leaves_the_readings_after_it_right(absolute):
     checks = ChannelChecks(FILE, WIRE, RigReadings(counter=False, absolute=absolute))

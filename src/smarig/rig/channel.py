@@ -28,6 +28,9 @@ MOST = 1.5  # evidence against a kind: what fades in a quarter of an hour
 FROZEN = 300  # equal readings, and
 FROZEN_RUNS = 4  # times the longest run of equal readings before
 STILL = 0.25  # of the step: a reading that changes by no more stands still
+NEW_IN_A_ROW = (
+    3  # new readings at successive queries: the sensor repeats none until the next, and then one by chance
+)
 
 
 Bounds = Sequence[tuple[float, float]]  # of the prediction for each kind of wire
@@ -146,6 +149,7 @@ class ChannelCheck:
         self.flicker, self._moves, self.motion = Flicker(flickers=flickers), moves, motion
         self._last: float | None = None
         self._allowed, self._speed = 0.0, 0.0  # what the reading may still change by, and how it changed last
+        self._held, self._new_in_a_row = HELD, 0  # samples that may repeat a reading; new readings in a row
         self._tick, self._against_tick = 0, 0
         self.doubtful_ticks = 0  # before a contradiction: since the readings with which it is one
         self._evidence = 0.0  # of jumps and of a frozen reading
@@ -154,6 +158,7 @@ class ChannelCheck:
         self._against = False  # the reading moves, and every wire in the other direction
         self._still_from: tuple[float, Bounds] | None = None
         self.jump, self.gap, self.ticks = 0.0, 0.0, 1
+        self.stands = False  # the reading, while every wire moves
         self.suspect, self.fault, self._certain = False, "", False
 
     def add(
@@ -165,12 +170,14 @@ class ChannelCheck:
         ticks: int,
         changes: bool,
         against: bool = False,
+        must_move: bool | None = True,
     ) -> None:
         """A reading with the bounds of its prediction for each kind of wire, if there are any at this tick, and its
         largest change in the ticks since the last reading.
 
         ``changes``: whether the wire has changed since the reading last did. ``against``: whether the reading moves in
-        no wire's direction.
+        no wire's direction. ``must_move``: whether the wire moves where its model does; if None, a reading that stands
+        is suspect, and no evidence.
         """
         self.jump, self.ticks = 0.0, ticks
         elapsed_s = ticks * self._period_s
@@ -181,11 +188,12 @@ class ChannelCheck:
         excess = self._excess(value, rate, ticks)
         if bounds is not None:
             self._compare(value, bounds)
-        unmoved = self.motion is not None and self.motion.unmoved
-        frozen = self._still or against or unmoved or (changes and self.flicker.frozen)
+        unmoved = self._still or (self.motion is not None and self.motion.unmoved)
+        self.stands = unmoved and must_move is not False
+        frozen = (unmoved and bool(must_move)) or against or (changes and self.flicker.frozen)
         if frozen:
             self._evidence += min(elapsed_s / GAP_S, ONE_GAP)
-        self.suspect = excess > 0 or frozen or self._excluded
+        self.suspect = excess > 0 or frozen or self.stands or self._excluded
         self.fault = ""
         certain = self._evidence >= 1.0 or self._all_excluded
         if certain and not self._certain:
@@ -237,7 +245,10 @@ class ChannelCheck:
         excess = moved - self._allowed - rate - self._step
         self.flicker.add(value)
         # a reading that is repeated until the next query may then change by what has gathered
-        gathers = moved == 0.0 and self.flicker.run < HELD
+        self._new_in_a_row = self._new_in_a_row + 1 if moved else 0
+        if self._new_in_a_row >= NEW_IN_A_ROW:
+            self._held = 2
+        gathers = moved == 0.0 and self.flicker.run < self._held
         if self._late and ticks > 1:  # a late reply may show an earlier moment
             self._allowed = max(0.0, self._allowed + rate - moved)
         else:

@@ -22,7 +22,8 @@ from smarig.preisach import thesis_surface
 from smarig.rig.channel import ChannelCheck
 from smarig.rig.direction import Direction
 from smarig.rig.least_motion import LeastMotion
-from smarig.rig.response import UNIT_REMEDY
+from smarig.rig.resistance_motion import ResistanceMotion
+from smarig.rig.response import MIN_TRAVEL, UNIT_REMEDY
 from smarig.rig.rig import Alarm
 from smarig.rig.wire_bounds import WireBounds
 
@@ -35,6 +36,7 @@ OHM_TOLERANCE, TWIN_OHM_TOLERANCE, OHM_STEP = 0.03, 0.06, 0.05  # effects of a t
 AMPERE_TOLERANCE, AMPERE_STEP = 0.03, 0.03  # of the largest current
 THERMOMETER_TOLERANCE = 0.03  # of the range
 MIN_SHARE = 0.15  # of the largest current: a smaller one does not determine a ratio
+SLOW_SHARE = 0.05  # of the command from tick to tick
 STEADY_TICKS = 3  # of the command, until current and voltage have followed it
 DRIFT = 0.005  # of the stroke: by how much the zero may walk while the temperature crosses its range
 MOVED_SHARE = 0.02  # of the range: the wire has changed
@@ -123,13 +125,17 @@ class ChannelChecks:
             "voltage of wire 2": self._voltages[1],
             "current": self._current,
         }
+        self._one_wire = not actuator.two_wire
+        self._position_known = readings.own_wire and (load is None or not load.changes)
         low, high = actuator.resistance_range_ohm
         self._ohm_per_stroke = math.log(high / low)
+        # of two wires, one lengthens by what the other shortens; a load that changes moves a wire at any phase
+        range_ln = self._ohm_per_stroke if self._one_wire and self._position_known else 0.0
+        self.transformation = ResistanceMotion(range_ln, MIN_TRAVEL * self._stroke)
         self._largest_A = max(limits.current_max_A, -limits.current_min_A)
         self._min_A = MIN_SHARE * self._largest_A
-        self._one_wire = not actuator.two_wire
+        self._follows_file = is_simulated(rig)
         self._wire_known, self._absolute = readings.own_wire, readings.absolute
-        self._position_known = readings.own_wire and (load is None or not load.changes)
         self._ticks, self._may_change_K = 0, 0.0  # since the last sample
         self._electrical_ticks, self._electrical_share = 0, 0.0  # since the last beat
         self._steady, self._command_A = 0, 0.0
@@ -159,7 +165,9 @@ class ChannelChecks:
             if beat:
                 self._direction.add(self._bounds.temperature, s.counts)
             self._motion.add(s.counts, self._bounds.like_positions if beat else None, ticks)
+            self.transformation.add_counts(s.counts, s.tick)
             found += self._of("position", s.counts, self._bounds.positions, counts, s.tick, ticks, input_K)
+        found += self._check_transformation(s)
         self._steady = self._steady + ticks if s.current_command_A == self._command_A else 0
         self._command_A = s.current_command_A
         self._electrical_ticks += ticks
@@ -197,6 +205,23 @@ class ChannelChecks:
             found += self._of(name, value, [(math.log(low), math.log(high))], rate, s.tick, ticks, input_K)
         return found
 
+    def _check_transformation(self, s: Sample) -> list[Alarm]:
+        """At currents that change slowly enough for a voltage and a current that are read one after the other."""
+        slowly = abs(s.current_command_A - self._command_A) <= SLOW_SHARE * abs(s.current_command_A)
+        known = slowly and s.current_A >= self._min_A and not s.quality & _SATURATED
+        if not known or not s.voltage_V > 0:  # nor NaN
+            return []
+        unmoved = self.transformation.unmoved
+        self.transformation.add(math.log(s.voltage_V / s.current_A))
+        self.suspect |= self.transformation.unmoved
+        if unmoved or not self.transformation.unmoved:
+            return []
+        text = (
+            f"The resistance of the wire changed by {100 * math.expm1(self.transformation.changed):.0f} %, as by a "
+            f"transformation, and the position hardly moved. Check {_REMEDY['position']}."
+        )
+        return [Alarm("error", "still", text, self.transformation.from_tick)]
+
     def _check_thermometer(self, s: Sample, rate_K: float, ticks: int, input_K: float) -> list[Alarm]:
         measured_K = s.temperature_degC - s.ambient_degC
         if math.isnan(measured_K):
@@ -233,13 +258,19 @@ class ChannelChecks:
             self._changed_from_K[name] = input_K
         changes = abs(input_K - self._changed_from_K[name]) > self._moved_K
         against = name == "position" and self._direction.against
-        channel.add(value, bounds, rate, ticks=ticks, changes=changes, against=against)
+        must_move = self.transformation.moved if name == "position" and not self._follows_file else True
+        channel.add(value, bounds, rate, ticks=ticks, changes=changes, against=against, must_move=must_move)
         if not channel.suspect and not channel.fault:
             return []
         self.suspect = self.suspect or channel.suspect
         if channel.fault:
             doubtful_from = tick - channel.doubtful_ticks
             return [Alarm("error", channel.fault, self._text(name, channel), doubtful_from)]
+        if channel.stands and not must_move and tick >= self._warn_from:
+            self._warn_from = tick + self._warn_ticks
+            return [
+                Alarm("warning", "frozen", f"{self._text_of_frozen(name)} Its readings are marked meanwhile.")
+            ]
         if channel.jump and tick >= self._warn_from:
             self._warn_from = tick + self._warn_ticks
             which = "Readings from here on" if name == "position" and not self._absolute else "This reading"
@@ -257,7 +288,7 @@ class ChannelChecks:
         if channel.fault == "jump":
             return self._jump_text(name, channel) + check
         if channel.fault == "frozen":
-            return f"The {name} stays the same to the last digit while the temperature of the wire changes.{check}"
+            return self._text_of_frozen(name)
         if channel.fault == "reversed":
             return f"The {name} moves in the other direction than the wire can.{check}"
         return (
@@ -265,6 +296,14 @@ class ChannelChecks:
             f"limits.model_tolerance = {self.tolerance:g} of {self._name} can have here, after the readings before."
             f"{check} If they are in order, calibrate the wire, or raise that limit."
         )
+
+    def _text_of_frozen(self, name: str) -> str:
+        """Of a wire that is not simulated, it need not be the sensor."""
+        text = f"The {name} stays the same to the last digit while the temperature of the wire changes."
+        text += f" Check {_REMEDY[name]}."
+        if name != "position" or self._follows_file:
+            return text
+        return f"{text} If they are in order, the wire rests here and its model does not: raise limits.model_tolerance."
 
     def _amount(self, name: str, by: float) -> str:
         if name == "position":
@@ -276,17 +315,20 @@ class ChannelChecks:
     def forget(self) -> None:
         """The constants are others now: the encoder was zeroed, or the wire may be in another state than assumed."""
         self._direction.forget()
+        self.transformation.forget()
         for channel in self._all.values():
             channel.forget()
 
     def zeroed(self) -> None:
         """The encoder was zeroed."""
         self._direction.forget()
+        self.transformation.forget()
         self._position.forget()
 
     def rearmed(self) -> None:
         """A trip was cleared: what persists must trip again."""
         self._direction.forget()
+        self.transformation.forget()
         for channel in self._all.values():
             channel.rearm()
 

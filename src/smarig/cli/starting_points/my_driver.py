@@ -52,9 +52,9 @@ def my_driver(where: LinkFile, rig: RigFile) -> "SourceAndSensor":
 class SourceAndSensor:
     """A current output and a position.
 
-    A bench calls ``set_current`` when the current changes, ``measure`` and ``position`` once in each tick. A watchdog that
-    any command renews is served by these queries. One that wants more, such as a register that changes, is served in
-    ``measure``, while the output is on.
+    A bench calls ``set_current`` when the current changes, ``measure`` and ``position`` once in each tick. A watchdog
+    that any command renews is served by these queries. One that wants more, such as a register that changes, is served
+    in ``measure``, while the output is on.
     """
 
     unit = "mm"  # of the position: "mm", "deg" or "count"
