@@ -215,6 +215,11 @@ def _try_diagnosis(
     """The diagnosis trained on all runs except the held-out ones, or None with the reason why there is none."""
     held_out_runs = _runs_for(plan, runs, "held_out")
     train_runs = [run for run in runs.values() if run not in held_out_runs and run.settled]
+    if not train_runs:
+        return None, [
+            "No diagnosis: it needs settled positions, and no run but held-out ones has any. Add a step with holds, such "
+            "as minor_loops."
+        ]
     try:
         return diagnose_commanded(model, train_runs, held_out_runs, progress=progress), []
     except DataError as error:

@@ -231,6 +231,7 @@ def own_files() -> Iterator[None]:
         _OWN.update(before)
 
 
-def own_file_error(error: BaseException) -> str:
-    """A sentence with file and line if the error was raised in an own file or a plug-in; otherwise ""."""
-    return next((sentence for file in _OWN.values() if (sentence := file.blamed(error))), "")
+def own_file_error(error: BaseException, package: str = "") -> str:
+    """A sentence with file and line if the error was raised in an own file or a plug-in, of a catalogue; otherwise ""."""
+    files = [file for (where, _), file in _OWN.items() if package in ("", where)]
+    return next((sentence for file in files if (sentence := file.blamed(error))), "")

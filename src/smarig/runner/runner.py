@@ -15,6 +15,7 @@ from smarig.core import (
     Mark,
     Protocol,
     Quality,
+    RigFault,
     Sample,
     Settled,
     SmarigError,
@@ -22,6 +23,7 @@ from smarig.core import (
     StepVerdict,
     Waveform,
     Zero,
+    own_file_error,
 )
 from smarig.rig import Guard, after_shutdown, switch_off
 from smarig.runner.absolute_zero import zero_data
@@ -69,6 +71,11 @@ class Runner:
         except SmarigError as error:
             fault = error
             raise
+        except Exception as error:
+            if not (sentence := own_file_error(error, "smarig.device.drivers")):
+                raise
+            fault = RigFault(sentence).at_zero()
+            raise fault from error
         finally:
             try:
                 self._switch_off(fault)

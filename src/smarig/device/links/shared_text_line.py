@@ -41,7 +41,8 @@ class SharedTextLine(ConnectionUse[TextLine]):
 def shared_text_line(where: LinkFile, who: str = "*IDN?", *, acknowledged: bool = False) -> SharedTextLine:
     """The text line of a link, shared with all that use the same address. The first user's values hold.
 
-    ``who``: the query of its identity. ``acknowledged``: the instrument answers each command, such as with "OK".
+    ``who``: the query of its identity, "" if it has none. ``acknowledged``: the instrument answers each command, such
+    as with "OK".
 
     Raises Silent if nothing listens there, ConfigError for an unknown scheme.
     """

@@ -2,8 +2,8 @@
 
 An answer does not identify its query. After a missing answer the line is therefore resynchronised: the host queries the
 instrument's identity and discards everything before it. Answers come in the order of queries, so after as many
-identities as were queried no earlier answer can follow. If an identity is lost, the line must first stay quiet for
-QUIET time-outs.
+identities as were queried no earlier answer can follow. If an identity is lost, or the instrument has none, the line
+must first stay quiet for QUIET time-outs.
 
 A query that only reads is asked once more if it is not answered, or not by a reading. A command is never repeated:
 nobody knows whether it was carried out.
@@ -16,6 +16,7 @@ import math
 from collections.abc import Callable
 from typing import TypeVar
 
+from smarig.core import UsageError
 from smarig.device.encoding.link_faults import Garbled, Silent
 from smarig.device.links.port_url import checked_url, close_port, error_of, send_at_once, unopened_port
 from smarig.device.links.query import only_reads, reading
@@ -34,7 +35,7 @@ _T = TypeVar("_T")
 
 class TextLine:
     """The instrument is identified before anything else is asked. ``who``: the query that every such instrument answers
-    with its name, not a number.
+    with its name, not a number; "" for one that has none.
 
     ``url``: a serial port, tcp://HOST:PORT or rfc2217://HOST:PORT. ``line_end``: a reply ends with its last character.
     ``acknowledged``: the instrument answers each command ("OK"). ``repeats`` counts the queries asked once more,
@@ -70,6 +71,10 @@ class TextLine:
 
     def identify(self) -> str:
         """The instrument's identity. Numbers before it answer queries of another process."""
+        if not self._who:
+            self._wait_for_quiet(QUIET)
+            self.identity = f"instrument at {self.where}"
+            return self.identity
         self._send(self._who)
         for _ in range(LATE_LINES):
             answer = self._answer(self._who)
@@ -133,6 +138,11 @@ class TextLine:
 
     def _query_twice(self, question: str, reads: bool | None, meaning: Callable[[str], _T]) -> _T:
         """What the answer means, asked once more if there is none or it means nothing."""
+        if self._who and question.strip() == self._who.strip():
+            raise UsageError(
+                f"{question.strip()} is the query of the identity of {self.where}, so its answer is discarded. If the "
+                'instrument has no identity, open its line with who="".'
+            )
         reads = only_reads(question) if reads is None else reads
         try:
             self._make_ready(QUIET)
@@ -193,6 +203,9 @@ class TextLine:
     def _resynchronise(self, timeouts: int) -> None:
         """Query the identity until every such query is answered or certainly lost, which takes QUIET time-outs."""
         self._late = True
+        if not self._who:
+            self._wait_for_quiet(timeouts)
+            return
         for _ in range(TRIES):
             self._send(self._who)
             self._identities += 1
@@ -210,6 +223,14 @@ class TextLine:
             if self._dead:
                 break
         raise Silent(f"{self.where} does not identify itself. {Silent.remedy}")
+
+    def _wait_for_quiet(self, timeouts: int) -> None:
+        """Discard lines until none has come for this number of time-outs."""
+        for _ in range(LATE_LINES):
+            if not self._line(timeouts):
+                self._heard, self._late = b"", False
+                return
+        raise Garbled(f"{self.where} sends lines that nobody has queried. {Garbled.remedy_at(self.where)}")
 
     def _reopen(self) -> None:
         """Open a broken line again. On a serial port, answers to earlier queries may still come."""
