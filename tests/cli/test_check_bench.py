@@ -188,7 +188,7 @@ def test_a_driver_that_measures_no_current_gets_one_line(tmp_path, capsys, monke
     out, err = capsys.readouterr()
     (line,) = [line for line in err.splitlines() if line.startswith("NOT")]
     assert "the driver measures no current" in line
-    assert "1 of 12 requirements are met.\nThe last 10 were not tested." in out
+    assert "1 of 13 requirements are met.\nThe last 11 were not tested." in out
 
 
 @pytest.mark.long("takes three seconds")

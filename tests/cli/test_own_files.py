@@ -395,3 +395,19 @@ def test_a_path_of_a_controller_in_a_run_is_never_loaded(capsys, tracked, here):
     for words in (("report", "t.run.sqlite", "-o", "t.html"), ("resume", "t.run.sqlite")):
         call(capsys, *words)
     assert not (here / "executed").exists()
+
+
+def test_a_driver_that_fails_during_a_run_is_a_fault_of_the_rig(capsys, here):
+    """It ends with file and line, with what became of the current, and can be resumed."""
+    (here / "shunted.py").write_text(
+        DRIVER.replace(
+            "        return [r._replace",
+            "        if tick > 80:\n            raise OSError(5, 'cut')\n        return [r._replace",
+        )
+    )
+    status, _, err = call(
+        capsys, "run", "validation", "--rig", "./mine.toml", "-o", "d.run.sqlite", "--quiet"
+    )
+    assert status == 3
+    assert "shunted.py, line 12: OSError: [Errno 5] cut. The current is at zero." in err
+    assert len(load_run("d.run.sqlite")) > 50

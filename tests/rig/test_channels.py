@@ -70,7 +70,7 @@ def test_the_motion_while_a_reply_is_late_is_no_jump(readings, suspect):
     [
         ((0, 2, 4, 6), 20, True),  # new at each query: it rests at 6, and then jumps
         ((0, 0, 0, 6), 20, False),  # repeats a reading until the next: it may have moved meanwhile
-        ((0, 2, 4, 6), 9, False),
+        ((0, 2, 4, 6), 7, False),
     ],
 )
 def test_what_gathers_while_a_reading_rests_counts_for_a_sensor_that_repeats_readings_only(

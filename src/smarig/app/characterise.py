@@ -217,8 +217,8 @@ def _try_diagnosis(
     train_runs = [run for run in runs.values() if run not in held_out_runs and run.settled]
     if not train_runs:
         return None, [
-            "No diagnosis: it needs settled positions, and no run but held-out ones has any. Add a step with holds, such "
-            "as minor_loops."
+            "No diagnosis: it needs settled positions, and no run but held-out ones has any. Add a step with holds, "
+            "such as minor_loops."
         ]
     try:
         return diagnose_commanded(model, train_runs, held_out_runs, progress=progress), []

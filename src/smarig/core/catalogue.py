@@ -232,6 +232,6 @@ def own_files() -> Iterator[None]:
 
 
 def own_file_error(error: BaseException, package: str = "") -> str:
-    """A sentence with file and line if the error was raised in an own file or a plug-in, of a catalogue; otherwise ""."""
+    """A sentence with file and line if the error was raised in an own file or plug-in of a catalogue; otherwise ""."""
     files = [file for (where, _), file in _OWN.items() if package in ("", where)]
     return next((sentence for file in files if (sentence := file.blamed(error))), "")

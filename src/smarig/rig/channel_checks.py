@@ -218,7 +218,8 @@ class ChannelChecks:
             return []
         text = (
             f"The resistance of the wire changed by {100 * math.expm1(self.transformation.changed):.0f} %, as by a "
-            f"transformation, and the position hardly moved. Check {_REMEDY['position']}."
+            f"transformation, and the position hardly moved: one of them is wrong. Check {_REMEDY['position']}; "
+            f"and {_REMEDY['voltage']}."
         )
         return [Alarm("error", "still", text, self.transformation.from_tick)]
 

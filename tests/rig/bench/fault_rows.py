@@ -85,6 +85,10 @@ REMEDY = (
     "Check encoder, coupling, cable and wire, the unit of the driver, and encoder.resolution of the rig file."
 )
 SAME = f"The position stays the same to the last digit while the temperature of the wire changes. {REMEDY} {ZERO}"
+STANDS = (
+    "The resistance of the wire changed by … %, as by a transformation, and the position hardly moved: one of them is "
+    f"wrong. {REMEDY[:-1]}; and clamps, voltage leads and shunt. {ZERO}"
+)
 AWAY = f"The position is … counts away from all that a wire within … can have here, … {REMEDY} … {ZERO}"
 HOT = f"The measured wire temperature … °C is … K above ambient and exceeds the limit temperature_max_K = …. {ZERO}"
 READINGS = (
@@ -92,7 +96,7 @@ READINGS = (
         "stuck encoder",
         "reads the same position permanently",
         "marks samples that stay the same while the wire changes, or that contradict the heating; sets 0 A",
-        Outcome(3, f"{SAME}|{AWAY}"),
+        Outcome(3, f"{SAME}|{AWAY}|{STANDS}"),
         on("stuck_encoder", ENCODER),
         by_time=True,
         usual="started",

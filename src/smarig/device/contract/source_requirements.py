@@ -167,7 +167,10 @@ def current_held(case: ContractCase) -> str:
             f"{source.tripped} That was {passed_s:.1f} s after an order, with a query in each tick: measure must "
             "renew the lease, too",
         )
-        require(abs(now_A - case.test_A) <= case.tolerance_A, f"{now_A:.4g} A flow {passed_s:.1f} s after an order")
+        require(
+            abs(now_A - case.test_A) <= case.tolerance_A,
+            f"{now_A:.4g} A flow {passed_s:.1f} s after an order",
+        )
     return f"{now_A:.4f} A {passed_s:.1f} s after the order, which is not repeated"
 
 
