@@ -151,15 +151,9 @@ def current_held(case: ContractCase) -> str:
     with case.opened() as source:
         if not source.has_lease:
             return "it has no lease that could expire"
-        held_s = HELD_LEASES * case.rig.lease_s
+        now_A = passed_s = math.nan
         for _ in range(ATTEMPTS):
-            source.arm()
-            source.set(case.test_A)
-            passed_s = late_s = 0.0
-            while passed_s < held_s and not source.tripped:
-                waited_s = case.wait_ticks(1) * case.rig.period_s
-                passed_s, late_s = passed_s + waited_s, max(late_s, waited_s)
-                now_A = _reading(case, source).current_A
+            now_A, passed_s, late_s = _held(case, source)
             if not source.tripped or late_s < LATE * case.rig.lease_s:
                 break
         require(
@@ -172,6 +166,18 @@ def current_held(case: ContractCase) -> str:
             f"{now_A:.4g} A flow {passed_s:.1f} s after an order",
         )
     return f"{now_A:.4f} A {passed_s:.1f} s after the order, which is not repeated"
+
+
+def _held(case: ContractCase, source: CurrentSource) -> tuple[float, float, float]:
+    """The current at the end of an order, how long that was, and the longest time between two queries, in seconds."""
+    source.arm()
+    source.set(case.test_A)
+    now_A, passed_s, late_s = math.nan, 0.0, 0.0
+    while passed_s < HELD_LEASES * case.rig.lease_s and not source.tripped:
+        waited_s = case.wait_ticks(1) * case.rig.period_s
+        passed_s, late_s = passed_s + waited_s, max(late_s, waited_s)
+        now_A = _reading(case, source).current_A
+    return now_A, passed_s, late_s
 
 
 def lease(case: ContractCase) -> str:
