@@ -109,7 +109,7 @@ class Plausibility:
         found += self._check_slip(sample.counts, input_K)
         found += self._check_travel(sample.counts, (input_K - self._lower_K) / self._range_K)
         if self._response is not None:
-            found += self._response.add(sample.counts, input_K, ticks, self._channels.transformation.begun)
+            found += self._response.add(sample.counts, input_K, ticks, self._channels.transformation.started)
         if sample.tick < self._unsure_until:
             self._channels.forget()
             self._forget_response()

@@ -7,7 +7,7 @@ import math
 from collections import deque
 
 LEAST_RANGE = 0.05  # ln of a resistance over the phases: less is noise, and change with temperature alone
-TRANSFORMED, BEGUN = 0.7, 0.2  # of that range: most of a transformation; hardly one
+TRANSFORMED, STARTED = 0.7, 0.2  # of that range: most of a transformation; hardly one
 READINGS = 5  # whose median is one resistance: a switched current gives single wrong ones
 
 
@@ -18,7 +18,7 @@ class ResistanceMotion:
     >>> for k in range(20):
     ...     motion.add_counts(7, tick=k)
     ...     motion.add(1.0 - 0.005 * k)
-    >>> motion.unmoved, motion.begun, motion.from_tick
+    >>> motion.unmoved, motion.started, motion.from_tick
     (True, True, 0)
     >>> motion.add_counts(12, tick=20)
     >>> motion.unmoved
@@ -70,14 +70,14 @@ class ResistanceMotion:
         """Whether the wire has transformed since the position stood; None if no resistance tells."""
         if self._since is None or math.isinf(self._range):
             return None
-        return self.changed > BEGUN * self._range
+        return self.changed > STARTED * self._range
 
     @property
-    def begun(self) -> bool | None:
+    def started(self) -> bool | None:
         """Whether the wire has begun to transform by its resistance; None if that does not tell."""
         if self._all is None or math.isinf(self._range):
             return None
-        return self._all[1] - self._all[0] > BEGUN * self._range
+        return self._all[1] - self._all[0] > STARTED * self._range
 
 
 def _extended(extent: tuple[float, float] | None, value: float) -> tuple[float, float]:

@@ -37,9 +37,10 @@ class Response:
         self._counts: tuple[int, int] | None = None
         self._model: tuple[float, float] | None = None
 
-    def add(self, counts: int, input_K: float, ticks: int, begun: bool | None = None) -> list[Alarm]:
-        """The next sample. ``begun``: whether the wire has begun to transform by its resistance, if that tells; a wire
-        that has not need not move, whatever its model does.
+    def add(self, counts: int, input_K: float, ticks: int, started: bool | None = None) -> list[Alarm]:
+        """The next sample. ``started``: whether the wire has begun to transform by its resistance, if that tells.
+
+        A wire that has not need not move, whatever its model does.
         """
         low, high = self._counts or (counts, counts)
         self._counts = low, high = min(low, counts), max(high, counts)
@@ -52,7 +53,7 @@ class Response:
         self._model = least, largest = min(least, by_model), max(largest, by_model)
         expected = largest - least
         moves = high - low >= expected / MOTION_MARGIN
-        if self._warned or expected < self._enough or moves or begun is False:
+        if self._warned or expected < self._enough or moves or started is False:
             return []
         self._warned = True
         text = (
