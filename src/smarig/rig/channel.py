@@ -188,16 +188,17 @@ class ChannelCheck:
         excess = self._excess(value, rate, ticks)
         if bounds is not None:
             self._compare(value, bounds)
+        against = against or (self._still and self._against)
         unmoved = self._still or (self.motion is not None and self.motion.unmoved)
-        self.stands = unmoved and must_move is not False
-        frozen = (unmoved and bool(must_move)) or against or (changes and self.flicker.frozen)
+        self.stands = unmoved and not against and must_move is not False
+        frozen = (self.stands and bool(must_move)) or against or (changes and self.flicker.frozen)
         if frozen:
             self._evidence += min(elapsed_s / GAP_S, ONE_GAP)
         self.suspect = excess > 0 or frozen or self.stands or self._excluded
         self.fault = ""
         certain = self._evidence >= 1.0 or self._all_excluded
         if certain and not self._certain:
-            standing = "reversed" if against or (self._still and self._against) else "frozen"
+            standing = "reversed" if against else "frozen"
             self.fault = "contradiction" if self._evidence < 1.0 else standing if frozen else "jump"
             self.doubtful_ticks = self._tick - self._against_tick if self.fault == "contradiction" else 0
             if self.fault == "frozen" and self.motion is not None:

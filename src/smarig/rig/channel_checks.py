@@ -131,7 +131,7 @@ class ChannelChecks:
         self._ohm_per_stroke = math.log(high / low)
         # of two wires, one lengthens by what the other shortens; a load that changes moves a wire at any phase
         range_ln = self._ohm_per_stroke if self._one_wire and self._position_known else 0.0
-        self.transformation = ResistanceMotion(range_ln, MIN_TRAVEL * self._stroke)
+        self.transformation = ResistanceMotion(range_ln, MIN_TRAVEL * self._stroke, self._moved_K)
         self._largest_A = max(limits.current_max_A, -limits.current_min_A)
         self._min_A = MIN_SHARE * self._largest_A
         self._follows_file = is_simulated(rig)
@@ -167,7 +167,7 @@ class ChannelChecks:
             self._motion.add(s.counts, self._bounds.like_positions if beat else None, ticks)
             self.transformation.add_counts(s.counts, s.tick)
             found += self._of("position", s.counts, self._bounds.positions, counts, s.tick, ticks, input_K)
-        found += self._check_transformation(s)
+        found += self._check_transformation(s, input_K)
         self._steady = self._steady + ticks if s.current_command_A == self._command_A else 0
         self._command_A = s.current_command_A
         self._electrical_ticks += ticks
@@ -205,14 +205,14 @@ class ChannelChecks:
             found += self._of(name, value, [(math.log(low), math.log(high))], rate, s.tick, ticks, input_K)
         return found
 
-    def _check_transformation(self, s: Sample) -> list[Alarm]:
-        """At currents that change slowly enough for a voltage and a current that are read one after the other."""
+    def _check_transformation(self, s: Sample, input_K: float) -> list[Alarm]:
+        """At a beat, at currents that change slowly enough for a voltage and a current read one after the other."""
         slowly = abs(s.current_command_A - self._command_A) <= SLOW_SHARE * abs(s.current_command_A)
         known = slowly and s.current_A >= self._min_A and not s.quality & _SATURATED
-        if not known or not s.voltage_V > 0:  # nor NaN
+        if not known or not s.voltage_V > 0 or self._bounds.positions is None:  # nor NaN
             return []
         unmoved = self.transformation.unmoved
-        self.transformation.add(math.log(s.voltage_V / s.current_A))
+        self.transformation.add(math.log(s.voltage_V / s.current_A), input_K)
         self.suspect |= self.transformation.unmoved
         if unmoved or not self.transformation.unmoved:
             return []
@@ -259,7 +259,7 @@ class ChannelChecks:
             self._changed_from_K[name] = input_K
         changes = abs(input_K - self._changed_from_K[name]) > self._moved_K
         against = name == "position" and self._direction.against
-        must_move = self.transformation.moved if name == "position" and not self._follows_file else True
+        must_move = self.transformation.must_move if name == "position" and not self._follows_file else True
         channel.add(value, bounds, rate, ticks=ticks, changes=changes, against=against, must_move=must_move)
         if not channel.suspect and not channel.fault:
             return []
