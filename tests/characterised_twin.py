@@ -6,20 +6,18 @@ evidence.
 
 import contextlib
 import io
-import marshal
 import os
 import pickle
 import shutil
 import subprocess
 import sys
-from collections.abc import Iterator
 from dataclasses import dataclass
 from importlib import import_module
 from pathlib import Path
-from types import CellType, FunctionType
 
 import pytest
 
+from computed_once import alone, write_whole
 from shared_previews import SharedPreviews
 from smarig.report import Evidence
 
@@ -52,7 +50,7 @@ class CharacterisedTwin:
 def characterised_twin(folder: Path) -> CharacterisedTwin:
     """The characterisation in a folder that all workers share; the first to come runs the command."""
     folder.mkdir(exist_ok=True)
-    with _alone(folder / LOCK):
+    with alone(folder / LOCK):
         if not (folder / EVIDENCE).is_file():
             private = {
                 "SMARIG_LOCK_DIR": str(folder / ".locks"),
@@ -65,42 +63,6 @@ def characterised_twin(folder: Path) -> CharacterisedTwin:
                 check=True,
             )
     return CharacterisedTwin(folder)
-
-
-@contextlib.contextmanager
-def _alone(lock: Path) -> Iterator[None]:
-    """One process at a time; the others wait."""
-    with lock.open("w") as file:
-        if sys.platform == "win32":
-            import msvcrt
-
-            waiting = True
-            while waiting:  # each attempt lasts ten seconds
-                with contextlib.suppress(OSError):
-                    msvcrt.locking(file.fileno(), msvcrt.LK_LOCK, 1)
-                    waiting = False
-        else:
-            import fcntl
-
-            fcntl.flock(file, fcntl.LOCK_EX)
-        yield
-
-
-class _Pickler(pickle.Pickler):
-    """Also takes functions made by functions, which solvers keep: their code and the values that they enclose."""
-
-    def reducer_override(self, obj):
-        """How to make the object again; NotImplemented where pickle knows."""
-        if not isinstance(obj, FunctionType) or obj.__qualname__.isidentifier():
-            return NotImplemented
-        enclosed = tuple(cell.cell_contents for cell in obj.__closure__ or ())
-        return _function, (marshal.dumps(obj.__code__), obj.__module__, obj.__defaults__, enclosed)
-
-
-def _function(code: bytes, module: str, defaults: tuple | None, enclosed: tuple) -> FunctionType:
-    cells = tuple(CellType(value) for value in enclosed)
-    names = vars(import_module(module))
-    return FunctionType(marshal.loads(code), names, None, defaults, cells)
 
 
 def run_command(previews: Path) -> None:
@@ -125,10 +87,7 @@ def run_command(previews: Path) -> None:
     if status:
         sys.exit(printed.getvalue())
     Path(PRINTED).write_text(printed.getvalue(), encoding="utf-8")
-    begun = Path(EVIDENCE).with_suffix(".begun")
-    with begun.open("wb") as file:
-        _Pickler(file).dump(evidence[0])
-    begun.replace(EVIDENCE)  # last: whole, or not there
+    write_whole(Path(EVIDENCE), evidence[0])  # last
 
 
 if __name__ == "__main__":  # by its name, under which pickles are read

@@ -12,6 +12,7 @@ import pytest
 from hypothesis import settings
 
 import pinned_kernels  # noqa: F401  before anything that imports numpy
+from computed_once import VARIABLE as COMPUTED
 from returned_memory import ReturnedMemory
 
 CACHE = type(lru_cache(len))
@@ -93,8 +94,11 @@ def _shared_folder(tmp_path_factory) -> Path:
 
 @pytest.fixture(scope="session", autouse=True)
 def _shared_by_workers(tmp_path_factory):
-    """All workers share compiled loops, also with the processes they start, and previews."""
+    """All workers share compiled loops, also with the processes they start, previews, and what is computed once."""
     shared = _shared_folder(tmp_path_factory)
+    computed = shared / "computed"
+    computed.mkdir(exist_ok=True)
+    os.environ[COMPUTED] = str(computed)
     os.environ["SMARIG_CACHE_DIR"] = str(shared / "compiled")
     if os.environ.pop(
         "PYTHONDONTWRITEBYTECODE", ""

@@ -1,64 +1,27 @@
 """``smarig diagnose``: its JSON object, its files and its errors."""
 
-import contextlib
-import io
 import json
 from dataclasses import replace
 
 import pytest
 
 import smarig
+from diagnosed_twin import TRAIN, WALKING, command, diagnosed_twin
 from smarig.cli import run as cli
-from smarig.plant.effect_catalogue import effect_types, effects_from_pairs
-from smarig.rig.twin import TwinSettings
-from smarig.runner.session import Session
-
-TRAIN = {  # fewer points than by default
-    "congruency": {"points_per_branch": 4},
-    "first_order_descending": {"partition_K": (0, 50, 75, 100, 125, 174.1)},
-}
-HELD_OUT = {"validation": {"points": 10}}
-# The effects that compete; the others are tested in tests/diagnosis.
-RIVALS = ("ambient_drift", "creep", "slip", "walking")
-WITHOUT = [part for k in effect_types() if k.name not in RIVALS for part in ("--without", k.name)]
+from smarig.plant.effect_catalogue import effect_types
 
 
 @pytest.fixture(scope="module")
-def session_folder(tmp_path_factory):
+def session_folder():
     """Runs of one twin that walks, and the model identified from them."""
-    folder = tmp_path_factory.mktemp("walking")
-    with Session(
-        "one_wire_twin", twin=TwinSettings(seed=2, effects=effects_from_pairs(["walking=0.4"]))
-    ) as session:
-        for name, settings in (TRAIN | HELD_OUT).items():
-            session.run(name, settings, folder / f"{name}.run.sqlite")
-    model = smarig.identify([folder / f"{name}.run.sqlite" for name in TRAIN], surface="positive").model
-    model.save(folder / "wire.model.json")
-    return folder
-
-
-def command(folder, *more):
-    train = [str(folder / f"{name}.run.sqlite") for name in TRAIN]
-    held_out = str(folder / "validation.run.sqlite")
-    return ["diagnose", str(folder / "wire.model.json"), "--train", *train, "--held-out", held_out, *more]
+    return diagnosed_twin().folder
 
 
 @pytest.fixture(scope="module")
-def diagnosed(session_folder):
+def diagnosed():
     """What the command printed, and what it had found."""
-    import smarig.diagnosis as package
-
-    said, kept = io.StringIO(), []
-
-    def keeping(*given, _diagnose=package.diagnose, **more):
-        kept.append(_diagnose(*given, **more))
-        return kept[-1]
-
-    with contextlib.redirect_stdout(said), pytest.MonkeyPatch.context() as patched:
-        patched.setattr(package, "diagnose", keeping)
-        words = ("-o", str(session_folder / "out"), "--nulls", "40", "--json", *WITHOUT)
-        assert cli(command(session_folder, *words)) == 0
-    return json.loads(said.getvalue()), kept[0]
+    twin = diagnosed_twin()
+    return twin.printed, twin.diagnosis
 
 
 @pytest.fixture(scope="module")
@@ -100,7 +63,7 @@ def test_it_names_the_injected_effect(found):
     assert walking["probability"] > 0.9
     value = walking["parameters"]["percent_per_cycle"]
     assert value["unit"] == "%/cycle"
-    assert value["value"] == pytest.approx(0.4, rel=0.05)
+    assert value["value"] == pytest.approx(WALKING, rel=0.05)
     assert found["held_out"]["removable_share"] > 0.9
 
 

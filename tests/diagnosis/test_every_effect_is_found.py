@@ -5,12 +5,11 @@ The diagnosis must name the effect or have it in its set, and the interval of it
 development must not use them.
 """
 
-from functools import cache
-
 import pytest
 
 from benchmarks.boxes.box_effects import EFFECTS
 from benchmarks.boxes.unlisted_effects import UNLISTED
+from computed_once import computed_once
 from diagnosis.short_boxes import RUNS, given_model, recorded, short_box
 from smarig.diagnosis import CommandedDiagnosis, diagnose_commanded
 from smarig.plant import effect_types
@@ -96,7 +95,7 @@ def selected(names, short=SHORT):
     return [name if name in short else pytest.param(name, marks=where_there_is_time) for name in names]
 
 
-@cache
+@computed_once
 def answer(name: str, among: str = "visible") -> CommandedDiagnosis:
     """The diagnosis of a short box with an effect or a mechanism hidden in it."""
     number, values, more = {"visible": VISIBLE, "taken up": TAKEN_UP, "mechanisms": MECHANISMS}[among][name]

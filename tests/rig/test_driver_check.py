@@ -1,5 +1,7 @@
 """The contract of the shipped drivers over each link, on the simulated devices in real time."""
 
+from types import SimpleNamespace
+
 import pytest
 
 from device.contract import faulty_instruments
@@ -42,12 +44,13 @@ def test_a_role_without_a_device_needs_a_driver():
 def test_a_device_at_an_address_of_its_own_is_waited_for_in_its_own_time(monkeypatch):
     """Not in that of the simulated devices which the rig file would start: its lease of 1 s takes 1 s."""
     time, state = faulty_instruments.SimulatedTime(), {}
+    clock = SimpleNamespace(sleep=time.wait, monotonic=lambda: time.now_s)
 
     def opened(link, _):
         return faulty_instruments.Output(time, state, present=link.url == "tcp://10.0.0.9:5025")
 
     monkeypatch.setattr(driver_check, "instrument_of", opened)
-    monkeypatch.setattr(driver_check.time, "sleep", time.wait)
+    monkeypatch.setattr(driver_check, "time", clock)
     rig = load_rig("one_wire_serial")
     found = list(check_driver("one_wire_serial", rig, "amplifier", "a_driver", "tcp://10.0.0.9:5025"))
     assert [(r.name, r.observed) for r in found if not r.passed] == []

@@ -2,7 +2,6 @@
 
 import json
 from dataclasses import replace
-from functools import cache
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -10,6 +9,7 @@ import numpy as np
 import pytest
 
 from benchmarks.boxes import write_box
+from computed_once import computed_once
 from smarig.diagnosis import CommandedDiagnosis, diagnose_commanded
 from smarig.diagnosis.comparison.commanded import commanded_comparison, commanded_search
 from smarig.diagnosis.comparison.commanded.commanded_comparison import concluded
@@ -31,7 +31,7 @@ NUMBER = 3
 WALKING = {"walking": {"percent_per_cycle": 0.6}}
 
 
-@cache
+@computed_once
 def compared(name: str, without: tuple[str, ...] = ()) -> CommandedDiagnosis:
     with TemporaryDirectory() as folder:
         box = short_box(NUMBER, WALKING if name else {})

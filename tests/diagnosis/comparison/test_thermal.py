@@ -2,11 +2,11 @@
 
 import json
 from dataclasses import replace
-from functools import cache
 
 import numpy as np
 import pytest
 
+from computed_once import computed_once
 from diagnosis.comparison.heated_wire import ROW_S, Wire
 from smarig.core import DataError, UsageError
 from smarig.diagnosis import diagnose_transient
@@ -17,7 +17,7 @@ long = pytest.mark.long("takes ten seconds")
 PLAIN = Wire()
 
 
-@cache
+@computed_once
 def diagnosed(wire, steps=STEPS, seconds=SECONDS, seed=0):
     return diagnose_transient(wire.run(steps, seconds, seed))
 
