@@ -1,5 +1,6 @@
 """The contract of every command: help with an example, one JSON object, exit status, one sentence per error."""
 
+import contextlib
 import json
 import os
 import subprocess
@@ -134,17 +135,25 @@ def test_errors_are_json_too(capsys):
     assert json.loads(out)["exit_status"] == status == 2
 
 
+@contextlib.contextmanager
+def recorded_by_another(path):
+    """The process that holds the lock of a run file."""
+    code = "import sys; from pathlib import Path; from smarig.record import recording\n"
+    code += "with recording(Path(sys.argv[1])): print('held', flush=True); sys.stdin.read()"
+    pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE}
+    with subprocess.Popen([sys.executable, "-c", code, str(path)], **pipes) as holder:
+        holder.stdout.readline()
+        yield holder
+        holder.stdin.close()
+
+
 def test_what_is_in_use_is_exit_status_5(capsys, tmp_path):
     """Whatever is asked of a run file that somebody records: one sentence, the same status, and nothing changed."""
     out = tmp_path / "v.run.sqlite"
     arguments = ["run", "validation", "--rig", "one_wire_twin", "-o", out, "--set", "points=2"]
     assert call(capsys, *arguments)[0] == 0
     before = out.read_bytes()
-    code = "import sys; from pathlib import Path; from smarig.record import recording\n"
-    code += "with recording(Path(sys.argv[1])): print('held', flush=True); sys.stdin.read()"
-    pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE}
-    with subprocess.Popen([sys.executable, "-c", code, str(out)], **pipes) as holder:
-        holder.stdout.readline()
+    with recorded_by_another(out) as holder:
         table = tmp_path / "t.csv"
         table.write_text("time_s,current_A,position_mm\n" + "".join(f"{k},0.1,{k / 10}\n" for k in range(20)))
         for command in (
@@ -159,7 +168,6 @@ def test_what_is_in_use_is_exit_status_5(capsys, tmp_path):
             assert err.strip().count("\n") == 0
         status, text, _ = call(capsys, "resume", out, "--json")
         assert json.loads(text)["exit_status"] == status == 5
-        holder.stdin.close()
     assert out.read_bytes() == before
 
 
@@ -254,6 +262,16 @@ def test_any_run_gives_a_positive_model(capsys, tmp_path):
     status, out, _ = call(capsys, "verify", model, recorded, "--json")
     assert status == 0
     assert json.loads(out)["runs"][0]["nrmse"] < 0.02
+
+
+def test_a_model_of_a_run_that_is_being_recorded_says_so(capsys, tmp_path):
+    fod, words = tmp_path / "f.run.sqlite", ["identify", tmp_path / "f.run.sqlite", "--surface", "constant"]
+    levels = ["--set", "partition_K=0,40,90,170"]
+    call(capsys, "run", "first_order_descending", "--rig", "one_wire_twin", "-o", fod, *levels)
+    warning = f"Warning: {fod} is being recorded. The model describes only the rows so far."
+    with recorded_by_another(fod):
+        assert warning in call(capsys, *words, "-o", tmp_path / "now.model.json")[2]
+    assert warning not in call(capsys, *words, "-o", tmp_path / "f.model.json")[2]
 
 
 def test_symmetry_is_for_the_positive_surface_and_a_range_around_zero(capsys, tmp_path):

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 
+from running.made import sample
 from smarig.cli import run
 from smarig.cli.panel.log_lines import JsonLogLines, LogLines, SummaryLine, dropped_lines_json
 from smarig.cli.panel.terminal import LineWriter
@@ -75,6 +76,18 @@ def test_a_long_run_shows_that_it_is_alive_and_its_alarms():
     assert sum(bool(re.match(r"validation: step \d+ of 2, about .* left$", line)) for line in lines) == 3
     assert sum("MINOR retried: Asked again." in line for line in lines) == 1
     assert len(lines) == 5
+
+
+def test_a_sweep_of_hours_shows_that_it_is_alive_within_its_step():
+    now = [0.0]
+
+    def happen(listener):
+        for k in range(40):
+            now[0] = 60.0 * k
+            listener.sample(sample(k), 0, 0.0)
+
+    lines = spoken(lambda status, terminal: SummaryLine(status, terminal, clock=lambda: now[0]), happen)
+    assert sum(bool(re.match(r"validation: step \d+ of 2, about .* left$", line)) for line in lines) == 3
 
 
 def test_log_lines_are_start_steps_and_end():

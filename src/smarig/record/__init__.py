@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from smarig.record.new_run_file import write_run as write_run
     from smarig.record.recorder import Recorder as Recorder
     from smarig.record.recording_lock import check_not_recording as check_not_recording
+    from smarig.record.recording_lock import is_recording as is_recording
     from smarig.record.recording_lock import recording as recording
     from smarig.record.run import ABSOLUTE_ZERO as ABSOLUTE_ZERO
     from smarig.record.run import CONTINUED as CONTINUED

@@ -4,7 +4,7 @@ import os
 from contextlib import AbstractContextManager
 from pathlib import Path
 
-from smarig.core import check_free, process_lock
+from smarig.core import InUse, check_free, process_lock
 
 REMEDY = "Wait until it has ended, stop it, or give another name."
 
@@ -17,6 +17,15 @@ def recording(path: Path) -> AbstractContextManager[None]:
 def check_not_recording(path: Path) -> None:
     """Raise InUse if another process records that run."""
     check_free(_key(path), f"Run {path} is being recorded", REMEDY)
+
+
+def is_recording(path: Path) -> bool:
+    """Whether a process records that run."""
+    try:
+        check_not_recording(path)
+    except InUse:
+        return True
+    return False
 
 
 def _key(path: Path) -> str:

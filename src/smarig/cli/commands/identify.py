@@ -84,6 +84,7 @@ def command(
 ) -> None:
     """Identify a Preisach model from runs with first-order curves or, with --surface positive, from any runs."""
     from smarig.identification import ErrorLevel, identify
+    from smarig.record import is_recording
 
     check_distinct(out, reference, *runs)
     check_writable(out, force=force, kind=MODEL)
@@ -99,7 +100,12 @@ def command(
         reference=reference,
     )
     result.model.save(out, force=force)
-    for warning in result.warnings:
+    recorded_now = [
+        f"{run} is being recorded. The model describes only the rows so far."
+        for run in runs
+        if is_recording(run)
+    ]
+    for warning in (*result.warnings, *recorded_now):
         show_message(f"Warning: {warning}")
     if result.crossing_note:
         show_message(result.crossing_note)

@@ -113,6 +113,14 @@ class SummaryLine(_TextLines):
         """Print a line of progress if the last one is long ago."""
         number = self._status.step_number
         self._status.step(result, branch=branch, target=target)
+        self._show_progress(number)
+
+    def sample(self, s: Sample, step: int | None, input_value: float) -> None:
+        """The same: a sweep of hours is one step."""
+        self._status.sample(s, step, input_value)
+        self._show_progress(self._status.step_number)
+
+    def _show_progress(self, number: int) -> None:
         if self._clock() < self._next_s:
             return
         self._next_s = self._clock() + _PROGRESS_S
