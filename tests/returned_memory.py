@@ -2,7 +2,8 @@
 
 Figures and diagnoses leave cycles of large arrays, which Python collects late, and holes between small objects, which
 glibc keeps. Arrays from ``MAPPED_BYTES`` on have mappings of their own: without a limit, glibc would learn from the
-first large array that is freed to put the next into its heap, where it leaves a hole.
+first large array that is freed to put the next into its heap, where it leaves a hole. Less than ``GROWTH_BYTES``
+free at the end of the heap stay there: by default, that limit is so low that the pages of every array are made anew.
 """
 
 import ctypes
@@ -14,7 +15,7 @@ from pathlib import Path
 STATM = Path("/proc/self/statm")
 GROWTH_BYTES = 32 << 20
 MAPPED_BYTES = 1 << 20
-M_MMAP_THRESHOLD = -3  # of glibc's malloc.h
+M_TRIM_THRESHOLD, M_MMAP_THRESHOLD = -1, -3  # of glibc's malloc.h
 
 
 class ReturnedMemory:
@@ -25,6 +26,7 @@ class ReturnedMemory:
         self._resident = self._least = 0
         if mallopt := _of_c_library("mallopt"):
             mallopt(M_MMAP_THRESHOLD, MAPPED_BYTES)
+            mallopt(M_TRIM_THRESHOLD, GROWTH_BYTES)
 
     def before_collection(self) -> None:
         """Importing modules and making tests leaves little to collect."""
