@@ -45,8 +45,8 @@ list protocols --settings
 export validation.run.sqlite --to csv -o mine.csv
 import mine.csv --format csv {RIG} -o mine.run.sqlite
 report validation.run.sqlite
-report --model wire.model.json --model positive.model.json validation.run.sqlite -o models.html
 report .
+report --model wire.model.json --model positive.model.json validation.run.sqlite -o models.html
 check validation.run.sqlite -o copy.run.sqlite
 run constant_force_cycles {RIG} -o cycles.run.sqlite --seed 1 --set cycles=1 --set points=40
 transformation cycles.run.sqlite
