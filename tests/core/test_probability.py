@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from smarig.core import (
+    beta_quantile,
     chi2_quantile,
     chi2_tail,
     f_quantile,
@@ -22,6 +23,7 @@ PAIRS = {
     "χ² quantile": (chi2_quantile, "chi2.ppf", 1),
     "F tail": (f_tail, "f.sf", 2),
     "F quantile": (f_quantile, "f.ppf", 2),
+    "β quantile": (beta_quantile, "beta.ppf", 2),
     "t tail": (t_tail, "t.sf", 1),
     "t quantile": (t_quantile, "t.ppf", 1),
     "normal quantile": (normal_quantile, "norm.ppf", 0),
@@ -52,7 +54,7 @@ def test_a_characterisation_loads_neither_scipy_stats_nor_scipy_signal():
     program = """
 import sys
 import smarig.app.characterise, smarig.diagnosis.diagnose, smarig.diagnosis.comparison.measured.measured_diagnosis
-import smarig.identification.extended.choose_extension, smarig.report.drawing
+import smarig.certify.robust_certificate, smarig.identification.extended.choose_extension, smarig.report.drawing
 print([name for name in ("scipy.stats", "scipy.signal", "matplotlib.backends.backend_pdf") if name in sys.modules])
 """
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)

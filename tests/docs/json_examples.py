@@ -26,6 +26,8 @@ new plugin acme --kind effect --kind protocol
 check one_wire_twin --protocol first_order_descending
 run validation {RIG} --dry-run
 run validation {RIG} -o validation.run.sqlite --seed 1 --set points=4
+report validation.run.sqlite
+report .
 run first_order_descending {RIG} -o fod.run.sqlite --seed 1 {LEVELS}
 resume stopped.run.sqlite
 identify fod.run.sqlite --surface exponential -o wire.model.json
@@ -44,11 +46,9 @@ list
 list protocols --settings
 export validation.run.sqlite --to csv -o mine.csv
 import mine.csv --format csv {RIG} -o mine.run.sqlite
-report validation.run.sqlite
 report --model wire.model.json --model positive.model.json validation.run.sqlite -o models.html
-report .
 check validation.run.sqlite -o copy.run.sqlite
-run constant_force_cycles {RIG} -o cycles.run.sqlite --seed 1 --set cycles=1 --set points=40
+run constant_force_cycles {RIG} -o cycles.run.sqlite --seed 1 --set cycles=1 --set points=16
 transformation cycles.run.sqlite
 report cycles.run.sqlite
 sense wire.model.json fod.run.sqlite validation.run.sqlite -o sensing.model.json

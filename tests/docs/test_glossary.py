@@ -73,11 +73,15 @@ class Names:
         )
 
 
+def module_files() -> list[Path]:
+    """The files of all modules of the packages."""
+    return sorted(f for package in PACKAGES for f in (ROOT / package).rglob("*.py"))
+
+
 @cache
 def modules() -> dict[Path, Names]:
     """All modules of the packages."""
-    files = sorted(f for package in PACKAGES for f in (ROOT / package).rglob("*.py"))
-    return {f: Names.of(ast.parse(f.read_text(encoding="utf-8"))) for f in files}
+    return {f: Names.of(ast.parse(f.read_text(encoding="utf-8"))) for f in module_files()}
 
 
 @cache
@@ -194,7 +198,7 @@ def test_no_class_name_is_defined_twice():
 
 
 def test_module_names_repeat_only_where_the_folder_makes_the_difference_plain():
-    found = Counter(file.stem for file in modules() if file.is_relative_to(ROOT / "src"))
+    found = Counter(file.stem for file in module_files() if file.is_relative_to(ROOT / "src"))
     assert {name for name, n in found.items() if n > 1} == REPEATED_MODULES.keys()
 
 

@@ -21,7 +21,7 @@ RIGS = ("one_wire_twin", "two_wire_twin")
 if LONG:  # another plant behind the same commands
     RIGS += ("one_wire_thermomechanical", "two_wire_thermomechanical")
 ALL = catalogue_names("smarig.protocols")
-# On two wires, short runs of every protocol; whole ones where there is time (SMARIG_LONG, as in .ci/long).
+# Without noise, whole runs on one wire; short runs elsewhere; whole ones where there is time (SMARIG_LONG).
 SHORT = {
     "adaptive_fod": {"longest_h": "0.5"},
     "congruency": {"points_per_branch": "2"},
@@ -36,15 +36,15 @@ SHORT = {
 }
 
 
-def settings_of(name, rig):
-    """Those of a short run on two wires, else the default ones."""
-    return {} if LONG or rig == "one_wire_twin" else SHORT.get(name, {})
+def settings_of(name, whole=False):
+    """Those of a short run, or the default ones."""
+    return {} if LONG or whole else SHORT.get(name, {})
 
 
 @pytest.mark.parametrize("rig", RIGS)
 @pytest.mark.parametrize("name", ALL)
 def test_it_can_be_costed_and_stays_within_the_limits(rig, name):
-    cost = preview(name, load_rig(rig), settings_of(name, rig))
+    cost = preview(name, load_rig(rig), settings_of(name, whole=rig == "one_wire_twin"))
     assert 0 < cost.duration_s < 6 * 3600
     assert cost.steps > 0
     assert 0 < cost.peak_current_A <= 1.001 or (name, rig) == ("initialise", "one_wire_twin")
@@ -60,7 +60,7 @@ def test_it_runs_on_the_noisy_twin_settles_and_ends_at_zero(rig, name):
     runner = Runner(
         Guard(twin, twin.file.limits, twin.actuator), 1.0, [CallbackListener(on_step=results.append)]
     )
-    runner.run(build_protocol(name, Setup.of(rig), settings_of(name, rig)))
+    runner.run(build_protocol(name, Setup.of(rig), settings_of(name)))
     assert twin.output_A == 0.0
     assert not [r for r in results if r.verdict == "timed_out"]
 

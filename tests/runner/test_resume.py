@@ -62,8 +62,9 @@ def events(run, kind):
 @pytest.mark.parametrize(
     ("share", "rig"),
     [
-        *((share, "one_wire_twin") for share in (0.0, 0.2, 0.37, 0.5, 0.83)),
+        *((share, "one_wire_twin") for share in (0.0, 0.37, 0.83)),
         *((share, "two_wire_twin") for share in (0.0, 0.5)),
+        *(pytest.param(share, "one_wire_twin", marks=LONG) for share in (0.2, 0.5)),
         *(pytest.param(share, "two_wire_twin", marks=LONG) for share in (0.2, 0.37, 0.83)),
     ],
 )

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from smarig.certify.model_posterior import ModelPosterior
-from smarig.core import UsageError
+from smarig.core import UsageError, beta_quantile
 from smarig.preisach import Everett, FodSurface, Mirrored
 from smarig.theory import moments_on
 
@@ -42,11 +42,9 @@ class Share:
         >>> [round(x, 4) for x in Share(200, 200).ci95]
         [0.9817, 1.0]
         """
-        from scipy.stats import beta  # imported here: takes half a second
-
         k, n = self.count, self.n
-        low = float(beta.ppf(0.025, k, n - k + 1)) if k else 0.0
-        return low, float(beta.ppf(0.975, k + 1, n - k)) if k < n else 1.0
+        low = beta_quantile(0.025, k, n - k + 1) if k else 0.0
+        return low, beta_quantile(0.975, k + 1, n - k) if k < n else 1.0
 
     @property
     def text(self) -> str:

@@ -87,6 +87,7 @@ if TYPE_CHECKING:
     from smarig.core.plugin import offered_names as offered_names
     from smarig.core.plugin import offers_of_name as offers_of_name
     from smarig.core.plugin import plugin_offers as plugin_offers
+    from smarig.core.probability import beta_quantile as beta_quantile
     from smarig.core.probability import chi2_quantile as chi2_quantile
     from smarig.core.probability import chi2_tail as chi2_tail
     from smarig.core.probability import f_quantile as f_quantile

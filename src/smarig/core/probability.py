@@ -3,7 +3,7 @@
 scipy.stats itself takes 50 MB and most of a second to import, for every command and every worker.
 """
 
-from scipy.special import chdtrc, fdtrc, fdtri, gammaincinv, ndtri, stdtr, stdtrit
+from scipy.special import betaincinv, chdtrc, fdtrc, fdtri, gammaincinv, ndtri, stdtr, stdtrit
 
 
 def chi2_tail(x: float, freedom: float) -> float:
@@ -34,6 +34,11 @@ def f_tail(x: float, numerator: float, denominator: float) -> float:
 def f_quantile(p: float, numerator: float, denominator: float) -> float:
     """The x with P(F ≤ x) = p."""
     return float(fdtri(numerator, denominator, p))
+
+
+def beta_quantile(p: float, a: float, b: float) -> float:
+    """The x with P(β ≤ x) = p of the beta distribution."""
+    return float(betaincinv(a, b, p))
 
 
 def t_tail(x: float, freedom: float) -> float:
