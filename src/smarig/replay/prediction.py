@@ -7,12 +7,15 @@ positions.
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from smarig.plant import Plant, SupportsHooks
 from smarig.preisach import Everett, Initial, Preisach, State
+from smarig.replay.input_trajectory import CACHE_SIZE
 from smarig.replay.plant_model import PlantModel
 from smarig.replay.timeline import DriveProfile, Timeline, session_offsets_s
 from smarig.replay.trajectory import Trajectory, simulate_timeline
@@ -105,7 +108,16 @@ def predict(timeline: Timeline, plant_model: PlantModel, effects: Sequence[Suppo
 def _predict_session(
     timeline: Timeline, plant_model: PlantModel, effects: Sequence[SupportsHooks]
 ) -> Prediction:
-    trajectory = simulate_timeline(timeline, plant_model, (*plant_model.effects, *effects))
+    m = plant_model
+    return _cached_prediction(
+        timeline, m.actuator, m.hysteresis, m.initial, (*m.effects, *effects), m.per_count
+    )
+
+
+@lru_cache(maxsize=CACHE_SIZE)
+def _cached_prediction(timeline: Timeline, *plant: Any) -> Prediction:
+    plant_model = PlantModel(*plant)
+    trajectory = simulate_timeline(timeline, plant_model, plant_model.effects)
     t, _, read = timeline.ticks
     rows = {r.kind: np.searchsorted(t[read], np.round(r.t_s, 6)) for r in timeline.all_readings}
     coupled = np.concatenate([rows[k] for k in OUTPUT_DEPENDENT_KINDS if k in rows])
