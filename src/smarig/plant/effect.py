@@ -208,6 +208,9 @@ class Effect:
     kind: EffectType
     values: dict[str, float]
 
+    def __hash__(self) -> int:
+        return hash((self.kind, tuple(self.values.values())))
+
     @property
     def strength(self) -> float:
         """The value of the primary parameter."""

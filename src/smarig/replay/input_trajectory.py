@@ -13,7 +13,6 @@ from smarig.plant import (
     Actuator,
     Effect,
     EffectContext,
-    EffectType,
     PlantState,
     Stage,
     SupportsHooks,
@@ -26,7 +25,6 @@ from smarig.replay.plant_model import PlantModel
 from smarig.replay.timeline import Timeline
 
 Array = NDArray[np.float64]
-Values = tuple[tuple[EffectType, tuple[tuple[str, float], ...]], ...]
 CACHE_SIZE = 24  # number of cached trajectories
 INPUT_COLUMNS = (
     "t_s",
@@ -109,16 +107,20 @@ def hysteresis_input(
             continue
         if stages - set(EARLY_STAGES) or not (isinstance(effect, Effect) and effect.kind.output_independent):
             return None
-        early.append((effect.kind, tuple(effect.values.items())))
+        early.append(effect)
     return _cached_trajectory(timeline, plant_model.actuator, (h.lower, h.upper), initial, tuple(early))
 
 
 @lru_cache(maxsize=CACHE_SIZE)
 def _cached_trajectory(
-    timeline: Timeline, actuator: Actuator, input_range: tuple[float, float], initial: Initial, early: Values
+    timeline: Timeline,
+    actuator: Actuator,
+    input_range: tuple[float, float],
+    initial: Initial,
+    early: tuple[Effect, ...],
 ) -> InputTrajectory:
     context = EffectContext(actuator, _HysteresisRange(*input_range), initial)  # pyright: ignore[reportArgumentType]
-    hooks = hook_chains([kind(**dict(values)) for kind, values in early], context)
+    hooks = hook_chains(early, context)
     return _computed_trajectory(timeline, ThermalStages(actuator, hooks, ThermalState()))  # pyright: ignore[reportArgumentType]
 
 

@@ -7,12 +7,15 @@ positions.
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from smarig.plant import Plant, SupportsHooks
 from smarig.preisach import Everett, Initial, Preisach, State
+from smarig.replay.input_trajectory import CACHE_SIZE
 from smarig.replay.plant_model import PlantModel
 from smarig.replay.timeline import DriveProfile, Timeline, session_offsets_s
 from smarig.replay.trajectory import Trajectory, simulate_timeline
@@ -50,14 +53,19 @@ class Prediction:
         """The session of each coupled reading (n,)."""
         return np.searchsorted(self.session_starts, self.tick_index, side="right") - 1
 
-    def outputs_along(
-        self, hysteresis: Everett, initial: Initial, hysteresis_input_K: Array, repetitions: int = 1
-    ) -> Array:
-        """Outputs (m,) of a hysteresis along inputs (m,), from the initial state in every session.
+    def outputs_at(self, hysteresis: Everett, initial: Initial, ticks: NDArray[np.int64]) -> Array:
+        """Outputs (n,) of a hysteresis at ticks (n,); the path between these and its turning points is left out."""
+        path = self.hysteresis_input_K
+        move = np.diff(path, prepend=path[0], append=path[-1])
+        kept = move[:-1] * move[1:] <= 0
+        kept[[*self.session_starts]] = kept[ticks] = True
+        at = np.flatnonzero(kept)
+        own = replace(self, session_starts=tuple(np.searchsorted(at, self.session_starts).tolist()))
+        return own.outputs_along(hysteresis, initial, path[at])[np.searchsorted(at, ticks)]
 
-        ``repetitions``: number of such paths that will be simulated.
-        """
-        operator = Preisach(hysteresis, initial, samples=repetitions * hysteresis_input_K.size)
+    def outputs_along(self, hysteresis: Everett, initial: Initial, hysteresis_input_K: Array) -> Array:
+        """Outputs (m,) of a hysteresis along inputs (m,), from the initial state in every session."""
+        operator = Preisach(hysteresis, initial)
         return np.concatenate(
             [
                 operator.simulate(part, initial)
@@ -105,7 +113,16 @@ def predict(timeline: Timeline, plant_model: PlantModel, effects: Sequence[Suppo
 def _predict_session(
     timeline: Timeline, plant_model: PlantModel, effects: Sequence[SupportsHooks]
 ) -> Prediction:
-    trajectory = simulate_timeline(timeline, plant_model, (*plant_model.effects, *effects))
+    m = plant_model
+    return _cached_prediction(
+        timeline, m.actuator, m.hysteresis, m.initial, (*m.effects, *effects), m.per_count
+    )
+
+
+@lru_cache(maxsize=CACHE_SIZE)
+def _cached_prediction(timeline: Timeline, *plant: Any) -> Prediction:
+    plant_model = PlantModel(*plant)
+    trajectory = simulate_timeline(timeline, plant_model, plant_model.effects)
     t, _, read = timeline.ticks
     rows = {r.kind: np.searchsorted(t[read], np.round(r.t_s, 6)) for r in timeline.all_readings}
     coupled = np.concatenate([rows[k] for k in OUTPUT_DEPENDENT_KINDS if k in rows])
@@ -203,9 +220,7 @@ def with_hysteresis(prediction: Prediction, plant_model: PlantModel, centre: Eve
     """The prediction with the same inputs and the outputs of another hysteresis along them."""
     if centre is plant_model.hysteresis:
         return prediction
-    output = prediction.outputs_along(centre, plant_model.initial, prediction.hysteresis_input_K)[
-        prediction.tick_index
-    ]
+    output = prediction.outputs_at(centre, plant_model.initial, prediction.tick_index)
     change, values, at = prediction.output_slope * (output - prediction.output), dict(prediction.values), 0
     for kind in OUTPUT_DEPENDENT_KINDS:
         if kind in values:

@@ -55,11 +55,10 @@ def coupled_readings(
     coupled = [r for r in timeline.all_readings if r.kind in OUTPUT_DEPENDENT_KINDS]
     y = np.concatenate([r.value - prediction.values[r.kind] for r in coupled])
     h = plant_model.hysteresis
-    path = prediction.outputs_along(h, plant_model.initial, prediction.hysteresis_input_K)
     if contribution is None:
         contribution = effect_contribution(timeline, prediction, plant_model)
     white, free, scale, slope = reading_scales(
-        timeline, prediction, plant_model, coupled, output_rate(prediction, path), contribution
+        timeline, prediction, plant_model, coupled, output_rate(prediction, plant_model), contribution
     )
     scaled_error = encoder_error_traces(timeline, plant_model, coupled) / scale[:, None]
     free += scaled_error @ scaled_error.T

@@ -9,7 +9,7 @@ much structure as a flat tail.
 """
 
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,6 +26,7 @@ LEVEL_SHARE = 0.5  # share of the levels in the scale
 KNOTS = 11
 HAT_INTERVALS = (6, 20)  # hats across the range: resolution of the proportional deviations
 SMOOTHING = 0.01  # of the even scale: a prior as rough as its density would confirm what that has taken up
+SHARED_PRIORS = 8  # number of cached priors: their covariances are large
 MIN_PRIOR_SHARE = 0.05  # of the mean mass: prior scale where the model has no mass
 
 
@@ -126,6 +127,32 @@ def density_prior(prediction: Prediction, hysteresis: Everett, smoothing: float 
 
     ``smoothing`` 0: the density deviates in proportion to itself, as rough as it is.
     """
+    return _cached_prior(_SharedPath(prediction), hysteresis, smoothing)
+
+
+@dataclass(frozen=True, eq=False)
+class _SharedPath:
+    """A prediction that equals others of the same memories and outputs: effects after the hysteresis share a prior."""
+
+    prediction: Prediction
+
+    @cached_property
+    def _key(self) -> tuple[object, ...]:
+        p = self.prediction
+        settled = p.of("settled") if "settled" in p.values else None
+        arrays = (p.output, p.tick_index, p.hysteresis_input_K)
+        return settled, p.states, *(a.tobytes() for a in arrays)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, _SharedPath) and self._key == other._key
+
+    def __hash__(self) -> int:
+        return hash(self.prediction.output.tobytes())
+
+
+@lru_cache(maxsize=SHARED_PRIORS)
+def _cached_prior(path: _SharedPath, hysteresis: Everett, smoothing: float) -> DensityPrior:
+    prediction = path.prediction
     y = prediction.output
     lower, upper = hysteresis.lower, hysteresis.upper
     rows = Observations.of_states(prediction.states, y, np.zeros(y.size, dtype=np.int64), (lower, upper))

@@ -92,10 +92,11 @@ def _resistance_noise(y: Array, target_K: Array) -> Array:
     return np.maximum(_local_noise((y - np.median(y)) * current) / current, _MIN_NOISE["resistance"])
 
 
-def output_rate(prediction: Prediction, path: Array) -> Array:
-    """Output per second at each coupled reading, over the preceding tick; ``path`` (m,) is the output at ticks."""
+def output_rate(prediction: Prediction, plant_model: PlantModel) -> Array:
+    """Output per second at each coupled reading, over the preceding tick."""
     at, before = prediction.tick_index, np.maximum(prediction.tick_index - 1, 0)
-    return np.abs(path[at] - path[before]) / np.maximum(prediction.t_s[at] - prediction.t_s[before], 1e-9)
+    y = prediction.outputs_at(plant_model.hysteresis, plant_model.initial, np.append(at, before))
+    return np.abs(y[: at.size] - y[at.size :]) / np.maximum(prediction.t_s[at] - prediction.t_s[before], 1e-9)
 
 
 MIN_CURRENT_SHARE = 0.05  # of the median current: smaller currents give no better known resistance
