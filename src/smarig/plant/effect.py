@@ -209,7 +209,7 @@ class Effect:
     values: dict[str, float]
 
     def __hash__(self) -> int:
-        return hash((self.kind, tuple(self.values.values())))
+        return hash((self.kind, frozenset(self.values.items())))
 
     @property
     def strength(self) -> float:
