@@ -97,8 +97,8 @@ class NewtonSystem:
         """The solver of (H + Dᵀ diag(w) D) x = b, for one b (n,) or several (n, m); LinAlgError if singular."""
         entries = kept + self._slot @ w
         if not self.banded:
-            lower = entries.reshape(self._n, self._n)
-            dense = cho_factor(lower, lower=True, check_finite=False)
+            upper = entries.reshape(self._n, self._n).T  # in LAPACK's order: no copy
+            dense = cho_factor(upper, overwrite_a=True, check_finite=False)
             return lambda b: cho_solve(dense, b, check_finite=False)
         inner = self._inner
         band = cholesky_banded(
@@ -131,7 +131,7 @@ def solve(newton: NewtonSystem, H: csr_matrix, g: Array, *, accuracy: float = 1e
         if gap < accuracy * scale and np.abs(primal).max() < accuracy and np.abs(dual).max() < accuracy:
             return Solution(x, s, z, solver, step)
         try:
-            solver = newton.factor(kept, z / s)
+            solver = solver if step == 1 else newton.factor(kept, z / s)
         except LinAlgError:  # rounding permits no further step
             return Solution(x, s, z, solver, step)
         direction = _direction(solver=solver, D=D, DT=DT, s=s, z=z, dual=dual, primal=primal)
