@@ -75,8 +75,9 @@ class MemoryGrid:
     @cached_property
     def _roots(self) -> tuple[Array, Array, Array]:
         """L of the correlations L Lᵀ of the three parts."""
-        plane, line = (np.linalg.cholesky(c) for c in self.correlation)
-        return plane, line, line
+        plane, line = self.correlation
+        root = np.asarray(np.linalg.cholesky(line), dtype=float)
+        return np.asarray(np.linalg.cholesky(plane), dtype=float), root, root
 
 
 def _triangles(v: Array, rows: Rows, up: bool) -> tuple[Rows, Array, Array, Array]:
