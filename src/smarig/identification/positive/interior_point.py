@@ -51,7 +51,9 @@ class NewtonSystem:
         low = (rows >= columns) & (rows < self._inner)
         self._width = int((rows - columns)[low].max(initial=0)) + 1
         self.banded = self._width < self._inner / 4
-        self._slot = self._layout(D)
+        layout = self._layout(D)
+        self._slots = np.flatnonzero(np.diff(layout.indptr))
+        self._of_weights = csr_matrix(layout[self._slots])
 
     def _place(self, rows: NDArray[np.int64], columns: NDArray[np.int64]) -> NDArray[np.int64]:
         """The place of an entry of the lower triangle: in the band, or below it in the rows of the border."""
@@ -95,7 +97,8 @@ class NewtonSystem:
 
     def factor(self, kept: Array, w: Array) -> Solve:
         """The solver of (H + Dᵀ diag(w) D) x = b, for one b (n,) or several (n, m); LinAlgError if singular."""
-        entries = kept + self._slot @ w
+        entries = kept.copy()
+        entries[self._slots] += self._of_weights @ w
         if not self.banded:
             upper = entries.reshape(self._n, self._n).T  # in LAPACK's order: no copy
             dense = cho_factor(upper, overwrite_a=True, check_finite=False)
