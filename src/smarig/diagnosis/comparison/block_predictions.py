@@ -10,20 +10,31 @@ from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import cholesky, get_lapack_funcs, solve_triangular
+from scipy.linalg import LinAlgError
+from scipy.linalg.lapack import dpotrf, dpotri, dpotrs  # pyright: ignore[reportAttributeAccessIssue]
 from scipy.special import gammaln
 
 Array = NDArray[np.float64]
 Rows = NDArray[np.int64]
-(_POTRI,) = get_lapack_funcs(("potri",), dtype=np.float64)
 NU = 4  # degrees of freedom: tails of blocks
 
 
 def inverse(matrix: Array) -> tuple[Array, float]:
     """(inverse (n, n), log of its root determinant) of a positive definite matrix. Raises LinAlgError if it is not."""
-    factor = cholesky(matrix, lower=True, check_finite=False)
-    lower = np.tril(_POTRI(factor, lower=1)[0])
-    return lower + np.tril(lower, -1).T, -float(np.log(np.diag(factor)).sum())
+    factor = _factor(matrix)
+    log_root = -float(np.log(np.diag(factor)).sum())
+    lower = dpotri(factor, lower=1, overwrite_c=1)[0]
+    whole = lower + lower.T
+    whole[np.diag_indices_from(whole)] *= 0.5
+    return whole, log_root
+
+
+def _factor(matrix: Array) -> Array:
+    """Its lower Cholesky factor (n, n)."""
+    factor, failed = dpotrf(matrix.T, lower=1, clean=1)  # transposed, it is in LAPACK's order
+    if failed:
+        raise LinAlgError("The matrix is not positive definite.")
+    return factor
 
 
 def left_out(precision: Array, dual: Array, blocks: Sequence[Rows]) -> tuple[Array, Array]:
@@ -35,10 +46,10 @@ def left_out(precision: Array, dual: Array, blocks: Sequence[Rows]) -> tuple[Arr
     error = np.full(dual.size, np.nan)
     scores = np.empty(len(blocks))
     for b, rows in enumerate(blocks):
-        factor = cholesky(precision[np.ix_(rows, rows)], lower=True, check_finite=False)
-        white = solve_triangular(factor, dual[rows], lower=True, check_finite=False)
-        error[rows] = solve_triangular(factor, white, lower=True, trans=1, check_finite=False)
-        scores[b] = log_t_density(float(white @ white), rows.size, float(np.log(np.diag(factor)).sum()))
+        factor = _factor(precision[np.ix_(rows, rows)])
+        error[rows] = dpotrs(factor, dual[rows], lower=1)[0]
+        square = float(dual[rows] @ error[rows])
+        scores[b] = log_t_density(square, rows.size, float(np.log(np.diag(factor)).sum()))
     return error, scores
 
 

@@ -81,7 +81,8 @@ def fit_gaussian(
 
 def _inverted(n: int, stack: Array, sizes: Array, always: Array | float) -> tuple[float, Array]:
     """(log det K / 2, K⁻¹)."""
-    k = (sizes[:-1] @ stack).reshape(n, n) + always
+    k = (sizes[:-1] @ stack).reshape(n, n)
+    k += always
     k[np.arange(n), np.arange(n)] += sizes[-1]
     precision, log_root = inverse(k)
     return -log_root, precision
@@ -94,8 +95,8 @@ def _misfit(x: Array, y: Array, stack: Array, always: Array | float = LEVEL) -> 
     except LinAlgError:
         return 1e10, np.zeros(x.size)
     dual = precision @ y
-    outer = precision - np.outer(dual, dual)
-    gradient = 0.5 * sizes * np.r_[stack @ outer.ravel(), np.trace(outer)]
+    precision -= np.outer(dual, dual)
+    gradient = 0.5 * sizes * np.r_[stack @ precision.ravel(), np.trace(precision)]
     away = (x - USUAL) / SPREAD
     value = 0.5 * float(y @ dual) + half_log_det + float(away @ away) / 2
     return value, gradient + away / SPREAD

@@ -51,7 +51,9 @@ class NewtonSystem:
         low = (rows >= columns) & (rows < self._inner)
         self._width = int((rows - columns)[low].max(initial=0)) + 1
         self.banded = self._width < self._inner / 4
-        self._slot = self._layout(D)
+        layout = self._layout(D)
+        self._slots = np.flatnonzero(np.diff(layout.indptr))
+        self._of_weights = csr_matrix(layout[self._slots])
 
     def _place(self, rows: NDArray[np.int64], columns: NDArray[np.int64]) -> NDArray[np.int64]:
         """The place of an entry of the lower triangle: in the band, or below it in the rows of the border."""
@@ -95,10 +97,11 @@ class NewtonSystem:
 
     def factor(self, kept: Array, w: Array) -> Solve:
         """The solver of (H + Dᵀ diag(w) D) x = b, for one b (n,) or several (n, m); LinAlgError if singular."""
-        entries = kept + self._slot @ w
+        entries = kept.copy()
+        entries[self._slots] += self._of_weights @ w
         if not self.banded:
-            lower = entries.reshape(self._n, self._n)
-            dense = cho_factor(lower, lower=True, check_finite=False)
+            upper = entries.reshape(self._n, self._n).T  # in LAPACK's order: no copy
+            dense = cho_factor(upper, overwrite_a=True, check_finite=False)
             return lambda b: cho_solve(dense, b, check_finite=False)
         inner = self._inner
         band = cholesky_banded(
@@ -131,7 +134,7 @@ def solve(newton: NewtonSystem, H: csr_matrix, g: Array, *, accuracy: float = 1e
         if gap < accuracy * scale and np.abs(primal).max() < accuracy and np.abs(dual).max() < accuracy:
             return Solution(x, s, z, solver, step)
         try:
-            solver = newton.factor(kept, z / s)
+            solver = solver if step == 1 else newton.factor(kept, z / s)
         except LinAlgError:  # rounding permits no further step
             return Solution(x, s, z, solver, step)
         direction = _direction(solver=solver, D=D, DT=DT, s=s, z=z, dual=dual, primal=primal)

@@ -10,6 +10,7 @@ have intervals.
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -48,9 +49,9 @@ class PositiveFit:
     """A non-negative measure and its fit to the data. Outputs are in ``unit``.
 
     ``table`` is the hysteresis, ``masses`` (cells,) ≥ 0 its measure ν. ``smoothing`` is λ. ``by_smoothing`` is the
-    typical held-out error of a curve by λ (empty if λ was given), ``held_out`` the result of held-out curves.
-    ``sigma`` is the residual standard deviation, ``freedom`` the effective number of parameters. ``null_space`` is
-    the number of directions of the measure that no data point determines; smoothness alone decides them.
+    typical held-out error of a curve by λ (empty if λ was given). ``sigma`` is the residual standard deviation,
+    ``freedom`` the effective number of parameters. ``null_space`` is the number of directions of the measure that no
+    data point determines; smoothness alone decides them.
     """
 
     table: FodTable
@@ -58,7 +59,6 @@ class PositiveFit:
     masses: Array
     smoothing: float
     by_smoothing: dict[float, float]
-    held_out: HeldOut
     sigma: float
     rms: float
     freedom: float
@@ -68,7 +68,16 @@ class PositiveFit:
     symmetric: bool
     unit: str
     _solution: Solution
-    _scale: float
+    _posed_problem: "_PosedProblem"
+
+    @cached_property
+    @_one_thread
+    def held_out(self) -> HeldOut:
+        """The result of held-out curves."""
+        posed, scale = self._posed_problem, self._posed_problem.scale
+        curve, sigma = posed.all_observations.curve, self.sigma / scale
+        found = held_out_test(posed.problem, posed.masks, curve, self.smoothing, sigma)
+        return HeldOut(scale * found.rms, scale * found.signed_rms, found.spread_factor, found.curves)
 
     @property
     def cells(self) -> int:
@@ -78,7 +87,7 @@ class PositiveFit:
     @property
     def zeros(self) -> Array:
         """Free zeros of the outputs (k,), in output units: those in addition to y₋."""
-        return self._scale * self._solution.x[self.triangle.unknowns :]
+        return self._posed_problem.scale * self._solution.x[self.triangle.unknowns :]
 
     @property
     def at_zero(self) -> int:
@@ -285,19 +294,12 @@ def _positive_fit(posed_problem: _PosedProblem, unit: str) -> PositiveFit:
     residual = problem.rows @ solution.x - problem.y
     freedom = min(_freedom(problem, solution), 0.9 * problem.y.size)
     sigma = float(np.sqrt(residual @ residual / (problem.y.size - freedom)))
-    held_out_error = held_out_test(problem, posed_problem.masks, all_observations.curve, smoothing, sigma)
     return PositiveFit(
         table=posed_problem.table(solution, masses, unit),
         triangle=problem.triangle,
         masses=masses,
         smoothing=smoothing,
         by_smoothing=posed_problem.by_smoothing,
-        held_out=HeldOut(
-            scale * held_out_error.rms,
-            scale * held_out_error.signed_rms,
-            held_out_error.spread_factor,
-            held_out_error.curves,
-        ),
         sigma=scale * sigma,
         rms=scale * float(np.sqrt(np.mean(residual**2))),
         freedom=freedom,
@@ -307,7 +309,7 @@ def _positive_fit(posed_problem: _PosedProblem, unit: str) -> PositiveFit:
         symmetric=posed_problem.symmetric,
         unit=unit,
         _solution=solution,
-        _scale=scale,
+        _posed_problem=posed_problem,
     )
 
 

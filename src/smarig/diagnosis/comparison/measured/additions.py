@@ -13,12 +13,7 @@ from smarig.diagnosis.comparison.compared_hypothesis import Part, Trial
 from smarig.diagnosis.comparison.gaussian_fit import LEVEL, GaussianFit, fit_gaussian
 from smarig.diagnosis.comparison.measured.acting_effects import acting_inputs, added_parts
 from smarig.diagnosis.comparison.measured.plain_variables import Surface, variable_parts
-from smarig.diagnosis.comparison.measured.positive_prior import (
-    SLOPE_STEP,
-    PositiveDensity,
-    PositivePrior,
-    positive_prior,
-)
+from smarig.diagnosis.comparison.measured.positive_prior import PositiveDensity, PositivePrior, positive_prior
 from smarig.diagnosis.comparison.measured.reading_problem import ReadingProblem
 from smarig.measurement import LearnedTerm, MeasurementEffect
 
@@ -98,8 +93,7 @@ class KeptAddition:
         """Level and slope at all readings; those of training readings from blocks left out."""
         problem, level = self.problem, self.output.copy()
         level[problem.train] = problem.y[problem.train] - self.error
-        up, down = (self.relays.shifted(problem, step) for step in (SLOPE_STEP, -SLOPE_STEP))
-        slope = (up - down)[:, problem.train] @ self.dual
+        slope = self.relays.slope(problem, self.dual)
         own = slope[problem.train]
         size = SLOPE_SIZE * float(problem.y[problem.train].std())
         size /= max(float(np.sqrt(np.mean(own**2))), 1e-12)

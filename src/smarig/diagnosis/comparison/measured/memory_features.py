@@ -7,6 +7,7 @@ continuous in the input, so small false reversals do little harm.
 
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -48,19 +49,35 @@ class MemoryGrid:
         reading, alpha, beta, sign = _triangles(v, rows, up)
         p = np.clip((alpha[:, None] - self.edges) * self.cells, 0, 1)
         q = np.clip((beta[:, None] - self.edges) * self.cells, 0, 1)
-        i, j = self.pairs
-        areas = np.concatenate([p[:, i] * (1 - q[:, j]), np.maximum(p - q, 0) ** 2], axis=1) * sign[:, None]
         starts = np.flatnonzero(np.r_[True, np.diff(reading) > 0])
+        own, outside = p * sign[:, None], 1 - q
+        plane = np.array([own[a:b].T @ outside[a:b] for a, b in pairwise([*starts.tolist(), reading.size])])
+        diagonal = np.add.reduceat(np.maximum(p - q, 0) ** 2 * sign[:, None], starts, axis=0)
         reversible = np.clip((v[rows][:, None] - self.edges) * self.cells, 0, 1)
-        return np.concatenate([np.add.reduceat(areas, starts, axis=0), reversible], axis=1)
+        return np.hstack([plane[:, *self.pairs], diagonal, reversible])
 
-    def covariance(self, left: Array, right: Array, density: Array) -> Array:
-        """F diag(w) C diag(w) F'ᵀ of features (n, k) and (m, k) with a density (k,)."""
-        relays, n = len(self.pairs[0]), self.cells
+    def covariance(self, features: Array, density: Array) -> Array:
+        """F diag(w) C diag(w) Fᵀ of features (n, k) with a density (k,)."""
+        white = np.hstack([a @ root for a, root in zip(self._parted(features * density), self._roots)])
+        return white @ white.T
+
+    def predicted(self, left: Array, right: Array, density: Array, dual: Array) -> Array:
+        """F diag(w) C diag(w) F'ᵀ α of features (n, k) and (m, k) with a density (k,) and α (m,)."""
         plane, line = self.correlation
-        a, b = left * density, right * density
-        parts = (slice(0, relays), plane), (slice(relays, relays + n), line), (slice(relays + n, None), line)
-        return np.add.reduce([(a[:, s] @ c) @ b[:, s].T for s, c in parts])
+        parts = self._parted(density * (right.T @ dual))
+        return left @ (density * np.concatenate([c @ a for a, c in zip(parts, (plane, line, line))]))
+
+    def _parted(self, a: Array) -> list[Array]:
+        """Of relays off the diagonal, of those on it, and of reversible cells (…, k)."""
+        relays = len(self.pairs[0])
+        return np.split(a, [relays, relays + self.cells], axis=-1)
+
+    @cached_property
+    def _roots(self) -> tuple[Array, Array, Array]:
+        """L of the correlations L Lᵀ of the three parts."""
+        plane, line = self.correlation
+        root = np.asarray(np.linalg.cholesky(line), dtype=float)
+        return np.asarray(np.linalg.cholesky(plane), dtype=float), root, root
 
 
 def _triangles(v: Array, rows: Rows, up: bool) -> tuple[Rows, Array, Array, Array]:

@@ -35,10 +35,11 @@ class PositiveDensity:
     warped: tuple[Array, ...]
     variance: float
 
-    def shifted(self, problem: ReadingProblem, step: float) -> Array:
-        """Covariance (m, m) between the readings at an input shifted by a warped step, and the readings."""
-        moved = _features(problem, [v + step for v in self.warped])
-        return GRID.covariance(moved, self.features, self.density) / self.variance
+    def slope(self, problem: ReadingProblem, dual: Array) -> Array:
+        """Difference (m,) of the readings between inputs shifted up and down by a warped step, from K⁻¹y (n,)."""
+        up, down = (_features(problem, [v + step for v in self.warped]) for step in (SLOPE_STEP, -SLOPE_STEP))
+        train = self.features[problem.train]
+        return GRID.predicted(up - down, train, self.density, dual) / self.variance
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,7 +62,7 @@ def positive_prior(
     features = near.relays.features if near is not None and same else _features(problem, warped)
     train = problem.train
     density = _positive_fit(features[train], target[train])
-    covariance = GRID.covariance(features, features, density)
+    covariance = GRID.covariance(features, density)
     variance = float(np.mean(np.diag(covariance)[train])) or 1.0
     return PositivePrior(PositiveDensity(features, density, warped, variance), covariance / variance)
 
