@@ -59,7 +59,7 @@ class NewtonSystem:
         """The place of an entry of the lower triangle: in the band, or below it in the rows of the border."""
         inner = self._inner
         if not self.banded:
-            return rows * self._n + columns
+            return columns * self._n + rows
         band = (rows - columns) * inner + columns
         return np.where(rows < inner, band, self._width * inner + (rows - inner) * self._n + columns)
 
@@ -100,8 +100,8 @@ class NewtonSystem:
         entries = kept.copy()
         entries[self._slots] += self._of_weights @ w
         if not self.banded:
-            upper = entries.reshape(self._n, self._n).T  # in LAPACK's order: no copy
-            dense = cho_factor(upper, overwrite_a=True, check_finite=False)
+            lower = entries.reshape(self._n, self._n).T  # in LAPACK's order: no copy
+            dense = cho_factor(lower, lower=True, overwrite_a=True, check_finite=False)
             return lambda b: cho_solve(dense, b, check_finite=False)
         inner = self._inner
         band = cholesky_banded(
