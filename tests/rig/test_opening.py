@@ -4,7 +4,7 @@ import signal
 
 import pytest
 
-from smarig.core.errors import Interrupted, LimitExceeded, RigFault
+from smarig.core.errors import Interrupted, LimitExceeded, RigFault, UsageError
 from smarig.core.held_signals import HeldSignals
 from smarig.device.encoding.link_faults import Silent
 from smarig.rig.open_rig import _confirmed_shutdown
@@ -61,6 +61,30 @@ def test_nor_does_the_end_of_a_run():
         _confirmed_shutdown(Deaf(), HeldSignals()),
     ):
         pass
+
+
+class Confirming:
+    """A rig that confirms that it is off."""
+
+    shutdown_unconfirmed = ""
+
+    def safe(self):
+        """It is off."""
+
+
+@pytest.mark.parametrize(
+    ("ending", "says"),
+    [
+        (Silent("No answer."), "No answer. The current is at zero."),
+        (LimitExceeded("Too hot.").at_zero(), "Too hot. The current is at zero."),
+        (UsageError("There is no step 9."), "There is no step 9."),
+    ],
+)
+def test_a_fault_says_that_the_current_is_at_zero(ending, says):
+    """An error that is none of the rig says nothing of its current."""
+    with pytest.raises(type(ending)) as raised, _confirmed_shutdown(Confirming(), HeldSignals()):
+        raise ending
+    assert str(raised.value) == says
 
 
 class Slow(Deaf):

@@ -102,7 +102,7 @@ def _zeroed(rig: Rig) -> str:
 def _confirmed_shutdown(
     rig: Rig, signals: HeldSignals, report: Callable[[str], None] = lambda _: None
 ) -> Iterator[None]:
-    """Set the current to zero at every exit. An unconfirmed shutdown becomes part of the error message.
+    """Set the current to zero at every exit. A fault says what became of it; so does every error, if it may still flow.
 
     A second Ctrl-C neither cuts the end off nor takes its words away.
     """
@@ -111,12 +111,10 @@ def _confirmed_shutdown(
     except BaseException as error:
         signals.hold()
         switch_off(rig, report=report)
-        if not rig.shutdown_unconfirmed:
-            raise
-        if isinstance(error, Interrupted | KeyboardInterrupt):
+        if rig.shutdown_unconfirmed and isinstance(error, Interrupted | KeyboardInterrupt):
             how = str(error) or "interrupted by the keyboard (Ctrl-C)"
             raise RigFault(f"Run {how}. Its file is closed. {rig.shutdown_unconfirmed}") from None
-        if isinstance(error, SmarigError):
+        if isinstance(error, RigFault) or (rig.shutdown_unconfirmed and isinstance(error, SmarigError)):
             after_shutdown(error, rig)
         raise
     signals.hold()

@@ -10,6 +10,7 @@ LEASE = (
     "The amplifier at … did not confirm that it switched off. "
     "Without further commands its lease switches it off within … s."
 )
+ZERO = "The current is at zero."
 WHOLE = f"{LEASE} The recorded data are complete."
 REPEATS = "repeats the request, which the device does not execute twice; marks the sample as retried"
 GIVES_UP = (
@@ -24,16 +25,18 @@ def on(kind: str, *devices: str, **more) -> tuple[dict, ...]:
 
 def lost(device: str, remedy: str = PORT) -> Outcome:
     """The device returns nothing usable any more."""
-    more = f" {LEASE}" if device == AMPLIFIER else ""
-    return Outcome(3, f"The {device} cannot be reached. … {remedy}{more}")
+    of_current = LEASE if device == AMPLIFIER else ZERO
+    return Outcome(3, f"The {device} cannot be reached. … {remedy} {of_current}")
 
 
 def lost_phases(device: str, remedy: str = PORT) -> dict[str, Outcome | None]:
-    """The phases in which the loss of an amplifier ends otherwise: before any current, and at switching off."""
+    """The phases in which a loss ends otherwise: before any current; that of an amplifier at switching off, too."""
+    opening: dict[str, Outcome | None] = {
+        "opening": Outcome(3, f"The {device} cannot be reached. … {remedy}")
+    }
     if device == ENCODER:
-        return {}
-    return {
-        "opening": Outcome(3, f"The amplifier cannot be reached. … {remedy}"),
+        return opening
+    return opening | {
         "zeroing": Outcome(3, WHOLE),
         "end": Outcome(3, WHOLE),
     }
@@ -73,7 +76,7 @@ def noise(
 
 def restarted_message(device: str) -> Outcome:
     """The message about a restarted device."""
-    said = f"The {device} at … has restarted (boot …). Check for a brown-out or a watchdog reset."
+    said = f"The {device} at … has restarted (boot …). Check for a brown-out or a watchdog reset. {ZERO}"
     return Outcome(3, said)
 
 

@@ -1,7 +1,7 @@
 """The rows of the fault table: the fault, what device and host do, and the message."""
 
 from rig.bench.broken_rig import TIMEOUT_S
-from rig.bench.fault_kinds import BOTH, NOISE, PORT, all_lost, anew, noise, on, restarted_message
+from rig.bench.fault_kinds import BOTH, NOISE, PORT, ZERO, all_lost, anew, noise, on, restarted_message
 from rig.bench.fault_table import AMPLIFIER, DONE, ENCODER, PHASES, Fault, Outcome
 
 GONE_S = 0.8  # device time: 0.2 s of the wall clock
@@ -80,7 +80,6 @@ POWER = (
         for d in BOTH
     ),
 )
-ZERO = "The current is at zero."
 REMEDY = (
     "Check encoder, coupling, cable and wire, the unit of the driver, and encoder.resolution of the rig file."
 )
