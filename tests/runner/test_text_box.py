@@ -180,7 +180,9 @@ def test_without_a_lease_it_is_said_after_the_first_zero_and_once(bench, tmp_pat
 
 def test_a_source_that_confirms_later_is_said_to_be_off(bench, tmp_path):
     out = tmp_path / "r.run.sqlite"
-    with pytest.raises(RigFault, match="does not answer [^ ]*\\. Check its power[^.]*\\. The current is at zero\\.$"):
+    with pytest.raises(
+        RigFault, match="does not answer [^ ]*\\. Check its power[^.]*\\. The current is at zero\\.$"
+    ):
         run_that_loses_its_replies(bench, out, lambda _: setattr(bench[0], "mute", False))
     kinds = [e.kind for e in smarig.load_run(out).events]
     assert kinds[kinds.index("still_on") :][:2] == ["still_on", "off"]
