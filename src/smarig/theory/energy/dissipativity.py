@@ -8,7 +8,7 @@ and relay measures are decided by an exact minimum, analytic surfaces by a verif
 """
 
 from dataclasses import dataclass, replace
-from functools import lru_cache, singledispatch
+from functools import singledispatch
 
 import numpy as np
 from scipy.optimize import minimize
@@ -108,7 +108,6 @@ def _certified_table(hysteresis: FodTable) -> DissipativityCertificate:
 
 
 @_certified.register
-@lru_cache(maxsize=8)  # a certificate and each loop of a model ask for it
 def _certified_surface(hysteresis: FodSurface) -> DissipativityCertificate:
     return _in_units(_bounded(hysteresis, rounding(hysteresis)), hysteresis.unit)
 

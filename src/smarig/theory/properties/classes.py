@@ -7,7 +7,7 @@ a table the results concern the interpolated hysteresis, not the wire.
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import lru_cache, singledispatch
+from functools import singledispatch
 
 import numpy as np
 from numpy.typing import NDArray
@@ -79,7 +79,6 @@ def _of_mirrored(h: Mirrored) -> MeasureClasses:
 
 
 @classes.register
-@lru_cache(maxsize=8)  # a certificate and each loop of a model ask for it
 def _of_surface(s: FodSurface) -> MeasureClasses:
     def negated_mu(alpha: Array, beta: Array) -> Array:
         return -s.density(alpha, beta)

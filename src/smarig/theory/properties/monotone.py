@@ -7,7 +7,7 @@ exists. The condition is weaker than μ ≥ 0. The identification tests noisy me
 """
 
 from dataclasses import dataclass
-from functools import lru_cache, singledispatch
+from functools import singledispatch
 
 import numpy as np
 from numpy.typing import NDArray
@@ -76,7 +76,6 @@ def _mirrored_slopes(hysteresis: Mirrored) -> Monotonicity:
 
 
 @monotone.register
-@lru_cache(maxsize=8)  # a certificate and each loop of a model ask for it
 def _enclosed_slopes(hysteresis: FodSurface) -> Monotonicity:
     s = hysteresis
     rising = least(s.strip_alpha, lambda a, b: enclosure.rise(s, a, b), s.lower, s.upper)

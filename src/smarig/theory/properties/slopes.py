@@ -8,7 +8,7 @@ of a move is σ Δu with 0 ≤ σ ≤ λ. For ν ≥ 0 the steepest strips are t
 """
 
 import math
-from functools import lru_cache, singledispatch
+from functools import singledispatch
 
 import numpy as np
 
@@ -44,7 +44,6 @@ def _of_mirrored(hysteresis: Mirrored) -> Extreme:
 
 
 @largest_slope.register
-@lru_cache(maxsize=8)  # a certificate and each loop of a model ask for it
 def _of_surface(hysteresis: FodSurface) -> Extreme:
     s = hysteresis
     rising, falling = (
