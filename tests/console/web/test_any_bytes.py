@@ -28,7 +28,7 @@ from smarig.core import UsageError
 
 PORT, TOKEN = 8765, "token-of-the-test"
 HOST = f"127.0.0.1:{PORT}"
-CAMPAIGN, LONG_CAMPAIGN = 400, 20_000  # requests
+CAMPAIGN, LONG_CAMPAIGN = 1200, 20_000  # requests
 FORM, MULTIPART = "application/x-www-form-urlencoded", "multipart/form-data; boundary=b"
 NAMES = re.findall(
     r"\S+",

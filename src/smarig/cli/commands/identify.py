@@ -88,6 +88,11 @@ def command(
 
     check_distinct(out, reference, *runs)
     check_writable(out, force=force, kind=MODEL)
+    recorded_now = [  # asked before the runs are read: one may end meanwhile
+        f"{run} is being recorded. The model describes only the rows so far."
+        for run in runs
+        if is_recording(run)
+    ]
     result = identify(
         runs,
         surface=surface,
@@ -100,11 +105,6 @@ def command(
         reference=reference,
     )
     result.model.save(out, force=force)
-    recorded_now = [
-        f"{run} is being recorded. The model describes only the rows so far."
-        for run in runs
-        if is_recording(run)
-    ]
     for warning in (*result.warnings, *recorded_now):
         show_message(f"Warning: {warning}")
     if result.crossing_note:
