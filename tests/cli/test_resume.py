@@ -190,7 +190,8 @@ def test_the_notify_command_runs_at_the_end_and_at_a_trip(capsys, tmp_path, monk
     monkeypatch.setattr("smarig.rig.twin.Twin.step", _tripping)
     status, _, err = call(capsys, *arguments, "--notify", TELL)
     assert status == 3
-    assert notification_file.read_text() == f"3|The twin was struck by lightning.|{out}\n"
+    cause = "The twin was struck by lightning. The current is at zero."
+    assert notification_file.read_text() == f"3|{cause}|{out}\n"
     assert not list(tmp_path.glob("evil*"))
     assert err.count("lightning") == 1
 
