@@ -55,9 +55,11 @@ def pytest_collection_modifyitems(items):
     What is marked ``long`` runs with ``SMARIG_LONG=1``, as in ``.ci/long``.
     """
     for item in items if not LONG else ():
-        if mark := item.get_closest_marker("long"):
-            why = mark.args[0] if mark.args else "takes long"
-            item.add_marker(pytest.mark.skip(reason=f"{why}: SMARIG_LONG=1"))
+        for mark in item.iter_markers("long"):
+            if "cases" not in mark.kwargs or item.callspec.id in mark.kwargs["cases"]:
+                why = mark.args[0] if mark.args else "takes long"
+                item.add_marker(pytest.mark.skip(reason=f"{why}: SMARIG_LONG=1"))
+                break
     items.sort(key=lambda item: item.path.stem not in LONGEST)
 
 

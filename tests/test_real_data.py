@@ -23,6 +23,7 @@ def call(*arguments):
     assert run([str(a) for a in arguments]) == 0
 
 
+@pytest.mark.long("takes ten seconds", cases=("sma_cycles-sma_cycles", "sma_force_pulse-sma_force_pulse"))
 @pytest.mark.parametrize(("file", "mapping"), WIRE_DATA, ids=lambda v: str(v).split("/")[0])
 def test_it_imports_through_its_mapping_and_gives_a_report(shared_data, tmp_path, file, mapping):
     out, page = tmp_path / "r.run.sqlite", tmp_path / "r.html"
@@ -36,6 +37,7 @@ def test_it_imports_through_its_mapping_and_gives_a_report(shared_data, tmp_path
         assert warning.split("<")[0][:40].replace("'", "&#x27;") in text
 
 
+@pytest.mark.long("takes three seconds", cases=("UB199BF-0.00015", "hchb_forc-0.0006"))
 @pytest.mark.parametrize(("name", "allowed"), FORC)
 def test_every_second_reversal_curve_predicts_the_others(shared_data, tmp_path, capsys, name, allowed):
     import json

@@ -31,6 +31,7 @@ def rms(run, model):
     return float(np.sqrt(np.nanmean((simulate(model, run) - run["position"]) ** 2)))
 
 
+@pytest.mark.long("takes five seconds", cases=("300-0.056",))
 @pytest.mark.parametrize(
     ("left_out", "percent"),
     [(300, 0.056), pytest.param(200, 0.102, marks=long), pytest.param(100, 0.143, marks=long)],

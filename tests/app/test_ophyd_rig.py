@@ -130,6 +130,7 @@ def test_a_plan_that_fails_ends_the_run_of_its_flyer(engine, tmp_path):
     assert len(run["t_s"]) < 2000
 
 
+@pytest.mark.long("takes a second")
 def test_a_flyer_runs_a_protocol_and_brings_its_steps(engine, documents, tmp_path):
     flyer = RunFlyer("fly", "validation", "one_wire_twin", tmp_path / "fly.run.sqlite", points=3)
     engine(bp.fly([flyer]))

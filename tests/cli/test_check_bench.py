@@ -18,6 +18,7 @@ def rig(tmp_path, name="one_wire_serial", **simulator):
     return str(path)
 
 
+@pytest.mark.long("takes two seconds", cases=("two_wire_modbus_rtu",))
 @pytest.mark.parametrize("name", ["one_wire_serial", "two_wire_modbus_rtu"])
 def test_a_sound_bench_passes_every_check(name, tmp_path, capsys):
     assert cli(["check", rig(tmp_path, name), "--json"]) == 0

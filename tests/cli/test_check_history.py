@@ -56,6 +56,7 @@ def test_a_bring_up_that_is_stopped_leaves_the_heat_of_its_wire(rig, monkeypatch
     assert found.heat.wire_K[0] == pytest.approx(found.largest_input_K, abs=0.5), "still as hot as it got"
 
 
+@pytest.mark.long("takes two seconds")
 def test_a_history_that_cannot_be_read_ends_no_bring_up(rig, tmp_path, capsys):
     WireHistory("lasting", twin=True).save()
     next((tmp_path / "wires").iterdir()).write_text("{}", "utf-8")

@@ -66,6 +66,7 @@ def test_a_certificate_names_its_hypotheses(capsys, one):
     assert all(c["holds"] for c in by_name.values())
 
 
+@pytest.mark.long("takes two seconds")
 def test_where_passivity_fails_the_counterexample_is_printed(capsys, two):
     from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface
     from smarig.theory.energy import energy_balance
@@ -130,6 +131,7 @@ def test_a_tracked_run_is_reported_in_the_rigs_unit_and_in_counts(capsys, one, t
     assert track["largest"] == pytest.approx(np.abs(loop.position - loop.wanted).max())
 
 
+@pytest.mark.long("takes a second")
 def test_a_set_point_is_held_and_its_figures_reported(capsys, one, tmp_path):
     out_file = tmp_path / "r.run.sqlite"
     words = ("--setpoint", 6, "--hold-s", 120, "--disturbance-K", 6, "-o", out_file)
@@ -153,6 +155,7 @@ def test_from_a_notebook(one, tmp_path):
         smarig.regulate(one, 6.0, rig="one_wire_twin", out=tmp_path / "r.run.sqlite", start="diagnal")
 
 
+@pytest.mark.long("takes two seconds")
 def test_velocity_feedback_is_measured_against_its_k_e(capsys, one, tmp_path):
     from smarig.report.run_page import run_page
 
@@ -330,6 +333,7 @@ MISTAKES = [
 ]
 
 
+@pytest.mark.long("takes a second", cases=("2-words40-Allow a larger distance",))
 @pytest.mark.parametrize(("status", "words", "says"), MISTAKES)
 def test_a_mistake_gets_one_sentence_and_leaves_nothing(capsys, tmp_path, monkeypatch, status, words, says):
     monkeypatch.chdir(tmp_path)
@@ -354,6 +358,14 @@ def in_degrees(folder):
     return odd.save(folder / "degrees.model.json")
 
 
+@pytest.mark.long(
+    "takes two seconds",
+    cases=(
+        "numbers0-does not overshoot and stays within a count",
+        "numbers1-It may overshoot",
+        "numbers3-dead time 2 s",
+    ),
+)
 @pytest.mark.parametrize(
     ("numbers", "says"),
     [
@@ -371,6 +383,7 @@ def test_regulate_states_what_is_certified_of_its_integral_gain(capsys, one, num
     assert says in err
 
 
+@pytest.mark.long("takes two seconds")
 def test_certify_prints_the_gain_that_regulate_takes(capsys, one):
     """The gain of the circle criterion, 1/(λ (dT + (T/2) coth(T/2τ))), with λ from a grid of branches."""
     status, out, _ = call(capsys, "certify", one, "--samples", "0", "--json")
@@ -408,6 +421,7 @@ def test_an_integral_gain_is_recorded_with_its_limits(one):
     assert s["delay_s"] == pytest.approx(0.1)
 
 
+@pytest.mark.long("takes three seconds")
 def test_a_model_whose_output_falls_has_no_integral_gain_of_its_own(capsys, two):
     words = ("--setpoint", "3", "--controller", "integral", "--rig", "two_wire_twin", "--quiet", "--dry-run")
     status, _, err = call(capsys, "regulate", two, *words)

@@ -77,6 +77,7 @@ def test_unrecorded_time_between_runs_is_reported(diagnosed):
     assert "25 min between these runs are not recorded" in apart.text()
 
 
+@pytest.mark.long("takes a second")
 def test_verify_evaluates_the_extended_model(found, session_folder, capsys):
     def rms(model):
         capsys.readouterr()
@@ -99,6 +100,7 @@ def test_the_diagnosis_and_verify_count_one_error_of_the_extended_model(diagnose
     assert f"{gain.settled_rms(gain.extended_error):.4g} mm. The figures before" in diagnosed[1].text()
 
 
+@pytest.mark.long("takes a second")
 def test_the_extended_model_simulates(found, session_folder, tmp_path):
     along = session_folder / "validation.run.sqlite"
     out = tmp_path / "simulated.run.sqlite"
@@ -227,6 +229,7 @@ def verified(capsys, model, run):
     return result["rms"], " ".join(result["warnings"])
 
 
+@pytest.mark.long("takes a second")
 def test_an_extended_model_is_verified_along_the_whole_session_or_reports_missing_runs(
     found, session_folder, tmp_path, capsys
 ):

@@ -93,6 +93,7 @@ def test_a_speed_that_is_no_number_is_refused_before_anything_is_opened(capsys, 
         assert f"{speed} is not a finite number" in err
 
 
+@pytest.mark.long("takes five seconds")
 @pytest.mark.skipif(os.name == "nt", reason="POSIX signals")
 def test_a_run_being_recorded_is_not_replaced(tmp_path):
     out = tmp_path / "r.run.sqlite"
@@ -262,6 +263,7 @@ def test_a_preview_can_be_interrupted():
         preview("validation", load_rig("one_wire_twin"), {}, control)
 
 
+@pytest.mark.long("takes three seconds")
 @pytest.mark.skipif(os.name == "nt", reason="POSIX signals")
 def test_an_import_does_not_replace_a_run_being_recorded_either(tmp_path):
     from smarig.record.new_run_file import write_run
@@ -306,6 +308,7 @@ def test_two_steps_of_a_campaign_need_two_names(capsys, tmp_path):
     ]
 
 
+@pytest.mark.long("takes a second")
 def test_a_model_path_below_a_file_is_reported(capsys, tmp_path):
     fod = small_fod(capsys, tmp_path)
     (tmp_path / "file").write_text("x", encoding="utf-8")

@@ -42,6 +42,10 @@ FITS = [(surface, "none") for surface in surface_choices()] + [
 ]
 
 
+@pytest.mark.long(
+    "takes three seconds",
+    cases=("falling-constant-none", "leading-best-none", "leading-positive-best", "leading-positive-none"),
+)
 @pytest.mark.parametrize(("surface", "extension"), FITS)
 @pytest.mark.parametrize("sign", SIGNS)
 def test_no_surface_fits_it_without_a_warning(files, tmp_path, capsys, sign, surface, extension):
@@ -63,6 +67,7 @@ def test_a_model_of_the_right_sign_is_not_verified_without_a_warning(files, caps
     assert "does not predict" not in capsys.readouterr().err
 
 
+@pytest.mark.long("takes a second")
 def test_the_page_of_models_names_the_poor_one(files, tmp_path):
     page = tmp_path / "models.html"
     assert cli(["report", str(files["falling"]), "--model", str(files["model"]), "-o", str(page)]) == 0

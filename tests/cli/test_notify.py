@@ -152,6 +152,7 @@ def test_a_trip_and_a_lost_device_are_reported_at_the_end(
     assert end["stdin"]["cause"] == str(error)
 
 
+@pytest.mark.long("takes a second")
 def test_a_resumption_and_settling_that_times_out_are_reported(capsys, tmp_path, note):
     settle = ("settle.window_s=2", "settle.timeout_s=3", "settle.band_counts=0.001")
     never = [word for pair in settle for word in ("--set", pair)]

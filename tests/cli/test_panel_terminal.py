@@ -170,6 +170,7 @@ def stopped_terminal():
         os.close(slave)
 
 
+@pytest.mark.long("takes two seconds", cases=("xterm",))
 @pytest.mark.skipif(os.name == "nt", reason="needs a pseudo-terminal")
 @pytest.mark.parametrize(
     "term", ["xterm", pytest.param("dumb", marks=pytest.mark.long("takes five seconds"))]

@@ -36,6 +36,7 @@ def test_the_tests_of_a_new_package_pass(project, acme):
     assert "my_" not in "".join(f.read_text() for f in project.rglob("*.py")).replace("./my_rig.toml", "")
 
 
+@pytest.mark.long("takes a second")
 def test_lists_show_the_origin_and_import_nothing(capsys, acme):
     status, out, _ = call(capsys, "list", "--settings", "--json")
     found = json.loads(out)

@@ -49,6 +49,7 @@ def test_a_sheet_is_of_a_run_or_a_characterisation(folder, capsys):
     assert "holds no characterisation" in capsys.readouterr().err
 
 
+@pytest.mark.long("takes two seconds")
 def test_each_panel_is_named_after_what_it_shows(tmp_path):
     panels = [
         Panel([], {"xaxis": {"title": {"text": "Time (h)"}}, "yaxis": {"title": {"text": y}}})

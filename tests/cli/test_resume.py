@@ -325,6 +325,7 @@ set = { points = 2 }
 """
 
 
+@pytest.mark.long("takes two seconds")
 def test_a_campaign_resumes_where_it_was_interrupted(capsys, tmp_path):
     plan, out = tmp_path / "two.toml", tmp_path / "runs"
     plan.write_text(CAMPAIGN, encoding="utf-8")
@@ -358,6 +359,7 @@ def test_resuming_with_another_experiment_is_refused(capsys, tmp_path, killed):
     assert killed.read_bytes() == before
 
 
+@pytest.mark.long("takes a second", cases=("interrupted",))
 @pytest.mark.parametrize("second_run", ["interrupted", "missing"])
 def test_a_campaign_is_not_continued_on_another_scale(capsys, tmp_path, killed_on_own_files, second_run):
     """Not even where its finished runs are only skipped: the runs of a campaign belong together."""
@@ -378,6 +380,7 @@ def test_a_campaign_is_not_continued_on_another_scale(capsys, tmp_path, killed_o
     assert {path: path.read_bytes() for path in out.iterdir()} == before
 
 
+@pytest.mark.long("takes three seconds")
 def test_a_run_that_a_fault_ended_says_how_to_continue_it(capsys, tmp_path):
     faults, rig, out = tmp_path / "faults.toml", tmp_path / "rig.toml", tmp_path / "a.run.sqlite"
     jump = '[[fault]]\nkind = "jumping_encoder"\ndevice = "encoder_daq"\ncounts = 500\nfrom_s = {}\n'

@@ -53,6 +53,7 @@ def tried(rig, actuator):
     return ""
 
 
+@pytest.mark.long("takes three seconds", cases=("two_wire_thermomechanical",))
 @pytest.mark.parametrize("name", RIGS)
 def test_every_number_is_refused_or_runs(name):
     rig = load_rig(name).model_dump(mode="json")

@@ -25,6 +25,7 @@ def test_a_chain_of_bases_gives_its_values(tmp_path):
     assert found.model_copy(update={"base": load_rig(rig).base}) == load_rig(rig)
 
 
+@pytest.mark.long("takes two seconds", cases=("text4", "text5"))
 @pytest.mark.parametrize(
     "text",
     [

@@ -73,6 +73,7 @@ def test_what_is_not_dissipative_gets_no_bound(kind):
     assert all(c["delta"] > 0 for c in plain["controllers"]), "that is the controller's own"
 
 
+@pytest.mark.long("takes a second")
 def test_a_model_that_is_covered_gets_its_bound():
     for words in all_texts(thesis_surface("one_e")):
         assert [promise for promise in PROMISES if promise not in words] == []
@@ -102,6 +103,7 @@ def test_a_dissipative_model_whose_theorem_fails_keeps_its_stored_energy():
     assert "is dissipative" in found.position_controllers
 
 
+@pytest.mark.long("takes three seconds", cases=("two_p",))
 @pytest.mark.parametrize("name", ["one_e", "two_p"])
 def test_text_page_and_json_list_the_same_limits(name):
     found = certificate(thesis_surface(name))

@@ -59,6 +59,7 @@ def test_short_ticks_give_the_continuous_bounds():
 # --- λ ------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.long("takes a second", cases=("two_p",))
 @pytest.mark.parametrize("name", ["one_p", "one_e", "two_c", "two_p"])
 def test_no_chord_of_a_surface_is_steeper_than_its_largest_slope(name):
     s = thesis_surface(name)
@@ -80,6 +81,7 @@ def test_the_largest_slope_of_a_table_is_that_of_its_major_loop():
         assert largest_slope(table).value == pytest.approx(steepest_major_branch(table), rel=1e-12)
 
 
+@pytest.mark.long("takes two seconds")
 def test_no_move_of_an_operator_is_steeper():
     rng = np.random.default_rng(7)
     for name in ("one_e", "two_e"):
@@ -120,6 +122,7 @@ def unlimited(gain: float, source: float):
     return loop.step
 
 
+@pytest.mark.long("takes two seconds")
 def test_every_wire_converges_below_the_first_bound_from_any_state():
     """0.999 of the bound, from a random memory and a source that is not at rest."""
     for loop, rng in random_loops(1, WIRES):
@@ -188,6 +191,7 @@ def test_most_wires_oscillate_at_a_multiple_of_the_first_bound():
 # --- on the twin --------------------------------------------------------------------------------------------
 
 
+@pytest.mark.long("takes a second", cases=("two_wire_twin-two_e-9.0-2000",))
 @pytest.mark.parametrize(
     ("rig", "surface", "setpoint", "ticks"),
     [("one_wire_twin", "one_e", 6.0, 3500), ("two_wire_twin", "two_e", 9.0, 2000)],

@@ -98,6 +98,7 @@ def test_states_of_one_output_are_indistinguishable_at_zero_input():
 laws = st.builds(SwitchedGain, st.floats(0.1, 5), st.floats(5, 50), st.floats(0.05, 2), st.floats(0.2, 5))
 
 
+@pytest.mark.long("takes two seconds")
 @settings(max_examples=20)
 @given(tables, laws, st.floats(-2, 8), st.lists(st.floats(-3, 3), max_size=3), st.sampled_from([0.0, 0.5]))
 def test_a_gain_switched_by_the_error_has_a_certificate(model, law, goal, past, lag_s):

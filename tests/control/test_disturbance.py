@@ -121,6 +121,7 @@ def test_the_gentle_loops_zero_cancels_the_lag_so_the_temperature_keeps_one_dire
     assert np.all(np.diff(path) > -1e-9), "no branch is left that need not be"
 
 
+@pytest.mark.long("takes three seconds", cases=("one_wire_twin-7.8375",))
 @pytest.mark.parametrize(
     ("rig", "setpoint"), [("one_wire_twin", 7.8375), pytest.param("two_wire_twin", 8.5826, marks=long)]
 )

@@ -133,6 +133,7 @@ def twin(tmp_path_factory):
     return of
 
 
+@pytest.mark.long("takes three seconds", cases=("two_wire_serial",))
 @pytest.mark.parametrize(
     "link",
     [
@@ -163,6 +164,9 @@ LOSSES = [
 ]
 
 
+@pytest.mark.long(
+    "takes a second", cases=("modbus_rtu-pi-encoder_daq-dead_line", "modbus_tcp-inverse-amplifier-unplugged")
+)
 @pytest.mark.parametrize(("link", "name", "device", "loss"), LOSSES)
 def test_a_link_lost_in_mid_loop_ends_at_zero_current(link, name, device, loss, tmp_path):
     rig = rig_file(tmp_path, link, [{"kind": loss, "device": device, "from_s": LOST_S}])

@@ -54,6 +54,7 @@ def test_from_any_state_the_return_to_zero_attains_the_bound(measure, past, inpu
     assert home.supplied[-1] == pytest.approx(-stored, abs=1e-9)
 
 
+@pytest.mark.long("takes a second")
 @given(relays(low=-0.25), histories(), histories())
 def test_signed_but_dissipative_measures_keep_the_available_storage_as_bound(measure, past, inputs):
     game = Game.of(*measure, LEVELS.tolist())
@@ -103,6 +104,7 @@ def by_outputs(model, inputs, state) -> float:
     return float(np.trapezoid(u, Preisach(model).simulate(u, state)))
 
 
+@pytest.mark.long("takes two seconds", cases=("one_p-negative",))
 @pytest.mark.parametrize(("name", "start"), [("one_p", "negative"), ("two_p", "anhysteretic")])
 def test_the_p_surfaces_are_broken_by_a_loop(name: str, start):
     model = thesis_surface(name)

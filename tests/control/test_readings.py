@@ -90,6 +90,7 @@ def test_a_loop_that_gives_energy_back_goes_below_whatever_the_noise(run):
     assert "no bound to compare with: the model is not dissipative" in own.text
 
 
+@pytest.mark.long("takes three seconds")
 def test_gaps_cut_the_sum_and_not_the_memory(run):
     model, position = model_of("one_e"), run["position"].copy()
     position[4000:4100] = np.nan

@@ -45,6 +45,7 @@ def test_draws_have_the_covariance_of_the_file():
     assert drawn.std(axis=0) == pytest.approx(sizes, rel=0.06)
 
 
+@pytest.mark.long("takes a second")
 def test_verdicts_agree_with_the_exact_ones():
     """Draws on both sides of the border, each decided with proof and by an estimate of its own."""
     posterior, dice = around(ONE_P, 0.15), np.random.default_rng([0, 0x524F])
@@ -117,6 +118,7 @@ def test_no_samples_are_refused():
         robust_certificate(around(ONE_P, 0.1), 0)
 
 
+@pytest.mark.long("takes a second")
 def test_certify_prints_and_stores_the_probability(capsys, tmp_path):
     one_e = thesis_surface("one_e")
     covariance = np.diag(np.square(0.15 * np.abs([*one_e.x, 12.54, 1.0])))

@@ -55,6 +55,7 @@ def test_every_controller_follows_a_wire_its_model_is_wrong_about(name):
     assert loop.peak_A <= 1.001  # a reading's noise
 
 
+@pytest.mark.long("takes a second")
 def test_the_inverse_halves_the_error_of_plain_feedback_or_nearly():
     """Means over wires: the whole comparison is ``smarig benchmark tracking``."""
 

@@ -49,6 +49,7 @@ def test_the_loop_is_the_figure(model, controller, rate_and_offset, past):
     np.testing.assert_allclose(loop.u, control + offset, atol=1e-7 * scale)
 
 
+@pytest.mark.long("takes a second")
 @given(tables, controllers(), signals(rows=2), PAST, LAG)
 def test_k_e_is_never_exceeded_from_rest(model, controller, rate_and_offset, past, lag_s):
     rate, offset = rate_and_offset
@@ -133,6 +134,7 @@ def test_signals_of_different_lengths_are_refused():
         velocity_loop(table(1), constant_gain(1.0), [1.0, 2.0], [0.0])
 
 
+@pytest.mark.long("takes a second")
 def test_the_statement_names_what_fails():
     fine = stability(thesis_surface("one_e"), constant_gain(4.0))
     assert fine.holds

@@ -73,6 +73,7 @@ def test_the_assessment_lists_the_hypotheses_that_the_rig_violates():
     assert [h.holds for h in assessment.hypotheses(None) if h.name == clipped.name] == [None]
 
 
+@pytest.mark.long("takes three seconds")
 def test_a_model_that_thm_8_2_does_not_cover_has_no_k_e():
     plain = assessed("two_wire_twin", "two_p", 30.0).to_json(0.0)
     assert plain["k_e"] is None

@@ -117,6 +117,7 @@ class Frozen(Twin):
         return (sample._replace(counts=self.held, position=self.held * self.position_per_count),)
 
 
+@pytest.mark.long("takes a second")
 def test_an_encoder_that_freezes_off_the_set_point_does_not_heat_without_end():
     plain = Twin.named("one_wire_twin", seed=2)
     twin = Frozen(plain.file, plain.actuator, plain.settings)

@@ -7,6 +7,7 @@ from diagnosis.boxes_opened import answer
 long = pytest.mark.long("takes ten seconds")
 
 
+@pytest.mark.long("takes twenty seconds", cases=("3",))
 @pytest.mark.parametrize("number", [3, pytest.param(4, marks=long), pytest.param(6, marks=long)])
 def test_it_finds_nothing_if_nothing_is_hidden(number):
     found = answer(number)

@@ -121,6 +121,7 @@ def test_every_effect_and_every_public_mechanism_is_covered():
     assert set(MECHANISMS) | NOT_IN_SHORT_BOXES == public
 
 
+@pytest.mark.long("takes ten seconds", cases=("slip", "walking"))
 @pytest.mark.parametrize("name", selected(VISIBLE))
 def test_an_effect_is_named_or_in_the_set_and_said_to_be_visible(name, request):
     found = answer(name)
@@ -144,6 +145,7 @@ def test_its_strength_lies_in_its_interval(name, request):
     assert ends[0] * ends[1] > 0
 
 
+@pytest.mark.long("takes five seconds", cases=("dead_zone",))
 @pytest.mark.parametrize("name", selected(TAKEN_UP, ["dead_zone"]))
 def test_nothing_is_named_where_a_density_takes_the_effect_up(name):
     assert answer(name, "taken up").verdict.word == "silent"

@@ -69,6 +69,7 @@ def test_an_interval_is_the_same_for_the_same_seed():
     assert low < g.removable_share < high
 
 
+@pytest.mark.long("takes two seconds")
 def test_intervals_hold_the_true_share_about_as_often_as_they_promise():
     """Errors that share a sign and size within a block: a bootstrap of points would promise too much."""
     rng, cases, blocks, of_each = np.random.default_rng(12), 80, 25, 6
@@ -97,6 +98,7 @@ def walked(tmp_path_factory):
     return runs, twin_plant_model()[0], *twin_plant_model(effects)
 
 
+@pytest.mark.long("takes a second")
 def test_a_model_with_the_effect_is_at_the_noise_floor_on_held_out_runs(walked):
     (train, judged), base, extended, per_count = walked
     noise = NoiseEstimate(np.empty(0), 0.0, 60.0, 0.4 * per_count / np.sqrt(250))

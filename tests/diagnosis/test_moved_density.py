@@ -44,6 +44,7 @@ def error(timeline, model, reference):
     return float(np.abs(there - here).max() / reference.stroke)
 
 
+@pytest.mark.long("takes a second", cases=("amplifier_gain=-4",))
 @pytest.mark.parametrize("pair", ["amplifier_gain=-4", "amplifier_gain=2", "dead_zone=0.02"])
 def test_along_the_moved_input_the_outputs_are_the_same(timeline, plain, pair):
     extended = with_effects(plain, pair)
@@ -57,6 +58,7 @@ def test_along_the_moved_input_the_outputs_are_the_same(timeline, plain, pair):
     assert error(timeline, moved, plain) < 0.2 * left_in_place
 
 
+@pytest.mark.long("takes five seconds")
 def test_a_given_surface_is_refitted_along_the_inputs_with_effects(tmp_path):
     """Identified without the effect, the surface is wrong along the true input; moved, it is 11 nats less likely."""
     effect = "resistance_phase=10"

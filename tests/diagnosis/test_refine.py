@@ -26,6 +26,7 @@ def fitted(walked, strength):
     return fit_parameters([walking(strength)], timeline, plant_model, warm_start, plant_model.hysteresis)
 
 
+@pytest.mark.long("takes two seconds")
 def test_a_fit_from_a_distant_start_reaches_the_injected_value(walked):
     found = fitted(walked, 0.1)
     assert found.effects[0].strength == pytest.approx(0.8, rel=0.03)

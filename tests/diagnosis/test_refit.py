@@ -46,6 +46,7 @@ def later(table, power):
     return FodTable(table.lower + share**power * (table.upper - table.lower), table.values, table.unit)
 
 
+@pytest.mark.long("takes two seconds")
 def test_the_evidence_does_not_depend_on_the_models_stroke(timeline, fair):
     """A wrong stroke only changes what readings are divided by, all of them by two."""
     larger = FodTable(fair.nodes, 2.0 * fair.values, fair.unit)

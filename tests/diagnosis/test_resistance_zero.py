@@ -45,6 +45,7 @@ def evidence(timeline, with_effects):
     return refit(timeline, predict(timeline, with_effects), with_effects).log_evidence
 
 
+@pytest.mark.long("takes a second")
 def test_a_constant_in_ohms_is_free(timeline):
     without, with_leads = (with_resistances(timeline, model(), ohm) for ohm in (0.0, 0.3))
     assert evidence(with_leads, model()) == pytest.approx(evidence(without, model()), abs=1.0)

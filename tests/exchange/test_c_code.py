@@ -230,6 +230,7 @@ def test_an_fmu_without_a_compiler_holds_sources_only(tmp_path, wire_model, monk
     assert sorted(names) == ["modelDescription.xml", "sources/fmi2.c", "sources/wire.c", "sources/wire.h"]
 
 
+@pytest.mark.long("takes two seconds")
 @needs_gcc
 def test_a_failing_compiler_leaves_no_file(tmp_path, wire_model, monkeypatch):
     monkeypatch.setattr("smarig.exchange.c_code.fmu_archive._FLAGS", ("--no-such-flag",))
@@ -238,6 +239,7 @@ def test_a_failing_compiler_leaves_no_file(tmp_path, wire_model, monkeypatch):
     assert not (tmp_path / "wire.fmu").exists()
 
 
+@pytest.mark.long("takes two seconds")
 def test_wrong_endings_and_existing_files_are_refused(tmp_path, wire_model):
     for to, name in (("c", "wire.txt"), ("fmu", "wire.zip")):
         with pytest.raises(UsageError, match="ends in"):

@@ -118,6 +118,7 @@ def same_rows(got, kept):
             assert row["severity"] == was.severity
 
 
+@pytest.mark.long("takes two seconds")
 def test_these_runs_are_worth_exporting(runs):
     assert runs["one_wire"].unit == "mm"
     assert runs["two_wire"].unit == "deg"

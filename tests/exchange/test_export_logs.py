@@ -55,6 +55,7 @@ def test_without_the_library_the_extra_is_named(run, tmp_path, monkeypatch):
     assert not (tmp_path / "v.mcap").exists()
 
 
+@pytest.mark.long("takes two seconds", cases=("False",))
 @pytest.mark.parametrize("incomplete", [False, True])
 def test_documents_are_valid_and_hold_the_run(run, tmp_path, incomplete):
     model = pytest.importorskip(

@@ -56,6 +56,7 @@ def loop(rows=40, size=1.0, seed=1):
     return np.column_stack([t, u + rng.normal(0, 0.1, rows), size * np.tanh((u - 60) / 20)])
 
 
+@pytest.mark.long("takes a second")
 @settings(max_examples=60, deadline=None)
 @given(
     delimiter=st.sampled_from(sorted(DELIMITERS)),

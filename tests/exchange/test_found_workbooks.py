@@ -180,6 +180,7 @@ def test_a_missing_package_is_named_with_its_extra(write, monkeypatch, name, pac
         find_tables(write(head + b"\x00" * 100, name))
 
 
+@pytest.mark.long("takes two seconds")
 def test_a_workbook_that_unpacks_to_more_than_the_memory_is_refused(tmp_path):
     pytest.importorskip("openpyxl", reason="needs openpyxl (extra 'files')")
     path = tmp_path / "bomb.xlsx"

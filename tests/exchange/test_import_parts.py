@@ -60,6 +60,7 @@ def part(tmp_path):
     return do
 
 
+@pytest.mark.long("takes a second")
 def test_a_model_of_the_parts_is_that_of_the_whole_record(part):
     whole, first = part("whole", slice(None)), part("first", slice(CUT), wire="P1")
     second = part("second", slice(CUT, None), continues=first.path)

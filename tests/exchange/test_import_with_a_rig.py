@@ -47,6 +47,7 @@ def exported(tmp_path):
     return run, tmp_path
 
 
+@pytest.mark.long("takes a second")
 def test_a_mapping_and_a_rig_give_temperatures_and_steps(exported):
     run, folder = exported
     mapping = folder / "mine.toml"

@@ -18,6 +18,7 @@ def sizes(elf):
     return text + data, data + bss
 
 
+@pytest.mark.long("takes two seconds")
 def test_it_fits(uno_folder):
     flash, ram = sizes(uno_folder / "uno.elf")
     assert flash <= FLASH - BOOTLOADER
@@ -36,6 +37,7 @@ def test_it_can_be_flashed(uno_folder):
     assert "avrdude -p atmega328p -c arduino -P /dev/ttyX -b 115200" in said
 
 
+@pytest.mark.long("takes two seconds")
 def test_another_largest_current_is_another_program(tmp_path):
     before = build(tmp_path, "uno.elf").read_bytes()
     assert build(tmp_path, "uno.elf", "BOARD_MAX_uA=500000").read_bytes() != before

@@ -50,6 +50,7 @@ def test_a_request_during_a_reply_is_lost_and_does_not_change_it(uno):
     assert (len(reply), reply[:2]) == (length, bytes([65, 3]))
 
 
+@pytest.mark.long("takes three seconds")
 def test_noise_and_damaged_frames(uno):
     board, chance = uno(), random.Random(5)
     replies = 0

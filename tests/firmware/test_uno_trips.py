@@ -70,6 +70,7 @@ def test_the_ring_keeps_32_samples(uno):
     assert (status["ring_first"], len(status.samples)) == (status["tick"] - 31, 12)
 
 
+@pytest.mark.long("takes a second")
 def test_the_lease_ends_the_current(uno):
     board = driven(uno)
     board.go(1000)
@@ -102,6 +103,7 @@ def test_a_short_stop_is_not_forgotten(uno):
     assert board.command()["trip"] == STOP
 
 
+@pytest.mark.long("takes a second")
 def test_without_a_current_sensor_the_gate_closes(uno):
     board = driven(uno)
     board.tell("unplug ina219")
@@ -122,6 +124,7 @@ def test_the_current_sensor_may_come_back(uno):
     assert abs(board.drive(HALF_uA, 4).samples[-1][0] - HALF_uA) < 2000
 
 
+@pytest.mark.long("takes a second")
 def test_a_missing_magnet_or_encoder_is_a_fault(uno):
     board = uno()
     board.go(300)
@@ -144,6 +147,7 @@ def test_turns_are_counted(uno):
     assert abs(board.position()["counts"] - begin - 6000) <= 2
 
 
+@pytest.mark.long("takes a second")
 def test_a_shunt_that_jumps_cuts_the_gate(uno):
     board = driven(uno, current_uA=900_000)
     board.tell("gain 1.3")

@@ -35,6 +35,7 @@ def kept():
     return load()
 
 
+@pytest.mark.long("takes twenty seconds", cases=("box/00", "data/UB199BF"))
 @pytest.mark.parametrize("group", sorted({_group(name) for name in (_asked(load()) if LONG else SHORT)}))
 def test_the_answers_are_the_same(group, kept, tmp_path):
     questions = Questions(tmp_path)

@@ -64,6 +64,21 @@ def runs(tmp_path_factory):
     return unpacked("runs", tmp_path_factory.mktemp("runs"))
 
 
+@pytest.mark.long(
+    "takes three seconds",
+    cases=(
+        "old/box",
+        "old/model/effects_one_wire",
+        "old/model/effects_two_wire",
+        "old/model/mirrored_table",
+        "old/model/one_wire_exponential",
+        "old/own/rig",
+        "old/report",
+        "old/resume/stopped_serial",
+        "old/run/forc",
+        "old/run/waveform",
+    ),
+)
 @pytest.mark.parametrize(
     "name", [name for name in load() if name.startswith("old/") and (LONG or name not in WITH_A_LIKE)]
 )

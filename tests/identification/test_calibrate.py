@@ -113,6 +113,7 @@ def test_an_interval_around_a_mean_holds_for_correlated_noise():
 # --- τ ------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.long("takes two seconds", cases=("20.0-3.0-45.0", "5.3-0.0-30.0"))
 @pytest.mark.parametrize(
     ("tau_s", "dead_s", "length_s"), [(5.3, 0.0, 30.0), (20.0, 3.0, 45.0), (24.0, 4.8, 41.5)]
 )
@@ -225,6 +226,7 @@ def test_the_twin_s_resistances_and_time_constant(tmp_path):
     assert rough.ci95[1] - rough.ci95[0] > tau.ci95[1] - tau.ci95[0]
 
 
+@pytest.mark.long("takes three seconds")
 def test_cold_antagonists_are_martensite_whatever_the_law_of_their_phases():
     """By the position, the phase of both cold wires would be a half, and R_M 0.13 ohm too large."""
     covered = {"R_M": 0, "R_A": 0}
@@ -251,6 +253,7 @@ def test_antagonists_that_are_never_heated_from_cold_have_no_martensite_resistan
     assert "voltage" in calibrate([slow]).not_available["R_M"]
 
 
+@pytest.mark.long("takes two seconds")
 def test_the_differential_twin(tmp_path):
     wire = Actuator.named("gorbet_two_wire")
     with Session("two_wire_twin", seed=1) as session:
@@ -340,6 +343,7 @@ def test_what_was_found_goes_into_an_actuator_file(tmp_path):
         Calibration({}, {}).write_actuator(tmp_path / "b.toml", base)
 
 
+@pytest.mark.long("takes three seconds")
 def test_runs_of_one_session_share_their_ends(tmp_path):
     """A run that stops short of saturation uses the ends of the other run."""
     with Session("one_wire_twin", seed=2, wire=str(tmp_path)) as session:

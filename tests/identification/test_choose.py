@@ -56,6 +56,7 @@ def compared():
 # --- the comparison ---------------------------------------------------------------------------------------
 
 
+@pytest.mark.long("takes five seconds")
 def test_every_kind_has_an_error_an_interval_and_a_share(compared):
     for choice in compared.values():
         assert (
@@ -83,6 +84,7 @@ def test_the_positive_measure_beats_every_other_kind_without_negative_mass_and_t
             assert rms["positive"] < rms["constant"]
 
 
+@pytest.mark.long("takes a second")
 def test_a_shape_of_no_form_is_best_met_by_the_positive_measure():
     levels = np.linspace(0.0, 100.0, 15)
     y = Preisach.from_surface(two_hills()).simulate(fod_inputs(levels))
@@ -117,6 +119,7 @@ def test_the_table_misses_curves_it_would_meet_exactly():
     assert choose_surface(fod_data(fod_run("two_c"))).held_out_rms["table"] > 0.1
 
 
+@pytest.mark.long("takes a second")
 def test_the_positive_errors_are_those_of_fits_without_the_curves():
     data = fod_data(fod_run("two_p", seed=2))
     whole = fit_positive(Observations.of_fod(data))

@@ -44,6 +44,7 @@ def test_short_curves_are_named_and_nothing_fails():
     assert "1.7" in repr(fits)
 
 
+@pytest.mark.long("takes two seconds")
 def test_standard_errors_of_a_long_curve_cover():
     truth = thesis_surface("two_c")
     inside = []
@@ -115,6 +116,7 @@ def test_what_lies_between_coarse_points_is_no_crossing(inner_y, crosses):
     assert (_crossing_curves(curves, curves, 0.01) is not None) == crosses
 
 
+@pytest.mark.long("takes a second", cases=("two_c",))
 @pytest.mark.parametrize("name", ["one_c", "two_c"])
 def test_noise_is_no_crossing(name):
     for seed in range(12):

@@ -179,6 +179,7 @@ def test_it_recovers_the_published_density_better_than_any_constant_quadratic(pu
     assert automatic < 0.8 * oracle
 
 
+@pytest.mark.long("takes a second")
 def test_drift_shared_by_the_points_of_a_curve_is_not_taken_for_signal():
     a, b, y = generator.curves(0.0005, seed=3)
     _, curve = np.unique(a, return_inverse=True)
@@ -187,6 +188,7 @@ def test_drift_shared_by_the_points_of_a_curve_is_not_taken_for_signal():
     assert benchmark.score(found.mu) < 0.035  # 0.022 is the best there is; by single points it would be 0.057
 
 
+@pytest.mark.long("takes a second")
 def test_points_that_share_no_curve_are_smoothed_too():
     random = np.random.default_rng(8)
     a, b = np.sort(random.uniform(0, 1, (2, 1500)), axis=0)[::-1]

@@ -65,6 +65,7 @@ def ridged():
     return reversal_curves(h_c, h_u, weight / 2, noise=2e-4)
 
 
+@pytest.mark.long("takes a second")
 def test_the_peak_lies_where_most_relays_are(broad):
     peak = forc_diagram(broad).peak
     assert peak.half_width == pytest.approx(40.0, abs=2.5)
@@ -102,6 +103,7 @@ def test_a_ridge_is_told_from_its_background(ridged):
     assert 0.2 < ridge.share < 0.8
 
 
+@pytest.mark.long("takes two seconds")
 def test_a_resolved_distribution_is_no_ridge(broad):
     ridge = central_ridge(broad, forc_diagram(broad))
     assert not ridge.present
@@ -122,6 +124,7 @@ def test_a_given_factor_is_used_and_a_wrong_one_refused(broad):
             forc_diagram(broad, factor=wrong)
 
 
+@pytest.mark.long("takes a second")
 def test_the_chosen_factor_has_the_least_error_of_those_tried(broad):
     diagram = forc_diagram(broad)
     best = min(diagram.tried, key=lambda choice: choice.error)

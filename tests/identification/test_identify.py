@@ -22,6 +22,7 @@ CONTRACT = [
 WALK = np.random.default_rng(11).uniform(0.0, 174.1, 200)
 
 
+@pytest.mark.long("takes a second", cases=("best",))
 @pytest.mark.parametrize("kind", ["constant", "parabolic", "exponential", "positive", "table", "best"])
 def test_json_begins_with_the_contract(kind):
     found = identify(fod_run("one_e", seed=4), kind).to_json()
@@ -47,6 +48,7 @@ def test_the_model_predicts_what_was_not_measured():
 LONG = pytest.mark.long("takes three seconds")
 
 
+@pytest.mark.long("takes two seconds", cases=("one_e-exponential", "two_c-constant"))
 @pytest.mark.parametrize(
     ("name", "form"),
     [
@@ -64,6 +66,7 @@ def test_best_finds_the_form_of_the_truth_and_the_simplest_that_does(name, form)
         assert rms[form] <= 1.3 * min(rms.values())
 
 
+@pytest.mark.long("takes a second")
 def test_best_gives_the_model_that_its_kind_gives_by_name():
     run = fod_run("two_p", seed=0)
     best, named = identify(run, "best"), identify(run, "parabolic")

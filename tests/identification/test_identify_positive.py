@@ -275,6 +275,7 @@ def test_too_few_curves_to_choose_the_smoothing_are_reported():
     assert not any("smoothing" in w for w in result.warnings)
 
 
+@pytest.mark.long("takes a second")
 def test_an_output_that_falls_as_the_input_rises_has_the_model_of_its_negative():
     inputs, outputs = fod_run("one_c", seed=1).points()
     rising, falling = (identify(made_run(inputs, sign * outputs), "positive").model for sign in (1.0, -1.0))
@@ -282,6 +283,7 @@ def test_an_output_that_falls_as_the_input_rises_has_the_model_of_its_negative()
     assert np.allclose(falling.predict(inputs), -rising.predict(inputs), atol=1e-9)
 
 
+@pytest.mark.long("takes a second", cases=("0.0",))
 @pytest.mark.parametrize("mean", [0.0, 5.0])
 def test_an_output_of_noise_alone_is_not_reported_with_the_wrong_sign(mean):
     inputs = fod_inputs(PARTITION["one"])

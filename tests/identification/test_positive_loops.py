@@ -151,6 +151,7 @@ def test_ferrite_loops_between_are_predicted_to_one_percent_and_not_quite(ferrit
     assert third < 0.0115
 
 
+@pytest.mark.long("takes a second")
 def test_ferrite_loops_that_contradict_a_measure_are_not_followed(ferrite):
     small, large = ferrite[0], ferrite[3]
     swapped = replace(
@@ -160,6 +161,7 @@ def test_ferrite_loops_that_contradict_a_measure_are_not_followed(ferrite):
     assert rms_share(wrong.table, ferrite[1]) > 0.02
 
 
+@pytest.mark.long("takes a second")
 def test_a_ferrite_loop_in_anothers_place_is_seen_to_be_wrong(ferrite):
     fit = fit_positive(observations_of_loops([ferrite[0], ferrite[3]]), symmetric=True)
     second, third = ferrite[1:3]

@@ -101,6 +101,7 @@ def curves(tmp_path_factory):
     )
 
 
+@pytest.mark.long("takes two seconds")
 def test_identify_takes_the_weight_and_stores_it(capsys, curves, tmp_path):
     words = ["identify", str(curves.path), "--surface", "exponential", "--slopes", "1.5"]
     assert cli([*words, "-o", str(tmp_path / "m.model.json"), "--json"]) == 0
@@ -121,6 +122,7 @@ def test_a_wrong_weight_is_refused(weight):
         fit_surface(measured(thesis_surface("one_c"), 0.0, 1), "constant", slopes=weight)
 
 
+@pytest.mark.long("takes three seconds")
 def test_the_twins_crossing_is_named_as_its_own(capsys, curves, tmp_path):
     """One sentence in JSON and text on the default twin; none on a twin whose curves do not cross."""
     assert (

@@ -60,6 +60,7 @@ def test_exact_data_gives_the_exact_surface(name):
     assert np.allclose(fit.values, truth_of(thesis_surface(name)), rtol=1e-4, atol=1e-4)
 
 
+@pytest.mark.long("takes five seconds")
 def test_one_e_is_found_within_the_stated_error(fits):
     s = thesis_surface("one_e")
     data = fod_data(fod_run("one_e"))

@@ -34,6 +34,7 @@ def runs(tmp_path_factory):
     return [load_run(path) for path in made]
 
 
+@pytest.mark.long("takes five seconds")
 def test_a_model_that_is_right_is_right_along_a_waveform_too(runs):
     (found,) = verify(model_of("one_e"), runs[1]).runs
     assert found.settled.n == 2

@@ -58,6 +58,7 @@ def test_a_model_of_another_form_is_distinguished(session_folder):
     assert errors["constant"] > 10 * errors["exponential"]
 
 
+@pytest.mark.long("takes two seconds", cases=("UB199BF",))
 @pytest.mark.parametrize(
     "name",
     [

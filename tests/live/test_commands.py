@@ -120,6 +120,7 @@ def test_a_drawing_that_fails_does_not_stop_the_run(tmp_path, capsys, monkeypatc
     assert len(load_run(out)) == 300
 
 
+@pytest.mark.long("takes two seconds")
 def test_a_model_of_another_rig_is_refused(two_wire, tmp_path, capsys):
     from live.test_recording import a_model
 

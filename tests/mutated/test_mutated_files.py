@@ -48,6 +48,7 @@ def seeds(tmp_path_factory):
     return {name: form.seeds(folder) for name, form in FORMATS.items()}
 
 
+@pytest.mark.long("takes two seconds", cases=("text",))
 @pytest.mark.parametrize("name", FORMATS)
 def test_every_seed_but_few_is_read(tmp_path, seeds, name):
     """Otherwise every mutation would be refused for another reason than its own."""
@@ -59,6 +60,7 @@ def test_every_seed_but_few_is_read(tmp_path, seeds, name):
     assert len(refused) <= len(seeds[name]) // 4, refused
 
 
+@pytest.mark.long("takes two seconds", cases=("run", "text", "xlsx"))
 @pytest.mark.parametrize("name", FORMATS)
 def test_a_mutated_file_is_read_or_refused_in_a_sentence(tmp_path, seeds, name):
     form, path, ended = FORMATS[name], tmp_path / f"mutated{FORMATS[name].ending}", Counter()

@@ -79,6 +79,7 @@ def test_it_balances_with_an_effect_on_the_resistance_too(kind):
     assert electrical == pytest.approx(heat, rel=1e-3)
 
 
+@pytest.mark.long("takes a second", cases=("two_wire",))
 @pytest.mark.parametrize("kind", RIGS)
 def test_the_twin_of_the_thesis_is_heated_by_the_mean_resistance(kind):
     """By default V·i differs from the heat, by no more than half the difference of both resistances."""

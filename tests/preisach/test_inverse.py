@@ -52,6 +52,7 @@ def range_of(h: Everett) -> tuple[float, float]:
 # --- there and back -----------------------------------------------------------------------------------
 
 
+@pytest.mark.long("takes a second")
 @given(st.sampled_from(sorted(SMOOTH)), initials, paths, shares)
 @example("two_e", "anhysteretic", [60.0, -20.0], 0.02)  # past the mirror image, out of B*
 @example("two_e", "anhysteretic", [], 0.9)

@@ -80,6 +80,7 @@ def _fine_measure() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     return pair[:, 1], pair[:, 0], rng.normal(0.2, 1, len(pair))
 
 
+@pytest.mark.long("takes two seconds", cases=("nested-None-compiled",))
 @pytest.mark.parametrize("compiled", LOOPS)
 @pytest.mark.parametrize("centre", [None, 90.0, 100.0])
 @pytest.mark.parametrize("history", sorted(histories(np.arange(20.0), 0)))
@@ -125,6 +126,7 @@ def test_outputs_and_memories_along_a_path_are_those_of_its_steps(name: str, ini
     assert [s.diagonal for s in states] == [steps[k][1].diagonal for k in at]
 
 
+@pytest.mark.long("takes three seconds", cases=("table-negative", "two_p-negative"))
 @needs_numba
 @pytest.mark.parametrize("initial", ["negative", "positive", "anhysteretic"])
 @pytest.mark.parametrize("name", KINDS)
@@ -205,6 +207,7 @@ def test_deep_memory_is_held_and_wiped_out(compiled: bool):
 # --- memory and speed are bounded by construction -----------------------------------------------------
 
 
+@pytest.mark.long("takes a second")
 def test_memory_does_not_grow_beyond_the_arrays():
     u = walk(100_000, 13)
     op = Preisach(KINDS["measure"], compiled=False)

@@ -220,6 +220,7 @@ def test_a_shape_without_height_has_no_amplitude(x, use):
         use(FodSurface("constant", x, 0.0, 100.0, 0.0, 10.0))
 
 
+@pytest.mark.long("takes a second")
 def test_an_output_that_never_moves_is_a_hysteresis_all_the_same():
     still = FodSurface("constant", (0.05, -47.0, 0.1, -24.0), 0.0, 100.0, 3.0, 3.0)
     assert Preisach(still).simulate([50.0, 20.0, 70.0]).tolist() == [3.0, 3.0, 3.0]

@@ -101,6 +101,7 @@ def test_currents_change_no_faster_than_the_limits_allow():
     assert largest_jump(setup) > 0.1  # the turn from heating to cooling
 
 
+@pytest.mark.long("takes two seconds", cases=("two_wire_twin",))
 @pytest.mark.parametrize("rig", RIGS)
 def test_it_takes_a_fifth_of_the_settled_protocol(rig):
     from smarig.config import load_rig

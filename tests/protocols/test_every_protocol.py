@@ -41,6 +41,14 @@ def settings_of(name, whole=False):
     return {} if LONG or whole else SHORT.get(name, {})
 
 
+@pytest.mark.long(
+    "takes two seconds",
+    cases=(
+        "adaptive_fod-one_wire_twin",
+        "constant_force_cycles-one_wire_twin",
+        "second_order_transition-one_wire_twin",
+    ),
+)
 @pytest.mark.parametrize("rig", RIGS)
 @pytest.mark.parametrize("name", ALL)
 def test_it_can_be_costed_and_stays_within_the_limits(rig, name):

@@ -66,6 +66,7 @@ def test_a_waveform_is_cut_where_its_sign_changes():
 LONG = pytest.mark.long("takes three seconds")
 
 
+@pytest.mark.long("takes two seconds", cases=("initialise", "wiping_out"))
 @pytest.mark.parametrize(
     "name",
     [
@@ -101,6 +102,7 @@ def settled_positions(file):
     return np.array(rows)
 
 
+@pytest.mark.long("takes a second")
 def test_the_memory_of_the_hysteresis_is_the_same():
     """The input passes zero on its way: the settled points are those without a limit."""
     plain, paused = settled_positions(load_rig("two_wire_twin")), settled_positions(limited())

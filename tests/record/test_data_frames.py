@@ -29,6 +29,7 @@ def test_a_run_without_time_has_its_ticks_as_index():
     assert frame["position"].tolist() == [5.0, 6.0]
 
 
+@pytest.mark.long("takes two seconds")
 def test_a_data_set_has_units():
     pytest.importorskip("xarray")
     data = run_of(COLUMNS, **META).to_xarray()

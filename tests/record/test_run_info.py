@@ -108,6 +108,7 @@ def test_a_value_of_another_type_is_not_known_but_kept(key):
     assert info.extra[key] == odd
 
 
+@pytest.mark.long("takes three seconds")
 @given(meta=ANY_META)
 @example(meta=META)
 @example(meta={"actuator": "\ud800"})

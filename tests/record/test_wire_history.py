@@ -96,6 +96,7 @@ def test_an_interrupted_run_counts_once_however_it_ended(tmp_path, rig):
     )
 
 
+@pytest.mark.long("takes a second", cases=("one_wire_serial",))
 @pytest.mark.parametrize("rig_name", ["one_wire_twin", "one_wire_serial"])
 def test_what_does_not_outlive_the_session_has_no_history(tmp_path, rig_name):
     """Twins, and simulated devices that the command itself starts: every session has a new wire."""
@@ -115,6 +116,7 @@ def test_a_simulation_wears_nothing(tmp_path, rig):
     assert wire_histories() == []
 
 
+@pytest.mark.long("takes two seconds")
 def test_a_worn_wire_is_refused_before_anything_moves(tmp_path, urls):
     worn = str(rig_file(tmp_path / "worn.toml", urls, limits="[limits]\ncycles_max = 1\n"))
     smarig.run("congruency", rig=worn, out=tmp_path / "a.run.sqlite", **LOOPS)
@@ -199,6 +201,7 @@ def test_a_twin_in_process_leaves_no_heat_because_its_wire_ends_with_it(tmp_path
         assert session.guard.input_K == 0.0
 
 
+@pytest.mark.long("takes two seconds")
 def test_a_history_that_cannot_be_written_is_reported_and_ends_nothing(tmp_path, monkeypatch, rig):
     (tmp_path / "file").touch()
     monkeypatch.setenv("SMARIG_HISTORY_DIR", str(tmp_path / "file" / "wires"))

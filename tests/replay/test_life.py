@@ -51,6 +51,7 @@ def assert_the_same(a, b):
     assert np.array_equal(a.hysteresis_input_K, b.hysteresis_input_K)
 
 
+@pytest.mark.long("takes three seconds", cases=("one_wire-accommodation",))
 @pytest.mark.parametrize(("wire", "kind"), CASES)
 def test_both_methods_give_the_same_to_the_last_bit(cases, wire, kind):
     timeline, plant_model = cases[wire]

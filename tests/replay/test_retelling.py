@@ -55,6 +55,7 @@ def case_with_effect(tmp_path_factory):
     return make
 
 
+@pytest.mark.long("takes five seconds", cases=("nothing", "settling", "stress_coupling", "walking"))
 @pytest.mark.parametrize("name", selected(EFFECTS))
 def test_settled_positions_are_the_twins(case_with_effect, name):
     _, timeline, plant_model, per_count = case_with_effect(name)
@@ -77,6 +78,7 @@ def test_extra_effects_act_like_the_plant_models_own(case_with_effect):
     assert own.tolist() == beside.tolist()
 
 
+@pytest.mark.long("takes a second", cases=("sensor_lag-moving-0.05",))
 @pytest.mark.parametrize(
     ("name", "kind", "within"),
     [

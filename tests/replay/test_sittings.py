@@ -41,6 +41,7 @@ def with_shifted_zero(run, by):
     return replace(with_columns(run, position=run["position"] + by), steps=steps)
 
 
+@pytest.mark.long("takes two seconds")
 def test_a_joined_timeline_holds_every_sessions_readings_in_turn(apart, joined_timeline):
     alone = [build_timeline(runs, TAU_S) for runs in apart]
     assert len(joined_timeline.sessions) == 2
@@ -133,6 +134,7 @@ def test_positions_alone_are_read_at_the_same_times_from_the_same_memories(joine
     )
 
 
+@pytest.mark.long("takes a second", cases=("walking=1",))
 @pytest.mark.parametrize(
     "effect",
     [

@@ -27,6 +27,7 @@ def without(run, *columns):
     return replace(run, columns=run.columns | {name: np.full(len(run), np.nan) for name in columns})
 
 
+@pytest.mark.long("takes a second")
 def test_drive_profile_carries_the_charge_that_was_commanded_at_every_sample(runs, timeline):
     t = np.concatenate([run["t_s"] for run in runs]) - runs[0]["t_s"][0] + 0.1
     commanded = np.cumsum(np.concatenate([run["current_command_A"] for run in runs])) * 0.1

@@ -156,6 +156,7 @@ def test_the_summary_names_the_model_that_the_theorems_apply_to(evidence, page):
     assert "--surface positive" in words
 
 
+@pytest.mark.long("takes two seconds")
 def test_the_verdict_follows_the_errors(evidence):
     choice = evidence.choice
     even = replace(
@@ -297,6 +298,7 @@ def test_a_campaign_without_a_model_or_validation_still_gives_a_page(evidence):
     assert "No held-out run" in blind.visible
 
 
+@pytest.mark.long("takes a second")
 def test_the_folder_of_a_characterisation_gives_its_sheet(evidence, monkeypatch):
     """The analysis itself is that of ``characterise``; here, what it is given."""
     given = {}

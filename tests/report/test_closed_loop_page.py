@@ -48,6 +48,7 @@ def runs(tmp_path_factory, closed_loop_model):
         }
 
 
+@pytest.mark.long("takes a second")
 def test_a_tracked_run_shows_wanted_and_measured_and_the_error_in_counts(runs):
     run = runs["track"]
     page, found = Page(run_page(run)), closed_loop_result(run)
@@ -179,6 +180,7 @@ def test_the_loops_page_has_the_certificate_and_states_when_it_is_of_another_mod
     assert "Certificate of the model" not in Page(run_page(runs["track"])).headings
 
 
+@pytest.mark.long("takes two seconds", cases=("one_p-Not passive",))
 @pytest.mark.parametrize(("name", "verdict"), [("one_c", "Passive without bias"), ("one_p", "Not passive")])
 def test_the_page_of_a_certificate(name, verdict):
     model = model_of(name)

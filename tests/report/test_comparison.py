@@ -321,6 +321,7 @@ def test_runs_of_several_loads_are_a_family_over_stress():
     assert np.all(np.diff(y) > 0.5)
 
 
+@pytest.mark.long("takes a second")
 def test_twelve_days_are_drawn_as_one_family():
     runs = {f"d{k}": day(shift=0.5 * k, seed=k, start_epoch=1.7e9 + 86400 * k) for k in range(12)}
     page = Page(comparison_page(runs))
@@ -344,6 +345,7 @@ def wire(tmp_path_factory):
     return {name: load_run(folder / f"{name}.run.sqlite") for name in "cvw"}
 
 
+@pytest.mark.long("takes two seconds")
 def test_a_zero_walk_exceeds_the_noise(wire):
     found = aligned({"v": wire["v"], "w": wire["w"]})[1]
     assert found.difference.size == len(wire["v"].settled)

@@ -74,6 +74,7 @@ def plot_of(page, words):
     return {(t["name"], t.get("yaxis", "y")): t for t in next(titled)["data"]}
 
 
+@pytest.mark.long("takes three seconds")
 def test_controllers_along_one_reference_are_in_one_table(runs):
     page = page_of(runs, "inverse", "pi")
     table = table_of(page, "Controller")

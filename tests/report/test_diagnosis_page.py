@@ -48,6 +48,7 @@ def under(d: CommandedDiagnosis, word) -> CommandedDiagnosis:
     return replace(d, verdict=verdicts[word])
 
 
+@pytest.mark.long("takes two seconds")
 def test_a_named_effect_stands_first_with_its_interval_probability_and_what_it_does(named, named_page):
     value = named.effects()[0]["parameters"]["percent_per_cycle"]
     low, high = value["ci95"]

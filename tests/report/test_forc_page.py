@@ -72,6 +72,7 @@ def test_a_run_of_reversal_curves_gets_this_page_from_report(run):
     assert "FORC diagram" in Page(run_page(run)).visible
 
 
+@pytest.mark.long("takes two seconds")
 def test_peak_and_widths_are_told_in_the_units_of_the_axes(evidence):
     peak = evidence.diagram.peak
     words = forc_assessment(evidence).measured
@@ -131,6 +132,7 @@ def test_an_impossible_factor_is_refused_before_the_data_are_read():
         forc_page(run_of(), smoothing=float("nan"))
 
 
+@pytest.mark.long("takes three seconds")
 def test_units_of_a_file_never_become_markup(tmp_path):
     hostile = "<script>alert(1)</script>"
     html = forc_page(reversal_run(tmp_path, unit=hostile, moment_unit=hostile, scale=1.0))

@@ -23,6 +23,7 @@ def wire(tmp_path_factory):
     return run, smarig.identify(run, "exponential").model
 
 
+@pytest.mark.long("takes two seconds")
 def test_a_run_and_a_model_show_themselves_in_a_few_kilobytes(wire):
     for thing, words in zip(wire, ("First order descending on one_wire_twin", "Exponential surface")):
         display_html = thing._repr_html_()

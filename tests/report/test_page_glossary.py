@@ -80,6 +80,7 @@ def test_the_first_use_of_a_term_links_to_its_meaning(tab):
     assert tab.run("document.querySelector('main p').innerText").startswith("smarig compares the noise floor")
 
 
+@pytest.mark.long("takes a second")
 def test_keys_open_it_and_axe_finds_nothing(tab):
     axe()
     assert tab.run("document.querySelector('#glossary details').open") is False

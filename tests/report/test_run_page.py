@@ -205,6 +205,7 @@ def test_what_is_not_as_it_should_be_is_marked_and_counted():
     assert "TWIN" not in page.visible
 
 
+@pytest.mark.long("takes two seconds")
 def test_temperature_strain_cycles_without_time_or_current():
     t = np.linspace(0, 40 * np.pi, 9000)
     columns = {"input": 100 + 60 * np.sin(t), "position": 0.02 - 0.02 * np.tanh(np.sin(t - 0.3))}

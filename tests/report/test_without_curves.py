@@ -49,6 +49,7 @@ def of(run, found):
     return Evidence("A wire", {"loops": run}, (), {"positive": found}, "positive", {}, (), (), "made", 0.0)
 
 
+@pytest.mark.long("takes a second")
 def test_a_page_without_first_order_curves_states_it():
     run = driven_run("two_c", GROWING, seed=3, initial="anhysteretic", source="bench")
     found = identify(run, "positive")

@@ -66,6 +66,7 @@ def test_both_wires_of_two_are_limited():
     assert 0 < lower.current_max_A == -lower.current_min_A
 
 
+@pytest.mark.long("takes a second")
 def test_a_run_takes_the_lower_limits_and_says_so(rig, tmp_path):
     out = tmp_path / "low.run.sqlite"
     with Session(str(rig)) as session:

@@ -96,6 +96,7 @@ def test_a_current_that_pauses_hides_nothing(factor, pattern):
     assert hottest < 60.0
 
 
+@pytest.mark.long("takes a second")
 def test_a_right_shunt_does_not_trip():
     rng = np.random.default_rng(6)
     for rig in ("one_wire_twin", "two_wire_twin"):
@@ -128,6 +129,7 @@ def true_hottest_K(trace):
     return temperature_along(Actuator.named("gorbet_one_wire"), flowed_A, 0.1).max(), flowed_A
 
 
+@pytest.mark.long("takes a second", cases=("firmware-1.4-open",))
 @pytest.mark.parametrize(
     ("kind", "factor", "loop"),
     product(("python", "firmware"), FACTORS, ("open", "closed"))

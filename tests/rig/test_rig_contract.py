@@ -41,6 +41,17 @@ def make(request, tmp_path):
         yield lambda seed=0: open_.enter_context(open_rig(str(path), file, actuator, TwinSettings(seed=seed)))
 
 
+@pytest.mark.long(
+    "takes three seconds",
+    cases=(
+        "firmware one_wire_modbus_rtu-in_lock_step_the_same_seed_gives_the_same_samples",
+        "firmware one_wire_modbus_rtu-it_moves",
+        "firmware one_wire_serial-alarms_are_reported_once_and_closing_is_harmless",
+        "firmware one_wire_serial-in_lock_step_the_same_seed_gives_the_same_samples",
+        "firmware one_wire_serial-it_moves",
+        "one_wire_modbus_tcp-in_lock_step_the_same_seed_gives_the_same_samples",
+    ),
+)
 @pytest.mark.parametrize("check", CHECKS, ids=lambda check: check.__name__.removeprefix("check_"))
 def test_every_rig(check, make):
     check(make)

@@ -59,6 +59,7 @@ def wait_for_samples(process: subprocess.Popen, out: Path, at_least: int) -> Non
     pytest.fail(f"no {at_least} samples: {process.communicate()}")
 
 
+@pytest.mark.long("takes two seconds", cases=("SIGHUP",))
 @posix
 @pytest.mark.parametrize("name", ["SIGINT", "SIGTERM", "SIGHUP"])
 def test_signals_close_the_run_at_zero_within_a_second(tmp_path, name):
@@ -105,6 +106,7 @@ def test_a_signal_ends_the_run_with_the_next_tick(tmp_path, name):
     assert check_run(out).to_json()["stopped_by"] == {"kind": asked.kind, "account": asked.account}
 
 
+@pytest.mark.long("takes two seconds")
 @posix
 def test_a_storm_of_signals_ends_as_one(tmp_path):
     """Impatience tears nothing: one sentence, the run closed, status 130."""
@@ -179,6 +181,7 @@ def test_a_second_ctrl_c_acts_once_and_reports_the_same_cause(monkeypatch):
     assert control.stopping
 
 
+@pytest.mark.long("takes two seconds")
 @posix
 def test_what_was_to_be_ignored_is_ignored(tmp_path):
     """nohup: a night's run does not end with the login."""

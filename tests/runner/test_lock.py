@@ -46,6 +46,7 @@ def test_twins_and_devices_of_the_session_lock_nothing(tmp_path, lock_folder):
     assert not lock_folder.exists() or not list(lock_folder.iterdir())
 
 
+@pytest.mark.long("takes a second")
 def test_two_processes_simulate_the_same_wire_at_once(tmp_path):
     out = tmp_path / "b.run.sqlite"
     words = ["run", "validation", "--rig", "one_wire_twin", "--set", "points=2", "-o", str(out)]
@@ -189,6 +190,7 @@ def test_a_bench_in_use_is_exit_status_5_with_its_holder(tmp_path, capsys):
 # --- run files -------------------------------------------------------------------------------------------
 
 
+@pytest.mark.long("takes three seconds")
 def test_a_run_being_recorded_is_neither_resumed_nor_replaced(tmp_path, capsys):
     """The file is that of a killed run until its recorder closes it, so only the lock shows that one records it."""
     out, refused = tmp_path / "a.run.sqlite", []

@@ -59,6 +59,9 @@ def events(run, kind):
 # --- what must come out ------------------------------------------------------------------------------------
 
 
+@pytest.mark.long(
+    "takes three seconds", cases=("0.0-one_wire_twin", "0.0-two_wire_twin", "0.5-two_wire_twin")
+)
 @pytest.mark.parametrize(
     ("share", "rig"),
     [
@@ -77,6 +80,7 @@ def test_a_killed_run_ends_with_the_table_of_a_whole_one(whole, tmp_path, rig, s
     assert [(s.branch, s.target) for s in run.settled] == [(s.branch, s.target) for s in whole[rig].settled]
 
 
+@pytest.mark.long("takes a second", cases=("two_wire_twin",))
 @pytest.mark.parametrize("rig", RIGS)
 def test_the_record_shows_what_happened(whole, tmp_path, rig):
     tick = len(whole[rig]) // 2
@@ -104,6 +108,7 @@ def test_the_record_shows_what_happened(whole, tmp_path, rig):
     assert all(columns), "what was measured stays as it is"
 
 
+@pytest.mark.long("takes a second")
 def test_void_steps_teach_nothing(whole, tmp_path):
     run = resume(cut(whole["one_wire_twin"].path, tmp_path / "r.run.sqlite", 4000))
     model = smarig.identify(run, surface="constant").model
@@ -148,6 +153,7 @@ def stop_at(tick, control):
     return CallbackListener(on_sample=lambda s, step, u: control.stop("enough") if s.tick == tick else None)
 
 
+@pytest.mark.long("takes a second", cases=("two_wire_twin",))
 @pytest.mark.parametrize("rig", RIGS)
 def test_a_stopped_run_resumes_in_the_same_session(whole, tmp_path, rig):
     """The same device: its ticks and its zero continue, and the wire has gone through the whole input."""
@@ -218,6 +224,7 @@ def zeroed_hot(rig, out):
     return load_run(out)
 
 
+@pytest.mark.long("takes three seconds", cases=("two_wire_twin",))
 @pytest.mark.parametrize("rig", RIGS)
 def test_a_lost_encoder_zero_is_recovered(whole, tmp_path, rig):
     """The encoder was zeroed on a hot wire before the run; the new twin's zero is another."""
@@ -237,6 +244,7 @@ def test_a_lost_encoder_zero_is_recovered(whole, tmp_path, rig):
     )
 
 
+@pytest.mark.long("takes two seconds")
 def test_an_encoder_zero_not_recovered_before_the_next_kill_is_recovered_later(whole, tmp_path):
     """Killed on the way back: the device is the same the second time, and its zero is still unknown."""
     rig, out, path = "one_wire_twin", tmp_path / "whole.run.sqlite", tmp_path / "r.run.sqlite"

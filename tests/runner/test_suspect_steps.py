@@ -28,6 +28,7 @@ def run(tmp_path_factory):
     return load_run(path)
 
 
+@pytest.mark.long("takes a second")
 def test_no_step_of_the_failing_encoder_counts_as_settled(run):
     late = [step for step in run.steps if step.end_s > BEGINS_S]
     assert len(late) > 3

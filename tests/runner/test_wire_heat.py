@@ -132,6 +132,7 @@ def killed(run, folder, tick):
     return cut(run.path, folder / "r.run.sqlite", tick)
 
 
+@pytest.mark.long("takes a second")
 def test_one_wire_is_as_hot_as_its_last_input(whole, tmp_path):
     run = load_run(killed(whole["one_wire_twin"], tmp_path, at_hottest(whole["one_wire_twin"])))
     heat = recorded_heat(run, ONE, 1.0)

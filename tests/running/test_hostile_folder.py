@@ -227,6 +227,7 @@ def test_a_file_system_without_space_is_reported_and_leaves_nothing(folder):
     assert files(folder) == []
 
 
+@pytest.mark.long("takes a second")
 def test_a_run_without_a_folder_is_recorded_whole_with_one_warning(tmp_path):
     out = tmp_path / "q.run.sqlite"
     command = [

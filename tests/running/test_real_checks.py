@@ -34,6 +34,7 @@ def found_check(process):
     return check
 
 
+@pytest.mark.long("takes two seconds")
 def test_a_check_is_found_and_stopped_with_its_list(folder, rig):
     with started_run(rig, "check", "bench.toml", "--yes", "--json") as process:
         check = found_check(process)
@@ -63,6 +64,7 @@ def test_a_check_is_found_and_stopped_with_its_list(folder, rig):
     assert (runs_in_progress(), collect_ended(), files(folder)) == ((), (), [])
 
 
+@pytest.mark.long("takes two seconds")
 @pytest.mark.usefixtures("folder")
 def test_a_request_and_a_signal_at_once_do_not_cut_the_shutdown_off(rig):
     """ "Stop everything" sends both, and a second signal must not interrupt what switches off."""
@@ -76,6 +78,7 @@ def test_a_request_and_a_signal_at_once_do_not_cut_the_shutdown_off(rig):
     assert err.splitlines()[-1].endswith("The current is at zero.")
 
 
+@pytest.mark.long("takes a second")
 def test_a_killed_check_is_told_of_once(folder, rig):
     with started_run(rig, "check", "bench.toml", "--yes") as process:
         found_check(process)

@@ -81,6 +81,7 @@ def test_a_run_is_found_followed_paused_continued_and_stopped(folder, tmp_path):
     np.testing.assert_array_equal(followed["position"], block["position"][: len(followed)])
 
 
+@pytest.mark.long("takes three seconds", cases=("regulate-words0",))
 @pytest.mark.parametrize(
     ("name", "words"),
     [
@@ -110,6 +111,7 @@ def test_a_closed_loop_is_found_and_stopped_too(name, words, folder, tmp_path):
     assert files(folder) == []
 
 
+@pytest.mark.long("takes a second")
 @POSIX
 def test_a_killed_run_is_told_of_once_and_removed(folder, tmp_path):
     with started(tmp_path / "v.run.sqlite", "--speed", "20", "--quiet") as process:

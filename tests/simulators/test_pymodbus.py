@@ -21,6 +21,7 @@ def client(request, devices):
         yield made
 
 
+@pytest.mark.long("takes a second", cases=("modbus_rtu",))
 def test_reads_writes_both_and_refusals(client):
     m = load_register_map("amplifier")
     me = {"device_id": m.device.default_address}

@@ -44,6 +44,7 @@ def test_a_page_each_and_one_that_compares_them(folder, tmp_path):
         assert f"{name}: not data, left out" in page
 
 
+@pytest.mark.long("takes three seconds")
 def test_what_was_done_is_not_done_again_unless_it_changed(folder, tmp_path):
     out = tmp_path / "out"
     study_each([folder], out, QUICK, workers=1)

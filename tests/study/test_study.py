@@ -69,6 +69,7 @@ def test_one_loop_is_not_compared_with_its_own_branches(tmp_path):
     assert result.verdict == "good"
 
 
+@pytest.mark.long("takes two seconds")
 def test_where_nothing_is_held_out_the_error_on_blocks_left_out_is_said_too(tmp_path):
     u = temperatures(1, 120)
     noise = np.random.default_rng(4).normal(0.0, 0.02, u.size)
@@ -87,6 +88,7 @@ def with_fits(diagnosis, base, best):
     return replace(diagnosis, plain=replace(diagnosis.plain, base=base), extension=extension)
 
 
+@pytest.mark.long("takes two seconds", cases=("5.0-fair",))
 @pytest.mark.parametrize(("times_noise", "verdict"), [(1.2, "good"), (5.0, "fair")])
 def test_one_loop_is_good_only_if_blocks_left_out_are_predicted(tmp_path, times_noise, verdict):
     u = temperatures(1, 120)
@@ -102,6 +104,7 @@ def test_one_loop_is_good_only_if_blocks_left_out_are_predicted(tmp_path, times_
     )
 
 
+@pytest.mark.long("takes two seconds")
 def test_a_given_mapping_counts_without_a_question(files, tmp_path):
     study(files[:1], tmp_path / "draft", QUICK)
     mapping = tmp_path / "mine.toml"
@@ -113,6 +116,7 @@ def test_a_given_mapping_counts_without_a_question(files, tmp_path):
     assert str(mapping) in (tmp_path / "out" / "index.html").read_text(encoding="utf-8")
 
 
+@pytest.mark.long("takes a second")
 def test_a_later_part_is_held_out_and_keeps_the_memory(tmp_path):
     cycles = np.linspace(0, 5, 300)
     u = 70 - 45 * (1 - 0.15 * cycles) * np.cos(2 * np.pi * cycles)  # later cycles begin within the range
@@ -197,6 +201,7 @@ def test_names_and_units_from_the_command_line_count(files, tmp_path, capsys):
     assert 'position = { column = "Zeit", unit = "mm" }' in text
 
 
+@pytest.mark.long("takes a second")
 def test_the_figures_of_a_study_are_saved_and_replaced(files, tmp_path, capsys):
     out, saved = tmp_path / "out", tmp_path / "figures"
     arguments = ["study", str(files[0]), "--no-diagnosis", "--yes", "-o", str(out), "--figures", str(saved)]
@@ -266,6 +271,7 @@ def test_it_is_told_which_model_was_diagnosed_where_another_is_judged(best, told
     assert StudyResult._diagnosed_model(of_loads) == ""
 
 
+@pytest.mark.long("takes a second", cases=("50.0-none",))
 @pytest.mark.parametrize(
     ("cold_K", "kind"),
     [(80.0, "time"), (50.0, "none")],  # later cycles transform; or stay below the transformation

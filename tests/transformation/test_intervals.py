@@ -66,6 +66,7 @@ def test_the_interval_contains_the_choice_of_readings():
     assert np.diff(wide.ci95)[0] > 5 * np.diff(straight.ci95)[0]
 
 
+@pytest.mark.long("takes a second")
 def test_the_noise_of_several_cycles_averages_but_the_choice_does_not():
     loops = [known_loop(4, kind="ramp", noise=0.02, drift=0.0, cycles=n) for n in (1, 16)]
     one, many = (run_figures(run_of(loop.u, loop.y)).means["M_s"] for loop in loops)

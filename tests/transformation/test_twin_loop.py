@@ -27,6 +27,7 @@ def exact():
     return (u, heating), (u[::-1], both[u.size :])
 
 
+@pytest.mark.long("takes five seconds")
 def test_the_temperatures_of_the_run_are_those_of_the_exact_loop(run, exact):
     found, (heating, cooling) = run_figures(run), exact
     a_s, a_f = corners(*heating)

@@ -162,6 +162,7 @@ def test_what_is_no_file_keeps_no_answers(computed_boxes, out):
     assert computed_boxes == []
 
 
+@pytest.mark.long("takes two seconds")
 def test_boxes_with_an_unknown_effect_alone_can_be_requested(computed_boxes, tmp_path):
     out = tmp_path / "answers.jsonl"
     found = diagnosis.run(boxes=80, seed=7, out=out, left_out=True)

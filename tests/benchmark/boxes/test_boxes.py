@@ -109,6 +109,7 @@ def test_steps_are_means_of_their_windows(sealed):
         assert last == pytest.approx(step.target, abs=0.02)
 
 
+@pytest.mark.long("takes a second", cases=("11",))
 @pytest.mark.parametrize("number", [2, 11])
 def test_channels_that_were_not_recorded_are_absent(number, tmp_path):
     sealed = write_box(draw_box(1, number, hidden={}, channels=()), tmp_path)

@@ -53,6 +53,7 @@ def test_a_coupled_move_ends_where_temperature_and_fraction_agree():
     assert 0 < share < 1
 
 
+@pytest.mark.long("takes a second")
 def test_the_halves_share_no_mechanism_and_no_box():
     boxes = {
         part: [draw_world_box(3, k, part, "unlisted") for k in range(60)] for part in ("public", "sealed")

@@ -253,6 +253,7 @@ def small_files():
     resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
 
 
+@pytest.mark.long("takes a second")
 def test_a_full_disk_is_one_sentence_and_costs_nothing(library, small_files):
     before = contents(library)
     for k in range(60):

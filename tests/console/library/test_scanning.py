@@ -401,6 +401,7 @@ Library.open(sys.argv[1]).refresh(progress=lambda done, total: print(done, flush
 """
 
 
+@pytest.mark.long("takes two seconds", cases=("3",))
 @pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="needs SIGKILL")
 @pytest.mark.parametrize("after", [pytest.param(1, marks=LONGER), 3, pytest.param(5, marks=LONGER)])
 def test_a_scan_that_is_killed_loses_at_most_what_it_was_reading(folder, after):

@@ -44,6 +44,7 @@ def workers(tmp_path):
         process.wait()
 
 
+@pytest.mark.long("takes two seconds")
 def test_a_worker_that_is_killed_leaves_the_run_and_the_next_one_stores_its_outcome(tmp_path, workers):
     with opened(tmp_path) as queue:
         one = queue.add(request(speed=100.0))

@@ -74,6 +74,7 @@ def test_the_button_of_a_check_stops_it(folder):
     assert process.returncode == 130
 
 
+@pytest.mark.long("takes three seconds")
 def test_a_check_of_a_killed_console_is_ended_by_the_next(folder):
     with started_console(folder) as first:
         first.ask("/rigs/check", "POST", first.own | FORM, urlencode({"rig": "bench.toml"}))

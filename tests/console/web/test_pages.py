@@ -140,6 +140,7 @@ def test_a_huge_query_is_answered(console: Console):
     assert console.ask("/library?" + "a=1&" * 10000).status < 500
 
 
+@pytest.mark.long("takes three seconds", cases=("15",))
 @pytest.mark.parametrize("number", [pytest.param(signal.SIGINT, marks=pytest.mark.long), signal.SIGTERM])
 def test_a_signal_ends_it_with_status_0_while_a_stream_is_open(tmp_path, own_running_dir, number):
     info, control = (
@@ -244,6 +245,7 @@ def test_what_it_cannot_start_with_is_one_sentence(tmp_path):
     assert "extra 'console'" in done[-1].stderr
 
 
+@pytest.mark.long("takes three seconds")
 @pytest.mark.long("takes three seconds")
 def test_the_entry_of_a_run_that_has_ended_is_read_again_when_it_is_opened(tmp_path):
     """Long before the library looks at the folder again."""

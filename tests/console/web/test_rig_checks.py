@@ -152,6 +152,7 @@ def test_what_cannot_be_brought_up_is_refused_in_a_sentence(console: Console, ri
     assert "<b>" not in reply.body
 
 
+@pytest.mark.long("takes a second")
 def test_devices_that_are_not_there_fail_the_check_with_the_sentence_of_the_command(folder):
     checks = RigChecks(folder)
     checks.start("real.toml")
@@ -186,6 +187,7 @@ def test_the_end_interrupts_a_check_instead_of_waiting_for_it(folder):
     assert wait_for_end(checks, "one_wire_serial").passed is False
 
 
+@pytest.mark.long("takes three seconds")
 def test_the_end_of_a_console_ends_its_checks(tmp_path):
     (tmp_path / "own.toml").write_text('name = "own"\nbase = "one_wire_serial"\nwire = "own"\n')
     with started_console(tmp_path) as console:

@@ -73,6 +73,7 @@ def python(folder, *arguments):
     )
 
 
+@pytest.mark.long("takes three seconds", cases=("encoder_daq-ring_next",))
 @pytest.mark.parametrize("renamed", RENAMED, indirect=True, ids=lambda r: "-".join(r))
 def test_a_renamed_register_stops_what_is_generated_and_what_names_it(renamed):
     folder, device, name = renamed

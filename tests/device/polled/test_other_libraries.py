@@ -109,6 +109,7 @@ def qcodes_laser(where, rig):
 }
 
 
+@pytest.mark.long("takes a second", cases=("pymeasure",))
 @pytest.mark.filterwarnings("default")  # of packages that are not ours
 @pytest.mark.parametrize(
     "library", ["pymeasure", pytest.param("qcodes", marks=pytest.mark.long("takes five seconds"))]

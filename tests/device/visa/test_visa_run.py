@@ -50,6 +50,7 @@ def test_a_run_moves_the_wire_and_says_whether_it_has_a_lease(bench, make, tmp_p
     assert (devices.supply.flows_A, devices.supply.unknown) == (0.0, [])
 
 
+@pytest.mark.long("takes a second", cases=("3",))
 @pytest.mark.parametrize("moment", KILLS)
 def test_a_killed_host_leaves_no_current_on(bench, moment):
     devices, command = bench("keysight_n6700")
@@ -89,6 +90,7 @@ def test_a_command_starts_the_supply_of_its_rig_file(tmp_path):
     assert "only the cut-out stops the current" in checked.stdout
 
 
+@pytest.mark.long("takes a second")
 def test_a_driver_of_another_device_than_the_simulated_is_one_sentence(tmp_path):
     done = smarig_on(tmp_path / "x", "check", "--driver", "visa_supply")
     assert done.returncode == 2

@@ -204,6 +204,7 @@ def test_a_supply_is_not_for_two_wires_but_a_source_meter_is(serve):
     visa_supply(link(serve("keithley_2400")), two).close()
 
 
+@pytest.mark.long("takes a second")
 def test_a_query_on_a_cut_line_opens_it_again_and_is_asked_once_more(serve):
     server = serve("rigol_dp800")
     supply = visa_supply(link(server), RIG)

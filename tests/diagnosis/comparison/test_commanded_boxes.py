@@ -47,6 +47,7 @@ def test_hidden_effect_is_the_first_cause() -> None:
     assert found.verdict.names[0] == "walking"
 
 
+@pytest.mark.long("takes two seconds", cases=("1000.0",))
 @pytest.mark.parametrize("worse_nats", [0.0, 1000.0])
 def test_the_second_search_keeps_the_best_of_the_first(worse_nats: float) -> None:
     """Fitted again from the variances of nothing, an effect may predict worse, and a pair wins by that; or better."""
@@ -161,6 +162,7 @@ def test_object_is_plain_and_adds_up() -> None:
     assert sum(found["adequacy"]["where"].values()) == pytest.approx(1.0)
 
 
+@pytest.mark.long("takes three seconds")
 def test_no_model_is_offered_if_the_plain_one_is_the_likelier(monkeypatch: pytest.MonkeyPatch) -> None:
     """Also of an unknown cause, as where only held-out runs are missed."""
     unknown = Verdict("unknown", "shared")

@@ -38,6 +38,7 @@ def test_a_turn_inside_the_fitted_loop_is_missing_knowledge_and_no_change():
     assert not found.between_runs
 
 
+@pytest.mark.long("takes two seconds")
 def test_a_left_out_effect_is_not_named():
     u = drive()
     run = as_run("a", lagged(u, 5.0, 1.0), WIRE.strain(u), dt=1.0)

@@ -25,6 +25,7 @@ def test_a_thermometer_that_lags_is_named_though_the_output_leads():
         assert value == pytest.approx(5.0, rel=0.3)
 
 
+@pytest.mark.long("takes three seconds")
 def test_a_drift_goes_on_in_the_held_out_part():
     u = drive()
     t = np.arange(u.size, dtype=float)
@@ -57,6 +58,7 @@ def test_an_offset_of_a_held_out_run_is_told_by_its_run():
     assert found.verdict.names == ("input_offset",) or found.verdict.depends_on == "run"
 
 
+@pytest.mark.long("takes two seconds")
 def test_json_has_every_hypothesis_with_its_weight():
     world = relay_world("stress", 8)
     found = compare_measured(world.train, world.held_out, without=(*ASIDE, "output_drift", "ratcheting"))

@@ -25,6 +25,7 @@ SETTLING, CONVECTION = Part("effect", "settling"), Part("effect", "convection")
 TIME, LEVEL = Part("variable", "time"), Part("variable", "level")
 
 
+@pytest.mark.long("takes three seconds", cases=("hidden1-None",))
 @pytest.mark.parametrize(
     ("hidden", "variable"), [({"fan_turned_on": {"share": 0.05, "at_h": 0.559}}, "time"), ({}, None)]
 )
@@ -47,6 +48,7 @@ def test_an_effect_that_held_out_runs_refute_says_nothing_of_the_variable():
     assert likeliest_variable(replace(evidence, held_out={SETTLING: 1.2})) == "level"
 
 
+@pytest.mark.long("takes three seconds")
 def test_what_one_effect_of_a_pair_removes_of_held_out_errors_says_nothing_of_the_other():
     with TemporaryDirectory() as folder:
         box = short_box(3, {"walking": {"percent_per_cycle": 0.6}}, runs=("congruency", "fod"))

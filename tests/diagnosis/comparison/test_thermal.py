@@ -68,6 +68,7 @@ def test_a_mechanism_of_no_catalogue_is_unknown_with_its_variable(wire, variable
     assert not found.findings
 
 
+@pytest.mark.long("takes five seconds")
 def test_a_current_heats_with_its_square():
     run = PLAIN.run(STEPS, SECONDS)
     columns = run.columns | {"input": np.sqrt(run["input"])}
@@ -79,6 +80,7 @@ def test_a_current_heats_with_its_square():
     assert found.parameters()["tau"]["value"] == pytest.approx(12.0, rel=0.01)
 
 
+@pytest.mark.long("takes five seconds")
 def test_three_steps_are_too_few_for_a_name():
     found = diagnosed(Wire(lag_s=2.0), steps=3, seconds=200.0)
     assert found.evidence.problem.transients < 10

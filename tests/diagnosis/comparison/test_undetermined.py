@@ -40,6 +40,7 @@ def test_a_wire_that_walks_between_the_runs_is_no_missing_knowledge() -> None:
     assert missing({"walking": {"percent_per_cycle": 3.0}}, "wiping_out", "congruency") is None
 
 
+@pytest.mark.long("takes five seconds")
 def test_a_positive_measure_of_all_runs_tells_it_where_a_smooth_density_fits_worse(monkeypatch) -> None:
     """A smooth density can leave what would look like a change of the wire."""
     monkeypatch.setattr(undetermined, "with_posterior_density", lambda *given: given[-1])

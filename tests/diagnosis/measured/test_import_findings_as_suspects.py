@@ -59,6 +59,7 @@ def test_what_was_repaired_is_no_suspect():
     assert set(draft.warnings) < set(mended.warnings)  # what was found is still told
 
 
+@pytest.mark.long("takes three seconds")
 def test_the_diagnosis_lists_suspects_and_conditions_in_its_json_and_text():
     sentence = "stress was not constant: 40 … 60, mean 50 MPa."
     stress = {"stress": {"unit": "MPa", "mean": 50.0}}
@@ -95,6 +96,7 @@ def forc():
     return as_run("forc", T, 4 - STRAIN)
 
 
+@pytest.mark.long("takes two seconds")
 def test_a_selection_keeps_only_readings_of_those_curves(forc):
     (even,) = selected_rows([forc], input_records([forc]), "alpha > 70")
     assert 0 < even.sum() < len(T)

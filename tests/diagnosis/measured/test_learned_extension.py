@@ -38,6 +38,7 @@ def wider() -> tuple[MeasuredDiagnosis, list]:
     return diagnose_measured(any_model(), runs[:1], runs[1:2]), runs
 
 
+@pytest.mark.long("takes twenty seconds")
 def test_the_law_of_a_loop_that_widens_with_the_rate_is_learned(wider):
     found, _ = wider
     answer = found.to_json()

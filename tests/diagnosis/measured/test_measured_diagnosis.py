@@ -62,6 +62,7 @@ def slow_thermometer():
     return diagnosed(runs[:1], runs[1:]), runs
 
 
+@pytest.mark.long("takes ten seconds")
 def test_a_slow_thermometer_is_named_with_its_time_constant(slow_thermometer):
     found, _ = slow_thermometer
     assert found.verdict.names == ("input_lag",)
@@ -72,6 +73,7 @@ def test_a_slow_thermometer_is_named_with_its_time_constant(slow_thermometer):
     assert found.gain.extended < 0.5 * found.gain.base
 
 
+@pytest.mark.long("takes five seconds", cases=("8.0",))
 @pytest.mark.parametrize("lag_rows", [8.0, pytest.param(0.0, marks=long)])
 def test_a_slow_thermometer_is_named_without_a_clock_too(lag_rows, tmp_path):
     """Rows that are equally spaced, but nobody wrote down how."""
@@ -91,6 +93,7 @@ def test_a_slow_thermometer_is_named_without_a_clock_too(lag_rows, tmp_path):
     assert verify(model, runs[1:]).runs[0].settled.nrmse < 0.5 * given
 
 
+@pytest.mark.long("takes five seconds", cases=("5-1.0", "5-None"))
 @pytest.mark.parametrize("dt", [None, 1.0])
 @pytest.mark.parametrize("seed", [5, *(pytest.param(k, marks=long) for k in (1, 2, 3, 4))])
 def test_exchanged_columns_are_no_slow_sensor(seed, dt):
@@ -103,6 +106,7 @@ def test_exchanged_columns_are_no_slow_sensor(seed, dt):
     assert "input_lag" not in diagnosed(runs[:1], runs[1:]).verdict.names
 
 
+@pytest.mark.long("takes three seconds")
 def test_the_extended_model_is_saved_and_predicts_as_found(slow_thermometer, tmp_path):
     found, runs = slow_thermometer
     model = load_model(found.model.save(tmp_path / "lag.model.json"))
@@ -121,6 +125,7 @@ def loads():
     }
 
 
+@pytest.mark.long("takes five seconds", cases=("train0-200",))
 @pytest.mark.parametrize(
     ("train", "held_out"), [((50, 100, 150), 200), pytest.param((50, 100, 200), 150, marks=long)]
 )
@@ -134,6 +139,7 @@ def test_a_shift_by_stress_predicts_a_load_between_and_beyond(loads, train, held
     assert found.gain.extended < 0.5 * own
 
 
+@pytest.mark.long("takes three seconds")
 def test_runs_under_other_loads_are_never_explained_by_an_offset_of_the_thermometer(loads):
     found = diagnosed([loads[50], loads[200]], without=("stress_shift",))
     assert "input_offset" in found.not_testable
@@ -148,6 +154,7 @@ def test_an_offset_between_training_runs_is_named():
     assert parameter(found, "second")["value"] == pytest.approx(3.0, abs=0.5)
 
 
+@pytest.mark.long("takes two seconds")
 def test_a_held_out_run_whose_thermometer_is_off_is_reported():
     wire = RelayWire(5)
     found = diagnosed(
@@ -163,6 +170,7 @@ def test_a_held_out_run_whose_thermometer_is_off_is_reported():
     assert "it reads too low" in found.text()
 
 
+@pytest.mark.long("takes two seconds")
 def test_a_strain_that_each_cycle_leaves_is_named():
     wire = RelayWire(6)
     u = triangles((85.0,) * 20, rows=25)
@@ -231,6 +239,7 @@ def test_a_loop_that_widens_with_the_rate_is_unknown_and_depends_on_the_rate():
     assert not found.effects()
 
 
+@pytest.mark.long("takes five seconds")
 def test_a_slope_that_comes_and_goes_is_not_named():
     """A supply that sags: the output is scaled by a slow beat, which is no effect of the catalogue."""
     wire = RelayWire(8)
@@ -252,6 +261,7 @@ def test_rows_of_zeros_are_left_out_and_counted():
     assert found.verdict.word == "silent"
 
 
+@pytest.mark.long("takes three seconds")
 def test_a_copy_of_a_training_run_is_refused_as_held_out(tmp_path):
     wire = RelayWire(1)
     run = as_run("plain", T, wire.strain(T))

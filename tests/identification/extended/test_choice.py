@@ -65,6 +65,7 @@ def test_the_best_extension_of_a_restricted_wire_is_the_restricted_model():
     assert "restricted: largest_excess" in result.extension.text
 
 
+@pytest.mark.long("takes five seconds")
 def test_for_a_classical_wire_no_extension_is_chosen_and_the_file_has_none(tmp_path):
     result = identify(runs(lambda u: truths.classical(u, m=10)), "table", extension="best")
     assert result.to_json()["extension"]["chosen"] == "none"

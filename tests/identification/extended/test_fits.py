@@ -86,6 +86,7 @@ def test_the_feedback_of_a_moving_wire_comes_back():
     assert all(f.rms < 0.85 * f.rms_without for f in fits)
 
 
+@pytest.mark.long("takes a second")
 def test_the_identified_moving_model_predicts_held_out_loops():
     seen, fresh = minor_loops([(30, 65), (75, 105)]), minor_loops([(40, 70), (85, 120)], (130.0,))
     fit = identify_moving([record(u, truths.moving(u, 2.0), 7) for u in (FIRST, seen)])
@@ -111,6 +112,7 @@ def test_a_record_without_loops_is_refused_with_what_is_missing():
 AGAIN = [0.0, 120.0, 25.0, *[95.0, 55.0] * 12, 0.0, 85.0, *[45.0, 85.0] * 12, 0.0]
 
 
+@pytest.mark.long("takes two seconds")
 def test_amount_and_path_of_accommodation_come_back():
     y = truths.accommodating(AGAIN, 0.6, 0.4, m=9)
     fits = [identify_accommodation([record(AGAIN, y, seed)], relays()) for seed in SEEDS]
@@ -121,6 +123,7 @@ def test_amount_and_path_of_accommodation_come_back():
     assert all(f.p_value < 1e-6 for f in fits)
 
 
+@pytest.mark.long("takes two seconds")
 def test_loops_that_coincide_show_no_accommodation():
     y = truths.classical(AGAIN, m=9)
     fits = [identify_accommodation([record(AGAIN, y, seed)], relays()) for seed in SEEDS]

@@ -52,6 +52,7 @@ def test_a_load_between_is_predicted_with_its_zero_and_far_better_than_by_poolin
     assert rms < 0.25 * pooled
 
 
+@pytest.mark.long("takes five seconds")
 def test_a_load_beyond_is_predicted_and_said_to_be_extrapolated():
     found = verify(modelled().model, loaded(230.0)).runs[0]
     assert found.settled.nrmse < 0.05

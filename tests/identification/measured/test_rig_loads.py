@@ -93,6 +93,7 @@ def modelled(seed, *, with_changing=True):
     return wire, identify([*runs, *([changing(wire, seed + 7)] if with_changing else [])], load_from="stress")
 
 
+@pytest.mark.long("takes five seconds", cases=("0",))
 @pytest.mark.parametrize("seed", [0, *(pytest.param(k, marks=long) for k in range(1, 6))])
 def test_a_wire_with_this_law_is_identified_up_to_the_smoothing(seed):
     wire, found = modelled(seed)

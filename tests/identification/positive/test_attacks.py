@@ -17,6 +17,7 @@ def changed(change):
     return made_run([s.target for s in run.settled], [change(s.position) for s in run.settled])
 
 
+@pytest.mark.long("takes a second")
 def test_an_output_of_the_other_sign_has_the_same_measure():
     falling, rising = identify(changed(lambda y: -y), "positive"), identify(changed(lambda y: y), "positive")
     assert any("falls while the input rises" in w for w in falling.model.warnings)

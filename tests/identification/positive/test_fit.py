@@ -111,6 +111,7 @@ def test_held_out_curves_choose_nearly_the_best_smoothing(noisy):
     assert min(errors) < 0.9 * max(errors)
 
 
+@pytest.mark.long("takes two seconds")
 def test_intervals_cover_the_truth_and_grow_where_nothing_was_measured():
     inside, nominal = [], 0.9
     for seed in range(6):

@@ -107,6 +107,7 @@ COMPUTATIONS = {
 }
 
 
+@pytest.mark.long("takes a second", cases=("fit",))
 @pytest.mark.parametrize(
     "name",
     [

@@ -36,6 +36,7 @@ def commissioned(tmp_path_factory):
     return folder
 
 
+@pytest.mark.long("takes three seconds")
 def test_the_resistances_of_both_phases_are_recovered(commissioned):
     model = load_model(commissioned / "sensing.model.json")
     sensing = SelfSensing.from_json(model.self_sensing)
@@ -73,6 +74,7 @@ def with_effect(commissioned, folder, name):
     return sensing, found.to_json()
 
 
+@pytest.mark.long("takes two seconds")
 def test_a_motion_without_a_change_of_resistance_makes_the_readings_ambiguous(commissioned, tmp_path):
     """The R-phase moves the wire of this twin and leaves its resistance as it is."""
     plain = SelfSensing.from_json(load_model(commissioned / "sensing.model.json").self_sensing)
@@ -82,6 +84,7 @@ def test_a_motion_without_a_change_of_resistance_makes_the_readings_ambiguous(co
     assert figures["coverage_95"] >= 0.9
 
 
+@pytest.mark.long("takes two seconds")
 def test_another_law_of_the_resistance_is_learnt(commissioned, tmp_path):
     sensing, figures = with_effect(commissioned, tmp_path, "resistance_phase")
     assert sensing.wires[0].coefficients["y"] == pytest.approx(

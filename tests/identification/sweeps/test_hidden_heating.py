@@ -41,6 +41,7 @@ def test_a_hidden_time_constant_is_found(tau, gain):
     assert high / low < 1.1
 
 
+@pytest.mark.long("takes three seconds")
 def test_what_no_preisach_model_follows_is_reported_and_widens_the_interval():
     plain, drifting = found(0.65, 1.08), found(0.65, 1.08, 4.0)
     assert plain.rms < 1.3 * plain.noise

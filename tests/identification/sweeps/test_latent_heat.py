@@ -28,6 +28,7 @@ def heating(tmp_path_factory):
     return heating_of_sweeps([run])
 
 
+@pytest.mark.long("takes five seconds")
 def test_tau_of_a_thermomechanical_wire_is_that_without_transformation(heating):
     tau = heating.parameters["tau"]
     assert tau.value == pytest.approx(TRUE_TAU_S, rel=0.03)

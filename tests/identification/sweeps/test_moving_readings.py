@@ -39,6 +39,7 @@ def swept(earlier):
     return read(run, switched(fine, *steep_wire())[FINE - 1 - round(earlier * FINE) :: FINE])
 
 
+@pytest.mark.long("takes three seconds", cases=("0.3",))
 @pytest.mark.parametrize("earlier", [0.3, 0.9])
 def test_a_position_read_at_another_moment_of_its_tick_breaks_no_assumption(earlier):
     found = identify(swept(earlier), "exponential")
@@ -48,6 +49,7 @@ def test_a_position_read_at_another_moment_of_its_tick_breaks_no_assumption(earl
     assert not [w for w in found.warnings if "Assumption 2.1" in w or "Prop. 4.6" in w]
 
 
+@pytest.mark.long("takes three seconds")
 def test_a_wire_that_does_extend_while_it_cools_is_still_reported():
     run = swept(0.0)
     T = heated(run["current_A"], TAU_S)
@@ -57,6 +59,7 @@ def test_a_wire_that_does_extend_while_it_cools_is_still_reported():
     assert any(w.startswith("Curves rise while the input falls") for w in found.warnings)
 
 
+@pytest.mark.long("takes five seconds")
 def test_curves_that_do_cross_are_still_reported_and_do_not_contradict_a_positive_surface():
     surface, run = thesis_surface("one_e"), swept_run({"curves": 13})
     T = np.clip(heated(run["current_A"], TAU_S), surface.lower, surface.upper)

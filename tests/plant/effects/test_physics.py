@@ -136,6 +136,7 @@ def test_stress_and_resistance_are_solved_within_the_tick():
         assert y == pytest.approx(Preisach(context.hysteresis).simulate([T])[0], abs=1e-6)
 
 
+@pytest.mark.long("takes a second")
 def test_falling_resistance_widens_the_top_of_the_loop_and_narrows_its_bottom():
     """The skew of thesis §5.4.1: R_M > R_A under an average R."""
     currents = np.sqrt(np.linspace(0.0, 1.0, 60))

@@ -214,6 +214,7 @@ def test_a_new_form_joins_every_list_by_its_file_alone():
     )
 
 
+@pytest.mark.long("takes three seconds")
 def test_a_new_form_is_identified_saved_verified_and_reported(tmp_path):
     run, other = stepped_run(), stepped_run(partition=np.linspace(0.0, 174.1, 8))
     found = {name: identify(run, name) for name in ("constant", "exponential", "logistic")}
@@ -244,6 +245,7 @@ def test_a_new_form_is_identified_saved_verified_and_reported(tmp_path):
         load_model(path)
 
 
+@pytest.mark.long("takes two seconds")
 def test_a_new_form_is_the_best_where_it_alone_follows_the_curves():
     best = identify(stepped_run(seed=1))
     assert best.surface == "logistic"

@@ -67,6 +67,7 @@ def left_hot(devices, out):
         session.run("step_currents", SETTINGS, out, listeners=[stop_after(HOT_TICKS, control)])
 
 
+@pytest.mark.long("takes five seconds")
 @pytest.mark.skipif(not hasattr(signal, "SIGKILL"), reason="needs SIGKILL")
 def test_a_run_that_is_resumed_at_once_starts_as_hot_as_its_wire(devices, tmp_path):
     out = tmp_path / "killed.run.sqlite"

@@ -22,6 +22,7 @@ def library(tmp_path_factory):
     return make(tmp_path_factory.mktemp("firmware"), "libsmarig_firmware.so", ("gcc",))
 
 
+@pytest.mark.long("takes a second", cases=("lines-C",))
 @pytest.mark.parametrize("language", ["Python", "C"])
 @pytest.mark.parametrize("framing", ["lines", "modbus_rtu", "modbus_tcp"])
 def test_no_line_keeps_a_current_alive_or_makes_a_sample_false(framing, language, request, monkeypatch):

@@ -41,6 +41,7 @@ def twin(tmp_path_factory):
     return cache(lambda arrangement: record(f"{arrangement}_wire_twin", tmp_path_factory.mktemp(arrangement)))
 
 
+@pytest.mark.long("takes five seconds", cases=("one-modbus_tcp", "one-serial"))
 @pytest.mark.parametrize(("arrangement", "link"), RIGS)
 def test_bytes_make_no_difference(twin, arrangement, link, tmp_path):
     same(twin(arrangement), record(f"{arrangement}_wire_{link}", tmp_path))

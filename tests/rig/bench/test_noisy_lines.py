@@ -61,6 +61,7 @@ def rig(folder, link):
     return str(path)
 
 
+@pytest.mark.long("takes a second", cases=("serial",))
 @pytest.mark.parametrize(
     "link",
     ["serial", *(pytest.param(name, marks=SELDOM) for name in ("modbus_tcp", "modbus_rtu"))],

@@ -40,6 +40,7 @@ def whole(tmp_path_factory):
         devices.close()
 
 
+@pytest.mark.long("takes ten seconds", cases=("1",))
 @pytest.mark.parametrize(
     "k",
     range(KILLS)

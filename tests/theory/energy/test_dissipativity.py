@@ -330,6 +330,7 @@ def test_the_butterfly_gives_energy_back_on_its_negative_wing():
 # --- Q_r as a storage function without μ ≥ 0 ----------------------------------------------------------
 
 
+@pytest.mark.long("takes two seconds")
 @given(relays(SMALL, low=-0.25), histories(SMALL), histories(SMALL))
 @settings(max_examples=150)
 def test_where_q_r_is_verified_a_storage_function_it_is_the_available_storage(values, history, then):
@@ -368,6 +369,7 @@ def test_the_e_surfaces_are_passive_with_zero_bias_although_partly_negative(name
 # --- the parts, where a whole might forgive them ------------------------------------------------------
 
 
+@pytest.mark.long("takes a second")
 def test_available_storage_beyond_any_single_sweep():
     """Dense signed measures: from some states only an input that turns gets everything out."""
     i, j = np.tril_indices(SMALL.size, -1)

@@ -20,6 +20,7 @@ def lines_between(text: str, head: str) -> list[str]:
     return following[: following.index("")]
 
 
+@pytest.mark.long("takes three seconds")
 def test_the_page_shows_the_certificates_as_computed(tables):
     head = "| model | dissipative | smallest loop area |"
     assert lines_between(PAGE.read_text(encoding="utf-8"), head) == tables[0]

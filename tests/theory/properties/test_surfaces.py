@@ -202,6 +202,7 @@ def widest(name: str, xi: float) -> float:
     return modulus(thesis_surface(name), xi, levels=64).bound
 
 
+@pytest.mark.long("takes a second")
 @settings(max_examples=40)
 @given(names, st.lists(st.integers(0, 32), min_size=2, max_size=8))
 def test_no_sweep_exceeds_its_bound(name, steps):
@@ -276,6 +277,7 @@ def test_inputs_that_stay_together_keep_outputs_together(name, shares, part, up)
 # --- the answer as a whole --------------------------------------------------------------------------------
 
 
+@pytest.mark.long("takes a second")
 def test_properties_in_one_answer():
     p = properties(thesis_surface("two_p"))
     assert (p.kind, p.lower, p.upper) == ("surface", -185.0, 185.0)
@@ -304,6 +306,7 @@ def test_properties_as_json():
     assert len(plain["changes"]) == 5
 
 
+@pytest.mark.long("takes two seconds")
 def test_the_mirror_turns_places_and_keeps_sizes():
     s = thesis_surface("two_p")
     here, there = properties(s), properties(Mirrored(s))
