@@ -12,6 +12,7 @@ from pathlib import Path
 import click
 import pytest
 
+from computed_once import computed_once
 from generate import commands
 
 ROOT = Path(__file__).parents[2]
@@ -78,7 +79,7 @@ def module_files() -> list[Path]:
     return sorted(f for package in PACKAGES for f in (ROOT / package).rglob("*.py"))
 
 
-@cache
+@computed_once
 def modules() -> dict[Path, Names]:
     """All modules of the packages."""
     return {f: Names.of(ast.parse(f.read_text(encoding="utf-8"))) for f in module_files()}
