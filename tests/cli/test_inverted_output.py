@@ -44,7 +44,16 @@ FITS = [(surface, "none") for surface in surface_choices()] + [
 
 @pytest.mark.long(
     "takes three seconds",
-    cases=("falling-constant-none", "leading-best-none", "leading-positive-best", "leading-positive-none"),
+    cases=(
+        "falling-constant-none",
+        "falling-exponential-none",
+        "falling-positive-best",
+        "falling-positive-none",
+        "leading-best-none",
+        "leading-exponential-none",
+        "leading-positive-best",
+        "leading-positive-none",
+    ),
 )
 @pytest.mark.parametrize(("surface", "extension"), FITS)
 @pytest.mark.parametrize("sign", SIGNS)

@@ -104,7 +104,13 @@ def by_outputs(model, inputs, state) -> float:
     return float(np.trapezoid(u, Preisach(model).simulate(u, state)))
 
 
-@pytest.mark.long("takes two seconds", cases=("one_p-negative",))
+@pytest.mark.long(
+    "takes two seconds",
+    cases=(
+        "one_p-negative",
+        "two_p-anhysteretic",
+    ),
+)
 @pytest.mark.parametrize(("name", "start"), [("one_p", "negative"), ("two_p", "anhysteretic")])
 def test_the_p_surfaces_are_broken_by_a_loop(name: str, start):
     model = thesis_surface(name)

@@ -108,6 +108,7 @@ def test_gaps_cut_the_sum_and_not_the_memory(run):
     assert "2 segments" in found.text
 
 
+@pytest.mark.long("takes two seconds")
 def test_a_missing_input_loses_the_memory_until_saturation(run):
     inputs = run["input"].copy()
     inputs[4000:4100] = np.nan

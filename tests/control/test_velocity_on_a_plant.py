@@ -91,6 +91,7 @@ def test_noise_alone_takes_the_ratio_beyond_the_bound():
     assert quiet.ratio <= k_e(law) < noisy.ratio
 
 
+@pytest.mark.long("takes two seconds")
 def test_it_records_its_result_and_initialises_first_if_requested():
     setup = Setup.of("two_wire_twin")
     commands = velocity_feedback(setup, GENTLE, [0.1], initialise="planned")

@@ -4,11 +4,10 @@ import pytest
 
 from diagnosis.boxes_opened import answer
 
-long = pytest.mark.long("takes ten seconds")
+pytestmark = pytest.mark.long("takes twenty seconds each")
 
 
-@pytest.mark.long("takes twenty seconds", cases=("3",))
-@pytest.mark.parametrize("number", [3, pytest.param(4, marks=long), pytest.param(6, marks=long)])
+@pytest.mark.parametrize("number", [3, 4, 6])
 def test_it_finds_nothing_if_nothing_is_hidden(number):
     found = answer(number)
     assert found.verdict.word == "silent"
@@ -16,12 +15,10 @@ def test_it_finds_nothing_if_nothing_is_hidden(number):
     assert not found.extended
 
 
-@pytest.mark.long("takes ten seconds")
 def test_it_finds_nothing_in_an_unusual_but_classical_density_or_noise():
     assert answer(6, "hard_null").verdict.word == "silent"
 
 
-@pytest.mark.long
 def test_walking_is_named_with_its_strength_and_the_extended_model_predicts_better():
     found = answer(1, "walking")
     assert found.verdict.word == "named"

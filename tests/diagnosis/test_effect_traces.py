@@ -20,7 +20,13 @@ def recorded(tmp_path_factory):
     return timeline, plant_model, predict(timeline, plant_model)
 
 
-@pytest.mark.long("takes two seconds", cases=("kind0-0.8",))
+@pytest.mark.long(
+    "takes two seconds",
+    cases=(
+        "kind0-0.8",
+        "kind1--0.3",
+    ),
+)
 @pytest.mark.parametrize(("kind", "strength"), [(walking, 0.8), (walking, -0.3), (settling, 0.9)])
 def test_a_trace_times_a_strength_is_what_the_effect_changes(recorded, kind, strength):
     timeline, plant_model, base = recorded

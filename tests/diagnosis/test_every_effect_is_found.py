@@ -132,6 +132,7 @@ def test_an_effect_is_named_or_in_the_set_and_said_to_be_visible(name, request):
     assert name in found.verdict.names
 
 
+@pytest.mark.long("takes ten seconds", cases=("slip", "walking"))
 @pytest.mark.parametrize("name", selected(n for n in VISIBLE if n not in MISSED))
 def test_its_strength_lies_in_its_interval(name, request):
     if name in BIASED:

@@ -142,6 +142,7 @@ def _scale(C, y, fuzz):
     return v[best] / np.trace(C)
 
 
+@pytest.mark.long("takes two seconds")
 def test_grains_are_independent_cell_errors_in_proportion_to_the_model_mass():
     """Masses are drawn on a partition of the test's own: white noise does not mind how it is cut."""
     inputs, draws = wander(12, seed=8), 1500

@@ -111,6 +111,7 @@ def test_a_model_with_the_effect_is_at_the_noise_floor_on_held_out_runs(walked):
     assert held_out_gain([train], [judged], extended, base, noise).extended == g.base
 
 
+@pytest.mark.long("takes two seconds")
 def test_the_encoders_zero_is_met_on_the_training_runs(walked):
     """A constant offset in the held-out runs alone is an error and remains one."""
     (train, judged), _, extended, per_count = walked

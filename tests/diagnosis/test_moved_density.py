@@ -44,7 +44,13 @@ def error(timeline, model, reference):
     return float(np.abs(there - here).max() / reference.stroke)
 
 
-@pytest.mark.long("takes a second", cases=("amplifier_gain=-4",))
+@pytest.mark.long(
+    "takes two seconds",
+    cases=(
+        "amplifier_gain=-4",
+        "amplifier_gain=2",
+    ),
+)
 @pytest.mark.parametrize("pair", ["amplifier_gain=-4", "amplifier_gain=2", "dead_zone=0.02"])
 def test_along_the_moved_input_the_outputs_are_the_same(timeline, plain, pair):
     extended = with_effects(plain, pair)
@@ -81,6 +87,7 @@ def test_a_given_surface_is_refitted_along_the_inputs_with_effects(tmp_path):
     assert found.refitted.log_evidence > moved.refitted.log_evidence + 5
 
 
+@pytest.mark.long("takes two seconds", cases=("pairs1",))
 @pytest.mark.parametrize("pairs", [(), ("walking=0.5",)])
 def test_a_density_stays_where_the_input_does(timeline, plain, pairs):
     assert (

@@ -26,6 +26,7 @@ def ornstein_uhlenbeck(t_s, rng):
     return rng.standard_normal((DRAWS, t_s.size)) @ np.linalg.cholesky(kernel).T
 
 
+@pytest.mark.long("takes two seconds", cases=("two_c-anhysteretic--100.0-100.0",))
 @pytest.mark.parametrize(
     ("wire", "initial", "low", "high"),
     [("one_e", "negative", 65.0, 95.0), ("two_c", "anhysteretic", -100.0, 100.0)],

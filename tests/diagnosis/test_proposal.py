@@ -63,7 +63,13 @@ def diagnosed(**weights):
     )
 
 
-@pytest.mark.long("takes a second", cases=("-4.0-False",))
+@pytest.mark.long(
+    "takes two seconds",
+    cases=(
+        "-4.0-False",
+        "0.5-False",
+    ),
+)
 @pytest.mark.parametrize(("nats", "worth"), [(-4.0, False), (0.5, False), (5.0, True)])
 def test_an_uninformative_run_is_not_proposed(monkeypatch, nats, worth):
     monkeypatch.setattr("smarig.app.proposal._separation_nats", lambda *_: nats)

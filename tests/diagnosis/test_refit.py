@@ -63,6 +63,7 @@ def least_step(hysteresis):
     return float(np.nanmin(np.diff(y, axis=0)))
 
 
+@pytest.mark.long("takes two seconds")
 def test_the_density_of_a_refit_predicts_what_a_wrong_one_missed(timeline, fair):
     wrong = later(fair, 0.94)
     found = refitted(timeline, plant_model(wrong)).posterior.table()

@@ -51,6 +51,7 @@ def test_a_constant_in_ohms_is_free(timeline):
     assert evidence(with_leads, model()) == pytest.approx(evidence(without, model()), abs=1.0)
 
 
+@pytest.mark.long("takes two seconds")
 def test_a_missing_current_is_no_free_constant(timeline):
     """V/i = R (i − i_d)/i: a constant in volts, not in ohms."""
     readings = with_resistances(timeline, model(DEAD_ZONE))

@@ -35,7 +35,14 @@ def kept():
     return load()
 
 
-@pytest.mark.long("takes twenty seconds", cases=("box/00", "data/UB199BF"))
+@pytest.mark.long(
+    "takes two seconds",
+    cases=(
+        "box/00",
+        "data/UB199BF",
+        "protocol/one_wire",
+    ),
+)
 @pytest.mark.parametrize("group", sorted({_group(name) for name in (_asked(load()) if LONG else SHORT)}))
 def test_the_answers_are_the_same(group, kept, tmp_path):
     questions = Questions(tmp_path)

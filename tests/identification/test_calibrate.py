@@ -113,7 +113,14 @@ def test_an_interval_around_a_mean_holds_for_correlated_noise():
 # --- τ ------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.long("takes two seconds", cases=("20.0-3.0-45.0", "5.3-0.0-30.0"))
+@pytest.mark.long(
+    "takes two seconds",
+    cases=(
+        "20.0-3.0-45.0",
+        "24.0-4.8-41.5",
+        "5.3-0.0-30.0",
+    ),
+)
 @pytest.mark.parametrize(
     ("tau_s", "dead_s", "length_s"), [(5.3, 0.0, 30.0), (20.0, 3.0, 45.0), (24.0, 4.8, 41.5)]
 )

@@ -110,6 +110,7 @@ def test_a_resolved_distribution_is_no_ridge(broad):
     assert ridge.fwhm == pytest.approx(2.355 * 8, rel=0.2)
 
 
+@pytest.mark.long("takes two seconds")
 def test_few_curves_are_not_searched_for_a_ridge():
     data = reversal_curves(*gaussian_relays(), noise=2e-4, curves=20)
     assert central_ridge(data, forc_diagram(data)) is None

@@ -283,7 +283,13 @@ def test_an_output_that_falls_as_the_input_rises_has_the_model_of_its_negative()
     assert np.allclose(falling.predict(inputs), -rising.predict(inputs), atol=1e-9)
 
 
-@pytest.mark.long("takes a second", cases=("0.0",))
+@pytest.mark.long(
+    "takes two seconds",
+    cases=(
+        "0.0",
+        "5.0",
+    ),
+)
 @pytest.mark.parametrize("mean", [0.0, 5.0])
 def test_an_output_of_noise_alone_is_not_reported_with_the_wrong_sign(mean):
     inputs = fod_inputs(PARTITION["one"])

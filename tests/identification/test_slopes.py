@@ -110,6 +110,7 @@ def test_identify_takes_the_weight_and_stores_it(capsys, curves, tmp_path):
     assert "slope_weight" not in smarig.identify(curves, "exponential").model.fit
 
 
+@pytest.mark.long("takes three seconds", cases=("table",))
 @pytest.mark.parametrize("surface", ["table", "positive", "best"])
 def test_only_fitted_surfaces_take_slopes(curves, surface):
     with pytest.raises(UsageError, match="applies to a fitted surface"):

@@ -48,7 +48,13 @@ def seeds(tmp_path_factory):
     return {name: form.seeds(folder) for name, form in FORMATS.items()}
 
 
-@pytest.mark.long("takes two seconds", cases=("text",))
+@pytest.mark.long(
+    "takes two seconds",
+    cases=(
+        "own csv",
+        "text",
+    ),
+)
 @pytest.mark.parametrize("name", FORMATS)
 def test_every_seed_but_few_is_read(tmp_path, seeds, name):
     """Otherwise every mutation would be refused for another reason than its own."""

@@ -69,6 +69,7 @@ def test_the_input_found_brings_the_output_back(name: str, initial, path, share:
     assert op.step(u) == pytest.approx(target, abs=1e-12 * SPAN)
 
 
+@pytest.mark.long("takes two seconds")
 @given(st.sampled_from(sorted(SMOOTH)), initials, paths, shares)
 def test_no_smaller_move_is_enough(name: str, initial, path, share: float):
     """Half the way, and just short of it: the output is not there yet."""

@@ -80,7 +80,13 @@ def _fine_measure() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     return pair[:, 1], pair[:, 0], rng.normal(0.2, 1, len(pair))
 
 
-@pytest.mark.long("takes two seconds", cases=("nested-None-compiled",))
+@pytest.mark.long(
+    "takes three seconds",
+    cases=(
+        "nested-90.0-compiled",
+        "nested-None-compiled",
+    ),
+)
 @pytest.mark.parametrize("compiled", LOOPS)
 @pytest.mark.parametrize("centre", [None, 90.0, 100.0])
 @pytest.mark.parametrize("history", sorted(histories(np.arange(20.0), 0)))
@@ -126,7 +132,15 @@ def test_outputs_and_memories_along_a_path_are_those_of_its_steps(name: str, ini
     assert [s.diagonal for s in states] == [steps[k][1].diagonal for k in at]
 
 
-@pytest.mark.long("takes three seconds", cases=("table-negative", "two_p-negative"))
+@pytest.mark.long(
+    "takes three seconds",
+    cases=(
+        "table-negative",
+        "table-positive",
+        "two_p-negative",
+        "two_p-positive",
+    ),
+)
 @needs_numba
 @pytest.mark.parametrize("initial", ["negative", "positive", "anhysteretic"])
 @pytest.mark.parametrize("name", KINDS)

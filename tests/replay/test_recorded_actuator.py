@@ -43,7 +43,13 @@ def wire_file(path):
     return path
 
 
-@pytest.mark.long("takes a second", cases=("runs/wire.toml",))
+@pytest.mark.long(
+    "takes two seconds",
+    cases=(
+        "runs/wire.toml",
+        "wire.toml",
+    ),
+)
 @pytest.mark.parametrize("place", ["runs/wire.toml", "wire.toml"])
 def test_an_actuator_file_is_found_by_its_name_beside_the_run_or_above(run, place):
     with pytest.raises(UsageError, match=r"names the actuator '/lab/elsewhere/wire\.toml'.* beside the run"):

@@ -55,7 +55,16 @@ def case_with_effect(tmp_path_factory):
     return make
 
 
-@pytest.mark.long("takes five seconds", cases=("nothing", "settling", "stress_coupling", "walking"))
+@pytest.mark.long(
+    "takes two seconds",
+    cases=(
+        "backlash",
+        "nothing",
+        "settling",
+        "stress_coupling",
+        "walking",
+    ),
+)
 @pytest.mark.parametrize("name", selected(EFFECTS))
 def test_settled_positions_are_the_twins(case_with_effect, name):
     _, timeline, plant_model, per_count = case_with_effect(name)
@@ -63,6 +72,7 @@ def test_settled_positions_are_the_twins(case_with_effect, name):
     assert np.abs(found - timeline.settled.value).max() < WITHIN * per_count
 
 
+@pytest.mark.long("takes ten seconds", cases=("settling", "stress_coupling", "walking"))
 @pytest.mark.parametrize("name", selected(name for name in EFFECTS if name != "nothing"))
 def test_an_effect_shows_in_the_twins_readings(case_with_effect, name):
     """Else the agreement above would say nothing of it."""
@@ -78,7 +88,13 @@ def test_extra_effects_act_like_the_plant_models_own(case_with_effect):
     assert own.tolist() == beside.tolist()
 
 
-@pytest.mark.long("takes a second", cases=("sensor_lag-moving-0.05",))
+@pytest.mark.long(
+    "takes two seconds",
+    cases=(
+        "nothing-moving-0.002",
+        "sensor_lag-moving-0.05",
+    ),
+)
 @pytest.mark.parametrize(
     ("name", "kind", "within"),
     [
@@ -169,6 +185,7 @@ def resistances(tmp_path, rig):
     return found, kinds == "resistance", measured.value
 
 
+@pytest.mark.long("takes two seconds")
 def test_the_resistance_of_one_wire_follows_the_output_by_its_slope(tmp_path):
     found, ohms, measured = resistances(tmp_path, "one_wire_twin")
     assert np.all(found.output_slope[~ohms] == 1.0)

@@ -63,6 +63,7 @@ def test_a_joined_timeline_holds_every_sessions_readings_in_turn(apart, joined_t
     )
 
 
+@pytest.mark.long("takes three seconds")
 def test_sessions_are_joined_in_the_order_in_which_they_began(apart, joined_timeline):
     again = build_timeline([run for runs in apart[::-1] for run in runs], TAU_S)
     assert again.settled.value.tolist() == joined_timeline.settled.value.tolist()

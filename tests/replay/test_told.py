@@ -38,6 +38,7 @@ def test_drive_profile_carries_the_charge_that_was_commanded_at_every_sample(run
     assert drive.end_s.size < 0.01 * t.size
 
 
+@pytest.mark.long("takes two seconds")
 def test_time_between_runs_is_recorded_or_counted_as_a_gap(runs, timeline):
     assert timeline.unrecorded_gap_s == pytest.approx(0.0, abs=1e-6)
     first, last = runs

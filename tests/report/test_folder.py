@@ -92,6 +92,7 @@ def test_somebody_elses_file_is_not_replaced_and_nothing_is_written(folder):
     assert "mine" not in (folder / "index.html").read_text(encoding="utf-8")
 
 
+@pytest.mark.long("takes two seconds")
 def test_hundreds_of_runs_stay_a_small_page_that_loads_nothing():
     entries = [IndexEntry(summary_of(loop(k)), f"{k}.html") for k in range(300)]
     text = index_page("many", entries)

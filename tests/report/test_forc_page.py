@@ -80,6 +80,7 @@ def test_peak_and_widths_are_told_in_the_units_of_the_axes(evidence):
     assert f"{1e3 * peak.fwhm_half_width:.3g} mT along" in words
 
 
+@pytest.mark.long("takes three seconds", cases=("300.0-good",))
 @pytest.mark.parametrize(
     ("ratio", "level"), [(300.0, "good"), (12.0, "good"), (7.0, "warning"), (4.5, "bad")]
 )

@@ -76,7 +76,13 @@ def wire(tmp_path_factory):
     return run, smarig.identify(run, "exponential").model
 
 
-@pytest.mark.long("takes two seconds", cases=("0.004-good-can be used",))
+@pytest.mark.long(
+    "takes three seconds",
+    cases=(
+        "0.004-good-can be used",
+        "0.5-bad-diagnose",
+    ),
+)
 @pytest.mark.parametrize(
     ("rms", "level", "advice"), [(0.004, "good", "can be used"), (0.5, "bad", "diagnose")]
 )

@@ -158,7 +158,14 @@ def test_a_sensor_that_counts_from_0_or_another_one_has_lost_it(ended, bench, th
 LOOPS = {"low_A": 0, "high_A": 0.5, "loops": 1, "loop_s": 200}
 
 
-@pytest.mark.long("takes a second", cases=("then0-known", "then1-fitted"))
+@pytest.mark.long(
+    "takes two seconds",
+    cases=(
+        "then0-known",
+        "then1-fitted",
+        "then2-known",
+    ),
+)
 @pytest.mark.parametrize(
     ("then", "zero"), [({}, "known"), ({"identity": "laser 43"}, "fitted"), ({"absolute": False}, "known")]
 )

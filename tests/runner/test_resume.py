@@ -60,7 +60,13 @@ def events(run, kind):
 
 
 @pytest.mark.long(
-    "takes three seconds", cases=("0.0-one_wire_twin", "0.0-two_wire_twin", "0.5-two_wire_twin")
+    "takes three seconds",
+    cases=(
+        "0.0-one_wire_twin",
+        "0.0-two_wire_twin",
+        "0.37-one_wire_twin",
+        "0.5-two_wire_twin",
+    ),
 )
 @pytest.mark.parametrize(
     ("share", "rig"),

@@ -88,7 +88,13 @@ def with_fits(diagnosis, base, best):
     return replace(diagnosis, plain=replace(diagnosis.plain, base=base), extension=extension)
 
 
-@pytest.mark.long("takes two seconds", cases=("5.0-fair",))
+@pytest.mark.long(
+    "takes two seconds",
+    cases=(
+        "1.2-good",
+        "5.0-fair",
+    ),
+)
 @pytest.mark.parametrize(("times_noise", "verdict"), [(1.2, "good"), (5.0, "fair")])
 def test_one_loop_is_good_only_if_blocks_left_out_are_predicted(tmp_path, times_noise, verdict):
     u = temperatures(1, 120)

@@ -42,6 +42,7 @@ def test_the_temperatures_of_the_run_are_those_of_the_exact_loop(run, exact):
     assert found.cycles[0].borrowed == ("M_f",)
 
 
+@pytest.mark.long("takes five seconds")
 def test_both_scales_are_given(run):
     found = smarig.transformation_temperatures(run).to_json()["runs"][0]
     one = found["figures"]["A_s"]
@@ -51,6 +52,7 @@ def test_both_scales_are_given(run):
     assert found["twin"] is True
 
 
+@pytest.mark.long("takes five seconds")
 def test_temperatures_that_no_thermometer_measured_say_so(run):
     assert any("No thermometer measured these temperatures" in note for note in run_figures(run).notes)
     quantity = {**run.meta["input"], "from": "thermocouple"}

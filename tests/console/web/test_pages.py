@@ -246,7 +246,6 @@ def test_what_it_cannot_start_with_is_one_sentence(tmp_path):
 
 
 @pytest.mark.long("takes three seconds")
-@pytest.mark.long("takes three seconds")
 def test_the_entry_of_a_run_that_has_ended_is_read_again_when_it_is_opened(tmp_path):
     """Long before the library looks at the folder again."""
     being_recorded = "The run is being recorded."

@@ -58,6 +58,7 @@ def test_the_law_of_a_loop_that_widens_with_the_rate_is_learned(wider):
     assert answer["held_out"]["removable_share"] > 0.7
 
 
+@pytest.mark.long("takes twenty seconds")
 def test_its_model_refuses_runs_with_settled_steps(wider):
     found, runs = wider
     settled = Step(0, 0, False, "hold", 70.0, 0.0, 10.0, "settled", 0.5, 50)
@@ -65,6 +66,7 @@ def test_its_model_refuses_runs_with_settled_steps(wider):
         verify(found.model, replace(runs[2], steps=(settled,)))
 
 
+@pytest.mark.long("takes twenty seconds")
 def test_the_saved_model_predicts_a_run_that_the_diagnosis_never_had(wider, tmp_path):
     found, runs = wider
     file = found.model.save(tmp_path / "learned.model.json")
@@ -77,6 +79,7 @@ def test_the_saved_model_predicts_a_run_that_the_diagnosis_never_had(wider, tmp_
         load_model(file)
 
 
+@pytest.mark.long("takes twenty seconds")
 def test_the_page_draws_the_law(wider):
     page = measured_diagnosis_page(wider[0])
     assert "Learned term" in page
@@ -84,6 +87,7 @@ def test_the_page_draws_the_law(wider):
 
 
 @long
+@pytest.mark.long("takes twenty seconds")
 def test_a_law_that_is_worse_on_held_out_runs_is_not_offered(wider):
     found, _ = wider
     assert extension_by_law(found.plain, "rate") is not None
@@ -168,6 +172,7 @@ def test_branches_that_shift_from_cycle_to_cycle_are_not_wiped_out():
         assert test.holds is holds
 
 
+@pytest.mark.long("takes twenty seconds")
 def test_a_single_loop_shows_neither_and_a_failure_is_stated(wider):
     u = triangles((85.0,))
     assert preisach_properties(input_records([as_run("one", u, RelayWire(2).strain(u))])) == ()

@@ -35,6 +35,7 @@ def test_tau_of_a_thermomechanical_wire_is_that_without_transformation(heating):
     assert tau.ci95[0] < TRUE_TAU_S < tau.ci95[1]
 
 
+@pytest.mark.long("takes five seconds")
 def test_its_latent_heat_is_found_and_stated(heating):
     latent = heating.parameters["latent_heat"]
     assert latent.unit == "K"

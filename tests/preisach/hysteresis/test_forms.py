@@ -253,6 +253,7 @@ def test_a_new_form_is_the_best_where_it_alone_follows_the_curves():
     assert list(best.choice.held_out_rms) == list(surface_kinds())
 
 
+@pytest.mark.long("takes two seconds")
 def test_bounds_of_a_new_form_are_proved_as_those_of_the_shipped_ones():
     s = FodSurface("logistic", STEP, 0.0, 174.1, 0.0, 12.54, "mm")
     u = np.linspace(0.0, 174.1, 400)

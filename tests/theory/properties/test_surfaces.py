@@ -263,6 +263,7 @@ def test_K_of_a_signed_surface_is_exceeded():
     assert largest_setback(s) > 0.5
 
 
+@pytest.mark.long("takes two seconds")
 @settings(max_examples=30)
 @given(names, st.lists(unit, min_size=2, max_size=6), st.sampled_from([1 / 16, 1 / 4]), st.booleans())
 def test_inputs_that_stay_together_keep_outputs_together(name, shares, part, up):
