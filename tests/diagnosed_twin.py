@@ -20,8 +20,8 @@ from smarig.runner.session import Session
 
 WALKING = 0.4  # %/cycle
 TRAIN = {  # fewer points than by default
-    "congruency": {"points_per_branch": 4},
-    "first_order_descending": {"partition_K": (0, 50, 75, 100, 125, 174.1)},
+    "congruency": {"points_per_branch": 2},
+    "first_order_descending": {"partition_K": (0, 60, 100, 174.1)},
 }
 HELD_OUT = {"validation": {"points": 10}}
 # The effects that compete; the others are tested in tests/diagnosis.
