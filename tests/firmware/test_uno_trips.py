@@ -83,9 +83,8 @@ def test_the_lease_ends_the_current(uno):
 
 def test_the_stop_input_ends_the_current_at_once(uno):
     board = driven(uno)
-    stopped_ms, current_uA = board.now()
+    stopped_ms, current_uA = board.now("stop open")
     assert current_uA > NO_CURRENT_uA
-    board.tell("stop open")
     board.go(200)
     status = board.command()
     assert (status["state"], status["trip"]) == (TRIPPED, STOP)
@@ -188,8 +187,7 @@ def test_the_led_tells_the_state(uno):
 def test_a_hanging_program_is_reset_with_the_gate_closed(uno):
     board = driven(uno)
     boots = board.command()["boot_count"]
-    hung_ms, _ = board.now()
-    board.tell("hang")
+    hung_ms, _ = board.now("hang")
     board.go(400)
     status = board.command()
     assert (status["boot_count"], status["state"], status["echo"]) == (boots + 1, IS_OFF, 0)

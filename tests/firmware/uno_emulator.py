@@ -75,9 +75,11 @@ class Uno:
         self.tell(line)
         return self.process.stdout.readline().decode().split()
 
-    def now(self) -> tuple[int, int]:
-        """Device time in ms, and the current of the wire in uA."""
-        _, ms, current_uA = self.told("now")
+    def now(self, then: str = "") -> tuple[int, int]:
+        """Device time in ms, and the current of the wire in uA. ``then`` is a command at that moment: between two
+        writes of a test, device time may pass.
+        """
+        _, ms, current_uA = self.told(f"now\n{then}" if then else "now")
         return int(ms), int(current_uA)
 
     def go(self, ms: int) -> None:
