@@ -1,6 +1,6 @@
 """A host that works for a day and dies, and its frames, which are all said again while its current still flows."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import NamedTuple, Protocol
 
 from firmware.codes import ARM, ARMED, LEASE, OFF, TRIPPED
@@ -35,6 +35,23 @@ class Amplifier(Protocol):
         ...
 
 
+Tick = tuple[int, int, int, int]  # the inputs of one
+Step = bytes | Tick
+
+
+def carried_out(amplifier: Amplifier, steps: Sequence[Step]) -> list[bytes]:
+    """The replies to frames, with ticks between them: at once, if the amplifier takes them so."""
+    if hasattr(amplifier, "carry_out"):
+        return amplifier.carry_out(steps)
+    replies = []
+    for step in steps:
+        if isinstance(step, bytes):
+            replies.append(amplifier.answer(step))
+        else:
+            amplifier.tick(*step)
+    return replies
+
+
 class Host:
     """A host that continues where the device is, and keeps every frame that it has sent."""
 
@@ -56,13 +73,18 @@ class Host:
         assert status_["echo"] == self._sequence
         return status_
 
-    def drive(self, current_uA: int) -> None:
-        """A new current, and its tick. Only the echo is read: a day is long."""
-        command = (*to_words(self._next(), 2), *to_words(self._boot_count, 2), 0, *to_words(current_uA, 2))
-        e = Exchange(ECHO, 2, 0x100, command)
-        self.frames.append(rtu.request(ADDRESS, e))
-        assert rtu.find(ADDRESS, e, self._amplifier.answer(self.frames[-1])) == to_words(self._sequence, 2)
-        _tick(self._amplifier, current_uA)
+    def drive(self, currents_uA: Sequence[int]) -> None:
+        """New currents, and the tick of each. Only the echo is read: a day is long."""
+        steps: list[Step] = []
+        expected = []
+        for current_uA in currents_uA:
+            proof = (*to_words(self._next(), 2), *to_words(self._boot_count, 2))
+            e = Exchange(ECHO, 2, 0x100, (*proof, 0, *to_words(current_uA, 2)))
+            steps += [rtu.request(ADDRESS, e), _inputs(current_uA)]
+            expected.append((e, to_words(self._sequence, 2)))
+        self.frames += steps[::2]
+        replies = carried_out(self._amplifier, steps)
+        assert all(rtu.find(ADDRESS, e, r) == echo for (e, echo), r in zip(expected, replies, strict=True))
 
     def _next(self) -> int:
         self._sequence += 1
@@ -71,10 +93,12 @@ class Host:
     def work(self, exchanges: int) -> None:
         """Arm and drive, a tick for each current; after so many exchanges current flows."""
         self._arm()
-        while len(self.frames) < exchanges - 1:
-            if len(self.frames) % REARMED == 0 and len(self.frames) < exchanges - 4:
+        while (made := len(self.frames)) < exchanges - 1:
+            if made % REARMED == 0 and made < exchanges - 4:
                 self._arm()
-            self.drive(len(self.frames) % CURRENT_uA)
+                made = len(self.frames)
+            until = min(exchanges - 1, made - made % REARMED + REARMED)
+            self.drive([number % CURRENT_uA for number in range(made, until)])
         assert self.command(current=CURRENT_uA)["output"] == CURRENT_uA
 
     def _arm(self) -> None:
@@ -93,8 +117,7 @@ def replayed(amplifier: Amplifier, frames: list[bytes]) -> Outcome:
     """All frames again within the lease; then again, from both ends, after it."""
     flowed = 0
     for part in (*_parts(frames, LEASE_TICKS + 1), frames[:AGAIN], frames[-AGAIN:], frames[:AGAIN]):
-        for frame in part:
-            amplifier.answer(frame)
+        carried_out(amplifier, part)
         output_uA = status(amplifier)["output"]
         flowed += output_uA != 0
         _tick(amplifier, output_uA)
@@ -155,7 +178,11 @@ def _decoded(e: Exchange, reply: bytes) -> RawValues:
 
 
 def _tick(amplifier: Amplifier, output_uA: int) -> None:
-    amplifier.tick(output_uA, 5 * output_uA, -32768, 0)
+    amplifier.tick(*_inputs(output_uA))
+
+
+def _inputs(output_uA: int) -> Tick:
+    return output_uA, 5 * output_uA, -32768, 0
 
 
 def _parts(frames: list[bytes], count: int) -> Iterator[list[bytes]]:
