@@ -6,9 +6,9 @@ from collections.abc import Iterator
 
 from pydantic import BaseModel
 
-from generate.comments import class_comments, tuple_comments
-from generate.keys import _inner, _named, unit_of
+from generate.comments import tuple_comments
 from generate.markdown import code, plain, table
+from smarig.config import class_comments, inner_model, type_text, unit_of
 from smarig.core import Quality
 from smarig.preisach.hysteresis import hysteresis_json
 from smarig.record import schema
@@ -104,9 +104,9 @@ def models(
     """(place, model) of a model file and of the objects in it."""
     yield where, model
     for name, field in model.model_fields.items():
-        inner, kind = _inner(field.annotation)
+        inner, is_list = inner_model(field.annotation)
         if inner is not None:
-            yield from models(inner, f"{name}[]" if kind == "list" else name)
+            yield from models(inner, f"{name}[]" if is_list else name)
 
 
 def _run_file() -> str:
@@ -142,7 +142,7 @@ def _model_file() -> str:
     for where, model in models():
         comments_by_name = class_comments(model)
         rows = [
-            (code(n), _named(f.annotation), plain(comments_by_name.get(n, "")))
+            (code(n), type_text(f.annotation), plain(comments_by_name.get(n, "")))
             for n, f in model.model_fields.items()
         ]
         head = f"## `{where}`\n\n" if where else ""

@@ -10,8 +10,8 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from generate.keys import unit_of
 from generate.markdown import code, fence, table
+from smarig.config import unit_of
 
 HERE = Path(__file__).resolve().parent
 LONGEST = 6  # longer lists, and objects of like things, are shown by their first two

@@ -9,6 +9,7 @@ import sys
 import pytest
 
 from smarig.cli import run
+from smarig.config import load_rig
 from smarig.core.catalogue import catalogue_names
 from smarig.record import load_run
 
@@ -42,6 +43,17 @@ def test_list(capsys, kind):
     status, out, _ = call(capsys, "list", kind, "--json")
     assert status == 0
     assert all(json.loads(out)[kind].values())
+
+
+def test_list_keys_has_every_key_of_a_rig_file(capsys):
+    keys = json.loads(call(capsys, "list", "keys", "--json")[1])["keys"]
+    rig = load_rig("one_wire_serial").model_dump(exclude_none=True)
+    flat = {f"rig: {name}.{key}" for name, table in rig.items() if isinstance(table, dict) for key in table}
+    assert flat | {f"rig: {name}" for name in rig} <= keys.keys()
+    assert keys["rig: period_s"] == "number, ≥\u00a00.001, ≤\u00a060, s, needed: duration of a tick"
+    assert keys["rig: hidden_effect"].startswith("true or false, default false: ")
+    assert {key.partition(": ")[0] for key in keys} == {"rig", "actuator", "campaign", "import"}
+    assert "keys" not in json.loads(call(capsys, "list", "--json")[1])
 
 
 def test_check_and_dry_run(capsys):

@@ -11,17 +11,18 @@ from docs.json_examples import QUICK, printed_objects
 from generate import commands, files, json_objects, keys
 from generate.python import PAGES
 from smarig.cli import run as cli
+from smarig.config import class_comments, file_keys, file_tables
 from smarig.core.sample import Quality
 from smarig.record import load_run
 
 
 def test_every_key_of_a_configuration_file_has_a_text():
     silent = [
-        f"{where}.{name}"
+        f"{where}.{key.name}"
         for model, _ in keys.FILES.values()
-        for where, inner in keys.tables(model)
-        for name, _, means in keys.keys(inner)
-        if not means
+        for where, inner in file_tables(model)
+        for key in file_keys(inner)
+        if not key.meaning
     ]
     assert not silent
 
@@ -39,7 +40,7 @@ def test_every_column_and_key_of_a_file_has_a_text():
         assert all(texts.values()), name
     assert set(files.QUALITY) == {q.name for q in Quality} | {"GOOD"}
     for where, model in files.models():
-        texts = files.class_comments(model)
+        texts = class_comments(model)
         assert all(texts.get(key) for key in model.model_fields), where
 
 
@@ -121,7 +122,7 @@ def test_it_agrees_with_help(capsys):
         assert text in page
 
 
-@pytest.mark.parametrize("module", ["markdown", "docstring", "json_objects", "keys"])
+@pytest.mark.parametrize("module", ["markdown", "docstring", "json_objects"])
 def test_examples_in_the_generators(module):
     import doctest
 

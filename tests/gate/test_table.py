@@ -9,7 +9,7 @@ from pydantic import AfterValidator
 
 from generate import gate, keys
 from generate.files import models
-from smarig.config import RigFile, load_rig
+from smarig.config import RigFile, file_tables, load_rig
 from smarig.core import GATED_KEYS, Named, Origin, UsageError, check_table, named, passed
 from smarig.record import RunInfo
 
@@ -118,7 +118,7 @@ ROWS = {
 
 
 def test_every_key_of_text_is_marked_or_in_the_table_or_known_to_lead_nowhere():
-    tables = [inner for model, _ in keys.FILES.values() for _, inner in keys.tables(model)]
+    tables = [inner for model, _ in keys.FILES.values() for _, inner in file_tables(model)]
     tables += [inner for _, inner in models()]
     of_text = [
         (table, name, field)

@@ -6,7 +6,17 @@ Plug-ins are listed by the metadata of their distributions. Only those that the 
 from collections.abc import Callable
 
 from smarig.cli.output import show_message
-from smarig.config import load_actuator, load_campaign, load_rig, shipped_names
+from smarig.config import (
+    ActuatorFile,
+    CampaignFile,
+    RigFile,
+    file_keys,
+    file_tables,
+    load_actuator,
+    load_campaign,
+    load_rig,
+    shipped_names,
+)
 from smarig.control import (
     SETPOINT_CONTROLLERS,
     TRACKING_CONTROLLERS,
@@ -26,7 +36,7 @@ from smarig.core import (
     resolve_name,
     shipped_fault,
 )
-from smarig.exchange import load_mapping
+from smarig.exchange import MappingFile, load_mapping
 from smarig.plant import EFFECTS, effect_types
 from smarig.protocols import PROTOCOLS, setting_texts
 from smarig.record import wire_histories
@@ -92,6 +102,17 @@ def _wires() -> dict[str, str]:
     return {h.wire + " (twin)" * h.twin: f"{h.sentence()}; last used {h.last_use}" for h in wire_histories()}
 
 
+def _keys() -> dict[str, str]:
+    """Every key of a configuration file, after the kind of the file."""
+    files = {"rig": RigFile, "actuator": ActuatorFile, "campaign": CampaignFile, "import": MappingFile}
+    return {
+        f"{kind}: {where.strip('[]')}{'.' * bool(where)}{key.name}": key.text
+        for kind, model in files.items()
+        for where, table in file_tables(model)
+        for key in file_keys(table)
+    }
+
+
 def _plugins() -> dict[str, str]:
     """Every plug-in with its kind, its distribution, and the reason if it cannot be used."""
     offers, faults = plugin_offers()
@@ -126,6 +147,7 @@ LISTINGS: dict[str, Callable[[], dict[str, str]]] = {
     "imports": _imports,
     "wires": _wires,
     "plugins": _plugins,
+    "keys": _keys,
 }
 _EXTENSIBLE = {"protocols": PROTOCOLS, "controllers": TRACKING_CONTROLLERS, "effects": EFFECTS}
 

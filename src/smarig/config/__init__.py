@@ -14,6 +14,14 @@ if TYPE_CHECKING:
     from smarig.config.config_files import own_drivers as own_drivers
     from smarig.config.config_files import rig_text as rig_text
     from smarig.config.config_files import shipped_names as shipped_names
+    from smarig.config.file_keys import FileKey as FileKey
+    from smarig.config.file_keys import class_comments as class_comments
+    from smarig.config.file_keys import comments_by_line as comments_by_line
+    from smarig.config.file_keys import file_keys as file_keys
+    from smarig.config.file_keys import file_tables as file_tables
+    from smarig.config.file_keys import inner_model as inner_model
+    from smarig.config.file_keys import type_text as type_text
+    from smarig.config.file_keys import unit_of as unit_of
     from smarig.config.file_schemas import ActuatorFile as ActuatorFile
     from smarig.config.file_schemas import AmplifierFile as AmplifierFile
     from smarig.config.file_schemas import CampaignFile as CampaignFile

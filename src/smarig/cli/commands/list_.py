@@ -14,12 +14,14 @@ KINDS = (
     "imports",
     "wires",
     "plugins",
+    "keys",
 )
 EPILOG = """\b
 Examples:
   smarig list protocols
   smarig list protocols ./my_protocol.py --settings
   smarig list plugins
+  smarig list keys
 """
 
 
@@ -38,6 +40,9 @@ def command(kind: str, files: tuple[str, ...], settings: bool) -> None:
 
     With FILE.py, list only the protocols, controllers or effects of your own in these files. The name of a plug-in
     may be given in place of a file; only then is it imported. "unit" is the rig's unit, mm or deg.
+
+    "keys", which "all" does not list, are those of rig, actuator, campaign and import files, with type, unit, default
+    and meaning.
     """
     from smarig.cli.listings import (
         LISTINGS,
@@ -49,7 +54,9 @@ def command(kind: str, files: tuple[str, ...], settings: bool) -> None:
     from smarig.protocols import setting_texts
 
     own_names = chosen_names(kind, files)
-    found: dict[str, dict] = {k: read() for k, read in LISTINGS.items() if kind in (k, "all")}
+    found: dict[str, dict] = {
+        k: read() for k, read in LISTINGS.items() if k == kind or (kind == "all" and k != "keys")
+    }
     if own_names:
         found[kind] = {name: text for name, text in found[kind].items() if name in own_names}
     lines = []
