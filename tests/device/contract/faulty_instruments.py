@@ -57,6 +57,16 @@ class Output:
         pass
 
 
+class Delayed(Output):
+    """The host stalls for longer than the lease before some of its queries, as on a busy computer."""
+
+    def measure(self):
+        if self.state["A"] and self.state.get("stalls", 0):
+            self.state["stalls"] -= 1
+            self.time.wait(1.2)
+        return super().measure()
+
+
 class LeftOn(Output):
     def __init__(self, time, state, present=True):
         before = dict(state)

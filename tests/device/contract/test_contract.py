@@ -6,6 +6,8 @@ from device.contract import faulty_instruments as faulty
 from smarig.config import load_rig
 from smarig.core import UsageError
 from smarig.device import ContractCase, as_current_source, as_position_sensor, check_contract, contract
+from smarig.device.contract.contract_case import results
+from smarig.device.contract.source_requirements import current_held
 
 RIG = load_rig("bench_one_wire")  # a lease of 1 s, ticks of 0.1 s, at most 1 A
 
@@ -119,3 +121,16 @@ def test_a_source_without_a_voltage_says_so_and_passes():
 def test_an_unknown_role_is_one_sentence():
     with pytest.raises(UsageError, match="No role 'oven'. The roles are: amplifier, encoder_daq"):
         contract("oven")
+
+
+@pytest.mark.parametrize(("stalls", "observed"), [(0, ""), (5, ""), (10**6, "cannot be tested here")])
+def test_a_busy_computer_is_not_taken_for_a_driver_that_renews_no_lease(stalls, observed):
+    time, state = faulty.SimulatedTime(), {"stalls": stalls}
+
+    def opened():
+        return as_current_source(faulty.Delayed(time, state), "a driver", RIG)
+
+    stalling = ContractCase(opened, opened, RIG, time.wait, lambda: time.now_s)
+    (found,) = results(stalling, {"current held": current_held})
+    assert found.passed == (not observed)
+    assert observed in found.observed

@@ -86,9 +86,13 @@ class ContractCase:
 
     def wait_ticks(self, ticks: float) -> float:
         """Let this many ticks pass, and return how many periods have passed."""
-        begin_s = self.clock() if self.clock else 0.0
+        begin_s = self.now_s()
         self.wait(ticks * self.rig.period_s)
-        return (self.clock() - begin_s) / self.rig.period_s if self.clock else ticks
+        return (self.now_s() - begin_s) / self.rig.period_s if self.clock else ticks
+
+    def now_s(self) -> float:
+        """The time of the devices; always 0 without a clock."""
+        return self.clock() if self.clock else 0.0
 
     @contextmanager
     def opened(self) -> Iterator[Any]:
