@@ -1,5 +1,7 @@
 """Implausible readings trip; plausible readings of every twin and every protocol do not."""
 
+from contextlib import nullcontext
+
 import pytest
 
 from rig.lying import TamperedRig
@@ -7,8 +9,9 @@ from smarig.config import load_rig
 from smarig.core.errors import LimitExceeded
 from smarig.core.sample import Quality
 from smarig.plant import Actuator, JouleHeating
+from smarig.rig.channel_checks import RigReadings
 from smarig.rig.guard import Guard
-from smarig.rig.plausibility import MAX_STALE_SAMPLES, Plausibility
+from smarig.rig.plausibility import MAX_STALE_SAMPLES, REST_TAUS, Plausibility
 
 TICKS_OF_HEATING = 500
 TWINS = (
@@ -58,6 +61,19 @@ def test_what_cannot_be_trips_to_zero_with_its_cause(kind, lie, words):
         heated(guard)
     assert twin.output_A == 0.0
     assert [a.kind for a in guard.alarms() if a.level == "error"] == [kind]
+
+
+@pytest.mark.parametrize(("factor", "trips"), [(1.2, False), (1.6, True), (1000, True)])
+def test_a_wire_of_unknown_temperature_moves_no_further_than_its_stroke(factor, trips):
+    """Where the host makes the ticks, nobody knows how hot the wire was: in the first 12 time constants."""
+    lying = TamperedRig("one_wire_twin", lambda s: s._replace(counts=round(factor * s.counts)))
+    actuator, file = Actuator.named(lying.file.actuator), lying.file.model_copy(update={"kind": "bench"})
+    checks = Plausibility(file, actuator, RigReadings(counter=False))
+    guard = Guard(lying, file.limits, actuator, checks)
+    with pytest.raises(LimitExceeded, match="the whole stroke of the wire is 2") if trips else nullcontext():
+        heated(guard, round(REST_TAUS * actuator.tau_s / file.period_s) - 1, current_A=1.0)
+    assert (lying.twin.output_A == 0.0) == trips
+    assert [a.kind for a in guard.alarms() if a.level == "error"] == ["contradiction"] * trips
 
 
 def test_a_source_that_never_measures_a_voltage_is_a_warning_once():

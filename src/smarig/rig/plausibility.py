@@ -9,9 +9,16 @@ from smarig.config import RigFile
 from smarig.core import Quality, Sample
 from smarig.plant import Actuator, load_of, thermomechanical_travel
 from smarig.preisach import thesis_surface
-from smarig.rig.channel_checks import AS_IN_FILES, ChannelChecks, RigReadings
+from smarig.rig.channel_checks import (
+    AS_IN_FILES,
+    COUNT_STEP,
+    LEAST_STEP_COUNTS,
+    ChannelChecks,
+    RigReadings,
+    tolerance_of,
+)
 from smarig.rig.electrical_plausibility import ElectricalPlausibility
-from smarig.rig.response import MIN_TRAVEL, Response
+from smarig.rig.response import MIN_TRAVEL, UNIT_REMEDY, Response
 from smarig.rig.rig import Alarm
 
 REST_TAUS = 12.0  # until the wire is at rest, from any state and including sensor lags
@@ -54,6 +61,10 @@ class Plausibility:
         self._rest_point: tuple[float, int] | None = None  # input and counts at the start of rest
         self._settling_ticks = 0
         self._travel = travel / actuator.resolution(rig.encoder)
+        step = max(COUNT_STEP * self._travel, LEAST_STEP_COUNTS)
+        # a wire within the tolerance moves no further, whatever its temperature was
+        self._longest = (1 + tolerance_of(rig)) * self._travel + 2 * step if readings.own_wire else math.inf
+        self._unsure_extent: tuple[int, int] | None = None
         self._channels = ChannelChecks(rig, actuator, readings)
         self._by_host = not readings.counter
         self._last_tick: int | None = None
@@ -72,7 +83,7 @@ class Plausibility:
 
     def zeroed(self) -> None:
         """The encoder was zeroed: discard earlier counts."""
-        self._rest_point, self._last_end = None, ""
+        self._rest_point, self._last_end, self._unsure_extent = None, "", None
         self._channels.zeroed()
         self._forget_response()
 
@@ -111,6 +122,7 @@ class Plausibility:
         if self._response is not None:
             found += self._response.add(sample.counts, input_K, ticks, self._channels.transformation.started)
         if sample.tick < self._unsure_until:
+            found += self._check_whole_travel(sample.counts)
             self._channels.forget()
             self._forget_response()
         self.suspect = self._electrical.suspect or self._channels.suspect
@@ -146,6 +158,19 @@ class Plausibility:
         self._rest_point = (input_K, counts)
         text = f"The position moved by {moved} counts without heating. Check whether the wire slips."
         return [Alarm("error", "slip", text)]
+
+    def _check_whole_travel(self, counts: int) -> list[Alarm]:
+        """However hot the wire was, it moves no further than its whole stroke."""
+        low, high = self._unsure_extent or (counts, counts)
+        self._unsure_extent = low, high = min(low, counts), max(high, counts)
+        if self._load_moves or high - low <= self._longest:
+            return []
+        self._unsure_extent = (counts, counts)
+        text = (
+            f"The position moved by {high - low} counts, and the whole stroke of the wire is {self._travel:.0f}. "
+            f"Check encoder and wire, {UNIT_REMEDY}."
+        )
+        return [Alarm("error", "contradiction", text)]
 
     def _check_travel(self, counts: int, share: float) -> list[Alarm]:
         """Between cold and hot the wire must move."""

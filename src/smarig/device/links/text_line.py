@@ -13,6 +13,7 @@ must wait, until the line is resynchronised, is the next query.
 """
 
 import math
+import time
 from collections.abc import Callable
 from typing import TypeVar
 
@@ -27,6 +28,7 @@ QUIET = 8  # time-outs without a reply after which no answer can follow
 # is no reason to wait longer
 SECOND_WAIT = 2
 TRIES = 3  # queries of the identity on a line that still answers
+TALK = 2 * QUIET  # time-outs after which lines that go on answer nothing that was asked
 LATE_LINES = 32  # largest number of lines discarded for one query
 LONGEST = 256  # bytes of an answer
 LINE_ENDS = {b"\n": "a line feed", b"\r\n": "CR LF", b"\r": "CR"}  # names for messages
@@ -61,6 +63,7 @@ class TextLine:
         self._identities = 0  # queried and not yet received
         self._heard = b""  # the incomplete line
         self._broken = self._closed = False
+        self._timeout_s = timeout_s
         checked = checked_url(url)
         try:
             self._port = unopened_port(checked, baud, timeout_s, timeout_s)
@@ -209,11 +212,12 @@ class TextLine:
         for _ in range(TRIES):
             self._send(self._who)
             self._identities += 1
-            wait = SECOND_WAIT if self._dead else timeouts
+            wait, end_s = SECOND_WAIT if self._dead else timeouts, self._end_of_talk_s()
             self._dead = True
             while self._identities and (line := self._line(wait)):
                 self._dead, wait = False, timeouts
                 self._identities -= line == self.identity
+                self._refuse_talk(end_s)
             if not self._identities:
                 self._late = False
                 return
@@ -226,11 +230,21 @@ class TextLine:
 
     def _wait_for_quiet(self, timeouts: int) -> None:
         """Discard lines until none has come for this number of time-outs."""
-        for _ in range(LATE_LINES):
-            if not self._line(timeouts):
-                self._heard, self._late = b"", False
-                return
-        raise Garbled(f"{self.where} sends lines that nobody has queried. {Garbled.remedy_at(self.where)}")
+        end_s = self._end_of_talk_s()
+        while self._line(timeouts):
+            self._refuse_talk(end_s)
+        self._heard, self._late = b"", False
+
+    def _end_of_talk_s(self) -> float:
+        return time.monotonic() + TALK * self._timeout_s
+
+    def _refuse_talk(self, end_s: float) -> None:
+        """An instrument that sends readings by itself sends lines for ever, and the host must not wait as long."""
+        if time.monotonic() > end_s:
+            raise Garbled(
+                f"{self.where} goes on sending lines that nobody has queried. If it sends readings by itself, switch "
+                f"that off at the instrument. {Garbled.remedy_at(self.where)}"
+            )
 
     def _reopen(self) -> None:
         """Open a broken line again. On a serial port, answers to earlier queries may still come."""
