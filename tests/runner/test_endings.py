@@ -28,6 +28,9 @@ from smarig.runner.session import Session
 SPEED = 100  # × real time: a run lasts much longer than any test waits
 LONG = bool(os.environ.get("SMARIG_LONG"))
 PATIENCE_S = 60.0  # ends a test that has failed
+SIGNALS = tuple(
+    getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP", "SIGQUIT") if hasattr(signal, name)
+)
 posix = pytest.mark.skipif(os.name == "nt", reason="POSIX signals")
 
 
@@ -61,7 +64,7 @@ def wait_for_samples(process: subprocess.Popen, out: Path, at_least: int) -> Non
 
 @pytest.mark.long("takes two seconds", cases=("SIGHUP",))
 @posix
-@pytest.mark.parametrize("name", ["SIGINT", "SIGTERM", "SIGHUP"])
+@pytest.mark.parametrize("name", [s.name for s in SIGNALS])
 def test_signals_close_the_run_at_zero_within_a_second(tmp_path, name):
     out = tmp_path / "r.run.sqlite"
     process = start(out)
@@ -81,14 +84,14 @@ def test_signals_close_the_run_at_zero_within_a_second(tmp_path, name):
 
 
 @posix
-@pytest.mark.parametrize("name", ["SIGINT", "SIGTERM", "SIGHUP"])
+@pytest.mark.parametrize("name", [s.name for s in SIGNALS])
 def test_a_signal_ends_the_run_with_the_next_tick(tmp_path, name):
     def at_50(sample, _step, _input_K):
         if sample.tick == 50:
             signal.raise_signal(getattr(signal, name))
 
     out = tmp_path / "r.run.sqlite"
-    before = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)}
+    before = {number: signal.getsignal(number) for number in SIGNALS}
     try:
         with Session("one_wire_twin") as session:
             with pytest.raises(Interrupted):
@@ -168,7 +171,7 @@ def impatient(control: RunControl, put_away: list[str], clock: Clock) -> None:
 @posix
 def test_a_second_ctrl_c_acts_once_and_reports_the_same_cause(monkeypatch):
     """A run that does not end is torn by a second Ctrl-C; what it puts away then is not torn by a third."""
-    before = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)}
+    before = {number: signal.getsignal(number) for number in SIGNALS}
     put_away, control, clock = [], RunControl(), Clock()
     monkeypatch.setattr(signal_handling, "time", clock)
     try:

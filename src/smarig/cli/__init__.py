@@ -32,7 +32,7 @@ _SOURCE_DATE = (
     "SOURCE_DATE_EPOCH"  # libraries read it when they are imported: each would fail in words of its own
 )
 _LATEST_S = 253402300799  # 9999-12-31, the last day that a date can have
-_ENDING = ("SIGINT", "SIGTERM", "SIGHUP")
+_ENDING = ("SIGINT", "SIGTERM", "SIGHUP", "SIGQUIT")
 _SPELLINGS = {"characterize": "characterise"}
 EPILOG = """\b
 Examples:
@@ -100,7 +100,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
 
 def run(arguments: Sequence[str] | None = None) -> int:
     """Run a command; returns the exit status."""
-    _interrupt_on("SIGTERM", "SIGHUP")
+    _interrupt_on("SIGTERM", "SIGHUP", "SIGQUIT")
     try:
         given = sys.argv[1:] if arguments is None else arguments
         _check_source_date()

@@ -1,7 +1,7 @@
 """The end of a process whose main thread does not come back: a disk that does not answer, or a call that never returns.
 
 Python handles signals in the main thread. While the kernel holds that thread (state D, a disk that does not answer),
-Ctrl-C, SIGTERM and SIGHUP wait with it. A thread of its own therefore counts them. It ends the process
+Ctrl-C, SIGTERM, SIGHUP and SIGQUIT wait with it. A thread of its own therefore counts them. It ends the process
 
 * ``INSISTED_S`` after the second Ctrl-C, whatever the main thread does;
 * ``REQUESTED_S`` after any of the signals, if the main thread has not moved since;
@@ -35,7 +35,9 @@ STALLED_S = 60.0  # a slow disk may take that long to store much
 ZERO_S = 3.0  # as above, until the current is set to zero
 LAST_S = 2.0  # for what is done before the end, all at the same time
 POLL_S = 0.2
-ENDING = tuple(getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name))
+ENDING = tuple(
+    getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP", "SIGQUIT") if hasattr(signal, name)
+)
 _FRAMES = 8  # in which the file that is waited for may be named
 _UNFINISHED = (
     "A file that was being written is not there under its name; what had that name before is unchanged."

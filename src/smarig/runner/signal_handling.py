@@ -1,4 +1,5 @@
-"""Turns signals into a safe stop: SIGINT, SIGTERM and SIGHUP request the end of a run; a second SIGINT forces it.
+"""Turns signals into a safe stop: SIGINT, SIGTERM, SIGHUP and SIGQUIT request the end of a run; a second
+SIGINT forces it.
 
 The handler only sets a flag that the runner reads at its next tick, so no operation is cut off. For a while after such
 a stop, and after each forced one, further signals are ignored, so that a key held down does not interrupt the closing.
@@ -26,6 +27,7 @@ _CAUSES = {
     "SIGINT": "interrupted by the keyboard (Ctrl-C)",
     "SIGTERM": "terminated (SIGTERM)",
     "SIGHUP": "hung up (SIGHUP)",
+    "SIGQUIT": "quit by the keyboard (Ctrl-\\, SIGQUIT)",
 }
 
 
