@@ -52,6 +52,7 @@ def test_list_keys_has_every_key_of_a_rig_file(capsys):
     assert flat | {f"rig: {name}" for name in rig} <= keys.keys()
     assert keys["rig: period_s"] == "number, ≥\u00a00.001, ≤\u00a060, s, needed: duration of a tick"
     assert keys["rig: hidden_effect"].startswith("true or false, default false: ")
+    assert keys["rig: links.amplifier.line_end"].startswith(r'"\n", "\r\n", "\r", default "\n": ')
     assert {key.partition(": ")[0] for key in keys} == {"rig", "actuator", "campaign", "import"}
     assert "keys" not in json.loads(call(capsys, "list", "--json")[1])
 

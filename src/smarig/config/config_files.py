@@ -52,7 +52,7 @@ def load_actuator(name: str) -> ActuatorFile:
 
 def actuator_text(name: str) -> str:
     """The text of an actuator's file."""
-    return locate("actuators", name).read_text(encoding="utf-8")
+    return locate("actuators", name).read_text(encoding="utf-8-sig")
 
 
 def load_rig(name: str) -> RigFile:
@@ -115,7 +115,7 @@ def _all_tables(*values: Any) -> bool:
 
 def rig_text(name: str) -> str:
     """The texts of all files that define a rig: its file, then its base, and so on."""
-    return "\n".join(path.read_text(encoding="utf-8") for path, _ in _rig_files(name))
+    return "\n".join(path.read_text(encoding="utf-8-sig") for path, _ in _rig_files(name))
 
 
 def _rig_files(name: str) -> list[tuple[Path, dict[str, Any]]]:

@@ -6,6 +6,7 @@ A meaning is the comment after the key in its model. Texts are plain; ``double``
 import ast
 import inspect
 import io
+import json
 import textwrap
 import tokenize
 from collections.abc import Iterator
@@ -85,7 +86,7 @@ def type_text(annotation: Any) -> str:
             "quantity" if issubclass(inner, Quantity) else "tables" if kind in ("tuple", "dict") else "table"
         )
     if get_origin(annotation) is Literal:
-        return ", ".join(f'`"{choice}"`' for choice in get_args(annotation))
+        return ", ".join(f"`{json.dumps(choice, ensure_ascii=False)}`" for choice in get_args(annotation))
     if get_origin(annotation) is tuple:
         return "list of " + type_text(get_args(annotation)[0])
     if get_origin(annotation) is dict:
@@ -134,7 +135,13 @@ def _default(field: FieldInfo) -> str:
     if isinstance(value, bool):
         return f"`{str(value).lower()}`"
     empty = value is None or isinstance(value, BaseModel) or value in ((), {}, "")
-    return "" if empty else f'`"{value}"`' if isinstance(value, str) else f"`{value}`"
+    return (
+        ""
+        if empty
+        else f"`{json.dumps(value, ensure_ascii=False)}`"
+        if isinstance(value, str)
+        else f"`{value}`"
+    )
 
 
 def _unit(name: str, field: FieldInfo) -> str:

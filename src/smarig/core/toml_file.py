@@ -62,13 +62,15 @@ def load_toml(schema: type[SchemaType], path: Path) -> SchemaType:
 
 
 def read_toml(path: Path) -> dict[str, Any]:
-    """A TOML file as a dictionary. A syntax error raises ConfigError with its line."""
+    """A TOML file as a dictionary. A syntax error raises ConfigError with its line. The mark of an
+    editor at its beginning (BOM) is no part of it.
+    """
     try:
         if path.stat().st_size > LARGEST_BYTES:
             raise ConfigError(
                 f"{path} is larger than {LARGEST_BYTES // 10**6} MB, too large for a TOML file."
             )
-        return tomllib.loads(path.read_text(encoding="utf-8"))
+        return tomllib.loads(path.read_text(encoding="utf-8-sig"))
     except OSError as error:
         raise UsageError(f"{path} cannot be read: {error.strerror or error}.") from None
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:

@@ -22,6 +22,7 @@ from smarig.core import (
     Interrupted,
     RigFault,
     SmarigError,
+    StorageError,
     UsageError,
     at_forced_end,
     catalogue_entry,
@@ -102,7 +103,8 @@ def _zeroed(rig: Rig) -> str:
 def _confirmed_shutdown(
     rig: Rig, signals: HeldSignals, report: Callable[[str], None] = lambda _: None
 ) -> Iterator[None]:
-    """Set the current to zero at every exit. A fault says what became of it; so does every error, if it may still flow.
+    """Set the current to zero at every exit. A fault of the rig or of the disk says what became of
+    it; so does every error, if it may still flow.
 
     A second Ctrl-C neither cuts the end off nor takes its words away.
     """
@@ -114,7 +116,9 @@ def _confirmed_shutdown(
         if rig.shutdown_unconfirmed and isinstance(error, Interrupted | KeyboardInterrupt):
             how = str(error) or "interrupted by the keyboard (Ctrl-C)"
             raise RigFault(f"Run {how}. Its file is closed. {rig.shutdown_unconfirmed}") from None
-        if isinstance(error, RigFault) or (rig.shutdown_unconfirmed and isinstance(error, SmarigError)):
+        if isinstance(error, RigFault | StorageError) or (
+            rig.shutdown_unconfirmed and isinstance(error, SmarigError)
+        ):
             after_shutdown(error, rig)
         raise
     signals.hold()

@@ -101,7 +101,7 @@ def _place(rest: str) -> str | None:
 
 def _host(name: str) -> str:
     name = name.rstrip(".").lower()
-    with suppress(OSError):
+    with suppress(OSError, ValueError):  # such as a NUL
         name = socket.inet_ntoa(socket.inet_aton(name))  # 127.1 and 0x7f000001 are addresses, too
     try:
         address = ipaddress.ip_address(name)

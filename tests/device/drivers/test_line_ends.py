@@ -58,7 +58,9 @@ def test_each_is_spoken(box, end):
 def test_the_remedy_names_the_key(box):
     line = shared_text_line(link(box("\r\n"), "\n", 0.1), who="ID")
     with pytest.raises(
-        Silent, match=r"does not answer ID\. .* not end with a line feed, set line_end of its link"
+        Silent,
+        match=r"does not answer ID\. .* not end with a line feed, set line_end of its link; if it takes longer than "
+        r"0\.1 s to answer, timeout_s\.$",
     ):
         line.identify()
     line.close()

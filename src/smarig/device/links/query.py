@@ -2,6 +2,8 @@
 
 import math
 
+from smarig.core import number_from_text
+
 LARGEST = (
     2.0**53
 )  # from here on a number no longer tells its units; 9.9E37 of SCPI means that there is no reading
@@ -25,11 +27,11 @@ def only_reads(line: str) -> bool:
 def reading(answer: str) -> float:
     """The number of an answer; NaN if it is none that a reading can be.
 
-    >>> [reading(answer) for answer in ("0.5", "ERR 42", "inf", "9.91E37", 30 * "9")]
-    [0.5, nan, nan, nan, nan]
+    >>> [reading(answer) for answer in ("0.5", "ERR 42", "inf", "9.91E37", 30 * "9", "1_0")]
+    [0.5, nan, nan, nan, nan, nan]
     """
     try:
-        number = float(answer)
+        number = number_from_text(answer)
     except ValueError:
         return math.nan
     return number if abs(number) < LARGEST else math.nan

@@ -272,7 +272,10 @@ class TextLine:
         name = LINE_ENDS.get(self._line_end, repr(self._line_end.decode()))
         if self._heard:
             return f"It sent something that does not end with {name}: set line_end of its link."
-        return f"If its lines do not end with {name}, set line_end of its link."
+        return (
+            f"If its lines do not end with {name}, set line_end of its link; if it takes longer than "
+            f"{self._timeout_s:g} s to answer, timeout_s."
+        )
 
     def _line(self, timeouts: int) -> str:
         """The next complete line that is not empty; "" if none arrives within this number of time-outs."""
