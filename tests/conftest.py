@@ -17,10 +17,11 @@ from returned_memory import ReturnedMemory
 
 CACHE = type(lru_cache(len))
 
-# A job in the background ignores both signals, and its children would.
+# A job in the background ignores these signals, and its children would.
 with contextlib.suppress(ValueError, AttributeError):
     signal.signal(signal.SIGINT, signal.default_int_handler)
     signal.signal(signal.SIGHUP, signal.SIG_DFL)
+    signal.signal(signal.SIGQUIT, signal.SIG_DFL)
 
 LONG = bool(os.environ.get("SMARIG_LONG"))
 settings.register_profile("ci", derandomize=True, deadline=None, max_examples=60 if LONG else 30)

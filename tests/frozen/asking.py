@@ -32,7 +32,9 @@ _SAMPLE = (
     *("input", "counts", "position", "ambient_degC"),
 )
 _STEP = ("index", "attempt", "void", "target", "t_start_s", "t_end_s", "position", "n")
-_SIGNALS = tuple(getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name))
+_SIGNALS = tuple(
+    getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP", "SIGQUIT") if hasattr(signal, name)
+)
 
 
 def ask(*words: object) -> dict[str, Any]:
