@@ -26,6 +26,13 @@ def test_what_ships_loads_under_its_file_name(folder: str, name: str):
     assert LOADERS[folder](str(CONFIGS / folder / f"{name}.toml")) == loaded
 
 
+def test_the_mark_that_an_editor_puts_before_a_file_is_no_part_of_it(tmp_path: Path):
+    file = tmp_path / "marked.toml"
+    file.write_text('base = "one_wire_twin"\nname = "marked"\n', encoding="utf-8-sig")
+    assert load_rig(str(file)).name == "marked"
+    assert not config.rig_text(str(file)).startswith("\ufeff")
+
+
 def test_something_ships():
     assert {folder for folder, _ in SHIPPED} == set(LOADERS)
 

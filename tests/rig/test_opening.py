@@ -4,7 +4,7 @@ import signal
 
 import pytest
 
-from smarig.core.errors import Interrupted, LimitExceeded, RigFault, UsageError
+from smarig.core.errors import Interrupted, LimitExceeded, RigFault, StorageError, UsageError
 from smarig.core.held_signals import HeldSignals
 from smarig.device.encoding.link_faults import Silent
 from smarig.rig.open_rig import _confirmed_shutdown
@@ -76,6 +76,7 @@ class Confirming:
     ("ending", "says"),
     [
         (Silent("No answer."), "No answer. The current is at zero."),
+        (StorageError("The disk is full."), "The disk is full. The current is at zero."),
         (LimitExceeded("Too hot.").at_zero(), "Too hot. The current is at zero."),
         (UsageError("There is no step 9."), "There is no step 9."),
     ],

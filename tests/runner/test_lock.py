@@ -228,3 +228,7 @@ def test_run_files_leave_no_locks(tmp_path, lock_folder):
     with Session("one_wire_twin") as session:
         session.run("validation", {"points": "2"}, tmp_path / "a.run.sqlite")
     assert not list(lock_folder.iterdir())
+
+
+def test_an_address_that_can_be_none_has_a_key_of_its_own():
+    assert line_keys("tcp://a\0b:5") == {"line a\0b:5"}

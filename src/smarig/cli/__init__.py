@@ -15,6 +15,7 @@ from smarig.cli.output import close_output, report_error
 from smarig.cli.parameter_types import PluginName
 from smarig.cli.working_line import working_line
 from smarig.core import (
+    ENDING,
     Interrupted,
     SmarigError,
     UsageError,
@@ -32,7 +33,6 @@ _SOURCE_DATE = (
     "SOURCE_DATE_EPOCH"  # libraries read it when they are imported: each would fail in words of its own
 )
 _LATEST_S = 253402300799  # 9999-12-31, the last day that a date can have
-_ENDING = ("SIGINT", "SIGTERM", "SIGHUP", "SIGQUIT")
 _SPELLINGS = {"characterize": "characterise"}
 EPILOG = """\b
 Examples:
@@ -91,7 +91,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
         status = run(arguments)
         with _signals_without_effect():  # the command is finished and its status is final
             status = close_output(status)
-    for number in _signals(*_ENDING):
+    for number in ENDING:
         with contextlib.suppress(ValueError):
             signal.signal(number, signal.SIG_IGN)
     exit_within(EXIT_LIMIT_S, status)
@@ -100,7 +100,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
 
 def run(arguments: Sequence[str] | None = None) -> int:
     """Run a command; returns the exit status."""
-    _interrupt_on("SIGTERM", "SIGHUP", "SIGQUIT")
+    _interrupt_as_ctrl_c_does()
     try:
         given = sys.argv[1:] if arguments is None else arguments
         _check_source_date()
@@ -170,11 +170,13 @@ def _blame_own_file() -> Iterator[None]:
         raise UsageError(sentence) from error
 
 
-def _interrupt_on(*signal_names: str) -> None:
-    """Let these signals end a command as Ctrl-C does. A session installs its own handlers."""
-    for number in _signals(*signal_names):
+def _interrupt_as_ctrl_c_does() -> None:
+    """Let the other signals end a command as Ctrl-C does. A session installs its own handlers."""
+    for number in ENDING:
         with contextlib.suppress(ValueError):  # not the main thread, where signals can be handled
-            if signal.getsignal(number) != signal.SIG_IGN:  # keep a signal ignored by nohup
+            if (
+                number != signal.SIGINT and signal.getsignal(number) != signal.SIG_IGN
+            ):  # ignored by nohup: it stays
                 signal.signal(number, signal.default_int_handler)
 
 
@@ -182,7 +184,7 @@ def _interrupt_on(*signal_names: str) -> None:
 def _signals_without_effect() -> Iterator[None]:
     """Let the signals do nothing but count for a forced end. One that was ignored at the start stays ignored."""
     with contextlib.ExitStack() as restored:
-        for number in _signals(*_ENDING):
+        for number in ENDING:
             with contextlib.suppress(ValueError):
                 if signal.getsignal(number) != signal.SIG_IGN:
                     restored.callback(signal.signal, number, signal.signal(number, _nothing))
@@ -191,8 +193,3 @@ def _signals_without_effect() -> Iterator[None]:
 
 def _nothing(_number: int, _frame: FrameType | None) -> None:
     """Handle a signal by doing nothing."""
-
-
-def _signals(*signal_names: str) -> list[signal.Signals]:
-    """The signals among these that this system has."""
-    return [getattr(signal, name) for name in signal_names if hasattr(signal, name)]

@@ -60,6 +60,7 @@ if TYPE_CHECKING:
     from smarig.core.file_content import content_kind as content_kind
     from smarig.core.file_work import entered_in_time as entered_in_time
     from smarig.core.file_work import in_time as in_time
+    from smarig.core.forced_end import ENDING as ENDING
     from smarig.core.forced_end import at_forced_end as at_forced_end
     from smarig.core.forced_end import exit_within as exit_within
     from smarig.core.forced_end import forced_end as forced_end

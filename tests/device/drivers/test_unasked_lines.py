@@ -7,13 +7,13 @@ import time
 import pytest
 
 from smarig.device.encoding.link_faults import Garbled
-from smarig.device.links.text_line import TALK, TextLine
+from smarig.device.links.text_line import CONTINUOUS, TextLine
 
 TIMEOUT_S = 0.05
 PATIENCE_S = 30.0  # ends a test that has failed
 
 
-class Talking:
+class Streaming:
     """It answers so many lines, and then sends a reading every so many seconds, whatever it is asked."""
 
     def __init__(self, answers, every_s):
@@ -41,7 +41,7 @@ class Talking:
 @pytest.mark.parametrize("every_s", [0.002, 2 * TIMEOUT_S])
 @pytest.mark.parametrize("who", ["*IDN?", ""])
 def test_a_query_among_lines_that_do_not_end_is_an_error_in_a_bounded_time(who, every_s):
-    instrument = Talking(2 if who else 0, every_s)
+    instrument = Streaming(2 if who else 0, every_s)
     line = TextLine(instrument.url, 9600, TIMEOUT_S, who)
     errors = []
 
@@ -60,6 +60,6 @@ def test_a_query_among_lines_that_do_not_end_is_an_error_in_a_bounded_time(who, 
     line.close()
     instrument.close()
     assert not asking.is_alive(), "it waits for ever"
-    assert time.monotonic() - began_s >= TALK * TIMEOUT_S, "late answers have time to come"
+    assert time.monotonic() - began_s >= CONTINUOUS * TIMEOUT_S, "late answers have time to come"
     assert errors
-    assert "goes on sending lines that nobody has queried. If it sends readings by itself" in errors[0]
+    assert "goes on sending lines that nobody has queried. If it is set to continuous output" in errors[0]

@@ -28,7 +28,7 @@ QUIET = 8  # time-outs without a reply after which no answer can follow
 # is no reason to wait longer
 SECOND_WAIT = 2
 TRIES = 3  # queries of the identity on a line that still answers
-TALK = 2 * QUIET  # time-outs after which lines that go on answer nothing that was asked
+CONTINUOUS = 2 * QUIET  # time-outs after which lines that go on answer nothing that was asked
 LATE_LINES = 32  # largest number of lines discarded for one query
 LONGEST = 256  # bytes of an answer
 LINE_ENDS = {b"\n": "a line feed", b"\r\n": "CR LF", b"\r": "CR"}  # names for messages
@@ -212,12 +212,13 @@ class TextLine:
         for _ in range(TRIES):
             self._send(self._who)
             self._identities += 1
-            wait, end_s = SECOND_WAIT if self._dead else timeouts, self._end_of_talk_s()
+            wait, end_s = SECOND_WAIT if self._dead else timeouts, self._latest_line_s()
             self._dead = True
             while self._identities and (line := self._line(wait)):
                 self._dead, wait = False, timeouts
                 self._identities -= line == self.identity
-                self._refuse_talk(end_s)
+                if self._identities:
+                    self._refuse_continuous_output(end_s)
             if not self._identities:
                 self._late = False
                 return
@@ -230,20 +231,20 @@ class TextLine:
 
     def _wait_for_quiet(self, timeouts: int) -> None:
         """Discard lines until none has come for this number of time-outs."""
-        end_s = self._end_of_talk_s()
+        end_s = self._latest_line_s()
         while self._line(timeouts):
-            self._refuse_talk(end_s)
+            self._refuse_continuous_output(end_s)
         self._heard, self._late = b"", False
 
-    def _end_of_talk_s(self) -> float:
-        return time.monotonic() + TALK * self._timeout_s
+    def _latest_line_s(self) -> float:
+        return time.monotonic() + CONTINUOUS * self._timeout_s
 
-    def _refuse_talk(self, end_s: float) -> None:
-        """An instrument that sends readings by itself sends lines for ever, and the host must not wait as long."""
+    def _refuse_continuous_output(self, end_s: float) -> None:
+        """An instrument in continuous output sends lines for ever, and the host must not wait as long."""
         if time.monotonic() > end_s:
             raise Garbled(
-                f"{self.where} goes on sending lines that nobody has queried. If it sends readings by itself, switch "
-                f"that off at the instrument. {Garbled.remedy_at(self.where)}"
+                f"{self.where} goes on sending lines that nobody has queried. If it is set to continuous "
+                f"output, switch that off at the instrument. {Garbled.remedy_at(self.where)}"
             )
 
     def _reopen(self) -> None:
