@@ -173,7 +173,7 @@ def test_a_fault_ends_the_lines_with_its_sentence():
 def test_every_event_has_its_severity():
     def happen(listener):
         listener.event(1.0, "mark", "Here.")
-        listener.event(2.0, "lost", "3 samples were lost.", level="warning")
+        listener.event(2.0, "still_on", "It may still heat.", level="warning")
         listener.event(3.0, "history", "Not kept.", level="warning")
 
     events = [json.loads(line)["event"] for line in spoken(JsonLogLines, happen)]
@@ -181,7 +181,7 @@ def test_every_event_has_its_severity():
     assert events[-1]["data"]["highest_severity"] == "invalid"
     assert json.loads(dropped_lines_json(3))["event"]["severity"] == "minor", "the record lacks nothing"
     lines = spoken(LogLines, happen)
-    assert any("INVALID lost: 3 samples" in line for line in lines)
+    assert any("INVALID still_on: It may" in line for line in lines)
     assert lines[-1].endswith("highest severity invalid: v.run.sqlite")
 
 

@@ -331,7 +331,7 @@ def test_a_kind_that_repeats_is_reported_once_a_minute():
     listener = listening(posted, clock=lambda: now[0])
     for k in range(600):
         now[0] = 1000.0 + k / 4
-        listener.event(k / 10, "lost", f"{k}", level="warning")
+        listener.event(k / 10, "contradiction", f"{k}", level="warning")
     listener.event(0.0, "jump", "another kind", level="error")
     assert posted == ["0", "240", "480", "another kind"]
 

@@ -148,7 +148,7 @@ def test_a_warning_is_a_sign_and_a_word_too():
 def test_the_highest_severity_stays_while_lesser_events_come_and_go():
     status = fed([264] * 10)
     assert "severity" not in shown(status)
-    status.event(61.0, "lost", "3 samples were lost.", level="warning")
+    status.event(61.0, "contradiction", "It holds 1 A.", level="warning")
     status.event(62.0, "history", "Not kept.", level="warning")
     status.event(63.0, "mark", "branch 3")
     assert "running   highest severity ◆ INVALID" in shown(status)

@@ -19,7 +19,8 @@ EVENTS = (
     ("mark", "info", "none", None),
     ("clock", "warning", "minor", None),
     ("jump", "error", "major", None),
-    ("lost", "warning", "invalid", "invalid"),
+    ("lost", "warning", "minor", None),
+    ("still_on", "warning", "invalid", "invalid"),
     ("blind", "error", "invalid", "invalid"),
 )
 
@@ -46,7 +47,7 @@ def test_it_is_stored_only_where_the_level_does_not_imply_it(tmp_path):
 def test_a_file_from_before_severities_has_them_by_kind_and_level(tmp_path):
     path = tmp_path / "a.run.sqlite"
     recorder = Recorder(path, META)
-    recorder.event(1.0, "lost", "Something.", level="warning")
+    recorder.event(1.0, "still_on", "Something.", level="warning")
     recorder.close("done")
     with edited(path) as db:
         db.execute("UPDATE event SET data = '{}'")

@@ -10,7 +10,9 @@ from report.pages import Page, run_of, step
 from smarig.identification import verify
 from smarig.record import Event, load_run
 from smarig.report.components.numbers import number, signed
+from smarig.report.run_page import run_cards
 from smarig.report.runs.run_assessment import run_assessment
+from smarig.report.runs.run_tables import quality_table
 from smarig.report.summary_page import summary_page
 from smarig.runner.session import Session
 
@@ -59,8 +61,19 @@ def test_the_record_is_judged_by_its_figures(run, words, level):
 
 
 def test_a_severe_event_is_told_first():
-    event = Event(3.0, "lost", "invalid", "7 samples were lost.", {"severity": "invalid"})
+    event = Event(3.0, "warning", "still_on", "It may still heat.", {})
     assert run_assessment(made(events=[event])).level == "bad"
+
+
+def test_lost_samples_are_told_and_spoil_no_hold():
+    run = made(events=[Event(3.0, "warning", "lost", "7 samples were lost.", {})])
+    found = run_assessment(run)
+    assert (found.level, found.quality) == ("warning", "Samples are marked or missing; see Data quality.")
+    assert "Repeat" not in found.advice
+    assert "some are marked or missing" in str(run_cards(run))
+    (table,) = Page(str(quality_table({"a": run}))).tables
+    assert dict(zip(table[0], table[1]))["Gaps"] == "1"
+    assert "Gaps" not in str(quality_table({"a": made()}))
 
 
 def test_travel_and_range_are_those_of_the_record():

@@ -101,9 +101,9 @@ def test_the_status_follows_the_run():
         (run,) = runs_in_progress()
         first = wait_for(run.status)
         assert (first["step_number"], first["last_event"], first["settling"]) == (1, None, None)
-        status.event(3.5, "lost", "é" * 5000 + "\x1b", level="warning")
+        status.event(3.5, "still_on", "é" * 5000 + "\x1b", level="warning")
         shown = wait_for(lambda: run.status()["last_event"])
-        assert (shown["t_s"], shown["kind"], shown["severity"]) == (3.5, "lost", "invalid")
+        assert (shown["t_s"], shown["kind"], shown["severity"]) == (3.5, "still_on", "invalid")
         assert shown["text"].isprintable()
         assert len(shown["text"]) < 310
         status.end(None)

@@ -11,7 +11,7 @@ class Severity(StrEnum):
     none      part of a normal run
     minor     the run continues; a look is advised
     major     the run ends, or must be attended to
-    invalid   values are missing, or cannot be trusted
+    invalid   recorded values cannot be trusted, or a device cannot be reached
     """
 
     NONE = "none"
@@ -27,7 +27,6 @@ class Severity(StrEnum):
 _RANK = {severity: rank for rank, severity in enumerate(Severity)}
 LEVEL_SEVERITY = {"info": Severity.NONE, "warning": Severity.MINOR, "error": Severity.MAJOR}
 KIND_SEVERITY = {  # only kinds whose severity their level does not imply
-    "lost": Severity.INVALID,  # samples are missing
     "blind": Severity.INVALID,  # the converter of the current returns no reading
     "link": Severity.INVALID,  # a device cannot be reached
     "still_on": Severity.INVALID,  # the source was switched off and may be on: not confirmed, or a current is measured
@@ -38,7 +37,7 @@ KIND_SEVERITY = {  # only kinds whose severity their level does not imply
 def severity_of(kind: str, level: str, data: Mapping[str, Any] | None = None) -> Severity:
     """The severity of an event: the one in its data, else that of its kind, else that of its level.
 
-    >>> str(severity_of("lost", "warning")), str(severity_of("clock", "warning"))
+    >>> str(severity_of("contradiction", "warning")), str(severity_of("lost", "warning"))
     ('invalid', 'minor')
     """
     stated = (data or {}).get("severity")

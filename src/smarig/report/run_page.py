@@ -190,7 +190,7 @@ def run_cards(run: Run) -> Html:
             (
                 "Samples",
                 thousands(m.samples),
-                "none marked" if m.clean else "some are marked, see Data quality",
+                "none marked" if m.clean else "some are marked or missing, see Data quality",
             ),
             ("Steps", str(m.steps), f"{m.settled} settled, {bad} failed" if m.steps else "none recorded"),
         ]

@@ -114,7 +114,7 @@ def count_size(run: AnyRun) -> float:
 
 @dataclass(frozen=True)
 class QualityCounts:
-    """Counts of a run: steps by verdict, void steps, samples by quality mark."""
+    """Counts of a run: steps by verdict, void steps, samples by quality mark, gaps at which samples were lost."""
 
     steps: int
     settled: int
@@ -128,11 +128,12 @@ class QualityCounts:
     saturated: int
     tripped: int
     suspect: int
+    gaps: int
 
     @property
     def clean(self) -> bool:
-        """Whether no step and no sample is marked."""
-        return not any(getattr(self, name) for name in FLAG_NAMES)
+        """Whether no step and no sample is marked or missing."""
+        return not (self.gaps or any(getattr(self, name) for name in FLAG_NAMES))
 
 
 FLAG_NAMES = (
@@ -153,5 +154,6 @@ def quality_counts(run: AnyRun) -> QualityCounts:
         suspect_steps=verdicts.count("suspect"),
         void=sum(step.void for step in run.steps),
         samples=len(run),
+        gaps=sum(event.kind == "lost" for event in run.events),
         **dict(zip(marks, run.marked(*marks.values()), strict=True)),
     )

@@ -177,21 +177,22 @@ def quality_table(runs: Mapping[str, Run]) -> Html:
     """Numbers of steps and samples of each run, and how many of them have a mark. A mark of none has no column."""
     counts = [quality_counts(run) for run in runs.values()]
     seen = [key for key in FLAG_NAMES if any(getattr(c, key) for c in counts)]
+    gaps = ["gaps"] if any(c.gaps for c in counts) else []
     marks = {key: key.removesuffix("_steps").replace("_", " ") for key in FLAG_NAMES}
     unseen = list(dict.fromkeys(m for m in marks.values() if m not in {marks[key] for key in seen}))
     rows = []
     for (name, run), c in zip(runs.items(), counts):
         state = tag("b", "incomplete") if run.early_end else "done"  # why stands at the top of the page
-        marked = [str(getattr(c, key)) for key in seen]
+        marked = [str(getattr(c, key)) for key in (*seen, *gaps)]
         settled = "–" if run.info.protocol == "initialise" else c.settled
         rows.append((name, duration(duration_s(run)), thousands(c.samples), c.steps, settled, *marked, state))
-    header = [key.replace("_", " ").capitalize() for key in seen]
+    header = [key.replace("_", " ").capitalize() for key in (*seen, *gaps)]
     none = f" No step and no sample is marked {_any_of(unseen)}." if unseen else ""
     return table(
         ("Run", "Duration", "Samples", "Steps", "Settled", *header, "Ended"),
         rows,
         "Data quality: steps by verdict, samples by quality mark. Initialisation holds for a fixed time and "
-        f"gives no settled points.{none}",
+        f"gives no settled points.{' At each gap, samples were lost.' if gaps else ''}{none}",
     )
 
 
