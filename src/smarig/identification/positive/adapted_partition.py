@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from smarig.identification.positive.observations import Observations
 
 Array = NDArray[np.float64]
+EDGES = 65  # at which the activity is known
 SAME_LEVEL = 1e-4  # of the range: closer levels share one node
 
 
@@ -61,26 +62,47 @@ def _thinned(levels: Array, least: float) -> Array:
 
 
 def _activity(observations: Observations, span: float) -> tuple[Array, Array]:
-    """Cumulative share of the output change along the curves, over the input."""
-    at = _last_terms(observations)
-    order = np.lexsort((observations.beta[at], observations.curve))
-    u, y, curve = observations.beta[at][order], observations.y[order], observations.curve[order]
-    used = curve[1:] == curve[:-1]
-    ends = np.array([observations.lower, observations.upper])
-    return _shares(u[:-1][used], u[1:][used], np.abs(np.diff(y))[used], ends, span)
+    """Cumulative share of the output change along the branches, over the input (65,).
+
+    Readings on one branch of one memory are in the order of their input, whenever they were taken: what noise and
+    repeats add in an interval cancels, and readings of peaks alone form a branch, too.
+    """
+    last, memory = _last_terms(observations)
+    u, y, start = observations.beta[last], observations.y, observations.alpha[last]
+    keys = np.stack([memory, observations.zero, np.where(start > u, start, -np.inf)])
+    branch = np.unique(keys, axis=1, return_inverse=True)[1].ravel()
+    order = np.lexsort((u, branch))
+    u, y, branch = u[order], y[order], branch[order]
+    same = branch[1:] == branch[:-1]
+    low, high, change = u[:-1][same], u[1:][same], np.diff(y)[same]
+    edges = np.linspace(observations.lower, observations.upper, EDGES)
+    passed = np.clip((edges - low[:, None]) / np.maximum(high - low, 1e-9 * span)[:, None], 0.0, 1.0)
+    starts = np.flatnonzero(np.diff(branch[1:][same], prepend=-1))
+    net = (
+        np.add.reduceat(change[:, None] * np.diff(passed, axis=1), starts, axis=0)
+        if starts.size
+        else passed[:, 1:]
+    )
+    share = np.append(0.0, np.cumsum(np.abs(net).sum(axis=0)))
+    return edges, share / share[-1] if share[-1] > 0 else (edges - edges[0]) / span
 
 
 def _shares(low: Array, high: Array, change: Array, ends: Array, span: float) -> tuple[Array, Array]:
     """Cumulative share (65,) of the output changes between pairs of inputs, over the input (65,)."""
     used = high - low > 1e-9 * span
     low, high, change = low[used], high[used], change[used]
-    edges = np.linspace(ends[0], ends[1], 65)
+    edges = np.linspace(ends[0], ends[1], EDGES)
     share = np.array([np.sum(change * np.clip((e - low) / (high - low), 0.0, 1.0)) for e in edges])
     return edges, share / share[-1] if share.size and share[-1] > 0 else (edges - edges[0]) / span
 
 
-def _last_terms(observations: Observations) -> NDArray[np.int64]:
-    """The last term of each observation: its β is the present input, or the last extremum."""
-    last = np.zeros(len(observations), dtype=np.int64)
-    last[observations.term] = np.arange(observations.term.size)
-    return last
+def _last_terms(observations: Observations) -> tuple[NDArray[np.int64], Array]:
+    """The last term (m,) of each observation, whose β is the present input, and a number (m,) of the memory before.
+
+    The last branch has two terms; those before it are the same on all of it.
+    """
+    order = np.argsort(observations.term, kind="stable")
+    ends = np.cumsum(np.bincount(observations.term, minlength=len(observations))) - 1
+    earlier = np.delete(order, np.concatenate([ends, ends - 1]))
+    corner = observations.sign * (observations.alpha + np.e * observations.beta)
+    return order[ends], np.bincount(observations.term[earlier], corner[earlier], len(observations))

@@ -272,7 +272,10 @@ def joined_observations(parts: Iterable[Observations]) -> Observations:
 def corners_of(
     state: State, lower: float
 ) -> tuple[list[tuple[float, float, float]], list[tuple[float, float, float]]]:
-    """(sign, α, β) on the FOD surface, and (ℓ, u, sign) from the diagonal, whose sum is the output."""
+    """(sign, α, β) on the FOD surface, and (ℓ, u, sign) from the diagonal, whose sum is the output.
+
+    β of the last one is the present input, by which ``adapted_nodes`` places its nodes.
+    """
     path = [*state.extrema, state.u]
     corners: list[tuple[float, float, float]] = []
     released: list[tuple[float, float, float]] = []
@@ -287,9 +290,9 @@ def corners_of(
         corners.append((1.0, start, start))
     for before, now in zip(path[first - 1 :], path[first:]):
         if now > before:
-            corners += [(1.0, now, now), (-1.0, now, before)]
+            corners += [(-1.0, now, before), (1.0, now, now)]
         elif now < before:
-            corners += [(1.0, before, now), (-1.0, before, before)]
+            corners += [(-1.0, before, before), (1.0, before, now)]
     return corners, released
 
 

@@ -23,7 +23,7 @@ from smarig.core import DataError, UsageError, spaced
 from smarig.identification.positive.adapted_partition import adapted_nodes
 from smarig.identification.positive.held_out_error import HeldOut, held_out_test
 from smarig.identification.positive.interior_point import Solution
-from smarig.identification.positive.observations import Observations, joined_observations
+from smarig.identification.positive.observations import MIN_REVERSAL, Observations, joined_observations
 from smarig.identification.positive.quadratic_programme import MeasureProblem, dense_columns, quadratic_forms
 from smarig.identification.positive.smoothing_choice import (
     curve_folds,
@@ -279,7 +279,18 @@ def _scales(observations: Observations, smoothing: float | None) -> tuple[float,
 def _folds(observations: Observations, copies: int) -> list[NDArray[np.bool_]]:
     if np.unique(observations.curve).size < FEWEST_CURVES:
         return []
-    return [np.tile(mask, copies) for mask in curve_folds(observations.curve)]
+    masks = curve_folds(observations.curve, _farthest(observations))
+    return [np.tile(mask, copies) for mask in masks or curve_folds(observations.curve)]
+
+
+def _farthest(observations: Observations) -> int | None:
+    """The curve whose largest input no other reaches; None if another nearly does."""
+    curves, number = np.unique(observations.curve, return_inverse=True)
+    reached = np.full(curves.size, -np.inf)
+    np.maximum.at(reached, number[observations.term], observations.alpha)
+    second, first = np.sort(reached)[-2:]
+    beyond = first - second > MIN_REVERSAL * (observations.upper - observations.lower)
+    return int(curves[np.argmax(reached)]) if beyond else None
 
 
 def _positive_fit(posed_problem: _PosedProblem, unit: str) -> PositiveFit:

@@ -1,9 +1,9 @@
 """The choice of the smoothing: the λ with the best prediction of whole held-out curves.
 
-Curves are distributed to folds in order. The first and the last stay in every training set, because nothing could
-interpolate to them. Each curve counts by the logarithm of its mean square error, so that one difficult curve does
-not dominate. The search for λ descends in decades and ends at the vertex of a parabola. It uses a coarser triangle
-than the fit; the roughness is an integral, so λ means the same on both.
+Curves are distributed to folds in order. The first and the last stay in every training set, and one that goes farther
+than all others, because nothing could interpolate to them. Each curve counts by the logarithm of its mean square error,
+so that one difficult curve does not dominate. The search for λ descends in decades and ends at the vertex of a
+parabola. It uses a coarser triangle than the fit; the roughness is an integral, so λ means the same on both.
 
 One or two loops leave no whole curve to hold out. Then segments of them are held out. These lie close to the
 training points, so they favour too little smoothing for the gap between loops. Therefore the smoothest λ within one
@@ -22,9 +22,12 @@ LOG10_RESOLUTION = 0.1  # resolution of log₁₀ λ at the limit of one standar
 COMPARISON_ACCURACY = 1e-4  # sufficient accuracy of a comparison
 
 
-def curve_folds(curve: NDArray[np.int64], fold_count: int = FOLDS) -> list[Mask]:
-    """Masks of held-out points: whole curves, distributed in turn; none if there are fewer than three curves."""
-    inner = np.unique(curve)[1:-1]
+def curve_folds(curve: NDArray[np.int64], farthest: int | None = None, fold_count: int = FOLDS) -> list[Mask]:
+    """Masks of held-out points: whole curves, distributed in turn; none if there are fewer than three curves.
+
+    ``farthest``: a curve that is never held out, as no other goes so far.
+    """
+    inner = np.setdiff1d(np.unique(curve)[1:-1], [] if farthest is None else [farthest])
     return [np.isin(curve, inner[k::fold_count]) for k in range(min(fold_count, inner.size))]
 
 
