@@ -1,13 +1,14 @@
 """Runs that cannot be compared with a model are refused with a sentence that names the file."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
 
 import pytest
 
 from record import runs
-from smarig.core.errors import DataError
-from smarig.diagnosis.run_checks import check_comparable
+from smarig.core.errors import DataError, UsageError
+from smarig.diagnosis.run_checks import check_comparable, check_held_out
 from smarig.record import load_run
 from smarig.runner.session import Session
 
@@ -74,3 +75,14 @@ def test_several_wires_are_refused(recorded, edited):
 def test_what_cannot_be_is_refused(edited, statement, said):
     with pytest.raises(DataError, match=f"edited.run.sqlite.*{said}"):
         check_comparable(MODEL, [edited(statement)])
+
+
+def test_a_copy_with_another_clock_is_no_other_run(recorded):
+    run = load_run(recorded)
+    later = replace(run, columns={**run.columns, "t_s": run["t_s"] + 5000.0, "tick": run["tick"] + 7})
+    with pytest.raises(UsageError, match="hold the same readings"):
+        check_held_out([run, later], [])
+    with pytest.raises(UsageError, match="copy of a training run"):
+        check_held_out([run], [later])
+    other = replace(run, columns={**run.columns, "position": run["position"] + 1e-9})
+    check_held_out([run, other], [])

@@ -161,7 +161,39 @@ def test_rate_and_stress_that_change_between_runs_only_cannot_be_parted():
     lag, stress = Part("effect", "input_lag"), Part("effect", "stress_shift")
     problem = reading_problem(wire_records(runs_at((0.1, 10.0), (50.0, 150.0)), ()))
     assert {"rate", "stress", "run"} <= between_runs(problem)
-    assert confounded(problem, [lag, stress]) == {lag: (stress,), stress: (lag,)}
+    offset = Part("effect", "input_offset")
+    found = confounded(problem, [lag, stress])
+    assert found[lag] == (stress, offset)
+    assert found[stress] == (lag, offset)
+    assert found[offset] == (lag, stress)
+
+
+@pytest.mark.parametrize(
+    ("stresses", "parted"),
+    [
+        ((100.0, 150.0), False),
+        ((100.0, 100.0, 150.0), False),
+        ((100.0, 150.0, 100.0), True),
+        ((50.0, 100.0, 150.0), True),
+    ],
+)
+def test_an_offset_between_two_loads_does_what_the_load_does(stresses, parted):
+    stress, offset = Part("effect", "stress_shift"), Part("effect", "input_offset")
+    problem = reading_problem(wire_records(runs_at((1.0,) * len(stresses), stresses), ()))
+    assert (offset not in confounded(problem, [stress]).get(stress, ())) is parted
+
+
+@pytest.mark.parametrize(
+    ("rows", "parted"), [((20, 40, 60, 80, 100, 120), False), ((20, 120, 40, 100, 60, 80), True)]
+)
+def test_a_rate_that_falls_all_the_time_cannot_be_parted_from_time(rows, parted):
+    drift, rate = Part("effect", "input_drift"), Part("variable", "rate")
+    u = triangles((85.0,) * len(rows), rows=list(rows))
+    problem = reading_problem(wire_records([as_run("a", u, RelayWire(1).strain(u), dt=1.0)], ()))
+    found = confounded(problem, [drift, rate])
+    assert (found == {}) is parted
+    if not parted:
+        assert (found[drift], found[rate]) == ((rate,), (drift,))
 
 
 def test_at_one_rate_a_lag_is_a_part_of_every_loop():

@@ -61,9 +61,9 @@ RULES = {
 }
 SENTENCES = {
     "not_testable": "These data cannot show any effect.",
-    "nothing": "The plain model predicts blocks that it has not seen about as well as any other.",
+    "nothing": "No other model predicts blocks that it has not seen so much better that this could not be chance.",
     "too_small": "What is likely changes too little to matter.",
-    "inadequate": "No effect and no variable predicts the errors.",
+    "inadequate": "No effect and no variable predicts the errors well enough.",
     "unseen": "The plain model predicts the training runs, but not the held-out runs.",
     "few_blocks": "There are too few excursions for a name.",
     "confounded": "In these data the cause varies together with others.",

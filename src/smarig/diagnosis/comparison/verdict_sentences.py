@@ -44,8 +44,11 @@ def _variables(likeliest: str, causes: Mapping[Part, float]) -> str:
 
 
 def _listed(names: Sequence[str], causes: Mapping[Part, float]) -> str:
-    """Names with their probabilities, as a sentence's end; a sum above 1 is explained."""
+    """Names with their probabilities, as a sentence's end; a sum above 1 is explained.
+
+    A name without a probability was not tried, as in these data it does the same as another.
+    """
     by_name = {p.name: w for p, w in causes.items()}
-    shown = ", ".join(f"{n} ({by_name.get(n, 0.0):.2f})" for n in names)
+    shown = ", ".join(f"{n} ({by_name[n]:.2f})" if n in by_name else f"{n} (the same here)" for n in names)
     together = sum(by_name.get(n, 0.0) for n in names) > 1.005
     return f"{shown}." + (" Several may act at once, so the sum exceeds 1." if together else "")

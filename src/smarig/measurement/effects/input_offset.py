@@ -44,7 +44,7 @@ def _change(p: Values, record: InputRecord) -> RecordChange:
 
 input_offset = MeasurementEffectType(
     name="input_offset",
-    summary="The recorded inputs of runs differ by an offset.",
+    summary="The loops of runs are shifted along the input: its reading, the load or the specimen differs.",
     looks_like="the loop of one run is shifted along the input against that of another",
     confused_with=("stress_shift",),
     separated_by="one calibration point in each run, for example both at room temperature for an hour",

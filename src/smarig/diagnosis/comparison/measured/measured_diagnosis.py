@@ -212,7 +212,7 @@ class MeasuredDiagnosis(NotebookDisplay):
         return [
             k.name
             for k in measurement_effect_types()
-            if not k.descriptive and k.name not in self.evidence.testable
+            if not k.descriptive and k.name not in (*self.evidence.testable, *self.verdict.names)
         ]
 
     def __repr__(self) -> str:

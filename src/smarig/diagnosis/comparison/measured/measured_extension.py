@@ -100,14 +100,17 @@ def extension_by_law(plain: PlainModel, variable: str) -> MeasuredExtension | No
     model = extended_model(plain, hysteresis_of_first_run(hypothesis.fit), part, "learned", warning)
     replayed = replayed_error(model, [*plain.train, *plain.held_out], plain.comparison)
     error = np.where(np.isfinite(replayed), replayed, hypothesis.fit.error)
-    return _if_better(plain, MeasuredExtension(model, hypothesis, error, law=law))
+    return _if_better(plain, MeasuredExtension(model, hypothesis, error, law=law), tolerance=1.0)
 
 
-def _if_better(plain: PlainModel, extension: MeasuredExtension) -> MeasuredExtension | None:
+def _if_better(
+    plain: PlainModel, extension: MeasuredExtension, tolerance: float = RULES["worse"].value
+) -> MeasuredExtension | None:
+    """An extension unless it predicts worse; a law has no cause that speaks for it, so it must predict better."""
     tested = ~plain.comparison.train
     if extension.hypothesis.rms >= plain.base.rms:
         return None
-    if tested.any() and rms(extension.error[tested]) > RULES["worse"].value * plain.error_to_beat:
+    if tested.any() and rms(extension.error[tested]) > tolerance * plain.error_to_beat:
         return None
     return extension
 

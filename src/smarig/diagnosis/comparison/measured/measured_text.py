@@ -51,16 +51,15 @@ def measured_lines(d: "MeasuredDiagnosis") -> Iterator[str]:
 
 
 def offset_sentence(offset: RunOffset, input_unit: str, unit: str) -> str:
-    """By how much the input of a held-out run reads too high or too low, and what that explains.
+    """By how much the loop of a held-out run lies higher or lower along the input, and what that explains.
 
-    An offset is added to the reading, so a negative one says that it reads too high.
+    An offset is added to the reading, so a negative one says that the loop lies higher.
     """
     ends = sorted(-e for e in offset.interval)
     shift = f"{-offset.offset:.3g} [{ends[0]:.3g}, {ends[1]:.3g}] {input_unit}"
-    way = "high" if offset.offset < 0 else "low"
     return (
-        f"The input of held-out run {offset.run} is shifted by {shift} against the training runs: it reads too {way}. "
-        f"Without this shift its rms error falls from "
+        f"The loop of held-out run {offset.run} is shifted by {shift} along the input against the training runs: the "
+        "reading of the input, the load or the specimen differs. Without this shift its rms error falls from "
         f"{offset.without:.4g} to {offset.with_offset:.4g}{spaced(unit)}."
     )
 

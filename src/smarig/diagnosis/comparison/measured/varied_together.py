@@ -2,10 +2,13 @@
 
 A variable that is constant within each run, and steps between runs, is confounded with every other such variable: with
 two or three runs, any of them explains what differs. The recorded condition of an effect is set on purpose, so the
-variables that follow it are its consequences.
+variables that follow it are its consequences. Of two values of a condition, each set in runs of its own, an offset of
+the input between runs does the same as the condition. Within the runs, what goes with the rate of an excursion cannot
+be parted from what goes with time, if the rate rises or falls all the time.
 """
 
 from collections.abc import Iterable
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,7 +18,9 @@ from smarig.diagnosis.comparison.measured.reading_problem import ReadingProblem
 from smarig.measurement import measurement_effect_types
 
 Array = NDArray[np.float64]
-OVER_CYCLES = ("time", "cycle")
+OVER_CYCLES, RATES = ("time", "cycle"), ("rate", "speed")
+OFFSET = Part("effect", "input_offset")
+FEWEST_EXCURSIONS = 4  # fewer are in the order of time by chance
 WITHIN = 0.1  # of a variable's variance: less of it lies within the runs
 RATE_RATIO = 1.5  # of the fast to the slow tenth of the readings: less is one rate
 
@@ -47,14 +52,52 @@ def _share_within(z: Array, runs: NDArray[np.int64]) -> float:
 
 def confounded(problem: ReadingProblem, parts: Iterable[Part]) -> dict[Part, tuple[Part, ...]]:
     """The parts that these data cannot part from a part."""
-    fixed = between_runs(problem)
+    fixed, parts = between_runs(problem), tuple(parts)
     within = [p for p in parts if _steps_with(p) in fixed]
     effects = [p for p in within if p.kind == "effect"]
-    return {p: tuple(q for q in effects if q != p) for p in within if len(effects) > 1}
+    found = {p: tuple(q for q in effects if q != p) for p in within if len(effects) > 1}
+    if _two_conditions(problem):
+        found = {p: (*found.get(p, ()), OFFSET) for p in effects if p != OFFSET} | {OFFSET: tuple(effects)}
+    trending = _with_time(problem)
+    over_time = [p for p in parts if _variable(p) in OVER_CYCLES]
+    others = [p for p in parts if _variable(p) in trending]
+    for some, rest in ((over_time, others), (others, over_time)):
+        found |= {p: (*found.get(p, ()), *rest) for p in some if rest}
+    return found
+
+
+def _two_conditions(problem: ReadingProblem) -> bool:
+    """Whether the training runs differ in a condition of two values, and no run returns to the first of them."""
+    runs = [problem.records[k] for k in np.unique(problem.record[problem.train])]
+    names = set.intersection(*(set(r.conditions) for r in runs))
+    sets = [[r.conditions[name] for r in runs] for name in names]
+    return any(len(set(values)) == 2 == 1 + sum(a != b for a, b in pairwise(values)) for values in sets)
+
+
+def _with_time(problem: ReadingProblem) -> set[str]:
+    """The variables that rise or fall all the time from excursion to excursion, though time is not what they are."""
+    train = problem.train
+    blocks, place = np.unique(problem.block[train], return_inverse=True)
+    if blocks.size < FEWEST_EXCURSIONS or "time" not in problem.variables:
+        return set()
+    count = np.bincount(place)
+    means = {
+        n: np.bincount(place, problem.variables[n][train]) / count
+        for n in (*RATES, "time")
+        if n in problem.variables
+    }
+    order = {n: np.unique(z, return_inverse=True)[1] for n, z in means.items() if np.ptp(z)}
+    time = order.pop("time")
+    return {n for n, ranks in order.items() if np.corrcoef(ranks, time)[0, 1] ** 2 > 1 - WITHIN}
 
 
 def _steps_with(part: Part) -> str:
     """The variable by which a part would differ between runs; what grows with time or cycles goes on within them."""
+    variable = _variable(part)
+    return "" if part.kind == "effect" and variable in OVER_CYCLES else variable
+
+
+def _variable(part: Part) -> str:
+    """The variable that a part acts through, or is."""
     kind = next((k for k in measurement_effect_types() if k.name == part.name), None)
-    variable = (kind.by_condition or kind.depends_on[0]) if kind else part.name
-    return "" if kind and variable in OVER_CYCLES else variable
+    return (kind.by_condition or kind.depends_on[0]) if kind else part.name
