@@ -27,11 +27,11 @@ _FEWEST_ROWS, _PARTS = 60, 20  # of a branch
 _FEW_READINGS = 100  # a model passes through so few, whatever the specimen does
 
 
-def error_reasons(split: DataSplit, best: CandidateModel) -> list[str]:
+def error_reasons(split: DataSplit, best: CandidateModel, *, undetermined: bool = False) -> list[str]:
     """Sentences on what the data say about the error of a model, the most certain first; empty if nothing stands out.
 
     They compare facts of the fitted and the held-out data (conditions, range of the input, errors) and name no effect:
-    that is the diagnosis.
+    that is the diagnosis. ``undetermined``: the error is missing knowledge, so nothing need have changed.
     """
     if one_way(best):
         return [
@@ -39,7 +39,7 @@ def error_reasons(split: DataSplit, best: CandidateModel) -> list[str]:
             "both ways."
         ]
     found = [*_conditions(split), *_range(best), *_turned_back(best), *_repeats(best)]
-    return [*found, *_fit(split, best, explained=bool(found))]
+    return [*found, *_fit(split, best, explained=bool(found), undetermined=undetermined)]
 
 
 def one_way(best: CandidateModel) -> bool:
@@ -172,7 +172,7 @@ def _repeats(best: CandidateModel) -> Iterator[str]:
     yield from (f"The {text}: something besides the input acts on the output." for text in texts if text)
 
 
-def _fit(split: DataSplit, best: CandidateModel, *, explained: bool) -> Iterator[str]:
+def _fit(split: DataSplit, best: CandidateModel, *, explained: bool, undetermined: bool) -> Iterator[str]:
     """Whether the model misses its own data already, or only those that it has not seen."""
     y = np.concatenate([r.measured[r.counted] for r in best.train])
     if not y.size or not np.ptp(y):
@@ -190,6 +190,8 @@ def _fit(split: DataSplit, best: CandidateModel, *, explained: bool) -> Iterator
                 f"Only {n} readings could be fitted, and the model passes through them: this says nothing of branches "
                 "that they do not contain. Give a full loop in one file, or --split none for a model of all data."
             )
+            return
+        if undetermined:
             return
         later = "later in the run" if split.kind == "time" else "in the other run"
         yield (

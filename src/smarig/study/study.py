@@ -23,6 +23,7 @@ from smarig.study.study_page import study_page
 from smarig.study.study_result import StudyResult
 from smarig.study.transformation_figures import transformation_of
 from smarig.study.understanding import Ask, UnsureError, understand
+from smarig.study.undetermined_states import undetermined_states
 
 Progress = Callable[[str], None]
 
@@ -61,10 +62,11 @@ def study(
     for table in tables:
         progress(f"{table.title}: {len(table.run)} rows")
     split, evaluation, heating = None, None, ""
-    diagnosis, why_not, without_cause = None, "", None
+    diagnosis, why_not, without_cause, undetermined = None, "", None, None
     if any(table.run.has("position") for table in tables):
         split = split_runs([t for t in tables if t.run.has("position")], options.split, folder)
         evaluation = evaluate(split, progress)
+        undetermined = undetermined_states(split, evaluation.plain)
         diagnosis, why_not = _diagnosed(evaluation, split, options, progress)
         if diagnosis is not None and diagnosis.extended:
             evaluation = with_extended(evaluation, diagnosis.model, split)
@@ -85,6 +87,7 @@ def study(
         diagnosis=diagnosis,
         diagnosis_reason=why_not,
         without_cause=without_cause,
+        undetermined=undetermined,
         heating=heating,
         transformation=transformation_of([table.run for table in tables]),
         seconds=time.monotonic() - started,

@@ -1,5 +1,6 @@
 """A study as JSON."""
 
+from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
 from smarig.study.table_guess import TableGuess
@@ -31,6 +32,7 @@ def study_json(result: "StudyResult") -> dict[str, Any]:
         "unit": result.unit or None,
         "held_out": j and {"rms": j.best.rms, "nrmse": result.nrmse, "noise_floor": result.noise},
         "unpredicted_share": j and result.unpredicted,
+        "undetermined": result.undetermined and asdict(result.undetermined),
         "transformation": result.transformation and result.transformation.to_json(),
         "models": j and {c.name: {"train_rms": c.train_rms, "held_out_rms": c.rms} for c in j.candidates},
         "models_that_failed": (j and j.failed) or {},

@@ -43,6 +43,7 @@ from smarig.study.study_sentences import (
 )
 from smarig.study.transformation_figures import Transformation
 from smarig.study.understanding import Understanding
+from smarig.study.undetermined_states import UndeterminedStates
 
 _EXCHANGED = "If input and output are exchanged, name them with --input and --output."
 _LESS = 0.97  # of the error without a cause: less of a gain is hardly one
@@ -57,7 +58,7 @@ class StudyResult:
     ``diagnosis`` is None if it was not requested or failed, with ``diagnosis_reason``. ``mapping`` is a mapping file
     that was given, None if one was drafted. ``without_cause``: the least rms error on held-out data of models without a
     named cause, in the measure of ``evaluation``; None without one. ``transformation``: None for an input that is no
-    temperature.
+    temperature. ``undetermined``: what the fitted data leave open, if the held-out error is that.
     """
 
     name: str
@@ -76,6 +77,7 @@ class StudyResult:
     transformation: Transformation | None = None
     mapping: str | None = None
     without_cause: float | None = None
+    undetermined: UndeterminedStates | None = None
 
     @property
     def unit(self) -> str:
@@ -190,7 +192,9 @@ class StudyResult:
         """What the data say about an error that is not good: sentences, the most certain first."""
         if self.evaluation is None or self.split is None or self.verdict == GOOD:
             return []
-        explained = error_reasons(self.split, self.evaluation.best)
+        explained = error_reasons(
+            self.split, self.evaluation.best, undetermined=self.undetermined is not None
+        )
         return [*wrong_direction(self.tables), *self._where(), *noisy_input(self.tables), *explained]
 
     def sentences(self) -> list[str]:
@@ -240,6 +244,8 @@ class StudyResult:
         level, place = ErrorLevel(self.verdict), worst_place(self.branches)
         if level is ErrorLevel.FAIR and self._level_on_average is ErrorLevel.GOOD and self._left_out_is_worse:
             return "fair, as blocks left out of the fit are predicted less well"
+        if self.undetermined is not None and level is not ErrorLevel.GOOD:
+            return f"{level} in states that no fitted data enter"
         if place is None or not self.span:
             return LEVEL_WORDS[level]
         if level is ErrorLevel.FAIR and self._one_way:
@@ -270,8 +276,12 @@ class StudyResult:
         return simple_curve_sentence(name, error, self.gain, self.unit, left_out=self.compared_on_left_out)
 
     def _next_sentence(self) -> str:
+        if self.diagnosis is None and self.undetermined is not None:
+            return self.undetermined.sentence(self.tables[0].run.input_unit)
         if self.diagnosis is None:
             return f"No diagnosis: {self.diagnosis_reason}"
+        if self.undetermined is not None and self.diagnosis.verdict.word not in ("named", "ambiguous"):
+            return self.undetermined.sentence(self.tables[0].run.input_unit)
         finding = finding_sentence(self.diagnosis, at_noise=self.at_noise)
         if which := self._diagnosed_model():
             finding = f"{which}{finding[:1].lower()}{finding[1:]}"

@@ -1,6 +1,6 @@
 """The share of the held-out error that is missing knowledge: one density of relays predicts all readings as well.
 
-    share = 1 − (S_h(all) + S_t(all) − S_t(train)) / S_h,    S: sums of squares of positive fits
+    share = 1 − (S_h(all) + S_t(all) − S_t(train)) / S_h,    S: mean squares of positive fits
 
 S_h is the plain model's held-out error. A wire that changed, or an input that is shifted, cannot be fitted by one
 density without a larger error of the training readings; a turn inside the fitted loop can.
@@ -32,14 +32,13 @@ def missing_share(base: KeptAddition) -> float:
     train, y = base.problem.train, base.problem.y
     ones = np.full((y.size, 1), CONSTANT)
     columns = np.hstack([base.relays.features, ones, -ones])
-    error = base.held_out_error()
-    total = float(error @ error)
+    total = float(np.mean(base.held_out_error() ** 2))
     if not total:
         return 0.0
     left = _positive_error(columns, y)
     own = _positive_error(columns[train], y[train])
-    cost = max(float(left[train] @ left[train]) - float(own @ own), 0.0)
-    return max(1.0 - (float(left[~train] @ left[~train]) + cost) / total, 0.0)
+    cost = max(float(np.mean(left[train] ** 2) - np.mean(own**2)), 0.0)
+    return max(1.0 - (float(np.mean(left[~train] ** 2)) + cost) / total, 0.0)
 
 
 def _positive_error(columns: Array, y: Array) -> Array:

@@ -1,0 +1,92 @@
+"""Missing knowledge of a study: the held-out data enter states that the fitted data did not determine.
+
+    share = 1 − (S_h(all) + S_t(all) − S_t(train)) / S_h,    S: mean squares of plain models
+
+One model of all rows tells it from a change: what changed, it cannot fit as well. Means, so that a long record does not
+outvote a short one.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from smarig.core import DataError, UsageError, spaced
+from smarig.diagnosis import RULES, inputs_of_error
+from smarig.identification import RunVerification, identify, verify
+from smarig.report import display_unit, number
+from smarig.study.candidate_models import CandidateModel
+from smarig.study.data_split import DataSplit
+from smarig.study.input_turns import wide_turns
+
+Array = NDArray[np.float64]
+_WORSE = 2.0  # times the error of the fit: held-out data are clearly worse than fitted ones
+_SAME_TURN = 0.05  # of the range of the input: a turn as near to a fitted one is no new one
+_MOST_SHOWN = 3
+
+
+@dataclass(frozen=True)
+class UndeterminedStates:
+    """``share`` of the held-out square error that one model of all rows does not have, the ``inputs`` between which
+    nine tenths of that error lie, and the inputs at which the held-out data turn and the fitted data never did.
+    """
+
+    share: float
+    inputs: tuple[float, float]
+    turns: tuple[float, ...]
+
+    def sentence(self, input_unit: str) -> str:
+        """What is not known, and the experiment that would close it."""
+        unit = spaced(display_unit(input_unit))
+        low, high = (number(u) for u in self.inputs)
+        known = f"{100 * self.share:.0f} % of the held-out error is missing knowledge, no change"
+        if not self.turns:
+            return f"{known}: from {low} to {high}{unit} the held-out data enter states that the fitted data did not."
+        turns = ", ".join(number(u) for u in self.turns[:_MOST_SHOWN])
+        more = " and elsewhere" if len(self.turns) > _MOST_SHOWN else ""
+        return (
+            f"{known}: the held-out data turn at {turns}{unit}{more}, where the fitted data never turned. First-order "
+            "curves are missing: record a run that turns there, and fit it too."
+        )
+
+
+def undetermined_states(split: DataSplit, plain: CandidateModel) -> UndeterminedStates | None:
+    """What the fitted data leave open and the held-out data need; None if that is not where the error lies."""
+    if split.kind not in ("run", "time") or plain.rms <= _WORSE * plain.train_rms:
+        return None
+    runs = [*split.train, *split.held_out]
+    try:
+        model = identify(runs, surface="positive").model
+        found = verify(model, runs).runs
+    except (DataError, UsageError):
+        return None
+    fitted, held = found[: len(split.train)], found[len(split.train) :]
+    cost = max(_mean_square(fitted) - _mean_square(plain.train), 0.0)
+    share = 1 - (_mean_square(held) + cost) / _mean_square(plain.held_out)
+    if share < RULES["not_determined"].value:
+        return None
+    error = np.concatenate([(r.predicted - r.measured)[r.counted] for r in plain.held_out])
+    u = np.concatenate([r.input[r.counted] for r in plain.held_out])
+    return UndeterminedStates(float(share), inputs_of_error(u, error**2), _new_turns(split, plain))
+
+
+def _mean_square(runs: Sequence[RunVerification]) -> float:
+    return float(np.mean(np.concatenate([(r.predicted - r.measured)[r.counted] for r in runs]) ** 2))
+
+
+def _new_turns(split: DataSplit, plain: CandidateModel) -> tuple[float, ...]:
+    """The inputs at which held-out data turn and fitted data never did, in order of the input.
+
+    A record is split at a turn: it is one of the part that goes on from there.
+    """
+    known, new = (np.concatenate([_turns(r.input) for r in runs]) for runs in (plain.train, plain.held_out))
+    new = np.append(new, [r.input[0] for r in plain.held_out]) if split.continued else new
+    least = _SAME_TURN * float(np.ptp(known)) if known.size else 0.0
+    far = [u for u in np.unique(new) if not known.size or np.abs(known - u).min() > least]
+    return tuple(float(u) for u, before in zip(far, [-np.inf, *far]) if u - before > least)
+
+
+def _turns(u: Array) -> Array:
+    known = u[np.isfinite(u)]
+    return known[wide_turns(known)[1:-1]] if known.size > 3 else known[:0]

@@ -1,0 +1,100 @@
+"""Held-out data that enter states which no fitted data determine: missing knowledge, and never a change.
+
+The wires are sums of relays, drawn or on a line. Their readings have noise and nothing else, unless a test adds it.
+"""
+
+import numpy as np
+import pytest
+
+from smarig.study import study
+from smarig.study.study_options import StudyOptions
+
+PATHS = {
+    "inner turn": (25, 95, 50, 90, 25),
+    "deep turn": (25, 95, 62, 90, 25),
+    "full loops": (25, 95, 25, 95, 25),
+}
+
+
+def path(turns, rows=80):
+    parts = [np.linspace(a, b, rows, endpoint=False) for a, b in zip(turns, turns[1:])]
+    return np.concatenate([*parts, [turns[-1]]])
+
+
+def relays(kind):
+    if kind == "on a line":
+        th = np.linspace(-2, 2, 60)
+        return 67 + 5 * th, 53 + 5 * th
+    rng = np.random.default_rng(5)
+    return rng.normal(67, 5, 4000), rng.normal(53, 5, 4000)
+
+
+def output(kind, u, shift=0.0):
+    up, down = relays(kind)
+    on, y = np.zeros(up.size, dtype=bool), []
+    for v in u:
+        on = np.where(v > up + shift, True, np.where(v < down + shift, False, on))
+        y.append(4 * on.mean())
+    return np.array(y)
+
+
+def written(file, u, y):
+    noisy = y + 0.01 * np.random.default_rng(1).standard_normal(u.size)
+    header = "time_s,temperature_C,displacement_mm"
+    rows = np.column_stack([0.5 * np.arange(u.size), u, noisy])
+    np.savetxt(file, rows, delimiter=",", header=header, comments="", fmt="%.5f")
+    return file
+
+
+def studied(folder, u, y, *, diagnose=False):
+    return study([written(folder / "loop.csv", u, y)], folder / "out", StudyOptions(diagnose=diagnose))
+
+
+@pytest.mark.parametrize("kind", ["on a line", "drawn"])
+@pytest.mark.parametrize(("turns", "at"), [("inner turn", 50), ("deep turn", 62)])
+def test_a_turn_inside_the_fitted_loop_is_missing_knowledge(tmp_path, kind, turns, at):
+    u = path(PATHS[turns])
+    result = studied(tmp_path, u, output(kind, u))
+    found = result.undetermined
+    assert found is not None
+    assert found.share > 0.9
+    assert min(abs(turn - at) for turn in found.turns) < 1
+    (said,) = [s for s in result.sentences() if "missing knowledge" in s]
+    assert f"turn at {at}" in said
+    assert not any("changed" in s for s in result.reasons)
+
+
+def test_the_diagnosis_does_not_take_it_for_a_cause(tmp_path):
+    u = path(PATHS["inner turn"])
+    result = studied(tmp_path, u, output("on a line", u), diagnose=True)
+    assert result.diagnosis is not None
+    assert result.diagnosis.verdict.names == ()
+    assert any("missing knowledge" in s for s in result.sentences())
+
+
+def test_a_wire_that_changed_is_not_excused(tmp_path):
+    u = path((25, 95, 25, 95, 25, 95, 25))
+    y = output("drawn", u)
+    later = np.arange(u.size) > u.size // 2
+    y[later] = output("drawn", u, shift=6.0)[later]
+    result = studied(tmp_path, u, y)
+    assert result.undetermined is None
+    assert result.verdict == "poor"
+    assert not any("missing knowledge" in s for s in result.sentences())
+
+
+def test_a_longer_record_of_a_changed_wire_does_not_outvote_the_fitted_one(tmp_path):
+    first, second = path((25, 95, 25), rows=60), path((25, 95, 25, 95, 25), rows=400)
+    files = [
+        written(tmp_path / "a.csv", first, output("drawn", first)),
+        written(tmp_path / "b.csv", second, output("drawn", second, shift=2.0)),
+    ]
+    result = study(files, tmp_path / "out", StudyOptions(diagnose=False))
+    assert result.split is not None
+    assert result.split.kind == "run"
+    assert result.undetermined is None
+
+
+def test_full_loops_leave_nothing_open(tmp_path):
+    u = path(PATHS["full loops"])
+    assert studied(tmp_path, u, output("drawn", u)).undetermined is None
