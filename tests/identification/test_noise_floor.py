@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from diagnosis.measured.independent_wire import RelayWire, as_run
 from identification.made_runs import driven_run, fod_run, made_run, read
 from smarig.identification.noise_floor import noise_floor
 from smarig.preisach.hysteresis.gorbet_1997 import thesis_surface
@@ -64,3 +65,16 @@ def test_a_spread_that_differs_everywhere_is_kept():
     y = Preisach.from_surface(thesis_surface("one_e")).simulate(LOOPS) + rng.standard_t(2, len(LOOPS)) * 0.01
     found = noise_floor(made_run(LOOPS, y))
     assert found.changed == 0
+
+
+@pytest.mark.parametrize("steps", [(1.0,) * 6, (1.0, 0.25) * 4])
+def test_what_differs_between_rates_is_no_noise(steps):
+    """An output that lags: the same state at another rate has another output, by far more than the noise."""
+    ramps = [np.arange(25.0, 85.0, step) for step in steps]
+    u = np.concatenate([part for up in ramps for part in (up, 110.0 - up)])
+    y = RelayWire(3).strain(u)
+    for k in range(1, y.size):
+        y[k] = y[k - 1] + (y[k] - y[k - 1]) / 4
+    floor = noise_floor(as_run("rates", u, y, dt=1.0, noise=(0.0, 0.004)))
+    assert floor.n_pairs > 100
+    assert floor.value == pytest.approx(0.004, rel=0.2)

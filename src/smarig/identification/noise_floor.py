@@ -1,7 +1,7 @@
 """The noise floor of a record: the standard deviation of outputs in the same state of the memory.
 
-Points with the same remembered extrema and the same input are repeats. Their pure error needs no model. A drift of the
-repeats from cycle to cycle is no noise: it is left out, and stated (``repeatability``).
+Points with the same remembered extrema and the same input, reached at the same rate, are repeats. Their pure error
+needs no model. A drift of the repeats from cycle to cycle is no noise: it is left out, and stated (``repeatability``).
 Verification and reports use this figure.
 """
 
@@ -28,6 +28,7 @@ from smarig.measurement import reversals
 from smarig.record import Run
 from smarig.replay import MemoryHistory, NoiseRecord, memory_histories
 
+SAME_RATE = 1.5  # ratio of two rates: what differs between faster and slower branches is no noise
 FEWEST_PAIRS = 3
 FEWEST_ENDS = 8
 
@@ -91,7 +92,7 @@ def noise_floor(runs: Run | Iterable[Run]) -> NoiseFloor:
         if not run.points()[0].size:
             continue
         lower, upper, (history,) = memory_histories([run])
-        found = list(_repeats(history, _cycles(run, history), lower, upper))
+        found = list(_repeats(history, _cycles(run, history), _log_rates(run, history), lower, upper))
         travel = float(np.ptp(history.outputs))
         of_runs.append((travel, [repeats for at_end, repeats in found if not at_end]))
         ends.add([repeats for at_end, repeats in found if at_end], travel)
@@ -131,10 +132,31 @@ def _cycles(run: Run, history: MemoryHistory) -> NDArray[np.float64]:
     return way[branch] / (2 * float(np.ptp(y)) or 1.0)
 
 
+def _log_rates(run: Run, history: MemoryHistory) -> NDArray[np.float64]:
+    """ln of the mean rate of the input on the branch of each point (k,); 0 for settled points and without a clock."""
+    u = history.inputs
+    t = (
+        run["t_s"][np.isfinite(run["input"]) & np.isfinite(run["position"])]
+        if run.has("t_s")
+        else np.empty(0)
+    )
+    if run.settled or t.size != u.size or u.size < 2:
+        return np.zeros(u.size)
+    turns = np.array(reversals(u))
+    branch = np.clip(np.searchsorted(turns, np.arange(u.size), side="right") - 1, 0, turns.size - 2)
+    travel, took = np.abs(np.diff(u[turns])), np.diff(t[turns])
+    known = (travel > 0) & (took > 0)
+    return np.log(np.where(known, travel, 1.0) / np.where(known, took, 1.0))[branch]
+
+
 def _repeats(
-    history: MemoryHistory, cycles: NDArray[np.float64], lower: float, upper: float
+    history: MemoryHistory,
+    cycles: NDArray[np.float64],
+    log_rates: NDArray[np.float64],
+    lower: float,
+    upper: float,
 ) -> Iterable[tuple[bool, Repeats]]:
-    """(in saturation?, repeats) of every memory state that was reached more than once."""
+    """(in saturation?, repeats) of every memory state that was reached more than once at one rate."""
     visits: dict[tuple, list[int]] = defaultdict(list)
     before = None
     for k, state in enumerate(history.states):
@@ -143,8 +165,19 @@ def _repeats(
             visits[(state.extrema, state.u, state.diagonal)].append(k)
         before = state
     for (extrema, u, _), rows in visits.items():
-        if len(rows) > 1:
-            yield len(extrema) == 1 and not lower < u < upper, Repeats(cycles[rows], history.outputs[rows])
+        for same in _at_one_rate(np.array(rows), log_rates):
+            if same.size > 1:
+                yield (
+                    len(extrema) == 1 and not lower < u < upper,
+                    Repeats(cycles[same], history.outputs[same]),
+                )
+
+
+def _at_one_rate(rows: NDArray[np.intp], log_rates: NDArray[np.float64]) -> list[NDArray[np.intp]]:
+    """The rows in groups of about the same rate, each in the order of the record."""
+    by_rate = rows[np.argsort(log_rates[rows], kind="stable")]
+    apart = np.flatnonzero(np.diff(log_rates[by_rate]) > np.log(SAME_RATE)) + 1
+    return [np.sort(group) for group in np.split(by_rate, apart)]
 
 
 class _RepeatsOfRuns:
