@@ -54,7 +54,7 @@ def text_tables(path: Path) -> list[FoundTable]:
     lines = text.splitlines()
     check_lines(path, lines, MAX_LINE)
     dialect = _chosen(lines)
-    blocks = find_blocks(dialect.rows(lines[:_MOST_LINES]), dialect.style) if dialect else []
+    blocks = _blocks(lines, dialect) if dialect else []
     if not dialect or not blocks:
         raise DataError(
             f"{path} holds no table: it has no {FEWEST_ROWS} lines that are mostly numbers, two or more. "
@@ -71,6 +71,11 @@ def text_tables(path: Path) -> list[FoundTable]:
     if refused is not None and not found:
         raise refused
     return found
+
+
+def _blocks(lines: Sequence[str], dialect: _Dialect) -> list[FoundBlock]:
+    first = lines[:_MOST_LINES]
+    return find_blocks(dialect.rows(first), dialect.style, first)
 
 
 def _chosen(lines: Sequence[str]) -> _Dialect | None:
