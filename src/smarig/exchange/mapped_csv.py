@@ -156,7 +156,11 @@ def _unfold_branches(
     path: Path, table: Table, mapping: MappingFile
 ) -> tuple[dict[str, Array], NDArray[np.int64], list[str], list[str]]:
     """Channels of all branches one after the other, line numbers, direction of each row, and findings."""
-    parts = [_channels(path, table, mapping, columns) for _, columns in mapping.tables()]
+    order = _branch_rows(table, mapping)
+    parts = [
+        {name: x[rows] for name, x in _channels(path, table, mapping, columns).items()}
+        for (_, columns), rows in zip(mapping.tables(), order, strict=True)
+    ]
     notes = []
     for k, (before, after) in enumerate(pairwise(parts)):
         if all(before[c][-1] == after[c][0] for c in before if c in after and c != "t_s"):
@@ -166,9 +170,24 @@ def _unfold_branches(
             )
     names = [name for name in parts[0] if all(name in part for part in parts)]
     columns = {name: np.concatenate([part[name] for part in parts]) for name in names}
-    line = np.concatenate([table.line] * len(parts))
-    branch = [b.direction for b in mapping.branch for _ in range(len(table))]
+    line = np.concatenate([table.line[rows] for rows in order])
+    branch = [b.direction for b, rows in zip(mapping.branch, order) for _ in rows]
     return columns, line, branch or directions(columns[mapping.input.channel]), notes
+
+
+def _branch_rows(table: Table, mapping: MappingFile) -> list[NDArray[np.int64]]:
+    """The rows of each branch in its order: those with a reading, if the branches share a column."""
+    every = np.arange(len(table))
+    if not mapping.branch:
+        return [every]
+    names = [{column.column for column in b.columns.values()} for b in mapping.branch]
+    shared = set.intersection(*names)
+    found = []
+    for branch, used in zip(mapping.branch, names, strict=True):
+        own = [np.isfinite(table.columns[name]) for name in used - shared] if shared else []
+        rows = every[np.any(own, axis=0)] if own else every
+        found.append(rows[::-1] if branch.rows == "backward" else rows)
+    return found
 
 
 def _channels(path: Path, table: Table, mapping: MappingFile, columns: dict) -> dict[str, Array]:

@@ -56,17 +56,23 @@ class MatLayout(TomlTable):
     """[mat]: variables of MATLAB files instead of columns of a text.
 
     ``files``: names of files that belong together in one folder, with '*' for the same text in each. ``loops``:
-    whether each column or each row of the matrices is one loop; "none" for vectors.
+    whether each column or each row of the matrices is one loop; "none" for vectors. ``matrix``: a matrix whose signals
+    are columns (or rows, along its longer side), named "column 1", "column 2", … beside vectors of its length.
     """
 
     files: tuple[str, ...] = ()  # names of files that belong together; * is the same text in each
     loops: Literal["none", "columns", "rows"] = "none"  # which part of the matrices is one loop
+    matrix: str = ""  # the matrix that holds the signals side by side, as column 1, column 2, …
 
     @model_validator(mode="after")
     def _patterns(self) -> "MatLayout":
         for pattern in self.files:
             if pattern.count("*") != 1 or "/" in pattern or "\\" in pattern:
                 raise ValueError(f"files: '{pattern}' is not a file name with one '*'")
+        if self.matrix and (self.files or self.loops != "none"):
+            raise ValueError(
+                "the columns of a matrix are signals of one file, no loops; leave out files and loops"
+            )
         return self
 
 
@@ -141,6 +147,7 @@ class Branch(TomlTable):
     """One branch of data with several branches in one row; unfolded in the order of the file."""
 
     direction: Literal["up", "down"]  # direction of the input on the branch
+    rows: Literal["forward", "backward"] = "forward"  # "backward": read from the last row to the first
     columns: dict[ChannelName, Column] = Field(min_length=1)  # columns of the branch, by channel
 
 
@@ -203,8 +210,10 @@ class MappingFile(TomlTable):
     def _consistent(self) -> "MappingFile":
         if bool(self.columns) == bool(self.branch):
             raise ValueError("give exactly one of [columns] and [[branch]]")
-        if self.mat and ("file" in self.model_fields_set or self.branch):
-            raise ValueError("[mat] is used with [columns] only; leave out [file] and [[branch]]")
+        if self.mat and ("file" in self.model_fields_set or (self.branch and self.mat.loops != "none")):
+            raise ValueError(
+                "[mat] describes no text, and its loops no branches; leave out [file] and [[branch]]"
+            )
         places = [
             key for key in ("file", "mat", "workbook", "hdf5", "parquet") if key in self.model_fields_set
         ]

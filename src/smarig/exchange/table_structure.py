@@ -15,7 +15,13 @@ from smarig.exchange.written_units import is_units_row
 FEWEST_ROWS = 3  # of a table
 _HEADER_ROWS = 4  # rows above the numbers that are searched for names and units
 _COMMENT = re.compile(r"^\s*(?:#+|%+|//+|;+|\*+)\s*")
-_HEADER_SIGNS = (r"\s{2,}|\t", ";", ",", r"\|", r"\s+")  # between the names of columns, the rarest in a name first
+_HEADER_SIGNS = (
+    r"\s{2,}|\t",
+    ";",
+    ",",
+    r"\|",
+    r"\s+",
+)  # between the names of columns, the rarest in a name first
 _BRACKETED = re.compile(r"[\[(<{](.*)[\])>}]")
 
 

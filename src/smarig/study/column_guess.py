@@ -87,6 +87,7 @@ def _by_name(facts: ColumnFacts) -> ColumnGuess:
     nameless = bool(re.fullmatch(r"column \d+|\S+/column \d+", facts.name))
     label, written = q.name_and_unit("" if nameless else facts.name, facts.written_unit)
     quantity, commanded = q.quantity_of_name(label.split("/")[-1]) if label else ("", False)
+    quantity = quantity or q.quantity_of_name(q.without_branch(label))[0]
     unit = known_unit(
         written, temperature=quantity in (q.TEMPERATURE, q.AMBIENT) or label.strip().lower() in ("t", "temp")
     )
@@ -210,6 +211,11 @@ def conditions_in_name(stem: str) -> dict[str, tuple[float, str]]:
 
 def _found(guess: ColumnGuess, quantity: str, reason: str, confidence: float) -> ColumnGuess:
     return replace(guess, quantity=quantity, quantity_reason=reason, quantity_confidence=confidence)
+
+
+def as_temperature(guess: ColumnGuess) -> ColumnGuess:
+    """A column as a temperature, as its name says."""
+    return _with_unit(_found(guess.without_meaning(), q.TEMPERATURE, f"its name '{guess.label}'", LIKELY))
 
 
 def _with_unit(guess: ColumnGuess) -> ColumnGuess:

@@ -35,7 +35,7 @@ def mapping_draft(guess: TableGuess, name: str) -> str:
         lines += ["", "[time]", f"column = {_s(time.name)}" + _why(guess, time)]
         lines += ['written = "clock"'] if time.facts.kind == "clock" else [f"unit = {_s(time.unit or 's')}"]
         lines += ['repeated = "mean"     # several rows have the same time'] if _repeats(time) else []
-    elif "mat" not in guess.table.layout and not guess.settled:
+    elif "mat" not in guess.table.layout and not guess.settled and guess.backward is None:
         lines += [
             "",
             "# [time]               # no clock was found; if the rows are equally spaced, remove both signs",
@@ -109,7 +109,10 @@ def _column_lines(guess: TableGuess, channel: str) -> list[str]:
         return ["", "[columns]", *(_channel_line(guess, key, c.name, c) for key, c in channels)]
     lines = []
     for direction, names in (("up", {a: a for a in guess.branches}), ("down", guess.branches)):
-        lines += ["", "[[branch]]", f'direction = "{direction}"', "[branch.columns]"]
+        lines += ["", "[[branch]]", f'direction = "{direction}"']
+        if direction in (guess.backward or ()):
+            lines += ['rows = "backward"     # read from the last row to the first']
+        lines += ["[branch.columns]"]
         lines += [_channel_line(guess, key, names[c.name], c) for key, c in channels if c.name in names]
     return lines
 

@@ -8,7 +8,7 @@ import numpy as np
 from smarig.core import UsageError, suggestion
 from smarig.exchange import FoundTable, dimension
 from smarig.study import quantity_words as q
-from smarig.study.branch_pairs import branch_pairs
+from smarig.study.branch_pairs import backward_branches, branch_pairs, branches_by_words, with_shared_input
 from smarig.study.column_guess import LIKELY, STATED, UNSURE, WEAK, ColumnGuess, guess_columns
 from smarig.study.nameless_columns import roles_by_loop
 from smarig.study.signal_columns import holds_still, input_column, is_grid, output_column
@@ -35,7 +35,9 @@ class TableGuess:
 
     ``scale`` multiplies the output, with ``sign`` as its reason. ``by_loop``: why one of two columns without names
     is the input, "" for columns with names. ``branches`` pairs the columns of a heating branch
-    with those of a cooling branch in the same rows. ``settled``: each row is one settled reading.
+    with those of a cooling branch in the same rows, a shared input with itself; ``backward`` are the branches ("up",
+    "down") that are read from the last row to the first, None for names that differ in one letter. ``settled``: each
+    row is one settled reading.
     """
 
     table: FoundTable
@@ -44,6 +46,7 @@ class TableGuess:
     scale: float = 1.0
     sign: str = ""
     branches: dict[str, str] = field(default_factory=dict)
+    backward: tuple[str, ...] | None = None
     settled: bool = False
     by_loop: str = ""
 
@@ -57,11 +60,14 @@ class TableGuess:
 
     def shown_role(self, name: str) -> Role:
         """The role of a column as shown: that of the second branch has that of the first."""
-        first = next((a for a, b in self.branches.items() if b == name), None)
+        first = next((a for a, b in self.branches.items() if b == name != a), None)
         role = self.roles[first].role if first else "ignored"
-        if role == "ignored":
+        if first is None or role == "ignored":
             return self.roles[name]
-        return Role(f"{role}, second branch", f"beside '{first}', whose name differs in one letter")
+        if self.backward is None:
+            return Role(f"{role}, second branch", f"beside '{first}', whose name differs in one letter")
+        order = "from the last row to the first" if "down" in self.backward else "in the order of the rows"
+        return Role(f"{role}, second branch", f"read after '{first}', {order}: two branches of one loop")
 
     @property
     def doubts(self) -> list[str]:
@@ -101,8 +107,11 @@ def guess_table(
         if name not in table.names:
             raise UsageError(f"{table.path} has no column '{name}'{suggestion(name, list(table.names))}.")
     columns = guess_columns(table, units or {}, files)
+    pairs, by_words = branch_pairs(columns), False
+    if not pairs:
+        pairs, by_words = branches_by_words(columns, output), True
+        columns = with_shared_input(columns, pairs)
     moving = [c for c in columns if c.facts.known.size > 1 and c.facts.span > 0 and c.facts.kind != "text"]
-    pairs = branch_pairs(columns)
     candidates = [c for c in moving if c.name not in pairs.values()]
     roles: dict[str, Role] = {}
     time = _time([c for c in columns if c.name not in (input, output)])
@@ -141,10 +150,21 @@ def guess_table(
         roles |= {drive.name: _role("input", drive, input)} if drive is not None else {}
     _further_roles(columns, roles, drive, out)
     guess = TableGuess(table, tuple(columns), roles, by_loop=found.reason if found else "")
-    if pairs and drive is not None and out is not None and drive.name in pairs and out.name in pairs:
-        guess = replace(guess, branches=pairs)
+    if drive is not None and out is not None and out.name in pairs and (by_words or drive.name in pairs):
+        guess = _of_two_branches(guess, {drive.name: drive.name} | pairs, by_words)
     scale, sign = _sign(drive, out)
     return replace(guess, scale=scale, sign=sign, settled=_is_staircase(drive, guess))
+
+
+def _of_two_branches(guess: TableGuess, branches: dict[str, str], by_words: bool) -> TableGuess:
+    """The guess of a table whose rows hold two branches; they share no clock."""
+    if not by_words:
+        return replace(guess, branches=branches)
+    of_name = {c.name: c for c in guess.columns}
+    drive, out = (guess.of_role(role)[0].name for role in ("input", "output"))
+    ends = [(of_name[name], of_name[branches[name]]) for name in (drive, out)]
+    shared = {c.name: Role("ignored", "two branches share the rows", LIKELY) for c in guess.of_role("time")}
+    return replace(guess, branches=branches, backward=backward_branches(*ends), roles=guess.roles | shared)
 
 
 def _moved_by(drive: ColumnGuess, left: Sequence[ColumnGuess]) -> ColumnGuess | None:
