@@ -177,8 +177,10 @@ def _moved_by(drive: ColumnGuess, left: Sequence[ColumnGuess]) -> ColumnGuess | 
 
 
 def _time(columns: Sequence[ColumnGuess]) -> ColumnGuess | None:
-    """The clock: a column of times that never runs backwards."""
-    return next((c for c in columns if c.quantity == q.TIME and c.facts.rising and not c.facts.missing), None)
+    """The clock: a column of times that never runs backwards, or that a resumed log starts again from its beginning."""
+    times = [c for c in columns if c.quantity == q.TIME and not c.facts.missing]
+    resumed = [c for c in times if c.facts.restarts and c.facts.kind != "clock" and not c.by_numbers]
+    return next((c for c in times if c.facts.rising), next(iter(resumed), None))
 
 
 def _is_staircase(drive: ColumnGuess | None, guess: TableGuess) -> bool:
