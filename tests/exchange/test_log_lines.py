@@ -113,7 +113,7 @@ def test_units_behind_the_values_and_a_key_that_is_missing_once(tmp_path):
 def test_errors_name_the_line_of_the_file(write, tmp_path):
     rows = [f"T={u} pos={y}" for u, y in zip(U, Y)]
     path = write("\n".join(rows) + "\n", "a.log")
-    _, run = read(path, tmp_path)
+    read(path, tmp_path)
     rows[20] = "T=far pos=1"
     path.write_text("\n".join(rows) + "\n")
     with pytest.raises(DataError, match=r"line 21, column 'T': 'far' is not a number"):

@@ -1,8 +1,8 @@
 """Lines of a log as rows of a table: the stamps that a serial monitor writes before them, and rows of keys and values.
 
-A serial monitor writes ``12:03:04.500 -> 23.9;0.003`` for the row ``23.9;0.003``; many programs of microcontrollers write
-``t=0.50 T=23.0 pos=1.043``. Such lines become rows with the stamp in a column "stamp" and keys as names of columns. A
-text of which less than half of the lines are so stays as it is.
+A serial monitor writes ``12:03:04.500 -> 23.9;0.003`` for the row ``23.9;0.003``; many microcontrollers are programmed
+to write ``t=0.50 T=23.0 pos=1.043``. The stamp becomes the column "stamp", and keys become names of columns. A text
+of which half of the lines or fewer are such rows stays as it is.
 """
 
 import re

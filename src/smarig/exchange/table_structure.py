@@ -15,13 +15,9 @@ from smarig.exchange.written_units import is_units_row
 FEWEST_ROWS = 3  # of a table
 _HEADER_ROWS = 4  # rows above the numbers that are searched for names and units
 _COMMENT = re.compile(r"^\s*(?:#+|%+|//+|;+|\*+)\s*")
-_HEADER_SIGNS = (
-    r"\s{2,}|\t",
-    ";",
-    ",",
-    r"\|",
-    r"\s+",
-)  # between the names of columns, the rarest in a name first
+_ALIGNED = r"\s{2,}|\t"  # what stands between words that blanks align over their columns
+# Between the names of columns, the rarest in a name first:
+_HEADER_SIGNS = (_ALIGNED, ";", ",", r"\|", r"\s+")
 _BRACKETED = re.compile(r"[\[(<{](.*)[\])>}]")
 
 
@@ -178,7 +174,8 @@ def _words(
         words = [word.strip().strip('"') for word in re.split(sign, text)]
         words = words if len(words) == width else _with_brackets_joined(words)
         plain = all(word and style.kind(word) == TEXT for word in words)
-        if len(words) == width and plain and (len(set(words)) == width or is_units_row(words)):
+        unlike = sign == _ALIGNED or len(set(words)) == width or is_units_row(words)
+        if len(words) == width and plain and unlike:
             return words
     return None
 

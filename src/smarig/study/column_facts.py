@@ -17,8 +17,8 @@ class ColumnFacts:
     """Facts about a column: ``values`` (n,), ``missing`` of them, range, ``spread`` of all but
     the outermost 2 %, and median ``step`` between different rows.
 
-    ``rising``: no row is below the one before. ``restarts``: how often a column that rises otherwise starts again at its
-    first value. ``even``: the steps are equal. ``whole``: all are whole numbers.
+    ``rising``: no row is below the one before. ``restarts``: how often a column that rises otherwise starts again at
+    its first value. ``even``: the steps are equal. ``whole``: all are whole numbers.
     ``constant``: all lie within a tenth of their mean. ``levels`` is the number of different values.
     """
 
