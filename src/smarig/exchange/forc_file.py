@@ -98,8 +98,8 @@ def _check_no_loop(path: Path, lines: list[str]) -> None:
     end = next((k for k, line in enumerate(lines) if not line.strip()), len(lines))
     if any(_LOOP.fullmatch(line) and "?" not in line for line in lines[:end]):
         raise DataError(
-            f"{path} holds a hysteresis loop, and no reversal curves. Model it with `smarig study {path.name}`; to import "
-            "it, use --format csv with the mapping that this drafts (--map)."
+            f"{path} holds a hysteresis loop, and no reversal curves. Model it with `smarig study {path.name}`; to "
+            "import it, use --format csv with the mapping that this drafts (--map)."
         )
 
 

@@ -13,6 +13,7 @@ from smarig.study.column_facts import ColumnFacts, column_facts
 STATED, LIKELY, WEAK, NONE = 0.95, 0.75, 0.5, 0.2  # confidences
 _STATED_BY = ("its name", "its unit", "clock")  # how the reasons of stated quantities begin
 UNSURE = 0.5  # a role or unit that is less sure needs an answer
+_ANY_TIME = "assumed: equal steps of whole numbers may be s, ms or others"
 _STRAIN_MM = 0.1  # larger strains are not in mm/mm
 _STRAIN_PERCENT = 15.0
 _SYMMETRIC = 0.05  # of the range: a middle closer to 0
@@ -84,8 +85,7 @@ def guess_columns(
 
 def _by_name(facts: ColumnFacts) -> ColumnGuess:
     """The quantity by name and unit."""
-    nameless = bool(re.fullmatch(r"column \d+|\S+/column \d+", facts.name))
-    label, written = q.name_and_unit("" if nameless else facts.name, facts.written_unit)
+    label, written = q.name_and_unit("" if _nameless(facts.name) else facts.name, facts.written_unit)
     quantity, commanded = q.quantity_of_name(label.split("/")[-1]) if label else ("", False)
     quantity = quantity or q.quantity_of_name(q.without_branch(label))[0]
     unit = known_unit(
@@ -115,6 +115,15 @@ def _by_name(facts: ColumnFacts) -> ColumnGuess:
     )
 
 
+def _nameless(name: str) -> bool:
+    return re.fullmatch(r"column \d+|\S+/column \d+", name) is not None
+
+
+def _is_log(guesses: Sequence[ColumnGuess]) -> bool:
+    """Whether a table has three columns or more, and no names."""
+    return len(guesses) > 2 and all(_nameless(guess.name) for guess in guesses)
+
+
 def _by_numbers(guesses: list[ColumnGuess], files: Sequence[str]) -> list[ColumnGuess]:
     """Quantities of columns whose names and units say nothing, by their numbers and by the names of the files."""
     out = []
@@ -122,6 +131,9 @@ def _by_numbers(guesses: list[ColumnGuess], files: Sequence[str]) -> list[Column
         f = guess.facts
         if guess.quantity or not f.known.size:
             out.append(guess)
+        elif f.even and f.whole and f.rising and f.step != 1 and k == 0 and _is_log(guesses):
+            found = _found(guess, q.TIME, f"rises in equal steps of {f.step:g}, in the first column", LIKELY)
+            out.append(replace(found, unit="s", unit_reason=_ANY_TIME, unit_confidence=NONE))
         elif f.rising and f.whole and f.even and f.low >= 0:
             out.append(_found(guess, q.INDEX, "whole numbers that rise evenly", LIKELY))
         elif (

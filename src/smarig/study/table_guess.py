@@ -10,7 +10,7 @@ from smarig.exchange import FoundTable, dimension
 from smarig.study import quantity_words as q
 from smarig.study.branch_pairs import backward_branches, branch_pairs, branches_by_words, with_shared_input
 from smarig.study.column_guess import LIKELY, STATED, UNSURE, WEAK, ColumnGuess, guess_columns
-from smarig.study.nameless_columns import roles_by_loop
+from smarig.study.nameless_columns import LoopRoles, roles_by_loop
 from smarig.study.signal_columns import holds_still, input_column, is_grid, output_column
 
 _HEATING = (q.CURRENT, q.VOLTAGE, q.POWER, q.DUTY)
@@ -80,7 +80,7 @@ class TableGuess:
             )
             if sure < UNSURE:
                 doubts.append(role)
-        for guess in [*self.of_role("input"), *self.of_role("output")]:
+        for guess in [*self.of_role("input"), *self.of_role("output"), *self.of_role("time")]:
             if guess.unit_confidence < UNSURE:
                 doubts.append(f"unit {guess.name}")
         return doubts
@@ -140,10 +140,14 @@ def guess_table(
     if drive is not None and out is not None and input is None and output is None and not pairs:
         found = roles_by_loop(drive, out)
     if found is not None:
+        found = _unless_rivals(found, left)
         drive, out = found.drive, found.out
         columns = [next((c for c in (drive, out) if c.name == g.name), g) for g in columns]
         roles |= {
-            c.name: Role(r, found.reason, found.confidence) for r, c in (("input", drive), ("output", out))
+            drive.name: Role("input", found.reason, found.confidence),
+            out.name: Role(
+                "output", found.rivals or found.reason, UNSURE / 2 if found.rivals else found.confidence
+            ),
         }
     else:
         roles |= {out.name: _role("output", out, output)} if out is not None else {}
@@ -154,6 +158,27 @@ def guess_table(
         guess = _of_two_branches(guess, {drive.name: drive.name} | pairs, by_words)
     scale, sign = _sign(drive, out)
     return replace(guess, scale=scale, sign=sign, settled=_is_staircase(drive, guess))
+
+
+def _unless_rivals(found: LoopRoles, left: Sequence[ColumnGuess]) -> LoopRoles:
+    """Roles by a loop are a doubt if further columns without names could be the output as well."""
+    rivals = [c for c in left if c.name not in (found.drive.name, found.out.name) and c.by_numbers]
+    rivals = [c for c in rivals if c.quantity in ("", found.out.quantity) and not holds_still(c)]
+    rivals = [c for c in rivals if not _is_multiple(c, found.drive)]
+    if not rivals:
+        return found
+    names = ", ".join(f"'{c.name}'" for c in (found.out, *rivals))
+    return replace(found, rivals=f"the names of the columns say nothing; the output is one of {names}")
+
+
+def _is_multiple(c: ColumnGuess, drive: ColumnGuess) -> bool:
+    """Whether a column is the input in another unit, but for its last digits."""
+    known = np.isfinite(c.facts.values) & np.isfinite(drive.facts.values)
+    u, y = drive.facts.values[known], c.facts.values[known]
+    if u.size < 3 or not np.ptp(u):
+        return False
+    rest = y - np.polyval(np.polyfit(u, y, 1), u)
+    return bool(np.abs(rest).max() <= c.facts.step)
 
 
 def _of_two_branches(guess: TableGuess, branches: dict[str, str], by_words: bool) -> TableGuess:
