@@ -95,6 +95,12 @@ class ParquetLayout(TomlTable):
     """[parquet]: columns of a Parquet file; it has no entries."""
 
 
+class TdmsLayout(TomlTable):
+    """[tdms]: channels of one length in a group of a LabVIEW TDMS file, and "time", the clock that they share."""
+
+    group: str  # name of the group
+
+
 class TimeAxis(TomlTable):
     """[time]: a column, or a period with ``rows_per_period`` rows, within which the column then counts."""
 
@@ -197,6 +203,7 @@ class MappingFile(TomlTable):
     workbook: WorkbookLayout | None = None  # sheet of an Excel workbook
     hdf5: Hdf5Layout | None = None  # group of an HDF5 file
     parquet: ParquetLayout | None = None  # columns of a Parquet file
+    tdms: TdmsLayout | None = None  # group of a LabVIEW TDMS file
     time: TimeAxis | None = None  # time axis; leave out if the data have no time
     columns: dict[ChannelName, Column] = Field(default_factory=dict)  # columns, by channel
     branch: tuple[Branch, ...] = ()  # in place of columns: several branches in one row
@@ -218,7 +225,9 @@ class MappingFile(TomlTable):
                 "[mat] describes no text, and its loops no branches; leave out [file] and [[branch]]"
             )
         places = [
-            key for key in ("file", "mat", "workbook", "hdf5", "parquet") if key in self.model_fields_set
+            key
+            for key in ("file", "mat", "workbook", "hdf5", "parquet", "tdms")
+            if key in self.model_fields_set
         ]
         if len(places) > 1:
             raise ValueError(f"[{places[0]}] and [{places[1]}] describe different files; give one of them")
@@ -253,6 +262,7 @@ class MappingFile(TomlTable):
     def format(self) -> str:
         """The format of the files that it describes, as import names it."""
         names = {"mat": self.mat, "xlsx": self.workbook, "hdf5": self.hdf5, "parquet": self.parquet}
+        names |= {"tdms": self.tdms}
         return next((name for name, layout in names.items() if layout is not None), "csv")
 
     def tables(self) -> list[tuple[str, dict[ChannelName, Column]]]:
