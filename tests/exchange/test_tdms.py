@@ -111,7 +111,7 @@ def test_damaged_bytes_are_an_error_of_one_sentence(tmp_path, data):
     try:
         find_tables(path)
     except DataError as error:
-        assert str(path) in str(error)
+        assert str(path) in str(error)  # noqa: PT017
 
 
 def test_without_the_package_the_extra_is_named(tmp_path, monkeypatch):

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from smarig.core import DataError
 from smarig.exchange.found_table import CLOCK, TEXT, FoundTable, found_columns
-from smarig.exchange.log_lines import log_lines
+from smarig.exchange.logged_rows import logged_rows
 from smarig.exchange.table_file import read_table
 from smarig.exchange.table_structure import FEWEST_ROWS, FoundBlock, NumberStyle, find_blocks
 from smarig.exchange.text_table import (
@@ -55,7 +55,7 @@ def text_tables(path: Path) -> list[FoundTable]:
     text, _ = read_text(path)
     lines = text.splitlines()
     check_lines(path, lines, MAX_LINE)
-    lines = log_lines(lines).lines
+    lines = logged_rows(lines).lines
     dialect = _chosen(lines)
     blocks = _blocks(lines, dialect) if dialect else []
     if not dialect or not blocks:

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from smarig.core import DataError, UsageError, shown
 from smarig.exchange.cell_values import clock_column, is_missing, is_number, number_column
-from smarig.exchange.log_lines import log_lines
+from smarig.exchange.logged_rows import logged_rows
 
 MAX_BYTES = 500_000_000
 MAX_COLUMNS = 10_000
@@ -84,7 +84,7 @@ def read_whole_table(path: Path, layout: TableLayout) -> Table:
     text, notes = read_text(path)
     lines = text.splitlines()
     check_lines(path, lines, MAX_LINE)
-    log = log_lines(lines)
+    log = logged_rows(lines)
     try:
         return _table(path, text, log.lines, [*notes, *log.notes], layout, log.added)
     except csv.Error:

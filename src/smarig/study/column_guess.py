@@ -257,6 +257,8 @@ def _with_unit(guess: ColumnGuess) -> ColumnGuess:
             unit, reason, sure = "count", "whole numbers: readings of a converter", 0.7
         case q.FORCE:
             unit, reason, sure = "N", "the SI unit, as none is stated", WEAK
+        case q.DISPLACEMENT | q.ANGLE if f.whole and most > 100:
+            unit, reason, sure = "count", "whole numbers: readings of an encoder or converter", WEAK
         case q.DISPLACEMENT:
             unit, reason, sure = "mm", "assumed: no unit is stated", WEAK
         case q.ANGLE:

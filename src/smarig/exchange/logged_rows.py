@@ -22,7 +22,7 @@ _NUMBER = re.compile(r"[+-]?(\d+[.,]?\d*|[.,]\d+)([eE][+-]?\d+)?")
 
 
 @dataclass(frozen=True)
-class LogLines:
+class LoggedRows:
     """Lines of a table; ``notes`` say what was rewritten, ``added`` lines stand before those of the file."""
 
     lines: list[str]
@@ -30,25 +30,25 @@ class LogLines:
     added: int = 0
 
 
-def log_lines(lines: Sequence[str]) -> LogLines:
+def logged_rows(lines: Sequence[str]) -> LoggedRows:
     """The lines of a text as those of a table."""
     stamps, rows, notes = _without_stamps(lines)
     names, rows = _without_keys(rows)
     if names:
         notes += ("The rows hold keys and values; the keys are the names of the columns.",)
     if not stamps:
-        return LogLines(["\t".join(names), *rows] if names else rows, notes, int(bool(names)))
+        return LoggedRows(["\t".join(names), *rows] if names else rows, notes, int(bool(names)))
     sign = "\t" if names else _sign(rows)
     head = None if names else _head(rows, sign)
     out = [f"{stamps[k]}{sign}{row}" if k in stamps else row for k, row in enumerate(rows)]
     if head is not None:
         out[head] = f"{STAMP}{sign}{rows[head]}"
-        return LogLines(out, notes)
+        return LoggedRows(out, notes)
     names = names or [f"column {k + 1}" for k in range(_width(rows, sign))]
     if sign == " ":  # which such a name contains
         out = [re.sub(r"\s+", "\t", row.strip()) for row in out]
         sign = "\t"
-    return LogLines([sign.join([STAMP, *names]), *out], notes, 1)
+    return LoggedRows([sign.join([STAMP, *names]), *out], notes, 1)
 
 
 def _without_stamps(lines: Sequence[str]) -> tuple[dict[int, str], list[str], tuple[str, ...]]:
