@@ -1,14 +1,13 @@
 """A heating and a cooling branch as two columns of one table become one loop, whatever their names and the order of
 the rows."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 
-from smarig.exchange import FoundColumn, FoundTable, find_tables, import_file
+from smarig.exchange import find_tables, import_file
 from smarig.record import load_run
 from smarig.study import StudyOptions, guess_table, mapping_draft, study
+from study.known_data import table_of
 
 U = np.arange(20.0, 111.0)
 HEATING = 5.2 - 0.3 * (1 + np.tanh((U - 78) / 5))
@@ -102,27 +101,22 @@ def test_a_T_in_even_steps_beside_branches_is_no_time(tmp_path):
     assert u.size == 2 * U.size
 
 
-def found(**columns):
-    made = tuple(FoundColumn(name, "", np.asarray(x, dtype=float)) for name, x in columns.items())
-    return FoundTable(Path("data.csv"), "csv", "", made, {"file": {}}, {})
-
-
 def test_two_sensors_called_up_and_down_are_no_branches():
     t = np.arange(2 * U.size) * 0.5
     warm = np.array([*U, *U[::-1]])
     moved = np.array([*HEATING, *COOLING[::-1]])
-    guess = guess_table(found(time_s=t, T_up_degC=warm, T_down_degC=warm - 1, x_mm=moved))
+    guess = guess_table(table_of(time_s=t, T_up_degC=warm, T_down_degC=warm - 1, x_mm=moved))
     assert not guess.branches
     assert guess.first("time").name == "time_s"
     assert guess.roles["T_down_degC"].role == "compare"
 
 
 def test_branches_of_different_units_are_none():
-    assert not guess_table(found(T_degC=U, x_up_mm=HEATING, x_down_N=COOLING)).branches
+    assert not guess_table(table_of(T_degC=U, x_up_mm=HEATING, x_down_N=COOLING)).branches
 
 
 def test_an_output_that_the_user_names_counts():
-    table = found(**{"T (degC)": U, "R_up (ohm)": HEATING, "R_down (ohm)": COOLING})
+    table = table_of(**{"T (degC)": U, "R_up (ohm)": HEATING, "R_down (ohm)": COOLING})
     guess = guess_table(table, output="R_down (ohm)")
     assert guess.first("output").name == "R_down (ohm)"
     assert not guess.branches

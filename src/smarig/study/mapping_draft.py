@@ -89,9 +89,9 @@ def input_unit(drive: ColumnGuess) -> str:
 
 
 def output_unit(out: ColumnGuess) -> str:
-    """The unit in which an output is stored."""
+    """The unit in which an output is stored: that of the file for a strain in %."""
     if out.quantity == q.STRAIN and dimension(out.unit) == "ratio":
-        return "mm/mm"
+        return "%" if out.unit == "%" else "mm/mm"
     return (
         _STORED.get(dimension(out.unit), out.unit or "1")
         if out.quantity == q.DISPLACEMENT
