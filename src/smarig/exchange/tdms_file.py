@@ -81,7 +81,8 @@ def _columns(path: Path, group: Any) -> tuple[FoundColumn, ...]:
     if len(clocks) == 1 and CLOCK not in [column.name for column in columns]:
         step, start = clocks.pop()
         if step:
-            columns.insert(0, FoundColumn(CLOCK, "s", float(start) + float(step) * np.arange(usual)))
+            clock = float(start) + float(step) * np.arange(usual, dtype=np.float64)
+            columns.insert(0, FoundColumn(CLOCK, "s", clock.astype(np.float64)))
     return tuple(columns)
 
 
