@@ -3,6 +3,7 @@ the rows."""
 
 import numpy as np
 import pytest
+from scipy.io import savemat
 
 from smarig.exchange import find_tables, import_file
 from smarig.record import load_run
@@ -99,6 +100,20 @@ def test_a_T_in_even_steps_beside_branches_is_no_time(tmp_path):
     guess, u, _ = loop(path, tmp_path)
     assert guess.first("input").unit == "degC"
     assert u.size == 2 * U.size
+
+
+def test_an_input_that_goes_up_and_down_is_not_unfolded():
+    """A gauge that goes one way beside it does not make it a sweep."""
+    warm = np.array([*U[::2], *U[::-2]])[: U.size]
+    columns = {"T (degC)": warm, "load (N)": U, "x_up (mm)": HEATING, "x_down (mm)": COOLING}
+    assert not guess_table(table_of(**columns)).branches
+
+
+def test_branches_of_matlab_variables(tmp_path):
+    savemat(tmp_path / "a.mat", {"T": U, "R_heating": HEATING, "R_cooling": COOLING})
+    _, u, y = loop(tmp_path / "a.mat", tmp_path)
+    np.testing.assert_allclose(u, [*U, *U[::-1]])
+    np.testing.assert_allclose(y, [*HEATING, *COOLING[::-1]])
 
 
 def test_two_sensors_called_up_and_down_are_no_branches():

@@ -118,7 +118,7 @@ def _one_way(
     drive: tuple[ColumnGuess, ColumnGuess], columns: Mapping[str, ColumnGuess], pairs: Mapping[str, str]
 ) -> bool:
     return all(
-        _goes_one_way(u, columns[name])
+        goes_one_way(u, columns[name])
         for names in pairs.items()
         for u, name in zip(drive, names, strict=True)
     )
@@ -129,7 +129,8 @@ def _rows(u: ColumnGuess, y: ColumnGuess) -> np.ndarray:
     return u.facts.values[np.isfinite(u.facts.values) & np.isfinite(y.facts.values)]
 
 
-def _goes_one_way(u: ColumnGuess, y: ColumnGuess) -> bool:
+def goes_one_way(u: ColumnGuess, y: ColumnGuess) -> bool:
+    """Whether an input goes one way in the rows of a branch."""
     rows = _rows(u, y)
     return bool(rows.size >= _FEWEST_ROWS and np.ptp(rows) > 0 and wide_turns(rows).size == 2)
 

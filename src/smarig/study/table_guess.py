@@ -8,7 +8,13 @@ import numpy as np
 from smarig.core import UsageError, suggestion
 from smarig.exchange import FoundTable, dimension
 from smarig.study import quantity_words as q
-from smarig.study.branch_pairs import backward_branches, branch_pairs, branches_by_words, with_shared_input
+from smarig.study.branch_pairs import (
+    backward_branches,
+    branch_pairs,
+    branches_by_words,
+    goes_one_way,
+    with_shared_input,
+)
 from smarig.study.column_guess import LIKELY, STATED, UNSURE, WEAK, ColumnGuess, guess_columns
 from smarig.study.nameless_columns import LoopRoles, roles_by_loop
 from smarig.study.signal_columns import holds_still, input_column, is_grid, output_column
@@ -188,6 +194,8 @@ def _of_two_branches(guess: TableGuess, branches: dict[str, str], by_words: bool
     of_name = {c.name: c for c in guess.columns}
     drive, out = (guess.of_role(role)[0].name for role in ("input", "output"))
     ends = [(of_name[name], of_name[branches[name]]) for name in (drive, out)]
+    if not all(goes_one_way(u, y) for u, y in zip(*ends, strict=True)):
+        return guess
     shared = {c.name: Role("ignored", "two branches share the rows", LIKELY) for c in guess.of_role("time")}
     return replace(guess, branches=branches, backward=backward_branches(*ends), roles=guess.roles | shared)
 
