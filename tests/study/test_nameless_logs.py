@@ -58,6 +58,20 @@ def test_one_candidate_is_no_question(tmp_path):
     assert not guess.doubts
 
 
+def test_a_thermometer_that_failed_is_no_question(tmp_path):
+    """It differs too much from the other to agree with it, and is no output either."""
+    failed = np.where(np.arange(ROWS) % 7 < 2, 18.0, U)
+    (table,) = find_tables(log(tmp_path / "a.txt", 0.5 * np.arange(ROWS), X, U, failed))
+    assert guess_table(table).first("output").name == "column 2"
+    assert not guess_table(table).doubts
+
+
+def test_a_copy_of_the_input_is_no_question(tmp_path):
+    (table,) = find_tables(log(tmp_path / "a.txt", 0.5 * np.arange(ROWS), X, U, 0.01 * U))
+    assert guess_table(table).first("output").name == "column 2"
+    assert not guess_table(table).doubts
+
+
 def test_the_given_log_asks(shared_data, tmp_path):
     path = shared_data / "field_cases" / "other_containers" / "arduino2.txt"
     if not path.is_file():

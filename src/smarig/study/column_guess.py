@@ -155,7 +155,7 @@ def _by_numbers(guesses: list[ColumnGuess], files: Sequence[str]) -> list[Column
             out.append(guess)
     unknown = [g for g in out if not g.quantity and g.facts.known.size and g.facts.span > 0]
     both_ways = [g for g in unknown if _about_zero(g.facts, _BOTH_WAYS)]  # as force and travel of a damper
-    warm = [g for g in unknown if _like_temperature(g.facts) and not (g in both_ways and len(both_ways) > 1)]
+    warm = [g for g in unknown if like_temperature(g.facts) and not (g in both_ways and len(both_ways) > 1)]
     widest = max(warm, key=lambda g: g.facts.span, default=None)
     warm = [g for g in warm if widest is not None and _near(g.facts, widest.facts)]
     has_temperature = any(g.quantity == q.TEMPERATURE for g in out)
@@ -183,7 +183,7 @@ def _near(a: ColumnFacts, b: ColumnFacts) -> bool:
     )
 
 
-def _like_temperature(f: ColumnFacts) -> bool:
+def like_temperature(f: ColumnFacts) -> bool:
     """Whether numbers may be temperatures of a wire in °C: they pass 15, begin between −60 and 200, and are not
     symmetric about 0 as fields and voltages are.
     """

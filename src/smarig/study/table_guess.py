@@ -15,7 +15,15 @@ from smarig.study.branch_pairs import (
     goes_one_way,
     with_shared_input,
 )
-from smarig.study.column_guess import LIKELY, STATED, UNSURE, WEAK, ColumnGuess, guess_columns
+from smarig.study.column_guess import (
+    LIKELY,
+    STATED,
+    UNSURE,
+    WEAK,
+    ColumnGuess,
+    guess_columns,
+    like_temperature,
+)
 from smarig.study.nameless_columns import LoopRoles, roles_by_loop
 from smarig.study.signal_columns import holds_still, input_column, is_grid, output_column
 
@@ -167,10 +175,12 @@ def guess_table(
 
 
 def _unless_rivals(found: LoopRoles, left: Sequence[ColumnGuess]) -> LoopRoles:
-    """Roles by a loop are a doubt if further columns without names could be the output as well."""
+    """Roles by a loop are a doubt if further columns without names could be the output: neither a copy of the input
+    nor a further thermometer.
+    """
     rivals = [c for c in left if c.name not in (found.drive.name, found.out.name) and c.by_numbers]
     rivals = [c for c in rivals if c.quantity in ("", found.out.quantity) and not holds_still(c)]
-    rivals = [c for c in rivals if not _is_multiple(c, found.drive)]
+    rivals = [c for c in rivals if not _is_multiple(c, found.drive) and not like_temperature(c.facts)]
     if not rivals:
         return found
     names = ", ".join(f"'{c.name}'" for c in (found.out, *rivals))
