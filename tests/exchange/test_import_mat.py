@@ -326,7 +326,7 @@ def test_any_damage_is_read_or_refused(tmp_path, damage):
         (("[mat]", '[mat]\nfiles = ["B.mat"]'), r"mat.*'B.mat' is not a file name with one '\*'"),
         (("[mat]", '[mat]\nfiles = ["../*.mat"]'), r"not a file name"),
         (("[mat]", '[mat]\nloops = "diagonal"'), "mat.loops"),
-        (("[mat]", '[mat]\n[file]\ndelimiter = "tab"'), r"\[mat\] is used with \[columns\] only"),
+        (("[mat]", '[mat]\n[file]\ndelimiter = "tab"'), r"\[mat\] describes no text"),
         (("[mat]", '[mat]\nloops = "rows"\n[time]\ncolumn = "t"'), "leave out"),
     ],
 )

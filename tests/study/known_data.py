@@ -1,7 +1,11 @@
 """Records of a play with known thresholds, and files of them in the styles of public instruments."""
 
+from pathlib import Path
+
 import numpy as np
 from numpy.typing import NDArray
+
+from smarig.exchange import FoundColumn, FoundTable
 
 Array = NDArray[np.float64]
 
@@ -29,3 +33,9 @@ def csv_text(t: Array, u: Array, x: Array) -> str:
     lines = ["Messprogramm 2.1", "Datum: 03.05.2024", "", "Zeit;Temperatur Probe;Weg Laser", "s;°C;mm"]
     lines += [f"{a:.2f};{b:.3f};{c:.4f}".replace(".", ",") for a, b, c in zip(t, u, x)]
     return "\r\n".join(lines) + "\r\n"
+
+
+def table_of(**columns) -> FoundTable:
+    """A table found in a text, of columns by name."""
+    made = tuple(FoundColumn(name, "", np.asarray(x, dtype=float)) for name, x in columns.items())
+    return FoundTable(Path("data.csv"), "csv", "", made, {"file": {}}, {})

@@ -24,7 +24,7 @@ _TAKES = {
     "a file compressed by gzip": "unpack it first",
     "a file compressed by 7-Zip": "unpack it first",
     "an old Excel workbook (.xls)": "save it as .xlsx",
-    "a LabVIEW TDMS file": "export it as text or HDF5",
+    "a LabVIEW TDMS file": "`smarig study` reads it with the extra `tdms`",
 }
 _UNKNOWN = ("something else", JSON)
 _SQLITE = b"SQLite format 3\x00"

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from smarig.exchange.found_table import FoundTable as FoundTable
     from smarig.exchange.importing import ImportReport as ImportReport
     from smarig.exchange.importing import import_file as import_file
+    from smarig.exchange.logged_rows import logged_rows as logged_rows
     from smarig.exchange.mapping import MappingFile as MappingFile
     from smarig.exchange.mapping import load_mapping as load_mapping
     from smarig.exchange.refused_files import check_data_file as check_data_file

@@ -39,10 +39,11 @@ MISSING = {
         "#value!",
         "#ref!",
         "#num!",
-        "1.#qnan",
-        "nan(ind)",
     ),
 }
+_NOT_A_NUMBER = re.compile(
+    r"[+-]?(nan(\([a-z0-9]*\))?|1\.#(?!inf)[a-z]{1,4}0*)", re.IGNORECASE
+)  # as C libraries write it: -nan(ind), nan(snan), 1.#QNAN, -1.#IND00, and -1.#J with two decimals
 _INFINITE = {
     "inf",
     "-inf",
@@ -86,10 +87,10 @@ def is_number(cell: str, decimal: str, thousands: str = "") -> bool:
 def is_missing(cell: str) -> bool:
     """Whether a cell says that there is no value.
 
-    >>> is_missing("n/a"), is_missing("0")
-    (True, False)
+    >>> is_missing("n/a"), is_missing("-1.#IND"), is_missing("0")
+    (True, True, False)
     """
-    return cell.lower() in MISSING
+    return cell.lower() in MISSING or _NOT_A_NUMBER.fullmatch(cell) is not None
 
 
 def clock_seconds(cell: str) -> float | None:

@@ -45,6 +45,10 @@ def _tables(path: Path, others: Sequence[Path]) -> list[FoundTable]:
         from smarig.exchange.parquet_file import parquet_tables
 
         return parquet_tables(path)
+    if head.startswith(b"TDSm"):
+        from smarig.exchange.tdms_file import tdms_tables
+
+        return tdms_tables(path)
     if head.startswith(b"MATLAB 5"):
         from smarig.exchange.mat_tables import mat_tables
 

@@ -13,16 +13,11 @@ from numpy.typing import NDArray
 
 from smarig.core import DataError, number_from_text, shown, spaced
 from smarig.exchange.text_table import check_lines, read_text
+from smarig.exchange.unit_systems import UNIT_SYSTEMS
 from smarig.exchange.units import spelled
 from smarig.exchange.value_bounds import check_size
 
 Array = NDArray[np.float64]
-_UNITS = {
-    "hybrid si": ("T", "A m^2"),
-    "simunaughth": ("T", "A m^2"),  # Lake Shore 8600: the field is µ0 H
-    "si": ("A/m", "A m^2"),
-    "cgs": ("Oe", "emu"),
-}
 _NUMBER = (
     r"[+-]?(?:\d++(?:\.\d*+)?|\.\d++)(?:[eE][+-]?\d++)?"  # nothing is tried in two ways: no line takes long
 )
@@ -32,6 +27,7 @@ MAX_LINE = 10_000  # characters
 _KEY = re.compile(r"\s*(\S.*?)\s*(?:[:=]\s+|[:=]$|\s{2,})(.*\S)?\s*")
 _COLUMN_UNITS = re.compile(r"\s*\(([^()]+)\)[\s,;]*\(([^()]+)\)[\s,;]*(?:\([^()]+\)[\s,;]*)*")
 _DATE = re.compile(r"\s*\d+[/.-]\d+[/.-]\d+")
+_LOOP = re.compile(r".*\bhysteresis loop\W*", re.IGNORECASE)
 _NEAR = 0.05  # of HCal: distance within which a point is a calibration point
 
 
@@ -74,6 +70,7 @@ def read_forc(path: Path) -> ForcFile:
     text, notes = read_text(path)
     lines = text.splitlines()
     check_lines(path, lines, MAX_LINE)
+    _check_no_loop(path, lines)
     header, blocks, where = _parse(path, lines)
     units = _column_units(lines[: where[0]]) or _header_units(path, header)
     h_cal = _number(header, "HCal", "Field (HCal)", "Calibration field")
@@ -94,6 +91,16 @@ def read_forc(path: Path) -> ForcFile:
     return ForcFile(
         field=field, moment=moment, curve=curve, line=forc.line, units=units, header=header, warnings=warnings
     )
+
+
+def _check_no_loop(path: Path, lines: list[str]) -> None:
+    """Raise DataError for a file whose title, above the first blank line, calls it a hysteresis loop."""
+    end = next((k for k, line in enumerate(lines) if not line.strip()), len(lines))
+    if any(_LOOP.fullmatch(line) and "?" not in line for line in lines[:end]):
+        raise DataError(
+            f"{path} holds a hysteresis loop, and no reversal curves. Model it with `smarig study {path.name}`; to "
+            "import it, use --format csv with the mapping that this drafts (--map)."
+        )
 
 
 def _parse(path: Path, lines: list[str]) -> tuple[dict[str, str], list[Array], list[int]]:
@@ -147,12 +154,12 @@ def _header_units(path: Path, header: dict[str, str]) -> tuple[str, str]:
         raise DataError(
             f"{path}: the header has no 'Units of measure'. Expected {known}, or a line of units such as (T) (A m^2)."
         )
-    if unit_name.lower() not in _UNITS:
+    if unit_name.lower() not in UNIT_SYSTEMS:
         raise DataError(
             f"{path}: units of measure {shown(unit_name)} are unknown. Expected {known}, or a line of units such as "
             "(T) (A m^2)."
         )
-    return _UNITS[unit_name.lower()]
+    return UNIT_SYSTEMS[unit_name.lower()]
 
 
 def _number(header: dict[str, str], *names: str) -> float | None:

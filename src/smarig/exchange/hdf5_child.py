@@ -158,8 +158,8 @@ class _Column:
             for field in data.dtype.names:
                 if _is_number(data.dtype[field]):
                     yield f"{self.name}/{field}", "", _floats(data[field].ravel())
-        elif data.ndim == 1:
-            yield self.name, _unit(self._data), _floats(data)
+        elif self.width == 1:  # MATLAB has no other vectors than matrices of one row or column
+            yield self.name, _unit(self._data), _floats(data.ravel())
         else:
             data = data.T if self._turned else data
             for k, name in enumerate(_column_names(self._data, self.width)):
@@ -231,7 +231,9 @@ def _check(name: str, data: Any) -> None:
 
 def _column_names(data: Any, columns: int) -> list[str]:
     """The names of the columns of a matrix from an attribute of that many texts, else their numbers."""
-    for value in _attributes(data).values():
+    for key, value in _attributes(data).items():
+        if key.startswith("MATLAB"):
+            continue
         texts = np.atleast_1d(value)
         if texts.size == columns and texts.dtype.kind in "SUO":
             return [_plain(text) for text in texts]

@@ -16,10 +16,10 @@ from smarig.exchange.mapping import Column, Condition, MappingFile, require_colu
 from smarig.exchange.reader_result import RunDraft, directions, step_row
 from smarig.exchange.table_file import read_table
 from smarig.exchange.text_table import Table, TableLayout
-from smarig.exchange.time_axis import check_time, merge_repeats, time_findings
+from smarig.exchange.time_axis import check_time, joined_clock, merge_repeats, time_findings
 from smarig.exchange.unit_conversion import convert
 from smarig.exchange.units import spelled
-from smarig.exchange.value_bounds import check_bounds, check_size, check_strain, plausible
+from smarig.exchange.value_bounds import check_bounds, check_size, check_strain, plausible, possible
 from smarig.record import OWN_ZERO, ImportFinding, remarks
 
 Array = NDArray[np.float64]
@@ -49,7 +49,7 @@ def read_mapped_csv(path: Path, mapping: MappingFile) -> RunDraft:
 def mapped_draft(path: Path, table: Table, mapping: MappingFile) -> RunDraft:
     """The run of a table that holds every column of its mapping; loops keep their numbers as ``step``."""
     table, clock = _with_time(path, _of_plausible_size(path, table, mapping), mapping)
-    columns, line, branch, notes = _unfold_branches(path, table, mapping)
+    columns, line, branch, unfolded = _unfold_branches(path, table, mapping)
     conditions, constant = _conditions(path, table, mapping)
     odd = _compare_sensors(path, table, mapping, columns)
     columns["input"] = columns[mapping.input.channel]
@@ -58,7 +58,8 @@ def mapped_draft(path: Path, table: Table, mapping: MappingFile) -> RunDraft:
     findings = [
         *remarks(*table.notes),
         *clock,
-        *remarks(*notes, *odd),
+        *unfolded,
+        *remarks(*odd),
         *constant,
         *remarks(*duplicate_columns(_without_time(table, mapping))),
     ]
@@ -72,7 +73,7 @@ def mapped_draft(path: Path, table: Table, mapping: MappingFile) -> RunDraft:
         findings += remarks(
             "These data have no position. They show the heating of the wire, but not its hysteresis."
         )
-    elif mapping.output.quantity == "strain":
+    elif _is_strain(mapping):
         column = mapping.tables()[0][1]["position"].column
         strain = convert(columns["position"], mapping.output.unit, "mm/mm")
         findings += remarks(*check_strain(path, column, strain))
@@ -131,8 +132,11 @@ def _with_time(path: Path, table: Table, mapping: MappingFile) -> tuple[Table, l
             )
         t_s = t_s + np.arange(len(table)) // time.rows_per_period * time.period_s
     check_bounds(path, "t_s", time.column or "time", t_s, table.line)
+    messages: list[ImportFinding] = []
+    if time.restarts == "join":
+        t_s, messages = joined_clock(time.column or "time", t_s, table.line)
     check_time(path, time.column or "time", t_s, table.line, time.repeated)
-    messages = time_findings(t_s, table.line, time.repeated) if time.period_s is None else []
+    messages += time_findings(t_s, table.line, time.repeated) if time.period_s is None else []
     if time.period_s is not None:
         messages += remarks(
             f"The file has no clock. The period of {time.period_s:g} s comes from the mapping and is not measured."
@@ -154,32 +158,59 @@ def _replace_rows(table: Table, columns: dict[str, Array], line: NDArray[np.int6
 
 def _unfold_branches(
     path: Path, table: Table, mapping: MappingFile
-) -> tuple[dict[str, Array], NDArray[np.int64], list[str], list[str]]:
+) -> tuple[dict[str, Array], NDArray[np.int64], list[str], list[ImportFinding]]:
     """Channels of all branches one after the other, line numbers, direction of each row, and findings."""
-    parts = [_channels(path, table, mapping, columns) for _, columns in mapping.tables()]
-    notes = []
+    order = _branch_rows(table, mapping)
+    read = [_channels(path, table, mapping, columns) for _, columns in mapping.tables()]
+    parts = [{name: x[rows] for name, x in part.items()} for (part, _), rows in zip(read, order, strict=True)]
+    notes = list(dict.fromkeys(note for _, masked in read for note in masked))
     for k, (before, after) in enumerate(pairwise(parts)):
         if all(before[c][-1] == after[c][0] for c in before if c in after and c != "t_s"):
-            notes.append(
+            notes += remarks(
                 f"The last reading of branch {k + 1} and the first of branch {k + 2} are the same in every "
                 f"channel: one reading, listed twice. Both are kept."
             )
     names = [name for name in parts[0] if all(name in part for part in parts)]
     columns = {name: np.concatenate([part[name] for part in parts]) for name in names}
-    line = np.concatenate([table.line] * len(parts))
-    branch = [b.direction for b in mapping.branch for _ in range(len(table))]
+    line = np.concatenate([table.line[rows] for rows in order])
+    branch = [b.direction for b, rows in zip(mapping.branch, order) for _ in rows]
     return columns, line, branch or directions(columns[mapping.input.channel]), notes
 
 
-def _channels(path: Path, table: Table, mapping: MappingFile, columns: dict) -> dict[str, Array]:
-    out = {"t_s": table.columns["t_s"]}
+def _branch_rows(table: Table, mapping: MappingFile) -> list[NDArray[np.int64]]:
+    """The rows of each branch in its order: those with a reading, if the branches share a column."""
+    every = np.arange(len(table))
+    if not mapping.branch:
+        return [every]
+    names = [{column.column for column in b.columns.values()} for b in mapping.branch]
+    shared = set.intersection(*names)
+    found = []
+    for branch, used in zip(mapping.branch, names, strict=True):
+        own = [np.isfinite(table.columns[name]) for name in used - shared] if shared else []
+        rows = every[np.any(own, axis=0)] if own else every
+        found.append(rows[::-1] if branch.rows == "backward" else rows)
+    return found
+
+
+def _channels(
+    path: Path, table: Table, mapping: MappingFile, columns: dict
+) -> tuple[dict[str, Array], list[ImportFinding]]:
+    """The channels of a branch, and findings on readings that are masked because they are impossible."""
+    out, notes = {"t_s": table.columns["t_s"]}, list[ImportFinding]()
     for channel, column in columns.items():
-        values = convert(_scaled(table, column), column.unit, mapping.unit_of(channel))
-        check_bounds(path, channel, column.column, values, table.line)
+        unit = mapping.unit_of(channel)
+        values = convert(_scaled(table, column), column.unit, unit)
+        strain = unit if channel == "position" and _is_strain(mapping) else ""
+        values, masked = possible(path, channel, column.column, values, table.line, strain)
+        notes += masked
         if not np.isfinite(values).any():
             raise DataError(f"{path}: column '{column.column}' holds no number.")
         out[channel] = np.array(values, dtype=float)
-    return out
+    return out, notes
+
+
+def _is_strain(mapping: MappingFile) -> bool:
+    return mapping.output is not None and mapping.output.quantity == "strain"
 
 
 def _scaled(table: Table, column: Column | Condition) -> Array:

@@ -56,17 +56,23 @@ class MatLayout(TomlTable):
     """[mat]: variables of MATLAB files instead of columns of a text.
 
     ``files``: names of files that belong together in one folder, with '*' for the same text in each. ``loops``:
-    whether each column or each row of the matrices is one loop; "none" for vectors.
+    whether each column or each row of the matrices is one loop; "none" for vectors. ``matrix``: a matrix whose signals
+    are columns (or rows, along its longer side), named "column 1", "column 2", … beside vectors of its length.
     """
 
     files: tuple[str, ...] = ()  # names of files that belong together; * is the same text in each
     loops: Literal["none", "columns", "rows"] = "none"  # which part of the matrices is one loop
+    matrix: str = ""  # the matrix that holds the signals side by side, as column 1, column 2, …
 
     @model_validator(mode="after")
     def _patterns(self) -> "MatLayout":
         for pattern in self.files:
             if pattern.count("*") != 1 or "/" in pattern or "\\" in pattern:
                 raise ValueError(f"files: '{pattern}' is not a file name with one '*'")
+        if self.matrix and (self.files or self.loops != "none"):
+            raise ValueError(
+                "the columns of a matrix are signals of one file, no loops; leave out files and loops"
+            )
         return self
 
 
@@ -89,6 +95,12 @@ class ParquetLayout(TomlTable):
     """[parquet]: columns of a Parquet file; it has no entries."""
 
 
+class TdmsLayout(TomlTable):
+    """[tdms]: channels of one length in a group of a LabVIEW TDMS file, and "time", the clock that they share."""
+
+    group: str  # name of the group
+
+
 class TimeAxis(TomlTable):
     """[time]: a column, or a period with ``rows_per_period`` rows, within which the column then counts."""
 
@@ -98,6 +110,9 @@ class TimeAxis(TomlTable):
     period_s: float | None = Field(default=None, gt=0)  # duration of a period in which the column counts
     rows_per_period: int = Field(default=1, ge=1)  # rows per period
     repeated: Literal["refuse", "mean", "keep_order"] = "refuse"  # treatment of rows with the same time
+    restarts: Literal["refuse", "join"] = (
+        "refuse"  # "join": a clock that starts again continues one step later
+    )
 
     @model_validator(mode="after")
     def _has_a_clock(self) -> "TimeAxis":
@@ -141,6 +156,7 @@ class Branch(TomlTable):
     """One branch of data with several branches in one row; unfolded in the order of the file."""
 
     direction: Literal["up", "down"]  # direction of the input on the branch
+    rows: Literal["forward", "backward"] = "forward"  # "backward": read from the last row to the first
     columns: dict[ChannelName, Column] = Field(min_length=1)  # columns of the branch, by channel
 
 
@@ -187,6 +203,7 @@ class MappingFile(TomlTable):
     workbook: WorkbookLayout | None = None  # sheet of an Excel workbook
     hdf5: Hdf5Layout | None = None  # group of an HDF5 file
     parquet: ParquetLayout | None = None  # columns of a Parquet file
+    tdms: TdmsLayout | None = None  # group of a LabVIEW TDMS file
     time: TimeAxis | None = None  # time axis; leave out if the data have no time
     columns: dict[ChannelName, Column] = Field(default_factory=dict)  # columns, by channel
     branch: tuple[Branch, ...] = ()  # in place of columns: several branches in one row
@@ -203,10 +220,14 @@ class MappingFile(TomlTable):
     def _consistent(self) -> "MappingFile":
         if bool(self.columns) == bool(self.branch):
             raise ValueError("give exactly one of [columns] and [[branch]]")
-        if self.mat and ("file" in self.model_fields_set or self.branch):
-            raise ValueError("[mat] is used with [columns] only; leave out [file] and [[branch]]")
+        if self.mat and ("file" in self.model_fields_set or (self.branch and self.mat.loops != "none")):
+            raise ValueError(
+                "[mat] describes no text, and its loops no branches; leave out [file] and [[branch]]"
+            )
         places = [
-            key for key in ("file", "mat", "workbook", "hdf5", "parquet") if key in self.model_fields_set
+            key
+            for key in ("file", "mat", "workbook", "hdf5", "parquet", "tdms")
+            if key in self.model_fields_set
         ]
         if len(places) > 1:
             raise ValueError(f"[{places[0]}] and [{places[1]}] describe different files; give one of them")
@@ -241,6 +262,7 @@ class MappingFile(TomlTable):
     def format(self) -> str:
         """The format of the files that it describes, as import names it."""
         names = {"mat": self.mat, "xlsx": self.workbook, "hdf5": self.hdf5, "parquet": self.parquet}
+        names |= {"tdms": self.tdms}
         return next((name for name, layout in names.items() if layout is not None), "csv")
 
     def tables(self) -> list[tuple[str, dict[ChannelName, Column]]]:

@@ -16,9 +16,9 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.core import DataError, UsageError
+from smarig.core import ConfigError, DataError, UsageError
 from smarig.exchange.mapping import MappingFile, MatLayout, require_columns
-from smarig.exchange.text_table import Table
+from smarig.exchange.text_table import MAX_COLUMNS, Table
 
 MAX_BYTES = 300_000_000  # inflating needs up to twice as much
 _HEADER_BYTES = 128
@@ -231,6 +231,8 @@ def read_mat_table(path: Path, mapping: MappingFile, layout: MatLayout) -> Table
     ``line`` is the number of a reading within its loop, from 1. Raises UsageError for a missing file of a set,
     ConfigError for a missing or unmapped variable, DataError for an invalid file or variable.
     """
+    if layout.matrix:
+        return _matrix_table(path, mapping, layout.matrix)
     files = [open_mat(file) for file in file_set(path, layout.files)]
     file_of = _files_by_variable(files)
     require_columns(mapping, _to_be_mapped(list(file_of), list(mapping.used())), path, "variable")
@@ -245,14 +247,45 @@ def read_mat_table(path: Path, mapping: MappingFile, layout: MatLayout) -> Table
     if readings < 2:
         raise DataError(f"{path} holds {readings} reading(s) per loop. At least two are needed.")
     columns = {name: x.ravel() for name, x in matrices.items()}
-    notes = [
+    line = np.tile(np.arange(1, readings + 1), loops)
+    number = np.repeat(np.arange(loops), readings) if layout.loops != "none" else None
+    return Table(columns, line, {}, _missing_notes(columns), number)
+
+
+def _missing_notes(columns: dict[str, Array]) -> tuple[str, ...]:
+    return tuple(
         f"Variable '{name}': {int(np.isnan(x).sum())} of {x.size} numbers are NaN."
         for name, x in columns.items()
         if np.isnan(x).any()
-    ]
-    line = np.tile(np.arange(1, readings + 1), loops)
-    number = np.repeat(np.arange(loops), readings) if layout.loops != "none" else None
-    return Table(columns, line, {}, tuple(notes), number)
+    )
+
+
+def matrix_columns(file: MatFile, name: str) -> dict[str, Array]:
+    """The signals of a matrix (m, n), each along its longer side, and the vectors of their length under their names."""
+    matrix = file.matrix(name)
+    signals = matrix.T if matrix.shape[0] >= matrix.shape[1] else matrix
+    if len(signals) > MAX_COLUMNS:
+        raise DataError(
+            f"{file.path}: variable '{name}' is {size_text(matrix.shape)}; a table has at most {MAX_COLUMNS} columns."
+        )
+    columns = {f"column {k + 1}": signal for k, signal in enumerate(signals)}
+    for other, variable in file.variables.items():
+        if sorted(variable.shape) == [1, signals.shape[1]] and variable.kind in _NUMERIC.values():
+            columns[other] = file.matrix(other).ravel()
+    return columns
+
+
+def _matrix_table(path: Path, mapping: MappingFile, name: str) -> Table:
+    file = open_mat(path)
+    if name not in file.variables:
+        raise ConfigError(
+            f"{path} has no variable '{name}', the matrix of mapping {mapping.name}. "
+            f"The file has: {', '.join(file.variables)}."
+        )
+    columns = matrix_columns(file, name)
+    require_columns(mapping, list(columns), path)
+    rows = next(iter(columns.values())).size
+    return Table(columns, np.arange(1, rows + 1), {}, _missing_notes(columns))
 
 
 def file_set(path: Path, patterns: tuple[str, ...]) -> list[Path]:

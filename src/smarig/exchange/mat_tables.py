@@ -1,4 +1,6 @@
-"""Finds the tables in MATLAB 5 files: vectors of one length, or matrices whose columns or rows are loops."""
+"""Finds the tables in MATLAB 5 files: vectors of one length, matrices whose columns or rows are loops, or one matrix
+that holds the signals side by side.
+"""
 
 from collections import defaultdict
 from collections.abc import Sequence
@@ -8,7 +10,7 @@ import numpy as np
 
 from smarig.core import DataError
 from smarig.exchange.found_table import TEXT, FoundColumn, FoundTable
-from smarig.exchange.mat_file import MatFile, open_mat
+from smarig.exchange.mat_file import MatFile, matrix_columns, open_mat
 
 
 def mat_tables(path: Path, others: Sequence[Path] = ()) -> list[FoundTable]:
@@ -27,7 +29,16 @@ def mat_tables(path: Path, others: Sequence[Path] = ()) -> list[FoundTable]:
     for other in [p for p in (*others, *sorted(path.parent.glob("*.mat"))[:200]) if p != path]:
         if (found := _together(file, best, other)) is not None:
             return [found]
+    matrices = [name for shape, names in sizes.items() for name in names if min(shape) > 1]
+    if len(matrices) == 1:
+        return [_of_one_matrix(file, matrices[0])]
     raise DataError(f"{path} holds no two variables of one size. Give a file with an input and an output.")
+
+
+def _of_one_matrix(file: MatFile, name: str) -> FoundTable:
+    """The table of a matrix whose columns (or rows, along its longer side) are the signals."""
+    columns = tuple(FoundColumn(own, "", values) for own, values in matrix_columns(file, name).items())
+    return FoundTable(file.path, "mat", "", columns, {"mat": {"matrix": name}}, {})
 
 
 def _others(file: MatFile, used: Sequence[str]) -> list[str]:

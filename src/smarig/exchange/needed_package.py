@@ -7,7 +7,7 @@ from types import ModuleType
 
 from smarig.core import MissingExtra
 
-_EXTRAS = {"openpyxl": "files", "h5py": "files", "pyarrow.parquet": "parquet"}
+_EXTRAS = {"openpyxl": "files", "h5py": "files", "pyarrow.parquet": "parquet", "nptdms": "tdms"}
 
 
 def needed_package(name: str, path: Path, kind: str) -> ModuleType:

@@ -15,7 +15,6 @@ _REFUSED = (
     "a file compressed by gzip",
     "a file compressed by 7-Zip",
     "an old Excel workbook (.xls)",
-    "a LabVIEW TDMS file",
 )
 
 

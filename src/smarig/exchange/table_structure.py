@@ -1,4 +1,7 @@
-"""Finds the tables in rows of cells: blocks of numbers, the names above them, and units between both."""
+"""Finds the tables in rows of cells: blocks of numbers, the names above them, and units between both.
+
+Names and units may be divided by another sign than the numbers: what counts is that there are as many as columns.
+"""
 
 import re
 from collections import Counter
@@ -12,6 +15,9 @@ from smarig.exchange.written_units import is_units_row
 FEWEST_ROWS = 3  # of a table
 _HEADER_ROWS = 4  # rows above the numbers that are searched for names and units
 _COMMENT = re.compile(r"^\s*(?:#+|%+|//+|;+|\*+)\s*")
+_ALIGNED = r"\s{2,}|\t"  # what stands between words that blanks align over their columns
+# Between the names of columns, the rarest in a name first:
+_HEADER_SIGNS = (_ALIGNED, ";", ",", r"\|", r"\s+")
 _BRACKETED = re.compile(r"[\[(<{](.*)[\])>}]")
 
 
@@ -47,8 +53,13 @@ class FoundBlock:
     own_names: bool
 
 
-def find_blocks(rows: Sequence[Sequence[str]], style: NumberStyle) -> list[FoundBlock]:
-    """The tables in rows of cells, in order; trailing empty cells are left out of the rows."""
+def find_blocks(
+    rows: Sequence[Sequence[str]], style: NumberStyle, lines: Sequence[str] = ()
+) -> list[FoundBlock]:
+    """The tables in rows of cells, in order; trailing empty cells are left out of the rows.
+
+    ``lines`` are the lines of the rows in a text, where names may be divided by another sign than numbers.
+    """
     kinds = [_row_kind(row, style) for row in rows]
     start = kinds.index("data") if "data" in kinds else 0
     titles = {tuple(row) for row in rows[:start] if row}
@@ -60,7 +71,7 @@ def find_blocks(rows: Sequence[Sequence[str]], style: NumberStyle) -> list[Found
             runs[-1][1] = k + 1
         else:
             runs.append([k, k + 1])
-    found = [_block(rows, kinds, a, b, style) for a, b in runs]
+    found = [_block(rows, kinds, a, b, style, lines) for a, b in runs]
     return [block for block in found if block is not None]
 
 
@@ -95,7 +106,12 @@ def _joined(
 
 
 def _block(
-    rows: Sequence[Sequence[str]], kinds: Sequence[str], first: int, stop: int, style: NumberStyle
+    rows: Sequence[Sequence[str]],
+    kinds: Sequence[str],
+    first: int,
+    stop: int,
+    style: NumberStyle,
+    lines: Sequence[str],
 ) -> FoundBlock | None:
     original = rows
     data = [row for k, row in enumerate(rows[first:stop], first) if kinds[k] == "data"]
@@ -103,22 +119,65 @@ def _block(
     width = max([width, *(len(row) for row in data)])
     if len(data) < FEWEST_ROWS or width < 2:
         return None
-    above = {k: _in_columns(rows[k], width) for k in range(max(first - 2 - _HEADER_ROWS, 0), first)}
+    above = _header_cells(rows, kinds, first, width, style, lines)
     rows = [above.get(k, row) for k, row in enumerate(rows)]
     header, unit_row = _header_rows(rows, kinds, first, width)
     written = list(rows[header]) if header is not None else []
     names, own = _names(written, width)
-    own = own or (header is not None and above[header] is not original[header])
+    own = own or (header is not None and rows[header] is not original[header])
     units = [_unbracketed(cell) for cell in (rows[unit_row] if unit_row is not None else [])]
     units += [""] * (len(names) - len(units))
     columns = tuple(_column_kind([row[k] for row in data if k < len(row)], style) for k in range(len(names)))
     return FoundBlock(header, first, stop, names, tuple(units[: len(names)]), columns, own)
 
 
-def _in_columns(row: Sequence[str], width: int) -> Sequence[str]:
-    """The cells of a header that blanks align over columns which another sign divides; any other row unchanged."""
-    cells = re.split(r"\s{2,}", row[0].strip()) if len(row) == 1 else []
-    return cells if len(cells) == width else row
+def _header_cells(
+    rows: Sequence[Sequence[str]],
+    kinds: Sequence[str],
+    first: int,
+    width: int,
+    style: NumberStyle,
+    lines: Sequence[str],
+) -> dict[int, Sequence[str]]:
+    """The cells of the rows above the numbers that another sign divides into as many words as there are columns.
+
+    Blanks align such words anywhere above the numbers; any sign may divide them next to the numbers, and above units.
+    """
+    found: dict[int, Sequence[str]] = {}
+    nearest = True
+    for k in range(first - 1, max(first - 3 - _HEADER_ROWS, -1), -1):
+        if kinds[k] == "data":
+            break
+        if kinds[k] == "blank":
+            continue
+        line = lines[k] if lines else rows[k][0] if len(rows[k]) == 1 else ""
+        signs = _HEADER_SIGNS if nearest else _HEADER_SIGNS[:1]
+        if words := _words(rows[k], line, width, signs, style):
+            found[k] = words
+        nearest = nearest and is_units_row(found.get(k, rows[k]))
+    return found
+
+
+def _words(
+    row: Sequence[str], line: str, width: int, signs: Sequence[str], style: NumberStyle
+) -> list[str] | None:
+    """The words of a line, none of them a number, if a sign divides it into as many as there are columns; None for a
+    row that has as many cells already, or that the sign of the numbers divides. A sign of comments is left out.
+    """
+    start = _COMMENT.sub("", row[0]) if row else ""
+    if len(row) == width:
+        return [start, *row[1:]] if start not in ("", row[0]) else None
+    if len(row) > 1 and list(row) != line.split():
+        return None
+    text = _COMMENT.sub("", line).strip()
+    for sign in signs:
+        words = [word.strip().strip('"') for word in re.split(sign, text)]
+        words = words if len(words) == width else _with_brackets_joined(words)
+        plain = all(word and style.kind(word) == TEXT for word in words)
+        unlike = sign == _ALIGNED or len(set(words)) == width or is_units_row(words)
+        if len(words) == width and plain and unlike:
+            return words
+    return None
 
 
 def _header_rows(

@@ -8,6 +8,7 @@ from pathlib import Path
 
 from smarig.core import DataError
 from smarig.exchange.found_table import CLOCK, TEXT, FoundTable, found_columns
+from smarig.exchange.logged_rows import logged_rows
 from smarig.exchange.table_file import read_table
 from smarig.exchange.table_structure import FEWEST_ROWS, FoundBlock, NumberStyle, find_blocks
 from smarig.exchange.text_table import (
@@ -20,6 +21,7 @@ from smarig.exchange.text_table import (
     read_text,
     split,
 )
+from smarig.exchange.unit_systems import units_of_system
 from smarig.exchange.written_units import known_unit
 
 _SAMPLE = 250  # lines at the beginning, and as many from the rest, by which the dialect is chosen
@@ -53,8 +55,9 @@ def text_tables(path: Path) -> list[FoundTable]:
     text, _ = read_text(path)
     lines = text.splitlines()
     check_lines(path, lines, MAX_LINE)
+    lines = logged_rows(lines).lines
     dialect = _chosen(lines)
-    blocks = find_blocks(dialect.rows(lines[:_MOST_LINES]), dialect.style) if dialect else []
+    blocks = _blocks(lines, dialect) if dialect else []
     if not dialect or not blocks:
         raise DataError(
             f"{path} holds no table: it has no {FEWEST_ROWS} lines that are mostly numbers, two or more. "
@@ -71,6 +74,11 @@ def text_tables(path: Path) -> list[FoundTable]:
     if refused is not None and not found:
         raise refused
     return found
+
+
+def _blocks(lines: Sequence[str], dialect: _Dialect) -> list[FoundBlock]:
+    first = lines[:_MOST_LINES]
+    return find_blocks(dialect.rows(first), dialect.style, first)
 
 
 def _chosen(lines: Sequence[str]) -> _Dialect | None:
@@ -140,16 +148,20 @@ def _table(
         path=path,
         format="csv",
         name=f"table {number}" if len(blocks) > 1 else "",
-        columns=found_columns(path, table, _units(block, dialect.rows(lines[: block.first])), kinds),
+        columns=found_columns(path, table, _units(block, dialect, lines[: block.first]), kinds),
         layout={"file": entries},
         header=preamble_keys([line.strip("# ") for line in before if line.strip()]),
     )
 
 
-def _units(block: FoundBlock, before: Sequence[Sequence[str]]) -> dict[str, str]:
-    """The units of the columns: from the row of units, else from a line such as "Vertical Units,V,V" before it."""
+def _units(block: FoundBlock, dialect: _Dialect, before: Sequence[str]) -> dict[str, str]:
+    """The units of the columns: from the row of units, else from a line such as "Vertical Units,V,V" or "Units of
+    measure  cgs" before it.
+    """
     units = list(block.units)
-    for row in before if not any(units) else ():
+    if not any(units):
+        units = units_of_system(block.names, before)
+    for row in dialect.rows(before) if not any(units) else ():
         if row and "unit" in row[0].lower() and len(row) <= len(units):
             units = [old or known_unit(cell) for old, cell in zip(units, ["", *row[1:], *[""] * len(units)])]
     return dict(zip(block.names, units))

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from smarig.core import DataError, UsageError, shown
 from smarig.exchange.cell_values import clock_column, is_missing, is_number, number_column
+from smarig.exchange.logged_rows import logged_rows
 
 MAX_BYTES = 500_000_000
 MAX_COLUMNS = 10_000
@@ -83,8 +84,9 @@ def read_whole_table(path: Path, layout: TableLayout) -> Table:
     text, notes = read_text(path)
     lines = text.splitlines()
     check_lines(path, lines, MAX_LINE)
+    log = logged_rows(lines)
     try:
-        return _table(path, text, lines, notes, layout)
+        return _table(path, text, log.lines, [*notes, *log.notes], layout, log.added)
     except csv.Error:
         raise DataError(
             f"{path}: a cell in quotes has more than {csv.field_size_limit()} characters. Check its quotation marks."
@@ -100,7 +102,10 @@ def check_lines(path: Path, lines: Sequence[str], longest: int) -> None:
             )
 
 
-def _table(path: Path, text: str, lines: list[str], notes: list[str], layout: TableLayout) -> Table:
+def _table(
+    path: Path, text: str, lines: list[str], notes: list[str], layout: TableLayout, added: int
+) -> Table:
+    """The table; the first ``added`` lines are not in the file."""
     start, names, delimiter = header(path, lines, layout)
     # In a file of several tables, the preamble of a table starts after the blank line before it.
     begin = (
@@ -111,10 +116,11 @@ def _table(path: Path, text: str, lines: list[str], notes: list[str], layout: Ta
     if not layout.header_starts:
         notes += preamble_notes(preamble)
     if not text.endswith("\n") and len(split(lines[-1], delimiter)) < len(names):
-        notes.append(incomplete_note(len(lines)))
+        notes.append(incomplete_note(len(lines) - added))
         lines.pop()
     again = "" if layout.names and not layout.header_line else lines[start]
     rows, where = cells(path, lines, first, names, delimiter, bool(layout.header_starts), again)
+    where = [k - added for k in where]
     if len(rows) < 2:
         raise DataError(f"{path} holds {len(rows)} sample(s). At least two are needed.")
     columns = {

@@ -35,6 +35,28 @@ def check_time(path: Path, name: str, t_s: Array, line: NDArray[np.int64], repea
         )
 
 
+def joined_clock(name: str, t_s: Array, line: NDArray[np.int64]) -> tuple[Array, list[ImportFinding]]:
+    """A clock (n,) that starts again, continued one usual step after each last reading, and a finding on it.
+
+    >>> joined_clock("t", np.array([0.0, 1.0, 2.0, 0.0, 1.0]), np.arange(2, 7))[0].tolist()
+    [0.0, 1.0, 2.0, 3.0, 4.0]
+    """
+    step = np.diff(t_s)
+    back = np.flatnonzero(step < 0) + 1
+    if not back.size or not (step > 0).any():
+        return t_s, []
+    usual = float(np.median(step[step > 0]))
+    later = np.zeros(t_s.size)
+    later[back] = usual - step[back - 1]
+    places = f"in line {line[back[0]]}" + (f" and {back.size - 1} more times" if back.size > 1 else "")
+    text = (
+        f"'{name}' starts again at {t_s[back[0]]:g} s {places}: the log was resumed. Its parts are joined to one "
+        f"record, in which the wire keeps its state, with a gap of one usual step ({usual:.3g} s); how long the pause "
+        "was is not known."
+    )
+    return t_s + np.cumsum(later), [ImportFinding(text, "restarted clock")]
+
+
 def time_findings(t_s: Array, line: NDArray[np.int64], repeated: Repeats) -> list[ImportFinding]:
     """Findings on repeats and gaps."""
     step = np.diff(t_s)

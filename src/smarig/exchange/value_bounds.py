@@ -1,4 +1,4 @@
-"""Bounds of plausible values: a value outside them indicates a wrong unit, or a mark for a missing reading."""
+"""Bounds of plausible values: many values outside them indicate a wrong unit, a few the marks of failed readings."""
 
 from pathlib import Path
 
@@ -6,7 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from smarig.core import DataError, spaced
-from smarig.record import LARGEST
+from smarig.exchange.unit_conversion import convert
+from smarig.record import LARGEST, ImportFinding
 
 Array = NDArray[np.float64]
 LONGEST_S = 1e14  # three million years: milliseconds since 1970 are allowed
@@ -19,6 +20,7 @@ _BOUNDS = {  # channel: (lowest, highest, unit), with a wide margin
     "temperature_degC": (-273.15, 1500.0, "degC"),
     "ambient_degC": (-90.0, 90.0, "degC"),
 }
+_FEW = 0.03  # of the readings: more impossible ones say that the unit is wrong
 _STRAIN_MAX = 0.2  # recoverable strain of shape-memory alloys is below 0.1
 _STRAIN_RANGE_MIN = 1e-3  # less than thermal expansion over 100 K
 
@@ -32,6 +34,33 @@ def check_bounds(path: Path, channel: str, column: str, x: Array, line: NDArray[
             f"{path}, line {line[bad[0]]}, column '{column}': {x[bad[0]]:g}{spaced(unit)} as {channel} lies outside "
             f"{low:g} … {high:g}{spaced(unit)}. Is the unit right?"
         )
+
+
+def possible(
+    path: Path, channel: str, column: str, x: Array, line: NDArray[np.int64], strain: str = ""
+) -> tuple[Array, list[ImportFinding]]:
+    """The values (n,) with NaN for the few that no sensor can have read, and a finding on them.
+
+    ``strain``: the unit, if the channel is one. DataError as of ``check_bounds`` if they are more than a few.
+    """
+    low, high, unit = _BOUNDS.get(channel, (-LARGEST, LARGEST, ""))
+    if strain:
+        most = float(convert(_STRAIN_MAX, "mm/mm", strain))
+        low, high, unit = -most, most, strain
+    bad = (x < low) | (x > high)
+    if not bad.any():
+        return x, []
+    count, readings = int(bad.sum()), x.size
+    if count > _FEW * readings:
+        check_bounds(path, channel, column, x, line)
+        return x, []
+    first = f"{x[bad][0]:g}{spaced(unit)} in line {line[bad][0]}"
+    what = f"1 reading of {readings} is" if count == 1 else f"{count} readings of {readings} are"
+    text = (
+        f"{what} masked: {first}{' and further ones' if count > 1 else ''}, outside {low:g} … {high:g}{spaced(unit)} "
+        f"(column '{column}')."
+    )
+    return np.where(bad, np.nan, x), [ImportFinding(text, "impossible readings")]
 
 
 def check_size(

@@ -1,5 +1,6 @@
 """Reads sheets of Excel workbooks (.xlsx) with openpyxl, row by row, within limits of size."""
 
+import re
 import zipfile
 from collections.abc import Iterator, Sequence
 from datetime import datetime, time, timedelta
@@ -21,6 +22,8 @@ MAX_UNPACKED = 400_000_000  # bytes of all parts: a small file may unpack to mor
 MAX_CELLS = 20_000_000
 MAX_SHEETS = 200
 _STYLE = NumberStyle()
+_COMMA = re.compile(r"^[+-]?(\d{1,3}(\.\d{3})+|\d+),\d+([eE][+-]?\d+)?$")
+_COMMA_THOUSANDS = re.compile(r"[+-]?\d{1,3}(,\d{3})+\.\d+")
 _Rows = list[list[str]]
 
 
@@ -109,7 +112,7 @@ def _sheets(path: Path, only: str | None = None) -> Iterator[tuple[str, _Rows]]:
                     if cells > MAX_CELLS:
                         raise DataError(f"{path} has more than {MAX_CELLS // 10**6} million cells. Split it.")
                     rows.append(_texts(row))
-                yield sheet.title, rows
+                yield sheet.title, _with_points(rows)
         finally:
             book.close()
     except (DataError, MemoryError):
@@ -141,6 +144,21 @@ def _texts(row: Sequence[Any]) -> list[str]:
     while cells and not cells[-1]:
         cells.pop()
     return cells
+
+
+def _with_points(rows: _Rows) -> _Rows:
+    """The rows with the decimal point in numbers that are texts with a decimal comma; numbers of Excel have none.
+
+    >>> _with_points([["T", "1,50"], ["1.234,5", "2.5"]]), _with_points([["1,234", "1,234.5"]])
+    ([['T', '1.50'], ['1234.5', '2.5']], [['1,234', '1,234.5']])
+    """
+    if any(_COMMA_THOUSANDS.fullmatch(cell) for row in rows for cell in row):
+        return rows
+    return [[_COMMA.sub(_pointed, cell) if "," in cell else cell for cell in row] for row in rows]
+
+
+def _pointed(match: re.Match[str]) -> str:
+    return match[0].replace(".", "").replace(",", ".")
 
 
 def _text(value: Any) -> str:

@@ -16,6 +16,8 @@ FindingKind = Literal[
     "repeated rows",
     "repeated times",
     "noisy input",
+    "impossible readings",
+    "restarted clock",
 ]
 FINDING_KINDS: tuple[FindingKind, ...] = get_args(FindingKind)
 

@@ -17,7 +17,8 @@ class ColumnFacts:
     """Facts about a column: ``values`` (n,), ``missing`` of them, range, ``spread`` of all but
     the outermost 2 %, and median ``step`` between different rows.
 
-    ``rising``: no row is below the one before. ``even``: the steps are equal. ``whole``: all are whole numbers.
+    ``rising``: no row is below the one before. ``restarts``: how often a column that rises otherwise starts again at
+    its first value. ``even``: the steps are equal. ``whole``: all are whole numbers.
     ``constant``: all lie within a tenth of their mean. ``levels`` is the number of different values.
     """
 
@@ -31,6 +32,7 @@ class ColumnFacts:
     step: float
     spread: float
     rising: bool
+    restarts: int
     even: bool
     whole: bool
     constant: bool
@@ -83,8 +85,15 @@ def column_facts(column: FoundColumn) -> ColumnFacts:
         step=step,
         spread=float(spread),
         rising=bool(x.size > 1 and (steps >= 0).all() and x[-1] > x[0]),
+        restarts=_restarts(x, steps, step),
         even=bool(moved.size > 1 and moved.size == steps.size and np.ptp(moved) <= _EVEN_SHARE * step),
         whole=bool(x.size and (x == np.round(x)).all()),
         constant=bool(x.size and spread <= CONSTANT_SHARE * mean),
         levels=int(np.unique(x).size),
     )
+
+
+def _restarts(x: Array, steps: Array, step: float) -> int:
+    """How often values start again at the first one, within a step; 0 if they fall anywhere else."""
+    again = x[1:][steps < 0]
+    return int(again.size) if (again <= x[:1] + step).all() else 0

@@ -13,6 +13,7 @@ from smarig.study.column_facts import ColumnFacts, column_facts
 STATED, LIKELY, WEAK, NONE = 0.95, 0.75, 0.5, 0.2  # confidences
 _STATED_BY = ("its name", "its unit", "clock")  # how the reasons of stated quantities begin
 UNSURE = 0.5  # a role or unit that is less sure needs an answer
+_ANY_TIME = "assumed: equal steps of whole numbers may be s, ms or others"
 _STRAIN_MM = 0.1  # larger strains are not in mm/mm
 _STRAIN_PERCENT = 15.0
 _SYMMETRIC = 0.05  # of the range: a middle closer to 0
@@ -84,9 +85,9 @@ def guess_columns(
 
 def _by_name(facts: ColumnFacts) -> ColumnGuess:
     """The quantity by name and unit."""
-    nameless = bool(re.fullmatch(r"column \d+|\S+/column \d+", facts.name))
-    label, written = q.name_and_unit("" if nameless else facts.name, facts.written_unit)
+    label, written = q.name_and_unit("" if _nameless(facts.name) else facts.name, facts.written_unit)
     quantity, commanded = q.quantity_of_name(label.split("/")[-1]) if label else ("", False)
+    quantity = quantity or q.quantity_of_name(q.without_branch(label))[0]
     unit = known_unit(
         written, temperature=quantity in (q.TEMPERATURE, q.AMBIENT) or label.strip().lower() in ("t", "temp")
     )
@@ -114,6 +115,15 @@ def _by_name(facts: ColumnFacts) -> ColumnGuess:
     )
 
 
+def _nameless(name: str) -> bool:
+    return re.fullmatch(r"column \d+|\S+/column \d+", name) is not None
+
+
+def _is_log(guesses: Sequence[ColumnGuess]) -> bool:
+    """Whether a table has three columns or more, and no names."""
+    return len(guesses) > 2 and all(_nameless(guess.name) for guess in guesses)
+
+
 def _by_numbers(guesses: list[ColumnGuess], files: Sequence[str]) -> list[ColumnGuess]:
     """Quantities of columns whose names and units say nothing, by their numbers and by the names of the files."""
     out = []
@@ -121,6 +131,9 @@ def _by_numbers(guesses: list[ColumnGuess], files: Sequence[str]) -> list[Column
         f = guess.facts
         if guess.quantity or not f.known.size:
             out.append(guess)
+        elif f.even and f.whole and f.rising and f.step != 1 and k == 0 and _is_log(guesses):
+            found = _found(guess, q.TIME, f"rises in equal steps of {f.step:g}, in the first column", LIKELY)
+            out.append(replace(found, unit="s", unit_reason=_ANY_TIME, unit_confidence=NONE))
         elif f.rising and f.whole and f.even and f.low >= 0:
             out.append(_found(guess, q.INDEX, "whole numbers that rise evenly", LIKELY))
         elif (
@@ -142,7 +155,7 @@ def _by_numbers(guesses: list[ColumnGuess], files: Sequence[str]) -> list[Column
             out.append(guess)
     unknown = [g for g in out if not g.quantity and g.facts.known.size and g.facts.span > 0]
     both_ways = [g for g in unknown if _about_zero(g.facts, _BOTH_WAYS)]  # as force and travel of a damper
-    warm = [g for g in unknown if _like_temperature(g.facts) and not (g in both_ways and len(both_ways) > 1)]
+    warm = [g for g in unknown if like_temperature(g.facts) and not (g in both_ways and len(both_ways) > 1)]
     widest = max(warm, key=lambda g: g.facts.span, default=None)
     warm = [g for g in warm if widest is not None and _near(g.facts, widest.facts)]
     has_temperature = any(g.quantity == q.TEMPERATURE for g in out)
@@ -170,7 +183,7 @@ def _near(a: ColumnFacts, b: ColumnFacts) -> bool:
     )
 
 
-def _like_temperature(f: ColumnFacts) -> bool:
+def like_temperature(f: ColumnFacts) -> bool:
     """Whether numbers may be temperatures of a wire in °C: they pass 15, begin between −60 and 200, and are not
     symmetric about 0 as fields and voltages are.
     """
@@ -212,6 +225,11 @@ def _found(guess: ColumnGuess, quantity: str, reason: str, confidence: float) ->
     return replace(guess, quantity=quantity, quantity_reason=reason, quantity_confidence=confidence)
 
 
+def as_temperature(guess: ColumnGuess) -> ColumnGuess:
+    """A column as a temperature, as its name says."""
+    return _with_unit(_found(guess.without_meaning(), q.TEMPERATURE, f"its name '{guess.label}'", LIKELY))
+
+
 def _with_unit(guess: ColumnGuess) -> ColumnGuess:
     """The guess with a unit where the file states none."""
     f = guess.facts
@@ -239,6 +257,8 @@ def _with_unit(guess: ColumnGuess) -> ColumnGuess:
             unit, reason, sure = "count", "whole numbers: readings of a converter", 0.7
         case q.FORCE:
             unit, reason, sure = "N", "the SI unit, as none is stated", WEAK
+        case q.DISPLACEMENT | q.ANGLE if f.whole and most > 100:
+            unit, reason, sure = "count", "whole numbers: readings of an encoder or converter", WEAK
         case q.DISPLACEMENT:
             unit, reason, sure = "mm", "assumed: no unit is stated", WEAK
         case q.ANGLE:

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from smarig.core import UsageError, leads_out, natural_order, pattern_order
+from smarig.exchange import logged_rows
 
 MOST_FILES = 100_000
 NOT_DATA = "not data, left out"
@@ -20,11 +21,10 @@ _OTHER_KINDS = (
     ".yaml",
     ".yml",
     ".ini",
-    ".log",
     ".zip",
     ".gz",
 )
-_TEXTS = ("", ".txt", ".text")
+_TEXTS = ("", ".txt", ".text", ".log")
 _ABOUT = re.compile(
     r"(read[ _-]?me|notes?|licen[cs]e|changelog|authors|copying|citation|liesmich)\b", re.IGNORECASE
 )
@@ -86,7 +86,7 @@ def _is_prose(file: Path) -> bool:
         return False
     if not start.strip() or b"\0" in start:  # empty, binary or UTF-16: its reader says what is wrong with it
         return False
-    lines = start.decode("utf-8", errors="replace").splitlines()
+    lines = logged_rows(start.decode("utf-8", errors="replace").splitlines()).lines
     return sum(map(_is_row, lines)) < _FEWEST_ROWS
 
 

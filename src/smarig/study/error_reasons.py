@@ -16,6 +16,7 @@ from smarig.study.data_split import LOAD, DataSplit
 from smarig.study.imported_runs import ImportedTable
 from smarig.study.input_turns import wide_turns
 
+_MENDED: tuple[FindingKind, ...] = ("impossible readings", "restarted clock")
 _SAME_SHARE = 0.05  # conditions that differ less count as equal
 _BEYOND_SHARE = 0.05  # of the fitted range: inputs further outside are new to the model
 _FITS_SHARE = 0.03  # of the output's range: a fit that misses by less describes its own data
@@ -62,6 +63,14 @@ def wrong_direction(tables: Sequence[ImportedTable]) -> Iterator[str]:
 def noisy_input(tables: Sequence[ImportedTable]) -> Iterator[str]:
     """The first sentence of the import on an input whose noise a model takes for reversals."""
     yield from _of_kind(tables, "noisy input")[:1]
+
+
+def mended(tables: Sequence[ImportedTable]) -> Iterator[str]:
+    """What the import mended in the readings of the tables: the first sentence of each kind."""
+    for kind in _MENDED:
+        found = _of_kind(tables, kind)
+        more = f" {len(found) - 1} more such findings are on the page." if len(found) > 1 else ""
+        yield from (f"{text}{more}" for text in found[:1])
 
 
 def _of_kind(tables: Sequence[ImportedTable], kind: FindingKind) -> list[str]:

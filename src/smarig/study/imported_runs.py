@@ -28,7 +28,16 @@ class ImportedTable:
 
 def table_title(guess: TableGuess) -> str:
     """The name of a table: the file's, and that of the table in it."""
-    return " ".join(x for x in (guess.table.path.stem, guess.table.name) if x)
+    return " ".join(x for x in (file_title(guess.table.path), guess.table.name) if x)
+
+
+def file_title(path: Path) -> str:
+    """The name of a file without its ending; a number there stays, as in loop.001, which is a run of its own.
+
+    >>> file_title(Path("wire.csv")), file_title(Path("loop.001"))
+    ('wire', 'loop.001')
+    """
+    return path.name if path.suffix[1:].isdigit() else path.stem
 
 
 def import_tables(

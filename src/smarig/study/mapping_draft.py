@@ -34,8 +34,9 @@ def mapping_draft(guess: TableGuess, name: str) -> str:
     if time is not None:
         lines += ["", "[time]", f"column = {_s(time.name)}" + _why(guess, time)]
         lines += ['written = "clock"'] if time.facts.kind == "clock" else [f"unit = {_s(time.unit or 's')}"]
+        lines += ['restarts = "join"     # a log that was resumed'] if time.facts.restarts else []
         lines += ['repeated = "mean"     # several rows have the same time'] if _repeats(time) else []
-    elif "mat" not in guess.table.layout and not guess.settled:
+    elif "mat" not in guess.table.layout and not guess.settled and guess.backward is None:
         lines += [
             "",
             "# [time]               # no clock was found; if the rows are equally spaced, remove both signs",
@@ -88,9 +89,9 @@ def input_unit(drive: ColumnGuess) -> str:
 
 
 def output_unit(out: ColumnGuess) -> str:
-    """The unit in which an output is stored."""
+    """The unit in which an output is stored: that of the file for a strain in %."""
     if out.quantity == q.STRAIN and dimension(out.unit) == "ratio":
-        return "mm/mm"
+        return "%" if out.unit == "%" else "mm/mm"
     return (
         _STORED.get(dimension(out.unit), out.unit or "1")
         if out.quantity == q.DISPLACEMENT
@@ -109,7 +110,10 @@ def _column_lines(guess: TableGuess, channel: str) -> list[str]:
         return ["", "[columns]", *(_channel_line(guess, key, c.name, c) for key, c in channels)]
     lines = []
     for direction, names in (("up", {a: a for a in guess.branches}), ("down", guess.branches)):
-        lines += ["", "[[branch]]", f'direction = "{direction}"', "[branch.columns]"]
+        lines += ["", "[[branch]]", f'direction = "{direction}"']
+        if direction in (guess.backward or ()):
+            lines += ['rows = "backward"     # read from the last row to the first']
+        lines += ["[branch.columns]"]
         lines += [_channel_line(guess, key, names[c.name], c) for key, c in channels if c.name in names]
     return lines
 

@@ -15,12 +15,13 @@ _NO_NAMES = "the names of the columns say nothing"
 
 @dataclass(frozen=True)
 class LoopRoles:
-    """The input and the output of two columns, why, and the confidence."""
+    """The input and the output of two columns, why, and the confidence; ``rivals``: why others could be the output."""
 
     drive: ColumnGuess
     out: ColumnGuess
     reason: str
     confidence: float
+    rivals: str = ""
 
 
 def roles_by_loop(drive: ColumnGuess, out: ColumnGuess) -> LoopRoles | None:

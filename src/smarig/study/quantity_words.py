@@ -49,6 +49,11 @@ _WORDS: tuple[tuple[str, str], ...] = (  # the first that matches counts
     (CURRENT, r"current|strom|courant|corriente|^i$|^iz|^i ?\d?$|ampere|^i\w{0,5}$"),
     (VOLTAGE, r"volt|spannung|^u$|^uz|^v$|^v ?\d?[+-]?$|^u ?\d$|tension|^u\w{0,5}$"),
 )
+_BRANCH = re.compile(
+    r"(?<![a-z])(heat(ing)?|cool(ing)?|up|down|forth|back(ward)?|forward|reverse|fwd|bwd|rev|(in|de)creasing|rising|"
+    r"falling|(a|de)scending)(?![a-z])",
+    re.IGNORECASE,
+)
 _COMMANDED = re.compile(r"\b(set|soll|command|cmd|target|setpoint|demand|reference|ref)|zad|sollwert")
 _BY_DIMENSION = {
     "time": TIME,
@@ -125,6 +130,15 @@ def quantity_of_name(name: str) -> tuple[str, bool]:
     plain = re.sub(r"[_\s.:-]+", " ", plain).strip()
     quantity = next((q for q, words in _WORDS if re.search(words, plain)), "")
     return quantity, bool(_COMMANDED.search(plain))
+
+
+def without_branch(label: str) -> str:
+    """The name of a column without the word that says on which branch it was read.
+
+    >>> without_branch("R_heating"), without_branch("M up")
+    ('R', 'M')
+    """
+    return _BRANCH.sub("", label).strip(" _.-")
 
 
 def quantity_of_unit(unit: str) -> str:

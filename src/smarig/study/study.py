@@ -15,7 +15,7 @@ from smarig.exchange import unchanged
 from smarig.identification import calibrate
 from smarig.study.candidate_models import Evaluation, evaluate, rms_without_cause, with_extended
 from smarig.study.data_split import DataSplit, split_runs
-from smarig.study.imported_runs import ImportedTable, import_tables
+from smarig.study.imported_runs import ImportedTable, file_title, import_tables
 from smarig.study.mapping_draft import mapping_draft
 from smarig.study.study_files import STUDY_JSON, STUDY_MODEL, STUDY_PAGE
 from smarig.study.study_options import StudyOptions, study_key
@@ -49,7 +49,7 @@ def study(
     paths, folder = tuple(Path(file) for file in files), Path(out)
     if not paths:
         raise UsageError("Name at least one file to study.")
-    name = name or (paths[0].stem if len(paths) == 1 else folder.name or "study")
+    name = name or (file_title(paths[0]) if len(paths) == 1 else folder.name or "study")
     with unchanged(paths):
         key = study_key(paths, options)
         folder.mkdir(parents=True, exist_ok=True)

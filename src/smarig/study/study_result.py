@@ -25,7 +25,7 @@ from smarig.identification import (
 from smarig.record import load_run
 from smarig.study.candidate_models import EXTENDED, Evaluation
 from smarig.study.data_split import DataSplit
-from smarig.study.error_reasons import error_reasons, noisy_input, one_way, wrong_direction
+from smarig.study.error_reasons import error_reasons, mended, noisy_input, one_way, wrong_direction
 from smarig.study.held_out_parts import BranchError, branch_errors, unpredicted_share, worst_place
 from smarig.study.imported_runs import ImportedTable
 from smarig.study.study_json import study_json
@@ -218,6 +218,7 @@ class StudyResult:
     def hints(self) -> list[str]:
         """What would show more, one sentence each."""
         found = [f"{capitalised(g.by_loop)}. {_EXCHANGED}" for g in self.understood.guesses[:1] if g.by_loop]
+        found += mended(self.tables)
         timed = any(table.run.has("t_s") or table.run.settled for table in self.tables)
         if not timed and not self.understood.forc and self.evaluation is not None and self.verdict != GOOD:
             found.append(

@@ -8,9 +8,23 @@ import numpy as np
 from smarig.core import UsageError, suggestion
 from smarig.exchange import FoundTable, dimension
 from smarig.study import quantity_words as q
-from smarig.study.branch_pairs import branch_pairs
-from smarig.study.column_guess import LIKELY, STATED, UNSURE, WEAK, ColumnGuess, guess_columns
-from smarig.study.nameless_columns import roles_by_loop
+from smarig.study.branch_pairs import (
+    backward_branches,
+    branch_pairs,
+    branches_by_words,
+    goes_one_way,
+    with_shared_input,
+)
+from smarig.study.column_guess import (
+    LIKELY,
+    STATED,
+    UNSURE,
+    WEAK,
+    ColumnGuess,
+    guess_columns,
+    like_temperature,
+)
+from smarig.study.nameless_columns import LoopRoles, roles_by_loop
 from smarig.study.signal_columns import holds_still, input_column, is_grid, output_column
 
 _HEATING = (q.CURRENT, q.VOLTAGE, q.POWER, q.DUTY)
@@ -35,7 +49,9 @@ class TableGuess:
 
     ``scale`` multiplies the output, with ``sign`` as its reason. ``by_loop``: why one of two columns without names
     is the input, "" for columns with names. ``branches`` pairs the columns of a heating branch
-    with those of a cooling branch in the same rows. ``settled``: each row is one settled reading.
+    with those of a cooling branch in the same rows, a shared input with itself; ``backward`` are the branches ("up",
+    "down") that are read from the last row to the first, None for names that differ in one letter. ``settled``: each
+    row is one settled reading.
     """
 
     table: FoundTable
@@ -44,6 +60,7 @@ class TableGuess:
     scale: float = 1.0
     sign: str = ""
     branches: dict[str, str] = field(default_factory=dict)
+    backward: tuple[str, ...] | None = None
     settled: bool = False
     by_loop: str = ""
 
@@ -57,11 +74,14 @@ class TableGuess:
 
     def shown_role(self, name: str) -> Role:
         """The role of a column as shown: that of the second branch has that of the first."""
-        first = next((a for a, b in self.branches.items() if b == name), None)
+        first = next((a for a, b in self.branches.items() if b == name != a), None)
         role = self.roles[first].role if first else "ignored"
-        if role == "ignored":
+        if first is None or role == "ignored":
             return self.roles[name]
-        return Role(f"{role}, second branch", f"beside '{first}', whose name differs in one letter")
+        if self.backward is None:
+            return Role(f"{role}, second branch", f"beside '{first}', whose name differs in one letter")
+        order = "from the last row to the first" if "down" in self.backward else "in the order of the rows"
+        return Role(f"{role}, second branch", f"read after '{first}', {order}: two branches of one loop")
 
     @property
     def doubts(self) -> list[str]:
@@ -74,7 +94,7 @@ class TableGuess:
             )
             if sure < UNSURE:
                 doubts.append(role)
-        for guess in [*self.of_role("input"), *self.of_role("output")]:
+        for guess in [*self.of_role("input"), *self.of_role("output"), *self.of_role("time")]:
             if guess.unit_confidence < UNSURE:
                 doubts.append(f"unit {guess.name}")
         return doubts
@@ -101,8 +121,11 @@ def guess_table(
         if name not in table.names:
             raise UsageError(f"{table.path} has no column '{name}'{suggestion(name, list(table.names))}.")
     columns = guess_columns(table, units or {}, files)
+    pairs, by_words = branch_pairs(columns), False
+    if not pairs:
+        pairs, by_words = branches_by_words(columns, output), True
+        columns = with_shared_input(columns, pairs)
     moving = [c for c in columns if c.facts.known.size > 1 and c.facts.span > 0 and c.facts.kind != "text"]
-    pairs = branch_pairs(columns)
     candidates = [c for c in moving if c.name not in pairs.values()]
     roles: dict[str, Role] = {}
     time = _time([c for c in columns if c.name not in (input, output)])
@@ -131,20 +154,60 @@ def guess_table(
     if drive is not None and out is not None and input is None and output is None and not pairs:
         found = roles_by_loop(drive, out)
     if found is not None:
+        found = _unless_rivals(found, left)
         drive, out = found.drive, found.out
         columns = [next((c for c in (drive, out) if c.name == g.name), g) for g in columns]
         roles |= {
-            c.name: Role(r, found.reason, found.confidence) for r, c in (("input", drive), ("output", out))
+            drive.name: Role("input", found.reason, found.confidence),
+            out.name: Role(
+                "output", found.rivals or found.reason, UNSURE / 2 if found.rivals else found.confidence
+            ),
         }
     else:
         roles |= {out.name: _role("output", out, output)} if out is not None else {}
         roles |= {drive.name: _role("input", drive, input)} if drive is not None else {}
     _further_roles(columns, roles, drive, out)
     guess = TableGuess(table, tuple(columns), roles, by_loop=found.reason if found else "")
-    if pairs and drive is not None and out is not None and drive.name in pairs and out.name in pairs:
-        guess = replace(guess, branches=pairs)
+    if drive is not None and out is not None and out.name in pairs and (by_words or drive.name in pairs):
+        guess = _of_two_branches(guess, {drive.name: drive.name} | pairs, by_words)
     scale, sign = _sign(drive, out)
     return replace(guess, scale=scale, sign=sign, settled=_is_staircase(drive, guess))
+
+
+def _unless_rivals(found: LoopRoles, left: Sequence[ColumnGuess]) -> LoopRoles:
+    """Roles by a loop are a doubt if further columns without names could be the output: neither a copy of the input
+    nor a further thermometer.
+    """
+    rivals = [c for c in left if c.name not in (found.drive.name, found.out.name) and c.by_numbers]
+    rivals = [c for c in rivals if c.quantity in ("", found.out.quantity) and not holds_still(c)]
+    rivals = [c for c in rivals if not _is_multiple(c, found.drive) and not like_temperature(c.facts)]
+    if not rivals:
+        return found
+    names = ", ".join(f"'{c.name}'" for c in (found.out, *rivals))
+    return replace(found, rivals=f"the names of the columns say nothing; the output is one of {names}")
+
+
+def _is_multiple(c: ColumnGuess, drive: ColumnGuess) -> bool:
+    """Whether a column is the input in another unit, but for its last digits."""
+    known = np.isfinite(c.facts.values) & np.isfinite(drive.facts.values)
+    u, y = drive.facts.values[known], c.facts.values[known]
+    if u.size < 3 or not np.ptp(u):
+        return False
+    rest = y - np.polyval(np.polyfit(u, y, 1), u)
+    return bool(np.abs(rest).max() <= c.facts.step)
+
+
+def _of_two_branches(guess: TableGuess, branches: dict[str, str], by_words: bool) -> TableGuess:
+    """The guess of a table whose rows hold two branches; they share no clock."""
+    if not by_words:
+        return replace(guess, branches=branches)
+    of_name = {c.name: c for c in guess.columns}
+    drive, out = (guess.of_role(role)[0].name for role in ("input", "output"))
+    ends = [(of_name[name], of_name[branches[name]]) for name in (drive, out)]
+    if not all(goes_one_way(u, y) for u, y in zip(*ends, strict=True)):
+        return guess
+    shared = {c.name: Role("ignored", "two branches share the rows", LIKELY) for c in guess.of_role("time")}
+    return replace(guess, branches=branches, backward=backward_branches(*ends), roles=guess.roles | shared)
 
 
 def _moved_by(drive: ColumnGuess, left: Sequence[ColumnGuess]) -> ColumnGuess | None:
@@ -157,8 +220,10 @@ def _moved_by(drive: ColumnGuess, left: Sequence[ColumnGuess]) -> ColumnGuess | 
 
 
 def _time(columns: Sequence[ColumnGuess]) -> ColumnGuess | None:
-    """The clock: a column of times that never runs backwards."""
-    return next((c for c in columns if c.quantity == q.TIME and c.facts.rising and not c.facts.missing), None)
+    """The clock: a column of times that never runs backwards, or that a resumed log starts again from its beginning."""
+    times = [c for c in columns if c.quantity == q.TIME and not c.facts.missing]
+    resumed = [c for c in times if c.facts.restarts and c.facts.kind != "clock" and not c.by_numbers]
+    return next((c for c in times if c.facts.rising), next(iter(resumed), None))
 
 
 def _is_staircase(drive: ColumnGuess | None, guess: TableGuess) -> bool:

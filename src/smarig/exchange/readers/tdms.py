@@ -1,0 +1,24 @@
+"""Reads a LabVIEW TDMS file with a mapping file."""
+
+from pathlib import Path
+
+from smarig.core import UsageError
+from smarig.exchange.mapped_csv import mapped_draft
+from smarig.exchange.mapping import load_mapping
+from smarig.exchange.reader_result import RunDraft
+from smarig.exchange.rig_constants import RigConstants
+from smarig.exchange.tdms_file import read_tdms
+from smarig.exchange.with_heating_model import with_heating_model
+
+
+def tdms(path: Path, *, rig: str | None = None, mapping: str | None = None) -> RunDraft:
+    """A LabVIEW TDMS file, described by a mapping file with a [tdms] table."""
+    if mapping is None:
+        raise UsageError(
+            f"{path} needs a mapping file (--map) that names its columns; `smarig study` drafts one."
+        )
+    described = load_mapping(mapping)
+    if described.tdms is None:
+        raise UsageError(f"Mapping {described.name} has no [tdms] table. Use --format {described.format}.")
+    draft = mapped_draft(path, read_tdms(path, described, described.tdms), described)
+    return with_heating_model(draft, RigConstants.named(rig)) if rig else draft
