@@ -15,6 +15,7 @@ from smarig.exchange import unchanged
 from smarig.identification import calibrate
 from smarig.study.candidate_models import Evaluation, evaluate, rms_without_cause, with_extended
 from smarig.study.data_split import DataSplit, split_runs
+from smarig.study.heat_flow_study import calorimetry_of
 from smarig.study.imported_runs import ImportedTable, import_tables
 from smarig.study.mapping_draft import mapping_draft
 from smarig.study.study_files import STUDY_JSON, STUDY_MODEL, STUDY_PAGE
@@ -60,9 +61,9 @@ def study(
         tables, left_out = import_tables(understood.guesses, folder, options.mapping, name)
     for table in tables:
         progress(f"{table.title}: {len(table.run)} rows")
-    split, evaluation, heating = None, None, ""
+    split, evaluation, heating, found = None, None, "", calorimetry_of(tables, understood.guesses)
     diagnosis, why_not, without_cause = None, "", None
-    if any(table.run.has("position") for table in tables):
+    if found is None and any(table.run.has("position") for table in tables):
         split = split_runs([t for t in tables if t.run.has("position")], options.split, folder)
         evaluation = evaluate(split, progress)
         diagnosis, why_not = _diagnosed(evaluation, split, options, progress)
@@ -71,7 +72,7 @@ def study(
         if isinstance(diagnosis, MeasuredDiagnosis) and diagnosis.verdict.word == "named":
             without_cause = rms_without_cause(evaluation, diagnosis.base_model, split)
         evaluation.best.model.save(folder / STUDY_MODEL, force=True)
-    else:
+    elif found is None:
         heating = _heating(tables)
     result = StudyResult(
         name=name,
@@ -86,7 +87,8 @@ def study(
         diagnosis_reason=why_not,
         without_cause=without_cause,
         heating=heating,
-        transformation=transformation_of([table.run for table in tables]),
+        transformation=transformation_of([table.run for table in tables]) if found is None else None,
+        calorimetry=found,
         seconds=time.monotonic() - started,
         key=key,
         mapping=options.mapping,

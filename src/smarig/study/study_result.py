@@ -26,6 +26,7 @@ from smarig.record import load_run
 from smarig.study.candidate_models import EXTENDED, Evaluation
 from smarig.study.data_split import DataSplit
 from smarig.study.error_reasons import error_reasons, noisy_input, one_way, wrong_direction
+from smarig.study.heat_flow_sentences import heat_flow_sentences
 from smarig.study.held_out_parts import BranchError, branch_errors, unpredicted_share, worst_place
 from smarig.study.imported_runs import ImportedTable
 from smarig.study.study_json import study_json
@@ -43,6 +44,7 @@ from smarig.study.study_sentences import (
 )
 from smarig.study.transformation_figures import Transformation
 from smarig.study.understanding import Understanding
+from smarig.transformation import Calorimetry
 
 _EXCHANGED = "If input and output are exchanged, name them with --input and --output."
 _LESS = 0.97  # of the error without a cause: less of a gain is hardly one
@@ -57,7 +59,7 @@ class StudyResult:
     ``diagnosis`` is None if it was not requested or failed, with ``diagnosis_reason``. ``mapping`` is a mapping file
     that was given, None if one was drafted. ``without_cause``: the least rms error on held-out data of models without a
     named cause, in the measure of ``evaluation``; None without one. ``transformation``: None for an input that is no
-    temperature.
+    temperature. ``calorimetry``: what curves of heat flow show; None for any other output.
     """
 
     name: str
@@ -76,6 +78,7 @@ class StudyResult:
     transformation: Transformation | None = None
     mapping: str | None = None
     without_cause: float | None = None
+    calorimetry: Calorimetry | None = None
 
     @property
     def unit(self) -> str:
@@ -195,6 +198,8 @@ class StudyResult:
 
     def sentences(self) -> list[str]:
         """Three sentences: how good the model is, against what, and what to do now."""
+        if self.calorimetry is not None:
+            return heat_flow_sentences(self.calorimetry)
         if self.evaluation is None:
             return [self.heating]
         first = error_sentence(
