@@ -37,7 +37,11 @@ from smarig.transformation import (
 )
 
 _COLOURS = {"heating": style.HEATING, "cooling": style.COOLING}
-_SIDES = {"heating": {"low": "A_s", "peak": "A_p", "high": "A_f"}, "cooling": {"low": "M_f", "peak": "M_p", "high": "M_s"}}
+_SIDES = {
+    "heating": {"low": "A_s", "peak": "A_p", "high": "A_f"},
+    "cooling": {"low": "M_f", "peak": "M_p", "high": "M_s"},
+}
+_PALE = 0.6  # curves, below their tangents
 _BEYOND = 0.12  # of its height: how far a tangent is drawn beyond the baseline
 _MARGIN = 0.12  # of the range of the curve: room for the labels
 _MOST_PANELS = 4
@@ -47,7 +51,11 @@ def heat_flow_figure(found: Calorimetry, run: Run) -> Figure:
     """The curves of each cycle with baselines, tangents and the six temperatures."""
     shown = found.cycles[:_MOST_PANELS]
     panels = [Panel(_traces(found, cycle), _layout(found, cycle, run), 460) for cycle in shown]
-    more = f"{len(found.cycles) - len(shown)} further cycles are not drawn." if len(found.cycles) > len(shown) else ""
+    more = (
+        f"{len(found.cycles) - len(shown)} further cycles are not drawn."
+        if len(found.cycles) > len(shown)
+        else ""
+    )
     return Figure(
         panels,
         "Heat flow with baselines and tangents.",
@@ -65,7 +73,9 @@ def heat_flow_table(found: Calorimetry) -> Html:
     """A row of temperatures and latent heats for each cycle, with their intervals."""
     heads = [tag("span", _figure_name(name), *_unit(found, name)) for name in HEAT_FIGURES]
     rows = [(str(c.number), *(_cell(c, name) for name in HEAT_FIGURES)) for c in found.cycles]
-    return html_table(("Cycle", *heads), rows, "Transformation temperatures by ASTM F2004, with 95 % intervals.")
+    return html_table(
+        ("Cycle", *heads), rows, "Transformation temperatures by ASTM F2004, with 95 % intervals."
+    )
 
 
 def heat_flow_notes(found: Calorimetry) -> Iterator[Html]:
@@ -124,27 +134,36 @@ def _traces(found: Calorimetry, cycle: CalorimetryCycle) -> list[dict]:
     traces = []
     for scan in cycle.scans:
         keep = path(scan.u, scan.y)
-        traces.append(line(scan.u[keep], scan.y[keep], scan.direction, _COLOURS[scan.direction], width=1.8))
-    for scan in cycle.scans:
+        traces.append(
+            line(
+                scan.u[keep], scan.y[keep], scan.direction, _COLOURS[scan.direction], width=2.4, opacity=_PALE
+            )
+        )
+    with_peak = [scan for scan in cycle.scans if scan.peak is not None]
+    for scan in with_peak:
         if scan.peak is not None:
-            traces += _construction(scan, scan.peak)
+            traces += _construction(scan, scan.peak, with_peak[0].direction)
             traces += _marks(found, cycle, scan, scan.peak)
     return traces
 
 
-def _construction(scan: HeatFlowScan, peak: HeatFlowPeak) -> list[dict]:
-    """The baseline and the tangents of one choice of readings."""
+def _construction(scan: HeatFlowScan, peak: HeatFlowPeak, first: str) -> list[dict]:
+    """The baseline and the tangents of one choice of readings; those of the ``first`` direction are in the legend."""
     u, y = [peak.u, [np.nan]], [scan.sign * peak.baseline, [np.nan]]
     for tangent in peak.tangents.values():
         foot, top = tangent.foot[1], peak.top
         levels = np.array([foot - _BEYOND * (top - foot), top])
         u.append([*(tangent.steep.u + tangent.steep.du_dy * (levels - tangent.steep.y)), np.nan])
         y.append([*(scan.sign * levels), np.nan])
-    name = f"baseline and tangents, {scan.direction}"
-    return [line(np.concatenate(u), np.concatenate(y), name, style.INK, dash="dash", width=1.0)]
+    drawn = line(
+        np.concatenate(u), np.concatenate(y), "baselines and tangents", style.INK, dash="dash", width=1.1
+    )
+    return [drawn | {"showlegend": scan.direction == first}]
 
 
-def _marks(found: Calorimetry, cycle: CalorimetryCycle, scan: HeatFlowScan, peak: HeatFlowPeak) -> Iterator[dict]:
+def _marks(
+    found: Calorimetry, cycle: CalorimetryCycle, scan: HeatFlowScan, peak: HeatFlowPeak
+) -> Iterator[dict]:
     """A cross with its label at each temperature, on the side of the curve where there is room."""
     up = scan.sign > 0
     for side, name in _SIDES[scan.direction].items():

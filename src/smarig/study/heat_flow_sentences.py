@@ -6,9 +6,7 @@ from smarig.core import spaced
 from smarig.report import display_unit, number, to_uncertainty
 from smarig.transformation import HEAT_TEMPERATURES, Calorimetry, CalorimetryCycle
 
-_NO_MODEL = (
-    "This is a DSC curve: a heat flow is a rate, not the output of a hysteresis, so no Preisach model is fitted."
-)
+_NO_MODEL = "This is a DSC curve: a heat flow is a rate, not the output of a hysteresis, so no Preisach model is fitted."
 _HEATS = {"heating_heat": "on heating", "cooling_heat": "on cooling"}
 
 

@@ -19,7 +19,10 @@ HEAT_FLOW = "heat flow"
 _WORDS: tuple[tuple[str, str], ...] = (  # the first that matches counts
     (SCATTER, r"std ?(dev|err)|standard (dev|err)|st dev|percent err|uncertain|unsicherheit|\breg fit"),
     (RATE, r"deriv|\brate|d\w*/dt|dtdt|gradient|velocity|speed|geschwindigkeit|\bslope"),
-    (HEAT_FLOW, r"heat ?fl(ow|ux)|\bdsc\b|w(ae|a)rme(strom|fluss)|(flux|debit) (de chaleur|thermique)|flujo de calor"),
+    (
+        HEAT_FLOW,
+        r"heat ?fl(ow|ux)|\bdsc\b|w(ae|a)rme(strom|fluss)|(flux|debit) (de chaleur|thermique)|flujo de calor",
+    ),
     (AMBIENT, r"ambien|room|umgebung|raumtemp|\bt ?amb|t ?room|air ?temp"),
     (CYCLE, r"cycle (no|num|count|index)|^cycle$|^zyklus|^loop$|segment"),
     (

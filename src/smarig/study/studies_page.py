@@ -115,9 +115,7 @@ def _card(outcome: "FileOutcome", found: dict[str, Any]) -> Html:
     verdict = found.get("verdict")
     error = f", {number(100 * _share(found), 2)} % of the range" if verdict else ""
     classes = f"level {VERDICT_LEVELS[verdict]}" if verdict in VERDICT_LEVELS else ""
-    return tag(
-        "li", drawn, _link(outcome), tag("p", tag("b", outcome_word(found)), error), class_=classes
-    )
+    return tag("li", drawn, _link(outcome), tag("p", tag("b", outcome_word(found)), error), class_=classes)
 
 
 def _table(done: "Sequence[FileOutcome]") -> Html:

@@ -95,6 +95,7 @@ def _lead(result: StudyResult) -> str:
 def _summary(result: StudyResult) -> Iterator[Html | Figure]:
     """The first screen: three sentences, and the loop with its figures and what explains the error beside it."""
     first, *rest = result.sentences()
+    rest = rest[-1:] if result.calorimetry else rest  # the table has the temperatures
     further = " ".join(s for s in rest if s)
     yield notice(_level(result), paragraph(tag("b", first)), *([paragraph(further)] if further else []))
     if result.calorimetry is not None:

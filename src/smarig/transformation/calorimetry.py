@@ -178,7 +178,12 @@ def _moving(u: Array, t: Array | None) -> slice:
     passed = np.cumsum(np.abs(np.gradient(u))[order]) if u.size > 1 else np.zeros(u.size)
     typical = speed[order][min(int(np.searchsorted(passed, passed[-1] / 2)), u.size - 1)]
     fast = np.flatnonzero(speed > _SLOW * typical)
-    return slice(int(fast[0]), int(fast[-1]) + 1) if fast.size else slice(0, 0)
+    if not fast.size:
+        return slice(0, 0)
+    first, last = int(fast[0]), int(fast[-1])
+    first += width if first > 0 else 0  # the differences reach into the hold
+    last -= width if last < u.size - 1 else 0
+    return slice(first, max(last + 1, first))
 
 
 def _averaged(u: Array, y: Array) -> tuple[Array, Array]:

@@ -147,8 +147,12 @@ def _rough_peak(u: Array, y: Array) -> _RoughPeak:
         rows = {"low": _rows(u, u[0], knees[0], span), "high": _rows(u, u[-1], knees[1], span)}
         lines = [np.polyfit(u[r[len(r) // 2]], y[r[len(r) // 2]], 1) if r else None for r in rows.values()]
         if lines[0] is None and lines[1] is None:
-            raise UsageError("no peak stands out from a baseline: the curve has none on either side of its highest part")
-        low, high = (np.polyval(line if line is not None else other, u) for line, other in (lines, lines[::-1]))
+            raise UsageError(
+                "no peak stands out from a baseline: the curve has none on either side of its highest part"
+            )
+        low, high = (
+            np.polyval(line if line is not None else other, u) for line, other in (lines, lines[::-1])
+        )
         part = np.clip((u - knees[0]) / span, 0.0, 1.0)
         base = low + part * (high - low)
         per_reading = float(np.median(np.diff(u))) or span / u.size
@@ -307,7 +311,11 @@ def _area(
     part = _part(u, y, before, after, rough)
     shift = drawn @ weights
     for line, share in ((low, 1 - part), (high, part)):
-        shift = shift - (line.a_draws - line.a) * (weights @ share) - (line.b_draws - line.b) * (weights @ (share * u))
+        shift = (
+            shift
+            - (line.a_draws - line.a) * (weights @ share)
+            - (line.b_draws - line.b) * (weights @ (share * u))
+        )
     return Drawn(area, area + shift)
 
 
