@@ -33,8 +33,8 @@ def heat_flow_header(table: FoundTable) -> HeatFlowHeader:
 def exothermic_direction(lines: Iterable[str]) -> str:
     """The exothermic direction that the first line with one states: "up", "down", or "" for none.
 
-    >>> exothermic_direction(["exothermic\\tUp"]), exothermic_direction(["DSC (endo up)"]), exothermic_direction(["DSC"])
-    ('up', 'down', '')
+    >>> exothermic_direction(["exothermic\\tUp"]), exothermic_direction(["DSC (endo up)"])
+    ('up', 'down')
     """
     for line in lines:
         if match := _DIRECTION.search(line):

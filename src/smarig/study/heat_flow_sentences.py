@@ -6,7 +6,7 @@ from smarig.core import spaced
 from smarig.report import display_unit, number, to_uncertainty
 from smarig.transformation import HEAT_TEMPERATURES, Calorimetry, CalorimetryCycle
 
-_NO_MODEL = "This is a DSC curve: a heat flow is a rate, not the output of a hysteresis, so no Preisach model is fitted."
+_NO_MODEL = "This is a DSC curve: heat flow is a rate, not the output of a hysteresis, so no Preisach model is fitted."
 _HEATS = {"heating_heat": "on heating", "cooling_heat": "on cooling"}
 
 
@@ -40,8 +40,8 @@ def direction_sentence(found: Calorimetry) -> str:
         return f"Exothermic is {found.exothermic}, as the file says."
     if found.stated:
         return (
-            f"The file says that exothermic is {found.exothermic}, but a peak points the other way: heating to austenite "
-            "takes up heat, cooling gives it off. Check the direction."
+            f"The file says that exothermic is {found.exothermic}, but a peak points the other way: heating to "
+            "austenite takes up heat, cooling gives it off. Check the direction."
         )
     if found.agrees:
         return (

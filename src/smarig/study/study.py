@@ -15,6 +15,7 @@ from smarig.exchange import unchanged
 from smarig.identification import calibrate
 from smarig.study.candidate_models import Evaluation, evaluate, rms_without_cause, with_extended
 from smarig.study.data_split import DataSplit, split_runs
+from smarig.study.function_of_input import function_of_input
 from smarig.study.heat_flow_study import calorimetry_of
 from smarig.study.imported_runs import ImportedTable, import_tables
 from smarig.study.mapping_draft import mapping_draft
@@ -62,11 +63,16 @@ def study(
     for table in tables:
         progress(f"{table.title}: {len(table.run)} rows")
     split, evaluation, heating, found = None, None, "", calorimetry_of(tables, understood.guesses)
-    diagnosis, why_not, without_cause = None, "", None
+    diagnosis, why_not, without_cause, function = None, "", None, None
     if found is None and any(table.run.has("position") for table in tables):
         split = split_runs([t for t in tables if t.run.has("position")], options.split, folder)
         evaluation = evaluate(split, progress)
-        diagnosis, why_not = _diagnosed(evaluation, split, options, progress)
+        function = function_of_input(evaluation.best, split)
+        diagnosis, why_not = (
+            (None, "the output is a function of the input.")
+            if function is not None
+            else _diagnosed(evaluation, split, options, progress)
+        )
         if diagnosis is not None and diagnosis.extended:
             evaluation = with_extended(evaluation, diagnosis.model, split)
         if isinstance(diagnosis, MeasuredDiagnosis) and diagnosis.verdict.word == "named":
@@ -89,6 +95,7 @@ def study(
         heating=heating,
         transformation=transformation_of([table.run for table in tables]) if found is None else None,
         calorimetry=found,
+        function=function,
         seconds=time.monotonic() - started,
         key=key,
         mapping=options.mapping,

@@ -81,6 +81,8 @@ def _title(result: StudyResult) -> str:
 def _level(result: StudyResult) -> str:
     if result.calorimetry is not None:
         return "warning" if any(c.why_not for c in result.calorimetry.cycles) else "good"
+    if result.function is not None:
+        return "good"
     return VERDICT_LEVELS[result.verdict] if result.evaluation else "warning"
 
 

@@ -26,6 +26,7 @@ from smarig.record import load_run
 from smarig.study.candidate_models import EXTENDED, Evaluation
 from smarig.study.data_split import DataSplit
 from smarig.study.error_reasons import error_reasons, noisy_input, one_way, wrong_direction
+from smarig.study.function_of_input import FunctionOfInput
 from smarig.study.heat_flow_sentences import heat_flow_sentences
 from smarig.study.held_out_parts import BranchError, branch_errors, unpredicted_share, worst_place
 from smarig.study.imported_runs import ImportedTable
@@ -38,6 +39,7 @@ from smarig.study.study_sentences import (
     left_out_sentence,
     measure,
     place_text,
+    function_sentences,
     simple_curve_sentence,
     unpredicted_sentence,
     where_sentence,
@@ -59,7 +61,8 @@ class StudyResult:
     ``diagnosis`` is None if it was not requested or failed, with ``diagnosis_reason``. ``mapping`` is a mapping file
     that was given, None if one was drafted. ``without_cause``: the least rms error on held-out data of models without a
     named cause, in the measure of ``evaluation``; None without one. ``transformation``: None for an input that is no
-    temperature. ``calorimetry``: what curves of heat flow show; None for any other output.
+    temperature. ``calorimetry``: what curves of heat flow show; None for any other output. ``function``:
+    the output as a function of the input; None for data that show hysteresis.
     """
 
     name: str
@@ -79,6 +82,7 @@ class StudyResult:
     mapping: str | None = None
     without_cause: float | None = None
     calorimetry: Calorimetry | None = None
+    function: FunctionOfInput | None = None
 
     @property
     def unit(self) -> str:
@@ -191,7 +195,7 @@ class StudyResult:
     @property
     def reasons(self) -> list[str]:
         """What the data say about an error that is not good: sentences, the most certain first."""
-        if self.evaluation is None or self.split is None or self.verdict == GOOD:
+        if self.evaluation is None or self.split is None or self.verdict == GOOD or self.function is not None:
             return []
         explained = error_reasons(self.split, self.evaluation.best)
         return [*wrong_direction(self.tables), *self._where(), *noisy_input(self.tables), *explained]
@@ -202,6 +206,8 @@ class StudyResult:
             return heat_flow_sentences(self.calorimetry)
         if self.evaluation is None:
             return [self.heating]
+        if self.function is not None:
+            return function_sentences(self.function, self.unit, fitted=self._is_fitted)
         first = error_sentence(
             self.evaluation.best.name,
             self.evaluation.best.rms,

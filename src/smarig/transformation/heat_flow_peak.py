@@ -182,7 +182,7 @@ def _around_apex(u: Array, d: Array, window: int) -> tuple[int, float, tuple[flo
 
 
 def _moving_mean(x: Array, window: int) -> Array:
-    """The mean of ``window`` readings on each side of every reading; of fewer, but as many on both sides, at the ends."""
+    """The mean of each reading and ``window`` on each side of it; of fewer, as many on both sides, at the ends."""
     sums = np.concatenate([[0.0], np.cumsum(x)])
     rows = np.arange(x.size)
     half = np.minimum(np.minimum(rows, rows[::-1]), window)
