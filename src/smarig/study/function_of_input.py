@@ -6,8 +6,8 @@ A curve of means, with as many nodes as predict left-out readings best, answers 
     does the model predict held-out readings better?         any other memory
     is its error that of a good model?                       other variables, drift
 
-If the first two are answered with no and the third with yes, the data show no hysteresis. The first two count differences
-of more than three standard errors over blocks of readings.
+If the first two are answered with no and the third with yes, the data show no hysteresis. The first two count
+differences of more than three standard errors over blocks of readings.
 """
 
 from collections.abc import Callable, Sequence
@@ -128,7 +128,7 @@ def _held_out_errors(run: RunVerification, points: RunPoints, curve: Curve) -> t
 
 
 def _by_direction(u: Array, errors: Array, rising: NDArray[np.bool_]) -> bool:
-    """Whether errors (n,) differ between rising and falling input: χ² of their difference over intervals of the input."""
+    """Whether errors (n,) differ between rising and falling input: χ² of the difference over intervals of u."""
     squares = []
     for rows in np.array_split(np.argsort(u, kind="stable"), _BLOCKS):
         up, down = errors[rows[rising[rows]]], errors[rows[~rising[rows]]]

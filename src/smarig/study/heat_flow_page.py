@@ -172,9 +172,8 @@ def _marks(
         drawn = cycle.figures[name]
         low, high = drawn.ci95
         level = peak.top if side == "peak" else float(np.interp(drawn.value, peak.u, peak.baseline))
-        beyond = up if side == "peak" else not up
         across = {"low": "left", "peak": "center", "high": "right"}[side]
-        value = to_uncertainty(drawn.value, max((high - low) / 2, 0.05))
+        value = f"{round(drawn.value, 1) + 0.0:.1f}".replace("-", "−")  # zero has no sign
         yield dots(
             [drawn.value],
             [scan.sign * level],
@@ -194,6 +193,6 @@ def _marks(
             },
             mode="markers+text",
             text=[f"{name[0]}<sub>{name[2]}</sub> {value}{spaced(display_unit(found.input_unit))}"],
-            textposition=f"{'top' if beyond else 'bottom'} {across}",
+            textposition=f"{'top' if up else 'bottom'} {across}",
             showlegend=False,
         )

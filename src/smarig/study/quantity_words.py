@@ -18,7 +18,11 @@ HEAT_FLOW = "heat flow"
 
 _WORDS: tuple[tuple[str, str], ...] = (  # the first that matches counts
     (SCATTER, r"std ?(dev|err)|standard (dev|err)|st dev|percent err|uncertain|unsicherheit|\breg fit"),
-    (RATE, r"deriv|\brate|d\w*/dt|dtdt|gradient|velocity|speed|geschwindigkeit|\bslope"),
+    (
+        RATE,
+        r"deriv|\brate|d\w*/dt|dtdt|gradient|velocity|speed|geschwindigkeit|\bslope|\bd\w{1,3} dt\b|"
+        r"pick ?up|search coil|sens\w* coil|\binduced|induktionsspannung|\b[uv] ?ind\b",
+    ),
     (
         HEAT_FLOW,
         r"heat ?fl(ow|ux)|\bdsc\b|w(ae|a)rme(strom|fluss)|(flux|debit) (de chaleur|thermique)|flujo de calor",
@@ -97,6 +101,8 @@ DIMENSIONS = {  # of the units in which a quantity may be given
 }
 _IN_BRACKETS = re.compile(r"^(.*?)[\s_]*[\[(<{]\s*([^\[\](){}<>]*)\s*[\])>}]\s*(.*)$")
 _BEHIND_SIGN = re.compile(r"^(.+?)\s*(?:/|,| in |_in_)\s*(\S+)$")
+_PER_TIME = re.compile(r"(.*?)\s*(?:/\s*(?:s|sec|min|h)|[·* ]?(?:s|min|h)(?:\^?-1|⁻¹))")
+_INPUTS_ONLY = (TEMPERATURE, AMBIENT, CURRENT, VOLTAGE, POWER, DUTY)
 _LAST_WORD = re.compile(r"^(.*?)[_\s-]+([^\s_-]+)$")
 
 
@@ -134,6 +140,20 @@ def quantity_of_name(name: str) -> tuple[str, bool]:
     plain = re.sub(r"[_\s.:-]+", " ", plain).strip()
     quantity = next((q for q, words in _WORDS if re.search(words, plain)), "")
     return quantity, bool(_COMMANDED.search(plain))
+
+
+def is_rate_unit(written: str) -> bool:
+    """Whether a unit is one of a possible output, per time.
+
+    >>> is_rate_unit("T/s"), is_rate_unit("1/s"), is_rate_unit("ml/min"), is_rate_unit("°C/min")
+    (True, True, False, False)
+    """
+    match = _PER_TIME.fullmatch(written.strip())
+    if match is None:
+        return False
+    base = known_unit(match[1] or "1")
+    quantity = STRAIN if dimension(base) == "ratio" else quantity_of_unit(base)
+    return quantity not in ("", *NO_SIGNALS, *_INPUTS_ONLY)
 
 
 def quantity_of_unit(unit: str) -> str:

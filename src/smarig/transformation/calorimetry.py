@@ -151,7 +151,7 @@ def _joined(records: Sequence[TemperatureRecord]) -> TemperatureRecord:
 
 def _scan(record: TemperatureRecord, a: int, b: int) -> HeatFlowScan | None:
     """The readings of a branch while its temperature moves; None for a jump from one table to the next."""
-    rows = slice(a, b + 1)
+    rows = slice(a + (a > 0), b + 1)  # the first one of a later branch is the last one of the branch before
     u, y = record.u[rows], record.y[rows]
     t = record.t_s[rows] if record.t_s is not None else None
     moving = _moving(u, t)
