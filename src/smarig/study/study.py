@@ -19,6 +19,7 @@ from smarig.study.function_of_input import function_of_input
 from smarig.study.heat_flow_study import calorimetry_of
 from smarig.study.imported_runs import ImportedTable, import_tables
 from smarig.study.mapping_draft import mapping_draft
+from smarig.study.plane_model import refuse_plane_tables
 from smarig.study.study_files import STUDY_JSON, STUDY_MODEL, STUDY_PAGE
 from smarig.study.study_options import StudyOptions, study_key
 from smarig.study.study_page import study_page
@@ -55,6 +56,7 @@ def study(
         key = study_key(paths, options)
         folder.mkdir(parents=True, exist_ok=True)
         progress("reading")
+        refuse_plane_tables(paths, folder, name, options.units)
         try:
             understood = understand(paths, options, ask)
         except UnsureError as error:
