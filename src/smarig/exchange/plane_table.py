@@ -29,8 +29,8 @@ _BETA = re.compile(r"(?:beta|β|b)\b", re.IGNORECASE)
 class PlaneTable:
     """``values[i, j]`` at (α, β) = (levels[i], levels[j]), NaN where the file has none; levels (n,) rise strictly.
 
-    ``words`` is what the file says of the values: their name, or corner cell and comments. ``level_name`` is the name of
-    the first column, "" for a matrix.
+    ``words`` is what the file says of the values: their name, or corner cell and comments. ``level_name`` is the name
+    of the first column, "" for a matrix.
     """
 
     levels: Array

@@ -25,8 +25,8 @@ def calorimetry_of(tables: Sequence[ImportedTable], guesses: Sequence[TableGuess
             f"{runs[0].name} records a heat flow, which is a rate, but no temperature: neither a model nor "
             "transformation temperatures follow from it. Name the temperature with --input NAME."
         )
-    said = heat_flow_header(guesses[0].table)
-    return calorimetry(runs, exothermic=said.exothermic, mass_mg=said.mass_mg)
+    header = heat_flow_header(guesses[0].table)
+    return calorimetry(runs, exothermic=header.exothermic, mass_mg=header.mass_mg)
 
 
 def is_heat_flow(run: Run) -> bool:

@@ -22,7 +22,7 @@ from smarig.study.study_files import STUDY_MODEL
 
 Array = NDArray[np.float64]
 EVERETT, WEIGHTS, DENSITY = "an Everett table", "a table of Preisach weights", "a Preisach density"
-_SAID = (
+_WORDS = (
     (EVERETT, re.compile(r"everett", re.IGNORECASE)),
     (DENSITY, re.compile(r"densit|dichte|\bmu\b|μ", re.IGNORECASE)),
     (WEIGHTS, re.compile(r"weight|gewicht|mass|\bw\b", re.IGNORECASE)),
@@ -59,9 +59,9 @@ def _unit_in(name: str) -> str:
 
 def kind_of(table: PlaneTable) -> str:
     """What the values are: as the file says, else an Everett table if they are 0 at α = β and grow with α − β."""
-    said = next((kind for kind, words in _SAID if words.search(table.words)), "")
-    if said:
-        return said
+    stated = next((kind for kind, words in _WORDS if words.search(table.words)), "")
+    if stated:
+        return stated
     values = _triangle(table)
     inside = np.tri(values.shape[0], dtype=bool)
     filled = np.where(inside, values, np.nan)

@@ -5,8 +5,8 @@ flank meets the baseline before the peak, extrapolated; the finish is the same o
 after it; the peak is where the curve is farthest from the baseline (ASTM F2004). A straight flank aside, the steepest
 place is the inflection: a Gaussian peak m, s on a straight baseline has its start at m − 2 s and its finish at m + 2 s.
 
-Below the peak the baseline passes from the line before to the line after in proportion to the part of the area that has
-gone by, which is exact for a step of the heat capacity (Hemminger and Sarge 1991). The latent heat is the area over it,
+Below the peak the baseline goes from the line before to the line after in proportion to the part of the area that has
+passed, which is exact for a step of the heat capacity (Hemminger and Sarge 1991). The latent heat is the area over it,
 in time.
 
 As in ``branch_tangents``, each figure is the mean over the choices of readings, and its draws contain the noise and the
@@ -135,33 +135,34 @@ class _RoughPeak:
 
 def _rough_peak(u: Array, y: Array) -> _RoughPeak:
     """Where the peak and its baselines are: from a line through both ends, improved in turns."""
-    end, window = max(3, round(_END * u.size)), max(1, u.size // 100)
-    (u0, y0), (u1, y1) = (tuple(float(np.median(x[rows])) for x in (u, y)) for rows in _ends(end))
-    base = y0 + (u - u0) * (y1 - y0) / (u1 - u0)
-    for _ in range(_ROUNDS):
-        found = _around_apex(u, y - base, window)
-        apex, height, halves = found
-        lower, upper = (abs(u[apex] - half) for half in halves)
-        knees = halves[0] - _KNEE * lower, halves[1] + _KNEE * upper
-        span = knees[1] - knees[0]
-        rows = {"low": _rows(u, u[0], knees[0], span), "high": _rows(u, u[-1], knees[1], span)}
-        lines = [np.polyfit(u[r[len(r) // 2]], y[r[len(r) // 2]], 1) if r else None for r in rows.values()]
-        if lines[0] is None and lines[1] is None:
-            raise UsageError(
-                "no peak stands out from a baseline: the curve has none on either side of its highest part"
-            )
-        low, high = (
-            np.polyval(line if line is not None else other, u) for line, other in (lines, lines[::-1])
+    end = max(3, round(_END * u.size))
+    (u0, u1), (y0, y1) = ((np.median(x[:end]), np.median(x[-end:])) for x in (u, y))
+    rough, base = _improved(u, y, y0 + (u - u0) * (y1 - y0) / (u1 - u0), max(1, u.size // 100))
+    for _ in range(_ROUNDS - 1):
+        rough, base = _improved(u, y, base, rough.window)
+    return rough
+
+
+def _improved(u: Array, y: Array, base: Array, window: int) -> tuple[_RoughPeak, Array]:
+    """The peak over a baseline (n,), and the baseline that follows from it."""
+    apex, height, halves = _around_apex(u, y - base, window)
+    lower, upper = (abs(float(u[apex]) - half) for half in halves)
+    knees = halves[0] - _KNEE * lower, halves[1] + _KNEE * upper
+    span = knees[1] - knees[0]
+    rows = {"low": _rows(u, u[0], knees[0], span), "high": _rows(u, u[-1], knees[1], span)}
+    lines = [np.polyfit(u[r[len(r) // 2]], y[r[len(r) // 2]], 1) for r in rows.values() if r]
+    if not lines:
+        raise UsageError(
+            "no peak stands out from a baseline: there is none on either side of the highest part"
         )
-        part = np.clip((u - knees[0]) / span, 0.0, 1.0)
-        base = low + part * (high - low)
-        per_reading = float(np.median(np.diff(u))) or span / u.size
-        window = max(1, int(_SMOOTHED * min(lower, upper) / per_reading))
-    return _RoughPeak(apex, height, knees, rows, window)
-
-
-def _ends(end: int) -> tuple[slice, slice]:
-    return slice(None, end), slice(-end, None)
+    low, high = (
+        np.polyval(lines[0], u),
+        np.polyval(lines[-1], u),
+    )  # a side without a line has that of the other
+    part = np.clip((u - knees[0]) / span, 0.0, 1.0)
+    per_reading = float(np.median(np.diff(u))) or span / u.size
+    smoothed = max(1, int(_SMOOTHED * min(lower, upper) / per_reading))
+    return _RoughPeak(apex, height, knees, rows, smoothed), low + part * (high - low)
 
 
 def _rows(u: Array, end: float, knee: float, span: float) -> tuple[Integers, ...]:
@@ -279,15 +280,15 @@ def _baseline(u: Array, y: Array, low: PlateauLine, high: PlateauLine, rough: _R
 
 
 def _part(u: Array, y: Array, before: Array, after: Array, rough: _RoughPeak) -> Array:
-    """The part (n,) of the area that has gone by, by iteration; 0 and 1 outside the peak."""
+    """The part (n,) of the area that has passed by, by iteration; 0 and 1 outside the peak."""
     inside = _inside(u, rough)
     part = np.clip((u - rough.knees[0]) / (rough.knees[1] - rough.knees[0]), 0.0, 1.0)
     for _ in range(_ROUNDS):
         over = np.where(inside, y - before - part * (after - before), 0.0)
-        gone = np.concatenate([[0.0], np.cumsum((over[1:] + over[:-1]) / 2 * np.diff(u))])
-        if gone[-1] <= 0:
+        passed = np.concatenate([[0.0], np.cumsum((over[1:] + over[:-1]) / 2 * np.diff(u))])
+        if passed[-1] <= 0:
             break
-        part = np.clip(gone / gone[-1], 0.0, 1.0)
+        part = np.clip(passed / passed[-1], 0.0, 1.0)
     return part
 
 
