@@ -29,7 +29,7 @@ from smarig.measurement import input_noise_sd
 from smarig.record import load_run
 from smarig.study.baselines import RunPoints, curve_of_means
 from smarig.study.candidate_models import CandidateModel, compared_points
-from smarig.study.data_split import LOAD, DataSplit
+from smarig.study.data_split import DataSplit
 
 Array = NDArray[np.float64]
 Curve = tuple[Array, Array]
@@ -61,7 +61,7 @@ class FunctionOfInput:
 
 def function_of_input(best: CandidateModel, split: DataSplit) -> FunctionOfInput | None:
     """The output as a function of the input; None if the data show hysteresis, or dependence on something else."""
-    if split.kind == LOAD:
+    if split.kind == "load":
         return None
     train, held_out = ([compared_points(r) for r in runs] for runs in (best.train, best.held_out))
     u, y, way = (np.concatenate([getattr(p, k)[p.counted] for p in train]) for k in ("u", "y", "direction"))
