@@ -45,7 +45,7 @@ def studied(folder, u, y, noise, more=""):
 @pytest.mark.parametrize("noise", [0.0, 0.002, 0.02])
 @pytest.mark.parametrize("name", FUNCTIONS)
 def test_a_function_of_the_input_is_called_one_without_a_cause(tmp_path, name, noise):
-    u = temperatures(3, 200)
+    u = temperatures(3, 120)
     result = studied(tmp_path, u, FUNCTIONS[name](u), noise)
     assert result.sentences()[0] == "The output is a function of the input; these data show no hysteresis."
     assert result.diagnosis is None
@@ -63,7 +63,7 @@ def test_a_function_of_the_input_is_called_one_without_a_cause(tmp_path, name, n
 @pytest.mark.parametrize("half_width", [0.5, 5.0])
 def test_a_loop_is_no_function(tmp_path, half_width, noise):
     """Also one of 1 K, whose open part is about twice the largest noise."""
-    u = temperatures(3, 200)
+    u = temperatures(3, 120)
     result = studied(tmp_path, u, FUNCTIONS["tanh"](play(u, half_width)), noise)
     assert result.function is None
     assert "no hysteresis" not in result.sentences()[0]

@@ -104,6 +104,26 @@ def test_milliwatts_give_heat_per_gram_with_the_mass_of_the_file(tmp_path):
     check(result.calorimetry.cycles[0])
 
 
+def test_a_second_peak_is_named_and_only_the_other_branch_has_temperatures(tmp_path):
+    (heating, (u, t, q)) = branches()
+    second = q - 0.3 * np.exp(-(((u + 10.0) / 6.0) ** 2) / 2)
+    result = study([proteus(tmp_path / "r.csv", [heating, (u, t, second)])], tmp_path / "out", StudyOptions())
+    (cycle,) = result.calorimetry.cycles
+    assert {"A_s", "A_p", "A_f"} <= cycle.figures.keys()
+    assert "M_s" not in cycle.figures
+    assert any("No M_s" in s and "second peak, as that of an R-phase" in s for s in result.sentences())
+
+
+def test_a_curve_without_peaks_says_so(tmp_path):
+    flat = [
+        (u, t, 0.003 * np.random.default_rng(k).standard_normal(u.size))
+        for k, (u, t, _) in enumerate(branches())
+    ]
+    result = study([trios(tmp_path / "f.txt", flat)], tmp_path / "out", StudyOptions())
+    assert result.sentences()[1] == "No transformation temperatures."
+    assert not any("Exothermic" in s for s in result.sentences())
+
+
 def test_a_direction_that_contradicts_the_peaks_is_named(tmp_path):
     file = trios(tmp_path / "d.txt", branches(endothermic=1.0), "exothermic\tup\n")
     result = study([file], tmp_path / "out", StudyOptions())

@@ -27,7 +27,7 @@ from smarig.report import (
     to_uncertainty,
 )
 from smarig.report import table as html_table
-from smarig.study.heat_flow_sentences import missing_sentences, rate_text
+from smarig.study.heat_flow_sentences import rate_text
 from smarig.transformation import (
     HEAT_FIGURES,
     Calorimetry,
@@ -99,7 +99,7 @@ def heat_flow_notes(found: Calorimetry) -> Iterator[Html]:
     )
     unused = [f"Not used: {u.sentence(display_unit(found.input_unit))}" for u in found.unused]
     rates = [text for c in found.cycles if (text := rate_text(c))]
-    yield bullets([*rates, *missing_sentences(found), *unused])
+    yield bullets([*rates, *unused])
 
 
 def _figure_name(name: str) -> Html | str:

@@ -12,7 +12,10 @@ _HEATS = {"heating_heat": "on heating", "cooling_heat": "on cooling"}
 
 def heat_flow_sentences(found: Calorimetry) -> list[str]:
     """Why there is no model, then the temperatures of each cycle, and which direction is exothermic."""
-    return [_NO_MODEL, *(_cycle_sentence(found, c) for c in found.cycles), direction_sentence(found)]
+    cycles = [_cycle_sentence(found, cycle) for cycle in found.cycles]
+    missing = list(missing_sentences(found))
+    directed = any(cycle.figures for cycle in found.cycles) or not found.agrees
+    return [_NO_MODEL, *cycles, *missing, *([direction_sentence(found)] if directed else [])]
 
 
 def _cycle_sentence(found: Calorimetry, cycle: CalorimetryCycle) -> str:
@@ -21,7 +24,7 @@ def _cycle_sentence(found: Calorimetry, cycle: CalorimetryCycle) -> str:
     latent = f"; latent heat {', '.join(heats)}" if heats else ""
     which = f"Cycle {cycle.number}: " if len(found.cycles) > 1 else ""
     if not values:
-        return f"{which}No transformation temperatures: {next(iter(cycle.why_not.values()))}."
+        return f"{which}No transformation temperatures."
     return f"{which}{', '.join(values)}{latent}."
 
 
@@ -61,7 +64,8 @@ def missing_sentences(found: Calorimetry) -> Iterator[str]:
         for name, reason in cycle.why_not.items():
             names.setdefault(reason, []).append(_HEATS.get(name, name).replace("on ", "latent heat of "))
         for reason, own in names.items():
-            yield f"Cycle {cycle.number}, {', '.join(own)}: {reason}."
+            which = f"Cycle {cycle.number}: no" if len(found.cycles) > 1 else "No"
+            yield f"{which} {', '.join(own)}: {reason}."
 
 
 def rate_text(cycle: CalorimetryCycle) -> str:

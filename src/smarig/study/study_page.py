@@ -30,6 +30,7 @@ from smarig.report import (
 from smarig.report import table as html_table
 from smarig.study.column_guess import STATED
 from smarig.study.heat_flow_page import heat_flow_figure, heat_flow_notes, heat_flow_table
+from smarig.study.heat_flow_sentences import missing_sentences
 from smarig.study.key_figures import key_figures
 from smarig.study.study_figure import heating_figure, loop_figure, other_loops, run_title, shown_run
 from smarig.study.study_files import VERDICT_LEVELS
@@ -97,7 +98,8 @@ def _lead(result: StudyResult) -> str:
 def _summary(result: StudyResult) -> Iterator[Html | Figure]:
     """The first screen: three sentences, and the loop with its figures and what explains the error beside it."""
     first, *rest = result.sentences()
-    rest = rest[-1:] if result.calorimetry else rest  # the table has the temperatures
+    if result.calorimetry is not None:
+        rest = [*missing_sentences(result.calorimetry), *rest[-1:]]  # the table has the temperatures
     further = " ".join(s for s in rest if s)
     yield notice(_level(result), paragraph(tag("b", first)), *([paragraph(further)] if further else []))
     if result.calorimetry is not None:

@@ -12,7 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from smarig.core import UsageError
+from smarig.measurement import input_noise_sd
 from smarig.record import Run
+from smarig.transformation.branch_tangents import LEAST_RISE
 from smarig.transformation.cycle_figures import Drawn
 from smarig.transformation.full_branches import HEATING, UnusedBranch, branch_rows, direction_of
 from smarig.transformation.heat_flow_peak import HeatFlowPeak, heat_flow_peak
@@ -131,7 +133,7 @@ def calorimetry(runs: Sequence[Run], *, exothermic: str = "", mass_mg: float | N
         unused=tuple(unused),
         exothermic=exothermic or (DOWN if endothermic > 0 else UP),
         stated=bool(exothermic),
-        agrees=all(np.sign(vote) == endothermic for vote in votes),
+        agrees=all(vote in (0.0, endothermic) for vote in votes),
         unit=record.unit,
         input_unit=record.input_unit,
         heat_unit=heat_unit,
@@ -194,13 +196,15 @@ def _averaged(u: Array, y: Array) -> tuple[Array, Array]:
 
 
 def _endothermic(scan: HeatFlowScan) -> float:
-    """The direction of endothermic heat flow that a branch shows: +1 up, −1 down; 0 for a flat one.
+    """The direction of endothermic heat flow that a branch shows: +1 up, −1 down; 0 if nothing stands out of its noise.
 
     It is that of the reading farthest from the line through both ends, of a heating branch; of a cooling branch, the
     other one.
     """
     far = scan.y - np.interp(scan.u, scan.u[[0, -1]], scan.y[[0, -1]])
     peak = float(far[np.argmax(np.abs(far))])
+    if abs(peak) <= LEAST_RISE * input_noise_sd(scan.y):
+        return 0.0
     return float(np.sign(peak)) * (1.0 if scan.direction == HEATING else -1.0)
 
 

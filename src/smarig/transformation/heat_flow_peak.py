@@ -21,6 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from smarig.core import UsageError
+from smarig.measurement import input_noise_sd
 from smarig.transformation.branch_noise import ReadingNoise, pooled, reading_noise
 from smarig.transformation.branch_tangents import DRAWS, LEAST_RISE, with_choice
 from smarig.transformation.cycle_figures import Drawn
@@ -83,7 +84,7 @@ def heat_flow_peak(u: Array, y: Array, *, rate_K_per_s: float | None = None, see
     rough = _rough_peak(u, y)
     noise = _noise(u, y, rough)
     if not rough.height > LEAST_RISE * noise.sd:
-        raise UsageError("no peak stands out clearly from its baseline and noise")
+        raise UsageError(_why_none(u, y, rough))
     dice = np.random.default_rng(seed)
     drawn = noise.draws(DRAWS, np.arange(u.size), u.size, dice)
     bend = dice.standard_normal((DRAWS, 2))
@@ -139,7 +140,10 @@ def _rough_peak(u: Array, y: Array) -> _RoughPeak:
     (u0, u1), (y0, y1) = ((np.median(x[:end]), np.median(x[-end:])) for x in (u, y))
     rough, base = _improved(u, y, y0 + (u - u0) * (y1 - y0) / (u1 - u0), max(1, u.size // 100))
     for _ in range(_ROUNDS - 1):
-        rough, base = _improved(u, y, base, rough.window)
+        try:
+            rough, base = _improved(u, y, base, rough.window)
+        except UsageError:
+            raise UsageError(_why_none(u, y, rough)) from None
     return rough
 
 
@@ -168,6 +172,16 @@ def _improved(u: Array, y: Array, base: Array, window: int) -> tuple[_RoughPeak,
 def _rows(u: Array, end: float, knee: float, span: float) -> tuple[Integers, ...]:
     """The rows of a baseline; () for a knee beyond the end."""
     return plateau_rows(u, float(end), knee, span) if u[0] < knee < u[-1] else ()
+
+
+def _why_none(u: Array, y: Array, rough: _RoughPeak) -> str:
+    """Why no peak stands out: another one in its baselines, which is no noise, or the noise."""
+    line = np.interp(u, u[[0, -1]], y[[0, -1]])
+    far = np.where((u < rough.knees[0]) | (u > rough.knees[1]), _moving_mean(y - line, rough.window), 0.0)
+    other = int(np.argmax(far))
+    if far[other] > LEAST_RISE * input_noise_sd(y):
+        return f"a second peak, as that of an R-phase, lies near {u[other]:.0f} in the baseline of the highest one"
+    return "no peak stands out clearly from its baseline and noise"
 
 
 def _around_apex(u: Array, d: Array, window: int) -> tuple[int, float, tuple[float, float]]:
