@@ -21,6 +21,9 @@ if TYPE_CHECKING:
     from smarig.exchange.logged_rows import logged_rows as logged_rows
     from smarig.exchange.mapping import MappingFile as MappingFile
     from smarig.exchange.mapping import load_mapping as load_mapping
+    from smarig.exchange.plane_table import PlaneTable as PlaneTable
+    from smarig.exchange.plane_table import plane_table as plane_table
+    from smarig.exchange.preamble import preamble_lines as preamble_lines
     from smarig.exchange.refused_files import check_data_file as check_data_file
     from smarig.exchange.unchanged_file import FileChangedError as FileChangedError
     from smarig.exchange.unchanged_file import unchanged as unchanged

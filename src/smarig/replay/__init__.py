@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from smarig.replay.model_file import ActuatorRecord as ActuatorRecord
     from smarig.replay.model_file import Model as Model
     from smarig.replay.model_file import NoiseRecord as NoiseRecord
+    from smarig.replay.model_file import SignalDescription as SignalDescription
     from smarig.replay.model_file import load_model as load_model
     from smarig.replay.plant_model import PlantModel as PlantModel
     from smarig.replay.plant_model import actuator_for_run as actuator_for_run

@@ -63,11 +63,19 @@ def baselines(train: Sequence[RunPoints]) -> list[Baseline]:
 
 def _mean_curve(u: Array, y: Array) -> Callable[[Array], Array]:
     """The mean output in intervals of the input with equal numbers of points, joined by lines."""
-    order = np.argsort(u, kind="stable")
-    parts = [part for part in np.array_split(order, min(_NODES, max(u.size // 4, 1))) if part.size]
-    nodes = np.array([u[part].mean() for part in parts])
-    means = np.array([y[part].mean() for part in parts])
+    nodes, means = curve_of_means(u, y, min(_NODES, max(u.size // 4, 1)))
     return lambda x: np.interp(x, nodes, means)
+
+
+def curve_of_means(u: Array, y: Array, count: int) -> tuple[Array, Array]:
+    """The means (k,) of inputs and outputs (n,) in k = ``count`` intervals of the input with equal numbers of points.
+
+    >>> curve_of_means(np.array([0.0, 1, 2, 3]), np.array([0.0, 2, 5, 7]), 2)
+    (array([0.5, 2.5]), array([1., 6.]))
+    """
+    order = np.argsort(u, kind="stable")
+    parts = [part for part in np.array_split(order, count) if part.size]
+    return np.array([u[part].mean() for part in parts]), np.array([y[part].mean() for part in parts])
 
 
 def baseline_rms(baseline: Baseline, held_out: Sequence[RunPoints], free_zero: Sequence[bool]) -> float:

@@ -142,13 +142,14 @@ def _simple(best: CandidateModel, split: DataSplit) -> dict[str, float]:
 
     If nothing is held out, both branches of the one loop are left out: their mean is the measured loop itself.
     """
-    train, held_out = ([_points(r) for r in runs] for runs in (best.train, best.held_out))
+    train, held_out = ([compared_points(r) for r in runs] for runs in (best.train, best.held_out))
     free = [r.offset_kind == "fitted" for r in best.held_out]
     known = [b for b in baselines(train) if split.kind != "none" or b.name != BRANCHES]
     return {b.name: baseline_rms(b, held_out, free) for b in known}
 
 
-def _points(run: RunVerification) -> RunPoints:
+def compared_points(run: RunVerification) -> RunPoints:
+    """The readings of a run at which the model and simple curves are compared."""
     return points_of(run.input, run.measured, run.counted & np.isfinite(run.predicted))
 
 

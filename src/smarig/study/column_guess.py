@@ -19,6 +19,7 @@ _STRAIN_PERCENT = 15.0
 _SYMMETRIC = 0.05  # of the range: a middle closer to 0
 _BOTH_WAYS = 0.25  # of the range: the same for two columns that go about 0 together
 _KELVIN_ABOVE = 200.0  # a temperature that never falls below is in K
+_OF_TEMPERATURE = re.compile(r"dT|[Tt]emp|heating|cooling|[°K]C?\s*/|degC\s*/")
 _IN_NAME = re.compile(r"(?<![\d.])(-?\d+(?:[.,]\d+)?)\s*_?(MPa|N|degC|°C|C|Hz)(?![A-Za-z])")
 
 
@@ -86,24 +87,27 @@ def guess_columns(
 def _by_name(facts: ColumnFacts) -> ColumnGuess:
     """The quantity by name and unit."""
     label, written = q.name_and_unit("" if _nameless(facts.name) else facts.name, facts.written_unit)
-    quantity, commanded = q.quantity_of_name(label.split("/")[-1]) if label else ("", False)
+    whole = q.quantity_of_name(label)[0] == q.RATE  # dB/dt is no path
+    quantity, commanded = (
+        q.quantity_of_name(label if whole else label.split("/")[-1]) if label else ("", False)
+    )
     quantity = quantity or q.quantity_of_name(q.without_branch(label))[0]
     unit = known_unit(
         written, temperature=quantity in (q.TEMPERATURE, q.AMBIENT) or label.strip().lower() in ("t", "temp")
     )
     if label.strip() in ("T", "ϑ", "θ", "Θ") and dimension(unit or "K") == "temperature":
         quantity = q.TEMPERATURE if unit or not (facts.rising and facts.even) else q.TIME
-    by_unit = q.quantity_of_unit(unit)
+    by_unit = q.RATE if q.is_rate_unit(written) else q.quantity_of_unit(unit)
     confidence = LIKELY if quantity else 0.0
     reason = f"its name '{label}'" if quantity else ""
     if (
         by_unit
-        and dimension(unit) not in q.DIMENSIONS.get(quantity, ())
+        and (by_unit == q.RATE or dimension(unit) not in q.DIMENSIONS.get(quantity, ()))
         and quantity not in (q.RATE, q.INDEX, q.SCATTER)
     ):
-        quantity, reason, confidence = by_unit, f"its unit {unit}", LIKELY
+        quantity, reason, confidence = by_unit, f"its unit {unit or written}", LIKELY
     elif by_unit and quantity:
-        confidence, reason = STATED, f"its name '{label}' and its unit {unit}"
+        confidence, reason = STATED, f"its name '{label}' and its unit {unit or written}"
     if facts.kind == "clock":
         quantity, unit, reason, confidence = q.TIME, "s", "clock times", STATED
     if written and not unit:
@@ -205,6 +209,13 @@ def _value_in_name(f: ColumnFacts, files: Sequence[str]) -> str:
             if abs(float(value.replace(",", ".")) - mean) <= 0.05 * abs(mean):
                 return {"MPa": q.STRESS, "N": q.FORCE, "Hz": "frequency"}.get(unit, q.TEMPERATURE)
     return ""
+
+
+def is_rate_of_output(guess: ColumnGuess) -> bool:
+    """Whether a column that moves is the rate of what could be an output, and not that of a temperature."""
+    f = guess.facts
+    moves = f.known.size > 1 and f.span > 0
+    return guess.quantity == q.RATE and moves and not _OF_TEMPERATURE.search(guess.name)
 
 
 def conditions_in_name(stem: str) -> dict[str, tuple[float, str]]:

@@ -14,7 +14,7 @@ from smarig.study.data_files import NOT_DATA, find_files
 from smarig.study.parallel import completed
 from smarig.study.studies_page import studies_page
 from smarig.study.study import plain, study
-from smarig.study.study_files import STUDY_JSON, STUDY_PAGE
+from smarig.study.study_files import STUDY_JSON, STUDY_PAGE, outcome_word
 from smarig.study.study_options import StudyOptions, study_key
 
 
@@ -154,7 +154,7 @@ def _folders(files: Sequence[Path], places: Sequence[Path]) -> Iterator[str]:
 def _short(outcome: FileOutcome) -> str:
     if outcome.found is None:
         return f"failed: {outcome.failure[:200]}"
-    return str(outcome.found.get("verdict") or "heating only")
+    return outcome_word(outcome.found)
 
 
 def _write(path: Path, text: str) -> None:

@@ -32,6 +32,11 @@ def _rows(result: StudyResult, run: Run) -> Iterator[Row]:
     if result.evaluation is None:
         return
     unit = result.unit
+    if result.function is not None:
+        yield "Error of the curve, rms", _value(result.function.rms, unit), ""
+        yield "Error of the model, rms", _value(result.function.model_rms, unit), ""
+        yield "Noise of a reading", _value(result.function.noise, unit, 2), ""
+        return
     yield "Error, rms", _value(result.evaluation.best.rms, unit), ""
     yield "Error over the range", f"{number(100 * result.nrmse, 2)} %", ""
     yield "Noise of a reading", _value(result.noise, unit, 2) if result.noise else "not known", ""

@@ -10,6 +10,7 @@ from smarig.study.column_guess import ColumnGuess, conditions_in_name
 from smarig.study.table_guess import TableGuess
 
 _STORED = {"length": "mm", "temperature": "degC", "ratio": "mm/mm"}  # units in which outputs are stored
+_HEAT_FLOWS = {"heat flow": "W/g", "power": "mW"}
 _CHANNELS = {q.TEMPERATURE: "temperature_degC", q.CURRENT: "current_A"}
 _CONDITIONS = {q.STRESS: "stress", q.FORCE: "load"}
 _HEADER_CONDITIONS = (("frequency", "frequency", "Hz"), ("room temp", "room_temperature", "degC"))
@@ -92,6 +93,8 @@ def output_unit(out: ColumnGuess) -> str:
     """The unit in which an output is stored: that of the file for a strain in %."""
     if out.quantity == q.STRAIN and dimension(out.unit) == "ratio":
         return "%" if out.unit == "%" else "mm/mm"
+    if out.quantity == q.HEAT_FLOW:
+        return _HEAT_FLOWS.get(dimension(out.unit), out.unit or "1")
     return (
         _STORED.get(dimension(out.unit), out.unit or "1")
         if out.quantity == q.DISPLACEMENT

@@ -14,10 +14,19 @@ FORCE, STRESS = "force", "stress"
 CURRENT, VOLTAGE, RESISTANCE, POWER, DUTY = "current", "voltage", "resistance", "power", "duty cycle"
 FIELD, FLUX, MOMENT, MAGNETISATION = "magnetic field", "flux density", "magnetic moment", "magnetisation"
 POLARISATION, ELECTRIC_FIELD = "polarisation", "electric field"
+HEAT_FLOW = "heat flow"
 
 _WORDS: tuple[tuple[str, str], ...] = (  # the first that matches counts
     (SCATTER, r"std ?(dev|err)|standard (dev|err)|st dev|percent err|uncertain|unsicherheit|\breg fit"),
-    (RATE, r"deriv|\brate|d\w*/dt|dtdt|gradient|velocity|speed|geschwindigkeit|\bslope"),
+    (
+        RATE,
+        r"deriv|\brate|d\w*/dt|dtdt|gradient|velocity|speed|geschwindigkeit|\bslope|\bd\w{1,3} dt\b|"
+        r"pick ?up|search coil|sens\w* coil|\binduced|induktionsspannung|\b[uv] ?ind\b",
+    ),
+    (
+        HEAT_FLOW,
+        r"heat ?fl(ow|ux)|\bdsc\b|w(ae|a)rme(strom|fluss)|(flux|debit) (de chaleur|thermique)|flujo de calor",
+    ),
     (AMBIENT, r"ambien|room|umgebung|raumtemp|\bt ?amb|t ?room|air ?temp"),
     (CYCLE, r"cycle (no|num|count|index)|^cycle$|^zyklus|^loop$|segment"),
     (
@@ -71,6 +80,7 @@ _BY_DIMENSION = {
     "specific moment": MAGNETISATION,
     "polarisation": POLARISATION,
     "electric field": ELECTRIC_FIELD,
+    "heat flow": HEAT_FLOW,
 }
 DIMENSIONS = {  # of the units in which a quantity may be given
     TIME: ("time",),
@@ -92,9 +102,12 @@ DIMENSIONS = {  # of the units in which a quantity may be given
     POLARISATION: ("polarisation",),
     ELECTRIC_FIELD: ("electric field",),
     DUTY: ("ratio",),
+    HEAT_FLOW: ("heat flow", "power"),
 }
 _IN_BRACKETS = re.compile(r"^(.*?)[\s_]*[\[(<{]\s*([^\[\](){}<>]*)\s*[\])>}]\s*(.*)$")
 _BEHIND_SIGN = re.compile(r"^(.+?)\s*(?:/|,| in |_in_)\s*(\S+)$")
+_PER_TIME = re.compile(r"(.*?)\s*(?:/\s*(?:s|sec|min|h)|[·* ]?(?:s|min|h)(?:\^?-1|⁻¹))")
+_INPUTS_ONLY = (TEMPERATURE, AMBIENT, CURRENT, VOLTAGE, POWER, DUTY)
 _LAST_WORD = re.compile(r"^(.*?)[_\s-]+([^\s_-]+)$")
 
 
@@ -103,11 +116,13 @@ def name_and_unit(name: str, written_unit: str = "") -> tuple[str, str]:
 
     >>> name_and_unit("Force (N)"), name_and_unit("Kraft/N"), name_and_unit("T_degC"), name_and_unit("SMA temperature")
     (('Force', 'N'), ('Kraft', 'N'), ('T', 'degC'), ('SMA temperature', ''))
+    >>> name_and_unit("DSC/(mW/mg)")
+    ('DSC', 'mW/mg')
     """
     if match := _IN_BRACKETS.match(name):
         words, unit = f"{match[1]} {match[3]}".strip(), match[2].strip()
         if unit and (known_unit(unit, temperature=True) or not written_unit) and not unit.isdigit():
-            return words or name, written_unit or unit
+            return words.rstrip(" /") or name, written_unit or unit
     if written_unit:
         return name, written_unit
     for pattern in (_BEHIND_SIGN, _LAST_WORD):
@@ -139,6 +154,20 @@ def without_branch(label: str) -> str:
     ('R', 'M')
     """
     return _BRANCH.sub("", label).strip(" _.-")
+
+
+def is_rate_unit(written: str) -> bool:
+    """Whether a unit is one of a possible output, per time.
+
+    >>> is_rate_unit("T/s"), is_rate_unit("1/s"), is_rate_unit("ml/min"), is_rate_unit("°C/min")
+    (True, True, False, False)
+    """
+    match = _PER_TIME.fullmatch(written.strip())
+    if match is None:
+        return False
+    base = known_unit(match[1] or "1")
+    quantity = STRAIN if dimension(base) == "ratio" else quantity_of_unit(base)
+    return quantity not in ("", *NO_SIGNALS, *_INPUTS_ONLY)
 
 
 def quantity_of_unit(unit: str) -> str:

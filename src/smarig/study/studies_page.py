@@ -18,7 +18,7 @@ from smarig.report import (
     tag,
     thumbnail,
 )
-from smarig.study.study_files import VERDICT_LEVELS
+from smarig.study.study_files import VERDICT_LEVELS, outcome_word
 
 if TYPE_CHECKING:
     from smarig.study.each_file import FileOutcome
@@ -115,9 +115,7 @@ def _card(outcome: "FileOutcome", found: dict[str, Any]) -> Html:
     verdict = found.get("verdict")
     error = f", {number(100 * _share(found), 2)} % of the range" if verdict else ""
     classes = f"level {VERDICT_LEVELS[verdict]}" if verdict in VERDICT_LEVELS else ""
-    return tag(
-        "li", drawn, _link(outcome), tag("p", tag("b", verdict or "heating only"), error), class_=classes
-    )
+    return tag("li", drawn, _link(outcome), tag("p", tag("b", outcome_word(found)), error), class_=classes)
 
 
 def _table(done: "Sequence[FileOutcome]") -> Html:
@@ -138,7 +136,7 @@ def _cells(outcome: "FileOutcome", found: dict[str, Any], place: int) -> list[Ht
     verdict, unit = found.get("verdict"), display_unit(found.get("unit") or "")
     diagnosis = (found.get("diagnosis") or {}).get("verdict", "–")
     rest: list[tuple[Any, Any]] = [
-        (verdict or "heating only", _RANK.get(verdict or "", 3)),
+        (outcome_word(found), _RANK.get(verdict or "", 3)),
         (number(rms), rms),
         (unit, unit),
         (number(share, 2) if share is not None else "–", share),

@@ -15,8 +15,11 @@ from smarig.exchange import unchanged
 from smarig.identification import calibrate
 from smarig.study.candidate_models import Evaluation, evaluate, rms_without_cause, with_extended
 from smarig.study.data_split import DataSplit, split_runs
+from smarig.study.function_of_input import function_of_input
+from smarig.study.heat_flow_study import calorimetry_of
 from smarig.study.imported_runs import ImportedTable, file_title, import_tables
 from smarig.study.mapping_draft import mapping_draft
+from smarig.study.plane_model import refuse_plane_tables
 from smarig.study.study_files import STUDY_JSON, STUDY_MODEL, STUDY_PAGE
 from smarig.study.study_options import StudyOptions, study_key
 from smarig.study.study_page import study_page
@@ -54,6 +57,7 @@ def study(
         key = study_key(paths, options)
         folder.mkdir(parents=True, exist_ok=True)
         progress("reading")
+        refuse_plane_tables(paths, folder, name, options.units)
         try:
             understood = understand(paths, options, ask)
         except UnsureError as error:
@@ -61,19 +65,24 @@ def study(
         tables, left_out = import_tables(understood.guesses, folder, options.mapping, name)
     for table in tables:
         progress(f"{table.title}: {len(table.run)} rows")
-    split, evaluation, heating = None, None, ""
-    diagnosis, why_not, without_cause, undetermined = None, "", None, None
-    if any(table.run.has("position") for table in tables):
+    split, evaluation, heating, found = None, None, "", calorimetry_of(tables, understood.guesses)
+    diagnosis, why_not, without_cause, undetermined, function = None, "", None, None, None
+    if found is None and any(table.run.has("position") for table in tables):
         split = split_runs([t for t in tables if t.run.has("position")], options.split, folder)
         evaluation = evaluate(split, progress)
         undetermined = undetermined_states(split, evaluation.plain)
-        diagnosis, why_not = _diagnosed(evaluation, split, options, progress)
+        function = function_of_input(evaluation.best, split)
+        diagnosis, why_not = (
+            (None, "the output is a function of the input.")
+            if function is not None
+            else _diagnosed(evaluation, split, options, progress)
+        )
         if diagnosis is not None and diagnosis.extended:
             evaluation = with_extended(evaluation, diagnosis.model, split)
         if isinstance(diagnosis, MeasuredDiagnosis) and diagnosis.verdict.word == "named":
             without_cause = rms_without_cause(evaluation, diagnosis.base_model, split)
         evaluation.best.model.save(folder / STUDY_MODEL, force=True)
-    else:
+    elif found is None:
         heating = _heating(tables)
     result = StudyResult(
         name=name,
@@ -89,7 +98,9 @@ def study(
         without_cause=without_cause,
         undetermined=undetermined,
         heating=heating,
-        transformation=transformation_of([table.run for table in tables]),
+        transformation=transformation_of([table.run for table in tables]) if found is None else None,
+        calorimetry=found,
+        function=function,
         seconds=time.monotonic() - started,
         key=key,
         mapping=options.mapping,

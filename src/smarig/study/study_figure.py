@@ -49,9 +49,17 @@ def loop_figure(result: StudyResult) -> Figure | None:
         return None
     family = _family(result, run) if result.split and result.split.kind == "load" else []
     own = worst_place([b for b in result.branches if b.run == run.run])
-    marked = own if result.verdict != "good" else None
+    marked = own if result.verdict != "good" and result.function is None else None
     title, caption = _words(result, run, marked, family=bool(family))
-    panel = Panel([*family, *loop_traces(run, _load(result, run), marked)], _layout(result), 350)
+    traces = loop_traces(run, _load(result, run), marked)
+    if result.function is not None:
+        curve = line(result.function.u, result.function.y, "curve", style.MODEL, width=1.6, dash="dash")
+        traces = [t for t in traces if t["name"] == "measured"] + [curve]
+        title, caption = (
+            "Measured output and a curve without hysteresis.",
+            ["A function of the input alone.", *caption[1:2]],
+        )
+    panel = Panel([*family, *traces], _layout(result), 350)
     return Figure([panel], title, caption, "")
 
 

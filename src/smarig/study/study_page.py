@@ -29,6 +29,8 @@ from smarig.report import (
 )
 from smarig.report import table as html_table
 from smarig.study.column_guess import STATED
+from smarig.study.heat_flow_page import heat_flow_figure, heat_flow_notes, heat_flow_table
+from smarig.study.heat_flow_sentences import missing_sentences
 from smarig.study.key_figures import key_figures
 from smarig.study.study_figure import heating_figure, loop_figure, other_loops, run_title, shown_run
 from smarig.study.study_files import VERDICT_LEVELS
@@ -44,6 +46,11 @@ def study_page(result: StudyResult, *, library: str = "") -> str:
         *(
             [Section("Transformation temperatures", "Temperatures", list(_temperatures(result)))]
             if result.transformation
+            else []
+        ),
+        *(
+            [Section("What the curve says", "Curve", list(heat_flow_notes(result.calorimetry)))]
+            if result.calorimetry
             else []
         ),
         *(
@@ -73,6 +80,10 @@ def _title(result: StudyResult) -> str:
 
 
 def _level(result: StudyResult) -> str:
+    if result.calorimetry is not None:
+        return "warning" if any(c.why_not for c in result.calorimetry.cycles) else "good"
+    if result.function is not None:
+        return "good"
     return VERDICT_LEVELS[result.verdict] if result.evaluation else "warning"
 
 
@@ -87,8 +98,14 @@ def _lead(result: StudyResult) -> str:
 def _summary(result: StudyResult) -> Iterator[Html | Figure]:
     """The first screen: three sentences, and the loop with its figures and what explains the error beside it."""
     first, *rest = result.sentences()
+    if result.calorimetry is not None:
+        rest = [*missing_sentences(result.calorimetry), *rest[-1:]]  # the table has the temperatures
     further = " ".join(s for s in rest if s)
     yield notice(_level(result), paragraph(tag("b", first)), *([paragraph(further)] if further else []))
+    if result.calorimetry is not None:
+        yield heat_flow_figure(result.calorimetry, result.tables[0].run)
+        yield heat_flow_table(result.calorimetry)
+        return
     figure = loop_figure(result) or heating_figure([t.run for t in result.tables])
     if figure is None:
         return

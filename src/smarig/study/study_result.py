@@ -26,6 +26,8 @@ from smarig.record import load_run
 from smarig.study.candidate_models import EXTENDED, Evaluation
 from smarig.study.data_split import DataSplit
 from smarig.study.error_reasons import error_reasons, mended, noisy_input, one_way, wrong_direction
+from smarig.study.function_of_input import FunctionOfInput
+from smarig.study.heat_flow_sentences import heat_flow_sentences
 from smarig.study.held_out_parts import BranchError, branch_errors, unpredicted_share, worst_place
 from smarig.study.imported_runs import ImportedTable
 from smarig.study.study_json import study_json
@@ -34,6 +36,7 @@ from smarig.study.study_sentences import (
     branch_name,
     error_sentence,
     finding_sentence,
+    function_sentences,
     left_out_sentence,
     measure,
     place_text,
@@ -44,6 +47,7 @@ from smarig.study.study_sentences import (
 from smarig.study.transformation_figures import Transformation
 from smarig.study.understanding import Understanding
 from smarig.study.undetermined_states import UndeterminedStates
+from smarig.transformation import Calorimetry
 
 _EXCHANGED = "If input and output are exchanged, name them with --input and --output."
 _LESS = 0.97  # of the error without a cause: less of a gain is hardly one
@@ -58,7 +62,9 @@ class StudyResult:
     ``diagnosis`` is None if it was not requested or failed, with ``diagnosis_reason``. ``mapping`` is a mapping file
     that was given, None if one was drafted. ``without_cause``: the least rms error on held-out data of models without a
     named cause, in the measure of ``evaluation``; None without one. ``transformation``: None for an input that is no
-    temperature. ``undetermined``: what the fitted data leave open, if the held-out error is that.
+    temperature. ``undetermined``: what the fitted data leave open, if the held-out error is that. ``calorimetry``: what
+    curves of heat flow show; None for any other output. ``function``: the output as a function of the input; None for
+    data that show hysteresis.
     """
 
     name: str
@@ -78,6 +84,8 @@ class StudyResult:
     mapping: str | None = None
     without_cause: float | None = None
     undetermined: UndeterminedStates | None = None
+    calorimetry: Calorimetry | None = None
+    function: FunctionOfInput | None = None
 
     @property
     def unit(self) -> str:
@@ -190,7 +198,7 @@ class StudyResult:
     @property
     def reasons(self) -> list[str]:
         """What the data say about an error that is not good: sentences, the most certain first."""
-        if self.evaluation is None or self.split is None or self.verdict == GOOD:
+        if self.evaluation is None or self.split is None or self.verdict == GOOD or self.function is not None:
             return []
         explained = error_reasons(
             self.split, self.evaluation.best, undetermined=self.undetermined is not None
@@ -199,8 +207,12 @@ class StudyResult:
 
     def sentences(self) -> list[str]:
         """Three sentences: how good the model is, against what, and what to do now."""
+        if self.calorimetry is not None:
+            return heat_flow_sentences(self.calorimetry)
         if self.evaluation is None:
             return [self.heating]
+        if self.function is not None:
+            return function_sentences(self.function, self.unit, fitted=self._is_fitted)
         first = error_sentence(
             self.evaluation.best.name,
             self.evaluation.best.rms,

@@ -8,6 +8,7 @@ from smarig.diagnosis import CommandedDiagnosis, MeasuredDiagnosis, offset_sente
 from smarig.identification import BETTER, LITTLE_UNPREDICTED, ErrorLevel, ratio_text
 from smarig.plant import parameter_words
 from smarig.report import display_unit, number
+from smarig.study.function_of_input import FunctionOfInput
 from smarig.study.held_out_parts import BranchError
 
 LEVEL_WORDS = {
@@ -63,6 +64,21 @@ def simple_curve_sentence(name: str, error: float, gain: float, unit: str, *, le
     return (
         f"A simple curve ({name}) does better{than}: {measure(error, unit)}. Do not use the model as it is."
     )
+
+
+def function_sentences(found: FunctionOfInput, unit: str, *, fitted: bool) -> list[str]:
+    """That the output is a function of the input, how well a curve predicts it, and what the model does."""
+    over = found.rms / found.noise if found.noise else 0.0
+    ratio = (
+        f", {ratio_text(over)} × the noise of a reading" if over >= 1 else ", within the noise of a reading"
+    )
+    what = "readings left out of its fit" if fitted else "the held-out data"
+    model = "fits the data" if fitted else "predicts them"
+    return [
+        "The output is a function of the input; these data show no hysteresis.",
+        f"A curve predicts {what} to within {measure(found.rms, unit)} rms{ratio}.",
+        f"The Preisach model {model} to within {measure(found.model_rms, unit)} rms: use the curve.",
+    ]
 
 
 def branch_name(branch: BranchError, *, temperature: bool) -> str:

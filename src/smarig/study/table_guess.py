@@ -237,6 +237,7 @@ def _role(role: str, guess: ColumnGuess, named: str | None) -> Role:
     if not guess.quantity:
         return Role(role, "the only columns that move; their names say nothing", 0.3)
     kind = "drives the hysteresis" if role == "input" else "is what moves"
+    kind = "is a rate" if guess.quantity == q.HEAT_FLOW else kind
     return Role(role, f"{guess.quantity}, which {kind}: {guess.quantity_reason}", guess.quantity_confidence)
 
 
@@ -320,7 +321,7 @@ def _unused(c: ColumnGuess, out: ColumnGuess | None) -> str:
 
 def _sign(drive: ColumnGuess | None, out: ColumnGuess | None) -> tuple[float, str]:
     """The factor of the output, and a sentence on its sign."""
-    if drive is None or out is None:
+    if drive is None or out is None or out.quantity == q.HEAT_FLOW:
         return 1.0, ""
     u, y = drive.facts.values, out.facts.values
     known = np.isfinite(u) & np.isfinite(y)

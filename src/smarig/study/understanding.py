@@ -7,7 +7,7 @@ from pathlib import Path
 
 from smarig.core import DataError, UsageError
 from smarig.exchange import FoundTable, find_tables
-from smarig.study.column_guess import ColumnGuess
+from smarig.study.column_guess import ColumnGuess, is_rate_of_output
 from smarig.study.study_options import StudyOptions
 from smarig.study.table_guess import TableGuess, guess_table
 
@@ -116,6 +116,7 @@ def _answered(
     count = 0
     if guess.table.format == _FORC or options.mapping is not None:
         return guess, options, 0  # these data, or the given mapping, say it themselves
+    _check_no_rate(guess, options)
     given, units = {"input": options.input, "output": options.output}, dict(options.units)
     while ask is not None and not options.accept and guess.doubts:
         doubt = guess.doubts[0]
@@ -142,6 +143,19 @@ def _answered(
             guess,
         )
     return guess, replace(options, **given, units=units), count
+
+
+def _check_no_rate(guess: TableGuess, options: StudyOptions) -> None:
+    """Raise UnsureError for a table whose only output is a rate, unless the user has named one."""
+    if options.output is not None or guess.heating_only or (guess.first("output") and guess.first("input")):
+        return
+    rate = next((c for c in guess.columns if is_rate_of_output(c)), None)
+    if rate is not None:
+        raise UnsureError(
+            f"{guess.table.path}: '{rate.name}' is a rate, not the output of a hysteresis; its integral over time "
+            "would be the output. Integrate it first, or name another column with --output NAME.",
+            guess,
+        )
 
 
 class UnsureError(UsageError):

@@ -1,4 +1,4 @@
-"""Transformation temperatures of a wire by the tangent method (ASTM E3097, F2082), with their intervals."""
+"""Transformation temperatures of a wire by the tangent method (ASTM E3097, F2082, F2004), with their intervals."""
 
 from typing import TYPE_CHECKING
 
@@ -7,6 +7,12 @@ from smarig.core.lazy_exports import lazy_exports
 if TYPE_CHECKING:
     from smarig.transformation.branch_tangents import BranchTangents as BranchTangents
     from smarig.transformation.branch_tangents import branch_tangents as branch_tangents
+    from smarig.transformation.calorimetry import HEAT_FIGURES as HEAT_FIGURES
+    from smarig.transformation.calorimetry import HEAT_TEMPERATURES as HEAT_TEMPERATURES
+    from smarig.transformation.calorimetry import Calorimetry as Calorimetry
+    from smarig.transformation.calorimetry import CalorimetryCycle as CalorimetryCycle
+    from smarig.transformation.calorimetry import HeatFlowScan as HeatFlowScan
+    from smarig.transformation.calorimetry import calorimetry as calorimetry
     from smarig.transformation.chosen_cycles import cycles_text as cycles_text
     from smarig.transformation.cycle_figures import CORNERS as CORNERS
     from smarig.transformation.cycle_figures import FIGURES as FIGURES
@@ -19,6 +25,8 @@ if TYPE_CHECKING:
     from smarig.transformation.headline import HEADLINE as HEADLINE
     from smarig.transformation.headline import full_loop as full_loop
     from smarig.transformation.headline import headline as headline
+    from smarig.transformation.heat_flow_peak import HeatFlowPeak as HeatFlowPeak
+    from smarig.transformation.heat_flow_peak import heat_flow_peak as heat_flow_peak
     from smarig.transformation.run_figures import RunFigures as RunFigures
     from smarig.transformation.run_figures import run_figures as run_figures
     from smarig.transformation.stress_dependence import StressSlope as StressSlope

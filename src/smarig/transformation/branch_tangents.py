@@ -35,7 +35,7 @@ JUMP = 0.2  # of the output between two readings of a branch: more is stated
 _PICKS = 7  # seed
 _STEEP_PLATEAU = 0.25  # of the steep slope: a steeper plateau has not levelled off
 _SHORT_PLATEAU = 0.3  # of the span: a shorter one is a part of the knee
-_LEAST_RISE = 8.0  # times the noise of the plateaus
+LEAST_RISE = 8.0  # times the noise of the plateaus
 _WIDE_GAP = (
     0.4  # of the span from corner to corner: readings about a corner that are farther apart do not show it
 )
@@ -169,7 +169,7 @@ def _check(u: Array, y: Array) -> None:
 
 
 def _check_rise(shape: RoughShape, noise: ReadingNoise | None) -> None:
-    least = _LEAST_RISE * (noise.sd if noise else 0.0)
+    least = LEAST_RISE * (noise.sd if noise else 0.0)
     if abs(shape.rise) <= least or not shape.stands_out:
         raise UsageError("no steep part stands out clearly from its plateaus and noise")
 
@@ -222,13 +222,13 @@ def _corner(
         pick_plateau * len(lines)
     ).astype(int)
     picked = np.minimum(steps, len(pairs) - 1)
-    draws = _with_choice(values, drawn, picked)
+    draws = with_choice(values, drawn, picked)
     gap = _gap_about(found.u, value, _WIDE_GAP * found.span)
     if gap is not None:
         draws = _over_gap(draws, value, gap, pick_plateau)
     line = lines[len(lines) // 2] if lines else pairs[0][1]
     rows = choices[len(lines) // 2] if choices else np.empty(0, dtype=np.int64)
-    output_draws = _with_choice(outputs, drawn_outputs, picked)
+    output_draws = with_choice(outputs, drawn_outputs, picked)
     return Corner(value, draws, float(outputs.mean()), output_draws, line, rows, gap=gap)
 
 
@@ -248,7 +248,7 @@ def _over_gap(draws: Array, value: float, gap: tuple[float, float], uniform: Arr
     return (low + high) / 2 + (high - low) / 0.95 * (uniform - 0.5) + (draws - value)
 
 
-def _with_choice(values: Array, drawn: Array, picked: Integers) -> Array:
+def with_choice(values: Array, drawn: Array, picked: Integers) -> Array:
     """Draws (B,) of the mean over choices: noise, and the spread of the choices beyond that of noise.
 
     ``values`` (W,) of the choices, ``drawn`` (W, B) with noise, ``picked`` (B,) one choice for each draw.

@@ -80,15 +80,15 @@ def full_branches(record: TemperatureRecord) -> tuple[list[FullBranch], list[Unu
     """The full branches in order, numbered by cycles, and the others."""
     if record.u.size < 3 or np.ptp(record.u) == 0:
         return [], []
-    full, unused = _by_extent(record)
+    full, unused = branch_rows(record)
     branches = list(_in_cycles(record, full))
     if record.settled:
         branches = _with_assembled(record, branches)
     return branches, unused
 
 
-def _by_extent(record: TemperatureRecord) -> tuple[list[tuple[int, int]], list[UnusedBranch]]:
-    """First and last row of each full branch, and the branches that are too short."""
+def branch_rows(record: TemperatureRecord) -> tuple[list[tuple[int, int]], list[UnusedBranch]]:
+    """First and last row of each full branch of a record (n,), and the branches that are too short."""
     u, size = record.u, float(np.ptp(record.u))
     turns = turning_points(u, _reversal(record) * size)
     full: list[tuple[int, int]] = []
@@ -99,7 +99,7 @@ def _by_extent(record: TemperatureRecord) -> tuple[list[tuple[int, int]], list[U
             full.append((a, b))
         elif high - low > _AT_END * size:
             reason = f"it covers {100 * (high - low) / size:.0f} % of the temperature range, so it is not a full one"
-            unused.append(UnusedBranch(_direction(u, a, b), 0, float(u[a]), float(u[b]), reason))
+            unused.append(UnusedBranch(direction_of(u, a, b), 0, float(u[a]), float(u[b]), reason))
     return full, unused
 
 
@@ -122,7 +122,7 @@ def _in_cycles(record: TemperatureRecord, full: list[tuple[int, int]]) -> Iterat
         cycle += not second
         waiting = -1 if second else b
         u, y = _averaged(record.u[a : b + 1], record.y[a : b + 1])
-        yield FullBranch(_direction(record.u, a, b), cycle, u, y, rate_K_per_s=_rate(record, a, b))
+        yield FullBranch(direction_of(record.u, a, b), cycle, u, y, rate_K_per_s=_rate(record, a, b))
 
 
 def _rate(record: TemperatureRecord, a: int, b: int) -> float | None:
@@ -177,5 +177,6 @@ def _assembled(record: TemperatureRecord, direction: str) -> FullBranch | None:
     return FullBranch(direction, 1, sign * inputs, outputs, curves)
 
 
-def _direction(u: Array, a: int, b: int) -> str:
+def direction_of(u: Array, a: int, b: int) -> str:
+    """Whether a branch of temperatures u (n,), from row ``a`` to row ``b``, is one of heating or of cooling."""
     return HEATING if u[b] > u[a] else COOLING

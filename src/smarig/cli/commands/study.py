@@ -112,7 +112,7 @@ def _one(files: Sequence[Path], out: Path, options: "StudyOptions") -> None:
 
     result = study(files, out, options, ask=_asker(), progress=show_message)
     show_message(_columns_text(result))
-    if result.verdict == POOR:
+    if result.verdict == POOR and result.function is None:
         show_message("Warning: The model is poor. Do not use it before its errors are explained.")
     temperatures = result.transformation.lines() if result.transformation else []
     lines = [*result.sentences(), *temperatures, *result.reasons, *result.hints()]

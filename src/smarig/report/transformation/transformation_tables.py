@@ -27,7 +27,7 @@ def figure_name(name: str) -> Html:
     words = NAMES.get(name, name)
     return joined(
         tag("sub", part[1:]) if part.startswith("_") else part
-        for part in re.split(r"(_[sf])", capitalised(words))
+        for part in re.split(r"(_[spf])", capitalised(words))
     )
 
 

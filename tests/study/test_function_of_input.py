@@ -1,0 +1,85 @@
+"""Outputs that are a function of the input, and outputs with a loop that is narrower than it seems."""
+
+import numpy as np
+import pytest
+
+from smarig.study import StudyOptions, study
+from study.known_data import temperatures
+
+FUNCTIONS = {
+    "tanh": lambda u: 4 * np.tanh((u - 60) / 9),
+    "polynomial": lambda u: 1e-5 * (u - 30) * (u - 70) * (u - 110) + 0.01 * u,
+    "two values": lambda u: np.where(u < 62, 1.0, 5.0),
+}
+FIELD_CASES = [f"field_cases/memoryless_called_lag/flat_{k}.csv" for k in ("exact", "n0002")]
+
+
+def play(u, half_width):
+    state, out = u[0], []
+    for value in u:
+        state = min(max(state, value - half_width), value + half_width)
+        out.append(state)
+    return np.array(out)
+
+
+def studied(folder, u, y, noise, more=""):
+    """The study of a record with noise (mm), with the causes of errors looked for."""
+    path = folder / "data.csv"
+    y = y + np.random.default_rng(2).normal(0, noise, u.size)
+    rows = "\n".join(f"{k / 2:.1f},{a:.4f},{b:.6f}{more}" for k, (a, b) in enumerate(zip(u, y)))
+    path.write_text(f"time (s),temperature [°C],stroke [mm]\n{rows}\n", encoding="utf-8")
+    return study([path], folder / "out", StudyOptions())
+
+
+@pytest.mark.long(
+    "takes half a minute",
+    cases=(
+        "tanh-0.002",
+        "tanh-0.02",
+        "polynomial-0.0",
+        "polynomial-0.002",
+        "two values-0.0",
+        "two values-0.002",
+    ),
+)
+@pytest.mark.parametrize("noise", [0.0, 0.002, 0.02])
+@pytest.mark.parametrize("name", FUNCTIONS)
+def test_a_function_of_the_input_is_called_one_without_a_cause(tmp_path, name, noise):
+    u = temperatures(3, 120)
+    result = studied(tmp_path, u, FUNCTIONS[name](u), noise)
+    assert result.sentences()[0] == "The output is a function of the input; these data show no hysteresis."
+    assert result.diagnosis is None
+    assert result.reasons == []
+    assert result.function.rms < max(1.5 * noise, 0.005 * 8)
+    plain = np.interp(u, result.function.u, result.function.y) - FUNCTIONS[name](u)
+    assert np.median(np.abs(plain)) < max(2 * noise, 1e-3)
+    page = (tmp_path / "out" / "index.html").read_text(encoding="utf-8")
+    first = page[page.index("<main>") : page.index('id="section-2"')]
+    assert "Drawn: measured, curve" in first
+
+
+@pytest.mark.long("takes half a minute", cases=("5.0-0.0", "5.0-0.002", "5.0-0.02", "0.5-0.002"))
+@pytest.mark.parametrize("noise", [0.0, 0.002, 0.02])
+@pytest.mark.parametrize("half_width", [0.5, 5.0])
+def test_a_loop_is_no_function(tmp_path, half_width, noise):
+    """Also one of 1 K, whose open part is about twice the largest noise."""
+    u = temperatures(3, 120)
+    result = studied(tmp_path, u, FUNCTIONS["tanh"](play(u, half_width)), noise)
+    assert result.function is None
+    assert "no hysteresis" not in result.sentences()[0]
+
+
+@pytest.mark.parametrize("cycles", [1, 3])
+def test_an_output_that_also_drifts_is_no_function(tmp_path, cycles):
+    u = temperatures(cycles, 300)
+    result = studied(tmp_path, u, FUNCTIONS["tanh"](u) + np.linspace(0, 2, u.size), 0.002)
+    assert result.function is None
+
+
+@pytest.mark.parametrize("file", FIELD_CASES)
+def test_the_field_cases_have_no_cause(shared_data, file, tmp_path):
+    if not (shared_data / file).is_file():
+        pytest.skip(f"{file} is not in {shared_data}")
+    result = study([shared_data / file], tmp_path / "out", StudyOptions())
+    assert result.function is not None
+    assert result.diagnosis is None
