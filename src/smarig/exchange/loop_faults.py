@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from smarig.core import spaced
 from smarig.exchange.channel_faults import quantum
-from smarig.measurement import dropouts, first_branch_differs, width_of_leading_loops
+from smarig.measurement import dropouts, first_branch_differs, noise_range, width_of_leading_loops
 from smarig.preisach import turning_points
 from smarig.record import ImportFinding, remarks
 
@@ -19,7 +19,7 @@ Array = NDArray[np.float64]
 _REVERSAL = 0.2  # of the input's range: smallest branch
 _JUMP = 0.1  # of the output's range, from one row to the next
 _OPEN = 0.01  # of the output's range
-_SAME = 0.05  # of the input's range: within it, visits are of one input
+_SAME = 0.05  # of the input's range: farther apart, visits are of two inputs, whatever the noise
 _CONTRARY = 0.01  # of the input's range
 _FEWEST_FALSE = 3  # rows: fewer are no noise
 _CYCLE = 0.05  # of the input's range: smallest leg of a small cycle
@@ -144,27 +144,21 @@ def _small_cycles(u: Array) -> NDArray[np.bool_]:
 
 
 def _not_closed(loop: LoopRecord, turns: list[int]) -> list[ImportFinding]:
-    low, high, near = loop.u.min(), loop.u.max(), _SAME * float(np.ptp(loop.u))
-    ends = {
-        "At the low end of the input": [k for k in turns if loop.u[k] <= low + near],
-        "At the high end of the input": [k for k in turns if loop.u[k] >= high - near],
-    }
-    if (
-        len(turns) > 2
-        and turns[0] == 0
-        and abs(loop.u[-1] - loop.u[0]) <= near
-        and not any(0 in v for v in ends.values())
-    ):
-        ends["From first to last row, at the same input,"] = [turns[0], turns[-1]]
+    """Visits of one end of the whole input whose outputs differ.
+
+    At such an end nothing else is remembered (wiping-out), so its visits are of one state. Turns at other inputs are
+    not: their outputs differ by the hysteresis alone, and so do the first and last row of a record.
+    """
+    same = min(noise_range(loop.u), _SAME * float(np.ptp(loop.u)))
     limit = max(_OPEN * float(np.ptp(loop.y)), 2 * (quantum(loop.y) or 0.0))
     out = []
-    for end, visits in ends.items():
-        y = loop.y[visits]
+    for end, extreme in (("low", loop.u.min()), ("high", loop.u.max())):
+        y = loop.y[[k for k in turns if abs(loop.u[k] - extreme) <= same]]
         if y.size > 1 and abs(y[-1] - y[0]) > limit:
             path = [y[0], y[-1]] if y.size == 2 else [y[0], y[1], y[-1]]
             shown = (" → … → " if y.size > 3 else " → ").join(f"{v:.4g}" for v in path)
             text = (
-                f"{end} the output goes {shown}{spaced(loop.output_unit)} over {y.size} visits "
+                f"At the {end} end of the input the output goes {shown}{spaced(loop.output_unit)} over {y.size} visits "
                 f"({100 * (y[-1] - y[0]) / np.ptp(loop.y):+.1f} % of the range): the loop does not close."
             )
             out.append(ImportFinding(text, "open loop"))

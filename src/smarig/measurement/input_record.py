@@ -124,14 +124,18 @@ def input_noise_sd(u: Array) -> float:
     return float(np.quantile(second_differences, 0.9)) / 1.645 / np.sqrt(6.0) + 1e-9 * float(np.ptp(u))
 
 
+def noise_range(u: Array, noise: float | None = None) -> float:
+    """The range that the noise of an input (n,), a standard deviation, has over all its rows."""
+    return 2 * float(np.sqrt(2 * np.log(u.size))) * (input_noise_sd(u) if noise is None else noise)
+
+
 def reversals(u: Array, noise: float | None = None) -> list[int]:
     """The rows at which the input turns, with both ends; reversals within its noise (a standard deviation) do not
     count.
     """
     if u.size < 3 or np.ptp(u) == 0:
         return [0, u.size - 1]
-    spread = 2 * float(np.sqrt(2 * np.log(u.size))) * (input_noise_sd(u) if noise is None else noise)
-    threshold = max(REVERSAL_MARGIN * spread, REVERSAL_SHARE * float(np.ptp(u)))
+    threshold = max(REVERSAL_MARGIN * noise_range(u, noise), REVERSAL_SHARE * float(np.ptp(u)))
     turns = turning_points(u, min(threshold, 0.3 * float(np.ptp(u))))
     return sorted({0, *turns, u.size - 1})
 
