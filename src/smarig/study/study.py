@@ -17,6 +17,7 @@ from smarig.study.candidate_models import Evaluation, evaluate, rms_without_caus
 from smarig.study.data_split import DataSplit, split_runs
 from smarig.study.imported_runs import ImportedTable, import_tables
 from smarig.study.mapping_draft import mapping_draft
+from smarig.study.named_lag import named_lag
 from smarig.study.study_files import STUDY_JSON, STUDY_MODEL, STUDY_PAGE
 from smarig.study.study_options import StudyOptions, study_key
 from smarig.study.study_page import study_page
@@ -86,7 +87,7 @@ def study(
         diagnosis_reason=why_not,
         without_cause=without_cause,
         heating=heating,
-        transformation=transformation_of([table.run for table in tables]),
+        transformation=transformation_of([table.run for table in tables], named_lag(diagnosis)),
         seconds=time.monotonic() - started,
         key=key,
         mapping=options.mapping,
