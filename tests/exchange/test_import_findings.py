@@ -93,6 +93,23 @@ def test_an_unsampled_jump_is_found_with_its_lines():
     assert any("at most +5 mm from line 121 to 122" in s for s in _loop(U, y))
 
 
+@pytest.mark.parametrize("height", [0.15, -0.5, 3.0])
+@pytest.mark.parametrize("noise", [0.0, 0.3])
+def test_a_row_alone_is_no_jump(height, noise):
+    y = _healthy()
+    y[[30, 250]] += height
+    u = U + np.random.default_rng(6).normal(0, noise, N)
+    assert not any("jumps" in s for s in _loop(u, y))
+    y[100:] += 2 * abs(height)
+    assert any("in 1 place(s)" in s and "from line 101 to 102" in s for s in _loop(u, y))
+
+
+def test_an_output_that_follows_a_coarse_input_jumps():
+    u = np.tile([0.0, 100.0, 0.0, 40.0], 6)
+    found = _texts(loop_findings(LoopRecord(u, u / 100, np.arange(24), "degC", "mm")))
+    assert any("jumps" in s for s in found)
+
+
 def test_rows_left_out_are_no_jump():
     y = _healthy()
     y[100:140] = np.nan  # the steep part

@@ -102,8 +102,10 @@ def branch_ends(u: Array, threshold: float) -> list[int]:
 
 
 def _jumps(loop: LoopRecord) -> list[ImportFinding]:
-    step = np.where(np.diff(loop.row) == 1, np.abs(np.diff(loop.y)), 0.0)
-    large = step > _JUMP * np.ptp(loop.y)
+    limit = _JUMP * float(np.ptp(loop.y))
+    alone = _lone_rows(loop, limit)
+    step = np.where((np.diff(loop.row) == 1) & ~alone[:-1] & ~alone[1:], np.abs(np.diff(loop.y)), 0.0)
+    large = step > limit
     if not large.any():
         return []
     k = int(np.argmax(step))
@@ -113,6 +115,23 @@ def _jumps(loop: LoopRecord) -> list[ImportFinding]:
         f"{loop.line[k]} to {loop.line[k + 1]}: the values in between were not sampled."
     )
     return [ImportFinding(text, "jump")]
+
+
+def _lone_rows(loop: LoopRecord, limit: float) -> NDArray[np.bool_]:
+    """Rows (n,) whose output alone lies beyond both neighbours, where the input does not turn: outliers, no jumps."""
+
+    def out_and_back(x: Array, least: float) -> NDArray[np.bool_]:
+        before, after = np.diff(x)[:-1], np.diff(x)[1:]
+        return (before * after < 0) & (np.minimum(np.abs(before), np.abs(after)) > least)
+
+    alone = np.zeros(loop.y.size, dtype=bool)
+    alone[1:-1] = out_and_back(loop.y, limit) & ~out_and_back(loop.u, _same_input(loop.u))
+    return alone
+
+
+def _same_input(u: Array) -> float:
+    """How far two readings of one input are apart by its noise."""
+    return min(noise_range(u), _SAME * float(np.ptp(u)))
 
 
 def _false_reversals(loop: LoopRecord, turns: list[int]) -> list[ImportFinding]:
@@ -149,7 +168,7 @@ def _not_closed(loop: LoopRecord, turns: list[int]) -> list[ImportFinding]:
     At such an end nothing else is remembered (wiping-out), so its visits are of one state. Turns at other inputs are
     not: their outputs differ by the hysteresis alone, and so do the first and last row of a record.
     """
-    same = min(noise_range(loop.u), _SAME * float(np.ptp(loop.u)))
+    same = _same_input(loop.u)
     limit = max(_OPEN * float(np.ptp(loop.y)), 2 * (quantum(loop.y) or 0.0))
     out = []
     for end, extreme in (("low", loop.u.min()), ("high", loop.u.max())):
