@@ -75,8 +75,9 @@ class Transformation:
 
 
 def transformation_of(runs: Sequence[Run], lag: Finding | None = None) -> Transformation | None:
-    """The transformation temperatures of runs, corrected for the ``lag`` of their thermometer; None if their input is no
-    temperature, or if they have no output.
+    """The transformation temperatures of runs, corrected for the ``lag`` of their thermometer.
+
+    None if their input is no temperature, or if they have no output.
     """
     hot = [run for run in runs if run.input_unit in ("K", "degC") and run.has("position")]
     if not hot:
