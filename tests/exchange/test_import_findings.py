@@ -93,6 +93,23 @@ def test_an_unsampled_jump_is_found_with_its_lines():
     assert any("at most +5 mm from line 121 to 122" in s for s in _loop(U, y))
 
 
+@pytest.mark.parametrize("height", [0.15, -0.5, 3.0])
+@pytest.mark.parametrize("noise", [0.0, 0.3])
+def test_a_row_alone_is_no_jump(height, noise):
+    y = _healthy()
+    y[[30, 250]] += height
+    u = U + np.random.default_rng(6).normal(0, noise, N)
+    assert not any("jumps" in s for s in _loop(u, y))
+    y[100:] += 2 * abs(height)
+    assert any("in 1 place(s)" in s and "from line 101 to 102" in s for s in _loop(u, y))
+
+
+def test_an_output_that_follows_a_coarse_input_jumps():
+    u = np.tile([0.0, 100.0, 0.0, 40.0], 6)
+    found = _texts(loop_findings(LoopRecord(u, u / 100, np.arange(24), "degC", "mm")))
+    assert any("jumps" in s for s in found)
+
+
 def test_rows_left_out_are_no_jump():
     y = _healthy()
     y[100:140] = np.nan  # the steep part
@@ -117,6 +134,58 @@ def test_a_loop_that_does_not_close_is_reported_with_its_gap():
     assert len(found) == 1
     assert "At the low end" in found[0]
     assert re.search(r"→ 0\.100\d mm over 2 visits \(\+9\.\d %", found[0])
+
+
+def _relays(u, seed=0, shift=0.0):
+    """A sum of relays between 0 and 100 that begin down; ``shift`` adds up from branch to branch."""
+    rng = np.random.default_rng(seed)
+    low, high = np.sort(rng.uniform(0, 100, (2, 500)), axis=0)
+    up, y = np.zeros(500, dtype=bool), []
+    for v in u:
+        up = (up | (v >= high)) & ~(v <= low)
+        y.append(np.mean(up))
+    return np.array(y) + shift * np.arange(u.size) / u.size
+
+
+def _way(*turns, rows=60):
+    legs = [np.linspace(a, b, rows, endpoint=False) for a, b in zip(turns, turns[1:])]
+    return np.concatenate([*legs, [turns[-1]]])
+
+
+def _open_loops(u, y):
+    return [s for s in _loop_of(u, y) if "does not close" in s]
+
+
+def _loop_of(u, y):
+    return _texts(loop_findings(LoopRecord(u, y, np.arange(u.size), "kA/m", "")))
+
+
+@pytest.mark.parametrize(
+    "turns",
+    [
+        (0, 100, 0, 100, 10, 96, 4, 97, 3, 95.5, 30),  # near the ends, but not at them
+        (50, 100, 0, 80, 50),  # first and last row at one input, in two states
+        (0, 96, 2, 100, 0, 97, 4),
+        (100, 3, 98, 0, 100, 1, 96),
+    ],
+)
+@pytest.mark.parametrize("noise", [0.0, 0.1])
+def test_turns_in_other_states_of_a_hysteresis_are_no_open_loop(turns, noise):
+    u = _way(*turns)
+    measured = u + np.random.default_rng(7).normal(0, noise, u.size)
+    assert _open_loops(measured, _relays(u, seed=len(turns))) == []
+
+
+@pytest.mark.parametrize("noise", [0.0, 0.3])
+def test_the_same_end_reached_again_with_another_output_is_an_open_loop(noise):
+    u = _way(0, 100, 0, 96, 10, 100, 0, 100, 2)
+    u_read = u + np.random.default_rng(8).normal(0, noise, u.size)
+    found = _open_loops(u_read, _relays(u, shift=0.2))
+    assert [s.split(" the output")[0] for s in found] == [
+        "At the low end of the input",
+        "At the high end of the input",
+    ]
+    assert "over 3 visits" in found[0]
 
 
 def test_an_offset_of_a_symmetric_drive_is_found_but_not_of_a_temperature():

@@ -1,5 +1,7 @@
 """The noise floor is the standard deviation of repeated readings of one memory state."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -78,3 +80,22 @@ def test_what_differs_between_rates_is_no_noise(steps):
     floor = noise_floor(as_run("rates", u, y, dt=1.0, noise=(0.0, 0.004)))
     assert floor.n_pairs > 100
     assert floor.value == pytest.approx(0.004, rel=0.2)
+
+
+@pytest.mark.parametrize("step", [0.05, 0.25, 0.5])
+@pytest.mark.parametrize("noise", [0.0, 0.02, 0.3])
+def test_readings_in_steps_have_at_least_the_noise_of_their_rounding(step, noise):
+    y = Preisach.from_surface(thesis_surface("one_e")).simulate(LOOPS)
+    y = np.round((y + noise * np.random.default_rng(5).standard_normal(y.size)) / step) * step
+    output = {"quantity": "position", "unit": "mm", "per_count": step}
+    floor, unrounded = noise_floor(made_run(LOOPS, y, output=output)), noise_floor(made_run(LOOPS, y))
+    assert floor.value == pytest.approx(max(unrounded.value, step / np.sqrt(12)))
+    assert floor.n_pairs == unrounded.n_pairs
+
+
+def test_means_over_a_hold_lie_between_the_steps():
+    output = {"quantity": "position", "unit": "mm", "per_count": 0.5}
+    run = made_run(LOOPS, np.zeros(len(LOOPS)), output=output)
+    means = replace(run, steps=tuple(replace(step, n=40) for step in run.steps))
+    assert noise_floor(run).value == pytest.approx(0.5 / np.sqrt(12))
+    assert noise_floor(means).value == 0

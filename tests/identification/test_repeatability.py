@@ -65,6 +65,44 @@ def test_a_trend_that_slows_down_is_removed_as_well():
     assert np.sqrt(found.squares / found.freedom) == pytest.approx(0.01, rel=0.4)
 
 
+def _branches(shift, states=30, noise=0.01, seed=0):
+    """Repeats of the states of one branch, which each visit shifts as a whole."""
+    rng = np.random.default_rng(seed)
+    cycles = np.arange(float(len(shift)))
+    return [
+        Repeats(cycles + place, shift + noise * rng.standard_normal(len(shift)))
+        for place in np.linspace(0, 0.4, states)
+    ]
+
+
+@pytest.mark.parametrize("visits", [2, 3, 4, 6, 12])
+def test_branches_that_visits_shift_at_random_have_no_drift(visits):
+    """As relaxation does after holds of unequal length."""
+    rng = np.random.default_rng(visits)
+    found = [pooled_repeats(_branches(rng.exponential(0.1, visits), seed=k)) for k in range(200)]
+    assert sum(f.drift is not None for f in found) <= 1
+
+
+@pytest.mark.parametrize("visits", [8, 12])
+def test_one_step_between_two_visits_is_no_drift(visits):
+    shift = np.where(np.arange(visits) < visits / 2, 0.0, 0.2)
+    found = [
+        pooled_repeats(_branches(shift + 0.01 * np.random.default_rng(k).standard_normal(visits), seed=k))
+        for k in range(100)
+    ]
+    assert sum(f.drift is not None for f in found) <= 1
+
+
+@pytest.mark.parametrize("slows", [0.0, 0.003])
+@pytest.mark.parametrize("visits", [8, 12])
+def test_branches_that_go_on_moving_drift(visits, slows):
+    cycles = np.arange(float(visits))
+    shift = 0.1 * cycles - slows * cycles**2 + 0.003 * np.random.default_rng(1).standard_normal(visits)
+    found = pooled_repeats(_branches(shift))
+    assert found.drift == pytest.approx(0.1 - slows * (visits - 1), rel=0.1)
+    assert np.sqrt(found.squares / found.freedom) == pytest.approx(0.01, rel=0.5)
+
+
 @pytest.mark.long("takes five seconds")
 def test_a_fit_that_follows_the_scatter_of_a_walking_wire_is_poor_and_its_verification_too(tmp_path):
     """Repeats that hold the drift would call its error noise."""

@@ -36,6 +36,13 @@ CASES = {  # columns, then the input, output and time with their units
         "V",
         "uC/cm^2",
     ),
+    "magnet, units with per": ({"t_s": T, "H_kA_per_m": H, "M_kA_per_m": np.tanh(H / 90)}, "kA/m", "kA/m"),
+    "ferroelectric, units with per": (
+        {"time_s": T, "E_kV_per_cm": H / 10, "P_uC_per_cm2": 20 * np.tanh(H / 90)},
+        "kV/cm",
+        "uC/cm^2",
+    ),
+    "stress, units with per": ({"t_s": T, "T_degC": U, "stress_N_per_mm2": 40 * X}, "degC", "MPa"),
     "piezo": ({"voltage (V)": H, "displacement (um)": np.tanh(H / 90)}, "V", "um"),
 }
 
@@ -58,6 +65,34 @@ def test_columns_are_understood(tmp_path, name):
     path.write_text(mapping_draft(guess, "m"), encoding="utf-8")
     mapping = load_mapping(str(path))
     assert mapping.tables()[0][1][mapping.input.channel].column == drive.name
+
+
+@pytest.mark.parametrize(
+    ("name", "unit"),
+    [
+        ("heat_flow_W_per_g", "W/g"),
+        ("slope MPa per K", "MPa/K"),
+        ("wire_speed_mm_per_s", "mm/s"),
+        ("m_A_m2_per_kg", "A m^2/kg"),
+        ("E (V per um)", "V/um"),
+        ("eps_um_per_m", "ppm"),
+    ],
+)
+def test_a_unit_written_with_per_keeps_its_prefix(tmp_path, name, unit):
+    (column,) = (c for c in guess_table(table(tmp_path, T_K=U + 273, **{name: X})).columns if c.name == name)
+    assert column.unit == unit
+
+
+@pytest.mark.parametrize("name", ["cycles_per_s", "H_per_m", "upper_m", "mm_per_step"])
+def test_per_between_other_words_is_no_unit(tmp_path, name):
+    (column,) = (c for c in guess_table(table(tmp_path, T_K=U + 273, **{name: X})).columns if c.name == name)
+    assert "/" not in column.unit
+
+
+def test_a_rate_of_a_temperature_is_no_clock(tmp_path):
+    guess = guess_table(table(tmp_path, T_K=U + 273, T_K_per_min=np.gradient(U), **{"stroke [mm]": X}))
+    assert guess.first("time") is None
+    assert guess.first("output").name == "stroke [mm]"
 
 
 def test_columns_without_any_sense_are_doubts(tmp_path):

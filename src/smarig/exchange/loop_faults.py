@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from smarig.core import spaced
 from smarig.exchange.channel_faults import quantum
-from smarig.measurement import dropouts, first_branch_differs, width_of_leading_loops
+from smarig.measurement import dropouts, first_branch_differs, noise_range, width_of_leading_loops
 from smarig.preisach import turning_points
 from smarig.record import ImportFinding, remarks
 
@@ -19,7 +19,7 @@ Array = NDArray[np.float64]
 _REVERSAL = 0.2  # of the input's range: smallest branch
 _JUMP = 0.1  # of the output's range, from one row to the next
 _OPEN = 0.01  # of the output's range
-_SAME = 0.05  # of the input's range: within it, visits are of one input
+_SAME = 0.05  # of the input's range: farther apart, visits are of two inputs, whatever the noise
 _CONTRARY = 0.01  # of the input's range
 _FEWEST_FALSE = 3  # rows: fewer are no noise
 _CYCLE = 0.05  # of the input's range: smallest leg of a small cycle
@@ -102,8 +102,10 @@ def branch_ends(u: Array, threshold: float) -> list[int]:
 
 
 def _jumps(loop: LoopRecord) -> list[ImportFinding]:
-    step = np.where(np.diff(loop.row) == 1, np.abs(np.diff(loop.y)), 0.0)
-    large = step > _JUMP * np.ptp(loop.y)
+    limit = _JUMP * float(np.ptp(loop.y))
+    alone = _lone_rows(loop, limit)
+    step = np.where((np.diff(loop.row) == 1) & ~alone[:-1] & ~alone[1:], np.abs(np.diff(loop.y)), 0.0)
+    large = step > limit
     if not large.any():
         return []
     k = int(np.argmax(step))
@@ -113,6 +115,23 @@ def _jumps(loop: LoopRecord) -> list[ImportFinding]:
         f"{loop.line[k]} to {loop.line[k + 1]}: the values in between were not sampled."
     )
     return [ImportFinding(text, "jump")]
+
+
+def _lone_rows(loop: LoopRecord, limit: float) -> NDArray[np.bool_]:
+    """Rows (n,) whose output alone lies beyond both neighbours, where the input does not turn: outliers, no jumps."""
+
+    def out_and_back(x: Array, least: float) -> NDArray[np.bool_]:
+        before, after = np.diff(x)[:-1], np.diff(x)[1:]
+        return (before * after < 0) & (np.minimum(np.abs(before), np.abs(after)) > least)
+
+    alone = np.zeros(loop.y.size, dtype=bool)
+    alone[1:-1] = out_and_back(loop.y, limit) & ~out_and_back(loop.u, _same_input(loop.u))
+    return alone
+
+
+def _same_input(u: Array) -> float:
+    """How far two readings of one input are apart by its noise."""
+    return min(noise_range(u), _SAME * float(np.ptp(u)))
 
 
 def _false_reversals(loop: LoopRecord, turns: list[int]) -> list[ImportFinding]:
@@ -144,27 +163,21 @@ def _small_cycles(u: Array) -> NDArray[np.bool_]:
 
 
 def _not_closed(loop: LoopRecord, turns: list[int]) -> list[ImportFinding]:
-    low, high, near = loop.u.min(), loop.u.max(), _SAME * float(np.ptp(loop.u))
-    ends = {
-        "At the low end of the input": [k for k in turns if loop.u[k] <= low + near],
-        "At the high end of the input": [k for k in turns if loop.u[k] >= high - near],
-    }
-    if (
-        len(turns) > 2
-        and turns[0] == 0
-        and abs(loop.u[-1] - loop.u[0]) <= near
-        and not any(0 in v for v in ends.values())
-    ):
-        ends["From first to last row, at the same input,"] = [turns[0], turns[-1]]
+    """Visits of one end of the whole input whose outputs differ.
+
+    At such an end nothing else is remembered (wiping-out), so its visits are of one state. Turns at other inputs are
+    not: their outputs differ by the hysteresis alone, and so do the first and last row of a record.
+    """
+    same = _same_input(loop.u)
     limit = max(_OPEN * float(np.ptp(loop.y)), 2 * (quantum(loop.y) or 0.0))
     out = []
-    for end, visits in ends.items():
-        y = loop.y[visits]
+    for end, extreme in (("low", loop.u.min()), ("high", loop.u.max())):
+        y = loop.y[[k for k in turns if abs(loop.u[k] - extreme) <= same]]
         if y.size > 1 and abs(y[-1] - y[0]) > limit:
             path = [y[0], y[-1]] if y.size == 2 else [y[0], y[1], y[-1]]
             shown = (" → … → " if y.size > 3 else " → ").join(f"{v:.4g}" for v in path)
             text = (
-                f"{end} the output goes {shown}{spaced(loop.output_unit)} over {y.size} visits "
+                f"At the {end} end of the input the output goes {shown}{spaced(loop.output_unit)} over {y.size} visits "
                 f"({100 * (y[-1] - y[0]) / np.ptp(loop.y):+.1f} % of the range): the loop does not close."
             )
             out.append(ImportFinding(text, "open loop"))

@@ -86,6 +86,8 @@ _FOREIGN = {  # spellings of other programs and languages
     "fahrenheit": "degF",
     "f": "degF",
 }
+_PER = re.compile(r"(.+)[_\s]per[_\s](.+)")  # kA_per_m
+_POWER = re.compile(r"(?:\^?[23]|[²³])$")
 _CASED = {"C": "degC", "F": "degF"}  # one letter that stands for a temperature beside a name of one only
 
 
@@ -94,6 +96,8 @@ def known_unit(text: str, *, temperature: bool = False) -> str:
 
     >>> known_unit("sec"), known_unit("N/mm²"), known_unit("C"), known_unit("C", temperature=True), known_unit("rpm")
     ('s', 'MPa', 'C', 'degC', '')
+    >>> known_unit("kV_per_cm"), known_unit("W per g"), known_unit("cycles_per_s")
+    ('kV/cm', 'W/g', '')
     """
     word = text.strip().strip("[](){}<>").strip()
     if temperature and word in _CASED:
@@ -102,5 +106,17 @@ def known_unit(text: str, *, temperature: bool = False) -> str:
         return ""
     if spelled(word) in UNITS:
         return spelled(word)
+    if match := _PER.fullmatch(word):
+        return _quotient(match[1], match[2])
     found = _FOREIGN.get(word.lower(), "")
     return "" if len(word) == 1 and word != '"' and word != "°" else found
+
+
+def _quotient(above: str, below: str) -> str:
+    """The unit ``above`` per ``below``, each known or a power of a known one; "" if one is unknown."""
+    if unit := known_unit(f"{above}/{below}".replace("_", " ")):
+        return unit
+    parts = [
+        known_unit(part) or (part if known_unit(_POWER.sub("", part)) else "") for part in (above, below)
+    ]
+    return "/".join(parts) if all(parts) else ""

@@ -7,7 +7,7 @@ Verification and reports use this figure.
 
 from collections import defaultdict
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,7 +24,7 @@ from smarig.identification.repeatability import (
     pooled_repeats,
 )
 from smarig.identification.settled_points import settled_points
-from smarig.measurement import reversals
+from smarig.measurement import reversals, rounding_sd
 from smarig.record import Run
 from smarig.replay import MemoryHistory, NoiseRecord, memory_histories
 
@@ -83,9 +83,17 @@ def noise_floor(runs: Run | Iterable[Run]) -> NoiseFloor:
 
     Repeats in saturation are used only if there are fewer than three others and at least eight of them, because
     they are no repeats if the range was not fully exercised. Otherwise the windows of the points are used. A trend of
-    the repeats over the cycles of a run is left out of the value.
+    the repeats over the cycles of a run is left out of the value. Repeats that are rounded alike agree by more than
+    their readings are worth, so the value is at least the rounding.
     """
     runs = [runs] if isinstance(runs, Run) else list(runs)
+    found = _of_repeats(runs)
+    rounding = float(np.sqrt(np.mean([rounding_sd(run) ** 2 for run in runs]))) if runs else 0.0
+    return found if found.value is None else replace(found, value=max(found.value, rounding))
+
+
+def _of_repeats(runs: list[Run]) -> NoiseFloor:
+    """The floor without regard to the resolution."""
     unit = runs[0].unit if runs else ""
     of_runs, ends = [], _RepeatsOfRuns()
     for run in runs:

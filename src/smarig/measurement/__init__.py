@@ -18,9 +18,11 @@ if TYPE_CHECKING:
     from smarig.measurement.input_record import input_noise_sd as input_noise_sd
     from smarig.measurement.input_record import input_records as input_records
     from smarig.measurement.input_record import monotone_branches as monotone_branches
+    from smarig.measurement.input_record import noise_range as noise_range
     from smarig.measurement.input_record import rate_of as rate_of
     from smarig.measurement.input_record import recorded_means as recorded_means
     from smarig.measurement.input_record import reversals as reversals
+    from smarig.measurement.input_record import rounding_sd as rounding_sd
     from smarig.measurement.learned_term import LearnedTerm as LearnedTerm
     from smarig.measurement.learned_term import learned_input as learned_input
     from smarig.measurement.learned_term import learned_output as learned_output

@@ -26,7 +26,8 @@ class InputRecord:
     each row, continued over the runs of one list. ``conditions`` are the mean values recorded with the run, by name.
     ``row`` are the rows of the run. ``dropouts`` rows were left out because the input reads exactly 0 there, far from
     the rows around them. ``continues``: the record starts in the final state of the one before it in its list.
-    ``noise`` is the standard deviation of the input's noise, None if it must be estimated. ``readings`` are the rows
+    ``noise`` is the standard deviation of the input's noise, None if it must be estimated; ``rounding`` is that of the
+    output's rounding. ``readings`` are the rows
     whose outputs are readings, None if all are. ``histories`` (n,) are conditions that change over the record.
     """
 
@@ -43,6 +44,7 @@ class InputRecord:
     input_unit: str = ""
     continues: bool = False
     noise: float | None = None
+    rounding: float = 0.0
     readings: Integers | None = None
     histories: Mapping[str, Array] = field(default_factory=dict)
 
@@ -84,10 +86,20 @@ def input_records(runs: Sequence[Run]) -> list[InputRecord]:
                 dropouts=int(lost.sum()),
                 input_unit=run.input_unit,
                 continues=before is not None and continues_run(before, run),
+                rounding=rounding_sd(run),
             )
         )
         before = run
     return found
+
+
+def rounding_sd(run: Run) -> float:
+    """The least standard deviation of a reading of a run: that of its rounding to the resolution, Δ/√12.
+
+    0 without a resolution, and for means over the samples of a hold, which lie between its steps.
+    """
+    averaged = any(step.n > 1 for step in run.settled)
+    return 0.0 if averaged else run.info.output.resolution / float(np.sqrt(12))
 
 
 def dropouts(u: Array) -> NDArray[np.bool_]:
@@ -124,14 +136,18 @@ def input_noise_sd(u: Array) -> float:
     return float(np.quantile(second_differences, 0.9)) / 1.645 / np.sqrt(6.0) + 1e-9 * float(np.ptp(u))
 
 
+def noise_range(u: Array, noise: float | None = None) -> float:
+    """The range that the noise of an input (n,), a standard deviation, has over all its rows."""
+    return 2 * float(np.sqrt(2 * np.log(u.size))) * (input_noise_sd(u) if noise is None else noise)
+
+
 def reversals(u: Array, noise: float | None = None) -> list[int]:
     """The rows at which the input turns, with both ends; reversals within its noise (a standard deviation) do not
     count.
     """
     if u.size < 3 or np.ptp(u) == 0:
         return [0, u.size - 1]
-    spread = 2 * float(np.sqrt(2 * np.log(u.size))) * (input_noise_sd(u) if noise is None else noise)
-    threshold = max(REVERSAL_MARGIN * spread, REVERSAL_SHARE * float(np.ptp(u)))
+    threshold = max(REVERSAL_MARGIN * noise_range(u, noise), REVERSAL_SHARE * float(np.ptp(u)))
     turns = turning_points(u, min(threshold, 0.3 * float(np.ptp(u))))
     return sorted({0, *turns, u.size - 1})
 

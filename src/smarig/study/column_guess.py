@@ -97,6 +97,7 @@ def _by_name(facts: ColumnFacts) -> ColumnGuess:
     )
     if label.strip() in ("T", "ϑ", "θ", "Θ") and dimension(unit or "K") == "temperature":
         quantity = q.TEMPERATURE if unit or not (facts.rising and facts.even) else q.TIME
+    quantity = q.quantity_in_unit(quantity, unit)
     by_unit = q.RATE if q.is_rate_unit(written) else q.quantity_of_unit(unit)
     confidence = LIKELY if quantity else 0.0
     reason = f"its name '{label}'" if quantity else ""

@@ -18,6 +18,8 @@ def key_figures(result: StudyResult, run: Run) -> Html:
     rows = list(_rows(result, run))
     figures = result.transformation and result.transformation.of(run)
     what = f"{figures.name}, and the model." if figures else "The model."
+    if figures and result.transformation and result.transformation.lag:
+        what += " The temperatures are corrected for the lag of the thermometer."
     if not any(interval for *_, interval in rows):
         return html_table(("Quantity", "Value"), [(name, value) for name, value, _ in rows], what)
     return html_table(("Quantity", "Value", "95 % interval"), rows, what)

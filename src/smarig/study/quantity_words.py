@@ -108,6 +108,8 @@ _IN_BRACKETS = re.compile(r"^(.*?)[\s_]*[\[(<{]\s*([^\[\](){}<>]*)\s*[\])>}]\s*(
 _BEHIND_SIGN = re.compile(r"^(.+?)\s*(?:/|,| in |_in_)\s*(\S+)$")
 _PER_TIME = re.compile(r"(.*?)\s*(?:/\s*(?:s|sec|min|h)|[·* ]?(?:s|min|h)(?:\^?-1|⁻¹))")
 _INPUTS_ONLY = (TEMPERATURE, AMBIENT, CURRENT, VOLTAGE, POWER, DUTY)
+_WORD = re.compile(r"[^_\s]+")
+_RATE_UNIT = re.compile(r".+/(s|ms|min|h|d)")
 _LAST_WORD = re.compile(r"^(.*?)[_\s-]+([^\s_-]+)$")
 
 
@@ -118,6 +120,8 @@ def name_and_unit(name: str, written_unit: str = "") -> tuple[str, str]:
     (('Force', 'N'), ('Kraft', 'N'), ('T', 'degC'), ('SMA temperature', ''))
     >>> name_and_unit("DSC/(mW/mg)")
     ('DSC', 'mW/mg')
+    >>> name_and_unit("H_kA_per_m"), name_and_unit("field E_kV_per_cm")
+    (('H', 'kA_per_m'), ('field E', 'kV_per_cm'))
     """
     if match := _IN_BRACKETS.match(name):
         words, unit = f"{match[1]} {match[3]}".strip(), match[2].strip()
@@ -125,6 +129,8 @@ def name_and_unit(name: str, written_unit: str = "") -> tuple[str, str]:
             return words.rstrip(" /") or name, written_unit or unit
     if written_unit:
         return name, written_unit
+    if per := _with_quotient(name):
+        return per
     for pattern in (_BEHIND_SIGN, _LAST_WORD):
         match = pattern.match(name)
         if match and known_unit(match[2]) and (pattern is _BEHIND_SIGN or len(match[2]) <= 6):
@@ -132,6 +138,15 @@ def name_and_unit(name: str, written_unit: str = "") -> tuple[str, str]:
                 continue
             return match[1], match[2]
     return name, ""
+
+
+def _with_quotient(name: str) -> tuple[str, str] | None:
+    """The name without the unit at its end that is written with "per", and that unit."""
+    for word in list(_WORD.finditer(name))[1:]:
+        label, unit = name[: word.start()].strip("_- "), name[word.start() :]
+        if "per" in _WORD.findall(unit) and known_unit(unit):
+            return label, unit
+    return None
 
 
 def quantity_of_name(name: str) -> tuple[str, bool]:
@@ -173,7 +188,16 @@ def is_rate_unit(written: str) -> bool:
 def quantity_of_unit(unit: str) -> str:
     """The quantity that a unit measures, "" for ratios, counts and unknown units.
 
-    >>> quantity_of_unit("N"), quantity_of_unit("%")
-    ('force', '')
+    >>> quantity_of_unit("N"), quantity_of_unit("%"), quantity_of_unit("K/min")
+    ('force', '', 'rate')
     """
-    return _BY_DIMENSION.get(dimension(unit), "") if unit else ""
+    return RATE if _RATE_UNIT.fullmatch(unit) else _BY_DIMENSION.get(dimension(unit), "") if unit else ""
+
+
+def quantity_in_unit(quantity: str, unit: str) -> str:
+    """A quantity that its letter names, as its unit tells it from another: a moment in A/m is a magnetisation.
+
+    >>> quantity_in_unit(MOMENT, "kA/m"), quantity_in_unit(MOMENT, "emu")
+    ('magnetisation', 'magnetic moment')
+    """
+    return MAGNETISATION if quantity == MOMENT and dimension(unit) == "magnetic field" else quantity

@@ -19,6 +19,7 @@ from smarig.study.function_of_input import function_of_input
 from smarig.study.heat_flow_study import calorimetry_of
 from smarig.study.imported_runs import ImportedTable, file_title, import_tables
 from smarig.study.mapping_draft import mapping_draft
+from smarig.study.named_lag import named_lag
 from smarig.study.plane_model import refuse_plane_tables
 from smarig.study.study_files import STUDY_JSON, STUDY_MODEL, STUDY_PAGE
 from smarig.study.study_options import StudyOptions, study_key
@@ -98,7 +99,9 @@ def study(
         without_cause=without_cause,
         undetermined=undetermined,
         heating=heating,
-        transformation=transformation_of([table.run for table in tables]) if found is None else None,
+        transformation=transformation_of([table.run for table in tables], named_lag(diagnosis))
+        if found is None
+        else None,
         calorimetry=found,
         function=function,
         seconds=time.monotonic() - started,

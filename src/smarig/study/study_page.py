@@ -122,6 +122,8 @@ def _temperatures(result: StudyResult) -> Iterator[Html | Figure]:
     found = result.transformation
     if found is None:
         return
+    if found.correction:
+        yield paragraph(found.correction)
     if found.result is not None:
         slopes = stress_figure(found.result.runs, found.result.stress)
         if slopes:

@@ -5,7 +5,9 @@ from dataclasses import dataclass
 from typing import Any
 
 from smarig.core import UsageError
+from smarig.diagnosis import Finding
 from smarig.record import Run
+from smarig.study.named_lag import lag_sentence, without_lag
 from smarig.transformation import (
     TEMPERATURES,
     RunFigures,
@@ -21,11 +23,18 @@ _MOST = 8  # runs in a text
 class Transformation:
     """The transformation temperatures of the runs that have a full loop; ``left_out`` has the reasons of the others.
 
-    ``result`` is None if no run has a full loop.
+    ``result`` is None if no run has a full loop. ``lag`` is that of the thermometer, for which the temperatures are
+    corrected, None if none was named.
     """
 
     result: TransformationResult | None
     left_out: dict[str, str]
+    lag: Finding | None = None
+
+    @property
+    def correction(self) -> str:
+        """What the temperatures are corrected for, a sentence; "" if they are those of the record."""
+        return lag_sentence(self.lag) if self.lag and self.result else ""
 
     @property
     def slopes(self) -> list[tuple[str, float, tuple[float | None, float | None]]]:
@@ -48,6 +57,7 @@ class Transformation:
             for run in runs[:_MOST]
         ]
         found += [f"{len(runs) - _MOST} more runs are on the page."] if len(runs) > _MOST else []
+        found += [self.correction] if self.correction else []
         found += [
             f"{name} rises by 1 K per {value:.3g} MPa ({low:.3g} to {high:.3g})."
             for name, value, (low, high) in self.slopes
@@ -57,14 +67,22 @@ class Transformation:
 
     def to_json(self) -> dict[str, Any]:
         """As a JSON object."""
-        return {"temperatures": self.result and self.result.to_json(), "left_out": self.left_out}
+        return {
+            "temperatures": self.result and self.result.to_json(),
+            "left_out": self.left_out,
+            "corrected_for": self.lag and self.lag.to_json(),
+        }
 
 
-def transformation_of(runs: Sequence[Run]) -> Transformation | None:
-    """The transformation temperatures of runs; None if their input is no temperature, or if they have no output."""
+def transformation_of(runs: Sequence[Run], lag: Finding | None = None) -> Transformation | None:
+    """The transformation temperatures of runs, corrected for the ``lag`` of their thermometer.
+
+    None if their input is no temperature, or if they have no output.
+    """
     hot = [run for run in runs if run.input_unit in ("K", "degC") and run.has("position")]
     if not hot:
         return None
+    hot = [without_lag(run, lag) for run in hot] if lag else hot
     left_out: dict[str, str] = {}
     usable = []
     for run in hot:
@@ -73,4 +91,4 @@ def transformation_of(runs: Sequence[Run]) -> Transformation | None:
             usable.append(run)
         except UsageError as error:
             left_out[run.name] = str(error)
-    return Transformation(transformation_temperatures(usable) if usable else None, left_out)
+    return Transformation(transformation_temperatures(usable) if usable else None, left_out, lag)

@@ -52,6 +52,17 @@ def test_it_is_silent_where_nothing_is_hidden(wire):
     assert "Nothing stands out" in found.text()
 
 
+@pytest.mark.long("takes five seconds", cases=("1-0.1",))
+@pytest.mark.parametrize("step", [0.1, 0.4])
+def test_a_reading_in_steps_has_at_least_the_noise_of_its_rounding(wire, step):
+    run = as_run("steps", T, np.round(wire.strain(T) / step) * step, dt=1.0, noise=(0.05, 0.0))
+    rounded = replace(run, meta={**run.meta, "output": {**run.meta["output"], "per_count": step}})
+    found = diagnosed([rounded])
+    assert found.noise >= step / np.sqrt(12)
+    assert found.to_json()["adequacy"]["times_noise"] < 2
+    assert not found.effects()
+
+
 @pytest.fixture(scope="module")
 def slow_thermometer():
     """At one rate a lag is a wider loop, which any measure has; so the ramps differ in their rates."""

@@ -72,8 +72,8 @@ class KeptAddition:
 
     @property
     def noise(self) -> float:
-        """Standard deviation of a reading."""
-        return float(np.sqrt(self.sizes[-1]))
+        """Standard deviation of a reading, at least that of its rounding."""
+        return max(float(np.sqrt(self.sizes[-1])), self.problem.rounding)
 
     @property
     def rms(self) -> float:

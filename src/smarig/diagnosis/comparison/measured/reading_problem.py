@@ -74,6 +74,11 @@ class ReadingProblem:
         """Whether all records have a clock."""
         return all(r.clock for r in self.records)
 
+    @property
+    def rounding(self) -> float:
+        """Standard deviation of the rounding of a reading, of a range of one."""
+        return float(np.sqrt(np.mean([r.rounding**2 for r in self.records]))) / abs(self.scale)
+
     @cached_property
     def blocks(self) -> tuple[Rows, ...]:
         """Positions, among the training readings, of each training block."""
