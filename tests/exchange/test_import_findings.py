@@ -188,6 +188,14 @@ def test_the_same_end_reached_again_with_another_output_is_an_open_loop(noise):
     assert "over 3 visits" in found[0]
 
 
+@pytest.mark.parametrize("seed", range(4))
+def test_noise_at_the_ends_is_no_open_loop(seed):
+    u = _way(0, 100, 0, 100, 0, 100, 0)
+    noise = np.random.default_rng(seed).normal(0, 0.02, u.size)
+    assert _open_loops(u, _relays(u) + noise) == []
+    assert len(_open_loops(u, _relays(u, shift=0.4) + noise)) == 2
+
+
 def test_an_offset_of_a_symmetric_drive_is_found_but_not_of_a_temperature():
     volts = LoopRecord(U - 40, _healthy(), LINE, "V", "uC/cm^2")
     assert any("centre +10" in s for s in _texts(loop_findings(volts)))

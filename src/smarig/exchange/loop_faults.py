@@ -173,7 +173,7 @@ def _not_closed(loop: LoopRecord, turns: list[int]) -> list[ImportFinding]:
     out = []
     for end, extreme in (("low", loop.u.min()), ("high", loop.u.max())):
         y = loop.y[[k for k in turns if abs(loop.u[k] - extreme) <= same]]
-        if y.size > 1 and abs(y[-1] - y[0]) > limit:
+        if y.size > 1 and abs(y[-1] - y[0]) > max(limit, _noise_at(loop, float(extreme))):
             path = [y[0], y[-1]] if y.size == 2 else [y[0], y[1], y[-1]]
             shown = (" → … → " if y.size > 3 else " → ").join(f"{v:.4g}" for v in path)
             text = (
@@ -182,6 +182,15 @@ def _not_closed(loop: LoopRecord, turns: list[int]) -> list[ImportFinding]:
             )
             out.append(ImportFinding(text, "open loop"))
     return out
+
+
+def _noise_at(loop: LoopRecord, u: float) -> float:
+    """The range that the noise of the output has near an input, from second differences; 0 of fewer than three rows."""
+    rows = np.flatnonzero(np.abs(loop.u[1:-1] - u) <= _SAME * np.ptp(loop.u))
+    if rows.size < 3:
+        return 0.0
+    bends = np.abs(np.diff(loop.y, 2))[rows]
+    return noise_range(loop.y[rows], float(np.median(bends)) / 0.6745 / float(np.sqrt(6.0)))
 
 
 def _wrong_direction(loop: LoopRecord, turns: list[int]) -> list[ImportFinding]:
