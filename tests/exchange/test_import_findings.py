@@ -104,6 +104,13 @@ def test_a_row_alone_is_no_jump(height, noise):
     assert any("in 1 place(s)" in s and "from line 101 to 102" in s for s in _loop(u, y))
 
 
+def test_a_row_alone_on_a_steep_branch_is_no_jump():
+    y = np.interp(U, [50, 65], [0.0, 1.0])  # 30 rows, of which one lies 8 % above its branch
+    y[107] += 0.08
+    assert np.abs(np.diff(y)).max() > 0.1
+    assert not any("jumps" in s for s in _loop(U, y))
+
+
 def test_an_output_that_follows_a_coarse_input_jumps():
     u = np.tile([0.0, 100.0, 0.0, 40.0], 6)
     found = _texts(loop_findings(LoopRecord(u, u / 100, np.arange(24), "degC", "mm")))

@@ -118,14 +118,16 @@ def _jumps(loop: LoopRecord) -> list[ImportFinding]:
 
 
 def _lone_rows(loop: LoopRecord, limit: float) -> NDArray[np.bool_]:
-    """Rows (n,) whose output alone lies beyond both neighbours, where the input does not turn: outliers, no jumps."""
-
-    def out_and_back(x: Array, least: float) -> NDArray[np.bool_]:
-        before, after = np.diff(x)[:-1], np.diff(x)[1:]
-        return (before * after < 0) & (np.minimum(np.abs(before), np.abs(after)) > least)
-
+    """Rows (n,) off both neighbours, which are within ``limit``, where the input does not turn: outliers, no jumps."""
+    back, turns = (
+        np.diff(loop.y)[:-1] * np.diff(loop.y)[1:] < 0,
+        np.diff(loop.u)[:-1] * np.diff(loop.u)[1:] < 0,
+    )
+    least = np.minimum(np.abs(np.diff(loop.u))[:-1], np.abs(np.diff(loop.u))[1:])
     alone = np.zeros(loop.y.size, dtype=bool)
-    alone[1:-1] = out_and_back(loop.y, limit) & ~out_and_back(loop.u, _same_input(loop.u))
+    alone[1:-1] = (
+        back & (np.abs(loop.y[2:] - loop.y[:-2]) <= limit) & ~(turns & (least > _same_input(loop.u)))
+    )
     return alone
 
 
