@@ -104,6 +104,13 @@ def test_a_row_alone_is_no_jump(height, noise):
     assert any("in 1 place(s)" in s and "from line 101 to 102" in s for s in _loop(u, y))
 
 
+def test_a_row_alone_on_a_steep_branch_is_no_jump():
+    y = np.interp(U, [50, 65], [0.0, 1.0])  # 30 rows, of which one lies 8 % above its branch
+    y[107] += 0.08
+    assert np.abs(np.diff(y)).max() > 0.1
+    assert not any("jumps" in s for s in _loop(U, y))
+
+
 def test_an_output_that_follows_a_coarse_input_jumps():
     u = np.tile([0.0, 100.0, 0.0, 40.0], 6)
     found = _texts(loop_findings(LoopRecord(u, u / 100, np.arange(24), "degC", "mm")))
@@ -186,6 +193,14 @@ def test_the_same_end_reached_again_with_another_output_is_an_open_loop(noise):
         "At the high end of the input",
     ]
     assert "over 3 visits" in found[0]
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_noise_at_the_ends_is_no_open_loop(seed):
+    u = _way(0, 100, 0, 100, 0, 100, 0)
+    noise = np.random.default_rng(seed).normal(0, 0.02, u.size)
+    assert _open_loops(u, _relays(u) + noise) == []
+    assert len(_open_loops(u, _relays(u, shift=0.4) + noise)) == 2
 
 
 def test_an_offset_of_a_symmetric_drive_is_found_but_not_of_a_temperature():

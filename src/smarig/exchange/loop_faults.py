@@ -118,14 +118,16 @@ def _jumps(loop: LoopRecord) -> list[ImportFinding]:
 
 
 def _lone_rows(loop: LoopRecord, limit: float) -> NDArray[np.bool_]:
-    """Rows (n,) whose output alone lies beyond both neighbours, where the input does not turn: outliers, no jumps."""
-
-    def out_and_back(x: Array, least: float) -> NDArray[np.bool_]:
-        before, after = np.diff(x)[:-1], np.diff(x)[1:]
-        return (before * after < 0) & (np.minimum(np.abs(before), np.abs(after)) > least)
-
+    """Rows (n,) off both neighbours, which are within ``limit``, where the input does not turn: outliers, no jumps."""
+    back, turns = (
+        np.diff(loop.y)[:-1] * np.diff(loop.y)[1:] < 0,
+        np.diff(loop.u)[:-1] * np.diff(loop.u)[1:] < 0,
+    )
+    least = np.minimum(np.abs(np.diff(loop.u))[:-1], np.abs(np.diff(loop.u))[1:])
     alone = np.zeros(loop.y.size, dtype=bool)
-    alone[1:-1] = out_and_back(loop.y, limit) & ~out_and_back(loop.u, _same_input(loop.u))
+    alone[1:-1] = (
+        back & (np.abs(loop.y[2:] - loop.y[:-2]) <= limit) & ~(turns & (least > _same_input(loop.u)))
+    )
     return alone
 
 
@@ -173,7 +175,7 @@ def _not_closed(loop: LoopRecord, turns: list[int]) -> list[ImportFinding]:
     out = []
     for end, extreme in (("low", loop.u.min()), ("high", loop.u.max())):
         y = loop.y[[k for k in turns if abs(loop.u[k] - extreme) <= same]]
-        if y.size > 1 and abs(y[-1] - y[0]) > limit:
+        if y.size > 1 and abs(y[-1] - y[0]) > max(limit, _noise_at(loop, float(extreme))):
             path = [y[0], y[-1]] if y.size == 2 else [y[0], y[1], y[-1]]
             shown = (" → … → " if y.size > 3 else " → ").join(f"{v:.4g}" for v in path)
             text = (
@@ -182,6 +184,15 @@ def _not_closed(loop: LoopRecord, turns: list[int]) -> list[ImportFinding]:
             )
             out.append(ImportFinding(text, "open loop"))
     return out
+
+
+def _noise_at(loop: LoopRecord, u: float) -> float:
+    """The range that the noise of the output has near an input, from second differences; 0 of fewer than three rows."""
+    rows = np.flatnonzero(np.abs(loop.u[1:-1] - u) <= _SAME * np.ptp(loop.u))
+    if rows.size < 3:
+        return 0.0
+    bends = np.abs(np.diff(loop.y, 2))[rows]
+    return noise_range(loop.y[rows], float(np.median(bends)) / 0.6745 / float(np.sqrt(6.0)))
 
 
 def _wrong_direction(loop: LoopRecord, turns: list[int]) -> list[ImportFinding]:
