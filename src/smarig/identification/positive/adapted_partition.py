@@ -96,7 +96,7 @@ def _shares(low: Array, high: Array, change: Array, ends: Array, span: float) ->
     return edges, share / share[-1] if share.size and share[-1] > 0 else (edges - edges[0]) / span
 
 
-def _last_terms(observations: Observations) -> tuple[NDArray[np.int64], Array]:
+def _last_terms(observations: Observations) -> tuple[NDArray[np.intp], Array]:
     """The last term (m,) of each observation, whose β is the present input, and a number (m,) of the memory before.
 
     The last branch has two terms; those before it are the same on all of it.
@@ -105,4 +105,5 @@ def _last_terms(observations: Observations) -> tuple[NDArray[np.int64], Array]:
     ends = np.cumsum(np.bincount(observations.term, minlength=len(observations))) - 1
     earlier = np.delete(order, np.concatenate([ends, ends - 1]))
     corner = observations.sign * (observations.alpha + np.e * observations.beta)
-    return order[ends], np.bincount(observations.term[earlier], corner[earlier], len(observations))
+    before = np.bincount(observations.term[earlier], weights=corner[earlier], minlength=len(observations))
+    return order[ends], np.asarray(before, dtype=np.float64)
