@@ -13,7 +13,9 @@ if TYPE_CHECKING:
     from smarig.measurement.condition_table import SAME_SHARE as SAME_SHARE
     from smarig.measurement.condition_table import ConditionTable as ConditionTable
     from smarig.measurement.condition_table import condition_groups as condition_groups
+    from smarig.measurement.input_record import CONTINUES_AT as CONTINUES_AT
     from smarig.measurement.input_record import InputRecord as InputRecord
+    from smarig.measurement.input_record import cycles_before as cycles_before
     from smarig.measurement.input_record import dropouts as dropouts
     from smarig.measurement.input_record import input_noise_sd as input_noise_sd
     from smarig.measurement.input_record import input_records as input_records

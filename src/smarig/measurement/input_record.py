@@ -12,6 +12,7 @@ from smarig.record import Run, continues_run
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
+CONTINUES_AT = "continues_at"  # of a part of an imported run: when that began, and its cycles so far
 REVERSAL_MARGIN = 1.2  # times the range that noise of this size has over all rows
 DROPOUT_STEPS = 3.0  # times the usual step from row to row
 DROPOUT_SHARE = 0.005  # of the input's range: a smaller jump is none that a memory would keep
@@ -24,11 +25,12 @@ class InputRecord:
 
     ``t`` is the time in s, or the row number without a clock. ``cycle`` is the number of cycles of the input before
     each row, continued over the runs of one list. ``conditions`` are the mean values recorded with the run, by name.
-    ``row`` are the rows of the run. ``dropouts`` rows were left out because the input reads exactly 0 there, far from
-    the rows around them. ``continues``: the record starts in the final state of the one before it in its list.
-    ``noise`` is the standard deviation of the input's noise, None if it must be estimated; ``rounding`` is that of the
-    output's rounding. ``readings`` are the rows
-    whose outputs are readings, None if all are. ``histories`` (n,) are conditions that change over the record.
+    ``began`` is the time at which the record began, or the one that it continues. ``row`` are the rows of the run.
+    ``dropouts`` rows were left out because the input reads exactly 0 there, far from the rows around them.
+    ``continues``: the record starts in the final state of the one before it in its list. ``noise`` is the standard
+    deviation of the input's noise, None if it must be estimated; ``rounding`` is that of the output's rounding.
+    ``readings`` are the rows whose outputs are readings, None if all are. ``histories`` (n,) are conditions that change
+    over the record.
     """
 
     name: str
@@ -46,6 +48,7 @@ class InputRecord:
     noise: float | None = None
     rounding: float = 0.0
     readings: Integers | None = None
+    began: float | None = None
     histories: Mapping[str, Array] = field(default_factory=dict)
 
     def condition(self, name: str) -> Array:
@@ -55,6 +58,11 @@ class InputRecord:
 
     def __len__(self) -> int:
         return self.u.size
+
+    @property
+    def elapsed(self) -> Array:
+        """Time (n,) in s since the record began, or the one that it continues; rows without a clock."""
+        return self.t - (self.t[0] if self.began is None else self.began)
 
 
 def input_records(runs: Sequence[Run]) -> list[InputRecord]:
@@ -70,7 +78,9 @@ def input_records(runs: Sequence[Run]) -> list[InputRecord]:
         if row.size < 3:
             continue
         clock = run.has("t_s") and bool(np.all(np.isfinite(run["t_s"][row])))
-        cycle = cycles + cycles_before(u[row])
+        continues = before is not None and continues_run(before, run)
+        began, earlier = _earlier(run, found[-1] if continues and found else None, clock=clock)
+        cycle = (cycles or earlier) + cycles_before(u[row])
         cycles = float(cycle[-1])
         found.append(
             InputRecord(
@@ -85,12 +95,28 @@ def input_records(runs: Sequence[Run]) -> list[InputRecord]:
                 initial=run.info.initial,
                 dropouts=int(lost.sum()),
                 input_unit=run.input_unit,
-                continues=before is not None and continues_run(before, run),
+                continues=continues,
+                began=began,
                 rounding=rounding_sd(run),
             )
         )
         before = run
     return found
+
+
+def _earlier(run: Run, before: InputRecord | None, *, clock: bool) -> tuple[float | None, float]:
+    """When the record of a run began, and how many cycles were before it: a part of a run goes on from the rest."""
+    if before is not None:
+        return (before.began if before.began is not None else float(before.t[0])) if clock else None, 0.0
+    stated = (run.meta.get("imported") or {}).get(CONTINUES_AT)
+    if not isinstance(stated, Mapping):
+        return None, 0.0
+    began, cycles = (
+        float(value) if isinstance(value, int | float) and np.isfinite(value) else None
+        for value in (stated.get("began_s"), stated.get("cycles"))
+    )
+    known = clock and began is not None and began <= run["t_s"][0]
+    return began if known else None, max(cycles or 0.0, 0.0)
 
 
 def rounding_sd(run: Run) -> float:

@@ -39,7 +39,7 @@ def learned_variables(record: InputRecord) -> Mapping[str, Array]:
         rate = np.abs(np.diff(record.u[turns])) / np.maximum(np.diff(record.t[turns]), 1e-12)
         slowest = max(SLOWEST_RATE_SHARE * float(rate.max()), 1e-300)
         found["rate"] = np.log10(np.maximum(rate, slowest))[branch]
-        found["time"] = record.t - record.t[0]
+        found["time"] = record.elapsed
         found["time_since_reversal"] = record.t - record.t[turns[branch]]
     return MappingProxyType(found)
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from smarig.core import UsageError
-from smarig.measurement import dropouts
+from smarig.measurement import CONTINUES_AT, cycles_before, dropouts
 from smarig.record import CONTINUED, FORC_PROTOCOL, Run, load_run, write_run
 from smarig.replay import recorded_conditions
 from smarig.study.imported_runs import ImportedTable
@@ -202,12 +202,20 @@ def _part(run: Run, rows: np.ndarray, folder: Path, title: str, *, after: bool =
     meta["notes"] = f"Part '{title}' of {run.path.name}. {meta.get('notes', '')}".strip()
     if after:
         imported |= {"continues": f"{title}.run.sqlite", "continues_sha256": _hash(whole, "first")}
+        imported[CONTINUES_AT] = _so_far(run, rows)
         meta["initial"] = CONTINUED
     columns = {name: values[rows] for name, values in run.columns.items() if run.has(name)}
     columns["tick"] = np.arange(int(rows.sum()), dtype=float)
     columns["quality"] = np.nan_to_num(run["quality"][rows])
     write_run(path, meta | {"imported": imported}, columns, [], force=True)
     return load_run(path)
+
+
+def _so_far(run: Run, rows: np.ndarray) -> dict[str, float]:
+    """When a run began, and its cycles before the part with these rows: clocks and counts go on over a split."""
+    before = np.isfinite(run["input"]) & ~rows
+    found = {"cycles": float(cycles_before(run["input"][before])[-1]) if before.any() else 0.0}
+    return found | ({"began_s": float(run["t_s"][0])} if run.has("t_s") else {})
 
 
 def _hash(whole: str, title: str) -> str:

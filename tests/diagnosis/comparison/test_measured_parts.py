@@ -183,6 +183,14 @@ def test_an_offset_between_two_loads_does_what_the_load_does(stresses, parted):
     assert (offset not in confounded(problem, [stress]).get(stress, ())) is parted
 
 
+@pytest.mark.parametrize(("held_out", "parted"), [(150.0, False), (200.0, True), (100.0, True)])
+def test_a_held_out_load_parts_them(held_out, parted):
+    stress, offset = Part("effect", "stress_shift"), Part("effect", "input_offset")
+    *train, other = runs_at((1.0,) * 3, (100.0, 150.0, held_out))
+    problem = reading_problem(wire_records(train, [other]))
+    assert (offset not in confounded(problem, [stress]).get(stress, ())) is parted
+
+
 @pytest.mark.parametrize(
     ("rows", "parted"), [((20, 40, 60, 80, 100, 120), False), ((20, 120, 40, 100, 60, 80), True)]
 )

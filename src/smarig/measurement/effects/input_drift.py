@@ -29,7 +29,7 @@ def _parameters(records: Sequence[InputRecord]) -> tuple[SearchedParameter, ...]
 
 
 def _change(p: Values, record: InputRecord) -> RecordChange:
-    hours = (record.t - record.t[0]) / 3600
+    hours = record.elapsed / 3600
     return RecordChange(record.u + p["drift_per_h"] * hours, RecordChange.none(record).terms)
 
 

@@ -32,7 +32,7 @@ def _parameters(records: Sequence[InputRecord]) -> tuple[SearchedParameter, ...]
 
 
 def _change(p: Values, record: InputRecord) -> RecordChange:
-    hours = (record.t - record.t[0]) / 3600
+    hours = record.elapsed / 3600
     return RecordChange(record.u, -np.expm1(-hours / p["time_constant_h"])[:, None])
 
 

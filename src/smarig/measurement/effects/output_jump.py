@@ -29,7 +29,7 @@ def _parameters(records: Sequence[InputRecord]) -> tuple[SearchedParameter, ...]
 
 
 def _change(p: Values, record: InputRecord) -> RecordChange:
-    after = (record.t - record.t[0]) / 3600 >= p.get(record.name, np.inf)
+    after = record.elapsed / 3600 >= p.get(record.name, np.inf)
     return RecordChange(record.u, after.astype(float)[:, None])
 
 

@@ -67,10 +67,12 @@ def confounded(problem: ReadingProblem, parts: Iterable[Part]) -> dict[Part, tup
 
 
 def _two_conditions(problem: ReadingProblem) -> bool:
-    """Whether the training runs differ in a condition of two values, and no run returns to the first of them."""
-    runs = [problem.records[k] for k in np.unique(problem.record[problem.train])]
-    names = set.intersection(*(set(r.conditions) for r in runs))
-    sets = [[r.conditions[name] for r in runs] for name in names]
+    """Whether the runs differ in a condition of two values, and none returns to the first of them.
+
+    Held-out runs count, too: only what goes with the condition predicts a third value, or the return to the first.
+    """
+    names = set.intersection(*(set(r.conditions) for r in problem.records))
+    sets = [[r.conditions[name] for r in problem.records] for name in names]
     return any(len(set(values)) == 2 == 1 + sum(a != b for a, b in pairwise(values)) for values in sets)
 
 

@@ -1,0 +1,70 @@
+"""Clocks and counts of cycles go on over the split of one record into a fitted and a held-out part."""
+
+import numpy as np
+import pytest
+
+from smarig.measurement import input_records
+from smarig.record import load_run
+from smarig.study import study
+from smarig.study.study_options import StudyOptions
+
+SIGMA = 0.03
+
+
+def clamped(cycles=6, rows=50, shift=0.8, saturating=False):
+    """Time, temperature and force of a clamped wire whose load cell drifts by ``shift`` over the record."""
+    ramp = np.linspace(30.0, 100.0, rows, endpoint=False)
+    u = np.append(np.tile(np.concatenate([ramp, 130.0 - ramp]), cycles), 30.0)
+    rising = np.append(np.tile(np.repeat([1.0, -1.0], rows), cycles), -1.0)
+    force = 5 + 5 * np.tanh((u - np.where(rising > 0, 75.0, 59.0)) / 5)
+    t = np.arange(u.size, dtype=float)
+    share = t / t[-1]
+    drift = shift * ((1 - np.exp(-3 * share)) / (1 - np.exp(-3)) if saturating else share)
+    return t, u, force + drift + SIGMA * np.random.default_rng(4).standard_normal(u.size)
+
+
+def written(folder, rows, start=0.0):
+    t, u, y = rows
+    file = folder / "drift.csv"
+    table = np.column_stack([t + start, u, y])
+    np.savetxt(file, table, delimiter=",", header="t_s,T_degC,force_N", comments="", fmt="%.5f")
+    return file
+
+
+@pytest.mark.parametrize(("saturating", "start"), [(False, 0.0), (True, 0.0), (False, 5e4)])
+def test_a_drift_goes_on_in_the_held_out_part(tmp_path, saturating, start):
+    file = written(tmp_path, clamped(saturating=saturating), start)
+    result = study([file], tmp_path / "out", StudyOptions())
+    assert result.split is not None
+    assert result.split.kind == "time"
+    assert result.diagnosis is not None
+    assert "output_drift" in result.diagnosis.verdict.names  # time and cycles go together in one record
+    assert result.evaluation is not None
+    assert result.evaluation.best.rms < 2.5 * SIGMA
+    assert result.verdict == "good"
+
+
+def test_the_part_that_goes_on_states_when_the_record_began_and_its_cycles(tmp_path):
+    file = written(tmp_path, clamped(), start=100.0)
+    result = study([file], tmp_path / "out", StudyOptions(diagnose=False))
+    assert result.split is not None
+    first, second = (load_run(part[0].path) for part in (result.split.train, result.split.held_out))
+    (alone,), (_, joined) = input_records([second]), input_records([first, second])
+    for record in (alone, joined):
+        assert record.elapsed[0] == pytest.approx(second["t_s"][0] - 100.0)
+        assert record.cycle[0] == pytest.approx(round(record.cycle[0] * 2) / 2, abs=0.05)
+        assert record.cycle[0] > 2
+    assert alone.cycle[0] == pytest.approx(joined.cycle[0], abs=0.05)
+
+
+@pytest.mark.parametrize(
+    "stated", [None, 3, {}, {"began_s": "x", "cycles": None}, {"began_s": 1e308}, {"cycles": -4}]
+)
+def test_what_a_file_states_wrongly_is_as_if_it_stated_nothing(tmp_path, stated):
+    file = written(tmp_path, clamped(cycles=3))
+    result = study([file], tmp_path / "out", StudyOptions(diagnose=False))
+    run = result.tables[0].run
+    run.meta["imported"] = {**run.meta["imported"], "continues_at": stated}
+    (record,) = input_records([run])
+    assert record.elapsed[0] == 0
+    assert record.cycle[0] == 0
