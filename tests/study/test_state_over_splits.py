@@ -68,3 +68,14 @@ def test_what_a_file_states_wrongly_is_as_if_it_stated_nothing(tmp_path, stated)
     (record,) = input_records([run])
     assert record.elapsed[0] == 0
     assert record.cycle[0] == 0
+
+
+def test_a_copy_under_another_name_and_clock_is_left_out(tmp_path):
+    first = written(tmp_path, clamped(cycles=3))
+    second = tmp_path / "copy.csv"
+    header, *rows = first.read_text(encoding="utf-8").splitlines()
+    later = [f"{float(row.split(',')[0]) + 5000},{row.split(',', 1)[1]}" for row in rows]
+    second.write_text("\n".join([header, *later]) + "\n", encoding="utf-8")
+    result = study([first, second], tmp_path / "out", StudyOptions(diagnose=False))
+    assert [table.title for table in result.tables] == ["drift"]
+    assert "readings of drift" in result.left_out["copy"]

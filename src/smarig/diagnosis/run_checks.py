@@ -6,7 +6,7 @@ from itertools import combinations
 import numpy as np
 
 from smarig.core import DataError, UsageError
-from smarig.record import Run, Step
+from smarig.record import Run, Step, same_readings
 from smarig.replay import Model, check_output, file_hash
 
 MAX_DURATION_S = 3.2e8  # ten years
@@ -14,7 +14,6 @@ MAX_READING = 1e9  # a position in any unit, a current, a target
 LEAST_ALPHA = 0.005  # null data say nothing of rarer alarms
 MAX_NULL_DATA_SETS = 100_000  # a larger number is a typing error
 ROOM_DEGC = (-273.15, 1000.0)  # absolute zero, and what no rig survives
-COPIED = ("position", "input", "current_A")  # not the clock: a copy may have another
 COLUMNS = ("current_command_A", "current_A", "voltage_V", "position", "input")
 
 
@@ -48,11 +47,6 @@ def check_held_out(train: Sequence[Run], held_out: Sequence[Run]) -> None:
                 raise UsageError(
                     "A held-out run is a copy of a training run. Hold out a run that is not used for training."
                 )
-
-
-def same_readings(a: Run, b: Run) -> bool:
-    """Whether two runs hold the same readings, whatever their clocks say: noise makes every measurement differ."""
-    return len(a) == len(b) and all(np.array_equal(a[c], b[c], equal_nan=True) for c in COPIED)
 
 
 def check_left_out(without: Sequence[str], known: Iterable[str]) -> None:

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from smarig.core import DataError, atomic_file
 from smarig.exchange import ImportReport, import_file, load_mapping
-from smarig.record import ImportFinding, Run, load_run
+from smarig.record import ImportFinding, Run, load_run, same_readings
 from smarig.study.mapping_draft import mapping_draft
 from smarig.study.table_guess import TableGuess
 
@@ -66,7 +66,12 @@ def import_tables(
                 raise
             left_out[title] = str(error)
             continue
-        found.append(ImportedTable(title, load_run(report.run), report.findings))
+        run = load_run(report.run)
+        copied = next((t.title for t in found if same_readings(t.run, run)), None)
+        if copied is not None:
+            left_out[title] = f"It holds the readings of {copied}, which would count twice."
+            continue
+        found.append(ImportedTable(title, run, report.findings))
     if not found:
         raise DataError("No table could be imported: " + " ".join(left_out.values()))
     return found, left_out

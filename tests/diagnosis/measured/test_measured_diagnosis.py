@@ -178,7 +178,7 @@ def test_a_held_out_run_whose_thermometer_is_off_is_reported():
     assert found.verdict.names == ("input_offset",)
     assert not found.extended, "no run is left to measure a gain on"
     assert f"is shifted by {-offset.offset:.3g} [" in found.text()
-    assert "it reads too low" in found.text()
+    assert "the reading of the input, the load or the specimen differs" in found.text()
 
 
 @pytest.mark.long("takes two seconds")
