@@ -26,6 +26,21 @@ def test_a_model_no_better_than_a_curve_is_poor_even_at_the_noise():
     assert level_against_curves(5.0, 1.0, 0.20, 5.0) == "poor", "20 % of the range"
 
 
+@pytest.mark.parametrize(
+    ("ratio", "share", "gain", "level"),
+    [
+        (1.0, 0.02, 1.0, "good"),
+        (1.0, 0.02, 1.4, "good"),
+        (2.4, 0.0048, 0.98, "good"),
+        (2.4, 0.02, 0.98, "fair"),
+        (9.0, 0.05, 1.0, "poor"),
+        (1.0, 0.02, 0.7, "poor"),
+    ],
+)
+def test_a_model_as_good_as_two_branches_is_as_good_as_full_loops_can_show(ratio, share, gain, level):
+    assert level_against_curves(ratio, 1.0, share, gain, full_loops=True) == level
+
+
 def test_drop_outs_are_not_taken_for_branches(tmp_path):
     u = temperatures(1, 120)
     x = displacements(u)

@@ -88,6 +88,7 @@ if TYPE_CHECKING:
     )
     from smarig.identification.verdict_thresholds import BETTER as BETTER
     from smarig.identification.verdict_thresholds import GOOD_RATIO as GOOD_RATIO
+    from smarig.identification.verdict_thresholds import HARDLY_BETTER as HARDLY_BETTER
     from smarig.identification.verdict_thresholds import LARGE_PLACE as LARGE_PLACE
     from smarig.identification.verdict_thresholds import LITTLE_UNPREDICTED as LITTLE_UNPREDICTED
     from smarig.identification.verdict_thresholds import POOR_RATIO as POOR_RATIO

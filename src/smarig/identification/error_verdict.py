@@ -84,20 +84,32 @@ def _above_threshold_text(ratio: float) -> str:
 
 
 def level_against_curves(
-    rms: float, floor: float | None, share: float, gain: float, repeatability: Repeatability = STEADY
+    rms: float,
+    floor: float | None,
+    share: float,
+    gain: float,
+    repeatability: Repeatability = STEADY,
+    *,
+    full_loops: bool = False,
 ) -> ErrorLevel:
     """The level of an error where simple curves were fitted to the same data: ``gain`` is the error of the best of
     them over that of the model (NaN: none).
 
     The thresholds are those of ``error_verdict``. An error above the noise is fair if the model is clearly better than
-    each curve, up to 15 % of the travel; a model that is hardly better than a curve is poor.
+    each curve, up to 15 % of the travel; a model that is hardly better than a curve is poor. ``full_loops``: that curve
+    has a rising and a falling branch, so the data hold full loops only, and a model that is as good is no worse for it.
 
     >>> str(level_against_curves(0.5, 0.05, 0.04, 6.0)), str(level_against_curves(0.5, 0.05, 0.04, 1.1))
     ('fair', 'poor')
+    >>> str(level_against_curves(0.05, 0.05, 0.004, 1.0, full_loops=True))
+    'good'
     """
-    level, better = error_verdict(rms, floor, share, repeatability).level, not gain < BETTER
-    if gain < HARDLY_BETTER:
+    level, better = error_verdict(rms, floor, share, repeatability).level, full_loops or not gain < BETTER
+    if gain < (1 / HARDLY_BETTER if full_loops else HARDLY_BETTER):
         return ErrorLevel.POOR
+    if full_loops and gain < BETTER and level is not ErrorLevel.GOOD:
+        at_best = ErrorLevel.FAIR if level is ErrorLevel.UNKNOWN else level
+        return ErrorLevel.GOOD if share <= SMALL_SHARE else at_best
     if level is ErrorLevel.GOOD:
         return ErrorLevel.GOOD if better else ErrorLevel.FAIR
     if share > LARGE_SHARE:

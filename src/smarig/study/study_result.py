@@ -10,8 +10,10 @@ import numpy as np
 from smarig.core import capitalised
 from smarig.diagnosis import CommandedDiagnosis, MeasuredDiagnosis
 from smarig.identification import (
+    BETTER,
     FEWEST_PAIRS,
     GOOD_RATIO,
+    HARDLY_BETTER,
     LARGE_PLACE,
     LITTLE_UNPREDICTED,
     POOR_RATIO,
@@ -23,6 +25,7 @@ from smarig.identification import (
     without_dropouts,
 )
 from smarig.record import load_run
+from smarig.study.baselines import BRANCHES
 from smarig.study.candidate_models import EXTENDED, Evaluation
 from smarig.study.data_split import DataSplit
 from smarig.study.error_reasons import error_reasons, mended, noisy_input, one_way, wrong_direction
@@ -164,12 +167,26 @@ class StudyResult:
         return d.best.rms if d.best and self.evaluation.best.name == EXTENDED else d.base.rms
 
     @property
+    def _as_a_branch_pair(self) -> bool:
+        """Whether the best simple curve is a rising and a falling branch, as of data that hold full loops only."""
+        simple = self.evaluation.simple if self.evaluation else {}
+        return bool(simple) and min(simple, key=simple.__getitem__) == BRANCHES
+
+    @property
+    def full_loops_only(self) -> bool:
+        """Whether a rising and a falling branch do about as well as the model, so that inner loops were not tested."""
+        return self._as_a_branch_pair and 1 / HARDLY_BETTER <= self.gain < BETTER
+
+    @property
     def _level_on_average(self) -> ErrorLevel:
         if self.evaluation is None:
             return level_against_curves(np.nan, self.noise, self.nrmse, self.gain)
+        full_loops = self._as_a_branch_pair
         found = self.evaluation.best
         unsteady = [r.repeatability for r in found.held_out if r.repeatability.over_readings is not None]
-        return level_against_curves(found.rms, self.noise, self.nrmse, self.gain, *unsteady[:1])
+        return level_against_curves(
+            found.rms, self.noise, self.nrmse, self.gain, *unsteady[:1], full_loops=full_loops
+        )
 
     @property
     def verdict(self) -> str:
@@ -255,6 +272,8 @@ class StudyResult:
     def _verdict_words(self) -> str:
         """The verdict, with the branch that decides it, or with the place that it excepts."""
         level, place = ErrorLevel(self.verdict), worst_place(self.branches)
+        if level is ErrorLevel.GOOD and self.full_loops_only:
+            return "good for full loops; inner loops were not tested"
         if level is ErrorLevel.FAIR and self._level_on_average is ErrorLevel.GOOD and self._left_out_is_worse:
             return "fair, as blocks left out of the fit are predicted less well"
         if self.undetermined is not None and level is not ErrorLevel.GOOD:
@@ -286,7 +305,14 @@ class StudyResult:
         if self.evaluation is None or not self.evaluation.simple or self._one_way:
             return ""
         name, error = min(self.evaluation.simple.items(), key=lambda item: item[1])
-        return simple_curve_sentence(name, error, self.gain, self.unit, left_out=self.compared_on_left_out)
+        return simple_curve_sentence(
+            name,
+            error,
+            self.gain,
+            self.unit,
+            left_out=self.compared_on_left_out,
+            full_loops=self.full_loops_only,
+        )
 
     def _next_sentence(self) -> str:
         if self.diagnosis is None and self.undetermined is not None:

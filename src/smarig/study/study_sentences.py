@@ -49,10 +49,17 @@ def left_out_sentence(rms: float, unit: str, noise: float | None) -> str:
     return f"On blocks left out of the fit, the error is {measure(rms, unit)} rms{ratio}."
 
 
-def simple_curve_sentence(name: str, error: float, gain: float, unit: str, *, left_out: bool = False) -> str:
+def simple_curve_sentence(
+    name: str, error: float, gain: float, unit: str, *, left_out: bool = False, full_loops: bool = False
+) -> str:
     """How large the error of the best simple curve is; ``gain`` times that of the model, of its error on blocks
-    ``left_out`` of the fit if nothing was held out.
+    ``left_out`` of the fit if nothing was held out. ``full_loops``: the data hold nothing else.
     """
+    if full_loops:
+        return (
+            f"A simple curve ({name}) does about as well, {measure(error, unit)}: these data hold full loops only. "
+            "Record reversals inside the loop to test more."
+        )
     than = " than the model on blocks left out of the fit" if left_out else ""
     if gain >= BETTER:
         than_model = " as that of the model on blocks left out of the fit" if left_out else ""
