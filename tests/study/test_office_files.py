@@ -82,9 +82,9 @@ def test_stated_counts(name):
 
 
 def test_the_number_of_a_file_stays_in_its_name(tmp_path):
-    rows = [f"{0.5 * k:g},{u:g},{x:g}" for k, (u, x) in enumerate(zip(U, X, strict=True))]
     paths = [tmp_path / f"loop.{k:03d}" for k in range(3)]
-    for path in paths:
+    for path, shift in zip(paths, (0.0, 0.001, 0.002)):  # no copies of each other
+        rows = [f"{0.5 * k:g},{u:g},{x + shift:g}" for k, (u, x) in enumerate(zip(U, X, strict=True))]
         path.write_text("time_s,T_degC,x_mm\n" + "\n".join(rows) + "\n")
     result = study(paths, tmp_path / "out", StudyOptions(diagnose=False))
     assert [table.title for table in result.tables] == ["loop.000", "loop.001", "loop.002"]
