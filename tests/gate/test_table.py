@@ -98,6 +98,7 @@ INERT = (
         "text",
         "column",
         "columns",
+        "matrix",
     ),
     *("channel", "blames", "names", "delimiter", "decimal", "thousands", "header_starts", "sheet", "group"),
     *("written", "repeated", "zero", "direction", "own_units", "steps", "loops", "ignore", "conditions"),

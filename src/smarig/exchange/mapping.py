@@ -110,9 +110,7 @@ class TimeAxis(TomlTable):
     period_s: float | None = Field(default=None, gt=0)  # duration of a period in which the column counts
     rows_per_period: int = Field(default=1, ge=1)  # rows per period
     repeated: Literal["refuse", "mean", "keep_order"] = "refuse"  # treatment of rows with the same time
-    restarts: Literal["refuse", "join"] = (
-        "refuse"  # "join": a clock that starts again continues one step later
-    )
+    restarts: Literal["refuse", "join"] = "refuse"  # "join": a clock that starts again goes on one step later
 
     @model_validator(mode="after")
     def _has_a_clock(self) -> "TimeAxis":

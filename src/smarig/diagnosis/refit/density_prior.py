@@ -156,7 +156,7 @@ def _cached_prior(path: _SharedPath, hysteresis: Everett, smoothing: float) -> D
     y = prediction.output
     lower, upper = hysteresis.lower, hysteresis.upper
     rows = Observations.of_states(prediction.states, y, np.zeros(y.size, dtype=np.int64), (lower, upper))
-    nodes = _nodes(hysteresis, rows)
+    nodes = _nodes(hysteresis, rows, np.array([s.extrema[-1] for s in prediction.states]))
     triangle = Triangle(nodes, _even_scale(nodes, prediction))
     X = csr_matrix(rows.matrix(triangle).tocsc()[:, : triangle.unknowns - 1])  # without y₋, the common zero
     mass = _model_masses(triangle, hysteresis)
@@ -197,12 +197,12 @@ def _node_positions(triangle: Triangle) -> Array:
     return (triangle.nodes - triangle.nodes[0]) / span if triangle.place is None else triangle.place
 
 
-def _nodes(hysteresis: Everett, rows: Observations) -> Array:
+def _nodes(hysteresis: Everett, rows: Observations, extrema: Array) -> Array:
     """The nodes of the density itself if it has enough: on others it would be another density; else adapted ones."""
     own = np.asarray(getattr(hysteresis, "kinks", ()))
     if own.size > MIN_INTERVALS:
         return own
-    return adapted_nodes(rows, _interval_count(rows, hysteresis.upper - hysteresis.lower))
+    return adapted_nodes(rows, _interval_count(rows, hysteresis.upper - hysteresis.lower), extrema)
 
 
 def _interval_count(rows: Observations, span: float) -> int:

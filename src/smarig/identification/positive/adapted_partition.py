@@ -14,8 +14,12 @@ EDGES = 65  # at which the activity is known
 SAME_LEVEL = 1e-4  # of the range: closer levels share one node
 
 
-def adapted_nodes(observations: Observations, intervals: int) -> Array:
-    """Nodes (about ``intervals`` + 1,) from u₋ to u₊: the measured levels if they are few, and refinements."""
+def adapted_nodes(observations: Observations, intervals: int, extrema: Array | None = None) -> Array:
+    """Nodes (about ``intervals`` + 1,) from u₋ to u₊: the measured levels if they are few, and refinements.
+
+    ``extrema`` (m,): the last extremum of each; nodes are then dense where the output differs between extrema, also on
+    branches without readings.
+    """
     lower, upper = observations.lower, observations.upper
     span = upper - lower
     used = np.concatenate([observations.alpha, observations.beta])
@@ -25,7 +29,13 @@ def adapted_nodes(observations: Observations, intervals: int) -> Array:
         few = _thinned(
             np.array([lower, used.min(), observations.alpha.min(), used.max(), upper]), SAME_LEVEL * span
         )
-    return _halved(few, *_activity(observations, span), intervals)
+    if extrema is None:
+        return _halved(few, *_activity(observations, span), intervals)
+    order = np.argsort(extrema, kind="stable")
+    at, y = extrema[order], observations.y[order]
+    return _halved(
+        few, *_shares(at[:-1], at[1:], np.abs(np.diff(y)), np.array([lower, upper]), span), intervals
+    )
 
 
 def nodes_along(inputs: Array, outputs: Array, branch: NDArray[np.int64], intervals: int) -> Array:

@@ -67,11 +67,6 @@ def offset_sentence(offset: RunOffset, input_unit: str, unit: str) -> str:
 def _silence(d: "MeasuredDiagnosis") -> str:
     size = d.base.rms / float(np.ptp(d.comparison.plan.y[d.comparison.train]))
     error = f"{100 * size:.2f} % of the range"
-    if d.noise and d.base.rms > RULES["adequate"].value * d.noise:
-        return (
-            f"Nothing larger than {100 * RULES['least_size'].value:g} % of the range stands out: a Preisach model "
-            f"predicts blocks left out of the fit to {error}, {d.base.rms / d.noise:.0f} × the noise of a reading."
-        )
     return f"Nothing stands out: a Preisach model predicts blocks left out of the fit to {error}."
 
 
