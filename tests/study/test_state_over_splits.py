@@ -31,6 +31,7 @@ def written(folder, rows, start=0.0):
     return file
 
 
+@pytest.mark.long("takes ten seconds", cases=("True-0.0", "False-50000.0"))
 @pytest.mark.parametrize(("saturating", "start"), [(False, 0.0), (True, 0.0), (False, 5e4)])
 def test_a_drift_goes_on_in_the_held_out_part(tmp_path, saturating, start):
     file = written(tmp_path, clamped(saturating=saturating), start)
