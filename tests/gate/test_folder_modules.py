@@ -34,6 +34,7 @@ def test_by_simulated_devices(executed):
 def test_by_workers_of_a_study(executed):
     assert sorted(completed(abs, [-1, -2, -3], 2)) == [1, 2, 3]
     assert not executed.exists()
+    assert "PYTHONSAFEPATH" not in os.environ, "what the caller starts later is not concerned"
 
 
 @pytest.mark.skipif(

@@ -9,6 +9,7 @@ import threading
 from collections.abc import Callable, Generator, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from concurrent.futures.process import BrokenProcessPool
+from contextlib import contextmanager
 from functools import partial
 from multiprocessing import active_children, get_context, parent_process
 from typing import Any, TypeVar
@@ -16,6 +17,7 @@ from typing import Any, TypeVar
 from smarig.core import DataError, MissingExtra, UsageError, plugins_in_use, use_plugin
 
 CONNECT_TIMEOUT_S = 10
+SAFE_PATH = "PYTHONSAFEPATH"
 Answer = TypeVar("Answer")
 
 
@@ -50,11 +52,13 @@ def _with_plugins(names: Sequence[str], function: Callable[[Any], Answer], task:
 
 def _by_processes(function: Callable[[Any], Answer], tasks: Sequence[Any], workers: int) -> Iterator[Answer]:
     others = set(active_children())
-    os.environ["PYTHONSAFEPATH"] = "1"  # no file of this folder is a module of a worker
-    pool = ProcessPoolExecutor(workers, mp_context=get_context("spawn"), initializer=_follow_parent)
     finished = False
+    with _no_modules_of_this_folder():
+        pool = ProcessPoolExecutor(workers, mp_context=get_context("spawn"), initializer=_follow_parent)
     try:
-        for future in as_completed([pool.submit(function, task) for task in tasks]):
+        with _no_modules_of_this_folder():  # the workers start with the tasks that are submitted
+            futures = [pool.submit(function, task) for task in tasks]
+        for future in as_completed(futures):
             yield future.result()
         finished = True
     except BrokenProcessPool:
@@ -67,6 +71,20 @@ def _by_processes(function: Callable[[Any], Answer], tasks: Sequence[Any], worke
             for process in set(active_children()) - others:
                 process.terminate()
         pool.shutdown(wait=True, cancel_futures=True)
+
+
+@contextmanager
+def _no_modules_of_this_folder() -> Iterator[None]:
+    """Processes that start meanwhile take no file of the present folder for a module; later ones do as before."""
+    before = os.environ.get(SAFE_PATH)
+    os.environ[SAFE_PATH] = "1"
+    try:
+        yield
+    finally:
+        if before is None:
+            del os.environ[SAFE_PATH]
+        else:
+            os.environ[SAFE_PATH] = before
 
 
 def _follow_parent() -> None:
