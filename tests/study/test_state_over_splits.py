@@ -80,3 +80,12 @@ def test_a_copy_under_another_name_and_clock_is_left_out(tmp_path):
     result = study([first, second], tmp_path / "out", StudyOptions(diagnose=False))
     assert [table.title for table in result.tables] == ["drift"]
     assert "readings of drift" in result.left_out["copy"]
+
+
+def test_a_model_of_full_loops_is_good_for_full_loops(tmp_path):
+    file = written(tmp_path, clamped(cycles=4, rows=200, shift=0.0))
+    result = study([file], tmp_path / "out", StudyOptions(diagnose=False))
+    assert result.verdict == "good"
+    first, second, *_ = result.sentences()
+    assert "good for full loops; inner loops were not tested" in first
+    assert "these data hold full loops only" in second

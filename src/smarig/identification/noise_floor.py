@@ -24,11 +24,10 @@ from smarig.identification.repeatability import (
     pooled_repeats,
 )
 from smarig.identification.settled_points import settled_points
-from smarig.measurement import reversals, rounding_sd
+from smarig.measurement import ONE_RATE, reversals, rounding_sd
 from smarig.record import Run
 from smarig.replay import MemoryHistory, NoiseRecord, memory_histories
 
-SAME_RATE = 1.5  # ratio of two rates: what differs between faster and slower branches is no noise
 FEWEST_PAIRS = 3
 FEWEST_ENDS = 8
 
@@ -184,7 +183,7 @@ def _repeats(
 def _at_one_rate(rows: NDArray[np.intp], log_rates: NDArray[np.float64]) -> list[NDArray[np.intp]]:
     """The rows in groups of about the same rate, each in the order of the record."""
     by_rate = rows[np.argsort(log_rates[rows], kind="stable")]
-    apart = np.flatnonzero(np.diff(log_rates[by_rate]) > np.log(SAME_RATE)) + 1
+    apart = np.flatnonzero(np.diff(log_rates[by_rate]) > np.log(ONE_RATE)) + 1
     return [np.sort(group) for group in np.split(by_rate, apart)]
 
 

@@ -13,6 +13,7 @@ from smarig.record import Run, continues_run
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 CONTINUES_AT = "continues_at"  # of a part of an imported run: when that began, and its cycles so far
+ONE_RATE = 1.5  # ratio of two rates: less is one rate
 REVERSAL_MARGIN = 1.2  # times the range that noise of this size has over all rows
 DROPOUT_STEPS = 3.0  # times the usual step from row to row
 DROPOUT_SHARE = 0.005  # of the input's range: a smaller jump is none that a memory would keep

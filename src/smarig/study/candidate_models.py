@@ -8,13 +8,22 @@ from typing import Any, Literal
 import numpy as np
 
 from smarig.core import DataError, UsageError
-from smarig.identification import RunVerification, identify, verify
+from smarig.identification import (
+    FEWEST_PAIRS,
+    RunVerification,
+    identify,
+    noise_floor,
+    verify,
+    without_dropouts,
+)
+from smarig.record import load_run
 from smarig.replay import Model
 from smarig.study.baselines import BRANCHES, RunPoints, baseline_rms, baselines, points_of
 from smarig.study.data_split import LOAD, DataSplit
 
 _ONE_MODEL = "one model of all loads"
 _POSITIVE = "positive measure"
+_WORSE = 2.0  # times the error of the fit: clearly worse
 EXTENDED = "extended model of the diagnosis"
 _SURFACES = {"table": "table of the curves", "exponential": "exponential surface"}
 
@@ -38,6 +47,18 @@ class CandidateModel:
     def train_rms(self) -> float:
         """Rms error over all training points."""
         return _pooled(self.train)
+
+    @property
+    def misses_held_out(self) -> bool:
+        """Whether held-out data are clearly worse than fitted ones."""
+        return self.rms > _WORSE * self.train_rms
+
+
+def noise_of_repeats(runs: Sequence[RunVerification]) -> float | None:
+    """The noise of a reading from repeated readings of runs; None if too few repeat."""
+    floors = [noise_floor(without_dropouts(load_run(r.run))) for r in runs]
+    known = [f.value for f in floors if f.value and f.n_pairs >= FEWEST_PAIRS]
+    return float(np.median(known)) if known else None
 
 
 @dataclass(frozen=True, eq=False)

@@ -20,7 +20,6 @@ _MENDED: tuple[FindingKind, ...] = ("impossible readings", "restarted clock")
 _SAME_SHARE = 0.05  # conditions that differ less count as equal
 _BEYOND_SHARE = 0.05  # of the fitted range: inputs further outside are new to the model
 _FITS_SHARE = 0.03  # of the output's range: a fit that misses by less describes its own data
-_WORSE = 2.0  # times: held-out data are clearly worse than fitted ones
 _LOADS_NEEDED = 3
 _BACK_SHARE = 0.08  # of the output's range
 _WIDE_BRANCH = 0.5  # of the input's range
@@ -193,7 +192,7 @@ def _fit(split: DataSplit, best: CandidateModel, *, explained: bool, undetermine
             "follow from the history of this input alone. A sensor that lags, a rate, creep, or a variable that is "
             "not used would do this."
         )
-    elif split.kind in ("run", "time") and best.rms > _WORSE * best.train_rms and not explained:
+    elif split.kind in ("run", "time") and best.misses_held_out and not explained:
         if (n := sum(r.settled.n for r in best.train)) < _FEW_READINGS:
             yield (
                 f"Only {n} readings could be fitted, and the model passes through them: this says nothing of branches "

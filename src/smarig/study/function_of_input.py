@@ -18,17 +18,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from smarig.identification import (
-    FEWEST_PAIRS,
     ErrorLevel,
     RunVerification,
     error_verdict,
-    noise_floor,
-    without_dropouts,
 )
 from smarig.measurement import input_noise_sd
-from smarig.record import load_run
 from smarig.study.baselines import RunPoints, curve_of_means
-from smarig.study.candidate_models import CandidateModel, compared_points
+from smarig.study.candidate_models import CandidateModel, compared_points, noise_of_repeats
 from smarig.study.data_split import DataSplit
 
 Array = NDArray[np.float64]
@@ -147,6 +143,5 @@ def _stands_out(x: Array) -> bool:
 
 def _noise(best: CandidateModel, train: Sequence[RunPoints]) -> float:
     """The noise of a reading: from repeated readings, else from neighbouring ones."""
-    floors = [noise_floor(without_dropouts(load_run(r.run))) for r in best.held_out]
-    known = [f.value for f in floors if f.value and f.n_pairs >= FEWEST_PAIRS]
-    return float(np.median(known)) if known else float(np.median([input_noise_sd(p.y) for p in train]))
+    known = noise_of_repeats(best.held_out)
+    return known if known is not None else float(np.median([input_noise_sd(p.y) for p in train]))

@@ -11,7 +11,6 @@ from smarig.core import capitalised
 from smarig.diagnosis import CommandedDiagnosis, MeasuredDiagnosis
 from smarig.identification import (
     BETTER,
-    FEWEST_PAIRS,
     GOOD_RATIO,
     HARDLY_BETTER,
     LARGE_PLACE,
@@ -21,12 +20,9 @@ from smarig.identification import (
     RunVerification,
     level_against_curves,
     level_of_parts,
-    noise_floor,
-    without_dropouts,
 )
-from smarig.record import load_run
 from smarig.study.baselines import BRANCHES
-from smarig.study.candidate_models import EXTENDED, Evaluation
+from smarig.study.candidate_models import EXTENDED, Evaluation, noise_of_repeats
 from smarig.study.data_split import DataSplit
 from smarig.study.error_reasons import error_reasons, mended, noisy_input, one_way, wrong_direction
 from smarig.study.function_of_input import FunctionOfInput
@@ -123,10 +119,9 @@ class StudyResult:
     @cached_property
     def noise(self) -> float | None:
         """The noise of one reading: from repeated readings, else as the diagnosis estimates it; None if unknown."""
-        found = [noise_floor(without_dropouts(load_run(r.run))) for r in self._held_out]
-        floors = [f.value for f in found if f.value and f.n_pairs >= FEWEST_PAIRS]
-        if floors:
-            return float(np.median(floors))
+        known = noise_of_repeats(self._held_out)
+        if known is not None:
+            return known
         return self.diagnosis.noise if isinstance(self.diagnosis, MeasuredDiagnosis) else None
 
     @property

@@ -1,10 +1,4 @@
-"""Missing knowledge of a study: the held-out data enter states that the fitted data did not determine.
-
-    share = 1 − (S_h(all) + S_t(all) − S_t(train)) / S_h,    S: mean squares of plain models
-
-One model of all rows tells it from a change: what changed, it cannot fit as well. Means, so that a long record does not
-outvote a short one.
-"""
+"""Missing knowledge of a study: the held-out data enter states that the fitted data did not determine."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -13,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from smarig.core import DataError, UsageError, spaced
-from smarig.diagnosis import RULES, inputs_of_error
+from smarig.diagnosis import RULES, inputs_of_error, missing_share
 from smarig.identification import RunVerification, identify, verify
 from smarig.report import display_unit, number
 from smarig.study.candidate_models import CandidateModel
@@ -21,7 +15,6 @@ from smarig.study.data_split import DataSplit
 from smarig.study.input_turns import wide_turns
 
 Array = NDArray[np.float64]
-_WORSE = 2.0  # times the error of the fit: held-out data are clearly worse than fitted ones
 _SAME_TURN = 0.05  # of the range of the input: a turn as near to a fitted one is no new one
 _MOST_SHOWN = 3
 
@@ -53,7 +46,7 @@ class UndeterminedStates:
 
 def undetermined_states(split: DataSplit, plain: CandidateModel) -> UndeterminedStates | None:
     """What the fitted data leave open and the held-out data need; None if that is not where the error lies."""
-    if split.kind not in ("run", "time") or plain.rms <= _WORSE * plain.train_rms:
+    if split.kind not in ("run", "time") or not plain.misses_held_out:
         return None
     runs = [*split.train, *split.held_out]
     try:
@@ -62,17 +55,16 @@ def undetermined_states(split: DataSplit, plain: CandidateModel) -> Undetermined
     except (DataError, UsageError):
         return None
     fitted, held = found[: len(split.train)], found[len(split.train) :]
-    cost = max(_mean_square(fitted) - _mean_square(plain.train), 0.0)
-    share = 1 - (_mean_square(held) + cost) / _mean_square(plain.held_out)
+    error = _errors(plain.held_out)
+    share = missing_share(error, (_errors(held), _errors(fitted)), _errors(plain.train))
     if share < RULES["not_determined"].value:
         return None
-    error = np.concatenate([(r.predicted - r.measured)[r.counted] for r in plain.held_out])
     u = np.concatenate([r.input[r.counted] for r in plain.held_out])
-    return UndeterminedStates(float(share), inputs_of_error(u, error**2), _new_turns(split, plain))
+    return UndeterminedStates(share, inputs_of_error(u, error**2), _new_turns(split, plain))
 
 
-def _mean_square(runs: Sequence[RunVerification]) -> float:
-    return float(np.mean(np.concatenate([(r.predicted - r.measured)[r.counted] for r in runs]) ** 2))
+def _errors(runs: Sequence[RunVerification]) -> Array:
+    return np.concatenate([(r.predicted - r.measured)[r.counted] for r in runs])
 
 
 def _new_turns(split: DataSplit, plain: CandidateModel) -> tuple[float, ...]:

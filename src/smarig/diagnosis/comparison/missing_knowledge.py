@@ -1,4 +1,10 @@
-"""Missing knowledge: an error of held-out runs that lies where the training runs determine nothing. It is no change."""
+"""Missing knowledge: an error of held-out runs that lies where the training runs determine nothing. It is no change.
+
+    share = 1 − (S_h(all) + S_t(all) − S_t(train)) / S_h,    S: mean squares, of held-out and of training readings
+
+One model of all readings tells it from a change: what changed, it cannot fit as well. Means, so that a long record does
+not outvote a short one.
+"""
 
 from dataclasses import dataclass
 from typing import Any
@@ -34,6 +40,16 @@ class MissingKnowledge:
         """The object ``missing_knowledge`` of the command line."""
         where = {"input": list(self.inputs), "unit": unit}
         return {"share_of_error": self.share, "where": where, "experiment": EXPERIMENT}
+
+
+def missing_share(held_out: Array, together: tuple[Array, Array], train: Array) -> float:
+    """The share of the ``held_out`` square error that a model of all readings does not have, at least 0.
+
+    ``together`` are the errors of that model, of held-out and of training readings; ``train`` those of a model of the
+    training readings alone.
+    """
+    held, fitted, own, before = (float(np.mean(e**2)) for e in (*together, train, held_out))
+    return max(1.0 - (held + max(fitted - own, 0.0)) / before, 0.0) if before else 0.0
 
 
 def inputs_of_error(u: Array, square: Array) -> tuple[float, float]:

@@ -21,7 +21,7 @@ from smarig.diagnosis.comparison.intervals import interval
 from smarig.diagnosis.comparison.measured.acting_effects import testable_effects
 from smarig.diagnosis.comparison.measured.additions import KeptAddition, first_basis
 from smarig.diagnosis.comparison.measured.hypothesis_search import LawOf, searched_hypotheses
-from smarig.diagnosis.comparison.measured.missing_share import missing_knowledge, missing_share
+from smarig.diagnosis.comparison.measured.missing_share import missing_knowledge, share_of_fits
 from smarig.diagnosis.comparison.measured.reading_problem import ReadingProblem, reading_problem
 from smarig.diagnosis.comparison.measured.varied_together import confounded
 from smarig.diagnosis.comparison.measured.wire_records import WireRecord, wire_records
@@ -111,7 +111,7 @@ def compare_measured(
     problem = replace(reading_problem(wires), suspected=suspected)
     basis, plain = first_basis(problem, BASE_STEPS)
     base = plain.kept()
-    missing = 0.0 if problem.train.all() else missing_share(base)
+    missing = 0.0 if problem.train.all() else share_of_fits(base)
     if missing < RULES["not_determined"].value:
         problem = problem.with_unseen()
         basis, plain = replace(basis, problem=problem), replace(plain, problem=problem)

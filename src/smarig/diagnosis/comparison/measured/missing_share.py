@@ -1,8 +1,6 @@
 """The share of the held-out error that is missing knowledge: one density of relays predicts all readings as well.
 
-    share = 1 − (S_h(all) + S_t(all) − S_t(train)) / S_h,    S: mean squares of positive fits
-
-S_h is the plain model's held-out error. A wire that changed, or an input that is shifted, cannot be fitted by one
+The fits are positive. A wire that changed, or an input that is shifted, cannot be fitted by one
 density without a larger error of the training readings; a turn inside the fitted loop can.
 """
 
@@ -11,7 +9,11 @@ from numpy.typing import NDArray
 from scipy.optimize import nnls
 
 from smarig.diagnosis.comparison.measured.additions import KeptAddition
-from smarig.diagnosis.comparison.missing_knowledge import MissingKnowledge, inputs_of_error
+from smarig.diagnosis.comparison.missing_knowledge import (
+    MissingKnowledge,
+    inputs_of_error,
+    missing_share,
+)
 from smarig.diagnosis.comparison.rules import RULES
 
 Array = NDArray[np.float64]
@@ -27,18 +29,13 @@ def missing_knowledge(base: KeptAddition, share: float) -> MissingKnowledge | No
     return MissingKnowledge(min(share, 1.0), inputs_of_error(u, square))
 
 
-def missing_share(base: KeptAddition) -> float:
+def share_of_fits(base: KeptAddition) -> float:
     """Share of the held-out square error that one density for all readings would not have."""
     train, y = base.problem.train, base.problem.y
     ones = np.full((y.size, 1), CONSTANT)
     columns = np.hstack([base.relays.features, ones, -ones])
-    total = float(np.mean(base.held_out_error() ** 2))
-    if not total:
-        return 0.0
-    left = _positive_error(columns, y)
-    own = _positive_error(columns[train], y[train])
-    cost = max(float(np.mean(left[train] ** 2) - np.mean(own**2)), 0.0)
-    return max(1.0 - (float(np.mean(left[~train] ** 2)) + cost) / total, 0.0)
+    left, own = _positive_error(columns, y), _positive_error(columns[train], y[train])
+    return missing_share(base.held_out_error(), (left[~train], left[train]), own)
 
 
 def _positive_error(columns: Array, y: Array) -> Array:

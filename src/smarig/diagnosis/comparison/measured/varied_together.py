@@ -15,20 +15,19 @@ from numpy.typing import NDArray
 
 from smarig.diagnosis.comparison.compared_hypothesis import Part
 from smarig.diagnosis.comparison.measured.reading_problem import ReadingProblem
-from smarig.measurement import measurement_effect_types
+from smarig.measurement import ONE_RATE, measurement_effect_types
 
 Array = NDArray[np.float64]
 OVER_CYCLES, RATES = ("time", "cycle"), ("rate", "speed")
 OFFSET = Part("effect", "input_offset")
 FEWEST_EXCURSIONS = 4  # fewer are in the order of time by chance
 WITHIN = 0.1  # of a variable's variance: less of it lies within the runs
-RATE_RATIO = 1.5  # of the fast to the slow tenth of the readings: less is one rate
 
 
 def at_one_rate(problem: ReadingProblem) -> bool:
     """Whether the input changes at one rate throughout, but for its turns: a lag is then a part of every loop."""
     slow, fast = np.quantile(problem.variables["speed"][problem.train], [0.1, 0.9])
-    return bool(fast - slow < np.log10(RATE_RATIO))
+    return bool(fast - slow < np.log10(ONE_RATE))
 
 
 def between_runs(problem: ReadingProblem) -> set[str]:
@@ -56,12 +55,13 @@ def confounded(problem: ReadingProblem, parts: Iterable[Part]) -> dict[Part, tup
     within = [p for p in parts if _steps_with(p) in fixed]
     effects = [p for p in within if p.kind == "effect"]
     found = {p: tuple(q for q in effects if q != p) for p in within if len(effects) > 1}
-    if _two_conditions(problem):
-        found = {p: (*found.get(p, ()), OFFSET) for p in effects if p != OFFSET} | {OFFSET: tuple(effects)}
+    others = tuple(p for p in effects if p != OFFSET)
+    if others and _two_conditions(problem):
+        found |= {p: (*found.get(p, ()), OFFSET) for p in others} | {OFFSET: others}
     trending = _with_time(problem)
     over_time = [p for p in parts if _variable(p) in OVER_CYCLES]
-    others = [p for p in parts if _variable(p) in trending]
-    for some, rest in ((over_time, others), (others, over_time)):
+    with_rate = [p for p in parts if _variable(p) in trending]
+    for some, rest in ((over_time, with_rate), (with_rate, over_time)):
         found |= {p: (*found.get(p, ()), *rest) for p in some if rest}
     return found
 
@@ -73,7 +73,7 @@ def _two_conditions(problem: ReadingProblem) -> bool:
     """
     names = set.intersection(*(set(r.conditions) for r in problem.records))
     sets = [[r.conditions[name] for r in problem.records] for name in names]
-    return any(len(set(values)) == 2 == 1 + sum(a != b for a, b in pairwise(values)) for values in sets)
+    return any(len(set(values)) == 2 and sum(a != b for a, b in pairwise(values)) == 1 for values in sets)
 
 
 def _with_time(problem: ReadingProblem) -> set[str]:
