@@ -35,7 +35,8 @@ def _rows(result: StudyResult, run: Run) -> Iterator[Row]:
         return
     unit = result.unit
     if result.function is not None:
-        yield "Error of the curve, rms", _value(result.function.rms, unit), ""
+        over = result.function.rms >= result.function.noise
+        yield "Error of the curve, rms", _value(result.function.rms, unit) if over else "within the noise", ""
         yield "Error of the model, rms", _value(result.function.model_rms, unit), ""
         yield "Noise of a reading", _value(result.function.noise, unit, 2), ""
         return

@@ -76,14 +76,15 @@ def simple_curve_sentence(
 def function_sentences(found: FunctionOfInput, unit: str, *, fitted: bool) -> list[str]:
     """That the output is a function of the input, how well a curve predicts it, and what the model does."""
     over = found.rms / found.noise if found.noise else 0.0
-    ratio = (
-        f", {ratio_text(over)} × the noise of a reading" if over >= 1 else ", within the noise of a reading"
+    noise = f"the noise of a reading, {measure(found.noise, unit)}"
+    error = (
+        f"{measure(found.rms, unit)} rms, {ratio_text(over)} × the noise of a reading" if over >= 1 else noise
     )
     what = "readings left out of its fit" if fitted else "the held-out data"
     model = "fits the data" if fitted else "predicts them"
     return [
         "The output is a function of the input; these data show no hysteresis.",
-        f"A curve predicts {what} to within {measure(found.rms, unit)} rms{ratio}.",
+        f"A curve predicts {what} to within {error}.",
         f"The Preisach model {model} to within {measure(found.model_rms, unit)} rms: use the curve.",
     ]
 
