@@ -15,7 +15,7 @@ import pytest
 from console.library.folders import contents, make_page, make_run, places, refreshed, settled
 from record.runs import META, beside, sample
 from smarig.console import Library
-from smarig.console.library import found_files, scan
+from smarig.console.library import found_files, run_content, scan
 from smarig.core import process_lock
 from smarig.record import Recorder, load_run, recording
 
@@ -153,19 +153,40 @@ def test_a_run_keeps_its_identity_from_its_first_sample_to_its_end(tmp_path):
     assert (late.details["samples"], late.began) == (2, 1.7e9 + 0.3)
 
 
+def test_a_run_is_listed_from_its_first_sample_on_and_keeps_its_entry(tmp_path):
+    """A page that lists it before would link to an entry that is gone with the next scan."""
+    path, library = tmp_path / "a.run.sqlite", Library.open(tmp_path)
+    with _recorder(SAMPLE_AT_LEAVE, path) as child:
+        assert child.stdout.readline() == "begun\n"
+        library.refresh()
+        assert not library.search().entries
+        print(file=child.stdin, flush=True)
+        listed = _first_entry(library)
+        assert listed.verdict == "recording"
+        print(file=child.stdin, flush=True)
+    library.refresh()
+    assert library.entry(listed.id).details["samples"] == 1
+
+
+def test_a_run_that_ended_before_its_first_sample_is_listed(tmp_path, monkeypatch):
+    """Its file stays as it is when its recorder dies."""
+    Recorder(tmp_path / "a.run.sqlite", {**META, "start_epoch": 1.7e9}).close()
+    settled(tmp_path / "a.run.sqlite")
+    recorded = _recorded_now(monkeypatch, {"a.run.sqlite"})
+    library = refreshed(tmp_path)
+    assert not library.search().entries
+    recorded.clear()
+    library.refresh()
+    assert [(entry.name, entry.details["samples"]) for entry in library.search().entries] == [("a", 0)]
+
+
 def test_a_run_that_is_being_recorded_is_listed_and_not_disturbed(tmp_path):
     """The recorder writes on while the folder is scanned again and again; its file is whole and alone at the end."""
     path = tmp_path / "a.run.sqlite"
     library = Library.open(tmp_path)
-    child = subprocess.Popen(
-        [sys.executable, "-c", RECORDING, str(path)],
-        stdin=subprocess.PIPE,
-        stdout=subprocess.PIPE,
-        text=True,
-        env=_environment(),
-    )
-    with child:
+    with _recorder(RECORDING, path) as child:
         assert child.stdout.readline() == "begun\n"
+        _first_entry(library)
         for _ in range(20):
             library.refresh()
         (entry,) = library.search().entries
@@ -185,12 +206,7 @@ def test_a_recorder_that_is_killed_leaves_an_incomplete_run(tmp_path):
     """Its file does not change when it dies."""
     path = tmp_path / "a.run.sqlite"
     library = Library.open(tmp_path)
-    with subprocess.Popen(
-        [sys.executable, "-c", RECORDING, str(path)],
-        stdin=subprocess.PIPE,
-        stdout=subprocess.PIPE,
-        env=_environment(),
-    ) as child:
+    with _recorder(RECORDING, path) as child:
         child.stdout.readline()
         child.kill()
     with recording(path):
@@ -202,11 +218,7 @@ def test_a_recorder_that_is_killed_leaves_an_incomplete_run(tmp_path):
 
 def test_a_state_of_recording_does_not_outlive_the_recorder(folder, monkeypatch):
     """The run's file stays as it is when its lock ends."""
-    from smarig.console.library import run_content
-
-    recorded = {"2.run.sqlite"}
-    for module in (scan, run_content):
-        monkeypatch.setattr(module, "is_recording", lambda file: file.name in recorded)
+    recorded = _recorded_now(monkeypatch, {"2.run.sqlite"})
     library = refreshed(folder)
     assert places(library, verdict="recording") == ["2.run.sqlite"]
     assert library.refresh().read == 0
@@ -235,6 +247,50 @@ with recording(path):
         time.sleep(0.005)
     recorder.close("stopped by the test")
 """
+
+SAMPLE_AT_LEAVE = """
+import sys
+from pathlib import Path
+from record.runs import META, sample
+from smarig.record import Recorder, recording
+
+path = Path(sys.argv[1])
+with recording(path):
+    recorder = Recorder(path, {**META, "start_epoch": 1.7e9})
+    while not path.exists():
+        pass
+    print("begun", flush=True)
+    sys.stdin.readline()
+    recorder.sample(sample(3), 0, 0.0)
+    sys.stdin.readline()
+    recorder.close()
+"""
+
+
+def _recorder(script, path):
+    """A process that records a run."""
+    return subprocess.Popen(
+        [sys.executable, "-c", script, str(path)],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        text=True,
+        env=_environment(),
+    )
+
+
+def _recorded_now(monkeypatch, names):
+    """Take the runs of these names for being recorded, until they are removed from the set that is returned."""
+    for module in (scan, run_content):
+        monkeypatch.setattr(module, "is_recording", lambda file: file.name in names)
+    return names
+
+
+def _first_entry(library):
+    """The entry of the run that is being recorded, as soon as it is listed."""
+    while not library.search().entries:
+        library.refresh()
+    (entry,) = library.search().entries
+    return entry
 
 
 def _environment():

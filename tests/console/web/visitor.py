@@ -90,7 +90,7 @@ class Visitor:
         """Load the page again and again until an expression is true."""
         end_s = time.monotonic() + PATIENCE_S
         while not self._now(expression):
-            assert time.monotonic() < end_s, expression
+            assert time.monotonic() < end_s, f"{expression}: {self._now('document.body.innerText')}"
             time.sleep(0.5)
             if place := self._now("location.pathname + location.search"):
                 self.go(place)

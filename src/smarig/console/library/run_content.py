@@ -18,12 +18,15 @@ MOST_ANALYSED = 2_000_000  # samples that are read into memory for the figures: 
 _FIGURES = ("stroke", "A_s", "A_f", "M_s", "M_f", "width")
 
 
-def run_content(file: Path) -> Content:
-    """The content of a run. Raises DataError for any other file, and for one that was changed."""
+def run_content(file: Path) -> Content | None:
+    """The content of a run; None until its first sample, from which on its identity stays the same.
+
+    Raises DataError for any other file, and for one that was changed.
+    """
     recording = is_recording(file)
     with stored_run(file, verify=False) as run:
         if recording:
-            return _being_recorded(run)
+            return None if run.first_sample is None else _being_recorded(run)
         few = len(run) <= MOST_ANALYSED
         if not few:
             run.verify()

@@ -12,7 +12,7 @@ from pathlib import Path
 from smarig.console.library.database import Database
 from smarig.console.library.entry_rows import number_copies, remove, store
 from smarig.console.library.found_files import FoundFile, LibraryFiles, file_now, found_files
-from smarig.console.library.library_entry import RECORDING, Content, path_of
+from smarig.console.library.library_entry import RECORDING, RUN, Content, path_of
 from smarig.console.library.read_content import read_content
 from smarig.console.library.run_content import is_recording
 
@@ -115,7 +115,8 @@ class Scan:
         with self.database.writing() as db:
             for file, state, content in batch:
                 touched.add(remove(db, file.place))
-                recording = content is not None and content.verdict == RECORDING
+                # a run without an entry is being recorded, and has no sample yet
+                recording = file.kind == RUN if content is None else content.verdict == RECORDING
                 db.execute("INSERT OR REPLACE INTO seen VALUES (?, ?, ?)", (file.place, state, recording))
                 if content is not None:
                     store(db, file, content)
