@@ -3,7 +3,7 @@
 import pytest
 
 from smarig.cli.output import report_error
-from smarig.core import ConfigError, TomlTable, load_toml, number_from_text
+from smarig.core import ConfigError, TomlTable, load_toml, number_from_text, parsed_toml
 
 
 class Table(TomlTable):
@@ -24,6 +24,16 @@ def test_what_only_python_takes_for_a_number_is_none(text):
 HOSTILE = {  # made when they are asked for: every worker collects all tests
     "nested lists": lambda: ("x = " + "[" * 100_000 + "]" * 100_000, "is nested too deeply"),
     "nested tables": lambda: ("x = " + "{a=" * 50_000 + "1" + "}" * 50_000, "is nested too deeply"),
+    "a key of many parts": lambda: ("a" + ".a" * 100_000 + " = 1", "a key of more than 200 parts"),
+    "a key of many quoted parts": lambda: (
+        "'a'" + ' . "a b"' * 100_000 + " = 1",
+        "a key of more than 200 parts",
+    ),
+    "a table of many parts": lambda: ("[[ a" + " .a" * 100_000 + "]]", "a key of more than 200 parts"),
+    "an inline key of many parts": lambda: (
+        "x = {b = 1, a" + ".a" * 100_000 + " = 1}",
+        "more than 200 parts",
+    ),
     "an integer": lambda: ("period_s = " + "9" * 100_000, "an integer of too many digits"),
     "a hexadecimal integer": lambda: ("period_s = 0x" + "f" * 100_000, "a value too long to show"),
     "a long key": lambda: ("k" * 1_000_000 + " = 1", "unknown key 'kkk"),
@@ -45,6 +55,11 @@ def test_a_hostile_toml_file_is_refused_in_a_short_message(tmp_path, kind):
         load_toml(Table, path)
     assert says in str(refusal.value)
     assert len(str(refusal.value)) < 10_000
+
+
+def test_texts_and_lists_with_many_dots_are_read():
+    text = f'a.b = [{"1.5, " * 1000}]\nnote = "{"A sentence. " * 1000}"\nlast = "{"." * 1000}"'
+    assert parsed_toml(text)["last"] == "." * 1000
 
 
 def test_no_message_controls_the_terminal_or_floods_it(capsys):

@@ -1,12 +1,11 @@
 """Reads the rig of a recorded text: the files that ``rig_text`` joined, for records that hold no values beside it."""
 
-import tomllib
 from collections.abc import Iterator
 from typing import Any
 
 from smarig.config.config_files import merged_tables
 from smarig.config.file_schemas import RigFile
-from smarig.core import Origin, Source
+from smarig.core import NotToml, Origin, Source, parsed_toml
 
 _SOURCE = Source("A record", Origin.INSIDE)  # of what it names, which is compared and never opened
 MAX_LENGTH = 200_000  # of a text; rig files have 1000 to 3000 characters
@@ -45,6 +44,6 @@ def _table(lines: list[str], attempts: Iterator[int]) -> dict[str, Any] | None:
     if next(attempts, None) is None:
         return None
     try:
-        return tomllib.loads("\n".join(lines))
-    except (ValueError, RecursionError):
+        return parsed_toml("\n".join(lines))
+    except NotToml:
         return None

@@ -131,6 +131,8 @@ if TYPE_CHECKING:
     from smarig.core.toml_kind import CAMPAIGN_FILE as CAMPAIGN_FILE
     from smarig.core.toml_kind import MAPPING_FILE as MAPPING_FILE
     from smarig.core.toml_kind import RIG_FILE as RIG_FILE
+    from smarig.core.toml_text import NotToml as NotToml
+    from smarig.core.toml_text import parsed_toml as parsed_toml
     from smarig.core.unit_text import in_unit as in_unit
     from smarig.core.unit_text import spaced as spaced
 else:

@@ -1,6 +1,5 @@
 """Reads a TOML file into a frozen, checked value. Each error is one sentence that names its key."""
 
-import tomllib
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, TypeVar, get_args
@@ -15,6 +14,7 @@ from smarig.core.gated_keys import Origin
 from smarig.core.shown_text import shown
 from smarig.core.swapped_file import swapped_file
 from smarig.core.toml_kind import swapped_table
+from smarig.core.toml_text import NotToml, parsed_toml
 
 LARGEST_BYTES = 10_000_000
 _MOST_PROBLEMS = 20  # listed in one message
@@ -70,15 +70,13 @@ def read_toml(path: Path) -> dict[str, Any]:
             raise ConfigError(
                 f"{path} is larger than {LARGEST_BYTES // 10**6} MB, too large for a TOML file."
             )
-        return tomllib.loads(path.read_text(encoding="utf-8-sig"))
+        return parsed_toml(path.read_text(encoding="utf-8-sig"))
     except OSError as error:
         raise UsageError(f"{path} cannot be read: {error.strerror or error}.") from None
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+    except UnicodeDecodeError as error:
         raise ConfigError(swapped_file(path, TOML) or f"{path} is not valid TOML: {error}.") from None
-    except RecursionError:
-        raise ConfigError(f"{path} is nested too deeply: its lists and tables contain each other.") from None
-    except ValueError:
-        raise ConfigError(f"{path} contains an integer of too many digits.") from None
+    except NotToml as error:
+        raise ConfigError(swapped_file(path, TOML) or f"{path} {error}.") from None
 
 
 def check_table(schema: type[SchemaType], data: Any, where: str, origin: Origin = Origin.FILE) -> SchemaType:

@@ -3,13 +3,12 @@
 Closed-loop runs are compared by their errors, in their own section.
 """
 
-import tomllib
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
 
-from smarig.core import UsageError
+from smarig.core import NotToml, UsageError, parsed_toml
 from smarig.record import Run
 from smarig.report.closed_loop.loop_comparison import loops_section
 from smarig.report.closed_loop.loop_result import is_closed_loop
@@ -226,8 +225,8 @@ def _metadata_items(run: Run) -> Iterator[tuple[str, str]]:
         stated = f" ({run.info.ambient_from}, not measured)" if run.info.ambient_from else ""
         yield "ambient, mean (°C)", f"{known.mean():.1f}{stated}"
     try:
-        yield from _flattened("rig file", tomllib.loads(run.info.config or ""))
-    except tomllib.TOMLDecodeError:
+        yield from _flattened("rig file", parsed_toml(run.info.config or ""))
+    except NotToml:
         yield "rig file", "not readable"
 
 

@@ -3,17 +3,15 @@
 import os
 import re
 import stat
-import tomllib
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
 from smarig.config import RigFile, load_rig, shipped_names
-from smarig.core import SmarigError, is_path, offers_of_name
+from smarig.core import SmarigError, is_path, offers_of_name, parsed_toml
 from smarig.rig import DRIVERS, inconsistencies
 
 _LARGEST_BYTES = 100_000  # a larger file is no rig
-_MOST_DOTS = 200  # of a line: the time to read a key grows with their square
 _KEYS = {"actuator", "base", "links"}  # that only rig files have
 _RIG_LINE = re.compile(rb"^[ \t]*(actuator|base)[ \t]*=|^[ \t]*\[[ \t]*links\b", re.MULTILINE)
 
@@ -106,18 +104,18 @@ def _own_names(folder: Path) -> Iterator[str]:
 def _describes_rig(content: bytes) -> bool:
     """Whether a file is that of a rig. One that is not valid TOML is known by its lines, so that its error is shown."""
     try:
-        return bool(_KEYS & tomllib.loads(content.decode()).keys())
-    except (ValueError, RecursionError):
+        return bool(_KEYS & parsed_toml(content.decode()).keys())
+    except ValueError:
         return _RIG_LINE.search(content) is not None
 
 
 def _content(path: Path) -> bytes:
-    """A small regular file. OSError for a pipe or a device, ValueError for a long text or many dots."""
+    """A small regular file. OSError for a pipe or a device, ValueError for a long text."""
     descriptor = os.open(path, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0))
     with os.fdopen(descriptor, "rb") as file:
         if not stat.S_ISREG(os.fstat(descriptor).st_mode):
             raise OSError(f"{path} is not a regular file")
         found = file.read(_LARGEST_BYTES + 1)
-    if len(found) > _LARGEST_BYTES or any(line.count(b".") > _MOST_DOTS for line in found.splitlines()):
+    if len(found) > _LARGEST_BYTES:
         raise ValueError(f"{path} is no rig file")
     return found

@@ -4,7 +4,6 @@ The output depends on the history of the input, so outputs are subtracted only a
 in the same order.
 """
 
-import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from math import inf
@@ -12,7 +11,7 @@ from math import inf
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.core import UsageError
+from smarig.core import NotToml, UsageError, parsed_toml
 from smarig.identification import noise_floor
 from smarig.record import Run
 from smarig.replay import provenance, recorded_start, share_zero
@@ -135,8 +134,8 @@ def _zero_tolerance(run: Run) -> float:
 
 def _is_one_wire(run: Run) -> bool:
     try:
-        return tomllib.loads(run.info.actuator_text or "").get("arrangement") == "one_wire"
-    except tomllib.TOMLDecodeError:
+        return parsed_toml(run.info.actuator_text or "").get("arrangement") == "one_wire"
+    except NotToml:
         return False
 
 

@@ -2,14 +2,13 @@
 
 import hashlib
 import re
-import tomllib
 from collections.abc import Iterable, Mapping, Sequence
 from datetime import UTC, datetime
 from typing import Any
 
 import numpy as np
 
-from smarig.core import SmarigError
+from smarig.core import NotToml, SmarigError, parsed_toml
 from smarig.record import Run
 from smarig.replay import condition_text, recorded_actuator, recorded_conditions
 from smarig.report.components.html import Html, joined, paragraph, table, tag
@@ -109,8 +108,8 @@ def _twin_heat(run: Run) -> str:
 
 def _rig_rows(run: Run) -> Iterable[Row]:
     try:
-        rig = run.info.rig_values or tomllib.loads(run.info.config or "")
-    except tomllib.TOMLDecodeError:
+        rig = run.info.rig_values or parsed_toml(run.info.config or "")
+    except NotToml:
         return
     for group in ("limits", "amplifier", "encoder"):
         part = rig.get(group)
