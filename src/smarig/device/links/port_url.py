@@ -8,6 +8,7 @@ The other URLs of pyserial (``hwgrep://``, ``spy://``, …) are accepted, too.
 """
 
 import contextlib
+import select
 import socket
 from urllib.parse import urlsplit
 
@@ -53,6 +54,26 @@ def unopened_port(url: str, baud: int, timeout_s: float, write_timeout_s: float)
         write_timeout=None if url.startswith("rfc2217:") else write_timeout_s,  # rfc2217 has none
         do_not_open=True,
     )
+
+
+def send(port: serial.Serial, data: bytes) -> None:
+    """Send bytes. Raises SerialTimeoutException if the line does not take them in time.
+
+    pyserial looks at the time after it has sent, too: on a busy computer its time-out comes although all was taken.
+    """
+    try:
+        port.write(data)
+    except serial.SerialTimeoutException:
+        if not _takes_bytes(port):
+            reason = "the device reads nothing, or its flow control holds the line"
+            raise serial.SerialTimeoutException(reason) from None
+
+
+def _takes_bytes(port: serial.Serial) -> bool:
+    try:
+        return bool(select.select([], [port.fileno()], [], 0)[1])
+    except (OSError, ValueError):  # it has no number that can be waited for
+        return False
 
 
 def send_at_once(port: serial.Serial) -> bool:

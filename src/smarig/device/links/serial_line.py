@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from smarig.device.encoding import lines, rtu
 from smarig.device.encoding.exchange import Exchange, Refusal
 from smarig.device.encoding.link_faults import Garbled, Silent
+from smarig.device.links.port_url import send
 from smarig.device.links.serial_port import PORT_ERRORS, SerialPort
 
 LONGEST = 4096  # largest number of received bytes that are kept
@@ -52,7 +53,7 @@ class SerialLine:
             port = self._port.opened()
             self._received = b""
             port.reset_input_buffer()
-            port.write(self._framing.request(exchange))
+            send(port, self._framing.request(exchange))
         except PORT_ERRORS as error:
             raise self._port.unusable(error) from None
         return self.more(exchange)

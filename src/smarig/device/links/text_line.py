@@ -19,7 +19,7 @@ from typing import TypeVar
 
 from smarig.core import UsageError
 from smarig.device.encoding.link_faults import Garbled, Silent
-from smarig.device.links.port_url import checked_url, close_port, error_of, send_at_once, unopened_port
+from smarig.device.links.port_url import checked_url, close_port, error_of, send, send_at_once, unopened_port
 from smarig.device.links.query import only_reads, reading
 from smarig.device.links.serial_port import PORT_ERRORS
 
@@ -119,7 +119,7 @@ class TextLine:
         if self._broken:
             self._reopen()
         try:
-            self._port.write(text.encode() + self._line_end)
+            send(self._port, text.encode() + self._line_end)
         except PORT_ERRORS as error:
             self._broken = not self._closed
             raise Silent(f"{self.where} cannot be written to: {error}. {Silent.remedy}") from None
