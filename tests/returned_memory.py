@@ -23,7 +23,7 @@ class ReturnedMemory:
 
     def __init__(self) -> None:
         self._trim = _of_c_library("malloc_trim")
-        self._resident = self._least = 0
+        self._resident = self._between_files = 0
         if mallopt := _of_c_library("mallopt"):
             mallopt(M_MMAP_THRESHOLD, MAPPED_BYTES)
             mallopt(M_TRIM_THRESHOLD, GROWTH_BYTES)
@@ -45,16 +45,16 @@ class ReturnedMemory:
             self._return()
 
     def after_file(self) -> None:
-        """The same against the least since: what the caches of a file held is free now."""
-        if STATM.exists() and resident_bytes() > self._least + GROWTH_BYTES:
+        """The same, against what remained after the last file that grew: what the caches of this one held is free."""
+        if STATM.exists() and resident_bytes() > self._between_files + GROWTH_BYTES:
             self._return()
+            self._between_files = self._resident
 
     def _return(self) -> None:
         gc.collect()
         if self._trim is not None:
             self._trim(0)
         self._resident = resident_bytes() if STATM.exists() else 0
-        self._least = min(self._least or self._resident, self._resident)
 
 
 def resident_bytes() -> int:

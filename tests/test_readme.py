@@ -132,6 +132,7 @@ def test_hysteresis_alone(monkeypatch, tmp_path, capsys):
     assert "Dissipative: no loop" in capsys.readouterr().out
 
 
+@pytest.mark.long("takes twenty seconds; its commands are tried on the parser")
 def test_a_measure_that_is_positive(tmp_path, run_line):
     run_line("smarig run validation --rig one_wire_twin -o validation.run.sqlite --seed 1")
     for command in lines_of("sh", "--surface positive"):
@@ -139,6 +140,7 @@ def test_a_measure_that_is_positive(tmp_path, run_line):
     assert (tmp_path / "positive.model.json").is_file()
 
 
+@pytest.mark.long("takes twenty seconds; its commands are tried on the parser")
 def test_closing_the_loop(tmp_path, run_line):
     made = smarig.run("first_order_descending", rig="one_wire_twin", out=tmp_path / "fod.run.sqlite", seed=1)
     smarig.identify(made, surface="exponential").model.save(tmp_path / "wire.model.json")
@@ -156,6 +158,7 @@ def test_other_peoples_data(tmp_path, shared_data, run_line):
         run_line(command)
 
 
+@pytest.mark.long("takes twenty seconds; a walking wire is diagnosed in cli/test_diagnose.py")
 def test_what_is_wrong_with_the_model(monkeypatch, tmp_path, capsys):
     monkeypatch.chdir(tmp_path)
     code = next(body for kind, body in BLOCKS if kind == "python" and "smarig.diagnose" in body)

@@ -112,10 +112,10 @@ def _in_shell(line: str, folder: Path) -> tuple[int, str]:
     return done.returncode, done.stdout
 
 
-LONG = (  # pages whose commands take long
+LONG = (  # pages whose commands take long; test_printed_commands.py tries them on the parser
     *("self_sensing", "several_loads", "study_files", "hidden_effect", "close_a_loop", "identify_fast"),
     *("laboratory_supply", "export_for_other_programs", "forc_diagrams", "control_findings"),
-    *("transformation_temperatures", "figures_for_papers"),
+    *("transformation_temperatures", "figures_for_papers", "first_wire"),
 )
 TIMED = (
     "labjack",

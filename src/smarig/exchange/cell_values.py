@@ -1,7 +1,8 @@
 """Numbers from the cells of a table: decimal sign, thousands, clock times, and words for a missing value."""
 
+import math
 import re
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from datetime import UTC, datetime
 from pathlib import Path
 
@@ -81,7 +82,17 @@ def is_number(cell: str, decimal: str, thousands: str = "") -> bool:
         value = number_from_text(plain_number(cell, decimal, thousands))
     except ValueError:
         return False
-    return bool(np.isfinite(value))
+    return math.isfinite(value)
+
+
+def has_thousands(lines: Iterable[str], thousands: str) -> bool:
+    """Whether a number in these lines may have such a sign between its thousands.
+
+    >>> has_thousands(["1'000;2"], "'"), has_thousands(["1.5;2"], ".")
+    (True, False)
+    """
+    divided = re.compile(rf"\d{_THOUSANDS[thousands]}\d{{3}}")
+    return any(divided.search(line) for line in lines)
 
 
 def is_missing(cell: str) -> bool:

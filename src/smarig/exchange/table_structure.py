@@ -31,7 +31,7 @@ class NumberStyle:
     def kind(self, cell: str) -> str:
         """Whether a cell is a number (or a word for a missing one), a clock time or another text."""
         mixed = self.decimal == "," and "." in cell and "," not in cell and not self.thousands
-        if is_missing(cell) or (is_number(cell, self.decimal, self.thousands) and not mixed):
+        if (is_number(cell, self.decimal, self.thousands) and not mixed) or is_missing(cell):
             return NUMBER
         return CLOCK if clock_seconds(cell) is not None else TEXT
 

@@ -1,12 +1,12 @@
 """Finds the tables in a text whatever its dialect: delimiter, decimal sign, thousands, headers, units rows."""
 
 import re
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from itertools import product
 from pathlib import Path
 
 from smarig.core import DataError
+from smarig.exchange.cell_values import has_thousands
 from smarig.exchange.found_table import CLOCK, TEXT, FoundTable, found_columns
 from smarig.exchange.logged_rows import logged_rows
 from smarig.exchange.table_file import read_table
@@ -92,16 +92,34 @@ def _chosen(lines: Sequence[str]) -> _Dialect | None:
         DELIMITERS
     )
     best, most = None, 0.0
-    for delimiter, style in product(delimiters, _STYLES):
-        quoted = any('"' in line for line in sample)
-        signs = (style.decimal, style.thousands)
-        if not quoted and (DELIMITERS[delimiter] in signs or (delimiter == "space" and "space" in signs)):
-            continue
-        dialect = _Dialect(delimiter, style)
+    for dialect in _different(delimiters, sample):
+        style = dialect.style
         rated = _rating(dialect, sample) - 1e-6 * bool(style.thousands) - 1e-7 * _STYLES.index(style)
         if rated > most * (1 + 1e-9) + 1e-9:
             best, most = dialect, rated
     return best
+
+
+def _different(delimiters: Sequence[str], sample: Sequence[str]) -> Iterator[_Dialect]:
+    """The dialects that may read the sample differently, the plainest first.
+
+    A sign between thousands that occurs nowhere changes only that numbers with a point are read beside a decimal comma.
+    """
+    quoted = any('"' in line for line in sample)
+    occurring = {
+        style.thousands for style in _STYLES if style.thousands and has_thousands(sample, style.thousands)
+    }
+    for delimiter in delimiters:
+        rated: set[tuple[str, str]] = set()
+        for style in _STYLES:
+            signs = (style.decimal, style.thousands)
+            if not quoted and (DELIMITERS[delimiter] in signs or (delimiter == "space" and "space" in signs)):
+                continue
+            plain = "none" if style.thousands and style.decimal == "," else ""
+            effect = (style.decimal, style.thousands if style.thousands in occurring else plain)
+            if effect not in rated:
+                rated.add(effect)
+                yield _Dialect(delimiter, style)
 
 
 def _rating(dialect: _Dialect, sample: Sequence[str]) -> float:
