@@ -1,9 +1,12 @@
 """What this environment lacks is a skip with its name, and ``--skipped`` runs what the last run skipped.
 
-``.ci/run`` runs all tests with what the README installs, and those it skipped once more with all extras.
+``.ci/run`` runs all tests with what the README installs, and those it skipped once more with all extras. The closing
+lines say how much memory each worker needed.
 """
 
+import re
 import sys
+from pathlib import Path
 
 import pytest
 
@@ -83,3 +86,28 @@ class Skipped:
         )  # a worker saw a part
         if whole and self.cache:
             self.cache.set(SKIPPED, sorted(self.names))
+
+
+STATUS = Path("/proc/self/status")
+PEAKS_MB = pytest.StashKey[list[int]]()  # of the workers that have ended
+
+
+def pytest_sessionfinish(session):
+    """A worker tells how much memory it needed at the most, where the system counts it."""
+    output = getattr(session.config, "workeroutput", None)
+    if output is not None and STATUS.exists():
+        peak = re.search(r"VmHWM:\s+(\d+) kB", STATUS.read_text())
+        output["peak_MB"] = int(peak[1]) // 1000 if peak else 0
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_testnodedown(node):
+    """Hears it from a worker that has ended; one that died tells nothing."""
+    if peak_MB := getattr(node, "workeroutput", {}).get("peak_MB"):
+        node.config.stash.setdefault(PEAKS_MB, []).append(peak_MB)
+
+
+def pytest_terminal_summary(terminalreporter, config):
+    """One line, before pytest's own."""
+    if peaks_MB := config.stash.get(PEAKS_MB, []):
+        terminalreporter.write_line(f"peak memory of the workers: {', '.join(map(str, peaks_MB))} MB")
