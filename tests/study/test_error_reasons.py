@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from smarig.identification import error_verdict, level_against_curves
+from smarig.identification import AgainstCurves, error_verdict
 from smarig.study import StudyOptions, study
 from study.known_data import csv_text, displacements, temperatures
 
@@ -14,6 +14,10 @@ def _studied(tmp_path, u, x):
     path = tmp_path / "loop.csv"
     path.write_text(csv_text(np.arange(u.size) * 0.5, u, x), encoding="utf-8")
     return study([path], tmp_path / "out", QUICK)
+
+
+def level_against_curves(rms, floor, share, gain, *, full_loops=False):
+    return error_verdict(rms, floor, share, curves=AgainstCurves(gain, full_loops)).level
 
 
 @pytest.mark.parametrize("ratio", [0.5, 1.4, 1.6, 2.9])

@@ -13,11 +13,11 @@ if TYPE_CHECKING:
     from smarig.identification.calibration.holds import valid_rows as valid_rows
     from smarig.identification.density_report import DensityReport as DensityReport
     from smarig.identification.density_report import density_report as density_report
+    from smarig.identification.error_verdict import AgainstCurves as AgainstCurves
     from smarig.identification.error_verdict import ErrorLevel as ErrorLevel
+    from smarig.identification.error_verdict import ErrorParts as ErrorParts
     from smarig.identification.error_verdict import ErrorVerdict as ErrorVerdict
     from smarig.identification.error_verdict import error_verdict as error_verdict
-    from smarig.identification.error_verdict import level_against_curves as level_against_curves
-    from smarig.identification.error_verdict import level_of_parts as level_of_parts
     from smarig.identification.error_verdict import ratio_text as ratio_text
     from smarig.identification.extended.choose_extension import ExtensionChoice as ExtensionChoice
     from smarig.identification.extended.extension_names import extension_names as extension_names

@@ -37,24 +37,62 @@ class ErrorVerdict:
     text: str
 
 
+@dataclass(frozen=True)
+class AgainstCurves:
+    """How a model compares with simple curves fitted to the same data: the error of the best of them over its error.
+
+    ``full_loops``: that curve has a rising and a falling branch, so the data hold full loops only, and a model that is
+    as good is no worse for it.
+    """
+
+    gain: float
+    full_loops: bool = False
+
+
+@dataclass(frozen=True)
+class ErrorParts:
+    """What an average hides: the rms errors of one whole branch, and of a part of a branch, over the range of the
+    output; the share of the data for which the model has no prediction; and whether the data cannot show its worth.
+    """
+
+    worst_branch: float = 0.0
+    worst_place: float = 0.0
+    unpredicted: float = 0.0
+    doubtful: bool = False
+
+
 def error_verdict(
-    rms: float, floor: float | None, share: float, repeatability: Repeatability = STEADY
+    rms: float,
+    floor: float | None,
+    share: float,
+    repeatability: Repeatability = STEADY,
+    *,
+    curves: AgainstCurves | None = None,
+    parts: ErrorParts | None = None,
 ) -> ErrorVerdict:
     """The verdict on an rms error with the noise floor (None: unknown) and its share of the measured travel.
 
-    Where repeats differ by many times the noise of a reading, an error as large as theirs is fair at best.
+    Where repeats differ by many times the noise of a reading, an error as large as theirs is fair at best. ``curves``:
+    where simple curves were fitted to the same data. An error above the noise is fair then if the model is clearly
+    better than each of them, up to 15 % of the travel; a model that is hardly better than a curve is poor.
 
     >>> error_verdict(0.5, 0.05, 0.04).text
     '10 × the noise floor: poor'
     >>> error_verdict(0.5, 0.05, 0.04, Repeatability(drift=0.004)).text
     '10 × the noise floor: poor; repeats drift by 0.4 % of the travel per cycle'
+    >>> error_verdict(0.5, 0.05, 0.04, curves=AgainstCurves(6.0)).text
+    '10 × the noise floor: fair'
+    >>> error_verdict(0.05, 0.05, 0.004, parts=ErrorParts(worst_branch=0.2)).text
+    'at the noise floor: poor'
     """
     found = _of_error(rms, floor, share)
-    if not repeatability.text:
-        return found
     if found.level is ErrorLevel.GOOD and repeatability.over_readings is not None:
         found = _sized(ErrorLevel.FAIR, "at the scatter of repeats")
-    return replace(found, text=f"{found.text}; {repeatability.text}")
+    if curves is not None:
+        found = _at_level(found, _against_curves(found.level, floor, share, curves))
+    if parts is not None:
+        found = _at_level(found, _with_parts(found.level, parts))
+    return replace(found, text=f"{found.text}; {repeatability.text}") if repeatability.text else found
 
 
 def _of_error(rms: float, floor: float | None, share: float) -> ErrorVerdict:
@@ -83,28 +121,16 @@ def _above_threshold_text(ratio: float) -> str:
     return f"{ratio:.4g}" if float(text) in (GOOD_RATIO, POOR_RATIO) else text
 
 
-def level_against_curves(
-    rms: float,
-    floor: float | None,
-    share: float,
-    gain: float,
-    repeatability: Repeatability = STEADY,
-    *,
-    full_loops: bool = False,
+def _at_level(found: ErrorVerdict, level: ErrorLevel) -> ErrorVerdict:
+    return found if level is found.level else _sized(level, found.size)
+
+
+def _against_curves(
+    level: ErrorLevel, floor: float | None, share: float, curves: AgainstCurves
 ) -> ErrorLevel:
-    """The level of an error where simple curves were fitted to the same data: ``gain`` is the error of the best of
-    them over that of the model (NaN: none).
-
-    The thresholds are those of ``error_verdict``. An error above the noise is fair if the model is clearly better than
-    each curve, up to 15 % of the travel; a model that is hardly better than a curve is poor. ``full_loops``: that curve
-    has a rising and a falling branch, so the data hold full loops only, and a model that is as good is no worse for it.
-
-    >>> str(level_against_curves(0.5, 0.05, 0.04, 6.0)), str(level_against_curves(0.5, 0.05, 0.04, 1.1))
-    ('fair', 'poor')
-    >>> str(level_against_curves(0.05, 0.05, 0.004, 1.0, full_loops=True))
-    'good'
-    """
-    level, better = error_verdict(rms, floor, share, repeatability).level, full_loops or not gain < BETTER
+    """The level of an error beside those of simple curves."""
+    gain, full_loops = curves.gain, curves.full_loops
+    better = full_loops or not gain < BETTER
     if gain < (1 / HARDLY_BETTER if full_loops else HARDLY_BETTER):
         return ErrorLevel.POOR
     if full_loops and gain < BETTER and level is not ErrorLevel.GOOD:
@@ -120,23 +146,17 @@ def level_against_curves(
     return ErrorLevel.FAIR if level is ErrorLevel.UNKNOWN else level
 
 
-def level_of_parts(
-    level: ErrorLevel, worst_branch: float, worst_place: float, unpredicted: float
-) -> ErrorLevel:
-    """The level of an error, lowered where the average hides a part of the data.
-
-    ``worst_branch`` and ``worst_place``: the rms errors of one whole branch, and of a part of a branch, over the range
-    of the output. ``unpredicted``: the share of the data for which the model has no prediction.
-
-    >>> str(level_of_parts(ErrorLevel.FAIR, 0.2, 0.2, 0.0)), str(level_of_parts(ErrorLevel.GOOD, 0.01, 0.02, 0.3))
-    ('poor', 'fair')
-    """
-    if worst_branch > LARGE_SHARE or unpredicted > MOSTLY_UNPREDICTED:
+def _with_parts(level: ErrorLevel, parts: ErrorParts) -> ErrorLevel:
+    """The level, lowered where the average hides a part of the data."""
+    if parts.worst_branch > LARGE_SHARE or parts.unpredicted > MOSTLY_UNPREDICTED:
         return ErrorLevel.POOR
-    hidden = worst_branch > POOR_SHARE or worst_place > LARGE_PLACE or unpredicted > LITTLE_UNPREDICTED
-    if level is ErrorLevel.GOOD and hidden:
-        return ErrorLevel.FAIR
-    return level
+    hidden = (
+        parts.worst_branch > POOR_SHARE
+        or parts.worst_place > LARGE_PLACE
+        or parts.unpredicted > LITTLE_UNPREDICTED
+        or parts.doubtful
+    )
+    return ErrorLevel.FAIR if level is ErrorLevel.GOOD and hidden else level
 
 
 def ratio_text(ratio: float) -> str:

@@ -16,10 +16,12 @@ from smarig.identification import (
     LARGE_PLACE,
     LITTLE_UNPREDICTED,
     POOR_RATIO,
+    AgainstCurves,
     ErrorLevel,
+    ErrorParts,
+    ErrorVerdict,
     RunVerification,
-    level_against_curves,
-    level_of_parts,
+    error_verdict,
 )
 from smarig.study.baselines import BRANCHES
 from smarig.study.candidate_models import EXTENDED, Evaluation, noise_of_repeats
@@ -174,30 +176,29 @@ class StudyResult:
 
     @property
     def _level_on_average(self) -> ErrorLevel:
-        if self.evaluation is None:
-            return level_against_curves(np.nan, self.noise, self.nrmse, self.gain)
-        full_loops = self._as_a_branch_pair
-        found = self.evaluation.best
-        unsteady = [r.repeatability for r in found.held_out if r.repeatability.over_readings is not None]
-        return level_against_curves(
-            found.rms, self.noise, self.nrmse, self.gain, *unsteady[:1], full_loops=full_loops
-        )
+        return self._error_verdict().level
 
     @property
     def verdict(self) -> str:
-        """ "good", "fair" or "poor"; "" without a model. The thresholds are those of ``verify``.
-
-        The level on average is lowered where a whole branch is wrong, where the model has no prediction, and for data
-        without a loop.
-        """
+        """ "good", "fair" or "poor"; "" without a model. The thresholds are those of ``verify``."""
         if self.evaluation is None:
             return ""
         place = worst_place(self.branches)
-        branch_share = self._share(self.branches[0].rms) if self.branches else 0.0
-        place_share = self._share(place.worst) if place else 0.0
-        level = level_of_parts(self._level_on_average, branch_share, place_share, self.unpredicted)
-        doubtful = self._one_way or self._left_out_is_worse
-        return str(ErrorLevel.FAIR if level is ErrorLevel.GOOD and doubtful else level)
+        parts = ErrorParts(
+            worst_branch=self._share(self.branches[0].rms) if self.branches else 0.0,
+            worst_place=self._share(place.worst) if place else 0.0,
+            unpredicted=self.unpredicted,
+            doubtful=self._one_way or self._left_out_is_worse,
+        )
+        return str(self._error_verdict(parts).level)
+
+    def _error_verdict(self, parts: ErrorParts | None = None) -> ErrorVerdict:
+        curves = AgainstCurves(self.gain, self._as_a_branch_pair)
+        if self.evaluation is None:
+            return error_verdict(np.nan, self.noise, self.nrmse, curves=curves, parts=parts)
+        found = self.evaluation.best
+        unsteady = [r.repeatability for r in found.held_out if r.repeatability.over_readings is not None]
+        return error_verdict(found.rms, self.noise, self.nrmse, *unsteady[:1], curves=curves, parts=parts)
 
     @cached_property
     def _one_way(self) -> bool:
