@@ -54,7 +54,6 @@ if TYPE_CHECKING:
     from smarig.identification.measured.reading_plan import reading_plan as reading_plan
     from smarig.identification.measured.reading_weights import local_slope as local_slope
     from smarig.identification.measured.reading_weights import reading_weights as reading_weights
-    from smarig.identification.noise_floor import FEWEST_PAIRS as FEWEST_PAIRS
     from smarig.identification.noise_floor import noise_floor as noise_floor
     from smarig.identification.positive.adapted_partition import SAME_LEVEL as SAME_LEVEL
     from smarig.identification.positive.adapted_partition import adapted_nodes as adapted_nodes

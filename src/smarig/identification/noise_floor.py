@@ -50,6 +50,11 @@ class NoiseFloor:
     changed: int = 0
 
     @property
+    def known(self) -> float | None:
+        """The value where three repeats or more determine it, else None: no error is judged by less."""
+        return self.value if self.n_pairs >= FEWEST_PAIRS else None
+
+    @property
     def warnings(self) -> tuple[str, ...]:
         """Warnings about the repeats, one or two sentences each."""
         return (self.repeatability.warning,) if self.repeatability.text else ()
@@ -69,7 +74,7 @@ class NoiseFloor:
 def noise_record(floor: NoiseFloor) -> NoiseRecord:
     """The floor as a model file stores it."""
     return NoiseRecord(
-        value=floor.value,
+        value=floor.known,
         unit=floor.unit,
         source=floor.source,
         drift_per_cycle=floor.repeatability.drift,

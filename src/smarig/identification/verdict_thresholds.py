@@ -23,7 +23,7 @@ def verdict_sentences() -> tuple[str, ...]:
         f"fair: at most {POOR_RATIO:g} × the noise floor; also at the noise floor, if repeats scatter by more than "
         f"{OVER_READINGS:g} × the noise of a reading.",
         "poor: more.",
-        f"If nothing repeats, the noise floor is unknown: more than {_percent(POOR_SHARE)} of the travel is poor, and "
+        f"If fewer than three states repeat, the noise floor is unknown: more than {_percent(POOR_SHARE)} of the travel is poor, and "
         "less has no verdict.",
     )
 

@@ -137,7 +137,7 @@ def _verified(
         run=str(run.path),
         settled=_errors((predicted + shift - measured)[counts], measured, floor),
         transient=None if select is not None or by_load else _transient(model, run, shift),
-        noise_floor=floor.value,
+        noise_floor=floor.known,
         offset=shift,
         offset_kind=kind,
         input=inputs,

@@ -9,7 +9,6 @@ import numpy as np
 
 from smarig.core import DataError, UsageError
 from smarig.identification import (
-    FEWEST_PAIRS,
     RunVerification,
     identify,
     noise_floor,
@@ -57,7 +56,7 @@ class CandidateModel:
 def noise_of_repeats(runs: Sequence[RunVerification]) -> float | None:
     """The noise of a reading from repeated readings of runs; None if too few repeat."""
     floors = [noise_floor(without_dropouts(load_run(r.run))) for r in runs]
-    known = [f.value for f in floors if f.value and f.n_pairs >= FEWEST_PAIRS]
+    known = [f.known for f in floors if f.known]
     return float(np.median(known)) if known else None
 
 
