@@ -8,8 +8,15 @@ from smarig.identification import identify, noise_floor, verify
 
 
 def visited_twice(apart):
-    """A run whose inner loop is passed twice, in steps of another size: its turn at 20 is the one state that repeats."""
-    way = ((0.0, 90.0, 12), (90.0, 0.0, 13), (0.0, 41.0, 9), (41.0, 20.0, 7), (20.0, 40.0, 11), (40.0, 20.0, 9))
+    """A run whose inner loop is passed twice in steps of another size: its turn at 20 is the state that repeats."""
+    way = (
+        (0.0, 90.0, 12),
+        (90.0, 0.0, 13),
+        (0.0, 41.0, 9),
+        (41.0, 20.0, 7),
+        (20.0, 40.0, 11),
+        (40.0, 20.0, 9),
+    )
     way += ((20.0, 91.0, 17), (91.0, -1.0, 15))
     u = np.concatenate([np.linspace(a, b, rows, endpoint=False) for a, b, rows in way])
     y = np.tanh((u - 45.0) / 15.0)

@@ -23,8 +23,8 @@ def verdict_sentences() -> tuple[str, ...]:
         f"fair: at most {POOR_RATIO:g} × the noise floor; also at the noise floor, if repeats scatter by more than "
         f"{OVER_READINGS:g} × the noise of a reading.",
         "poor: more.",
-        f"If fewer than three states repeat, the noise floor is unknown: more than {_percent(POOR_SHARE)} of the travel is poor, and "
-        "less has no verdict.",
+        "If fewer than three states repeat, the noise floor is unknown: more than "
+        f"{_percent(POOR_SHARE)} of the travel is poor, and less has no verdict.",
     )
 
 

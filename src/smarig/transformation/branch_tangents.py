@@ -25,13 +25,12 @@ from smarig.transformation.fitted_line import (
 from smarig.transformation.input_noise import smoothed_input
 from smarig.transformation.rough_shape import RoughShape, rough_shape
 from smarig.transformation.steep_choices import steep_lines
-from smarig.transformation.tangent_ranges import FEWEST_PLATEAU, plateau_rows
+from smarig.transformation.tangent_ranges import FEWEST_PLATEAU, JUMP, plateau_rows
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 FEWEST_READINGS = 10
 DRAWS = 400
-JUMP = 0.2  # of the output between two readings of a branch: more is stated
 _PICKS = 7  # seed
 _STEEP_PLATEAU = 0.25  # of the steep slope: a steeper plateau has not levelled off
 _SHORT_PLATEAU = 0.3  # of the span: a shorter one is a part of the knee

@@ -9,7 +9,7 @@ import numpy as np
 from smarig.core import UsageError
 from smarig.identification import Estimate
 from smarig.record import Run
-from smarig.transformation.branch_tangents import JUMP, BranchTangents, branch_tangents, with_borrowed_plateau
+from smarig.transformation.branch_tangents import BranchTangents, branch_tangents, with_borrowed_plateau
 from smarig.transformation.chosen_cycles import comparable_cycles, complete_cycles, left_out_note
 from smarig.transformation.cycle_drift import cycle_drift
 from smarig.transformation.cycle_figures import (
@@ -23,6 +23,7 @@ from smarig.transformation.cycle_figures import (
 )
 from smarig.transformation.full_branches import COOLING, HEATING, FullBranch, UnusedBranch, full_branches
 from smarig.transformation.lag_of_temperatures import lag_note, with_lag
+from smarig.transformation.tangent_ranges import JUMP
 from smarig.transformation.temperature_record import TemperatureRecord, temperature_record
 
 _SMALL_STROKE = 0.5  # of the median of its direction: a branch with less is not that of a transforming wire

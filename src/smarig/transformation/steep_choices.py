@@ -1,5 +1,7 @@
 """The steep tangent of a branch for every choice of its readings."""
 
+from dataclasses import replace
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -7,13 +9,14 @@ from smarig.core import UsageError
 from smarig.transformation.branch_noise import ReadingNoise, at_least, reading_noise
 from smarig.transformation.fitted_line import SteepLine, SteepNoise, steep_line
 from smarig.transformation.rough_shape import RoughShape
-from smarig.transformation.tangent_ranges import steep_rows
+from smarig.transformation.tangent_ranges import ENOUGH_STEEP, JUMP, steep_rows
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 _UNCERTAIN = 3.0  # times the standard deviation of the most certain slope
 _FEW_STEEP = 8  # readings
-_FLATTER = 1.4  # times the du/dy of the steepest choice
+_FLATTER = 1.4  # times the du/dy of the steepest choice, or neighbours
+_END_SHARE = 0.02  # of the output: a logistic curve never reaches its ends
 _INPUT_NOISE = 2.0  # times the plateaus' noise: more on the steep part is noise of the input
 
 
@@ -29,7 +32,8 @@ def steep_lines(
 ) -> tuple[tuple[SteepLine, ...], tuple[Integers, ...]]:
     """The steep tangent of each choice, with its readings."""
     choices = steep_rows(shape.share, shape.centre)
-    choices = choices if noisy else _steep_alone(u, y, choices)
+    if not noisy:
+        choices = _as_steep_as_neighbours(u, y, shape.share, noise, _steep_alone(u, y, choices))
     if not choices:
         raise UsageError(
             "fewer than three of its readings lie in the transformation: a steep tangent needs them"
@@ -48,6 +52,8 @@ def steep_lines(
     good = [
         (line, rows) for line, rows in pairs if line is not None and (of_input or line.du_dy * shape.rise > 0)
     ]
+    if widest.size == 2 and good:
+        return _between_two(good[0][0], shape.share[widest]), (widest,) * 3
     good = _certain(good)
     if not good:
         raise UsageError(
@@ -62,6 +68,37 @@ def _steep_alone(u: Array, y: Array, choices: tuple[Integers, ...]) -> tuple[Int
         return choices
     slopes = [abs(float(np.polyfit(y[r], u[r], 1)[0])) if np.ptp(y[r]) > 0 else np.inf for r in choices]
     return tuple(r for r, slope in zip(choices, slopes) if slope <= _FLATTER * min(slopes))
+
+
+def _as_steep_as_neighbours(
+    u: Array, y: Array, share: Array, noise: ReadingNoise | None, choices: tuple[Integers, ...]
+) -> tuple[Integers, ...]:
+    """The steepest two neighbours with a fifth of the output between them, and the choices that are not much flatter.
+
+    Somewhere between two readings, a curve is as steep as their chord (mean value theorem). A line through readings
+    beyond them is flatter, and its corners lie too far apart. What noise may add to the chord does not count. Choices
+    of four readings and more determine a tangent by themselves.
+    """
+    moved = np.abs(np.diff(y)) - 2.0 * np.sqrt(2.0) * (noise.sd if noise else 0.0)
+    wide = (np.diff(np.clip(share, 0.0, 1.0)) > JUMP) & (moved > 0) & (np.diff(u) > 0)
+    if not wide.any() or min(map(len, choices), default=0) >= ENOUGH_STEEP:
+        return choices
+    chords = np.where(wide, np.diff(u) / np.where(wide, moved, 1.0), np.inf)
+    k = int(np.argmin(chords))
+    slopes = [abs(float(np.polyfit(y[r], u[r], 1)[0])) if np.ptp(y[r]) > 0 else np.inf for r in choices]
+    return np.array([k, k + 1]), *(r for r, s in zip(choices, slopes) if s <= _FLATTER * chords[k])
+
+
+def _between_two(chord: SteepLine, share: Array) -> tuple[SteepLine, ...]:
+    """The tangents that the curve between two readings can have: their chord, if it is straight there; that of a
+    logistic curve through both; and one that is steeper by as much again.
+    """
+    low, high = np.clip(share, _END_SHARE, 1 - _END_SHARE)
+    steeper = float(4 * (high - low)) / float(np.log(high / (1 - high)) - np.log(low / (1 - low)))
+    return tuple(
+        replace(chord, du_dy=chord.du_dy * factor, du_dy_draws=chord.du_dy_draws * factor)
+        for factor in (1.0, steeper, steeper**2)
+    )
 
 
 def _certain(found: list[tuple[SteepLine, Integers]]) -> list[tuple[SteepLine, Integers]]:

@@ -21,6 +21,7 @@ KNEE_SHARE = 0.1  # of the output, at both ends: no part of the steep tangent's 
 FEWEST_PLATEAU = 3  # readings of a plateau
 ENOUGH_STEEP = 4  # readings of a choice for the steep tangent
 FEWEST_STEEP = 3  # readings of the steep tangent at least
+JUMP = 0.2  # of the output between two readings of a branch: more is stated
 _CENTRES = np.linspace(0.25, 0.75, 21)  # shares of the output at which the steepest part is looked for
 _SEARCHED = 0.4  # share of the output over which its slope is taken
 
