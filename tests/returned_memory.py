@@ -4,6 +4,7 @@ Figures and diagnoses leave cycles of large arrays, which Python collects late, 
 glibc keeps. Arrays from ``MAPPED_BYTES`` on have mappings of their own: without a limit, glibc would learn from the
 first large array that is freed to put the next into its heap, where it leaves a hole. Less than ``GROWTH_BYTES``
 free at the end of the heap stay there: by default, that limit is so low that the pages of every array are made anew.
+One heap serves all threads: each thread of a rig or a console would leave holes in a heap of its own.
 """
 
 import ctypes
@@ -15,7 +16,7 @@ from pathlib import Path
 STATM = Path("/proc/self/statm")
 GROWTH_BYTES = 32 << 20
 MAPPED_BYTES = 1 << 20
-M_TRIM_THRESHOLD, M_MMAP_THRESHOLD = -1, -3  # of glibc's malloc.h
+M_TRIM_THRESHOLD, M_MMAP_THRESHOLD, M_ARENA_MAX = -1, -3, -8  # of glibc's malloc.h
 
 
 class ReturnedMemory:
@@ -27,6 +28,7 @@ class ReturnedMemory:
         if mallopt := _of_c_library("mallopt"):
             mallopt(M_MMAP_THRESHOLD, MAPPED_BYTES)
             mallopt(M_TRIM_THRESHOLD, GROWTH_BYTES)
+            mallopt(M_ARENA_MAX, 1)
 
     def before_collection(self) -> None:
         """Importing modules and making tests leaves little to collect."""

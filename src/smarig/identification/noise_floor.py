@@ -74,7 +74,7 @@ class NoiseFloor:
 def noise_record(floor: NoiseFloor) -> NoiseRecord:
     """The floor as a model file stores it."""
     return NoiseRecord(
-        value=floor.known,
+        value=floor.value,
         unit=floor.unit,
         source=floor.source,
         drift_per_cycle=floor.repeatability.drift,
