@@ -10,6 +10,7 @@ from smarig.report import (
     Figure,
     Html,
     Section,
+    branches_text,
     bullets,
     cards,
     display_unit,
@@ -129,6 +130,7 @@ def _temperatures(result: StudyResult) -> Iterator[Html | Figure]:
         if slopes:
             yield from (slopes, stress_table(found.result.stress))
         yield from (figures_table(run) for run in found.result.runs)
+        yield from (branches_text(run) for run in found.result.runs if run.notes or run.unused)
     if found.left_out:
         yield html_table(
             ("Run", "Why it has none"),

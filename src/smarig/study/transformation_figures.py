@@ -57,6 +57,7 @@ class Transformation:
             for run in runs[:_MOST]
         ]
         found += [f"{len(runs) - _MOST} more runs are on the page."] if len(runs) > _MOST else []
+        found += [f"{run.name}: {note}" for run in runs[:_MOST] for note in run.notes]
         found += [self.correction] if self.correction else []
         found += [
             f"{name} rises by 1 K per {value:.3g} MPa ({low:.3g} to {high:.3g})."
