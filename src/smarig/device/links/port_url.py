@@ -8,8 +8,10 @@ The other URLs of pyserial (``hwgrep://``, ``spy://``, …) are accepted, too.
 """
 
 import contextlib
+import os
 import select
 import socket
+import time
 from urllib.parse import urlsplit
 
 import serial
@@ -59,21 +61,19 @@ def unopened_port(url: str, baud: int, timeout_s: float, write_timeout_s: float)
 def send(port: serial.Serial, data: bytes) -> None:
     """Send bytes. Raises SerialTimeoutException if the line does not take them in time.
 
-    pyserial looks at the time after it has sent, too: on a busy computer its time-out comes although all was taken.
+    pyserial looks at the time after it has sent, too: on a busy computer, its time-out comes although all was taken.
     """
-    try:
+    is_plain = os.name == "posix" and (type(port) is serial.Serial or _socket_of(port) is not None)
+    if not (is_plain and port.is_open and port.write_timeout):
         port.write(data)
-    except serial.SerialTimeoutException:
-        if not _takes_bytes(port):
+        return
+    end_s = time.monotonic() + port.write_timeout
+    while data:
+        if not select.select([], [port.fileno()], [], max(end_s - time.monotonic(), 0.0))[1]:
             reason = "the device reads nothing, or its flow control holds the line"
-            raise serial.SerialTimeoutException(reason) from None
-
-
-def _takes_bytes(port: serial.Serial) -> bool:
-    try:
-        return bool(select.select([], [port.fileno()], [], 0)[1])
-    except (OSError, ValueError):  # it has no number that can be waited for
-        return False
+            raise serial.SerialTimeoutException(reason)
+        with contextlib.suppress(BlockingIOError):
+            data = data[os.write(port.fileno(), data) :]
 
 
 def send_at_once(port: serial.Serial) -> bool:
