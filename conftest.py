@@ -97,7 +97,7 @@ def pytest_sessionfinish(session):
     output = getattr(session.config, "workeroutput", None)
     if output is not None and STATUS.exists():
         peak = re.search(r"VmHWM:\s+(\d+) kB", STATUS.read_text())
-        output["peak_MB"] = int(peak[1]) // 1000 if peak else 0
+        output["peak_MB"] = int(peak[1]) * 1024 // 10**6 if peak else 0
 
 
 @pytest.hookimpl(optionalhook=True)

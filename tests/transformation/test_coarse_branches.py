@@ -71,3 +71,11 @@ def test_a_digitised_loop_agrees_with_tangents_by_hand(shared_data, tmp_path):
                 low, high = run.means[name].ci95
                 assert low <= value <= high
                 assert run.means[name].value == pytest.approx(value, abs=2.0)
+
+
+def test_two_readings_in_the_transformation_are_refused():
+    """They lie on a line whatever the curve: nothing shows where it bends."""
+    u = np.concatenate([np.linspace(0, 40, 12), [49.0, 51.5], np.linspace(60, 100, 12)])
+    y = np.concatenate([np.zeros(12), [0.3, 0.7], np.ones(12)])
+    with pytest.raises(UsageError, match="fewer than three of its readings lie in the transformation"):
+        run_figures(run_of(np.concatenate([u, u[::-1]]), np.concatenate([y, y[::-1]])))

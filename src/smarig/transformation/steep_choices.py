@@ -66,8 +66,16 @@ def _steep_alone(u: Array, y: Array, choices: tuple[Integers, ...]) -> tuple[Int
     """The choices; of few readings, without those that are much flatter: they reach beyond the steep part."""
     if not choices or choices[-1].size >= _FEW_STEEP:
         return choices
-    slopes = [abs(float(np.polyfit(y[r], u[r], 1)[0])) if np.ptp(y[r]) > 0 else np.inf for r in choices]
-    return tuple(r for r, slope in zip(choices, slopes) if slope <= _FLATTER * min(slopes))
+    return _not_flatter(u, y, choices, min(_du_dy(u, y, rows) for rows in choices))
+
+
+def _not_flatter(u: Array, y: Array, choices: tuple[Integers, ...], du_dy: float) -> tuple[Integers, ...]:
+    """The choices that are not much flatter than a slope."""
+    return tuple(rows for rows in choices if _du_dy(u, y, rows) <= _FLATTER * du_dy)
+
+
+def _du_dy(u: Array, y: Array, rows: Integers) -> float:
+    return abs(float(np.polyfit(y[rows], u[rows], 1)[0])) if np.ptp(y[rows]) > 0 else np.inf
 
 
 def _as_steep_as_neighbours(
@@ -81,12 +89,11 @@ def _as_steep_as_neighbours(
     """
     moved = np.abs(np.diff(y)) - 2.0 * np.sqrt(2.0) * (noise.sd if noise else 0.0)
     wide = (np.diff(np.clip(share, 0.0, 1.0)) > JUMP) & (moved > 0) & (np.diff(u) > 0)
-    if not wide.any() or min(map(len, choices), default=0) >= ENOUGH_STEEP:
+    if not choices or not wide.any() or min(map(len, choices)) >= ENOUGH_STEEP:
         return choices
     chords = np.where(wide, np.diff(u) / np.where(wide, moved, 1.0), np.inf)
     k = int(np.argmin(chords))
-    slopes = [abs(float(np.polyfit(y[r], u[r], 1)[0])) if np.ptp(y[r]) > 0 else np.inf for r in choices]
-    return np.array([k, k + 1]), *(r for r, s in zip(choices, slopes) if s <= _FLATTER * chords[k])
+    return np.array([k, k + 1]), *_not_flatter(u, y, choices, float(chords[k]))
 
 
 def _between_two(chord: SteepLine, share: Array) -> tuple[SteepLine, ...]:

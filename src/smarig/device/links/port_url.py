@@ -69,11 +69,15 @@ def send(port: serial.Serial, data: bytes) -> None:
         return
     end_s = time.monotonic() + port.write_timeout
     while data:
-        if not select.select([], [port.fileno()], [], max(end_s - time.monotonic(), 0.0))[1]:
+        left_s = end_s - time.monotonic()
+        sent = 0
+        if select.select([], [port.fileno()], [], max(left_s, 0.0))[1]:
+            with contextlib.suppress(BlockingIOError):
+                sent = os.write(port.fileno(), data)
+        if not sent and left_s <= 0:
             reason = "the device reads nothing, or its flow control holds the line"
             raise serial.SerialTimeoutException(reason)
-        with contextlib.suppress(BlockingIOError):
-            data = data[os.write(port.fileno(), data) :]
+        data = data[sent:]
 
 
 def send_at_once(port: serial.Serial) -> bool:
