@@ -92,7 +92,7 @@ def run(quick: bool = False) -> dict[str, Any]:
     plain = {name: _rates(h, n) for name, h in example_hystereses(measure).items()}
     return {
         "samples": n,
-        "relays": int(measure.mass.size),
+        "relays": measure.mass.size,
         "plain_python": plain,
         "relay_array_per_s": baseline,
         "ratio_to_relay_array": plain["measure"]["random_walk_per_s"] / baseline,

@@ -42,8 +42,8 @@ def run(quick: bool = False) -> dict[str, Any]:
     best = min(row["rms"] for row in rows[1:])
     train, test = _split(0)
     return {
-        "training_points": int(train[2].size),
-        "held_out_points": int(test[2].size),
+        "training_points": train[2].size,
+        "held_out_points": test[2].size,
         "noise": NOISE,
         "seeds": len(seeds),
         "results": rows,

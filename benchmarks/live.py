@@ -188,7 +188,7 @@ class _TimedListener:
             "p50": float(np.quantile(took, 0.5)),
             "p99": float(np.quantile(took, 0.99)),
             "max": float(took.max()),
-            "n": int(took.size),
+            "n": took.size,
         }
 
     def memory(self, phase: str) -> float | None:

@@ -147,7 +147,8 @@ class FaultyRig:
         if true.tick == self.begin:
             self.start = value - offset
         new = offset + self.change(value - offset, self.start, self.dice)
-        return (true._replace(**{self.channel: round(new) if self.channel == "counts" else new}),)
+        read: dict[str, Any] = {self.channel: round(new) if self.channel == "counts" else new}
+        return (true._replace(**read),)
 
     def _with_thermometer(self, s: Sample) -> Sample:
         if self.twin.actuator.two_wire:
@@ -172,7 +173,7 @@ def guarded(rig: str, settings: TwinSettings) -> tuple[Guard, FaultyRig]:
     file = load_rig(rig)
     actuator = Actuator.named(file.actuator)
     faulty = FaultyRig(Twin(file, actuator, settings))
-    return Guard(faulty, file.limits, actuator, Plausibility(file, actuator)), faulty  # type: ignore[arg-type]
+    return Guard(faulty, file.limits, actuator, Plausibility(file, actuator)), faulty  # pyrefly: ignore [bad-argument-type]
 
 
 def levels_A(actuator: Actuator, file: RigFile) -> list[float]:
@@ -222,7 +223,7 @@ class Cell:
 
 def cell_of(guard: Guard, currents_A: list[float], channel: FaultyChannel, change: Change) -> Cell:
     """Run the holds with a fault that begins in the first of them."""
-    rig: FaultyRig = guard.rig  # type: ignore[assignment]
+    rig: FaultyRig = guard.rig  # pyrefly: ignore [bad-assignment]
     rig.begin = rig.tick + round(AFTER_S / guard.period_s)
     rig.channel, rig.change, rig.truth = channel.field, change, []
     cell, errors, marks = Cell(), [], []
@@ -341,7 +342,7 @@ def _effects(kind: EffectType | None) -> tuple[Effect, ...]:
 
 def _campaign(guard: Guard, seed: int, share: float, counts: dict[str, int]) -> str | None:
     """Random holds over the range and two returns to cold; the cause of a trip."""
-    dice, actuator = random.Random(seed), guard.rig.actuator  # type: ignore[attr-defined]
+    dice, actuator = random.Random(seed), guard.rig.actuator  # pyrefly: ignore [missing-attribute]
     limits = guard.limits
     hottest_K, coldest_K = (
         share * actuator.input_for(x) for x in (limits.current_max_A, limits.current_min_A)

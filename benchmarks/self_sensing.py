@@ -257,7 +257,7 @@ def _path_figures(rig: CommissionedRig, rows: Array, observed: Array) -> dict[st
     missed = np.abs(reading - positions[:, 0]) > AMBIGUOUS_SHARE * stroke
     error = position - positions[:, 0]
     return {
-        "n": int(current.size),
+        "n": current.size,
         "square": float(np.sum(error**2)),
         "model_alone_square": float(np.sum((predicted - positions[:, 0]) ** 2)),
         "largest": float(np.abs(error).max()),

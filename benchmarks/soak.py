@@ -54,7 +54,7 @@ def run(quick: bool = False) -> dict[str, Any]:
     return {
         "rig": RIG,
         "minutes": float(np.ptp(record["t_s"])) / 60,
-        "samples": int(ticks.size),
+        "samples": ticks.size,
         "lost": int(np.sum(np.diff(ticks) - 1)),
         "jitter_ms": {
             "p50": float(np.quantile(np.abs(jitter), 0.5)),

@@ -241,7 +241,7 @@ def _controller_figures(
         "moves_A": float(np.mean([loop.moves_A for loop in loops])),
         "faults": sum(bool(loop.fault) for loop in loops),
         "steps": {
-            "n": int(settled.size),
+            "n": settled.size,
             "reached_2_counts": int(np.isfinite(settled).sum()),
             "median_s": float(np.nanmedian(settled)),
             "p90_s": float(np.nanpercentile(settled, 90)),

@@ -53,7 +53,7 @@ class Label:
         """The label from ``to_json``."""
         data = json.loads(text)
         data["runs"] = tuple(_run_truth(run) for run in data["runs"])
-        return cls(**{**data, "channels": tuple(data["channels"])})
+        return cls(**(data | {"channels": tuple(data["channels"])}))
 
     @property
     def commitment(self) -> str:

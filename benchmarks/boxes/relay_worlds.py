@@ -49,7 +49,7 @@ class RelayWorld:
 def relay_world(kind: str, seed: int) -> RelayWorld:
     """The world of a kind and seed: two or three training runs, or one, and one held-out run."""
     rng = np.random.default_rng([seed, list(TRUTHS).index(kind)])
-    several = kind in ("offset", "stress") or bool(rng.random() < 0.3)
+    several = kind in ("offset", "stress") or rng.random() < 0.3
     wire = _Wire(rng, second=kind == "second_population")
     strength = float(rng.uniform(0.7, 1.6))
     runs = [

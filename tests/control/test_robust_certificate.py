@@ -39,7 +39,7 @@ def test_draws_have_the_covariance_of_the_file():
     draw = model_posterior(ONE_P, NAMES, correlation * np.outer(sizes, sizes)).draw
     assert draw is not None
     dice = np.random.default_rng(1)
-    drawn = np.array([[*(s := draw(dice)).x, s.y_upper, s.y_lower] for _ in range(4000)])  # type: ignore[attr-defined]
+    drawn = np.array([[*(s := draw(dice)).x, s.y_upper, s.y_lower] for _ in range(4000)])
     assert np.all(np.abs(drawn.mean(axis=0) - [*ONE_P.x, 12.54, 0.0]) < 5 * sizes / np.sqrt(4000))
     assert np.corrcoef(drawn.T) == pytest.approx(correlation, abs=0.06)
     assert drawn.std(axis=0) == pytest.approx(sizes, rel=0.06)
@@ -176,7 +176,7 @@ def test_the_probability_is_calibrated():
     p, truth = [], []
     for k in range(60):
         wire = prior.draw(dice)
-        fit = fit_surface(measured(wire, noise, dice), "parabolic", start=first)  # type: ignore[arg-type]
+        fit = fit_surface(measured(wire, noise, dice), "parabolic", start=first)
         found = robust_certificate(model_posterior(fit.surface, fit.names, fit.covariance), 40, seed=k)
         assert found.dissipative is not None
         p.append(found.dissipative.probability)

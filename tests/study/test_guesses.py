@@ -233,7 +233,7 @@ def test_a_learned_term_is_told_beside_what_no_effect_explains(variable):
         d = SimpleNamespace(
             verdict=SimpleNamespace(word="unknown", depends_on=variable), learned=learned, lines=lambda: ["-"]
         )
-        return finding_sentence(d, at_noise=False)  # pyright: ignore[reportArgumentType]
+        return finding_sentence(d, at_noise=False)
 
     assert sentence(None).endswith("no known effect explains them.")
     assert sentence(object()).endswith(
@@ -252,8 +252,8 @@ def test_the_extended_model_has_a_zero_of_its_own_for_each_fitted_run(monkeypatc
     monkeypatch.setattr(candidate_models, "verify", verify)
     split = SimpleNamespace(train=("a",), held_out=("b",), select=None, continued=False, kind="run")
     model = SimpleNamespace(warnings=())
-    first = candidate_models.CandidateModel("plain", model, (), (), verify(model, ("c",)).runs)  # pyright: ignore
-    candidate_models.with_extended(candidate_models.Evaluation((first,), {}, {}), model, split)  # pyright: ignore
+    first = candidate_models.CandidateModel("plain", model, (), (), verify(model, ("c",)).runs)
+    candidate_models.with_extended(candidate_models.Evaluation((first,), {}, {}), model, split)
     assert (asked["a",], asked["b",]) == ("fitted", "auto")
 
 

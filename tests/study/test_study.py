@@ -266,8 +266,7 @@ def test_the_error_on_blocks_left_out_is_that_of_the_model_that_is_shown(tmp_pat
 )
 def test_it_is_told_which_model_was_diagnosed_where_another_is_judged(best, told, monkeypatch):
     candidates = tuple(
-        CandidateModel(name, None, (), (), ())  # pyright: ignore[reportArgumentType]
-        for name in dict.fromkeys((best, "positive measure"))
+        CandidateModel(name, None, (), (), ()) for name in dict.fromkeys((best, "positive measure"))
     )
     monkeypatch.setattr(CandidateModel, "rms", 0.7)
     unknown = SimpleNamespace(verdict=SimpleNamespace(word="unknown"))

@@ -42,6 +42,8 @@ _Hold = Callable[[SteppedRun, float], "Future[StepResult]"]
 class _Execution:
     """The present run of a rig, and the result of its last hold; another run is made when the last one is over."""
 
+    last: StepResult | None
+
     def __init__(self, rig: str, out: str | Path, options: dict[str, Any]) -> None:
         self._make = lambda: SteppedRun(rig, _free(Path(out)), **options)
         self.run, self.last = self._make(), None
@@ -63,7 +65,7 @@ class _Execution:
         """Execute one hold to its end."""
         async with self._lock:
             pass
-        self.last: StepResult | None = await asyncio.wrap_future(hold(self.run, value))
+        self.last = await asyncio.wrap_future(hold(self.run, value))
 
     def sample(self, name: str) -> float:
         """A value of the latest sample; NaN before the first."""

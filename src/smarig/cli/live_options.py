@@ -35,7 +35,7 @@ def live_options(command: Callable) -> Callable:
         return command(*args, live=LiveOptions(live or web or bool(live_model), web, live_model), **rest)
 
     gathered.__doc__, gathered.__name__ = command.__doc__, command.__name__
-    gathered.__click_params__ = getattr(command, "__click_params__", [])  # type: ignore[attr-defined]
+    gathered.__click_params__ = getattr(command, "__click_params__", [])  # pyrefly: ignore [missing-attribute]
     for option in (
         click.option(
             "--live-model",

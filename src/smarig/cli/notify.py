@@ -30,7 +30,7 @@ def notify_option(command: Callable) -> Callable:
         return command(*args, notify=NotifyOptions(notify, notify_level), **rest)
 
     gathered.__doc__, gathered.__name__ = command.__doc__, command.__name__
-    gathered.__click_params__ = getattr(command, "__click_params__", [])  # type: ignore[attr-defined]
+    gathered.__click_params__ = getattr(command, "__click_params__", [])  # pyrefly: ignore [missing-attribute]
     for option in _OPTIONS:
         gathered = option(gathered)
     return gathered

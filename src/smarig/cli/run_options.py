@@ -105,7 +105,7 @@ def run_options(command: Callable) -> Callable:
         return command(*args, options=RunOptions(**selected), **arguments)
 
     gathered.__doc__, gathered.__name__ = command.__doc__, command.__name__
-    gathered.__click_params__ = getattr(command, "__click_params__", [])  # type: ignore[attr-defined]
+    gathered.__click_params__ = getattr(command, "__click_params__", [])  # pyrefly: ignore [missing-attribute]
     gathered = live_options(notify_option(gathered))
     for option in reversed(_OPTIONS):
         gathered = option(gathered)

@@ -83,7 +83,7 @@ class HeldOutGain:
     @property
     def blocks(self) -> int:
         """Number of blocks."""
-        return int(np.unique(self.block).size)
+        return np.unique(self.block).size
 
     @property
     def removable_share(self) -> float | None:

@@ -25,7 +25,7 @@ def check_comparable(model: Model, runs: Sequence[Run]) -> None:
         if run.has("t_s"):
             _clock(run)
             _steps(run)
-    wires = {str(run.info.wire): run for run in runs if run.info.wire}
+    wires = {run.info.wire: run for run in runs if run.info.wire}
     if len(wires) > 1:
         listing = ", ".join(f"{run.path.name} of '{wire}'" for wire, run in wires.items())
         raise DataError(f"A diagnosis needs runs of one wire, but these are of several: {listing}.")

@@ -33,7 +33,7 @@ class DriftDecision:
     """The chosen correction, and the rms held-out error of each kind in the moment's unit over ``n`` points."""
 
     kind: DriftKind
-    error: dict[str, float]
+    error: dict[DriftKind, float]
     n: int
 
     def sentence(self, unit: str) -> str:

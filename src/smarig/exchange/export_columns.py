@@ -75,8 +75,8 @@ def integers(values: NDArray[np.float64], missing: int) -> NDArray[np.int64]:
 def sample_columns(run: AnyRun) -> list[ExportColumn]:
     """The columns that were measured, and always tick and quality."""
     names = _SAMPLES | {
-        "input": (run.input_unit, str(run.info.input.quantity or "hysteresis input")),
-        "position": (run.unit, str(run.info.output.quantity or "position")),
+        "input": (run.input_unit, run.info.input.quantity or "hysteresis input"),
+        "position": (run.unit, run.info.output.quantity or "position"),
     }
     return [
         ExportColumn(name, *names[name], partial(run.__getitem__, name), name in _WHOLE)
@@ -98,7 +98,7 @@ def event_columns(run: AnyRun) -> list[ExportColumn]:
 
 def label(run: AnyRun) -> str:
     """The origin of the data: TWIN, BENCH, SIMULATION, IMPORT, or UNKNOWN if it is not recorded."""
-    return str(run.info.source or "unknown").upper()
+    return (run.info.source or "unknown").upper()
 
 
 def title(run: AnyRun) -> str:

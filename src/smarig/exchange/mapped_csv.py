@@ -173,7 +173,7 @@ def _unfold_branches(
     names = [name for name in parts[0] if all(name in part for part in parts)]
     columns = {name: np.concatenate([part[name] for part in parts]) for name in names}
     line = np.concatenate([table.line[rows] for rows in order])
-    branch = [b.direction for b, rows in zip(mapping.branch, order) for _ in rows]
+    branch: list[str] = [b.direction for b, rows in zip(mapping.branch, order) for _ in rows]
     return columns, line, branch or directions(columns[mapping.input.channel]), notes
 
 

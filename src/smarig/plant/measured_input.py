@@ -31,7 +31,7 @@ class PassThroughActuator(Actuator):
         pass
 
     @property
-    def file(self) -> ActuatorFile:  # pyright: ignore[reportIncompatibleVariableOverride]
+    def file(self) -> ActuatorFile:  # pyrefly: ignore [bad-override]
         """Not available."""
         raise WireConstantsUnknown("Only the input of this wire was measured. Its constants are not known.")
 
@@ -41,7 +41,7 @@ class PassThroughActuator(Actuator):
         return False
 
     @property
-    def tau_s(self) -> float:  # pyright: ignore[reportIncompatibleVariableOverride]
+    def tau_s(self) -> float:
         """Irrelevant here: the input is measured after all heating."""
         return 1.0
 

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Any, Literal, cast, get_args
+from typing import Any, Literal, get_args
 
 FindingKind = Literal[
     "leading output",
@@ -46,7 +46,7 @@ class ImportFinding:
     def of(cls, table: Mapping[str, Any], /) -> "ImportFinding":
         """Read a stored table; a kind that this version does not know is none."""
         known = [k for k in FINDING_KINDS if k == table.get("kind")]  # a stranger's may be anything
-        return cls(str(table.get("text", "")), cast("FindingKind | None", known[0] if known else None))
+        return cls(str(table.get("text", "")), known[0] if known else None)
 
 
 def remarks(*sentences: str) -> list[ImportFinding]:

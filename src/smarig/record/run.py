@@ -101,11 +101,12 @@ class Run(AnyRun, NotebookDisplay):
     ``meta`` is the description as stored, for code that copies or lists all of it.
     """
 
-    path: Path
-    meta: dict[str, Any]
+    # frozen; ``AnyRun`` cannot say that its attributes are read-only
+    path: Path  # pyrefly: ignore [bad-override]
+    meta: dict[str, Any]  # pyrefly: ignore [bad-override]
     columns: dict[str, NDArray[np.float64]] = field(repr=False)
-    steps: tuple[Step, ...] = field(repr=False)
-    events: tuple[Event, ...] = field(repr=False)
+    steps: tuple[Step, ...] = field(repr=False)  # pyrefly: ignore [bad-override]
+    events: tuple[Event, ...] = field(repr=False)  # pyrefly: ignore [bad-override]
 
     def __getitem__(self, name: str) -> NDArray[np.float64]:
         check_column(name, self.columns)

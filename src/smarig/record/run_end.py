@@ -5,6 +5,7 @@ import json
 import sqlite3
 import time
 from collections.abc import Callable
+from typing import Any
 
 from smarig.core import Severity, printable, severity_of
 from smarig.record import schema
@@ -26,7 +27,7 @@ def store_end(
 
     ``samples`` may have been hashed in part; ``progress`` is called for each block of the rest.
     """
-    end = {"cause": cause, "epoch": time.time(), "hashed": True}
+    end: dict[str, Any] = {"cause": cause, "epoch": time.time(), "hashed": True}
     if stopped_by is not None:
         end["stopped_by"] = {"kind": stopped_by.kind, "account": stopped_by.account}
     db.execute(schema.UPSERT_KEY, ("end", json.dumps(end)))

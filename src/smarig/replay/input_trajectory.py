@@ -119,9 +119,9 @@ def _cached_trajectory(
     initial: Initial,
     early: tuple[Effect, ...],
 ) -> InputTrajectory:
-    context = EffectContext(actuator, _HysteresisRange(*input_range), initial)  # pyright: ignore[reportArgumentType]
+    context = EffectContext(actuator, _HysteresisRange(*input_range), initial)  # pyrefly: ignore [bad-argument-type]
     hooks = hook_chains(early, context)
-    return _computed_trajectory(timeline, ThermalStages(actuator, hooks, ThermalState()))  # pyright: ignore[reportArgumentType]
+    return _computed_trajectory(timeline, ThermalStages(actuator, hooks, ThermalState()))  # pyrefly: ignore [bad-argument-type]
 
 
 def _computed_trajectory(timeline: Timeline, thermal_stages: ThermalStages) -> InputTrajectory:

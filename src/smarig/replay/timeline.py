@@ -95,7 +95,7 @@ class CurrentProfile(DriveProfile):
         begin = np.concatenate([[0.0], self.end_s[:-1]])
         grid = [np.concatenate([_growing_steps(a, b, self.tau_s), [b]]) for a, b in zip(begin, self.end_s)]
         wanted = at_s[(at_s > 0) & (at_s <= self.end_s[-1])]
-        t = np.unique(np.round(np.concatenate([*grid, wanted]), 6))
+        t = np.unique(np.concatenate([*grid, wanted]).round(6))
         which = np.clip(np.searchsorted(self.end_s, t - 1e-7), 0, self.end_s.size - 1)
         return t, self.value[which]
 

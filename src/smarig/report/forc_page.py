@@ -79,7 +79,7 @@ def _present(*figures: Figure | None) -> list[Figure]:
 def _cards(e: ForcEvidence) -> Html:
     d, scale = e.diagram, e.scale
     unit = f" {scale.unit}" if scale.unit else ""
-    items = []
+    items: list[tuple[str, str, Html | str]] = []
     if d.peak is not None:
         place = f"{number(d.peak.half_width * scale.factor)}, {number(d.peak.centre * scale.factor)}{unit}"
         items.append(("Peak", place, joined([scale.half_width, scale.centre], ", ")))

@@ -107,7 +107,7 @@ def _zero_text(each: RunVerification) -> str:
 def _pooled(verifications: _Verifications) -> list[tuple[object, ...]]:
     """The errors of each model over all runs."""
     names = list(next(iter(verifications.values())))
-    rows = []
+    rows: list[tuple[object, ...]] = []
     for k, name in enumerate(names):
         all_of = [by_model[name].settled for by_model in verifications.values()]
         n = sum(e.n for e in all_of)

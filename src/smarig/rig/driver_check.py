@@ -79,7 +79,7 @@ def check_driver(rig: str, file: RigFile, role: Role, driver: str = "", url: str
 def _refuse_other_devices(file: RigFile, simulator: SimulatorFile, driver: str) -> None:
     """Raise UsageError for a shipped driver whose device the rig does not simulate."""
     devices = next((d for d, (prefix, _) in SIMULATED_DRIVERS.items() if driver.startswith(prefix)), None)
-    if devices not in (None, simulator.devices):
+    if devices is not None and devices != simulator.devices:
         raise UsageError(
             f"Rig '{file.name}' simulates no device for the driver '{driver}'. Name a rig that does, such as "
             f"{SIMULATED_DRIVERS[devices][1]}, or a rig file of yours; or give --url."

@@ -6,6 +6,7 @@ until the next query. A sensor that gives no reading leaves NaN; one whose line 
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
 from smarig.core import Sample
 from smarig.device import ForceInput, TemperatureInput
@@ -35,7 +36,7 @@ class FurtherSensors:
             for name, sensor in (("temperature_degC", self.wire), ("ambient_degC", self.room))
             if sensor is not None
         }
-        measured = {name: value for name, value in values.items() if math.isfinite(value)}
+        measured: dict[str, Any] = {name: value for name, value in values.items() if math.isfinite(value)}
         return tuple(sample._replace(**measured) for sample in samples) if measured else samples
 
     def force_N(self) -> float:

@@ -118,9 +118,9 @@ def _number(what: str, value: object) -> float:
     raise UsageError(f"{what} must be a number, got {_short_repr(value)}")
 
 
-def _numbers(what: str, values: object) -> tuple[float, ...]:
+def _numbers(what: str, values: Any) -> tuple[float, ...]:
     try:
-        return tuple(_number(what, value) for value in values)  # type: ignore[union-attr]
+        return tuple(_number(what, value) for value in values)
     except TypeError:
         raise UsageError(f"{what} must be a sequence of numbers, got {_short_repr(values)}") from None
 

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from smarig.study.study_files import STUDY_PAGE as STUDY_PAGE
     from smarig.study.study_files import VERDICT_LEVELS as VERDICT_LEVELS
     from smarig.study.study_options import SPLITS as SPLITS
+    from smarig.study.study_options import Split as Split
     from smarig.study.study_options import StudyOptions as StudyOptions
     from smarig.study.study_result import POOR as POOR
     from smarig.study.study_result import StudyResult as StudyResult

@@ -144,10 +144,9 @@ def _evaluated(
     """
     train, held_out = list(split.train), list(split.held_out)
     if split.select is not None:
-        fitted, other = (
-            verify(model, train, select=select, offset=zero).runs
-            for select, zero in zip(split.select, (train_zero, "auto"))
-        )
+        own, others = split.select
+        fitted = verify(model, train, select=own, offset=train_zero).runs
+        other = verify(model, train, select=others).runs
     elif split.continued:
         both = verify(model, [*train, *held_out]).runs
         fitted, other = both[: len(train)], both[len(train) :]

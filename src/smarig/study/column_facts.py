@@ -79,7 +79,7 @@ def column_facts(column: FoundColumn) -> ColumnFacts:
         written_unit=column.unit,
         kind=column.kind,
         values=values,
-        missing=int(values.size - x.size),
+        missing=values.size - x.size,
         low=float(x.min()) if x.size else np.nan,
         high=float(x.max()) if x.size else np.nan,
         step=step,
@@ -89,11 +89,11 @@ def column_facts(column: FoundColumn) -> ColumnFacts:
         even=bool(moved.size > 1 and moved.size == steps.size and np.ptp(moved) <= _EVEN_SHARE * step),
         whole=bool(x.size and (x == np.round(x)).all()),
         constant=bool(x.size and spread <= CONSTANT_SHARE * mean),
-        levels=int(np.unique(x).size),
+        levels=np.unique(x).size,
     )
 
 
 def _restarts(x: Array, steps: Array, step: float) -> int:
     """How often values start again at the first one, within a step; 0 if they fall anywhere else."""
     again = x[1:][steps < 0]
-    return int(again.size) if (again <= x[:1] + step).all() else 0
+    return again.size if (again <= x[:1] + step).all() else 0

@@ -55,11 +55,8 @@ def split_runs(tables: Sequence[ImportedTable], wanted: Split, folder: Path) -> 
             return _by_run(runs, named)
         case "time":
             return _by_time(runs, folder, named)
-    reason = "Nothing is held out" + (
-        named
-        or ": one loop at most, and a part of it does not show what the rest does. Errors are those of the fit."
-    )
-    return DataSplit("none", reason, tuple(runs), ())
+        case _:
+            return _without_split(runs, named)
 
 
 def _usual(runs: Sequence[Run]) -> Split:
@@ -71,6 +68,14 @@ def _usual(runs: Sequence[Run]) -> Split:
     if len(runs) >= 2:
         return "run"
     return "time" if runs[0].has("position") and _time_cut(runs[0]) is not None else "none"
+
+
+def _without_split(runs: Sequence[Run], named: str) -> DataSplit:
+    reason = "Nothing is held out" + (
+        named
+        or ": one loop at most, and a part of it does not show what the rest does. Errors are those of the fit."
+    )
+    return DataSplit("none", reason, tuple(runs), ())
 
 
 def _by_curve(runs: Sequence[Run], folder: Path, named: str) -> DataSplit:
@@ -177,7 +182,7 @@ def _loops(run: Run) -> int:
     """Number of loops that a run without steps numbers."""
     if run.steps or run.has("t_s"):
         return 0
-    return int(np.unique(run["step"][np.isfinite(run["step"])]).size)
+    return np.unique(run["step"][np.isfinite(run["step"])]).size
 
 
 def _loads(runs: Sequence[Run]) -> dict[float, list[Run]]:

@@ -4,6 +4,7 @@ from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 from smarig.core import DataError, UsageError
 from smarig.exchange import FoundTable, find_tables
@@ -117,7 +118,8 @@ def _answered(
     if guess.table.format == _FORC or options.mapping is not None:
         return guess, options, 0  # these data, or the given mapping, say it themselves
     _check_no_rate(guess, options)
-    given, units = {"input": options.input, "output": options.output}, dict(options.units)
+    given: dict[str, Any] = {"input": options.input, "output": options.output}
+    units = dict(options.units)
     while ask is not None and not options.accept and guess.doubts:
         doubt = guess.doubts[0]
         count += 1

@@ -9,6 +9,7 @@ the choices beyond what noise alone would give them, as in a random-effects mean
 
 from dataclasses import dataclass, replace
 from itertools import product
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -137,11 +138,9 @@ def branch_tangents(
         reason = _not_level(found, rows[side], end, knee, shape, unit)
         corner = None if reason else _corner(found, lines[side], side, rows[side])
         reason = reason or ("" if corner else "its tangents meet outside the readings")
-        found = replace(
-            found,
-            **{side: corner},
-            why_not=found.why_not | ({side: reason} if reason else {}),
-        )
+        why_not = found.why_not | ({side: reason} if reason else {})
+        changed: dict[str, Any] = {side: corner, "why_not": why_not}
+        found = replace(found, **changed)
     if found.low is None and found.high is None:
         raise UsageError("it is flat, or not complete: the output levels off at neither end")
     return found
@@ -155,7 +154,8 @@ def with_borrowed_plateau(branch: BranchTangents, other: BranchTangents, side: s
     if corner is None:
         return branch
     why_not = {k: v for k, v in branch.why_not.items() if k != side}
-    return replace(branch, **{side: replace(corner, borrowed=True)}, why_not=why_not)
+    changed: dict[str, Any] = {side: replace(corner, borrowed=True), "why_not": why_not}
+    return replace(branch, **changed)
 
 
 def _check(u: Array, y: Array) -> None:

@@ -275,7 +275,8 @@ def _paired(low: list[PlateauLine], high: list[PlateauLine]) -> tuple[list[Plate
     low, high = low or high, high or low
     count = max(len(low), len(high))
     chosen = np.linspace(0, 1, count)
-    return tuple([lines[round(c * (len(lines) - 1))] for c in chosen] for lines in (low, high))  # pyright: ignore[reportReturnType]
+    low, high = ([lines[round(c * (len(lines) - 1))] for c in chosen] for lines in (low, high))
+    return low, high
 
 
 def _inside(u: Array, rough: _RoughPeak) -> NDArray[np.bool_]:

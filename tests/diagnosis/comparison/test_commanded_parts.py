@@ -47,7 +47,7 @@ def test_hypotheses_under_two_priors_keep_all_trials_and_the_better_model() -> N
         scores = {(): nothing, walking: own}
         trials = {k: Trial({}, np.full(5, v), np.zeros(5)) for k, v in scores.items()}
         hypotheses = tuple(ComparedHypothesis(k, (t,)) for k, t in trials.items())
-        return SearchedHypotheses(hypotheses, {walking: model}, ())  # type: ignore[dict-item]
+        return SearchedHypotheses(hypotheses, {walking: model}, ())
 
     both = _joined(searched(5.0, 1.0, "about base"), searched(2.0, 9.0, "about its own"))
     assert {h.parts: h.score for h in both.hypotheses} == {(): 25.0, walking: 45.0}

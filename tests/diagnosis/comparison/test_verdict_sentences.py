@@ -9,7 +9,7 @@ from smarig.diagnosis.comparison.verdict_sentences import verdict_lines
 
 def lines(verdict: Verdict, **causes: float) -> str:
     kinds = {"cycle": "variable", "time": "variable", "level": "variable"}
-    parts = {Part(kinds.get(name, "effect"), name): p for name, p in causes.items()}  # type: ignore[arg-type]
+    parts = {Part(kinds.get(name, "effect"), name): p for name, p in causes.items()}
     return " ".join(verdict_lines(verdict, [], parts, "Silent."))
 
 

@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import click
 
@@ -44,7 +45,7 @@ def command(model: Path, runs: tuple[Path, ...], out: Path | None, force: bool) 
         check_writable(out, force=force, kind=MODEL)
         sensing, errors = identify_sensing(known, loaded)
         replace(known, self_sensing=sensing.to_json()).save(out, force=force)
-    found = {"self_sensing": sensing.to_json(), "runs": [e.to_json() for e in errors]}
+    found: dict[str, Any] = {"self_sensing": sensing.to_json(), "runs": [e.to_json() for e in errors]}
     lines = [*sensing_text(sensing, known.unit), *(e.text for e in errors)]
     if out is not None:
         found["model"] = str(out)

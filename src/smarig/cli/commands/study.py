@@ -14,7 +14,7 @@ from smarig.cli.working_line import without_line
 from smarig.core import UsageError, pattern_order
 
 if TYPE_CHECKING:
-    from smarig.study import StudyOptions, StudyResult
+    from smarig.study import Split, StudyOptions, StudyResult
 
 EPILOG = """\b
 Examples:
@@ -62,7 +62,7 @@ Examples:
 @json_option
 def command(
     places: tuple[Path, ...],
-    split: str,
+    split: "Split",
     mapping: str | None,
     input_: str | None,
     output: str | None,
@@ -81,7 +81,7 @@ def command(
     from smarig.study import StudyOptions
 
     options = StudyOptions(
-        split=split,  # pyright: ignore[reportArgumentType]
+        split=split,
         mapping=mapping,
         input=input_,
         output=output,

@@ -48,7 +48,7 @@ class PanelThread:
 
     def _draw(self) -> None:
         plain = self._terminal.plain
-        console = Console(file=self._terminal, force_terminal=True, soft_wrap=False)  # type: ignore[arg-type]
+        console = Console(file=self._terminal, force_terminal=True, soft_wrap=False)  # pyrefly: ignore [bad-argument-type]
 
         def rendered() -> RenderableType:
             console.size = ConsoleDimensions(*self._terminal.size())  # the terminal may have been resized

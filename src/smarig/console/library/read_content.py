@@ -68,7 +68,7 @@ def _content(folder: Path, file: Path, found: FoundFile) -> Content | None:
 
 def _storable(content: Content) -> Content:
     """The content with texts of one printable line, and numbers that JSON has."""
-    lines = {name: one_line(getattr(content, name), _LONGEST_LINE) for name in _LINES}
+    lines: dict[str, Any] = {name: one_line(getattr(content, name), _LONGEST_LINE) for name in _LINES}
     finite = {name: each for name, each in content.figures.items() if math.isfinite(each[0])}
     return replace(content, **lines, details=_plain(content.details), figures=finite)
 

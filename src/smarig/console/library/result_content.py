@@ -69,7 +69,7 @@ def diagnosis_content(file: Path, place: bytes) -> Content | None:
     word = about.get("verdict")
     if not isinstance(word, str) or word not in SEVERITY_LEVELS or "error" not in about:
         return None
-    names = [str(name) for name in about.get("set") or () if isinstance(name, str)]
+    names = [name for name in about.get("set") or () if isinstance(name, str)]
     noise = (
         (about.get("adequacy") or {}).get("times_noise") if isinstance(about.get("adequacy"), dict) else None
     )

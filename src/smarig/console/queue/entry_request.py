@@ -41,7 +41,8 @@ class EntryRequest:
         """As it was stored. Raises DataError."""
         try:
             values = json.loads(text)
-            request = cls(**{**values, "effects": tuple(values["effects"])})
+            arguments: dict[str, Any] = {**values, "effects": tuple(values["effects"])}
+            request = cls(**arguments)
             check_request(request)
         except (ValueError, TypeError, KeyError, UsageError) as error:
             raise DataError(f"The arguments {shown(text)} of a queue are damaged: {error}") from None

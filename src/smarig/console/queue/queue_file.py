@@ -118,7 +118,7 @@ class QueueFile:
         names, marks = ",".join(columns), ",".join("?" * len(columns))
         with self._lock, self._explained():
             done = self._db.execute(f"INSERT INTO entry ({names}) VALUES ({marks})", tuple(columns.values()))
-            return int(done.lastrowid or 0)
+            return done.lastrowid or 0
 
     def update(self, number: int, **columns: Any) -> None:
         """Change an entry."""

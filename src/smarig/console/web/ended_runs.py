@@ -105,5 +105,5 @@ def _last_written(file: Path, otherwise: float) -> float:
 
 def _read(content: dict[str, Any]) -> UnfinishedRun | None:
     """One as it was stored; None for anything else."""
-    texts = [content.get(name) for name in UnfinishedRun.__dataclass_fields__]
-    return UnfinishedRun(*texts) if all(isinstance(text, str) for text in texts) else None  # type: ignore[arg-type]
+    texts: list[Any] = [content.get(name) for name in UnfinishedRun.__dataclass_fields__]
+    return UnfinishedRun(*texts) if all(isinstance(text, str) for text in texts) else None

@@ -86,7 +86,7 @@ class Psi:
         if centres.size:  # a relay is up in B_ℓ only once ℓ is above its middle
             past = np.minimum(np.nextafter(centres, np.inf), self.upper)
             grid = np.unique(np.concatenate([grid, centres, past]))
-            return grid, self(grid)  # type: ignore[return-value]
+            return grid, np.asarray(self(grid))
         grid = np.union1d(grid, np.asarray(getattr(self.hysteresis, "kinks", ())))
         values = np.asarray(self(grid))
         turns = self._turns(grid, values)
@@ -118,7 +118,7 @@ class Psi:
             best = minimize_scalar(
                 lambda ell, s=sign: s * self._at(ell), bounds=ends, method="bounded", options={"xatol": width}
             )
-            found.append(float(best.x))  # type: ignore[attr-defined]
+            found.append(float(best.x))
         return np.array(found)
 
     def _right_inverse(self, y: float) -> float:

@@ -54,9 +54,9 @@ class IntegralAction:
         c = self.certified
         return {
             "gain": self.gain,
-            "delay_s": c and c.timing.delay_ticks * c.timing.period_s,
-            "certified_from_rest": c and c.from_rest,
-            "certified_any_state": c and c.any_state,
+            "delay_s": None if c is None else c.timing.delay_ticks * c.timing.period_s,
+            "certified_from_rest": None if c is None else c.from_rest,
+            "certified_any_state": None if c is None else c.any_state,
         }
 
     def statement(self) -> str:

@@ -63,7 +63,7 @@ def tracking_performance(
         energy_J=float(np.sum(i**2) * actuator.resistance_ohm * dt),
         peak_K=float(np.abs(u).max()),
         seconds=float(t[-1] - t[0]),
-        n=int(evaluated.size),
+        n=evaluated.size,
     )
 
 

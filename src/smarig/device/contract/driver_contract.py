@@ -6,7 +6,7 @@ def test_contract(case: ContractCase):
     assert all(result.passed for result in check_contract("amplifier", case))
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import Literal, get_args
 
 from smarig.core import UsageError
@@ -17,7 +17,7 @@ from smarig.device.contract.contract_case import Check, ContractCase, Requiremen
 Role = Literal["amplifier", "encoder_daq", "thermometer", "room_thermometer", "load_cell"]
 ROLES: tuple[Role, ...] = get_args(Role)
 
-_BY_ROLE: dict[Role, dict[str, Requirement]] = {
+_BY_ROLE: dict[Role, Mapping[str, Requirement]] = {
     "amplifier": source_requirements.REQUIREMENTS,
     "encoder_daq": sensor_requirements.POSITION_REQUIREMENTS,
     "thermometer": {"temperature": sensor_requirements.temperature},

@@ -126,10 +126,10 @@ class SmarigAmplifier(LineDevice):
         raw = self._current.encode(current_A)
         if not self._armed:  # at zero current: an arm frame that arrives late heats nothing
             self._ordered({"order": self._orders["arm"], "nonce": self._nonce, "current": 0}, armed=True)
-            if self.tripped:
+            if self.tripped:  # pyrefly: ignore [redundant-condition]
                 return self.tick()
         status = self._ordered({"current": raw}, armed=True)
-        self._raw = 0 if self.tripped else raw
+        self._raw = 0 if self.tripped else raw  # pyrefly: ignore [redundant-condition]
         return status.values["tick"]
 
     def since(self, tick: int, at_most: int) -> list[CurrentReading]:

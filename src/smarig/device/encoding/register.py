@@ -296,7 +296,7 @@ def load_register_map(name: str) -> RegisterMap:
     for before, after in zip(ordered, ordered[1:]):
         if before.address + before.words > after.address:
             raise UsageError(f"{name}.toml: registers {before.name} and {after.name} overlap.")
-    blocks = {key: _between(ordered, block) for key, block in file.blocks.items()}
+    blocks: dict[str, tuple[Register, ...]] = {key: _between(ordered, b) for key, b in file.blocks.items()}
     return RegisterMap(file.device, {r.name: r for r in ordered}, blocks, {f.code: f for f in file.fault})
 
 

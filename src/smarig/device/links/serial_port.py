@@ -14,7 +14,7 @@ from smarig.device.encoding.link_faults import Silent
 from smarig.device.links.port_url import checked_url, close_port, error_of, send_at_once, unopened_port
 
 _TERMIOS = (importlib.import_module("termios").error,) if find_spec("termios") else ()
-PORT_ERRORS = (
+PORT_ERRORS: tuple[type[Exception], ...] = (
     serial.SerialException,
     OSError,
     ValueError,

@@ -206,7 +206,7 @@ class _Round:
             model,
             self.refitted,
             self.contribution,
-            self.prior and self.prior.along(prediction).first(own.output.size),
+            None if self.prior is None else self.prior.along(prediction).first(own.output.size),
             from_both_sides=False,
         )
         gain = refitted.log_evidence - self.refitted.log_evidence
@@ -222,7 +222,7 @@ def _start(
     own = prediction.positions_only
     contribution = effect_contribution(positions, own, plant_model)
     fixed = _FixedPrior(prior, prediction) if prior else None
-    about = fixed and fixed.along(prediction).first(own.output.size)
+    about = None if fixed is None else fixed.along(prediction).first(own.output.size)
     refitted = refit(positions, own, plant_model, warm_start, contribution, about)
     return _Round(plant_model, prediction, refitted, contribution, fixed)
 

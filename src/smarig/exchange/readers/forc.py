@@ -1,6 +1,7 @@
 """Reads first-order reversal curves as written by MicroMag magnetometers."""
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -20,7 +21,8 @@ def forc(path: Path, *, rig: str | None = None, mapping: str | None = None) -> R
     if rig is not None or mapping is not None:
         raise UsageError("A file of reversal curves describes itself. Leave out --rig and --map.")
     file = read_forc(path)
-    described = {**file.header, "curves": file.curves, "calibration_points": int(file.calibration.sum())}
+    described: dict[str, Any] = dict(file.header)
+    described |= {"curves": file.curves, "calibration_points": int(file.calibration.sum())}
     warnings = list(file.warnings)
     drift = _drift(file)
     if drift is not None:

@@ -160,7 +160,7 @@ def _description(run: AnyRun) -> dict[str, Any]:
         "title": title(run),
         "source": f"{whose}: {measured.get(whose, 'see smarig_run')}",
         "history": f"{now} exported by smarig {version('smarig')} from {run.path.name}",
-        "comment": str(run.info.notes or ""),
+        "comment": run.info.notes or "",
         "ended": run.cause,
     }
 

@@ -16,6 +16,7 @@ from scipy.optimize import fminbound
 
 from smarig.identification.calibration.holds import drive_holds, valid_rows
 from smarig.identification.interval_estimate import Estimate, quantile, variance_inflation
+from smarig.measurement import Start
 from smarig.plant import Actuator, JouleHeating
 from smarig.preisach import Everett, Preisach
 from smarig.record import Run, continues_run
@@ -35,7 +36,7 @@ class _SessionSegment:
     source_K: list[float]
     dt_s: Array
     position: Array
-    start: str
+    start: Start
     windows: tuple[NDArray[np.int64], ...]
 
 
@@ -144,7 +145,7 @@ def _joined_segment(session: list[Run], limit: int, actuator: Actuator) -> _Sess
 def _errors(s: _SessionSegment, tau_s: float, actuator: Actuator, hysteresis: Everett) -> list[Array]:
     """Model minus measurement in each hold, without its mean."""
     samples = _LEAST_TRIALS * len(s.source_K)
-    operator = Preisach(hysteresis, s.start, samples=samples)  # pyright: ignore[reportArgumentType]
+    operator = Preisach(hysteresis, s.start, samples=samples)
     difference = operator.follow(_hysteresis_inputs_K(s, tau_s, actuator)) - s.position
     return [difference[w] - difference[w].mean() for w in s.windows]
 

@@ -53,4 +53,4 @@ def held_out_test(
     rms, signed_rms = (
         float(np.sqrt(np.mean(np.concatenate(parts)))) for parts in (squares, solve_unconstrained)
     )
-    return HeldOut(rms, signed_rms, spread_factor, int(np.unique(curve[np.any(masks, axis=0)]).size))
+    return HeldOut(rms, signed_rms, spread_factor, np.unique(curve[np.any(masks, axis=0)]).size)

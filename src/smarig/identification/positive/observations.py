@@ -10,6 +10,7 @@ point with a known memory is one linear equation, from any protocol.
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -260,12 +261,12 @@ def joined_observations(parts: Iterable[Observations]) -> Observations:
                 curve=part.curve + curve,
                 zero=np.where(part.zero == COMMON, COMMON, part.zero + zero),
                 term=part.term + row,
-                released=tuple((k + row, *rest) for k, *rest in part.released),
+                released=tuple((k + row, ell, u, sign) for k, ell, u, sign in part.released),
             )
         )
         row, curve, zero = row + len(part), curve + int(part.curve.max(initial=-1)) + 1, zero + part.offsets
     names = ("y", "curve", "zero", "term", "sign", "alpha", "beta", "passed")
-    arrays = {name: np.concatenate([getattr(part, name) for part in shifted]) for name in names}
+    arrays: dict[str, Any] = {n: np.concatenate([getattr(part, n) for part in shifted]) for n in names}
     return replace(parts[0], released=tuple(r for part in shifted for r in part.released), **arrays)
 
 

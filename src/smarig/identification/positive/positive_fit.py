@@ -316,7 +316,7 @@ def _positive_fit(posed_problem: _PosedProblem, unit: str) -> PositiveFit:
         freedom=freedom,
         null_space=problem.rows.get_shape()[1] - int(structural_rank(problem.rows)),
         points=problem.y.size,
-        curves=int(np.unique(all_observations.curve).size),
+        curves=np.unique(all_observations.curve).size,
         symmetric=posed_problem.symmetric,
         unit=unit,
         _solution=solution,

@@ -97,7 +97,7 @@ def _least_squares_fit(d: DescendingCurve, data: FodData, span: float, height: f
     found = least_squares(
         _residuals,
         np.clip(_start(d, span), low, high),
-        jac=_jacobian,  # pyright: ignore[reportArgumentType]
+        jac=_jacobian,
         args=(d,),
         bounds=(low, high),
         x_scale="jac",

@@ -210,7 +210,7 @@ def _refined(problem: _SurfaceProblem, start: Array):
     return least_squares(
         problem.residuals,
         np.clip(start, low + margin, high - margin),
-        jac=problem.jacobian,  # pyright: ignore[reportArgumentType]
+        jac=problem.jacobian,
         bounds=(low, high),
         x_scale="jac",
         xtol=1e-10,

@@ -45,7 +45,7 @@ def surface_through_states(rows: Observations, start: FodSurface) -> FodSurface 
             found = least_squares(
                 residual,
                 np.concatenate([p, np.zeros(rows.offsets)]),
-                jac=derivatives,  # pyright: ignore[reportArgumentType]
+                jac=derivatives,
                 x_scale="jac",
                 max_nfev=MAX_EVALUATIONS,
             )

@@ -77,7 +77,7 @@ def tau_of_sweeps(records: Sequence[SweepRecord]) -> SweptTau:
             "larger reversal curves."
         )
     tau = math.exp(log_tau)
-    sweeps = int(np.unique(problem.sweep).size)
+    sweeps = np.unique(problem.sweep).size
     text = f"position in {sweeps} sweeps of {names} at rates of ratio {ratio:.2g}, together with the density"
     return SweptTau(
         tau=Estimate(tau, (tau * math.exp(-half), tau * math.exp(half)), "s", text, residual.size),

@@ -24,8 +24,8 @@ class _TransformationHeat:
         self._latent_heating_K = 1000 * p["latent_J_per_g"] / context.actuator.file.wire.specific_heat.value
         self._ratio, self._change = p["cooling_ratio"], p["specific_heat_change_percent"] / 100
         self._tau_s = context.actuator.tau_s
-        self._before_K, self._before = 0.0, None
-        self._slope = self._deficit_K = self._latent_K = 0.0
+        self._before: float | None = None
+        self._before_K = self._slope = self._deficit_K = self._latent_K = 0.0
         self._capacity = self._lag = 1.0
 
     def lag(self, now: PlantState) -> float:

@@ -17,7 +17,10 @@ SAFETY = 0.8  # of the least slope of strain over stress
 class WireMechanism(Protocol):
     """Wires and their load."""
 
-    wires: tuple[Wire, ...]
+    @property
+    def wires(self) -> tuple[Wire, ...]:
+        """One, or two on one shaft."""
+        ...
 
     def advance(self, heating: tuple[Heating, ...], force_N: float | None) -> None:
         """Let one step pass, with one heating for each wire. ``force_N``: the load, if it is not that of the start."""

@@ -59,7 +59,7 @@ def _load_surface(data: dict[str, Any]) -> FodSurface:
     x = data.pop("x")
     if set(x) != set(names):
         raise DataError(f"a surface of the form {data['form']} requires the parameters {', '.join(names)}")
-    numbers = {key: _finite(data.pop(key), key) for key in ("lower", "upper", "y_lower", "y_upper")}
+    numbers: dict[str, Any] = {k: _finite(data.pop(k), k) for k in ("lower", "upper", "y_lower", "y_upper")}
     surface = FodSurface(x=tuple(_finite(x[n], n) for n in names), **numbers, **data)
     with np.errstate(all="ignore"):
         height = surface.shape(surface.upper, surface.upper)

@@ -235,7 +235,7 @@ def _setpoint_data(data: Mapping[str, Any]) -> dict[str, Any]:
     ell, psi = ([float(v) for v in data[key]] for key in ("psi_ell_K", "psi"))
     if len(ell) != len(psi) or not len(psi) or not plain["lower_K"] < plain["upper_K"]:
         raise ValueError("lengths of ψ and ℓ differ, or the range of inputs is empty")
-    found = {**plain, "start": str(data["start"]), "psi_ell_K": ell, "psi": psi}
+    found: dict[str, Any] = {**plain, "start": str(data["start"]), "psi_ell_K": ell, "psi": psi}
     if "ell_K" in data:
         found |= {key: float(data[key]) for key in _PLAN_KEYS}
         found["predicted_boundary"] = [

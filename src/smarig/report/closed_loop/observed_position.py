@@ -31,7 +31,7 @@ class ObservedPosition:
         miss = self.position - self.encoder
         known = np.isfinite(miss)
         if not known.any():
-            return {"n": int(self.t_s.size), "ambiguous": float(np.mean(self.ambiguous))}
+            return {"n": self.t_s.size, "ambiguous": float(np.mean(self.ambiguous))}
         late = known & (self.t_s >= self.t_s[-1] / 2)
         return {
             "n": int(known.sum()),

@@ -24,7 +24,7 @@ def source_label(*runs: AnyRun) -> str:
 
 def protocol_name(run: AnyRun) -> str:
     """The displayed name of the protocol."""
-    return str(run.info.protocol or "unnamed").replace("_", " ").replace("sma ", "SMA ")
+    return (run.info.protocol or "unnamed").replace("_", " ").replace("sma ", "SMA ")
 
 
 def run_caption(run: AnyRun) -> str:

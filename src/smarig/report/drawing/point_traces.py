@@ -122,10 +122,11 @@ def _error_bars(axes: Axes, trace: Trace, key: str) -> None:
         size = values(given, "array")
         if "arrayminus" in given:
             size = np.stack([values(given, "arrayminus"), size])
+    bars: dict[str, Any] = {"xerr" if key == "error_x" else "yerr": np.abs(size)}
     axes.errorbar(
         x,
         y,
-        **{"xerr" if key == "error_x" else "yerr": np.abs(size)},
+        **bars,
         fmt="none",
         ecolor=colour(given.get("color")),
         elinewidth=given.get("thickness", 1.2),

@@ -111,7 +111,7 @@ def _summary(stored: Any) -> RunSummary | None:
     u, y = (np.array(values, dtype=float) for values in arrays)
     if u.size != y.size:
         return None
-    return RunSummary(**{**stored, "axes": (axes[0], axes[1]), "u": u, "y": y})
+    return RunSummary(**(stored | {"axes": (axes[0], axes[1]), "u": u, "y": y}))
 
 
 def _is_finite(value: Any) -> bool:

@@ -104,7 +104,8 @@ def G_inverse(boundary: Boundary) -> MemorySequence:
 
 def starts_on_zero_state(boundary: Boundary) -> bool:
     """Whether the first segment lies on B* = {α = −β}, as part of the memory of the initial state."""
-    return len(boundary.points) > 1 and has_slope_minus_one(*boundary.points[:2], boundary.bound)
+    points = boundary.points
+    return len(points) > 1 and has_slope_minus_one(points[0], points[1], boundary.bound)
 
 
 def extrema_along(points: Sequence[Point]) -> list[float]:

@@ -114,7 +114,7 @@ def _all_evidence(
         error=span * float(np.sqrt(squares[()][FITTED["settled"]])),
         noise=noise,
         remains={p: span * _remains(pairs[p], p, held_out) for p in weights.causes},
-        blocks=int(np.unique(subject.timeline.block).size),
+        blocks=np.unique(subject.timeline.block).size,
         confounded=_confounded(found, weights),
         held_out=held_out,
         acts_through=weights.acts_through,

@@ -41,7 +41,8 @@ class MemoryGrid:
         i, j = self.pairs
         k = np.arange(self.cells)
         square = (i[:, None] - i) ** 2 + (j[:, None] - j) ** 2
-        return tuple(np.exp(-d / (2 * CORRELATION**2)) for d in (square, (k[:, None] - k) ** 2))  # pyright: ignore[reportReturnType]
+        pairs, along = (np.exp(-d / (2 * CORRELATION**2)) for d in (square, (k[:, None] - k) ** 2))
+        return pairs, along
 
     def features(self, v: Array, rows: Rows, *, up: bool) -> Array:
         """(rows, relays): the share of each cell that is up at ``rows`` of an input (n,) in [0, 1], relays first."""
