@@ -16,6 +16,7 @@ from pathlib import Path
 STATM = Path("/proc/self/statm")
 GROWTH_BYTES = 32 << 20
 MAPPED_BYTES = 1 << 20
+SELDOM = 20_000  # new objects between two collections
 M_TRIM_THRESHOLD, M_MMAP_THRESHOLD, M_ARENA_MAX = -1, -3, -8  # of glibc's malloc.h
 
 
@@ -25,21 +26,22 @@ class ReturnedMemory:
     def __init__(self) -> None:
         self._trim = _of_c_library("malloc_trim")
         self._resident = self._between_files = 0
+        self._thresholds = gc.get_threshold()
         if mallopt := _of_c_library("mallopt"):
             mallopt(M_MMAP_THRESHOLD, MAPPED_BYTES)
             mallopt(M_TRIM_THRESHOLD, GROWTH_BYTES)
             mallopt(M_ARENA_MAX, 1)
 
     def before_collection(self) -> None:
-        """Importing modules and making tests leaves little to collect."""
-        gc.disable()
+        """Importing modules and making tests leaves little to collect: seldom is enough."""
+        gc.set_threshold(SELDOM)
 
     def after_collection(self) -> None:
         """Modules and tests stay until the end: no later collection visits them. Their source is read again."""
         linecache.clearcache()
         self._return()
         gc.freeze()
-        gc.enable()
+        gc.set_threshold(*self._thresholds)
 
     def after_test(self) -> None:
         """Nothing on a system without /proc."""
