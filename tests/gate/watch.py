@@ -90,14 +90,19 @@ _INSTALLED: list[bool] = []  # a hook stays for the life of the process
 
 @contextmanager
 def watched(outside: Path) -> Iterator[Watch]:
-    """Watch what is done here. Commands run in this process, so that nothing escapes; processes are not started."""
+    """Watch what is done here. Commands run in this process, so that nothing escapes; processes are not started.
+
+    Modules that are imported meanwhile leave no bytecode beside them, which would be a file written elsewhere.
+    """
     if not _INSTALLED:
         sys.addaudithook(_hook)
         _INSTALLED.append(True)
     _ACTIVE.append(Watch(outside))
+    kept, sys.dont_write_bytecode = sys.dont_write_bytecode, True
     try:
         yield _ACTIVE[-1]
     finally:
+        sys.dont_write_bytecode = kept
         _ACTIVE.pop()
 
 
