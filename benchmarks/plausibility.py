@@ -19,7 +19,6 @@ from typing import Any
 from smarig.config import RigFile, load_rig
 from smarig.core import NAN, Hold, LimitExceeded, Protocol, Quality, Sample, Settled, StepResult, StepVerdict
 from smarig.plant import Actuator, Effect, EffectType, effect_types
-from smarig.preisach import thesis_surface
 from smarig.rig import Guard, Plausibility, Twin, TwinSettings
 from smarig.runner import CallbackListener, Runner
 
@@ -88,7 +87,7 @@ def channels(file: RigFile, actuator: Actuator) -> dict[str, FaultyChannel]:
     stroke = plausibility.stroke_counts
     largest_A = file.limits.current_max_A
     largest_V = largest_A * actuator.resistance_ohm
-    surface = thesis_surface(actuator.file.hysteresis.surface)
+    surface = actuator.hysteresis
     common = {"slipping to 0.7": slipping(0.7), "slipping to 0.9": slipping(0.9), "stuck": stuck}
 
     def analog(field: str, unit: str, scale: float, tolerance: float, lost: float) -> FaultyChannel:

@@ -8,7 +8,7 @@ part g that varies along the diagonal. No exponential of §5.4 and no constant d
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.preisach import FodTable, thesis_surface
+from smarig.preisach import FodTable
 from smarig.protocols import Setup
 
 Array = NDArray[np.float64]
@@ -29,8 +29,8 @@ def random_truth(seed: int, rig: str = "one_wire_twin", *, cells: int = CELLS) -
     True
     """
     setup = Setup.of(rig)
-    nominal = thesis_surface(setup.actuator.file.hysteresis.surface)
-    masses = (nominal.y_upper - nominal.y_lower) * _shares(np.random.default_rng([seed, 1997]), cells)
+    nominal = setup.actuator.hysteresis
+    masses = setup.actuator.stroke * _shares(np.random.default_rng([seed, 1997]), cells)
     grid = np.zeros((cells + 1, cells + 1))
     grid[1:, 1:] = masses
     values = nominal.y_lower + np.cumsum(np.cumsum(grid, axis=0), axis=1)

@@ -96,15 +96,13 @@ def controller_model() -> ControllerModel:
     file = load_rig(RIG)
     actuator = Actuator.named(file.actuator)
     setup = Setup(actuator, file.limits, file.period_s)
-    return ControllerModel(
-        setup, thesis_surface(actuator.file.hysteresis.surface), actuator.resolution(file.encoder)
-    )
+    return ControllerModel(setup, actuator.hysteresis, actuator.resolution(file.encoder))
 
 
 def perturbed_surface(seed: int, share: float = ERROR_SHARE) -> FodSurface:
     """The nominal surface with changed parameters: the rms difference of both is ``share`` of the output
     range."""
-    nominal = thesis_surface(Actuator.named(load_rig(RIG).actuator).file.hysteresis.surface)
+    nominal = thesis_surface("one_e")
     levels = np.linspace(nominal.lower, nominal.upper, NODES)
     alpha, beta = (m[np.tri(NODES, dtype=bool)] for m in np.meshgrid(levels, levels, indexing="ij"))
     own, directions = (

@@ -22,6 +22,7 @@ from gate.crafting import (
     sql,
     started,
     surface,
+    surface_form,
     text_file,
     workbook,
 )
@@ -161,6 +162,8 @@ def _configurations() -> Iterator[tuple[str, str, Crafted]]:
         yield "mapping: mat.files", pattern, mat_files(pattern)
     for name in ("OUTSIDE/m.model.json", "m.model.json", "../outside/m.model.json"):
         yield "actuator: hysteresis.surface", name, surface(name)
+    for form in ("OUTSIDE/evil.py", "evil_plugin", "__import__('os').system('true')"):
+        yield "actuator: hysteresis.model.form", form, surface_form(form)
     for key in ("campaign: step.protocol", "campaign: step.set.file"):
         yield key, "named by a run", keyed("protocol", "campaign.toml", "absolute")
         yield key, "as the rig of a run", started("campaign.toml", "absolute", "rig")

@@ -170,6 +170,23 @@ def surface(name: str) -> Crafted:
     return Crafted("rig", make)
 
 
+def surface_form(name: str) -> Crafted:
+    """An actuator with a model of its own, whose form is this."""
+
+    def make(m: Material, c: Canaries, path: Path) -> None:
+        named = json.dumps(name.replace("OUTSIDE", str(c.folder)))
+        model = (
+            f'[hysteresis.model]\nkind = "fod_surface"\nform = {named}\nx = {{ x2 = 0.04 }}\nlower = 0.0\n'
+        )
+        actuator = m.text("actuator.toml").replace('surface = "one_e"\n', "")
+        (path.parent / "wire.toml").write_text(
+            f"{actuator}\n{model}upper = 174.1\ny_lower = 0.0\ny_upper = 12.5\n"
+        )
+        path.write_text(m.text("rig.toml").replace('"gorbet_one_wire"', '"wire.toml"'))
+
+    return Crafted("rig", make)
+
+
 def sql(statement: str) -> Crafted:
     def make(m: Material, c: Canaries, path: Path) -> None:
         shutil.copy(m.killed, path)

@@ -109,6 +109,7 @@ _CATALOGUE = "model: effects[].name, hysteresis.form"
 ROWS = {
     "base": "rig: base",
     "surface": "actuator: hysteresis.surface",
+    "model": "actuator: hysteresis.model.form",
     "files": "mapping: mat.files",
     "set": "campaign: step.set.file",
     "settings": "rig: links.DEVICE.settings",

@@ -275,14 +275,17 @@ def _discoveries(rig: RigFile, actuator: Actuator) -> tuple[str, ...]:
 
 
 def _surface_warning(name: str, injected: Sequence[str]) -> str:
+    """On a surface of Table 5.1, or on the model of an actuator file ("")."""
+    hysteresis = f"the surface {name} of Table 5.1" if name else "that of an identified model"
     if injected:
         return (
-            f"This twin's hysteresis is the surface {name} of Table 5.1, with the injected effects "
-            f"{', '.join(injected)}. A Preisach model alone need not fit it."
+            f"This twin's hysteresis is {hysteresis}, with the injected effects {', '.join(injected)}. A Preisach "
+            "model alone need not fit it."
         )
+    best = ", best with this surface" if name else ""
     return (
-        f"This twin's hysteresis is the surface {name} of Table 5.1, so a Preisach model fits it by construction, best "
-        "with this surface. It shows that the software works, not that a wire is a Preisach system."
+        f"This twin's hysteresis is {hysteresis}, so a Preisach model fits it by construction{best}. It shows that the "
+        "software works, not that a wire is a Preisach system."
     )
 
 
@@ -290,7 +293,7 @@ def _twin_warnings(runs: Mapping[str, Run], *, hidden: bool) -> list[str]:
     """Warnings for twins: most are Preisach models themselves, so that a good fit proves nothing about a wire."""
     recorded = [recorded_actuator(run) for run in runs.values() if run.twin]
     actuators = [a.file for a in recorded if a is not None]
-    names = {a.hysteresis.surface for a in actuators if a.thermomechanical is None}
+    names = {a.hysteresis.surface or "" for a in actuators if a.thermomechanical is None}
     thermomechanical = sorted({a.name for a in actuators if a.thermomechanical is not None})
     if hidden:
         return [

@@ -63,10 +63,17 @@ SurfaceName = Literal["one_c", "one_p", "one_e", "two_c", "two_p", "two_e"]
 
 
 class HysteresisSection(TomlTable):
-    """The operator that a twin uses: a surface of Table 5.1."""
+    """The operator of a twin, with which a bench compares its readings: ``surface`` or ``model`` is given."""
 
-    surface: SurfaceName  # name of a surface of Table 5.1: of one wire, or of two
+    surface: SurfaceName | None = None  # name of a surface of Table 5.1: of one wire, or of two
+    model: dict[str, Any] | None = None  # hysteresis of a model, written by smarig calibrate --model
     initial: Literal["negative", "anhysteretic"]  # initial state of a twin's wire
+
+    @model_validator(mode="after")
+    def _one_operator(self) -> "HysteresisSection":
+        if (self.surface is None) == (self.model is None):
+            raise ValueError("exactly one of surface and model is needed")
+        return self
 
 
 class ActuatorFile(TomlTable):

@@ -206,6 +206,13 @@ def _configuration_rows() -> Iterator[GatedKey]:
         _ANY,
         "Another name is an error; it is no path.",
     )
+    yield GatedKey(
+        "actuator",
+        "hysteresis.model.form",
+        "plug-in, own Python file",
+        _USER,
+        "Only what is in use has a name here: smarig --plugin NAME COMMAND …. The rest is numbers.",
+    )
     campaign = by_a_file + "smarig run CAMPAIGN."
     yield GatedKey("campaign", "step.protocol", "own Python file, plug-in", _FILE, campaign)
     yield GatedKey("campaign", "step.set.file", "CSV file", _FILE, campaign)

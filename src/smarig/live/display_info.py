@@ -9,7 +9,7 @@ from smarig.config import RigFile
 from smarig.core import Settled, SmarigError
 from smarig.live.plot_axes import Axis, rounded
 from smarig.plant import Actuator
-from smarig.preisach import Everett, thesis_surface
+from smarig.preisach import Everett
 from smarig.protocols import Setup
 from smarig.record import AnyRun
 from smarig.replay import recorded_actuator
@@ -66,8 +66,7 @@ def rig_display_info(
     ``known``: the wire is in the state that its actuator file names.
     """
     setup = Setup(actuator, file.limits, file.period_s)
-    twin_hysteresis = thesis_surface(actuator.file.hysteresis.surface)
-    span = twin_hysteresis.everett(twin_hysteresis.upper, twin_hysteresis.lower)
+    span = actuator.stroke
     low, high = (-span / 2, span / 2) if actuator.two_wire else (0.0, span)
     return DisplayInfo(
         title=title,
@@ -80,7 +79,7 @@ def rig_display_info(
         per_count=actuator.resolution(file.encoder),
         initial=actuator.file.hysteresis.initial if known else None,
         actuator=actuator,
-        twin_hysteresis=twin_hysteresis if source == "twin" and _is_preisach(actuator) else None,
+        twin_hysteresis=actuator.hysteresis if source == "twin" and _is_preisach(actuator) else None,
         settling_rule=settled(settings),
     )
 
@@ -93,9 +92,7 @@ def run_display_info(run: AnyRun) -> DisplayInfo:
     if actuator is not None and not actuator.two_wire:
         low = min(low, 0.0)
     twin_hysteresis = (
-        thesis_surface(actuator.file.hysteresis.surface)
-        if actuator is not None and run.twin and _is_preisach(actuator)
-        else None
+        actuator.hysteresis if actuator is not None and run.twin and _is_preisach(actuator) else None
     )
     return DisplayInfo(
         title=f"{run.info.text_of('protocol', 'run')} on {run.info.text_of('rig', 'an unnamed rig')}",

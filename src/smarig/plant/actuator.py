@@ -8,6 +8,8 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from smarig.config import ActuatorFile, EncoderFile, load_actuator
+from smarig.core import ConfigError, DataError
+from smarig.preisach import Everett, load_hysteresis, thesis_surface
 
 
 @dataclass(frozen=True)
@@ -40,6 +42,33 @@ class Actuator:
     def unit(self) -> str:
         """Unit of position: mm or deg."""
         return self.file.transmission.unit
+
+    @cached_property
+    def hysteresis(self) -> Everett:
+        """The operator of a twin, with which a bench compares its readings: of Table 5.1, or the file's model.
+
+        Raises ConfigError for values that are no hysteresis, or none of a rig: in another unit, or falling when heated.
+        """
+        section = self.file.hysteresis
+        if section.surface is not None:
+            return thesis_surface(section.surface)
+        where = f"Actuator {self.name}: key 'hysteresis.model'"
+        try:
+            found = load_hysteresis(section.model)
+        except DataError as error:
+            raise ConfigError(f"{where}: {error}") from None
+        unit = getattr(found, "unit", self.unit)
+        if unit != self.unit:
+            raise ConfigError(f"{where} is in {unit}, but the position of this wire in {self.unit}.")
+        if not found.everett(found.upper, found.lower) > 0:
+            raise ConfigError(f"{where}: its output falls when the wire is heated; a rig's position rises.")
+        return found
+
+    @property
+    def stroke(self) -> float:
+        """Position between both saturations of the hysteresis, mm or deg."""
+        h = self.hysteresis
+        return h.everett(h.upper, h.lower)
 
     @property
     def resistance_ohm(self) -> float:

@@ -18,7 +18,6 @@ from dataclasses import dataclass
 from smarig.config import RigFile
 from smarig.core import Quality, Sample
 from smarig.plant import Actuator, load_of
-from smarig.preisach import thesis_surface
 from smarig.rig.channel import ChannelCheck
 from smarig.rig.direction import Direction
 from smarig.rig.least_motion import LeastMotion
@@ -87,7 +86,7 @@ class ChannelChecks:
         self._bounds = WireBounds(
             actuator, period_s, actuator.resolution(rig.encoder), self.tolerance, rig.ambient_degC, force_N
         )
-        surface = thesis_surface(actuator.file.hysteresis.surface)
+        surface = actuator.hysteresis
         self._range_K, self._stroke = surface.upper - surface.lower, self._bounds.stroke
         self._moved_K = MOVED_SHARE * self._range_K
         self._drift_per_K = DRIFT * self._stroke / self._range_K

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from smarig.plant import Actuator, WirePhases
-from smarig.preisach import Everett, Preisach, thesis_surface
+from smarig.preisach import Everett, Preisach
 
 Array = NDArray[np.float64]
 INPUT_MARGIN = 0.1  # of the range: uncertainty of the predicted temperature
@@ -29,7 +29,7 @@ class ExpectedResistance:
     """
 
     def __init__(self, actuator: Actuator, tolerance: float) -> None:
-        hysteresis = thesis_surface(actuator.file.hysteresis.surface)
+        hysteresis = actuator.hysteresis
         limits = two_wire_limits(hysteresis) if actuator.two_wire else [one_wire_limits(hysteresis)]
         self._lowest_K = 0.0 if actuator.two_wire else hysteresis.lower
         ends = (hysteresis.upper, -hysteresis.lower)[: len(limits)]

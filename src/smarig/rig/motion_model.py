@@ -10,7 +10,7 @@ from smarig.config import RigFile
 from smarig.core import Sample
 from smarig.device import Check
 from smarig.plant import Actuator
-from smarig.preisach import Preisach, thesis_surface
+from smarig.preisach import Preisach
 from smarig.rig.channel_checks import tolerance_of
 from smarig.rig.response import MIN_TRAVEL, MOTION_MARGIN, UNIT_REMEDY
 
@@ -46,15 +46,14 @@ class MotionModel:
     """
 
     def __init__(self, actuator: Actuator, file: RigFile, sign: int) -> None:
-        of_wire = actuator.file.hysteresis
-        h = thesis_surface(of_wire.surface)
+        h = actuator.hysteresis
         inputs = np.linspace(0.0, h.upper if sign > 0 else h.lower, 200)
-        y = Preisach(h).simulate(inputs, of_wire.initial)
+        y = Preisach(h).simulate(inputs, actuator.file.hysteresis.initial)
         self._sign, self._inputs_K = sign, np.abs(inputs)
         self._tolerance, self._name = tolerance_of(file), actuator.name
         self._counts = np.abs(y - y[0]) / actuator.resolution(file.encoder)
         largest = float(self._counts.max())
-        compared = MIN_TRAVEL * abs(h.y_upper - h.y_lower) / actuator.resolution(file.encoder)
+        compared = MIN_TRAVEL * actuator.stroke / actuator.resolution(file.encoder)
         self._compared = min(compared, largest)
         self._least = max(MIN_MOTION_COUNTS, self._compared)
         self._largest = MOTION_MARGIN * self._least

@@ -8,7 +8,6 @@ import math
 from smarig.config import RigFile
 from smarig.core import Quality, Sample
 from smarig.plant import Actuator, load_of, thermomechanical_travel
-from smarig.preisach import thesis_surface
 from smarig.rig.channel_checks import (
     AS_IN_FILES,
     COUNT_STEP,
@@ -46,11 +45,11 @@ class Plausibility:
         if rig.kind == "twin" and limits.resistance_tolerance < TWIN_TOLERANCE:
             limits = limits.model_copy(update={"resistance_tolerance": TWIN_TOLERANCE})
         self._electrical = ElectricalPlausibility(limits, rig.amplifier, actuator)
-        h = thesis_surface(actuator.file.hysteresis.surface)
+        h = actuator.hysteresis
         self._range_K = h.upper - h.lower
         self._lower_K = h.lower
         thermomechanical = actuator.file.thermomechanical
-        travel = abs(h.y_upper - h.y_lower) if thermomechanical is None else thermomechanical_travel(actuator)
+        travel = actuator.stroke if thermomechanical is None else thermomechanical_travel(actuator)
         # a narrow transformation moves a wire far within a small share of the range
         width_K = thermomechanical.width_K if thermomechanical else self._range_K
         self._steady_K = STEADY_INPUT_BAND * min(width_K, self._range_K)

@@ -6,7 +6,7 @@ the rig file says does it always.
 
 from smarig.config import RigFile
 from smarig.plant import Actuator
-from smarig.preisach import Preisach, thesis_surface
+from smarig.preisach import Preisach
 from smarig.rig.rig import Alarm
 from smarig.rig.wire_bounds import BEATS_PER_TAU
 
@@ -23,11 +23,9 @@ class Response:
     """
 
     def __init__(self, rig: RigFile, actuator: Actuator) -> None:
-        of_wire = actuator.file.hysteresis
-        surface = thesis_surface(of_wire.surface)
-        self._operator = Preisach(surface, of_wire.initial)
+        self._operator = Preisach(actuator.hysteresis, actuator.file.hysteresis.initial)
         self._actuator, self._per_count = actuator, actuator.resolution(rig.encoder)
-        self._enough = MOTION_MARGIN * MIN_TRAVEL * abs(surface.y_upper - surface.y_lower) / self._per_count
+        self._enough = MOTION_MARGIN * MIN_TRAVEL * actuator.stroke / self._per_count
         self._beat = max(1, round(actuator.tau_s / BEATS_PER_TAU / rig.period_s))
         self.forget()
 

@@ -15,7 +15,7 @@ from smarig.config import RigFile
 from smarig.core import UsageError
 from smarig.device import load_register_map
 from smarig.plant import Actuator, Plant, SupportsHooks, ThermomechanicalPlant, load_of, mystery_effects
-from smarig.preisach import Everett, Initial, thesis_surface
+from smarig.preisach import Everett, Initial
 
 _COUNTS, _CURRENT, _VOLTAGE, _AMBIENT_FLUCTUATION = range(4)
 
@@ -154,7 +154,6 @@ def plant_of(rig: RigFile, actuator: Actuator, settings: TwinSettings) -> Plant 
 
     Raises UsageError if a thermomechanical wire is given effects or an initial state: both are those of the operator.
     """
-    hysteresis = actuator.file.hysteresis
     if actuator.file.thermomechanical is not None and settings.hysteresis is None:
         if settings.effects or rig.hidden_effect:
             raise UsageError(
@@ -171,8 +170,8 @@ def plant_of(rig: RigFile, actuator: Actuator, settings: TwinSettings) -> Plant 
     hidden = mystery_effects(settings.seed, actuator.file.arrangement) if rig.hidden_effect else ()
     return Plant(
         actuator,
-        settings.hysteresis or thesis_surface(hysteresis.surface),
-        settings.initial or hysteresis.initial,
+        settings.hysteresis or actuator.hysteresis,
+        settings.initial or actuator.file.hysteresis.initial,
         rig.period_s,
         (*hidden, *settings.effects),
         phase_heating=actuator.file.heating.twin_heat == "phase_resistance",

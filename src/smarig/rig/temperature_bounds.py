@@ -3,7 +3,6 @@
 import math
 
 from smarig.plant import Actuator
-from smarig.preisach import thesis_surface
 
 LAGS = (0.3, 1.0, 3.0)  # of the time constant: insulated, thick, in moving air, with latent heat
 EVERY_LAG = slice(None)
@@ -24,7 +23,7 @@ class TemperatureBounds:
     """
 
     def __init__(self, actuator: Actuator, period_s: float, tolerance: float) -> None:
-        surface = thesis_surface(actuator.file.hysteresis.surface)
+        surface = actuator.hysteresis
         self.least_K = LEAST_SHARE * max(surface.upper, -surface.lower)
         self._fastest, self._two_wire = 1 + tolerance, actuator.two_wire
         self._gain = actuator.gain_K_per_A2

@@ -22,7 +22,7 @@ from typing import Protocol
 import numpy as np
 
 from smarig.plant import Actuator, ThermomechanicalPlant, WirePhases, thermomechanical_travel
-from smarig.preisach import Everett, Preisach, thesis_surface
+from smarig.preisach import Everett, Preisach
 from smarig.rig.temperature_bounds import EVERY_LAG, LAG_BANDS, Bands, TemperatureBounds
 
 BEATS_PER_TAU = 6  # how often the bounds of the position are computed
@@ -159,7 +159,7 @@ class WireBounds:
         ambient_degC: float,
         force_N: float | None = None,
     ) -> None:
-        surface = thesis_surface(actuator.file.hysteresis.surface)
+        surface = actuator.hysteresis
         thermomechanical = actuator.file.thermomechanical
         self.temperature = TemperatureBounds(actuator, period_s, tolerance)
         self._beat = max(1, round(actuator.tau_s / BEATS_PER_TAU / period_s))
@@ -169,7 +169,7 @@ class WireBounds:
         if thermomechanical is None:
             heats = _edges(tolerance, HEAT_BANDS)
             self._models: _Models = _PreisachModels(actuator, surface, self.temperature, heats)
-            travel = abs(surface.everett(surface.upper, surface.lower))
+            travel = actuator.stroke
             steepest = steepest_per_K(surface)
             self._from = 0.0 if actuator.two_wire else surface.y_lower
         else:

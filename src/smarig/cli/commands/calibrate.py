@@ -19,7 +19,9 @@ from smarig.core import UsageError
     "--actuator", type=CatalogueName("actuators"), help="Parameter set to start from; required for -o."
 )
 @click.option(
-    "--model", type=FILE, help="Model of this wire. With it, position transients give the time constant."
+    "--model",
+    type=FILE,
+    help="Model of this wire. With it, position transients give the time constant, and -o writes its hysteresis too.",
 )
 @click.option("-o", "--out", type=FILE, help="Actuator file to write (*.toml).")
 @click.option("--force", is_flag=True, help="Replace an existing actuator file.")
@@ -34,13 +36,21 @@ def command(
     from smarig.replay import load_model
 
     base = Actuator.named(actuator) if actuator else None
-    hysteresis = load_model(model).hysteresis if model else None
+    hysteresis = None
+    if model is not None:
+        identified = load_model(model)
+        hysteresis = identified.hysteresis
+        if out is not None and identified.input.unit != "K":
+            raise UsageError(
+                f"The input of {model} is in {identified.input.unit}; that of an actuator file is in K above ambient. "
+                "Identify the model from runs of the rig."
+            )
     check_distinct(out, model, *runs)
     result = calibrate([load_run(r) for r in runs], base, hysteresis)
     if out is not None and base is None:
         raise UsageError("An actuator file needs a parameter set to start from. Give --actuator.")
     if out is not None and base is not None:
-        result.write_actuator(out, base, force=force)
+        result.write_actuator(out, base, hysteresis=hysteresis, force=force)
     found = result.to_json()
     lines = [
         f"{name} = {e.value:.4g} {e.unit}  (95 %: {e.ci95[0]:.4g} … {e.ci95[1]:.4g}, n = {e.n}; {e.source})"

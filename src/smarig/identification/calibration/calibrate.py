@@ -24,7 +24,7 @@ from smarig.identification.calibration.resistance import resistances
 from smarig.identification.calibration.thermal_transient import tau_from_temperature
 from smarig.identification.interval_estimate import Estimate
 from smarig.plant import Actuator
-from smarig.preisach import Everett
+from smarig.preisach import Everett, dump_hysteresis
 from smarig.record import Run
 
 USUAL_TAU_S = 5.0  # of a wire of 0.3 mm in air, if nothing is known
@@ -42,21 +42,33 @@ class Calibration:
         found = {name: estimate.to_json() for name, estimate in self.parameters.items()}
         return {"parameters": found, "not_available": dict(self.not_available)}
 
-    def write_actuator(self, path: str | Path, base: Actuator | None, *, force: bool = False) -> Path:
+    def write_actuator(
+        self,
+        path: str | Path,
+        base: Actuator | None,
+        *,
+        hysteresis: Everett | None = None,
+        force: bool = False,
+    ) -> Path:
         """Write an actuator file: ``base`` with the calibrated constants; returns the path.
 
         R/hA sets the steady temperature at the base's reference current. τ sets the specific heat, c_p = τ hA/(ρ
-        V). Raises UsageError without a base, if nothing was found, or if the file exists.
+        V). ``hysteresis`` (of an identified model, kelvin to the base's unit) takes the place of the base's. Raises
+        UsageError without a base, if there is nothing to write, or if the file exists; ConfigError for the hysteresis
+        of another rig.
         """
         if base is None:
             raise UsageError(
                 "An actuator file needs a parameter set to start from. Name one with --actuator."
             )
-        if not self.parameters:
+        if not self.parameters and hysteresis is None:
             raise UsageError(
                 "The data determine no constant of an actuator file. See the reason that is given for each constant."
             )
-        return write(Path(path), calibrated(base.file, self.parameters, Path(path).stem), force=force)
+        file = calibrated(base.file, self.parameters, Path(path).stem)
+        if hysteresis is not None:
+            file = with_hysteresis(file, hysteresis)
+        return write(Path(path), file, force=force)
 
     def __str__(self) -> str:
         lines = [f"{name} = {estimate}" for name, estimate in self.parameters.items()]
@@ -119,6 +131,15 @@ def calibrated(base: ActuatorFile, found: Mapping[str, Estimate], name: str) -> 
     return new.model_copy(update={"source": f"calibrated, starting from {base.name} ({base.source})"})
 
 
+def with_hysteresis(file: ActuatorFile, hysteresis: Everett) -> ActuatorFile:
+    """The actuator with the hysteresis of an identified model. Raises ConfigError for that of another rig."""
+    section = file.hysteresis.model_copy(update={"surface": None, "model": dump_hysteresis(hysteresis)})
+    source = f"{file.source}; hysteresis of an identified model"
+    found = file.model_copy(update={"hysteresis": section, "source": source})
+    _ = Actuator(found).hysteresis  # read as the rig will
+    return found
+
+
 def _quantity(value: float, unit: str, estimate: Estimate, prefix: str = "") -> Quantity:
     if value <= 0:
         raise UsageError(f"The estimate {estimate} is not positive, so it cannot go into an actuator file.")
@@ -139,12 +160,20 @@ def _toml(actuator: ActuatorFile) -> str:
     lines = [f"{key} = {_text(value)}" for key, value in data.items() if not isinstance(value, dict)]
     for table, content in data.items():
         if isinstance(content, dict):
-            lines += ["", f"[{table}]", *(f"{key} = {_text(value)}" for key, value in content.items())]
+            model = content.pop("model", {})
+            lines += ["", f"[{table}]", *_lines(content)]
+            lines += ["", f"[{table}.model]", *_lines(model)] if model else []
     return "\n".join(lines) + "\n"
+
+
+def _lines(table: dict[str, Any]) -> list[str]:
+    return [f"{key} = {_text(value)}" for key, value in table.items()]
 
 
 def _text(value: Any) -> str:
     """A TOML value; strings written as in JSON are TOML basic strings."""
     if isinstance(value, dict):
         return "{ " + ", ".join(f"{key} = {_text(v)}" for key, v in value.items()) + " }"
+    if isinstance(value, list):
+        return f"[{', '.join(map(_text, value))}]"
     return json.dumps(value, ensure_ascii=False) if isinstance(value, str) else repr(value)

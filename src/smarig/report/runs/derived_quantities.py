@@ -5,7 +5,6 @@ from typing import Any
 
 from smarig.core import SmarigError
 from smarig.plant import Actuator
-from smarig.preisach import thesis_surface
 from smarig.record import AnyRun
 from smarig.replay import ElectricalEnergy, StressRange, electrical_energy, recorded_actuator, stress_over_run
 
@@ -39,6 +38,6 @@ def _stress(run: AnyRun, actuator: Actuator) -> StressRange | None:
     if actuator.file.thermomechanical is not None:
         return None
     try:
-        return stress_over_run(run, actuator, thesis_surface(actuator.file.hysteresis.surface))
+        return stress_over_run(run, actuator, actuator.hysteresis)
     except SmarigError:
         return None

@@ -8,6 +8,8 @@ from enum import Enum, auto
 from smarig.config import LinksFile, ThermomechanicalSection
 from smarig.runner.rig_description import ACTUATOR_VALUES, RIG_VALUES
 
+MODEL = "hysteresis.model"  # and the keys of its table
+
 
 class Reach(Enum):
     """How far a value reaches."""
@@ -97,6 +99,7 @@ REACH: dict[str, dict[str, Reach]] = {
         "transmission.unit": Reach.NUMBERS,
         "transmission.radius": Reach.NUMBERS,
         "hysteresis.surface": Reach.TWIN,
+        MODEL: Reach.TWIN,
         "hysteresis.initial": Reach.TWIN,
         **dict.fromkeys(_THERMOMECHANICAL, Reach.TWIN),
     },
@@ -106,4 +109,6 @@ SOURCE = ".source"  # of a quantity: words
 
 def reach_of(table: str, key: str) -> Reach:
     """How far a value of the rig or of the actuator reaches."""
+    if key.startswith(MODEL):
+        key = MODEL
     return Reach.NOTHING if key.endswith(SOURCE) else REACH[table].get(key, Reach.NUMBERS)
