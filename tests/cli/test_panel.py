@@ -158,6 +158,16 @@ def test_the_highest_severity_stays_while_lesser_events_come_and_go():
     assert summary(status).plain.endswith(", highest severity invalid: v.run.sqlite")
 
 
+def test_the_summary_counts_the_samples_that_were_lost():
+    status = fed([264] * 5)
+    for tick in (610, 611, 615, 3, 4):  # three are missing; the device begins again
+        status.sample(at(tick / 10), 1, 86.2)
+    status.end(None)
+    lost = 610 - 605 - 1 + 3
+    assert f", {lost} of {10 + lost} samples lost (41 %): v.run.sqlite" in summary(status).plain
+    assert "lost" not in summary(fed([264] * 5)).plain
+
+
 def test_a_lost_device_is_invalid_and_a_stop_is_minor():
     for error, severity in ((Silent("Nobody answers."), "invalid"), (Interrupted("enough"), "minor")):
         status = fed([264] * 10)

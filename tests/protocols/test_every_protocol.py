@@ -214,3 +214,17 @@ def test_a_decimal_comma_in_a_list_is_refused_and_not_split():
         UsageError, match=r"'0,2; 0,4' has commas and semicolons\. Write decimals with a point"
     ):
         build_protocol("step_currents", setup, {"currents_A": "0,2; 0,4"})
+
+
+@pytest.mark.parametrize(
+    ("limits", "largest_A"), [("current_max_A = 0.5", 0.5), ("temperature_max_K = 90", 0.717)]
+)
+def test_minor_loops_follow_the_limits_of_the_rig(tmp_path, limits, largest_A):
+    """By default up to three quarters of what is allowed, with a margin of 0.5 K below the temperature."""
+    path = tmp_path / "small.toml"
+    path.write_text(f'name = "small"\nbase = "one_wire_twin"\n[limits]\n{limits}\n')
+    rig = load_rig(str(path))
+    protocol = build_protocol("minor_loops", Setup.of(str(path)))
+    (loops,) = [command for command in protocol if isinstance(command, Waveform)]
+    assert max(loops.currents_A) == pytest.approx(0.75 * largest_A, abs=1e-3)
+    assert preview("minor_loops", rig).peak_current_A <= rig.limits.current_max_A

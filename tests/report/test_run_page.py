@@ -250,6 +250,17 @@ def test_nothing_is_ever_loaded(twin):
         assert "url(" not in attributes.get("style", "")
 
 
+def test_the_share_of_lost_samples_stands_at_the_top(twin):
+    run = twin[1]
+    kept = np.delete(np.arange(len(run)), [10, 11, 50])
+    columns = {name: run[name][kept] for name in run.columns}
+    lost = Event(1.0, "warning", "lost", "2 samples were lost.", {})
+    visible = Page(run_page(replace(run, columns=columns, events=(*run.events, lost)))).visible
+    lead = visible[: visible.index("Warnings")].replace("\u202f", "")
+    assert f"3 of {len(run)} samples" in lead
+    assert f"{100 * 3 / len(run):.2g} %) were lost." in lead
+
+
 def test_many_warnings_of_one_kind_are_counted(twin):
     lost = tuple(Event(k, "warning", "lost", f"{k + 2} samples were lost.", {}) for k in range(500))
     clock = Event(1.0, "warning", "clock", "The clocks differ.", {})

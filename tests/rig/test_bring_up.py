@@ -322,3 +322,18 @@ def test_where_the_host_alone_limits_a_measured_wire_temperature_it_is_said(held
     else:
         assert [(c.passed, c.limitation) for c in said] == [(True, True)]
         assert said[0].observed.startswith("The host alone holds the limit of the measured wire temperature")
+
+
+def test_a_wire_of_another_resistance_is_heated_no_further_than_two_readings_need():
+    """Its heat is not that of the model, whatever the file says."""
+    found, driven = checked(lambda s: s._replace(voltage_V=1.7 * s.voltage_V))
+    assert not found["resistance"].passed
+    assert "another wire has an actuator file of its own" in found["resistance"].observed
+    assert driven <= 0.15
+
+
+def test_one_wrong_reading_of_the_voltage_ends_nothing():
+    readings = iter([False] * 300 + [True])
+    found, _ = checked(lambda s: s._replace(voltage_V=s.voltage_V * (3.0 if next(readings, False) else 1.0)))
+    assert found["resistance"].passed
+    assert found["encoder direction"].passed

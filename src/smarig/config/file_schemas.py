@@ -8,7 +8,13 @@ import re
 from pathlib import Path
 from typing import Any, Literal
 
-from pydantic import Field, field_validator, model_validator
+from pydantic import (
+    Field,
+    SerializerFunctionWrapHandler,
+    field_validator,
+    model_serializer,
+    model_validator,
+)
 
 from smarig.config.load_file import LoadFile
 from smarig.config.named_things import (
@@ -74,6 +80,11 @@ class HysteresisSection(TomlTable):
         if (self.surface is None) == (self.model is None):
             raise ValueError("exactly one of surface and model is needed")
         return self
+
+    @model_serializer(mode="wrap")
+    def _what_is_given(self, dump: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        """Records hold the key that is given, as those of earlier versions do."""
+        return {key: value for key, value in dump(self).items() if value is not None}
 
 
 class ActuatorFile(TomlTable):

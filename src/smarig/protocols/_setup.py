@@ -46,6 +46,11 @@ class Setup:
         return min(self.actuator.input_for(self.limits.current_max_A), self._hottest_K)
 
     @property
+    def largest_A(self) -> float:
+        """Largest steady current that the limits of current and temperature allow."""
+        return min(self.limits.current_max_A, self.actuator.current_for(self._hottest_K))
+
+    @property
     def _hottest_K(self) -> float:
         """The temperature limit minus a margin for the noise of the prediction."""
         return self.limits.temperature_max_K - _MARGIN_K

@@ -3,15 +3,25 @@
 from smarig.core import Elapsed, Hold, Mark, Protocol, UsageError, Waveform
 from smarig.protocols._setup import Setup
 
+LOW, HIGH = 0.5, 0.75  # of the largest current, by default: the thesis's 0.5 and 0.75 A on its wire
+
 
 def minor_loops(
-    setup: Setup, *, low_A: float = 0.5, high_A: float = 0.75, loops: int = 5, loop_s: float = 8.0
+    setup: Setup,
+    *,
+    low_A: float | None = None,
+    high_A: float | None = None,
+    loops: int = 5,
+    loop_s: float = 8.0,
 ) -> Protocol:
     """Triangular current from zero, then minor loops between two currents (Fig. 5.3, §5.1.3).
 
     If a loop takes seconds, the wire's temperature lags the current and the loops drift. If a loop takes minutes, the
-    loops close. ``loop_s`` is the period of one loop. The first rise takes half of it.
+    loops close. ``loop_s`` is the period of one loop. The first rise takes half of it. The currents are by default a
+    half and three quarters of the largest that the limits allow.
     """
+    low_A = LOW * setup.largest_A if low_A is None else low_A
+    high_A = HIGH * setup.largest_A if high_A is None else high_A
     if not (
         0 <= low_A < high_A and 0 < loop_s <= 86_400 and 1 <= loops <= 1000 and loops * loop_s <= 864_000
     ):

@@ -18,6 +18,7 @@ from smarig.report.components.run_description import (
     count_size,
     display_unit,
     duration_s,
+    lost_samples,
     protocol_name,
     quality_counts,
     source_label,
@@ -96,10 +97,19 @@ def _reversal_page(run: Run, library: str) -> str:
 
 
 def _lead(run: Run) -> Html:
-    """The lead with the highest severity of the run's events, if it is not none."""
+    """The lead with the highest severity of the run's events, if it is not none, and the share of lost samples."""
     if run.severity == Severity.NONE:
         return joined([run_lead(run)])
-    return joined([run_lead(run), ". Highest severity of its events: ", severity_mark(run.severity), "."])
+    lost = lost_samples(run)
+    due = lost + len(run)
+    told = (
+        f" {thousands(lost)} of {thousands(due)} samples ({number(100 * lost / due, 2)} %) were lost."
+        if lost
+        else ""
+    )
+    return joined(
+        [run_lead(run), ". Highest severity of its events: ", severity_mark(run.severity), ".", told]
+    )
 
 
 def _loop_sections(run: Run, certified: "tuple[Model, str, str] | None") -> list[Section]:

@@ -33,10 +33,15 @@ COOL_TAUS = 5.0
 LEASE_TEST_SHARE = 0.1  # of the largest current, during the test of the lease
 LEASE_MARGIN_S = 1.5
 ProgressCallback = Callable[[str], None]
+STEPS_UNLIKE = 2  # one after the other with a wrong resistance: one reading of a small voltage may be wrong
 BACKLOG_S = 10.0  # of samples after re-arming that may still show the trip
 HOST_ALONE = (
     "The host alone holds the limit of the measured wire temperature: the amplifier has no thermometer on the wire, or "
     "no register for the limit."
+)
+_RESISTANCE_REMEDY = (
+    "check clamps, wire and shunt; another wire has an actuator file of its own (smarig new actuator NAME), with these "
+    "resistances"
 )
 _READ_BACK_REMEDY = "check the circuit of the wire, the amplifier, the shunt, and the unit of the driver"
 
@@ -198,20 +203,23 @@ def _heating_checks(
     largest_A = file.limits.current_max_A if sign > 0 else file.limits.current_min_A
     rest = wire.samples(0.0, READINGS)[-READINGS:]
     sample, command_A, motion = rest[-1], 0.0, motion_of(rest, rest, sign)
+    expected, unlike = ExpectedResistance(actuator, file.limits.resistance_tolerance), 0
     for k in range(1, CURRENT_STEPS + 1):
         command_A = largest_A * k / CURRENT_STEPS
         heated = wire.samples(command_A, round(STEP_TAUS * tau_ticks))[-READINGS:]
         sample, motion = heated[-1], motion_of(rest, heated, sign)
         counts = f"{sign * motion.heated_by:+d} counts"
         on_progress(f"    {command_A:+.2f} A: {counts}, {wire.input_K:+.0f} K (heating model)")
-        if not _follows_command(sample, command_A, file) or model.has_shown(motion, wire.input_K):
+        unlike = unlike + 1 if _is_another_wire(sample, expected, wire.input_K) else 0
+        if not _follows_command(sample, command_A, file) or unlike == STEPS_UNLIKE:
+            break
+        if model.has_shown(motion, wire.input_K):
             break
     how = "(last reading, no new one)" if sample.quality & Quality.STALE else "measured"
     which = ", wire 2" if sign < 0 else ""
     comparison = f"{sample.current_A:.4f} A {how} at {command_A:.4f} A"
     follows = _follows_command(sample, command_A, file)
     yield Check(f"read-back{which}", follows, comparison if follows else f"{comparison}; {_READ_BACK_REMEDY}")
-    expected = ExpectedResistance(actuator, file.limits.resistance_tolerance)
     yield _resistance(sample, expected, wire.input_K)._replace(name=f"resistance{which}")
     where = f"{sign * motion.heated_by:+d} counts at {command_A:.2f} A, {wire.input_K:.0f} K (heating model)"
     direction = model.direction(motion, where, wire.input_K)._replace(name=f"encoder direction{which}")
@@ -235,8 +243,14 @@ def _resistance(sample: Sample, expected: ExpectedResistance, input_K: float) ->
         return Check("resistance", True, without_voltage_text(low, high), limitation=True)
     ohm = sample.voltage_V / sample.current_A
     passed = low <= ohm <= high
-    remedy = "" if passed else "; check clamps, wire and shunt, or calibrate the wire"
+    remedy = "" if passed else f"; {_RESISTANCE_REMEDY}"
     return Check("resistance", passed, f"{ohm:.2f} ohm, expected {low:.2f} to {high:.2f}{remedy}")
+
+
+def _is_another_wire(sample: Sample, expected: ExpectedResistance, input_K: float) -> bool:
+    """Whether V/I is no resistance of the actuator file's wire, whose heating model does not hold for this one then."""
+    measured = abs(sample.current_A) >= MIN_CURRENT_A and not math.isnan(sample.voltage_V)
+    return measured and not _resistance(sample, expected, input_K).passed
 
 
 def _check_lease(rig: SupportsIdle, file: RigFile) -> Iterator[Check]:

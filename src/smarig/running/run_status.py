@@ -137,6 +137,7 @@ class RunStatus:
         self._control = control or RunControl()
         self._clock, self._started_s = clock, clock()
         self.last_sample: Sample | None = None
+        self.samples = self.lost_samples = 0
         self._sampled_s = self._started_s  # by the host's clock
         self.input_K = 0.0
         self.command: Hold | Waveform | None = None
@@ -158,6 +159,9 @@ class RunStatus:
         del step
         if self._first_s is None:
             self._first_s = s.t_s - self.run_info.period_s
+        if self.last_sample is not None:  # ticks of a device that was restarted begin again
+            self.lost_samples += max(0, s.tick - self.last_sample.tick - 1)
+        self.samples += 1
         self.last_sample, self.input_K = s, input_value
         self._sampled_s = self._clock()
         if self._control.paused:

@@ -55,6 +55,28 @@ def test_each_is_spoken(box, end):
     line.close()
 
 
+def test_replies_that_end_with_more_than_was_said_cost_no_query():
+    """Commands end with CR, replies with CR LF: the LF is no reply, and the identity is asked for once."""
+    asked = []
+
+    def answers(server):
+        connection, _ = server.accept()
+        with connection, contextlib.suppress(OSError):
+            while data := connection.recv(64):
+                for query in data.split(b"\r")[:-1]:
+                    asked.append(query)
+                    connection.sendall(b"BOX 1\r\n" if query == b"ID" else b"2.5\r\n")
+
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        threading.Thread(target=answers, args=(server,), daemon=True).start()
+        line = shared_text_line(link(f"tcp://127.0.0.1:{server.getsockname()[1]}", "\r"), who="ID")
+        line.identify()
+        assert [line.number("X?") for _ in range(5)] == [2.5] * 5
+        line.close()
+    assert asked.count(b"ID") == 1
+    assert asked.count(b"X?") == 5
+
+
 def test_the_remedy_names_the_key(box):
     line = shared_text_line(link(box("\r\n"), "\n", 0.1), who="ID")
     with pytest.raises(

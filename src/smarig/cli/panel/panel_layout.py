@@ -89,6 +89,9 @@ def summary(status: RunStatus, *, plain: bool = False) -> Text:
         text.append(f", {ending.text}", style="none")
     if status.severity != Severity.NONE:
         text.append(f", highest severity {status.severity}", style="none")
+    if lost := status.lost_samples:
+        due = lost + status.samples
+        text.append(f", {lost} of {due} samples lost ({100 * lost / due:.2g} %)", style="none")
     text.append(f": {run_info.out}", style="none")
     return text
 

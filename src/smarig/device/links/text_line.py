@@ -292,11 +292,13 @@ class TextLine:
         return ""
 
     def _unasked(self) -> bool:
-        """Whether something arrived that was not queried."""
+        """Whether something arrived that was not queried. The rest of a reply's end, as the LF of CR LF, is nothing."""
         try:
-            return bool(self._heard or self._port.in_waiting)
+            while not self._heard.strip() and self._port.in_waiting:
+                self._heard = self._port.read(1)
         except PORT_ERRORS as error:
             raise self._unreadable(error) from None
+        return bool(self._heard.strip())
 
     def _unreadable(self, error: BaseException) -> Silent:
         self._broken = not self._closed

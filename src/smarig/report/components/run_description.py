@@ -136,6 +136,14 @@ class QualityCounts:
         return not (self.gaps or any(getattr(self, name) for name in FLAG_NAMES))
 
 
+def lost_samples(run: AnyRun) -> int:
+    """How many ticks have no sample, in a run that says so. Where a device was restarted, ticks begin again."""
+    if not any(event.kind == "lost" for event in run.events):
+        return 0
+    steps = np.diff(run["tick"])
+    return int((steps[steps > 1] - 1).sum())
+
+
 FLAG_NAMES = (
     *("timed_out", "interrupted", "void"),
     *("retried", "stale", "saturated", "tripped", "suspect", "suspect_steps"),
