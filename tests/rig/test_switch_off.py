@@ -2,7 +2,8 @@
 
 import pytest
 
-from smarig.rig.shutdown import OFF_ATTEMPTS, switch_off
+from smarig.device import OFF_PAUSE_S
+from smarig.rig.shutdown import OFF_ATTEMPTS, OFF_S, switch_off
 
 FLOWS = "0.3 A is still measured: switch it off by hand now."
 STILL_ON = "The supply did not confirm that it is off. It has no lease: switch it off by hand now."
@@ -27,17 +28,25 @@ class IgnoresZero:
     [
         (IgnoresZero(1), 1, ""),
         (IgnoresZero(3), 3, ""),
-        (IgnoresZero(99), 1 + OFF_ATTEMPTS, STILL_ON),
+        (IgnoresZero(15), 15, ""),
+        (IgnoresZero(99), 1 + round(OFF_S / OFF_PAUSE_S), STILL_ON),
         (IgnoresZero(99, has_lease=True), 1, STILL_ON),
     ],
-    ids=["at once", "later", "never", "has a lease"],
+    ids=["at once", "later", "after three seconds", "never", "has a lease"],
 )
 def test_zero_is_ordered_until_it_is_confirmed(rig, orders, text):
     pauses, told = [], []
-    switch_off(rig, pauses.append, lambda said: told.append((rig.orders, said)))
+    switch_off(rig, pauses.append, lambda said: told.append((rig.orders, said)), lambda: sum(pauses))
     assert (rig.orders, rig.shutdown_unconfirmed) == (orders, text)
     assert len(pauses) == orders - 1
     assert told == ([(1, STILL_ON)] if orders > 1 or text else []), "at once, and once"
+
+
+def test_a_line_that_answers_slowly_is_asked_as_often():
+    """Each attempt takes longer than all of them should."""
+    rig, clock = IgnoresZero(99), iter(range(0, 1000, 10))
+    switch_off(rig, lambda _: None, clock=lambda: next(clock))
+    assert rig.orders == 1 + OFF_ATTEMPTS
 
 
 def test_a_current_that_is_measured_after_all_is_told():

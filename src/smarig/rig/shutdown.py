@@ -9,7 +9,9 @@ from smarig.device import OFF_PAUSE_S
 
 NOT_CONFIRMED = "The source did not confirm that it is off: switch it off by hand now."
 _Error = TypeVar("_Error", bound=SmarigError)
-OFF_ATTEMPTS = 5  # more, to switch off a source that has no lease and did not confirm
+# more attempts to switch off a source that has no lease and did not confirm, and as long: a line that was plugged in
+# again needs 1 to 3 s
+OFF_ATTEMPTS, OFF_S = 5, 4.0
 
 
 class SupportsShutdown(Protocol):
@@ -22,7 +24,10 @@ class SupportsShutdown(Protocol):
 
 
 def switch_off(
-    rig: Any, sleep: Callable[[float], None] = time.sleep, report: Callable[[str], None] = lambda _: None
+    rig: Any,
+    sleep: Callable[[float], None] = time.sleep,
+    report: Callable[[str], None] = lambda _: None,
+    clock: Callable[[], float] = time.monotonic,
 ) -> str:
     """Set the current to zero. A source without a lease that does not confirm it is asked again: nothing else switches
     it off. One that confirms it is then measured, if it measures.
@@ -36,11 +41,13 @@ def switch_off(
         if reported:
             report(reported)
     finally:  # also if nobody can be reached
-        for _ in range(OFF_ATTEMPTS):
-            if not rig.shutdown_unconfirmed or getattr(rig, "has_lease", True):
+        attempts, end_s = 0, clock() + OFF_S
+        while rig.shutdown_unconfirmed and not getattr(rig, "has_lease", True):
+            if attempts >= OFF_ATTEMPTS and clock() >= end_s:
                 break
             sleep(OFF_PAUSE_S)
             rig.safe()
+            attempts += 1
     reported = reported and rig.shutdown_unconfirmed
     confirm_zero(rig)
     if rig.shutdown_unconfirmed and not reported:

@@ -33,6 +33,7 @@ def validation_figure(verification: RunVerification, run: Run, surface: str) -> 
     by_time = _residual(t, error, verification, run, t_title)
     by_input = _residual(verification.input, error, verification, run, input_title(run))
     e, unit = verification.settled, run.unit
+    points = "settled points" if run.settled else "readings"
     floor = (
         f"; noise floor of this run {verification.noise_floor:.2g}{spaced(unit)} (band: ± 2 σ)"
         if verification.noise_floor
@@ -49,7 +50,7 @@ def validation_figure(verification: RunVerification, run: Run, surface: str) -> 
         [Panel(data, first, 380, wide=True), by_time, by_input],
         f"The {surface} model on the held-out run.",
         [
-            f"First panel: {e.n} settled points in order of time. Other panels: measured − model against time and "
+            f"First panel: {e.n} {points} in order of time. Other panels: measured − model against time and "
             f"against the input. The error is {e.rms:.3g}{spaced(unit)} ({e.share_text}), at "
             f"most {e.max_abs:.3g}{spaced(unit)}{floor}. {zero}",
             run_caption(run),
