@@ -8,7 +8,7 @@ import pytest
 
 from smarig import config
 from smarig.config import load_rig
-from smarig.config.file_schemas import SurfaceName
+from smarig.config.actuator_file import SurfaceName
 from smarig.core import toml_file
 from smarig.core.errors import ConfigError, UsageError
 from smarig.preisach.hysteresis.gorbet_1997 import THESIS_SURFACES

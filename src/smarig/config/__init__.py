@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 from smarig.core.lazy_exports import lazy_exports
 
 if TYPE_CHECKING:
+    from smarig.config.actuator_file import ActuatorFile as ActuatorFile
     from smarig.config.config_files import actuator_text as actuator_text
     from smarig.config.config_files import driver_names as driver_names
     from smarig.config.config_files import load_actuator as load_actuator
@@ -22,7 +23,6 @@ if TYPE_CHECKING:
     from smarig.config.file_keys import inner_model as inner_model
     from smarig.config.file_keys import type_text as type_text
     from smarig.config.file_keys import unit_of as unit_of
-    from smarig.config.file_schemas import ActuatorFile as ActuatorFile
     from smarig.config.file_schemas import AmplifierFile as AmplifierFile
     from smarig.config.file_schemas import CampaignFile as CampaignFile
     from smarig.config.file_schemas import CampaignStep as CampaignStep

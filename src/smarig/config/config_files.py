@@ -3,7 +3,8 @@
 from pathlib import Path
 from typing import Any
 
-from smarig.config.file_schemas import ActuatorFile, CampaignFile, LinksFile, RigFile
+from smarig.config.actuator_file import ActuatorFile
+from smarig.config.file_schemas import CampaignFile, LinksFile, RigFile
 from smarig.core import (
     ConfigError,
     Origin,
