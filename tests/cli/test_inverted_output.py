@@ -64,6 +64,8 @@ def test_no_surface_fits_it_without_a_warning(files, tmp_path, capsys, sign, sur
     error = capsys.readouterr().err
     assert status == 4 or (status == 0 and "Warning: " in error)
     assert model.exists() == (status == 0)
+    if "The fit is poor" in error:
+        assert ("Or try --surface positive" in error) == (surface != "positive")
 
 
 @pytest.mark.parametrize("sign", SIGNS)
