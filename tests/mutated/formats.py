@@ -9,7 +9,7 @@ from random import Random
 from hostile.material import make_material
 from mutated import mutations
 from mutated.hdf5_files import hdf5s, matlab_73s
-from mutated.table_formats import forc, matlabs, own_csvs, parquets, texts, workbooks
+from mutated.table_formats import forc, matlabs, own_csvs, parquets, tdmss, texts, workbooks
 from smarig.config import load_actuator, load_campaign, load_rig
 from smarig.exchange import find_tables, import_file, load_mapping
 from smarig.plant import Actuator
@@ -115,6 +115,7 @@ FORMATS = {
         Format("forc", ".frc", lambda _: forc(), _forc),
         Format("xlsx", ".xlsx", lambda _: workbooks(), _study, mutations.of_archive),
         Format("parquet", ".parquet", lambda _: parquets(), _study),
+        Format("tdms", ".tdms", lambda _: tdmss(), _study),
         Format("mat 5", ".mat", lambda _: matlabs(), _study, mutations.of_mat),
         Format("mat 7.3", ".mat", lambda _: matlab_73s(), _study),
         Format("hdf5", ".h5", lambda _: hdf5s(), _study),

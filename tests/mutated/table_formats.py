@@ -122,6 +122,34 @@ def parquets() -> list[bytes]:
     return [_saved(lambda f, t=t, c=c: parquet.write_table(t, f, compression=c)) for t, c in kinds]
 
 
+def tdmss() -> list[bytes]:
+    """Files of LabVIEW with a clock; in several segments, other types and a group that is no table; interleaved."""
+    from nptdms import ChannelObject, GroupObject, RootObject, TdmsWriter
+
+    def channel(name: str, values: np.ndarray, unit: str) -> ChannelObject:
+        clock = {"unit_string": unit, "wf_increment": 0.5, "wf_start_offset": 0.0}
+        return ChannelObject("Run", name, values, properties=clock)
+
+    def written(segments: list[list[ChannelObject]]) -> bytes:
+        file = io.BytesIO()
+        with TdmsWriter(file) as writer:
+            for channels in segments:
+                writer.write_segment([RootObject({"name": "rig"}), GroupObject("Run"), *channels])
+        return file.getvalue()
+
+    whole = [channel("Temperature", U_DEGC, "degC"), channel("Displacement", X_MM, "mm")]
+    halves = [
+        [
+            channel("Temperature", U_DEGC[part].astype("f4"), "degC"),
+            channel("Displacement", 100 * X_MM[part], "um"),
+        ]
+        for part in (slice(0, ROWS // 2), slice(ROWS // 2, ROWS))
+    ]
+    counts = [channel("Temperature", U_DEGC.astype("i2"), "degC"), channel("Displacement", X_MM, "mm")]
+    texts_too = [*whole, ChannelObject("notes", "text", np.array(["a", "b"]))]
+    return [written([whole]), written(halves), written([counts]), written([texts_too])]
+
+
 def matlabs() -> list[bytes]:
     """MATLAB 5, deflated and not, with structs and texts; MATLAB 4, which is refused; octave's text."""
     from scipy.io import savemat

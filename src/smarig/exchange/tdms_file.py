@@ -4,7 +4,7 @@ import logging
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
+from typing import Any, BinaryIO
 
 import numpy as np
 from numpy.typing import NDArray
@@ -57,7 +57,7 @@ def _opened(path: Path) -> Iterator[Any]:
     package = needed_package("nptdms", path, "a LabVIEW TDMS file")
     package.log.log_manager.set_level(logging.CRITICAL)  # it prints bytes of damaged files
     try:
-        with path.open("rb") as opened, package.TdmsFile.open(opened) as file:
+        with path.open("rb") as opened, _with_metadata(package, path, opened) as file:
             values = sum(len(channel) for group in file.groups() for channel in group.channels())
             if values > MAX_VALUES:
                 raise DataError(f"{path} holds {values} values, more than {MAX_VALUES}. Split it.")
@@ -65,9 +65,19 @@ def _opened(path: Path) -> Iterator[Any]:
     except (DataError, UsageError, MemoryError):
         raise
     except Exception as error:  # npTDMS raises whatever damaged bytes lead to
-        raise DataError(
-            f"{path} is no TDMS file, or is damaged ({type(error).__name__}). Copy it again."
-        ) from None
+        raise _damaged(path, type(error).__name__) from None
+
+
+def _with_metadata(package: Any, path: Path, opened: BinaryIO) -> Any:
+    """The file before its values are read. A length in damaged bytes asks for any amount of memory."""
+    try:
+        return package.TdmsFile.open(opened)
+    except MemoryError:
+        raise _damaged(path, "an impossible length") from None
+
+
+def _damaged(path: Path, why: str) -> DataError:
+    return DataError(f"{path} is no TDMS file, or is damaged ({why}). Copy it again.")
 
 
 def _columns(path: Path, group: Any) -> tuple[FoundColumn, ...]:
