@@ -5,15 +5,18 @@ from typing import Any
 
 from smarig.config.actuator_file import ActuatorFile
 from smarig.config.file_schemas import CampaignFile, LinksFile, RigFile
+from smarig.config.folder_source import LED_OUT, FolderSource
 from smarig.core import (
     ConfigError,
     Origin,
+    Source,
     UsageError,
     check_table,
     is_path,
     load_toml,
     named,
     passed,
+    place_inside,
     read_toml,
     shipped,
     suggestion,
@@ -43,7 +46,7 @@ def locate(folder: str, name: str) -> Path:
         if not path.is_file():
             raise UsageError(f"There is no file {path}.")
         return path
-    raise UsageError(f"No {folder.rstrip('s')} '{name}'{suggestion(name, known)}.")
+    raise UsageError(f"No {folder.rstrip('s')} '{name}'{suggestion(path.name, known)}.")
 
 
 def load_actuator(name: str) -> ActuatorFile:
@@ -56,13 +59,27 @@ def actuator_text(name: str) -> str:
     return locate("actuators", name).read_text(encoding="utf-8-sig")
 
 
-def load_rig(name: str) -> RigFile:
-    """A rig by name or path."""
-    files = _rig_files(name)
+def load_rig(name: str, came_with: Path | None = None) -> RigFile:
+    """A rig by name or path. ``came_with``: it was found in this folder, nobody named it, and it leads nowhere out.
+
+    Raises NotPassed if its base lies outside; ``led_out`` tells what else does.
+    """
+    folder = came_with and came_with.resolve()
+    if folder and name not in shipped_names("rigs") and place_inside(Path(name), folder) is None:
+        name = named(name, LED_OUT, "An address or an entry")
+    files = _rig_files(name, folder)
     raw: dict[str, Any] = {}
     for path, table in files:
-        raw = merged_tables(_with_resolved_paths(table, path.parent), raw)
-    return check_table(RigFile, raw, str(files[0][0]))
+        raw = merged_tables(_with_resolved_paths(table, path.parent, folder), raw)
+    top = files[0][0]
+    return check_table(RigFile, raw, str(top), source=_source(top, folder))
+
+
+def _source(path: Path, folder: Path | None) -> Source:
+    """Who made a rig file: the user, or whoever made the folder that it came with."""
+    if folder is None:
+        return Source(str(path), Origin.FILE)
+    return FolderSource(str(path), Origin.INSIDE, folder)
 
 
 def merged_tables(base: dict[str, Any], mine: dict[str, Any]) -> dict[str, Any]:
@@ -75,17 +92,21 @@ def merged_tables(base: dict[str, Any], mine: dict[str, Any]) -> dict[str, Any]:
     return base | mine | both
 
 
-def _with_resolved_paths(table: dict[str, Any], folder: Path) -> dict[str, Any]:
+def _with_resolved_paths(table: dict[str, Any], folder: Path, came_with: Path | None) -> dict[str, Any]:
     """A rig's table with paths of its own drivers, actuator and load that are relative to the rig file's folder."""
+
+    def resolved_path(name: str) -> str:
+        return _inner_path(folder / name, came_with) if came_with else str((folder / name).resolve())
+
     actuator, links, load = (table.get(key) for key in ("actuator", "links", "load"))
     resolved = dict(table)
     if isinstance(actuator, str):
-        resolved["actuator"] = _sibling_path(actuator, folder)
+        resolved["actuator"] = _sibling_path(actuator, folder, "actuators", came_with)
     if isinstance(load, dict) and isinstance(load.get("file"), str):
-        resolved["load"] = load | {"file": str((folder / load["file"]).resolve())}
+        resolved["load"] = load | {"file": resolved_path(load["file"])}
     if isinstance(links, dict):
         resolved["links"] = {
-            device: link | {"driver": str((folder / link["driver"]).resolve())}
+            device: link | {"driver": resolved_path(link["driver"])}
             if isinstance(link, dict) and is_path(str(link.get("driver", "")))
             else link
             for device, link in links.items()
@@ -93,8 +114,19 @@ def _with_resolved_paths(table: dict[str, Any], folder: Path) -> dict[str, Any]:
     return resolved
 
 
-def _sibling_path(name: str, folder: Path) -> str:
-    """The path of a file in the same folder as the file that names it; otherwise the name unchanged."""
+def _inner_path(path: Path, came_with: Path) -> str:
+    """Where a path leads in a folder; one that leads out of it is not looked at, and stays as it is written."""
+    return str(place_inside(path, came_with) or path)
+
+
+def _sibling_path(name: str, folder: Path, kind: str, came_with: Path | None) -> str:
+    """The path of a file in the same folder as the file that names it; otherwise the name unchanged.
+
+    Of a rig that came with a folder every name but those of smarig is a path: none is looked for elsewhere.
+    """
+    if came_with:
+        own = name and name not in shipped_names(kind)
+        return _inner_path(folder / name, came_with) if own else name
     sibling = folder / name
     return str(sibling.resolve()) if name.endswith(".toml") and sibling.is_file() else name
 
@@ -119,7 +151,7 @@ def rig_text(name: str) -> str:
     return "\n".join(path.read_text(encoding="utf-8-sig") for path, _ in _rig_files(name))
 
 
-def _rig_files(name: str) -> list[tuple[Path, dict[str, Any]]]:
+def _rig_files(name: str, came_with: Path | None = None) -> list[tuple[Path, dict[str, Any]]]:
     """A rig's file, then its base, and so on."""
     found: list[tuple[Path, dict[str, Any]]] = []
     while name or not found:  # "" is no rig's name, but that of a base that is not there
@@ -137,7 +169,8 @@ def _rig_files(name: str) -> list[tuple[Path, dict[str, Any]]]:
         name = raw.get("base", "")
         if not isinstance(name, str):
             raise ConfigError(f"{path}: key 'base' must name another rig file.")
-        name = _sibling_path(passed(named(name, "rig: base", path, Origin.FILE)), path.parent)
+        name = _sibling_path(name, path.parent, "rigs", came_with)
+        name = passed(_source(path, came_with).mark(name, "rig: base"), shipped_names("rigs"))
     return found
 
 

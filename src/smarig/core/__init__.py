@@ -46,6 +46,7 @@ if TYPE_CHECKING:
     from smarig.core.errors import LeaseExpired as LeaseExpired
     from smarig.core.errors import LimitExceeded as LimitExceeded
     from smarig.core.errors import MissingExtra as MissingExtra
+    from smarig.core.errors import NotPassed as NotPassed
     from smarig.core.errors import RigFault as RigFault
     from smarig.core.errors import SmarigError as SmarigError
     from smarig.core.errors import StorageError as StorageError
@@ -77,6 +78,7 @@ if TYPE_CHECKING:
     from smarig.core.leftover import Writer as Writer
     from smarig.core.leftover import leftovers as leftovers
     from smarig.core.linked_out import leads_out as leads_out
+    from smarig.core.linked_out import place_inside as place_inside
     from smarig.core.natural_order import natural_order as natural_order
     from smarig.core.natural_order import pattern_order as pattern_order
     from smarig.core.new_file import check_regular as check_regular

@@ -51,6 +51,14 @@ class UnknownEntry(UsageError):
     """A catalogue has no entry of a name (exit 2)."""
 
 
+class NotPassed(UsageError):
+    """A file names what it may not; nothing of it was opened (exit 2). ``text`` is what it names."""
+
+    def __init__(self, sentence: str, text: str) -> None:
+        super().__init__(sentence)
+        self.text = text
+
+
 class MissingExtra(UsageError):
     """A package of one of smarig's extras is not installed (exit 2). ``extra`` names the extra."""
 

@@ -10,7 +10,7 @@ keys with their rules; ``named`` knows no other. To add one: a row there, ``name
 from collections.abc import Collection
 from typing import Any
 
-from smarig.core.errors import UsageError
+from smarig.core.errors import NotPassed
 from smarig.core.gated_keys import GATED_KEYS, GatedKey, Origin
 from smarig.core.shown_text import shown
 
@@ -52,19 +52,20 @@ def named_where_text(value: Any, key: str, where: object) -> Any:
 def passed(text: str, known: Collection[str] = ()) -> str:
     """The text without its mark, if whoever named it may. ``known`` names are smarig's own: anybody may use them.
 
-    Raises UsageError with the text and the way to allow it. A text without a mark is the user's own.
+    Raises NotPassed with the text and the way to allow it. A text without a mark is the user's own.
 
     >>> passed("rig.toml"), passed(named("one_wire_twin", "run: begun_with.rig", "a.run.sqlite"), ["one_wire_twin"])
     ('rig.toml', 'one_wire_twin')
     >>> passed(named("rig.toml", "run: begun_with.rig", "a.run.sqlite"), ["one_wire_twin"])
     Traceback (most recent call last):
         ...
-    smarig.core.errors.UsageError: a.run.sqlite names the rig file 'rig.toml', which is not read, because a record may
+    smarig.core.errors.NotPassed: a.run.sqlite names the rig file 'rig.toml', which is not read, because a record may
     come from anywhere. If you trust it, name it yourself: smarig resume a.run.sqlite --rig RIG.
     """
     if not isinstance(text, Named):
         return text
     least = text.row.least
     if text not in known and (least is None or text.origin < least):
-        raise UsageError(text.row.sentence.format(where=text.where, text=shown(str.__str__(text), 200)))
+        plain = str.__str__(text)
+        raise NotPassed(text.row.sentence.format(where=text.where, text=shown(plain, 200)), plain)
     return str.__str__(text)

@@ -9,7 +9,7 @@ from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationErr
 from smarig.core.catalogue import suggestion
 from smarig.core.errors import ConfigError, UsageError
 from smarig.core.file_content import TOML
-from smarig.core.gate import named
+from smarig.core.gate import Named, named
 from smarig.core.gated_keys import Origin
 from smarig.core.shown_text import shown
 from smarig.core.swapped_file import swapped_file
@@ -39,6 +39,10 @@ class Source:
     where: str
     origin: Origin
 
+    def mark(self, text: str, key: str) -> Named:
+        """A text of the file, marked."""
+        return named(text, key, self.where, self.origin)
+
 
 def marked_as(key: str) -> AfterValidator:
     """For the annotation of a key of a schema: its text is marked where the ``context`` of validation is a ``Source``.
@@ -48,7 +52,7 @@ def marked_as(key: str) -> AfterValidator:
 
     def mark(text: str, info: ValidationInfo) -> str:
         source = info.context
-        return named(text, key, source.where, source.origin) if text and isinstance(source, Source) else text
+        return source.mark(text, key) if text and isinstance(source, Source) else text
 
     return AfterValidator(mark)
 
@@ -79,13 +83,19 @@ def read_toml(path: Path) -> dict[str, Any]:
         raise ConfigError(swapped_file(path, TOML) or f"{path} {error}.") from None
 
 
-def check_table(schema: type[SchemaType], data: Any, where: str, origin: Origin = Origin.FILE) -> SchemaType:
+def check_table(
+    schema: type[SchemaType],
+    data: Any,
+    where: str,
+    origin: Origin = Origin.FILE,
+    source: Source | None = None,
+) -> SchemaType:
     """Check data against a schema. One ConfigError lists every problem, or says that it is a file of another kind.
 
-    What it names is marked for the gate: by default as that of a file that the user named.
+    What it names is marked for the gate: by ``source``, or else as that of a file that the user named.
     """
     try:
-        return schema.model_validate(data, context=Source(where, origin))
+        return schema.model_validate(data, context=source or Source(where, origin))
     except ValidationError as error:
         if swapped := _swapped(schema, data, where):
             raise ConfigError(swapped) from None
