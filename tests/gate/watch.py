@@ -9,6 +9,8 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
+import pytest
+
 _CONNECTS = ("socket.connect", "socket.getaddrinfo", "socket.sendto")
 _STARTS = ("subprocess.Popen", "os.exec", "os.posix_spawn", "os.spawn", "os.system", "os.startfile")
 _CHANGES = (
@@ -22,7 +24,7 @@ _CHANGES = (
     "os.chmod",
 )
 _TOUCHES = ("open", "os.", "ctypes.dlopen", "sqlite3.connect", "import", "glob", "shutil", "tempfile")
-_OF_LINKS = ("os.remove", "os.rename", "os.link", "os.symlink")
+_OF_LINKS = ("os.remove", "os.rename", "os.link", "os.symlink", "os.readlink", "os.lstat")
 _FLAGS = os.O_WRONLY | os.O_RDWR | os.O_CREAT | os.O_TRUNC
 
 
@@ -83,6 +85,23 @@ def _hook(event: str, arguments: tuple[Any, ...]) -> None:
             _ACTIVE[-1].note(event, arguments)
         finally:
             _JUDGING.now = False
+
+
+@contextmanager
+def looks_seen() -> Iterator[None]:
+    """Python has no audit events for looks at what a file is, or where a link leads: here they are events, too."""
+    with pytest.MonkeyPatch.context() as patch:
+        for name in ("stat", "lstat", "readlink", "access"):
+            patch.setattr(os, name, _seen(name, getattr(os, name)))
+        yield
+
+
+def _seen(name: str, look: Callable[..., Any]) -> Callable[..., Any]:
+    def noted(path: Any, *more: Any, **others: Any) -> Any:
+        _hook(f"os.{name}", (path,))
+        return look(path, *more, **others)
+
+    return noted
 
 
 _INSTALLED: list[bool] = []  # a hook stays for the life of the process

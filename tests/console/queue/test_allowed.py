@@ -7,6 +7,7 @@ import struct
 import pytest
 
 from console.queue.entries import opened, request, worker
+from gate.watch import looks_seen, watched
 from smarig.console import Library
 from smarig.console.own_code import own_code_digest, own_code_of_experiment, own_code_of_rig
 from smarig.console.queue import worker as worker_module
@@ -260,11 +261,65 @@ def test_what_smarig_brings_is_no_own_code(folder):
         "x" * 5000,
         "a\0b",
         ".",
-        "/dev/zero",
     ):
         assert own_code_of_rig(rig, folder) == (), rig
     assert own_code_of_request(request(effects=("settling=2",)), folder) == ()
     assert own_code_digest(()) == ""
+
+
+@pytest.fixture
+def outside(tmp_path):
+    """A folder beside that of the queue: a base with a driver of its own, and a campaign."""
+    found = tmp_path / "outside"
+    found.mkdir()
+    (found / "evil.py").write_text("")
+    link = '[links.amplifier]\ndriver = "./evil.py"\n'
+    (found / "base.toml").write_text(f'name = "b"\nbase = "one_wire_serial"\n{link}')
+    (found / "c.toml").write_text('name = "c"\nsummary = "s"\n[[step]]\nprotocol = "./evil.py"\n')
+    return found
+
+
+def test_entries_that_lead_out_of_the_folder_are_listed_without_a_look_outside(folder, elsewhere, outside):
+    rig = 'name = "own"\nbase = "one_wire_twin"\nactuator = "../outside/a.toml"\n'
+    (folder / "own.toml").write_text(rig)
+    asked = (
+        request("a", rig="own.toml"),
+        request("b", rig=str(outside / "base.toml")),
+        request("c", experiment=str(outside / "evil.py"), settings={}),
+        request("d", kind="campaign", experiment=str(outside / "c.toml"), settings={}),
+        request("e", effects=("../outside/evil.py=3",)),
+    )
+    with elsewhere(), opened(folder) as queue:
+        for each in asked:
+            queue.add(each)
+    with opened(folder) as queue, watched(outside) as watch, looks_seen():
+        held = queue.held()
+    assert watch.seen == []
+    roles = [code.role for each in held for code in each.code]
+    assert roles == ["actuator file", "rig file", "protocol", "campaign", "effect"]
+    assert all("outside/" in code.name and not code.sha256 for each in held for code in each.code)
+
+
+def test_code_behind_a_file_outside_is_shown_before_it_runs(folder, started, elsewhere, outside):
+    (folder / "own.toml").write_text('name = "own"\nbase = "../outside/base.toml"\n')
+    with elsewhere(), opened(folder) as queue:
+        queue.add(request("a", rig="own.toml"))
+    with opened(folder) as queue:
+        (first,) = queue.held()
+        assert [code.role for code in first.code] == ["rig file"]
+        with pytest.raises(UsageError, match="Entry 1 also runs driver of the amplifier .*evil.py"):
+            queue.allow(first.entry.id, first.mark)
+        work(folder)
+        assert started == []
+        (second,) = queue.held()
+        assert [code.role for code in second.code] == ["driver of the amplifier"]
+        queue.allow(second.entry.id, second.mark)
+    (outside / "evil.py").write_text("# worse\n")
+    work(folder)
+    assert started == [], "it has changed since"
+    (outside / "evil.py").write_text("")
+    work(folder)
+    assert [each.rig for each in started] == ["own.toml"]
 
 
 @pytest.mark.parametrize("name", ["queue.sqlite", "library.sqlite"])

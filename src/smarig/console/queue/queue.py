@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any, Self
 
 from smarig.console.own_code import OwnCode
-from smarig.console.queue.allowed_entries import AllowedEntries, own_code_of_request
+from smarig.console.queue.allowed_entries import AllowedEntries
 from smarig.console.queue.entry_preview import EntryPreview, Previewer, preview_entry
 from smarig.console.queue.entry_process import check_system
 from smarig.console.queue.entry_request import EntryRequest, check_request
@@ -134,7 +134,7 @@ class Queue:
                 check_inside(entry.request, self.folder)
             else:
                 with_checked_output(entry.request, self.folder)
-            self._allowed.allow(number, entry.request)
+            self._allowed.allow(number, entry.request, as_shown=True)
 
     def entry(self, number: int) -> QueueEntry:
         """One entry. Raises UsageError if there is none with this number."""
@@ -179,7 +179,7 @@ class Queue:
         with self._decided(number) as entry:
             check_no_other(entry.request, [e for e in self._unfinished() if e.id != number])
             check_inside(entry.request, self.folder)
-            self._allowed.allow(number, entry.request)
+            self._allowed.allow(number, entry.request, as_shown=True)
             place = self._file.place("min") - 1
             cleared: dict[str, Any] = {"ended": None, "exit_status": None, "sentence": ""}
             self._file.update(number, state=WAITING, place=place, continued=1, **cleared)
@@ -213,7 +213,7 @@ class Queue:
         return request, self._previewer(request, self.folder)
 
     def _held(self, entry: QueueEntry) -> HeldEntry:
-        code = own_code_of_request(entry.request, self.folder.resolve())
+        code = self._allowed.code_of(entry.id, entry.request)
         return HeldEntry(entry, code, self._allowed.mark_of(entry.id, entry.request))
 
     def _unfinished(self) -> list[QueueEntry]:

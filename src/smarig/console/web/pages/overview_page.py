@@ -217,7 +217,7 @@ def _held(held: list[HeldEntry], context: ConsoleContext) -> dict[str, Any]:
             "command": shown_command(each.entry.request, context.folder, continued=each.entry.continued),
             "rig": each.entry.request.rig,
             "out": each.entry.request.out,
-            "code": [printable(code.text, 300) for code in each.code],
+            "code": [(code.is_data, printable(code.text, 300)) for code in each.code],
         }
         for each in held
     ]
