@@ -37,8 +37,7 @@ ELSEWHERE = {
     "queue: rig, load": f"{_QUEUE}test_an_entry_that_was_altered_waits",
     "queue: out": f"{_QUEUE}test_an_entry_that_writes_elsewhere_is_not_allowed",
     "folder of a console: rig file": (
-        "tests/console/web/test_foreign_queue.py::"
-        "test_pages_of_a_rig_with_own_code_run_nothing_before_a_click_that_shows_it"
+        "tests/console/web/test_led_out.py::test_pages_open_nothing_outside_of_the_folder_that_a_rig_names"
     ),
 }
 _WAYS = (

@@ -267,9 +267,9 @@ def _console_rows() -> Iterator[GatedKey]:
     yield GatedKey(
         "folder of a console",
         "rig file",
-        "what a rig can name",
+        "what a rig can name outside of the folder",
         _USER,
-        "It is listed. {where} names {text}, which is used after a click only: check or start this rig.",
+        "{where} names {text}, which lies outside of the folder and is opened only after a click on the rig's page.",
     )
 
 

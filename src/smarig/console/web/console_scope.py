@@ -17,6 +17,7 @@ class ConsoleScope:
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
+        self.opened: set[str] = set()  # rigs of which a person has opened what lies outside of the folder
         self._wires: set[str] = set()
 
     def open_rig(self, file: RigFile | None) -> None:

@@ -56,7 +56,8 @@ def serve_console(
             closing(RigChecks(root)) as rig_checks,
         ):
             scope = ConsoleScope(root)
-            scope.open_rig(rig_entry(rig, root).file)
+            scope.opened.add(rig_entry(rig, root).closed_mark)  # named on the command line
+            scope.open_rig(rig_entry(rig, root, scope.opened).file)
             ended_runs = EndedRuns(scope)
             context = ConsoleContext(
                 root, rig, queue, library, scanner, scope, ended_runs, viewers, rig_checks

@@ -1,14 +1,15 @@
 """The rigs of a console: those that come with smarig, and the rig files of its folder."""
 
+import hashlib
 import os
 import re
 import stat
-from collections.abc import Iterator
+from collections.abc import Container, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from smarig.config import RigFile, load_rig, shipped_names
-from smarig.core import SmarigError, is_path, offers_of_name, parsed_toml
+from smarig.config import RigFile, led_out, load_rig, shipped_names
+from smarig.core import NotPassed, SmarigError, is_path, offers_of_name, parsed_toml, passed, place_inside
 from smarig.rig import DRIVERS, inconsistencies
 
 _LARGEST_BYTES = 100_000  # a larger file is no rig
@@ -18,11 +19,23 @@ _RIG_LINE = re.compile(rb"^[ \t]*(actuator|base)[ \t]*=|^[ \t]*\[[ \t]*links\b",
 
 @dataclass(frozen=True)
 class RigEntry:
-    """A rig: its ``name`` for ``--rig``, and its file; without one, ``problems`` says why it cannot be used."""
+    """A rig: its ``name`` for ``--rig``, and its file; without one, ``problems`` says why it cannot be used.
+
+    ``closed``: a sentence on each thing outside of the folder that it names and nobody has opened by a click. Such a
+    rig is not judged, and has no file if its base is among them. ``is_opened``: somebody has.
+    """
 
     name: str
     file: RigFile | None
     problems: tuple[str, ...] = ()
+    closed: tuple[str, ...] = ()
+    is_opened: bool = False
+
+    @property
+    def closed_mark(self) -> str:
+        """A text that differs whenever the rig or what is closed does; "" for nothing."""
+        parts = repr((self.name, self.closed)).encode("utf-8", "replace")
+        return hashlib.sha256(parts).hexdigest() if self.closed else ""
 
     @property
     def kind(self) -> str:
@@ -54,9 +67,9 @@ class RigEntry:
         return self.file is not None and self.is_bench and self.file.simulator is None
 
 
-def rigs_of(folder: Path) -> list[RigEntry]:
+def rigs_of(folder: Path, opened: Container[str] = ()) -> list[RigEntry]:
     """Every rig, those of the folder first."""
-    return [rig_entry(name, folder) for name in rig_names(folder)]
+    return [rig_entry(name, folder, opened) for name in rig_names(folder)]
 
 
 def rig_names(folder: Path) -> list[str]:
@@ -64,20 +77,39 @@ def rig_names(folder: Path) -> list[str]:
     return [*_own_names(folder), *shipped_names("rigs")]
 
 
-def rig_entry(name: str, folder: Path) -> RigEntry:
-    """A rig by name, or by a file's path from the folder.
+def rig_entry(name: str, folder: Path, opened: Container[str] = ()) -> RigEntry:
+    """A rig by name, or by a file's path from the folder. ``opened`` has the ``closed_mark`` of those opened.
 
-    Drivers of its own are code, which may do anything and never end. Only the process of a check imports them.
+    Until then it came with its folder, and leads to nothing outside. Drivers of its own are code, which may do anything
+    and never end: only the process of a check imports them.
     """
+    path = name if name in shipped_names("rigs") else str(folder / name)
+    entry = _entry(name, path, folder)
+    return _entry(name, path, None) if entry.closed and entry.closed_mark in opened else entry
+
+
+def _entry(name: str, path: str, came_with: Path | None) -> RigEntry:
+    is_opened = came_with is None
     try:
-        file = load_rig(str(folder / name) if name.endswith(".toml") else name)
-        if _has_own_driver(file):
-            return RigEntry(name, file)
-        return RigEntry(name, file, tuple(inconsistencies(file)))
+        file = load_rig(path, came_with)
+        closed = tuple(str(_refusal(text)) for text in led_out(file).values())
+        if closed or _has_own_driver(file):
+            return RigEntry(name, file, closed=closed, is_opened=is_opened)
+        return RigEntry(name, file, tuple(inconsistencies(file)), is_opened=is_opened)
+    except NotPassed as refusal:
+        return RigEntry(name, None, closed=(str(refusal),))
     except SmarigError as error:
         return RigEntry(name, None, (str(error),))
     except (OSError, ValueError, RecursionError):
         return RigEntry(name, None, ("It is no rig file that can be read.",))
+
+
+def _refusal(text: str) -> NotPassed | None:
+    try:
+        passed(text)
+    except NotPassed as refusal:
+        return refusal
+    return None
 
 
 def _has_own_driver(file: RigFile) -> bool:
@@ -94,6 +126,8 @@ def _own_names(folder: Path) -> Iterator[str]:
     for path in sorted(folder.glob("*.toml")):
         try:
             path.name.encode()  # a name that no address can hold is left out
+            if place_inside(path, folder) is None:  # a link that leads out, which is not followed
+                continue
             content = _content(path)
         except (OSError, ValueError):
             continue

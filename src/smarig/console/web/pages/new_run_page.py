@@ -11,8 +11,8 @@ from starlette.requests import Request
 from starlette.responses import HTMLResponse, Response
 from starlette.routing import Route
 
-from smarig.config import RigFile, load_campaign, load_rig, shipped_names
-from smarig.console.own_code import own_code_digest, own_code_of_rig, own_code_text
+from smarig.config import RigFile, load_campaign, shipped_names
+from smarig.console.own_code import own_code_digest, own_code_text
 from smarig.console.queue.allowed_entries import own_code_of_request
 from smarig.console.queue.ensure_worker import ensure_worker
 from smarig.console.queue.entry_command import shown_command
@@ -21,11 +21,10 @@ from smarig.console.queue.entry_request import EntryRequest, Kind
 from smarig.console.queue.queue_entry import EntryState
 from smarig.console.web.console_context import ConsoleContext, back, context_of, form_texts, page
 from smarig.console.web.protocol_form import FormField, protocol_form
-from smarig.console.web.rig_files import rig_names
+from smarig.console.web.rig_files import RigEntry, rig_entry, rig_names
 from smarig.core import SmarigError, UsageError, catalogue_names, catalogue_summary, shown
 from smarig.protocols import PROTOCOLS
 from smarig.report import duration
-from smarig.rig import inconsistencies
 
 CHARACTERISE = "characterise:"  # before the name of the campaign that a characterisation runs
 _CAMPAIGN = "campaign:"
@@ -59,7 +58,10 @@ def _requested(
 ) -> Response:
     try:
         wanted = entry_request_of(values)
-        code = own_code_of_request(wanted, context.folder)
+        rig = rig_entry(wanted.rig, context.folder, context.scope.opened)
+        if rig.closed:
+            raise UsageError(rig.closed[0])
+        code = own_code_of_request(wanted, context.folder, rig_is_opened=rig.is_opened)
         if own_code_digest(code) != values.get("code", ""):
             raise UsageError(
                 f"This runs {own_code_text(code)}. Press the button again to allow it."
@@ -142,17 +144,19 @@ def _shown(
 ) -> HTMLResponse:
     rig = values.get("rig") or context.rig
     experiment = values.get("experiment") or _FIRST
-    own_driver = bool(own_code_of_rig(rig, context.folder))  # not to be imported by looking at a page
+    entry = rig_entry(rig, context.folder, context.scope.opened)
+    file, text, fields = entry.file, "", ()
     try:
-        file = load_rig(str(context.folder / rig) if rig.endswith(".toml") else rig)  # as the queue does
+        if file is None and not entry.closed:
+            raise UsageError(entry.problems[0])
         text, fields = _experiment(experiment)
     except SmarigError as problem:
-        error, file, text, fields = error or str(problem), None, "", ()
+        error, file = error or str(problem), None
     shown = {
         **_choices(rig, context.folder),
         "rig": rig,
         "rig_text": _rig_text(file),
-        "rig_problems": inconsistencies(file) if file and not own_driver else [],
+        "rig_problems": entry.closed or (entry.problems if file else ()),
         "rig_wire": file.wire if file else "",
         "is_twin": file is not None and (file.kind == "twin" or file.simulator is not None),
         "experiment": experiment,
@@ -171,7 +175,7 @@ def _shown(
         "preview": _preview(preview, file) if preview else None,
         "error": error,
         "command": _command(context, values, rig, experiment),
-        **_code(context, values, rig, experiment),
+        **_code(context, values, entry, experiment),
         **{name: values.get(name, "") for name in ("wire", "load", "notes", "effects", "speed")},
         "seed": values.get("seed") or "0",
     }
@@ -244,14 +248,16 @@ def _command(context: ConsoleContext, values: Mapping[str, str], rig: str, exper
         return str(error)
 
 
-def _code(context: ConsoleContext, values: Mapping[str, str], rig: str, experiment: str) -> dict[str, str]:
+def _code(
+    context: ConsoleContext, values: Mapping[str, str], rig: RigEntry, experiment: str
+) -> dict[str, str]:
     """The own code that the buttons would run, in words, and its digest, which they send."""
     try:
-        start = {"rig": rig, "experiment": experiment, "out": "x"}
+        start = {"rig": rig.name, "experiment": experiment, "out": "x"}
         wanted = entry_request_of({**start, **{k: v for k, v in values.items() if v}})
     except SmarigError:
         return {"code": "", "code_digest": ""}
-    code = own_code_of_request(wanted, context.folder)
+    code = () if rig.closed else own_code_of_request(wanted, context.folder, rig_is_opened=rig.is_opened)
     return {"code": own_code_text(code), "code_digest": own_code_digest(code)}
 
 

@@ -25,24 +25,23 @@ def rigs(request: Request) -> HTMLResponse:
     """The list."""
     context = context_of(request)
     runs = runs_in_progress()
-    rows = [_row(each, context, runs) for each in rigs_of(context.folder)]
+    rows = [_row(each, context, runs) for each in rigs_of(context.folder, context.scope.opened)]
     return page(request, "rigs.html", {"rigs": rows}, here="rigs")
 
 
 def one_rig(request: Request) -> HTMLResponse:
     """The page of one rig."""
     context, name = context_of(request), request.query_params.get("rig", "")
-    entry, runs, code = (
-        rig_entry(name, context.folder),
-        runs_in_progress(),
-        own_code_of_rig(name, context.folder),
-    )
+    entry, runs = _entry(context, name), runs_in_progress()
+    code = () if entry.closed else own_code_of_rig(name, context.folder, opened=entry.is_opened)
     shown = {
         **_row(entry, context, runs),
         "problems": entry.problems,
-        "facts": _facts(entry.file) if entry.file else [],
+        "closed": entry.closed,
+        "closed_mark": entry.closed_mark,
+        "facts": _facts(entry.file) if entry.file and not entry.closed else [],
         "links": _links(entry.file) if entry.file else [],
-        "is_bench": entry.is_bench and not entry.problems,
+        "is_bench": entry.is_bench and not entry.problems and not entry.closed,
         "is_real": entry.is_real,
         "code": own_code_text(code),
         "code_digest": own_code_digest(code),
@@ -56,10 +55,12 @@ async def check_rig(request: Request) -> Response:
     """Start the bring-up of a rig. A real wire is heated only after a tick in the box that says so."""
     context, form = context_of(request), dict(await form_texts(request))
     name = form.get("rig", "")
-    entry = await run_in_threadpool(rig_entry, name, context.folder)
+    entry = await run_in_threadpool(_entry, context, name)
+    if entry.closed:
+        raise UsageError(entry.closed[0])
     if not entry.is_bench or entry.problems:
         raise UsageError(entry.problems[0] if entry.problems else f"{name} has no devices to check.")
-    code = await run_in_threadpool(own_code_of_rig, name, context.folder)
+    code = await run_in_threadpool(own_code_of_rig, name, context.folder, opened=entry.is_opened)
     if own_code_digest(code) != form.get("code", ""):
         raise UsageError(
             f"The check would run {own_code_text(code)}, which was not shown. Open the page again."
@@ -73,6 +74,17 @@ async def check_rig(request: Request) -> Response:
     return back(f"/rigs/rig?{urlencode({'rig': name})}")
 
 
+async def open_rig(request: Request) -> Response:
+    """Open what a rig names outside of the folder, as it was shown: from now on the person has named this rig."""
+    context, form = context_of(request), dict(await form_texts(request))
+    name = form.get("rig", "")
+    entry = await run_in_threadpool(rig_entry, name, context.folder)
+    if entry.closed_mark != form.get("mark", ""):
+        raise UsageError("What this rig names has changed since it was shown. Open the page again.")
+    context.scope.opened.add(entry.closed_mark)
+    return back(f"/rigs/rig?{urlencode({'rig': name})}")
+
+
 async def stop_rig(request: Request) -> Response:
     """Stop whatever drives the wire of a rig, of any folder: somebody beside the rig must not look for its owner."""
     context, name = context_of(request), dict(await form_texts(request)).get("rig", "")
@@ -80,12 +92,16 @@ async def stop_rig(request: Request) -> Response:
 
 
 def _stopped(context: ConsoleContext, name: str) -> Response:
-    runs = _on_its_wire(rig_entry(name, context.folder), runs_in_progress())
+    runs = _on_its_wire(_entry(context, name), runs_in_progress())
     stop_runs(runs, f"'Stop this rig' in the console of {context.folder}", Requester.CONSOLE)
     text = "The rig is asked to stop: the current goes to zero." if runs else "Nothing drives this rig."
     return back(
         f"/rigs/rig?{urlencode({'rig': name}, errors='replace')}", text, "warning" if runs else "good"
     )
+
+
+def _entry(context: ConsoleContext, name: str) -> RigEntry:
+    return rig_entry(name, context.folder, context.scope.opened)
 
 
 def _row(entry: RigEntry, context: ConsoleContext, runs: Sequence[RunInProgress]) -> dict[str, Any]:
@@ -103,6 +119,8 @@ def _row(entry: RigEntry, context: ConsoleContext, runs: Sequence[RunInProgress]
 
 
 def _state(entry: RigEntry, context: ConsoleContext, runs: Sequence[RunInProgress]) -> tuple[str, str]:
+    if entry.closed:
+        return f"Not opened: {entry.closed[0]}", "warning"
     if entry.is_template:
         return "Template: copy it, and give the addresses of your devices", ""
     if entry.problems:
@@ -185,5 +203,6 @@ ROUTES = [
     Route("/rigs", rigs),
     Route("/rigs/rig", one_rig),
     Route("/rigs/check", check_rig, methods=["POST"]),
+    Route("/rigs/open", open_rig, methods=["POST"]),
     Route("/rigs/stop", stop_rig, methods=["POST"]),
 ]
