@@ -102,13 +102,13 @@ def _lead(run: Run) -> Html:
         return joined([run_lead(run)])
     lost = lost_samples(run)
     due = lost + len(run)
-    told = (
+    losses = (
         f" {thousands(lost)} of {thousands(due)} samples ({number(100 * lost / due, 2)} %) were lost."
         if lost
         else ""
     )
     return joined(
-        [run_lead(run), ". Highest severity of its events: ", severity_mark(run.severity), ".", told]
+        [run_lead(run), ". Highest severity of its events: ", severity_mark(run.severity), ".", losses]
     )
 
 
