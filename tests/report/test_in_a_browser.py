@@ -119,6 +119,25 @@ def test_everyone_can_read_it_on_a_desk_and_on_a_phone(opened, kind, width):
     assert tab.violations() == []
 
 
+GROUND = "getComputedStyle(document.querySelector('{}')).backgroundColor"
+
+
+@pytest.mark.parametrize("kind", [pytest.param(k, marks=[LONG] if k in ON_A_PHONE else []) for k in KINDS])
+def test_everyone_can_read_it_in_the_dark(opened, kind):
+    """Text on a dark ground; figures keep their white one, on which their colours can be told apart."""
+    axe()
+    tab = opened(kind, 1280)
+    try:
+        tab.dark()
+        assert tab.run(GROUND.format("body")) == "rgb(18, 22, 27)"
+        if tab.run("document.querySelector('.plot') !== null"):
+            assert tab.run(GROUND.format(".plot")) == "rgb(255, 255, 255)"
+        assert tab.violations() == []
+    finally:
+        tab.dark(False)
+    assert tab.run(GROUND.format("body")) == "rgb(255, 255, 255)"
+
+
 PLOTS = (
     "[...document.querySelectorAll('.plot')].map(p => [p.ariaLabel, p.role, p.textContent, p.offsetHeight])"
 )

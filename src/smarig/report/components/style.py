@@ -93,13 +93,17 @@ def template() -> dict[str, Any]:
 
 
 CSS = """
-:root{--ink:#1b1f24;--grey:#5b6470;--line:#d9dde3;--soft:#f5f6f8;--blue:#0072B2;--amber:#f7c948}
+:root{color-scheme:light dark;--ink:#1b1f24;--grey:#5b6470;--line:#d9dde3;--soft:#f5f6f8;--blue:#0072B2;--amber:#f7c948;
+ --ground:#fff;--text:#333a44;--link:#005a8f;--edge:#8b939e;--warm:#fff8e8;--rose:#fdf0e8;--mark:#fff0c2}
+@media screen and (prefers-color-scheme:dark){:root{--ink:#e6e9ee;--grey:#a3acb8;--line:#3a424d;--soft:#1e242c;
+ --blue:#6cb8ec;--ground:#12161b;--text:#c3cad4;--link:#6cb8ec;--edge:#59616c;--warm:#3a2f10;--rose:#3c1f12;--mark:#4a3d12}
+ .plot,.gallery svg,td svg{background:#fff;color-scheme:light}button[aria-pressed=true]{color:#12161b}}
 *{box-sizing:border-box}
 html{scroll-padding-top:5.5rem;-webkit-text-size-adjust:100%}
-body{margin:0;background:#fff;color:var(--ink);font:16px/1.55 FONT;counter-reset:section figure table;
+body{margin:0;background:var(--ground);color:var(--ink);font:16px/1.55 FONT;counter-reset:section figure table;
  font-variant-numeric:tabular-nums}
 main,header.top,footer{max-width:1180px;margin:0 auto;padding:0 24px}sub{line-height:0}
-.sticky{position:sticky;top:0;z-index:20;background:#fff;border-bottom:1px solid var(--line)}
+.sticky{position:sticky;top:0;z-index:20;background:var(--ground);border-bottom:1px solid var(--line)}
 .twinbar{background:repeating-linear-gradient(-45deg,#f7c948 0 22px,#f2b632 22px 44px);color:#111;font-weight:700;
  text-align:center;padding:6px 12px;letter-spacing:.02em}
 nav{display:flex;gap:2px 16px;overflow-x:auto;white-space:nowrap;padding:8px 24px;max-width:1180px;margin:0 auto;
@@ -117,14 +121,14 @@ h3{font-size:17px;margin:26px 0 6px}
 p,li{max-width:78ch;overflow-wrap:anywhere}
 code{font:13px/1.4 ui-monospace,SFMono-Regular,Menlo,Consolas,monospace;overflow-wrap:anywhere}
 .cards{display:grid;grid-template-columns:repeat(auto-fit,minmax(185px,1fr));gap:12px;margin:18px 0}
-.card{border:1px solid var(--line);border-top:4px solid var(--blue);padding:10px 14px 12px;background:#fff}
+.card{border:1px solid var(--line);border-top:4px solid var(--blue);padding:10px 14px 12px;background:var(--ground)}
 .card small{display:block;color:var(--grey);font-size:13px}
 .card strong{display:block;font-size:25px;line-height:1.25;font-weight:650;letter-spacing:-.01em}
 .card span{display:block;font-size:13px;color:var(--grey);line-height:1.4}
 .notice{border-left:5px solid var(--grey);background:var(--soft);padding:10px 16px;margin:12px 0;max-width:90ch;
  overflow-wrap:anywhere}
-.notice p{margin:.2em 0}.notice.good{border-color:#009E73}.notice.warning{border-color:#E69F00;background:#fff8e8}
-.notice.bad{border-color:#D55E00;background:#fdf0e8}
+.notice p{margin:.2em 0}.notice.good{border-color:#009E73}.notice.warning{border-color:#E69F00;background:var(--warm)}
+.notice.bad{border-color:#D55E00;background:var(--rose)}
 figure{margin:22px 0 30px;counter-increment:figure;break-inside:avoid}
 figure .panels{display:grid;grid-template-columns:repeat(auto-fit,minmax(min(100%,var(--least,560px)),1fr));gap:10px;
  overflow-x:auto}
@@ -140,7 +144,7 @@ figure .panels{display:grid;grid-template-columns:repeat(auto-fit,minmax(min(100
  .with-text table{font-size:13px}.with-text td,.with-text th{padding-right:10px;white-space:nowrap}
  .with-text ul{padding-left:18px;margin:8px 0;font-size:15px;line-height:1.45}}
 .choices{display:flex;flex-wrap:wrap;gap:6px}
-button,input,select{font:inherit;font-size:14px;color:var(--ink);background:#fff;border:1px solid #8b939e;
+button,input,select{font:inherit;font-size:14px;color:var(--ink);background:var(--ground);border:1px solid var(--edge);
  border-radius:3px;padding:5px 10px}
 button{cursor:pointer}button:hover{border-color:var(--blue)}
 button[aria-pressed=true]{background:var(--blue);border-color:var(--blue);color:#fff}
@@ -156,23 +160,23 @@ button[aria-pressed=true]{background:var(--blue);border-color:var(--blue);color:
 .gallery li.twinned{border-top:4px solid var(--amber)}.gallery svg,td svg{display:block;width:100%;height:auto}
 .gallery a{font-weight:600;overflow-wrap:anywhere}
 .gallery p{margin:2px 0 0;font-size:13px;line-height:1.4;color:var(--grey)}
-a{color:#005a8f}th button{border:0;padding:0;font-weight:600;text-align:left}
+a{color:var(--link)}th button{border:0;padding:0;font-weight:600;text-align:left}
 th[aria-sort=ascending] button::after{content:" ▲"}th[aria-sort=descending] button::after{content:" ▼"}
 .swatch{display:inline-block;width:22px;height:0;border-top:4px solid;vertical-align:middle;margin-right:8px}
 .skip{position:absolute;left:-9999px}.skip:focus{position:static}
 .pairs,.columns{display:grid;grid-template-columns:repeat(auto-fit,minmax(min(100%,480px),1fr));gap:0 28px;
  align-items:start}
 .columns{grid-template-columns:repeat(auto-fit,minmax(min(100%,440px),1fr))}.columns td{white-space:nowrap}
-figcaption{font-size:14px;line-height:1.5;color:#333a44;max-width:100ch;margin-top:4px;overflow-wrap:anywhere}
+figcaption{font-size:14px;line-height:1.5;color:var(--text);max-width:100ch;margin-top:4px;overflow-wrap:anywhere}
 figcaption::before{content:"Figure " counter(figure) ". ";font-weight:700}
 .twin{display:inline-block;background:var(--amber);color:#111;font-weight:700;font-size:12px;padding:0 6px;
  border-radius:2px;letter-spacing:.03em;white-space:nowrap}
-.severity{padding:0 6px;border-radius:2px;white-space:nowrap}.severity.minor{background:#fff0c2;color:#111}
-.severity.major{background:#fdf0e8;color:#111;font-weight:700;outline:1px solid #D55E00}
-.severity.invalid{background:#1b1f24;color:#fff;font-weight:700}
+.severity{padding:0 6px;border-radius:2px;white-space:nowrap}.severity.minor{background:var(--mark);color:var(--ink)}
+.severity.major{background:var(--rose);color:var(--ink);font-weight:700;outline:1px solid #D55E00}
+.severity.invalid{background:var(--ink);color:var(--ground);font-weight:700}
 .table{overflow-x:auto;margin:16px 0 22px}
 table{border-collapse:collapse;font-size:14px;line-height:1.4;min-width:min(100%,420px)}
-caption{text-align:left;font-size:14px;color:#333a44;padding-bottom:6px;max-width:100ch}
+caption{text-align:left;font-size:14px;color:var(--text);padding-bottom:6px;max-width:100ch}
 caption::before{counter-increment:table;content:"Table " counter(table) ". ";font-weight:700}
 th,td{text-align:left;padding:4px 16px 4px 0;border-bottom:1px solid var(--line);vertical-align:top;font-weight:400}
 thead th{border-bottom:2px solid var(--ink);font-weight:600;vertical-align:bottom}
@@ -183,7 +187,7 @@ a.term{color:inherit;text-decoration:underline dotted;text-underline-offset:3px}
 #glossary{max-width:1180px;margin:0 auto;padding:0 24px 24px}#glossary h2{display:inline-block;font-weight:500;
  width:calc(100% - 1.2em);vertical-align:top}#glossary h2::before{content:none}
 .glossary{columns:2 420px;column-gap:40px;font-size:14px}.glossary dt{font-weight:600;break-after:avoid}
-.glossary dt:target{background:#fff0c2}.glossary dd{margin:0 0 8px;break-inside:avoid}
+.glossary dt:target{background:var(--mark)}.glossary dd{margin:0 0 8px;break-inside:avoid}
 .glossary dd span{color:var(--grey)}
 footer p{color:var(--grey);font-size:13px;border-top:1px solid var(--line);margin:0;padding:14px 0 40px;max-width:none}
 @media (max-width:600px){body{font-size:15px}main,header.top,footer,#glossary{padding:0 14px}
