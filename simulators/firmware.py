@@ -4,7 +4,7 @@ import ctypes
 from pathlib import Path
 
 from simulators.framing import ServerFraming
-from smarig.core import UsageError
+from smarig.core import UsageError, check_file
 from smarig.device import from_words, load_register_map
 
 _RTU, _LINE = 0, 1  # the library's numbers of the framings
@@ -14,6 +14,7 @@ _ROOM = 2048  # bytes for a reply; the longest line is shorter than 700
 
 def open_library(path: Path) -> ctypes.CDLL:
     """Load the library and declare its functions. Raises UsageError if it is not the firmware's library."""
+    check_file(path)  # the loader would wait for a pipe for ever
     try:
         library = ctypes.CDLL(str(path.resolve()))
         for short, ticked in (("amp", (ctypes.c_int32,) * 2), ("daq", (ctypes.c_int32,))):

@@ -120,7 +120,7 @@ def test_a_wrong_protocol_is_one_sentence(tmp_path, text, sentence):
     ("name", "sentence"),
     [
         ("./gone.py", "^There is no file gone.py.$"),
-        ("./folder.py", "^folder.py cannot be read: "),
+        ("./folder.py", "^folder.py is a folder"),
         ("./not-a-name.py", "'not-a-name' is not a valid Python name"),
         ("./validation.py", "'validation' is the name of a shipped protocol"),
         ("./latin.py", "is not a UTF-8 text file"),

@@ -8,7 +8,7 @@ from typing import Any
 
 from smarig.config import RigFile
 from smarig.control import ControllerModel, LoopTiming
-from smarig.core import SmarigError, UsageError
+from smarig.core import SmarigError, UsageError, file_bytes
 from smarig.plant import Actuator, effects_from_json
 from smarig.protocols import Setup
 from smarig.replay import Model, load_model
@@ -31,7 +31,7 @@ class ModelSource:
         check_path("The model", path)
         model = load_model(path)
         model.check_classical("A loop or its certificate")
-        return cls(model, Path(path).name, hashlib.sha256(Path(path).read_bytes()).hexdigest())
+        return cls(model, Path(path).name, hashlib.sha256(file_bytes(Path(path))).hexdigest())
 
     def settings(self) -> dict[str, str]:
         """The settings that are recorded."""

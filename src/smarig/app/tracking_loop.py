@@ -21,7 +21,7 @@ from smarig.control import (
     reference_from_csv,
 )
 from smarig.control import track as tracking_protocol
-from smarig.core import UsageError, catalogue_names, offered_names, resolve_name, suggestion
+from smarig.core import UsageError, catalogue_names, is_file, offered_names, resolve_name, suggestion
 from smarig.runner import ProtocolFactory
 
 LEAST_TICKS = 10  # least length of a reference: fewer samples say nothing about a loop
@@ -105,7 +105,7 @@ def _reference(
     wanted: str, settings: Mapping[str, Any], controller_model: ControllerModel, unit: str
 ) -> Reference:
     if wanted not in REFERENCE_SHAPES:
-        if not Path(wanted).suffix and not Path(wanted).is_file():
+        if not Path(wanted).suffix and not is_file(Path(wanted)):
             raise UsageError(
                 f"No reference '{wanted}'{suggestion(wanted, list(REFERENCE_SHAPES))}, or a CSV file with time_s and "
                 f"position_{unit}."

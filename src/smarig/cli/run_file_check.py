@@ -3,13 +3,13 @@
 from pathlib import Path
 
 from smarig.cli.output import check_distinct, emit
-from smarig.core import RUN, DataError, UsageError, content_kind
+from smarig.core import RUN, DataError, UsageError, content_kind, is_file
 
 
 def is_run_file(name: str) -> bool:
     """Whether the user gives a run file and not a rig."""
     path = Path(name)
-    return name.endswith(".sqlite") or (path.is_file() and content_kind(path) == RUN)
+    return name.endswith(".sqlite") or (is_file(path) and content_kind(path) == RUN)
 
 
 def check_run_file(run: Path, out: Path | None, force: bool) -> int:

@@ -11,7 +11,9 @@ from smarig.core import (
     Origin,
     Source,
     UsageError,
+    check_file,
     check_table,
+    is_file,
     is_path,
     load_toml,
     named,
@@ -19,6 +21,7 @@ from smarig.core import (
     place_inside,
     read_toml,
     shipped,
+    shown,
     suggestion,
 )
 
@@ -42,11 +45,11 @@ def locate(folder: str, name: str) -> Path:
     if name in known:
         return shipped("configs") / folder / f"{name}.toml"
     path = Path(name)
-    if path.suffix == ".toml" or path.is_file():
-        if not path.is_file():
-            raise UsageError(f"There is no file {path}.")
-        return path
-    raise UsageError(f"No {folder.rstrip('s')} '{name}'{suggestion(path.name, known)}.")
+    if path.suffix == ".toml":
+        check_file(path)
+    elif not is_file(path):
+        raise UsageError(f"No {folder.rstrip('s')} {shown(name)}{suggestion(path.name, known)}.")
+    return path
 
 
 def load_actuator(name: str) -> ActuatorFile:
@@ -128,7 +131,7 @@ def _sibling_path(name: str, folder: Path, kind: str, came_with: Path | None) ->
         own = name and name not in shipped_names(kind)
         return _inner_path(folder / name, came_with) if own else name
     sibling = folder / name
-    return str(sibling.resolve()) if name.endswith(".toml") and sibling.is_file() else name
+    return str(sibling.resolve()) if name.endswith(".toml") and is_file(sibling) else name
 
 
 def driver_names(file: RigFile) -> list[str]:

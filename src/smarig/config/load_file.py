@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 from pydantic import Field, model_validator
 
 from smarig.config.named_things import LoadFormula, LoadPath
-from smarig.core import Number, TomlTable, UsageError, number_from_text, passed, swapped_file
+from smarig.core import Number, TomlTable, UsageError, is_file, number_from_text, passed, swapped_file
 
 if TYPE_CHECKING:
     from smarig.config.file_schemas import RigFile
@@ -43,7 +43,7 @@ def with_load(rig: "RigFile", text: str) -> "RigFile":
         force_N = number_from_text(text)
     except ValueError:
         text = passed(text)
-        if Path(text).is_file() and not text.lower().endswith(".csv"):
+        if is_file(Path(text)) and not text.lower().endswith(".csv"):
             unknown = f"{text} is no load. Give a force in N, a formula of t, or a CSV file (time_s,force_N)."
             raise UsageError(swapped_file(Path(text), "a load") or unknown) from None
         by_file = text.lower().endswith(".csv")

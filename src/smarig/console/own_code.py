@@ -6,9 +6,7 @@ folder is named, and not opened before a person has allowed it (``opened``).
 """
 
 import hashlib
-import os
 import re
-import stat
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -17,9 +15,12 @@ from smarig.config import LinksFile, RigFile, led_out, load_campaign, load_rig, 
 from smarig.core import (
     NotPassed,
     SmarigError,
+    UsageError,
     catalogue_names,
+    is_file,
     is_path,
     offers_of_name,
+    opened_file,
     place_inside,
     printable,
 )
@@ -79,7 +80,7 @@ def own_code_of_experiment(name: str, folder: Path, *, opened: bool = False) -> 
     given = folder / name
     if not opened and _leads_out(given, folder):
         return (OwnCode("campaign", str(given), is_data=True),)
-    if not _is_file(given):
+    if not is_file(given):
         return _plugin("protocol", PROTOCOLS, name)
     try:
         plan = load_campaign(str(given))
@@ -142,19 +143,10 @@ def _leads_out(path: Path, folder: Path) -> bool:
         return False
 
 
-def _is_file(path: Path) -> bool:
-    try:
-        return path.is_file()
-    except (OSError, ValueError):  # no name of a file
-        return False
-
-
 def _sha256(path: Path) -> str:
     """The hash of a regular file; "" for anything else, which no command can load either."""
     try:
-        descriptor = os.open(path, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0))
-        with os.fdopen(descriptor, "rb") as file:
-            regular = stat.S_ISREG(os.fstat(descriptor).st_mode)
-            return hashlib.file_digest(file, "sha256").hexdigest() if regular else ""
-    except (OSError, ValueError):
+        with opened_file(path) as file:
+            return hashlib.file_digest(file, "sha256").hexdigest()
+    except (UsageError, OSError):
         return ""

@@ -108,6 +108,11 @@ if TYPE_CHECKING:
     from smarig.core.profile_table import profile_rows as profile_rows
     from smarig.core.progress_share import counted as counted
     from smarig.core.progress_share import share_done as share_done
+    from smarig.core.regular_file import check_file as check_file
+    from smarig.core.regular_file import file_bytes as file_bytes
+    from smarig.core.regular_file import is_file as is_file
+    from smarig.core.regular_file import is_folder as is_folder
+    from smarig.core.regular_file import opened_file as opened_file
     from smarig.core.requester import Requester as Requester
     from smarig.core.resources import make_importable as make_importable
     from smarig.core.resources import shipped as shipped

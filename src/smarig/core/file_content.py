@@ -6,6 +6,8 @@
 import re
 from pathlib import Path
 
+from smarig.core.regular_file import opened_file
+
 RUN, MODEL, PAGE = "a run", "a model", "a page"
 JSON, TOML, TABLE = "JSON", "TOML", "a table of numbers"
 CURVES = "a file of reversal curves"
@@ -50,7 +52,7 @@ def content_kind(path: Path, final_name: str = "") -> str:
 
     ``final_name`` is the name that the file will have, if it differs from the present one.
     """
-    with path.open("rb") as file:
+    with opened_file(path) as file:
         head = file.read(_HEAD)
     if not head.strip():
         return ""

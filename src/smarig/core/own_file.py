@@ -13,6 +13,7 @@ from typing import Any
 from smarig.core.errors import UsageError
 from smarig.core.former_names import answer_former_names
 from smarig.core.plugin import PluginOffer, plugin_folder
+from smarig.core.regular_file import file_bytes
 
 
 @dataclass(frozen=True)
@@ -57,11 +58,9 @@ class OwnFile:
 def read_own_file(path: Path) -> bytes:
     """The bytes of a UTF-8 text file. Raises UsageError if it cannot be read."""
     try:
-        data = path.read_bytes()
+        data = file_bytes(path)
         data.decode("utf-8-sig")
         return data
-    except FileNotFoundError:
-        raise UsageError(f"There is no file {path}.") from None
     except OSError as error:
         raise UsageError(f"{path} cannot be read: {error.strerror or error}.") from None
     except UnicodeDecodeError:

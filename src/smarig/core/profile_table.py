@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from smarig.core.errors import DataError, UsageError
 from smarig.core.file_content import TABLE
 from smarig.core.number_text import number_from_text
+from smarig.core.regular_file import check_file
 from smarig.core.swapped_file import swapped_file
 
 _LARGEST_BYTES = 10_000_000
@@ -16,8 +17,9 @@ _LARGEST_BYTES = 10_000_000
 
 def profile_rows(path: Path) -> list[list[str]]:
     """The cells of a CSV file, line by line. UsageError if it cannot be read, DataError if it is no text table."""
-    if not path.is_file() or path.stat().st_size > _LARGEST_BYTES:
-        raise UsageError(f"Table {path} cannot be read: the file is missing or larger than 10 MB.")
+    check_file(path, "table")
+    if path.stat().st_size > _LARGEST_BYTES:
+        raise UsageError(f"Table {path} is larger than {_LARGEST_BYTES // 10**6} MB. Shorten it.")
     if swapped := swapped_file(path, TABLE):
         raise DataError(swapped)
     try:

@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+from smarig.core.errors import UsageError
 from smarig.core.file_content import CURVES, JSON, MODEL, PAGE, RUN, TABLE, TOML, content_kind
 
 _NOUNS = {
@@ -39,7 +40,7 @@ def swapped_file(path: Path, wanted: str) -> str:
     """
     try:
         kind = content_kind(path)
-    except OSError:
+    except (UsageError, OSError):
         return ""
     if kind == RUN and (held := _bytes_before_first_page(path)):
         return f"{path} was cut off after {held} byte(s), before anything of a run. Copy it again from its source."

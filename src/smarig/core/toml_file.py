@@ -11,6 +11,7 @@ from smarig.core.errors import ConfigError, UsageError
 from smarig.core.file_content import TOML
 from smarig.core.gate import Named, named
 from smarig.core.gated_keys import Origin
+from smarig.core.regular_file import check_file
 from smarig.core.shown_text import shown
 from smarig.core.swapped_file import swapped_file
 from smarig.core.toml_kind import swapped_table
@@ -69,6 +70,7 @@ def read_toml(path: Path) -> dict[str, Any]:
     """A TOML file as a dictionary. A syntax error raises ConfigError with its line. The mark of an
     editor at its beginning (BOM) is no part of it.
     """
+    check_file(path)
     try:
         if path.stat().st_size > LARGEST_BYTES:
             raise ConfigError(

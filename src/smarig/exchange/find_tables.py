@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from pathlib import Path
 
-from smarig.core import CURVES, DataError, UsageError, content_kind
+from smarig.core import CURVES, DataError, check_file, content_kind, opened_file
 from smarig.exchange.forc_file import read_forc
 from smarig.exchange.found_table import FoundColumn, FoundTable
 from smarig.exchange.importing import LARGEST_BYTES
@@ -26,12 +26,11 @@ def find_tables(path: Path, others: Sequence[Path] = ()) -> list[FoundTable]:
 
 
 def _tables(path: Path, others: Sequence[Path]) -> list[FoundTable]:
-    if not path.is_file():
-        raise UsageError(f"There is no file {path}.")
+    check_file(path)
     if path.stat().st_size > LARGEST_BYTES:
         raise DataError(f"{path} is larger than {LARGEST_BYTES // 10**9} GB. Split it.")
     check_data_file(path)
-    with path.open("rb") as file:
+    with opened_file(path) as file:
         head = file.read(_HEAD)
     if head.startswith(b"PK"):
         from smarig.exchange.workbook_file import workbook_tables

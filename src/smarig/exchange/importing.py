@@ -9,7 +9,7 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-from smarig.core import DataError, StorageError, UsageError, catalogue_entry, in_unit
+from smarig.core import DataError, StorageError, UsageError, catalogue_entry, check_file, in_unit, opened_file
 from smarig.exchange.mapping import mapping_text
 from smarig.exchange.reader_result import RunDraft
 from smarig.exchange.refused_files import check_data_file
@@ -60,8 +60,7 @@ def import_file(
     StorageError. An existing file ``out`` is replaced only with ``force``.
     """
     source, target = Path(path), Path(out)
-    if not source.is_file():
-        raise UsageError(f"There is no file {source}.")
+    check_file(source)
     if source.stat().st_size > LARGEST_BYTES:
         raise DataError(f"{source} is larger than {LARGEST_BYTES // 10**9} GB. Split it.")
     if t0 is not None and not abs(t0) <= LONGEST_S:
@@ -146,5 +145,5 @@ def _describe(
 
 
 def _sha256(source: Path) -> str:
-    with source.open("rb") as file:
+    with opened_file(source) as file:
         return hashlib.file_digest(file, "sha256").hexdigest()

@@ -16,7 +16,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.core import ConfigError, DataError, UsageError
+from smarig.core import ConfigError, DataError, UsageError, check_file, file_bytes
 from smarig.exchange.mapping import MappingFile, MatLayout, require_columns
 from smarig.exchange.text_table import MAX_COLUMNS, Table
 
@@ -104,12 +104,11 @@ def size_text(shape: tuple[int, ...]) -> str:
 
 
 def _bytes(path: Path) -> bytes:
+    check_file(path)
     try:
         if path.stat().st_size > MAX_BYTES:
             raise _too_large(path)
-        data = path.read_bytes()
-    except FileNotFoundError:
-        raise UsageError(f"There is no file {path}.") from None
+        data = file_bytes(path)
     except OSError as error:
         raise UsageError(f"{path} cannot be read: {error.strerror or error}.") from None
     if data.startswith(b"MATLAB 7.3") or b"\x89HDF\r\n\x1a\n" in data[:1024]:
@@ -302,11 +301,13 @@ def file_set(path: Path, patterns: tuple[str, ...]) -> list[Path]:
         if path.name != f"{before}{common}{after}":
             continue
         files = [path.with_name(p.replace("*", common)) for p in patterns]
-        missing = [file for file in files if not file.is_file()]
+        missing = [file for file in files if not file.exists()]
         if missing:
             raise UsageError(
                 f"{path} must be read together with {missing[0].name}, which is not in the same folder."
             )
+        for file in files:
+            check_file(file)
         return files
     raise UsageError(f"The mapping reads files named {' and '.join(patterns)}; {path} is none of them.")
 

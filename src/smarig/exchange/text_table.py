@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.core import DataError, UsageError, shown
+from smarig.core import DataError, UsageError, check_file, file_bytes, shown
 from smarig.exchange.cell_values import clock_column, is_missing, is_number, number_column
 from smarig.exchange.logged_rows import logged_rows
 
@@ -156,12 +156,11 @@ def missing_notes(columns: Mapping[str, NDArray[np.float64]]) -> list[str]:
 
 def read_text(path: Path) -> tuple[str, list[str]]:
     """The text of a file and findings about it; DataError for empty, binary and huge files."""
+    check_file(path)
     try:
         if path.stat().st_size > MAX_BYTES:
             raise DataError(f"{path} is larger than {MAX_BYTES / 1e6:.0f} MB. Split it into smaller files.")
-        data = path.read_bytes()
-    except FileNotFoundError:
-        raise UsageError(f"There is no file {path}.") from None
+        data = file_bytes(path)
     except OSError as error:
         raise UsageError(f"{path} cannot be read: {error.strerror or error}.") from None
     if not data.removeprefix(b"\xef\xbb\xbf").strip(b" \t\r\n\xff\xfe"):

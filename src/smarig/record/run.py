@@ -17,6 +17,7 @@ from smarig.core import (
     NotebookDisplay,
     Severity,
     UsageError,
+    check_file,
     printable,
     severity_of,
     swapped_file,
@@ -196,10 +197,9 @@ def load_run(path: str | Path) -> Run:
 
 
 def existing_file(path: str | Path) -> Path:
-    """The path; UsageError if there is no file."""
+    """The path; UsageError if there is no regular file."""
     file = Path(path)
-    if not file.is_file():
-        raise UsageError(f"There is no run file {file}.")
+    check_file(file, "run file")
     return file
 
 

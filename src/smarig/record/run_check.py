@@ -6,9 +6,9 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Literal
 
-from smarig.core import DataError, UsageError, capitalised, printable
+from smarig.core import DataError, capitalised, printable
 from smarig.record.opened_run import opened_for_reading
-from smarig.record.run import MOST_ROWS, Run, load_run
+from smarig.record.run import MOST_ROWS, Run, existing_file, load_run
 from smarig.record.salvage import Salvaged, salvage
 from smarig.record.salvaged_rows import readable_keys
 from smarig.record.schema import READ, VERSION
@@ -118,9 +118,7 @@ class RunCheck:
 
 def check_run(path: str | Path) -> RunCheck:
     """Read all of a run file. Raises UsageError if there is none, and DataError if it holds nothing of a run."""
-    file = Path(path)
-    if not file.is_file():
-        raise UsageError(f"There is no run file {file}.")
+    file = existing_file(path)
     problems = _integrity(file)
     if not problems and (crowded := _of_crowded(file)):
         return crowded

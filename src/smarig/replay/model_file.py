@@ -19,6 +19,7 @@ from smarig.core import (
     Source,
     UsageError,
     atomic_file,
+    check_file,
     marked_as,
     shown,
     spaced,
@@ -216,8 +217,7 @@ class Model(NotebookDisplay):
 def load_model(path: str | Path) -> Model:
     """Read and check a model file. Raises UsageError if there is none, DataError for another kind of file."""
     file = Path(path)
-    if not file.is_file():
-        raise UsageError(f"There is no model file {file}.")
+    check_file(file, "model file")
     if file.stat().st_size > LARGEST_BYTES:
         raise DataError(f"{file} is larger than {LARGEST_BYTES // 10**6} MB, too large for a model file.")
     try:

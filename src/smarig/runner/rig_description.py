@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from smarig.config import ActuatorFile, RigFile, driver_names, own_drivers
-from smarig.core import offers_of_name, shipped_fault
+from smarig.core import file_bytes, is_file, offers_of_name, shipped_fault
 from smarig.rig import DRIVERS
 
 RIG_TEXT, ACTUATOR_TEXT = "config", "actuator_text"  # keys of the run table
@@ -49,7 +49,7 @@ def driver_codes(file: RigFile) -> dict[str, str]:
     paths = [Path(driver) for driver in own_drivers(file)]
     offers = [offer for name in driver_names(file) for offer in offers_of_name(DRIVERS, name)]
     files = {
-        p.name: code_text(hashlib.sha256(p.read_bytes()).hexdigest() if p.is_file() else "") for p in paths
+        p.name: code_text(hashlib.sha256(file_bytes(p)).hexdigest() if is_file(p) else "") for p in paths
     }
     return files | {offer.name: offer.origin for offer in offers if not shipped_fault(offer)}
 

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from smarig.core import UsageError, leads_out, natural_order, pattern_order
+from smarig.core import UsageError, check_file, leads_out, natural_order, pattern_order
 from smarig.exchange import logged_rows
 
 MOST_FILES = 100_000
@@ -54,10 +54,9 @@ def find_files(places: Sequence[Path]) -> FoundFiles:
             for file in natural_order(p for p in place.rglob("*") if p.is_file() and not _hidden(p, place)):
                 unused = leads_out(file, place) or _is_no_data(file)
                 (left_out if unused else data)[file] = None
-        elif place.is_file():
-            data[place] = None
         else:
-            raise UsageError(f"There is no file {place}.")
+            check_file(place)
+            data[place] = None
     if not data:
         raise UsageError(f"There is no file with data in {', '.join(map(str, places))}.")
     if len(data) > MOST_FILES:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from smarig.core import SmarigError, StorageError, atomic_file
+from smarig.core import SmarigError, StorageError, UsageError, atomic_file, file_bytes
 from smarig.exchange import FileChangedError
 from smarig.report import LIBRARY, write_library
 from smarig.study.data_files import NOT_DATA, find_files
@@ -117,7 +117,9 @@ def _failed(task: tuple[str, str, StudyOptions], reason: str) -> FileOutcome:
     file, folder, options = task
     try:
         record = {"key": study_key([Path(file)], options), "failure": reason}
-    except OSError as error:  # it was removed, or cannot be read: there is nothing to recognise it by
+    except UsageError as error:  # it was removed, or replaced by a pipe: there is nothing to recognise it by
+        return FileOutcome(file, folder, None, str(error))
+    except OSError as error:
         return FileOutcome(file, folder, None, f"{file} cannot be read: {error.strerror or error}.")
     Path(folder).mkdir(parents=True, exist_ok=True)
     _write(Path(folder) / STUDY_JSON, json.dumps(record, ensure_ascii=False))
@@ -128,10 +130,10 @@ def _earlier(file: str, folder: str, options: StudyOptions) -> FileOutcome | Non
     """An earlier outcome of an equal file and options."""
     path = Path(folder) / STUDY_JSON
     try:
-        record = json.loads(path.read_text(encoding="utf-8"))
+        record = json.loads(file_bytes(path))
         if record["key"] != study_key([Path(file)], options):
             return None
-    except (OSError, ValueError, KeyError, TypeError):
+    except (SmarigError, OSError, ValueError, KeyError, TypeError):
         return None
     if failure := record.get("failure"):
         return FileOutcome(file, folder, None, str(failure), reused=True)

@@ -8,6 +8,8 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Literal
 
+from smarig.core import file_bytes, is_file, opened_file
+
 Split = Literal["auto", "run", "time", "curve", "load", "none"]
 SPLITS: tuple[Split, ...] = ("auto", "run", "time", "curve", "load", "none")
 
@@ -30,12 +32,15 @@ class StudyOptions:
 
 
 def study_key(files: Sequence[Path], options: StudyOptions) -> str:
-    """A hash of the files' bytes, of the options and of the version: equal for equal studies."""
+    """A hash of the files' bytes, of the options and of the version: equal for equal studies.
+
+    Raises UsageError for what is no regular file, and OSError.
+    """
     total = hashlib.sha256(json.dumps(asdict(options), sort_keys=True).encode())
     total.update(version("smarig").encode())
-    if options.mapping is not None and Path(options.mapping).is_file():
-        total.update(Path(options.mapping).read_bytes())
+    if options.mapping is not None and is_file(Path(options.mapping)):
+        total.update(file_bytes(Path(options.mapping)))
     for file in files:
-        with file.open("rb") as stream:
+        with opened_file(file) as stream:
             total.update(f"{file.name}\n{hashlib.file_digest(stream, 'sha256').hexdigest()}\n".encode())
     return total.hexdigest()

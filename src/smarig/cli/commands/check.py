@@ -8,7 +8,7 @@ from smarig.cli.leftover_check import check_leftovers
 from smarig.cli.output import json_option
 from smarig.cli.parameter_types import DRIVER, FILE, PROTOCOL, RIG
 from smarig.cli.run_file_check import check_run_file, is_run_file
-from smarig.core import UsageError
+from smarig.core import UsageError, is_folder
 
 ROLE_NAMES = ("amplifier", "encoder_daq", "thermometer", "room_thermometer", "load_cell")
 
@@ -100,7 +100,7 @@ def command(
     if rig and rig_option:
         raise UsageError(f"Give one rig: {rig}, or --rig {rig_option}.")
     rig = rig or rig_option
-    if rig is not None and not driver and Path(rig).is_dir():
+    if rig is not None and not driver and is_folder(Path(rig)):
         if protocol or pairs or preview_only or bring_up or yes or out or force or url or wire:
             raise UsageError(f"{rig} is a folder; only --remove-leftovers and --json apply to it.")
         check_leftovers(Path(rig), remove=remove_leftovers)

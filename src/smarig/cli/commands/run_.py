@@ -22,7 +22,9 @@ from smarig.core import (
     RigFault,
     UsageError,
     catalogue_names,
+    is_file,
     offered_names,
+    shown,
     suggestion,
     swapped_file,
 )
@@ -150,7 +152,7 @@ def _plan(experiment: str, settings: dict) -> "CampaignFile":
         known = [*protocols, *offered_names("smarig.protocols"), *campaigns]
         raise UsageError(
             _other_file(Path(experiment))
-            or f"No protocol or campaign '{experiment}'{suggestion(experiment, known)}."
+            or f"No protocol or campaign {shown(experiment)}{suggestion(experiment, known)}."
         )
     if settings:
         raise UsageError("--set applies to a single protocol only. Set the values of a campaign in its file.")
@@ -159,7 +161,7 @@ def _plan(experiment: str, settings: dict) -> "CampaignFile":
 
 def _other_file(path: Path) -> str:
     """A sentence on an existing file that is neither a protocol nor a campaign; "" if there is no such file."""
-    if not path.is_file():
+    if not is_file(path):
         return ""
     unknown = f"{path} is neither a protocol (NAME.py) nor a campaign (NAME.toml)."
     return swapped_file(path, "a protocol or campaign") or unknown

@@ -9,7 +9,7 @@ from typing import Any
 
 from smarig.console.queue.entry_process import EntryFiles
 from smarig.console.queue.queue_entry import EntryState
-from smarig.core import Interrupted, UsageError, printable
+from smarig.core import Interrupted, UsageError, file_bytes, opened_file, printable
 
 _LAST_BYTES = 20_000  # of the lines that are searched for the last sentence
 _LARGEST_RESULT = 100_000_000
@@ -59,16 +59,16 @@ def _killed_text(exit_status: int | None) -> str:
 
 def _result(path: Path) -> dict[str, Any] | None:
     """The object that a command prints at its end; None if it printed none."""
-    with suppress(OSError, ValueError):
+    with suppress(UsageError, OSError, ValueError):
         if path.stat().st_size <= _LARGEST_RESULT:
-            found = json.loads(path.read_bytes())
+            found = json.loads(file_bytes(path))
             return found if isinstance(found, dict) else None
     return None
 
 
 def _last_sentence(path: Path, start: str = "") -> str:
     """The last line for people that starts so; lines for programs begin with a brace."""
-    with suppress(OSError), path.open("rb") as file:
+    with suppress(UsageError, OSError), opened_file(path) as file:
         file.seek(max(path.stat().st_size - _LAST_BYTES, 0))
         lines = file.read().decode("utf-8", "replace").splitlines()
         plain = [

@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from smarig.console.web.console_scope import ConsoleScope
-from smarig.core import SmarigError, atomic_file, printable
+from smarig.core import SmarigError, atomic_file, file_bytes, printable
 from smarig.running import EndedRun, collect_ended
 
 FILE = "console.ended_runs.json"
@@ -59,10 +59,16 @@ class EndedRuns:
 
     def _stored(self) -> list[UnfinishedRun]:
         try:
-            content = json.loads(self._path.read_text(encoding="utf-8"))
+            content = json.loads(file_bytes(self._path))
             found = [_read(each) for each in content if isinstance(each, dict)]
             return [run for run in found if run is not None and self._may_show(run)]
-        except (OSError, ValueError, TypeError, RuntimeError):  # missing, or written by somebody else
+        except (
+            SmarigError,
+            OSError,
+            ValueError,
+            TypeError,
+            RuntimeError,
+        ):  # missing, or written by somebody else
             return []
 
     def _may_show(self, run: UnfinishedRun) -> bool:

@@ -1,15 +1,22 @@
 """The rigs of a console: those that come with smarig, and the rig files of its folder."""
 
 import hashlib
-import os
 import re
-import stat
 from collections.abc import Container, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
 from smarig.config import RigFile, led_out, load_rig, shipped_names
-from smarig.core import NotPassed, SmarigError, is_path, offers_of_name, parsed_toml, passed, place_inside
+from smarig.core import (
+    NotPassed,
+    SmarigError,
+    is_path,
+    offers_of_name,
+    opened_file,
+    parsed_toml,
+    passed,
+    place_inside,
+)
 from smarig.rig import DRIVERS, inconsistencies
 
 _LARGEST_BYTES = 100_000  # a larger file is no rig
@@ -129,7 +136,7 @@ def _own_names(folder: Path) -> Iterator[str]:
             if place_inside(path, folder) is None:  # a link that leads out, which is not followed
                 continue
             content = _content(path)
-        except (OSError, ValueError):
+        except (SmarigError, OSError, ValueError):
             continue
         if _describes_rig(content):
             yield path.name
@@ -144,11 +151,8 @@ def _describes_rig(content: bytes) -> bool:
 
 
 def _content(path: Path) -> bytes:
-    """A small regular file. OSError for a pipe or a device, ValueError for a long text."""
-    descriptor = os.open(path, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0))
-    with os.fdopen(descriptor, "rb") as file:
-        if not stat.S_ISREG(os.fstat(descriptor).st_mode):
-            raise OSError(f"{path} is not a regular file")
+    """A small regular file. UsageError for a pipe or a device, ValueError for a long text."""
+    with opened_file(path) as file:
         found = file.read(_LARGEST_BYTES + 1)
     if len(found) > _LARGEST_BYTES:
         raise ValueError(f"{path} is no rig file")

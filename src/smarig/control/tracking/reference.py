@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 
 from smarig.control.argument_checks import finite
-from smarig.core import TABLE, UsageError, number_from_text, shown, suggestion, swapped_file
+from smarig.core import TABLE, UsageError, check_file, number_from_text, shown, suggestion, swapped_file
 
 LONGEST_S = 24 * 3600.0
 LARGEST_BYTES = 20_000_000
@@ -140,10 +140,7 @@ def _multisine(low: float, high: float, seconds: float, speed: float, dice: np.r
 
 def reference_from_csv(path: Path, unit: str) -> Reference:
     """A reference from a file with columns ``time_s`` and ``position_mm`` or ``position_deg``, linear between rows."""
-    if not path.is_file():
-        raise UsageError(
-            f"There is no reference file {path}. Give {', '.join(REFERENCE_SHAPES)}, or a CSV file."
-        )
+    check_file(path, "reference file", f"Give {', '.join(REFERENCE_SHAPES)}, or a CSV file.")
     if path.stat().st_size > LARGEST_BYTES:
         raise UsageError(f"{path} is larger than {LARGEST_BYTES // 10**6} MB, too large for a reference.")
     if swapped := swapped_file(path, TABLE):

@@ -4,7 +4,7 @@ import hashlib
 from dataclasses import replace
 from pathlib import Path
 
-from smarig.core import UsageError
+from smarig.core import UsageError, file_bytes
 from smarig.exchange.mapped_csv import mapped_draft
 from smarig.exchange.mapping import load_mapping
 from smarig.exchange.mat_file import file_set, read_mat_table
@@ -25,6 +25,6 @@ def mat(path: Path, *, rig: str | None = None, mapping: str | None = None) -> Ru
     draft = mapped_draft(path, read_mat_table(path, described, described.mat), described)
     others = [file for file in file_set(path, described.mat.files) if file != path]
     if others:
-        sums = {file.name: hashlib.sha256(file.read_bytes()).hexdigest() for file in others}
+        sums = {file.name: hashlib.sha256(file_bytes(file)).hexdigest() for file in others}
         draft = replace(draft, meta=draft.meta | {"companions": sums})
     return with_heating_model(draft, RigConstants.named(rig)) if rig else draft

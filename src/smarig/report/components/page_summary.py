@@ -12,6 +12,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from smarig.core import UsageError, opened_file
 from smarig.report.components.html import Html, joined, plain, tag
 
 Array = NDArray[np.float64]
@@ -64,9 +65,9 @@ class FoundPage:
 def found_page(path: Path) -> FoundPage | None:
     """The page in a file with its summary; None for any other file and for pages without a kind."""
     try:
-        with path.open("rb") as file:
+        with opened_file(path) as file:
             text = file.read(_HEAD_BYTES).decode("utf-8", errors="replace")
-    except OSError:
+    except (UsageError, OSError):
         return None
     head = text.partition("<style")[0]
     items = {name: html.unescape(value) for name, value in _META.findall(head)}

@@ -15,7 +15,7 @@ from typing import Any, get_type_hints
 
 import numpy as np
 
-from smarig.core import SmarigError, atomic_file
+from smarig.core import SmarigError, UsageError, atomic_file, file_bytes
 from smarig.report.runs.run_summary import RunSummary
 
 CACHE_FILE = "smarig-index.json"
@@ -85,8 +85,8 @@ def _identity() -> dict[str, Any]:
 def _stored_entries(file: Path) -> Mapping[str, Any]:
     """What the cache holds, by place of the run; empty if it is missing, damaged, or of another version."""
     try:
-        content = json.loads(file.read_text(encoding="utf-8"))
-    except (OSError, ValueError, RecursionError):
+        content = json.loads(file_bytes(file))
+    except (UsageError, OSError, ValueError, RecursionError):
         return {}
     if not isinstance(content, dict) or not isinstance(content.get("runs"), dict):
         return {}

@@ -18,7 +18,7 @@ from smarig.console.command_process import run_command
 from smarig.console.web.console_context import ConsoleContext, back, context_of, form_texts, page
 from smarig.console.web.loop_path import loop_path
 from smarig.console.web.report_response import report_response
-from smarig.core import SmarigError, UsageError, printable
+from smarig.core import SmarigError, UsageError, file_bytes, printable
 from smarig.exchange import find_tables
 from smarig.study import SPLITS, STUDY_JSON, STUDY_PAGE, VERDICT_LEVELS, TableGuess, guess_table
 
@@ -149,8 +149,8 @@ def _finished(context: ConsoleContext, file: Path) -> dict[str, str] | None:
     if not (out / STUDY_PAGE).is_file():
         return None
     try:
-        about = json.loads((out / STUDY_JSON).read_text(encoding="utf-8"))
-    except (OSError, ValueError):
+        about = json.loads(file_bytes(out / STUDY_JSON))
+    except (UsageError, OSError, ValueError):
         about = {}
     text = " ".join(about.get("sentences") or ()) or "The page of this file:"
     level = VERDICT_LEVELS.get(str(about.get("verdict")), "")
