@@ -28,6 +28,7 @@ from smarig.core.plugin import (
     offers_of_name,
     plugin_offers,
 )
+from smarig.core.shown_text import shown
 
 _OWN: dict[tuple[str, str], OwnFile] = {}
 
@@ -51,7 +52,7 @@ def catalogue_entry(package: str, name: str) -> Any:
         known = sorted({*known, *offered_names(package)})
         if hint:
             raise UsageError(hint)
-        raise UnknownEntry(f"No {catalogue_kind(package)} '{name}'{suggestion(name, known)}.")
+        raise UnknownEntry(f"No {catalogue_kind(package)} {shown(name)}{suggestion(name, known)}.")
     return getattr(importlib.import_module(f"{package}.{name}"), name)
 
 

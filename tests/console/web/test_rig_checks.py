@@ -208,11 +208,25 @@ def test_an_address_with_a_null_character_is_refused_in_a_sentence(console: Cons
     assert (reply.status, reply.body[:38]) == (400, "The address holds a null character, or")
 
 
-@pytest.mark.parametrize("place", [f"/rigs/rig?rig={'a' * 5000}", f"/new?rig={'a' * 5000}"])
-def test_whatever_an_address_asks_for_is_answered_in_a_sentence(console: Console, place):
-    reply = console.ask(place)
-    assert "<h1>" in reply.body
-    assert "Internal Server Error" not in reply.body
+@pytest.mark.parametrize("length", [300, 5000])
+@pytest.mark.parametrize(
+    ("form", "kind"),
+    [
+        ("experiment=validation&rig={}", "rig"),
+        ("rig=one_wire_twin&experiment={}", "protocol"),
+        ("rig=one_wire_twin&experiment=campaign:{}", "campaign"),
+    ],
+)
+def test_a_name_too_long_for_a_file_is_unknown_by_its_beginning(console: Console, form, kind, length):
+    wanted, headers = form.format("a" * length), {"Content-Type": "application/x-www-form-urlencoded"}
+    replies = [
+        console.ask(f"/new?{wanted}"),
+        console.ask("/new", "POST", console.own | headers, f"{wanted}&do=preview"),
+        console.ask("/new", "POST", console.own | headers, f"{wanted}&out=a.run.sqlite"),
+    ]
+    for reply in replies:
+        assert reply.status == 422
+        assert re.search(rf"(No {kind} )?&#39;a{{30,40}} … a{{30,40}}&#39;( is no {kind})?\.", reply.body)
 
 
 def test_only_words_of_the_queue_change_it(console: Console):

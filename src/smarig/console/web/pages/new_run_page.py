@@ -1,6 +1,7 @@
 """The form of a new run, or of an entry that waits: made from a protocol's settings, previewed before it starts."""
 
 import math
+import os
 from collections.abc import Mapping
 from itertools import groupby
 from pathlib import Path, PurePath
@@ -233,7 +234,7 @@ def _free_name(context: ConsoleContext, experiment: str) -> str:
     )
     taken = {PurePath(e.request.out).name for e in context.queue.entries()}
     k = 1
-    while (name := f"{stem}_{k:03d}{end}") in taken or (context.folder / name).exists():
+    while (name := f"{stem}_{k:03d}{end}") in taken or os.path.lexists(context.folder / name):
         k += 1
     return name
 
