@@ -8,6 +8,7 @@ from typing import Any, Protocol
 
 import click
 
+from simulators.starting import ending_with_host
 from smarig.config import RigFile, load_rig, with_load
 from smarig.core import SmarigError
 from smarig.plant import effects_from_arguments
@@ -52,9 +53,10 @@ def serve(
 ) -> None:
     """Print the addresses and the speed as one line of JSON; serve until standard input ends."""
     try:
-        file = with_load(load_rig(rig), load) if load else load_rig(rig)
-        speed = speed or (file.simulator.speed if file.simulator else 0.0) or 1.0
-        instruments = start(file, TwinSettings(seed=seed, effects=effects_from_arguments(effects)), speed)
+        with ending_with_host():
+            file = with_load(load_rig(rig), load) if load else load_rig(rig)
+            speed = speed or (file.simulator.speed if file.simulator else 0.0) or 1.0
+            instruments = start(file, TwinSettings(seed=seed, effects=effects_from_arguments(effects)), speed)
     except SmarigError as error:
         click.echo(f"Error: {error}", err=True)
         sys.exit(error.exit_status)

@@ -4,20 +4,16 @@ With a ``[simulator]`` table it starts the simulated devices in a process of the
 """
 
 import contextlib
-import json
 import os
-import selectors
-import subprocess
-import sys
 import tempfile
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from pathlib import Path
 from typing import Any
 
 from smarig.config import LinkFile, LinksFile, LoadFile, RigFile, SimulatorFile
 from smarig.core import (
     AT_ZERO,
-    ConfigError,
     HeldSignals,
     Interrupted,
     RigFault,
@@ -29,7 +25,6 @@ from smarig.core import (
     catalogue_names,
     passed,
     resolve_name,
-    shipped,
 )
 from smarig.device import (
     TemperatureInput,
@@ -45,11 +40,10 @@ from smarig.rig.further_sensors import FurtherSensors
 from smarig.rig.paced_rig import PacedRig
 from smarig.rig.rig import Rig
 from smarig.rig.shutdown import after_shutdown, confirm_zero, switch_off
+from smarig.rig.simulator_process import running_devices
 from smarig.rig.twin import Twin, TwinSettings
 
 _NOT_ZEROED = "Make sure that no current flows: its source did not answer."
-START_TIMEOUT_S = 60.0  # for simulated devices to start
-STOP_TIMEOUT_S = 10.0  # for simulated devices to end
 LOCK_STEP_S = 5.0  # reply time of simulated devices that lose no reply: a busy machine delays them
 HOST_TIMEOUT_S = 60.0  # time that they wait for a delayed host; they detect its end at once
 
@@ -81,7 +75,7 @@ def open_rig(
                 pace = file.simulator.speed if speed is None else speed
             if file.simulator is not None and file.simulator.start:
                 links = open_.enter_context(
-                    started_simulator(rig, file.simulator, links, settings, pace, file.load)
+                    started_simulator(rig, file.simulator, links, settings, pace, file.load, while_waiting)
                 )
             found = _open_bench(file, actuator, links, pace, open_)
         open_.callback(found.close)
@@ -180,8 +174,12 @@ def started_simulator(
     settings: TwinSettings,
     speed: float,
     load: LoadFile | None,
+    while_waiting: Callable[[], None] = lambda: None,
 ) -> Iterator[LinksFile]:
-    """The links of the devices while they run. They detect the end of this process at the end of their input."""
+    """The links of the devices while they run. They detect the end of this process at the end of their input.
+
+    ``while_waiting`` may raise, so that a stop does not wait for their start.
+    """
     if settings.initial is not None or not settings.noise:
         raise UsageError(
             "Simulated devices follow the rig file. For another initial state, or no noise, use a rig with kind = "
@@ -196,32 +194,22 @@ def started_simulator(
         raise UsageError("simulator.make is the make of a supply. Omit it for other simulated devices.")
     is_reference = how.devices == "reference"
     specific = _reference_command(how, links, speed) if is_reference else _timed_command(how, speed)
-    folder = tempfile.TemporaryDirectory(prefix="smarig-", ignore_cleanup_errors=True)
-    specific += ["--folder", folder.name] if is_reference else []
     effects = [word for pair in effects_to_arguments(with_type) for word in ("--effect", pair)]
     wire = ["--rig", rig, "--seed", str(settings.seed), *effects, *([f"--load={load.text}"] if load else [])]
     min_timeout_s = LOCK_STEP_S if not (speed or how.faults) else 0.0
-    search = [str(shipped("simulators").parent), os.environ.get("PYTHONPATH", "")]
-    process = subprocess.Popen(
-        [sys.executable, "-P", "-m", *specific, *wire],  # no file of this folder is a module
-        stdin=subprocess.PIPE,
-        stdout=subprocess.PIPE,
-        text=True,
-        env={**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, search))},
-        start_new_session=os.name != "nt",  # Ctrl-C is handled by this process
-    )
-    try:
-        urls = _ready(process)
-        given = {name: link for name in LinksFile.model_fields if (link := getattr(links, name))}
-        yield LinksFile(
-            **{
-                name: _with_url(link, urls[name]["url"], min_timeout_s) if name in urls else link
-                for name, link in given.items()
-            }
-        )
-    finally:
-        _stop_process(process, keep_until_lease=bool(how.trace))
-        folder.cleanup()
+    with tempfile.TemporaryDirectory(prefix="smarig-", ignore_cleanup_errors=True) as folder:
+        specific += ["--folder", folder] if is_reference else []
+        messages = Path(folder) / "messages"
+        with running_devices(
+            [*specific, *wire], messages, while_waiting, keep_until_lease=bool(how.trace)
+        ) as urls:
+            given = {name: link for name in LinksFile.model_fields if (link := getattr(links, name))}
+            yield LinksFile(
+                **{
+                    name: _with_url(link, urls[name]["url"], min_timeout_s) if name in urls else link
+                    for name, link in given.items()
+                }
+            )
 
 
 def _timed_command(how: SimulatorFile, speed: float) -> list[str]:
@@ -254,34 +242,3 @@ def _reference_command(how: SimulatorFile, links: LinksFile, speed: float) -> li
 
 def _with_url(link: LinkFile, url: str, min_timeout_s: float) -> LinkFile:
     return link.model_copy(update={"url": url, "timeout_s": max(link.timeout_s, min_timeout_s)})
-
-
-def _ready(process: subprocess.Popen) -> dict:
-    """The line in which the devices report their URLs."""
-    assert process.stdout is not None  # noqa: S101 - a pipe was requested
-    with selectors.DefaultSelector() as selector:
-        selector.register(process.stdout, selectors.EVENT_READ)
-        line = process.stdout.readline() if selector.select(START_TIMEOUT_S) else ""
-    if not line:
-        with contextlib.suppress(subprocess.TimeoutExpired):
-            status = process.wait(1)
-            kind = ConfigError if status == ConfigError.exit_status else RigFault
-            raise kind(f"The simulated devices ended at once (status {status}). Their messages are above.")
-        raise RigFault(f"The simulated devices did not start within {START_TIMEOUT_S:g} s.")
-    return json.loads(line)
-
-
-def _stop_process(process: subprocess.Popen, *, keep_until_lease: bool) -> None:
-    """Close their input. Devices that keep a trace keep running until the lease has switched off the current."""
-    if not keep_until_lease:
-        with contextlib.suppress(OSError):
-            process.terminate()
-    for pipe in (process.stdin, process.stdout):
-        if pipe is not None:
-            with contextlib.suppress(OSError):
-                pipe.close()
-    try:
-        process.wait(STOP_TIMEOUT_S)
-    except subprocess.TimeoutExpired:
-        process.kill()
-        process.wait()

@@ -49,9 +49,9 @@ def opening_maps() -> list[Path]:
 @contextmanager
 def rewired(patch: pytest.MonkeyPatch, how: Callable[[dict], dict]) -> Iterator[None]:
     """What the simulated devices say of where they are passes through ``how``."""
-    open_rig = import_module("smarig.rig.open_rig")
-    ready = open_rig._ready
-    patch.setattr(open_rig, "_ready", lambda process: how(ready(process)))
+    process = import_module("smarig.rig.simulator_process")
+    ready = process._ready
+    patch.setattr(process, "_ready", lambda *given: how(ready(*given)))
     yield
 
 
