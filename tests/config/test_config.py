@@ -257,3 +257,42 @@ def test_an_unknown_surface_names_those_that_there_are(tmp_path):
 
 def test_the_names_of_surfaces_are_those_of_the_table():
     assert get_args(SurfaceName) == THESIS_SURFACES
+
+
+@pytest.mark.parametrize(
+    ("table", "key"),
+    [
+        ("[simulator]\ntrace = {}", "simulator.trace"),
+        ("[simulator]\nfaults = {}", "simulator.faults"),
+        ("[simulator]\nlibrary = {}", "simulator.library"),
+        ("[simulator]\nmake = {}", "simulator.make"),
+        ("[links.amplifier]\nurl = {}", "links.amplifier.url"),
+        ("[links.amplifier]\ndriver = {}", "links.amplifier.driver"),
+        ("[load]\nfile = {}", "load.file"),
+        ("[load]\nformula = {}", "load.formula"),
+    ],
+)
+@pytest.mark.parametrize("text", [r'"./a\u0000b.py"', r'"./a\u001b[2J.py"', r'"./a\nb.py"'])
+def test_what_leads_out_of_a_rig_file_has_no_control_characters(tmp_path, table, key, text):
+    path = tmp_path / "mine.toml"
+    path.write_text(f'base = "one_wire_serial"\nname = "mine"\n{table.format(text)}\n')
+    with pytest.raises(
+        ConfigError, match=rf"{key}: a path, program or address has no control characters \(given: '.*'\)\.$"
+    ):
+        config.load_rig(str(path))
+
+
+def test_neither_have_a_base_a_setting_or_a_protocol(tmp_path):
+    path = tmp_path / "mine.toml"
+    path.write_text('base = "a\\u0000b"\n')
+    with pytest.raises(ConfigError, match="key 'base' must name another rig file"):
+        config.load_rig(str(path))
+    path.write_text('base = "laboratory_supply"\n[links.amplifier.settings]\nmakes = ["a\\u0000b"]\n')
+    with pytest.raises(ConfigError, match=r"links\.amplifier\.settings: a text has no null character\."):
+        config.load_rig(str(path))
+    for step in ('protocol = "./a\\u0000b.py"', 'protocol = "validation"\nset = { file = "a\\u0000b" }'):
+        path.write_text(f'name = "mine"\nsummary = "x"\n[[step]]\n{step}\n')
+        with pytest.raises(
+            ConfigError, match=r"step\.0\.(protocol|set): .* no (control characters|null character)"
+        ):
+            config.load_campaign(str(path))

@@ -13,6 +13,7 @@ from smarig.core import (
     UsageError,
     check_file,
     check_table,
+    has_control_characters,
     is_file,
     is_path,
     load_toml,
@@ -99,6 +100,8 @@ def _with_resolved_paths(table: dict[str, Any], folder: Path, came_with: Path | 
     """A rig's table with paths of its own drivers, actuator and load that are relative to the rig file's folder."""
 
     def resolved_path(name: str) -> str:
+        if has_control_characters(name):  # no path: its schema refuses it
+            return name
         return _inner_path(folder / name, came_with) if came_with else str((folder / name).resolve())
 
     actuator, links, load = (table.get(key) for key in ("actuator", "links", "load"))
@@ -127,6 +130,8 @@ def _sibling_path(name: str, folder: Path, kind: str, came_with: Path | None) ->
 
     Of a rig that came with a folder every name but those of smarig is a path: none is looked for elsewhere.
     """
+    if has_control_characters(name):
+        return name
     if came_with:
         own = name and name not in shipped_names(kind)
         return _inner_path(folder / name, came_with) if own else name
@@ -170,7 +175,7 @@ def _rig_files(name: str, came_with: Path | None = None) -> list[tuple[Path, dic
             )  # without its contents
         found.append((path, raw))
         name = raw.get("base", "")
-        if not isinstance(name, str):
+        if not isinstance(name, str) or has_control_characters(name):
             raise ConfigError(f"{path}: key 'base' must name another rig file.")
         name = _sibling_path(name, path.parent, "rigs", came_with)
         name = passed(_source(path, came_with).mark(name, "rig: base"), shipped_names("rigs"))
@@ -182,7 +187,7 @@ def load_campaign(name: str) -> CampaignFile:
     path = locate("campaigns", name)
     plan = load_toml(CampaignFile, path)
     steps = (
-        s.model_copy(update={"protocol": str((path.parent / passed(s.protocol)).resolve())})
+        s.model_copy(update={"protocol": _absolute(passed(s.protocol), path.parent)})
         if is_path(s.protocol)
         else s
         for s in plan.step

@@ -16,7 +16,9 @@ from smarig.config.named_things import (
     FaultsPath,
     LibraryPath,
     LinkUrl,
+    MakeName,
     ProtocolName,
+    Settings,
     TracePath,
 )
 from smarig.core import CAMPAIGN_FILE, RIG_FILE, Number, TomlTable, passed
@@ -96,9 +98,7 @@ class LinkFile(TomlTable):
     address: int = Field(default=0, ge=0, le=247)  # Modbus address; 0: the device's default
     timeout_s: Number = Field(default=0.3, gt=0, le=5)  # time limit for one reply
     line_end: Literal["\n", "\r\n", "\r"] = "\n"  # ends a line of text; a reply ends with its last character
-    settings: dict[str, Any] = Field(
-        default_factory=dict
-    )  # keys of the driver's own: channels, scales, ranges
+    settings: Settings = Field(default_factory=dict)  # keys of the driver's own: channels, scales, ranges
 
     @field_validator("url")
     @classmethod
@@ -144,7 +144,7 @@ class SimulatorFile(TomlTable):
     """
 
     devices: Literal["reference", "labjack", "supply", "text"] = "reference"  # firmware_protocol's, or others
-    make: str = ""  # of a supply, as in makes.toml
+    make: MakeName = ""  # of a supply, as in makes.toml
     start: bool = True  # false: the devices already run at the addresses of the links
     speed: Number = Field(default=0.0, ge=0, le=1e6)  # × real time; 0: as fast as possible
     faults: FaultsPath = ""  # file with faults to simulate
@@ -227,7 +227,7 @@ class CampaignStep(TomlTable):
     protocol: ProtocolName  # name of the protocol
     name: str = ""  # name of its run, needed if a protocol occurs twice
     purpose: Literal["prepare", "test", "train", "held_out"] = "train"  # use of its run
-    set: dict[str, Any] = Field(default_factory=dict)  # settings of the protocol, as with --set
+    set: Settings = Field(default_factory=dict)  # settings of the protocol, as with --set
 
     @field_validator("name")
     @classmethod

@@ -123,6 +123,7 @@ if TYPE_CHECKING:
     from smarig.core.severity import highest_severity as highest_severity
     from smarig.core.severity import severity_of as severity_of
     from smarig.core.shown_text import error_text as error_text
+    from smarig.core.shown_text import has_control_characters as has_control_characters
     from smarig.core.shown_text import printable as printable
     from smarig.core.shown_text import shown as shown
     from smarig.core.stored_number import stored_number as stored_number
@@ -134,6 +135,8 @@ if TYPE_CHECKING:
     from smarig.core.toml_file import load_toml as load_toml
     from smarig.core.toml_file import marked_as as marked_as
     from smarig.core.toml_file import read_toml as read_toml
+    from smarig.core.toml_file import refuse_control_characters as refuse_control_characters
+    from smarig.core.toml_file import refuse_null_characters as refuse_null_characters
     from smarig.core.toml_kind import ACTUATOR_FILE as ACTUATOR_FILE
     from smarig.core.toml_kind import CAMPAIGN_FILE as CAMPAIGN_FILE
     from smarig.core.toml_kind import MAPPING_FILE as MAPPING_FILE

@@ -24,6 +24,15 @@ def printable(text: str, longest: int = LONGEST_MESSAGE) -> str:
     return "".join(c if c in _KEPT or unicodedata.category(c) not in _HIDDEN else _escaped(c) for c in text)
 
 
+def has_control_characters(text: str) -> bool:
+    r"""Whether a text holds characters that no name, path or address has.
+
+    >>> has_control_characters("a\0b"), has_control_characters("/dev/ttyÜ 1")
+    (True, False)
+    """
+    return any(unicodedata.category(c) == "Cc" for c in text)
+
+
 def shown(value: Any, longest: int = 80) -> str:
     """A value in a message, as Python writes it, on one line.
 

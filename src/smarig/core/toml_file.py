@@ -12,7 +12,7 @@ from smarig.core.file_content import TOML
 from smarig.core.gate import Named, named
 from smarig.core.gated_keys import Origin
 from smarig.core.regular_file import check_file
-from smarig.core.shown_text import shown
+from smarig.core.shown_text import has_control_characters, shown
 from smarig.core.swapped_file import swapped_file
 from smarig.core.toml_kind import swapped_table
 from smarig.core.toml_text import NotToml, parsed_toml
@@ -48,14 +48,32 @@ class Source:
 def marked_as(key: str) -> AfterValidator:
     """For the annotation of a key of a schema: its text is marked where the ``context`` of validation is a ``Source``.
 
-    Values given in Python have no such context, and count as the user's.
+    Values given in Python have no such context, and count as the user's. A text with control characters is refused.
     """
 
     def mark(text: str, info: ValidationInfo) -> str:
+        refuse_control_characters(text)
         source = info.context
         return source.mark(text, key) if text and isinstance(source, Source) else text
 
     return AfterValidator(mark)
+
+
+def refuse_control_characters(text: str) -> str:
+    """A text that leads to a path, a program or an address. ValueError if it cannot."""
+    if has_control_characters(text):
+        raise ValueError("a path, program or address has no control characters")
+    return text
+
+
+def refuse_null_characters(value: Any) -> Any:
+    """A value of any type. ValueError for a text that neither a path nor the command of an instrument can hold."""
+    if isinstance(value, dict | list | tuple):
+        for inner in value.values() if isinstance(value, dict) else value:
+            refuse_null_characters(inner)
+    elif isinstance(value, str) and "\0" in value:
+        raise ValueError("a text has no null character")
+    return value
 
 
 SchemaType = TypeVar("SchemaType", bound=BaseModel)
