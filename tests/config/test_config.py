@@ -296,3 +296,13 @@ def test_neither_have_a_base_a_setting_or_a_protocol(tmp_path):
             ConfigError, match=r"step\.0\.(protocol|set): .* no (control characters|null character)"
         ):
             config.load_campaign(str(path))
+
+
+def test_a_bad_step_of_a_campaign_is_one_sentence_and_no_step_another(tmp_path):
+    path = tmp_path / "mine.toml"
+    path.write_text('name = "mine"\nsummary = "x"\n[[step]]\nprotocol = "validation"\nname = "a/b"\n')
+    with pytest.raises(ConfigError, match=r"^\S+: step\.0\.name: a name of a run .* \(given: 'a/b'\)\.$"):
+        config.load_campaign(str(path))
+    path.write_text('name = "mine"\nsummary = "x"\nstep = []\n')
+    with pytest.raises(ConfigError, match=r"^\S+: step: Tuple should have at least 1 item"):
+        config.load_campaign(str(path))

@@ -119,11 +119,17 @@ def check_table(
     except ValidationError as error:
         if swapped := _swapped(schema, data, where):
             raise ConfigError(swapped) from None
-        problems = error.errors(include_url=False, include_context=False)
+        problems = _first_causes(error.errors(include_url=False, include_context=False))
         sentences = [f"{where}: {_sentence(e, schema)}" for e in problems[:_MOST_PROBLEMS]]
         if len(problems) > _MOST_PROBLEMS:
             sentences.append(f"{where}: {len(problems) - _MOST_PROBLEMS} more problems are not listed.")
         raise ConfigError("\n".join(sentences)) from None
+
+
+def _first_causes(problems: list[Any]) -> list[Any]:
+    """The problems without those of a list that is too short only because of what is wrong with its items."""
+    around = {problem["loc"][:k] for problem in problems for k in range(len(problem["loc"]))}
+    return [p for p in problems if p["type"] != "too_short" or p["loc"] not in around]
 
 
 def _swapped(schema: type[BaseModel], data: Any, where: str) -> str:
