@@ -37,6 +37,7 @@ if TYPE_CHECKING:
     from smarig.core.command import StepVerdict as StepVerdict
     from smarig.core.command import Waveform as Waveform
     from smarig.core.command import Zero as Zero
+    from smarig.core.correlation import correlation as correlation
     from smarig.core.errors import AT_ZERO as AT_ZERO
     from smarig.core.errors import NOT_NUMBERS as NOT_NUMBERS
     from smarig.core.errors import ConfigError as ConfigError

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.core import DataError, spaced
+from smarig.core import DataError, correlation, spaced
 from smarig.identification.density_report import DensityReport, density_report
 from smarig.identification.fod_data import FodData
 from smarig.identification.forc.forc_curves import curves_from_run
@@ -143,7 +143,7 @@ def _correlation(runs: Sequence[Run]) -> float:
     """The largest absolute correlation of inputs and outputs within a run."""
     pairs = [run.points() for run in runs]
     moved = [(u, y) for u, y in pairs if u.size > 2 and np.ptp(u) > 0 and np.ptp(y) > 0]
-    return max((abs(float(np.corrcoef(u, y)[0, 1])) for u, y in moved), default=0.0)
+    return max((abs(correlation(u, y)) for u, y in moved), default=0.0)
 
 
 def check_usable(y: NDArray[np.float64], alpha: NDArray[np.float64], unit: str) -> None:

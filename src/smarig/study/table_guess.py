@@ -5,7 +5,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from smarig.core import UsageError, suggestion
+from smarig.core import UsageError, correlation, shown, suggestion
 from smarig.exchange import FoundTable, dimension
 from smarig.study import quantity_words as q
 from smarig.study.branch_pairs import (
@@ -79,9 +79,9 @@ class TableGuess:
         if first is None or role == "ignored":
             return self.roles[name]
         if self.backward is None:
-            return Role(f"{role}, second branch", f"beside '{first}', whose name differs in one letter")
+            return Role(f"{role}, second branch", f"beside {shown(first)}, whose name differs in one letter")
         order = "from the last row to the first" if "down" in self.backward else "in the order of the rows"
-        return Role(f"{role}, second branch", f"read after '{first}', {order}: two branches of one loop")
+        return Role(f"{role}, second branch", f"read after {shown(first)}, {order}: two branches of one loop")
 
     @property
     def doubts(self) -> list[str]:
@@ -119,7 +119,9 @@ def guess_table(
     """
     for name in [n for n in (input, output, *(units or {})) if n is not None]:
         if name not in table.names:
-            raise UsageError(f"{table.path} has no column '{name}'{suggestion(name, list(table.names))}.")
+            raise UsageError(
+                f"{table.path} has no column {shown(name)}{suggestion(name, list(table.names))}."
+            )
     columns = guess_columns(table, units or {}, files)
     pairs, by_words = branch_pairs(columns), False
     if not pairs:
@@ -183,7 +185,7 @@ def _unless_rivals(found: LoopRoles, left: Sequence[ColumnGuess]) -> LoopRoles:
     rivals = [c for c in rivals if not _is_multiple(c, found.drive) and not like_temperature(c.facts)]
     if not rivals:
         return found
-    names = ", ".join(f"'{c.name}'" for c in (found.out, *rivals))
+    names = ", ".join(f"{shown(c.name)}" for c in (found.out, *rivals))
     return replace(found, rivals=f"the names of the columns say nothing; the output is one of {names}")
 
 
@@ -301,11 +303,11 @@ def _largest_step(c: ColumnGuess) -> float:
 
 
 def _second(c: ColumnGuess, drive: ColumnGuess) -> str:
-    words = f"a second thermometer, within {_AGREE_K:g} K of '{drive.name}' in half of the rows or more"
+    words = f"a second thermometer, within {_AGREE_K:g} K of {shown(drive.name)} in half of the rows or more"
     first, own = _largest_step(drive), _largest_step(c)
     if first <= _JUMPS * own:
         return words
-    jumps = f"'{drive.name}' jumps by up to {first:.3g} from row to row, this one by {own:.3g}"
+    jumps = f"{shown(drive.name)} jumps by up to {first:.3g} from row to row, this one by {own:.3g}"
     return f"{words}; {jumps}: try it as the input"
 
 
@@ -313,7 +315,7 @@ def _unused(c: ColumnGuess, out: ColumnGuess | None) -> str:
     if c.quantity in q.NO_SIGNALS[1:]:
         return f"{c.quantity}: {c.quantity_reason}"
     if out is not None and c.quantity == out.quantity:
-        return f"another {c.quantity} than the output '{out.name}'"
+        return f"another {c.quantity} than the output {shown(out.name)}"
     if c.facts.constant:
         return f"nearly constant at {np.mean(c.facts.known):.4g}"
     return f"{c.quantity}, not needed" if c.quantity else "its meaning is not clear, and it is not needed"
@@ -327,7 +329,7 @@ def _sign(drive: ColumnGuess | None, out: ColumnGuess | None) -> tuple[float, st
     known = np.isfinite(u) & np.isfinite(y)
     if known.sum() < 3 or np.ptp(u[known]) == 0 or np.ptp(y[known]) == 0:
         return 1.0, ""
-    falls = float(np.corrcoef(u[known], y[known])[0, 1]) < -_LEAST_TURN
+    falls = correlation(u[known], y[known]) < -_LEAST_TURN
     if falls and out.quantity == q.FORCE and drive.quantity == q.TEMPERATURE:
         return -1.0, "turned: the force of a clamped wire rises with temperature, but the reading falls"
     if falls:

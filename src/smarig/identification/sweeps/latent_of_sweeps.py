@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
+from smarig.core import correlation
 from smarig.identification.calibration.resistance import resistances
 from smarig.identification.interval_estimate import Estimate
 from smarig.identification.sweeps.major_branches import MajorBranches
@@ -86,7 +87,7 @@ def _known(records: Sequence[SweepRecord], tau_s: float) -> tuple[SweepHeat, flo
     """The law before Λ is known: exponent and resistances; and the position's motion with its sign."""
     low = min(float(r.held_position.min()) for r in records)
     high = max(float(r.held_position.max()) for r in records)
-    rising = float(np.corrcoef(records[0].rises_K(tau_s), records[0].held_position)[0, 1]) > 0
+    rising = correlation(records[0].rises_K(tau_s), records[0].held_position) > 0
     ends = (low, high) if rising else (high, low)
     actuator = records[0].actuator
     ohm = resistances([r.run for r in records], tau_s)
