@@ -317,3 +317,25 @@ def test_a_model_path_below_a_file_is_reported(capsys, tmp_path):
     )
     assert status == 2
     assert "is not a folder" in err
+
+
+def test_a_heading_of_20000_characters_is_named_by_its_beginning_and_end(capsys, tmp_path):
+    file = tmp_path / "long.csv"
+    file.write_text(
+        f"time_s,current_A,{'x' * 20_000}\n" + "".join(f"{k},{k % 9},{k % 7}\n" for k in range(40))
+    )
+    own = ("import", file, "--format", "csv", "--rig", "one_wire_twin", "-o", tmp_path / "l.run.sqlite")
+    for command in (own, ("study", file, "-o", tmp_path / "s", "--yes", "--input", "none")):
+        status, _, err = call(capsys, *command)
+        assert status in (2, 4)
+        assert "xxx … xxx" in err
+        assert len(err) < 600 + len(str(file))
+
+
+def test_positions_of_1e_310_are_too_small_in_one_sentence(capsys, tmp_path):
+    """Warnings are errors here: one of numpy came before the sentence."""
+    file, seconds = tmp_path / "tiny.csv", range(400)
+    rows = [f"{k},{0.5 + 0.5 * math.sin(k / 20)},{1e-310 * (3 + math.sin(k / 20 - 0.3))}\n" for k in seconds]
+    file.write_text("time_s,current_A,position_mm\n" + "".join(rows))
+    status, _, err = call(capsys, "study", file, "-o", tmp_path / "s", "--yes")
+    assert (status, err.splitlines()[-1][:52]) == (4, "smarig: A number in these files is too large or too ")

@@ -28,7 +28,7 @@ from smarig.core.plugin import (
     offers_of_name,
     plugin_offers,
 )
-from smarig.core.shown_text import shown
+from smarig.core.shown_text import printable, shown
 
 _OWN: dict[tuple[str, str], OwnFile] = {}
 
@@ -97,7 +97,8 @@ def suggestion(name: str, known: list[str]) -> str:
     '; did you mean one_e? There are: one_e, two_c'
     """
     near = get_close_matches(name, known, n=1)
-    return (f"; did you mean {near[0]}?" if near else ".") + " There are: " + ", ".join(known)
+    listed = ", ".join(printable(each, 80) for each in known)
+    return (f"; did you mean {printable(near[0], 80)}?" if near else ".") + " There are: " + listed
 
 
 def catalogue_kind(package: str) -> str:

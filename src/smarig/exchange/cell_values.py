@@ -146,7 +146,9 @@ def clock_column(path: Path, name: str, cells: Sequence[str], where: Sequence[in
     for k, cell in enumerate(cells):
         seconds = clock_seconds(cell)
         if seconds is None and not is_missing(cell):
-            raise DataError(f"{path}, line {where[k]}, column '{name}': {shown(cell, 40)} is not a time.")
+            raise DataError(
+                f"{path}, line {where[k]}, column {shown(name)}: {shown(cell, 40)} is not a time."
+            )
         out[k] = np.nan if seconds is None else seconds
     known = out[np.isfinite(out)]
     if known.size and known.max() <= 86400:  # times of day
@@ -174,11 +176,13 @@ def number_column(
             if not lenient and not is_missing(cell):
                 hint = "; declare decimal = ',' in a mapping file" if _DECIMAL_COMMA.fullmatch(cell) else ""
                 raise DataError(
-                    f"{path}, line {where[k]}, column '{name}': {shown(cell, 40)} is not a number{hint}."
+                    f"{path}, line {where[k]}, column {shown(name)}: {shown(cell, 40)} is not a number{hint}."
                 ) from None
             out[k] = np.nan
     if lenient:
         out[np.isinf(out)] = np.nan
     if np.isinf(out).any():
-        raise DataError(f"{path}, line {where[int(np.argmax(np.isinf(out)))]}, column '{name}' is infinite.")
+        raise DataError(
+            f"{path}, line {where[int(np.argmax(np.isinf(out)))]}, column {shown(name)} is infinite."
+        )
     return out

@@ -5,7 +5,7 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.core import Quality
+from smarig.core import Quality, shown
 from smarig.exchange.channel_faults import channel_findings, clipped
 from smarig.record import ImportFinding, remarks
 
@@ -37,9 +37,11 @@ def duplicate_columns(columns: Mapping[str, Array]) -> list[str]:
             if known.size < 3 or np.ptp(known) > 1e-9 * np.ptp(columns[a][np.isfinite(columns[a])]):
                 continue
             if np.abs(known).max() == 0:
-                out.append(f"Columns '{a}' and '{b}' are identical; one is a copy of the other.")
+                out.append(f"Columns {shown(a)} and {shown(b)} are identical; one is a copy of the other.")
             else:
-                out.append(f"Column '{b}' is column '{a}' {known[0]:+.4g}: the same data with another zero.")
+                out.append(
+                    f"Column {shown(b)} is column {shown(a)} {known[0]:+.4g}: the same data with another zero."
+                )
     return out
 
 

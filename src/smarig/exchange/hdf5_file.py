@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 
-from smarig.core import DataError
+from smarig.core import DataError, shown
 from smarig.exchange.found_table import FoundTable
 from smarig.exchange.hdf5_process import read_groups
 from smarig.exchange.mapping import Hdf5Layout, MappingFile, require_columns
@@ -23,7 +23,9 @@ def hdf5_tables(path: Path) -> list[FoundTable]:
             layout = {"hdf5": {"group": group.name}}
             found.append(FoundTable(path, "hdf5", title, tuple(group.columns), layout, group.header))
     if not found:
-        left_out = [f" Data set '{name}' {why}." for group in groups for name, why in group.left_out.items()]
+        left_out = [
+            f" Data set {shown(name)} {why}." for group in groups for name, why in group.left_out.items()
+        ]
         raise DataError(
             f"{path} holds no group with two numeric data sets of one length.{''.join(left_out[:3])} "
             "Give a file of measured columns."
@@ -38,7 +40,7 @@ def read_hdf5(path: Path, mapping: MappingFile, layout: Hdf5Layout) -> Table:
     columns = {column.name: column.values for column in group.columns}
     for name, use in mapping.used().items():
         if name in group.left_out and name not in columns:
-            raise DataError(f"{path}: data set '{name}', the {use}, {group.left_out[name]}.")
+            raise DataError(f"{path}: data set {shown(name)}, the {use}, {group.left_out[name]}.")
     require_columns(mapping, list(columns), path, "data set")
     rows = next(iter(columns.values())).size
     return Table(columns, np.arange(1, rows + 1), {}, tuple(missing_notes(columns)))

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.core import DataError, spaced
+from smarig.core import DataError, shown, spaced
 from smarig.exchange.channel_faults import quantum, unused_findings
 from smarig.exchange.findings import duplicate_columns, record_findings, repeated_rows, saturation_marks
 from smarig.exchange.loop_faults import LoopRecord, loop_findings
@@ -68,7 +68,7 @@ def mapped_draft(path: Path, table: Table, mapping: MappingFile) -> RunDraft:
     findings += _findings_by_loop(columns, units, line, table.loop)
     for name in mapping.ignore:
         if name in table.columns:
-            findings += unused_findings(f"The unused column '{name}'", table.columns[name], table.line)
+            findings += unused_findings(f"The unused column {shown(name)}", table.columns[name], table.line)
     if mapping.output is None:
         findings += remarks(
             "These data have no position. They show the heating of the wire, but not its hysteresis."
@@ -127,7 +127,7 @@ def _with_time(path: Path, table: Table, mapping: MappingFile) -> tuple[Table, l
         outside = np.flatnonzero((t_s < 0) | (t_s > within))
         if outside.size:
             raise DataError(
-                f"{path}, line {table.line[outside[0]]}, column '{time.column}': {t_s[outside[0]]:g} s lies "
+                f"{path}, line {table.line[outside[0]]}, column {shown(time.column)}: {t_s[outside[0]]:g} s lies "
                 f"outside the period of {time.period_s:g} s."
             )
         t_s = t_s + np.arange(len(table)) // time.rows_per_period * time.period_s
@@ -204,7 +204,7 @@ def _channels(
         values, masked = possible(path, channel, column.column, values, table.line, strain)
         notes += masked
         if not np.isfinite(values).any():
-            raise DataError(f"{path}: column '{column.column}' holds no number.")
+            raise DataError(f"{path}: column {shown(column.column)} holds no number.")
         out[channel] = np.array(values, dtype=float)
     return out, notes
 
@@ -229,7 +229,7 @@ def _conditions(path: Path, table: Table, mapping: MappingFile) -> tuple[dict[st
             continue
         x = _scaled(table, column)
         if not np.isfinite(x).any():
-            raise DataError(f"{path}: column '{column.column}' holds no number.")
+            raise DataError(f"{path}: column {shown(column.column)} holds no number.")
         mean, low, high = float(np.nanmean(x)), float(np.nanmin(x)), float(np.nanmax(x))
         out[name] = {"unit": spelled(column.unit), "mean": mean, "min": low, "max": high}
         if low == high:

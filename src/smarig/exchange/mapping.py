@@ -8,7 +8,7 @@ from typing import Annotated, Literal
 from pydantic import AfterValidator, Field, model_validator
 
 from smarig.config import locate
-from smarig.core import MAPPING_FILE, ConfigError, TomlTable, UsageError, load_toml
+from smarig.core import MAPPING_FILE, ConfigError, TomlTable, UsageError, load_toml, printable, shown
 from smarig.exchange.unit_conversion import check_same_quantity, check_unit
 from smarig.exchange.units import spelled
 
@@ -315,13 +315,13 @@ def require_columns(mapping: MappingFile, names: list[str], path: Path, noun: st
     for column, use in used.items():
         if column not in names:
             raise ConfigError(
-                f"{path} has no {noun} '{column}', which mapping {mapping.name} uses as {use}. "
-                f"The file has: {', '.join(names)}."
+                f"{path} has no {noun} {shown(column)}, which mapping {mapping.name} uses as {use}. "
+                f"The file has: {', '.join(printable(name, 80) for name in names)}."
             )
     unknown = [name for name in names if name not in used and name not in mapping.ignore]
     if unknown:
         raise ConfigError(
-            f"{path}: {noun} '{unknown[0]}' is not in mapping {mapping.name}. "
+            f"{path}: {noun} {shown(unknown[0])} is not in mapping {mapping.name}. "
             f"Map it, or list it under [ignore] with the reason."
         )
 

@@ -16,7 +16,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.core import ConfigError, DataError, UsageError, check_file, file_bytes
+from smarig.core import ConfigError, DataError, UsageError, check_file, file_bytes, shown
 from smarig.exchange.mapping import MappingFile, MatLayout, require_columns
 from smarig.exchange.text_table import MAX_COLUMNS, Table
 
@@ -56,7 +56,7 @@ class MatFile:
     def matrix(self, name: str) -> NDArray[np.float64]:
         """A variable (m, n) of real numbers, with NaN; DataError for anything else."""
         variable = self.variables[name]
-        where = f"{self.path}: variable '{name}'"
+        where = f"{self.path}: variable {shown(name)}"
         if variable.kind not in _NUMERIC.values():
             raise DataError(f"{where} is of MATLAB class {variable.kind}; a matrix of numbers was expected.")
         if len(variable.shape) != 2 or 0 in variable.shape:
@@ -83,7 +83,9 @@ def open_mat(path: Path) -> MatFile:
         for element in _inflated(path, data, order):
             name, variable = _variable(element, order)
             if name in variables:
-                raise DataError(f"{path} holds the variable '{name}' more than once. Save the file again.")
+                raise DataError(
+                    f"{path} holds the variable {shown(name)} more than once. Save the file again."
+                )
             if name:  # variables without a name belong to MATLAB itself
                 variables[name] = variable
                 variables |= _fields(name, variable)
@@ -239,8 +241,9 @@ def read_mat_table(path: Path, mapping: MappingFile, layout: MatLayout) -> Table
     for (a, x), (b, y) in pairwise(matrices.items()):
         if x.shape != y.shape:
             raise DataError(
-                f"{path}: variables '{a}' and '{b}' differ in size, {size_text(file_of[a].variables[a].shape)} and "
-                f"{size_text(file_of[b].variables[b].shape)}; they must hold the same readings."
+                f"{path}: variables {shown(a)} and {shown(b)} differ in size, "
+                f"{size_text(file_of[a].variables[a].shape)} and {size_text(file_of[b].variables[b].shape)}; they must "
+                "hold the same readings."
             )
     loops, readings = next(iter(matrices.values())).shape
     if readings < 2:
@@ -253,7 +256,7 @@ def read_mat_table(path: Path, mapping: MappingFile, layout: MatLayout) -> Table
 
 def _missing_notes(columns: dict[str, Array]) -> tuple[str, ...]:
     return tuple(
-        f"Variable '{name}': {int(np.isnan(x).sum())} of {x.size} numbers are NaN."
+        f"Variable {shown(name)}: {int(np.isnan(x).sum())} of {x.size} numbers are NaN."
         for name, x in columns.items()
         if np.isnan(x).any()
     )
@@ -265,7 +268,8 @@ def matrix_columns(file: MatFile, name: str) -> dict[str, Array]:
     signals = matrix.T if matrix.shape[0] >= matrix.shape[1] else matrix
     if len(signals) > MAX_COLUMNS:
         raise DataError(
-            f"{file.path}: variable '{name}' is {size_text(matrix.shape)}; a table has at most {MAX_COLUMNS} columns."
+            f"{file.path}: variable {shown(name)} is {size_text(matrix.shape)}; a table has at most "
+            f"{MAX_COLUMNS} columns."
         )
     columns = {f"column {k + 1}": signal for k, signal in enumerate(signals)}
     for other, variable in file.variables.items():
@@ -278,7 +282,7 @@ def _matrix_table(path: Path, mapping: MappingFile, name: str) -> Table:
     file = open_mat(path)
     if name not in file.variables:
         raise ConfigError(
-            f"{path} has no variable '{name}', the matrix of mapping {mapping.name}. "
+            f"{path} has no variable {shown(name)}, the matrix of mapping {mapping.name}. "
             f"The file has: {', '.join(file.variables)}."
         )
     columns = matrix_columns(file, name)
@@ -329,7 +333,7 @@ def _files_by_variable(files: list[MatFile]) -> dict[str, MatFile]:
         for name in file.variables:
             if name in file_of:
                 raise DataError(
-                    f"Variable '{name}' is in {file_of[name].path} and in {file.path}. Keep one of them."
+                    f"Variable {shown(name)} is in {file_of[name].path} and in {file.path}. Keep one of them."
                 )
             file_of[name] = file
     return file_of
@@ -344,7 +348,7 @@ def _loops(file: MatFile, name: str, layout: MatLayout) -> Array:
         return matrix
     if 1 not in matrix.shape:
         raise DataError(
-            f"{file.path}: variable '{name}' is {size_text(matrix.shape)}, a vector was expected. If each column "
+            f"{file.path}: variable {shown(name)} is {size_text(matrix.shape)}, a vector was expected. If each column "
             f'is one loop, set [mat] loops = "columns" (or "rows") in the mapping.'
         )
     return matrix.reshape(1, -1)

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.core import DataError, UsageError
+from smarig.core import DataError, UsageError, shown
 from smarig.exchange.channel_faults import quantum
 from smarig.exchange.findings import duplicate_columns, record_findings, saturation_marks
 from smarig.exchange.hold_steps import COMMAND_A, Recording, found_steps, holds, tolerance
@@ -101,7 +101,7 @@ def _check_columns(path: Path, table: Table, known: tuple[str, ...]) -> None:
     unknown = [name for name in names if name not in allowed]
     if unknown:
         raise DataError(
-            f"{path}: column '{unknown[0]}' is not one of {', '.join(known)}. "
+            f"{path}: column {shown(unknown[0])} is not one of {', '.join(known)}. "
             f"Rename it, or describe it in a mapping file (--map)."
         )
     if "time_s" not in names:
@@ -122,11 +122,13 @@ def _position(
     name = next(n for n in POSITIONS if n in table.columns)
     values = table.columns[name]
     if not np.isfinite(values).any():
-        raise DataError(f"{path}: column '{name}' holds no number.")
+        raise DataError(f"{path}: column {shown(name)} holds no number.")
     if name != "position_counts":
         columns["position"] = values
         if rig and rig.actuator.unit != POSITIONS[name]:
-            raise UsageError(f"{path} has '{name}', but rig {rig.file.name} measures {rig.actuator.unit}.")
+            raise UsageError(
+                f"{path} has {shown(name)}, but rig {rig.file.name} measures {rig.actuator.unit}."
+            )
         if "counts" in table.columns:
             columns["counts"] = table.columns["counts"]
         return POSITIONS[name], rig.per_count if rig else quantum(values)

@@ -9,7 +9,7 @@ from typing import Any, BinaryIO
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.core import DataError, UsageError
+from smarig.core import DataError, UsageError, shown
 from smarig.exchange.found_table import FoundColumn, FoundTable
 from smarig.exchange.mapping import MappingFile, TdmsLayout, require_columns
 from smarig.exchange.needed_package import needed_package
@@ -44,7 +44,9 @@ def read_tdms(path: Path, mapping: MappingFile, layout: TdmsLayout) -> Table:
     with _opened(path) as file:
         groups = {group.name: group for group in file.groups()}
         if layout.group not in groups:
-            raise UsageError(f"{path} has no group '{layout.group}'. Its groups are: {', '.join(groups)}.")
+            raise UsageError(
+                f"{path} has no group {shown(layout.group)}. Its groups are: {', '.join(groups)}."
+            )
         columns = {column.name: column.values for column in _columns(path, groups[layout.group])}
     require_columns(mapping, list(columns), path, "channel")
     rows = next(iter(columns.values())).size
@@ -103,6 +105,6 @@ def _read(path: Path, channel: Any) -> tuple[str, NDArray[np.float64]]:
         return "s", (values - values[0]) / np.timedelta64(1, "s")
     numbers = np.array(values, dtype=np.float64)
     if numbers.ndim != 1:
-        raise DataError(f"{path}: channel '{channel.name}' holds no plain numbers.")
+        raise DataError(f"{path}: channel {shown(channel.name)} holds no plain numbers.")
     numbers[np.isinf(numbers)] = np.nan
     return next((str(channel.properties[k]) for k in _UNIT_KEYS if channel.properties.get(k)), ""), numbers

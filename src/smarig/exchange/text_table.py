@@ -148,7 +148,7 @@ def incomplete_note(line: int) -> str:
 def missing_notes(columns: Mapping[str, NDArray[np.float64]]) -> list[str]:
     """Findings on cells without a number."""
     return [
-        f"Column '{name}': {int(np.isnan(c).sum())} of {c.size} cells are empty or NaN."
+        f"Column {shown(name)}: {int(np.isnan(c).sum())} of {c.size} cells are empty or NaN."
         for name, c in columns.items()
         if np.isnan(c).any()
     ]
@@ -247,9 +247,9 @@ def _best_header(path: Path, lines: Sequence[str], known: Sequence[str], choices
     ]
     best = int(np.argmax(scores))
     if not scores[best]:
-        shown = ", ".join(known[:6])
+        listed = ", ".join(known[:6])
         raise DataError(
-            f"{path} has {_first_names(lines, choices)}: none of the expected columns ({shown}, …) was found "
+            f"{path} has {_first_names(lines, choices)}: none of the expected columns ({listed}, …) was found "
             f"in its first {len(scores)} lines. Name the file's columns with a mapping file (--map); "
             "`smarig study` drafts one."
         )

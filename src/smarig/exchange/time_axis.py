@@ -6,7 +6,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.core import DataError
+from smarig.core import DataError, shown
 from smarig.record import ImportFinding
 
 Array = NDArray[np.float64]
@@ -17,20 +17,22 @@ def check_time(path: Path, name: str, t_s: Array, line: NDArray[np.int64], repea
     """Raise DataError with the line if time is missing, runs backwards, or repeats without permission."""
     bad = np.flatnonzero(~np.isfinite(t_s))
     if bad.size:
-        raise DataError(f"{path}, line {line[bad[0]]}: '{name}' is empty or NaN. Every row needs a time.")
+        raise DataError(
+            f"{path}, line {line[bad[0]]}: {shown(name)} is empty or NaN. Every row needs a time."
+        )
     step = np.diff(t_s)
     back = np.flatnonzero(step < 0)
     if back.size:
         k = int(back[0]) + 1
         raise DataError(
-            f"{path}, line {line[k]}: '{name}' goes back from {t_s[k - 1]:g} s to {t_s[k]:g} s. "
+            f"{path}, line {line[k]}: {shown(name)} goes back from {t_s[k - 1]:g} s to {t_s[k]:g} s. "
             f"Sort the file by time, or split it where the clock was reset."
         )
     same = np.flatnonzero(step == 0)
     if same.size and repeated == "refuse":
         k = int(same[0]) + 1
         raise DataError(
-            f"{path}, line {line[k]}: '{name}' repeats {t_s[k]:g} s ({same.size} repeats in all). "
+            f"{path}, line {line[k]}: {shown(name)} repeats {t_s[k]:g} s ({same.size} repeats in all). "
             f'Set [time] repeated = "mean" or "keep_order" in a mapping file.'
         )
 
@@ -50,7 +52,7 @@ def joined_clock(name: str, t_s: Array, line: NDArray[np.int64]) -> tuple[Array,
     later[back] = usual - step[back - 1]
     places = f"in line {line[back[0]]}" + (f" and {back.size - 1} more times" if back.size > 1 else "")
     text = (
-        f"'{name}' starts again at {t_s[back[0]]:g} s {places}: the log was resumed. Its parts are joined to one "
+        f"{shown(name)} starts again at {t_s[back[0]]:g} s {places}: the log was resumed. Its parts are joined to one "
         f"record, in which the wire keeps its state, with a gap of one usual step ({usual:.3g} s); how long the pause "
         "was is not known."
     )

@@ -7,7 +7,7 @@ as they are.
 from collections.abc import Sequence
 from typing import Any
 
-from smarig.core import UsageError
+from smarig.core import UsageError, shown
 from smarig.exchange.units import UNITS, meant, spelled
 
 
@@ -26,8 +26,8 @@ def check_unit(unit: str, own: Sequence[str] = ()) -> None:
         return
     if near := meant(unit):
         raise UsageError(
-            f"unit '{unit}' is unknown; did you mean {near}? To use '{unit}' as it is, add the line own_units = "
-            f'["{unit}"] above the tables of the mapping'
+            f"unit {shown(unit)} is unknown; did you mean {near}? To use {shown(unit)} as it is, add the line "
+            f'own_units = ["{unit}"] above the tables of the mapping'
         )
 
 
@@ -51,5 +51,7 @@ def check_same_quantity(unit: str, to: str) -> None:
         return
     for one, other in ((unit, to), (to, unit)):
         if spelled(one) not in UNITS:
-            raise UsageError(f"unit '{one}' is unknown and cannot be converted to '{other}'")
-    raise UsageError(f"'{unit}' is a unit of {dimension(unit)}, but a unit of {dimension(to)} was expected")
+            raise UsageError(f"unit {shown(one)} is unknown and cannot be converted to {shown(other)}")
+    raise UsageError(
+        f"{shown(unit)} is a unit of {dimension(unit)}, but a unit of {dimension(to)} was expected"
+    )

@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.core import DataError, spaced
+from smarig.core import DataError, shown, spaced
 from smarig.exchange.unit_conversion import convert
 from smarig.record import LARGEST, ImportFinding
 
@@ -31,8 +31,8 @@ def check_bounds(path: Path, channel: str, column: str, x: Array, line: NDArray[
     bad = np.flatnonzero((x < low) | (x > high))
     if bad.size:
         raise DataError(
-            f"{path}, line {line[bad[0]]}, column '{column}': {x[bad[0]]:g}{spaced(unit)} as {channel} lies outside "
-            f"{low:g} … {high:g}{spaced(unit)}. Is the unit right?"
+            f"{path}, line {line[bad[0]]}, column {shown(column)}: {x[bad[0]]:g}{spaced(unit)} as {channel} lies "
+            f"outside {low:g} … {high:g}{spaced(unit)}. Is the unit right?"
         )
 
 
@@ -58,7 +58,7 @@ def possible(
     what = f"1 reading of {readings} is" if count == 1 else f"{count} readings of {readings} are"
     text = (
         f"{what} masked: {first}{' and further ones' if count > 1 else ''}, outside {low:g} … {high:g}{spaced(unit)} "
-        f"(column '{column}')."
+        f"(column {shown(column)})."
     )
     return np.where(bad, np.nan, x), [ImportFinding(text, "impossible readings")]
 
@@ -74,7 +74,7 @@ def check_size(
     if bad.size:
         where = f"row {bad[0] + 1}" if line is None else f"line {line[bad[0]]}"
         raise DataError(
-            f"{path}, {where}, column '{column}': {x[bad[0]]:g} is no measured value (at most {LARGEST:g}). "
+            f"{path}, {where}, column {shown(column)}: {x[bad[0]]:g} is no measured value (at most {LARGEST:g}). "
             "Leave the cell empty if there was no reading."
         )
 
@@ -92,7 +92,7 @@ def check_strain(path: Path, column: str, strain: Array) -> list[str]:
     """Check strain (n,) in mm/mm: DataError above 20 %, a finding if the whole range is below 0.1 %."""
     if np.nanmax(np.abs(strain)) > _STRAIN_MAX:
         raise DataError(
-            f"{path}, column '{column}': a strain of {np.nanmax(np.abs(strain)):.3g} mm/mm is more than any "
+            f"{path}, column {shown(column)}: a strain of {np.nanmax(np.abs(strain)):.3g} mm/mm is more than any "
             f"shape-memory alloy recovers. Is the column in %?"
         )
     span = float(np.nanmax(strain) - np.nanmin(strain))

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.core import DataError, UsageError
+from smarig.core import DataError, UsageError, shown
 from smarig.exchange.cell_values import clock_column, number_column
 from smarig.exchange.found_table import CLOCK, NUMBER, FoundTable, found_columns
 from smarig.exchange.mapping import MappingFile, WorkbookLayout, require_columns
@@ -46,7 +46,7 @@ def read_workbook(path: Path, mapping: MappingFile, layout: WorkbookLayout) -> T
     """The columns of a sheet; UsageError for a missing sheet, ConfigError for other columns, DataError with the row."""
     sheets = dict(_sheets(path, layout.sheet))
     if layout.sheet not in sheets:
-        raise UsageError(f"{path} has no sheet '{layout.sheet}'. Its sheets are: {', '.join(sheets)}.")
+        raise UsageError(f"{path} has no sheet {shown(layout.sheet)}. Its sheets are: {', '.join(sheets)}.")
     rows = sheets[layout.sheet]
     header = rows[layout.header_row - 1] if 0 < layout.header_row <= len(rows) else []
     names = layout.names or tuple(cell or f"column {k + 1}" for k, cell in enumerate(header))

@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from smarig.core import shown
 from smarig.exchange import FoundTable, dimension, known_unit
 from smarig.study import quantity_words as q
 from smarig.study.column_facts import ColumnFacts, column_facts
@@ -100,7 +101,7 @@ def _by_name(facts: ColumnFacts) -> ColumnGuess:
     quantity = q.quantity_in_unit(quantity, unit)
     by_unit = q.RATE if q.is_rate_unit(written) else q.quantity_of_unit(unit)
     confidence = LIKELY if quantity else 0.0
-    reason = f"its name '{label}'" if quantity else ""
+    reason = f"its name {shown(label)}" if quantity else ""
     if (
         by_unit
         and (by_unit == q.RATE or dimension(unit) not in q.DIMENSIONS.get(quantity, ()))
@@ -108,11 +109,11 @@ def _by_name(facts: ColumnFacts) -> ColumnGuess:
     ):
         quantity, reason, confidence = by_unit, f"its unit {unit or written}", LIKELY
     elif by_unit and quantity:
-        confidence, reason = STATED, f"its name '{label}' and its unit {unit or written}"
+        confidence, reason = STATED, f"its name {shown(label)} and its unit {unit or written}"
     if facts.kind == "clock":
         quantity, unit, reason, confidence = q.TIME, "s", "clock times", STATED
     if written and not unit:
-        unit_reason, unit_confidence = f"written as '{written}', which is unknown", NONE
+        unit_reason, unit_confidence = f"written as {shown(written)}, which is unknown", NONE
     else:
         unit_reason, unit_confidence = ("stated in the file", STATED) if unit else ("", 0.0)
     return ColumnGuess(
@@ -239,7 +240,9 @@ def _found(guess: ColumnGuess, quantity: str, reason: str, confidence: float) ->
 
 def as_temperature(guess: ColumnGuess) -> ColumnGuess:
     """A column as a temperature, as its name says."""
-    return _with_unit(_found(guess.without_meaning(), q.TEMPERATURE, f"its name '{guess.label}'", LIKELY))
+    return _with_unit(
+        _found(guess.without_meaning(), q.TEMPERATURE, f"its name {shown(guess.label)}", LIKELY)
+    )
 
 
 def _with_unit(guess: ColumnGuess) -> ColumnGuess:

@@ -4,6 +4,7 @@ that look like temperatures.
 
 from dataclasses import dataclass, replace
 
+from smarig.core import shown
 from smarig.study import quantity_words as q
 from smarig.study.column_guess import LIKELY, UNSURE, WEAK, ColumnGuess
 from smarig.study.physical_roles import RoleVote, role_vote
@@ -42,7 +43,7 @@ def roles_by_loop(drive: ColumnGuess, out: ColumnGuess) -> LoopRoles | None:
     reasons = [*vote.reasons] if vote.score * score > 0 else []
     reasons += ["it looks like a temperature"] if prior * score > 0 else []
     against = ", although its loop speaks against it" if vote.score * score < 0 else ""
-    why = f"{_NO_NAMES}; '{drive.name}' is the input because {' and '.join(reasons)}{against}"
+    why = f"{_NO_NAMES}; {shown(drive.name)} is the input because {' and '.join(reasons)}{against}"
     return LoopRoles(drive, out, why, LIKELY if abs(score) >= _SURE else WEAK)
 
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from smarig.core import DataError, UsageError
+from smarig.core import DataError, UsageError, shown
 from smarig.exchange import FoundTable, find_tables
 from smarig.study.column_guess import ColumnGuess, is_rate_of_output
 from smarig.study.study_options import StudyOptions
@@ -125,7 +125,7 @@ def _answered(
         count += 1
         if doubt.startswith("unit "):
             name = doubt.removeprefix("unit ")
-            units[name] = ask(f"Unit of '{name}'", ())
+            units[name] = ask(f"Unit of {shown(name)}", ())
         else:
             given[doubt] = ask(f"Which column is the {doubt}", [c.name for c in guess.columns])
         guess = guess_table(guess.table, **given, units=units, files=files)
@@ -138,7 +138,7 @@ def _answered(
             f"{guess.table.path}: no column looks like an input. Name one with --input NAME.", guess
         )
     if guess.first("output") is None and not guess.heating_only:
-        names = ", ".join(f"'{name}'" for name in guess.table.names[:12])
+        names = ", ".join(f"{shown(name)}" for name in guess.table.names[:12])
         raise UnsureError(
             f"{guess.table.path}: no column looks like an output (columns: {names}). Name input and output with "
             "--input NAME --output NAME.",
@@ -154,7 +154,7 @@ def _check_no_rate(guess: TableGuess, options: StudyOptions) -> None:
     rate = next((c for c in guess.columns if is_rate_of_output(c)), None)
     if rate is not None:
         raise UnsureError(
-            f"{guess.table.path}: '{rate.name}' is a rate, not the output of a hysteresis; its integral over time "
+            f"{guess.table.path}: {shown(rate.name)} is a rate, not the output of a hysteresis; its integral over time "
             "would be the output. Integrate it first, or name another column with --output NAME.",
             guess,
         )
@@ -176,7 +176,7 @@ def _needed(guess: TableGuess) -> str:
             options.append(f"--unit '{doubt.removeprefix('unit ')}=UNIT'")
         else:
             options.append(f"--{doubt} NAME")
-    names = ", ".join(f"'{name}'" for name in guess.table.names[:12])
+    names = ", ".join(f"{shown(name)}" for name in guess.table.names[:12])
     return (
         f"{guess.table.path}: it is not clear which columns to use. Say {' '.join(options)} (columns: {names}), "
         "or take the draft with --yes."
