@@ -16,6 +16,7 @@ from smarig.cli import run
 from smarig.config import load_rig
 from smarig.core.errors import InUse, LimitExceeded, UsageError
 from smarig.plant.actuator import Actuator
+from smarig.record.recorder import Recorder
 from smarig.rig.guard import Guard
 from smarig.rig.paced_rig import PacedRig
 from smarig.rig.twin import Twin
@@ -339,3 +340,29 @@ def test_positions_of_1e_310_are_too_small_in_one_sentence(capsys, tmp_path):
     file.write_text("time_s,current_A,position_mm\n" + "".join(rows))
     status, _, err = call(capsys, "study", file, "-o", tmp_path / "s", "--yes")
     assert (status, err.splitlines()[-1][:52]) == (4, "smarig: A number in these files is too large or too ")
+
+
+@pytest.mark.skipif(os.name == "nt", reason="an open file cannot be moved")
+@pytest.mark.parametrize(("old", "new"), [("runs/a.run.sqlite", "runs/b.run.sqlite"), ("runs", "moved")])
+def test_a_run_whose_file_is_moved_meanwhile_says_so(capsys, tmp_path, monkeypatch, old, new):
+    """After a step, and then the recorder looks for room on the disk of the folder that is gone."""
+    step, run_file = Recorder.step, tmp_path / "runs" / "a.run.sqlite"
+
+    def moving_step(self, *given, **others):
+        step(self, *given, **others)
+        if run_file.exists():
+            (tmp_path / old).rename(tmp_path / new)
+            self._check_space()
+
+    monkeypatch.setattr(Recorder, "step", moving_step)
+    run_file.parent.mkdir()
+    status, _, err = call(
+        capsys, "run", "validation", "--rig", "one_wire_twin", "-o", run_file, "--set", "points=3", "--quiet"
+    )
+    assert status == 4
+    assert err.splitlines()[-1] == (
+        f"smarig: Run {run_file} was recorded to its end, but its file was renamed, moved or removed meanwhile. Look "
+        "for it under its new name. The current is at zero."
+    )
+    (found,) = tmp_path.glob("*/?.run.sqlite")
+    assert call(capsys, "check", found)[0] == 0

@@ -74,6 +74,7 @@ class Recorder:
             )
         else:
             self._db = reopened(path, meta, continuation)
+        self._file = _identity(path)
         self._thread = threading.Thread(target=self._write, name="recorder", daemon=True)
         self._thread.start()
 
@@ -263,7 +264,12 @@ class Recorder:
         return True
 
     def _check_space(self) -> None:
-        free = shutil.disk_usage(self.path.parent).free
+        try:
+            free = shutil.disk_usage(self.path.parent).free
+        except (
+            FileNotFoundError
+        ):  # the folder was moved, and the open file with it: check_in_place tells of it
+            return
         if free < RESERVE_BYTES:
             raise OSError(f"only {free / 1e6:.1f} MB left on the disk")
 
@@ -291,6 +297,14 @@ class Recorder:
             raise StorageError(self._stalled_text()).at_zero()
         if self._loss is not None:
             raise self._loss
+
+    def check_in_place(self) -> None:
+        """Raise StorageError if the name of the closed run does not lead to its file any more."""
+        if self._file != _identity(self.path):
+            raise StorageError(
+                f"Run {self.path} was recorded to its end, but its file was renamed, moved or removed meanwhile. Look "
+                "for it under its new name."
+            )
 
     def _wait_for_writer(self) -> None:
         """Wait as long as something is stored or hashed every few seconds."""
@@ -324,6 +338,15 @@ def _created(path: Path, meta: dict[str, Any], *, force: bool) -> sqlite3.Connec
     with new_run_file(path, meta, force=force):
         pass
     return opened_for_recording(path)
+
+
+def _identity(path: Path) -> tuple[int, int] | None:
+    """The file behind a name, whatever it is called; None if there is none."""
+    try:
+        status = path.stat()
+    except OSError:
+        return None
+    return status.st_dev, status.st_ino
 
 
 @dataclass(frozen=True)

@@ -265,6 +265,7 @@ class Session:
         """Run to the end, however it ends, and close the record with its cause."""
         with at_forced_end(recorder.on_disk, f"What run {recorder.path} holds is not known."):
             self._carry_out(recorder, runner, protocol, new_run)
+            recorder.check_in_place()
 
     def _carry_out(self, recorder: Recorder, runner: Runner, protocol: Protocol, new_run: bool) -> None:
         cause, severity, stopped_by, start_s = "done", end_severity(None), None, runner.t_s
