@@ -59,9 +59,13 @@ def test_a_run_has_a_readable_repr(path):
 
 
 def test_a_missing_file_is_a_matter_of_usage(tmp_path):
-    for absent in (tmp_path / "none.run.sqlite", tmp_path):
-        with pytest.raises(UsageError, match=f"There is no run file {absent}"):
-            load_run(absent)
+    absent = tmp_path / "none.run.sqlite"
+    for place, words in (
+        (absent, f"There is no run file {absent}"),
+        (tmp_path, "is a folder. Name a run file"),
+    ):
+        with pytest.raises(UsageError, match=words):
+            load_run(place)
 
 
 # --- files that are none ----------------------------------------------------------------------------------

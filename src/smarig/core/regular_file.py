@@ -2,8 +2,8 @@
 
 import os
 import stat
+from io import BufferedReader
 from pathlib import Path
-from typing import BinaryIO
 
 from smarig.core.errors import UsageError
 from smarig.core.shown_text import printable
@@ -41,7 +41,7 @@ def check_file(path: Path, kind: str = "file", remedy: str = "") -> None:
         raise _not_regular(path)
 
 
-def opened_file(path: Path) -> BinaryIO:
+def opened_file(path: Path) -> BufferedReader:
     """A regular file, opened for reading. Raises UsageError for anything else, and OSError."""
     check_file(path)  # before it is opened, which would reset the device at a serial port
     flags = os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0)

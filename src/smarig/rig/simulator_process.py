@@ -39,17 +39,17 @@ def running_devices(
             env={**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, search))},
             start_new_session=os.name != "nt",  # Ctrl-C is handled by this process
         )
-    told = 0
+    named_lines = 0
     try:
         found = _ready(process, while_waiting)
         if found is None:
-            told = 1
+            named_lines = 1
             raise _not_started(process, _lines(messages))
         yield found
     finally:
         _stop_process(process, keep_until_lease=keep_until_lease)
         lines = _lines(messages)
-        for line in lines[: len(lines) - told]:
+        for line in lines[: len(lines) - named_lines]:
             sys.stderr.write(f"{printable(line)}\n")
 
 
@@ -59,13 +59,17 @@ def _ready(process: subprocess.Popen, while_waiting: Callable[[], None]) -> dict
     return json.loads(line) if line else None
 
 
-def _not_started(process: subprocess.Popen, said: Sequence[str]) -> RigFault | ConfigError:
+def _not_started(process: subprocess.Popen, messages: Sequence[str]) -> RigFault | ConfigError:
     """Why there are no devices, in their last words."""
     try:
         status = process.wait(1)
     except subprocess.TimeoutExpired:
         return RigFault(f"The simulated devices did not start within {START_TIMEOUT_S:g} s.")
-    last = printable(said[-1].removeprefix("Error: "), 1000).rstrip(".") if said else "they said nothing"
+    last = (
+        printable(messages[-1].removeprefix("Error: "), 1000).rstrip(".")
+        if messages
+        else "they left no message"
+    )
     if status == ConfigError.exit_status:
         return ConfigError(f"The simulated devices were not started: {last}.")
     return RigFault(f"The simulated devices ended with status {status}: {last}.")
