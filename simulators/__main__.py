@@ -105,6 +105,7 @@ def main(
             lines = [_line(world, name, faults, folder) for name in framings]
     except (SmarigError, OSError) as error:
         click.echo(f"Error: {error}", err=True)
+        click.echo(json.dumps({"error": str(error)}))  # to the host, in place of the addresses
         sys.exit(error.exit_status if isinstance(error, SmarigError) else UsageError.exit_status)
 
     def tick() -> None:

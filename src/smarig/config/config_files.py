@@ -100,9 +100,9 @@ def _with_resolved_paths(table: dict[str, Any], folder: Path, came_with: Path | 
     """A rig's table with paths of its own drivers, actuator and load that are relative to the rig file's folder."""
 
     def resolved_path(name: str) -> str:
-        if has_control_characters(name):  # no path: its schema refuses it
-            return name
-        return _inner_path(folder / name, came_with) if came_with else str((folder / name).resolve())
+        if came_with and not has_control_characters(name):
+            return _inner_path(folder / name, came_with)
+        return _absolute(name, folder)
 
     actuator, links, load = (table.get(key) for key in ("actuator", "links", "load"))
     resolved = dict(table)
@@ -118,6 +118,11 @@ def _with_resolved_paths(table: dict[str, Any], folder: Path, came_with: Path | 
             for device, link in links.items()
         }
     return resolved
+
+
+def _absolute(path: str, folder: Path) -> str:
+    """A path that is relative to a folder; the text unchanged if it is none, which its schema refuses."""
+    return path if has_control_characters(path) else str((folder / path).resolve())
 
 
 def _inner_path(path: Path, came_with: Path) -> str:

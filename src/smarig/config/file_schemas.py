@@ -5,7 +5,7 @@ Physical quantities have no defaults. The comment after each key is its text in 
 
 import re
 from pathlib import Path
-from typing import Any, Literal
+from typing import Literal
 
 from pydantic import Field, field_validator, model_validator
 

@@ -3,13 +3,14 @@
 import contextlib
 import json
 import os
-import selectors
 import subprocess
 import sys
+import threading
 import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
+from queue import Empty, Queue
 from typing import Any
 
 from smarig.core import ConfigError, RigFault, printable, shipped
@@ -39,55 +40,59 @@ def running_devices(
             env={**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, search))},
             start_new_session=os.name != "nt",  # Ctrl-C is handled by this process
         )
-    named_lines = 0
+    shown = 0
     try:
         found = _ready(process, while_waiting)
-        if found is None:
-            named_lines = 1
-            raise _not_started(process, _lines(messages))
+        if "error" in found:
+            shown = 1  # its last line says the same
+            raise ConfigError(f"The simulated devices were not started: {printable(found['error'], 1000)}")
         yield found
+    except _NotReady:
+        lines, shown = _lines(messages), 1
+        raise _not_started(process, lines[-1] if lines else "they left no message") from None
     finally:
         _stop_process(process, keep_until_lease=keep_until_lease)
         lines = _lines(messages)
-        for line in lines[: len(lines) - named_lines]:
+        for line in lines[: len(lines) - shown]:
             sys.stderr.write(f"{printable(line)}\n")
 
 
-def _ready(process: subprocess.Popen, while_waiting: Callable[[], None]) -> dict[str, Any] | None:
-    """The line of JSON in which the devices report where they are; None if there is none."""
+class _NotReady(Exception):
+    """The devices ended, or took too long, before they said where they are."""
+
+
+def _ready(process: subprocess.Popen, while_waiting: Callable[[], None]) -> dict[str, Any]:
+    """The line of JSON in which the devices report where they are, or the error for which there are none."""
     line = _first_line(process, while_waiting)
-    return json.loads(line) if line else None
+    if not line:
+        raise _NotReady
+    return json.loads(line)
 
 
-def _not_started(process: subprocess.Popen, messages: Sequence[str]) -> RigFault | ConfigError:
+def _not_started(process: subprocess.Popen, last: str) -> RigFault:
     """Why there are no devices, in their last words."""
     try:
         status = process.wait(1)
     except subprocess.TimeoutExpired:
         return RigFault(f"The simulated devices did not start within {START_TIMEOUT_S:g} s.")
-    last = (
-        printable(messages[-1].removeprefix("Error: "), 1000).rstrip(".")
-        if messages
-        else "they left no message"
-    )
-    if status == ConfigError.exit_status:
-        return ConfigError(f"The simulated devices were not started: {last}.")
-    return RigFault(f"The simulated devices ended with status {status}: {last}.")
+    return RigFault(f"The simulated devices ended with status {status}: {printable(last, 1000).rstrip('.')}.")
 
 
 def _first_line(process: subprocess.Popen, while_waiting: Callable[[], None]) -> str:
     """The first line of their standard output; "" if they ended before, or took too long."""
     assert process.stdout is not None  # noqa: S101 - a pipe was requested
+    output: Queue[str] = Queue()
+    read = process.stdout.readline
+    threading.Thread(target=lambda: output.put(read()), name="simulated devices", daemon=True).start()
     until_s = time.monotonic() + START_TIMEOUT_S
-    with selectors.DefaultSelector() as selector:
-        selector.register(process.stdout, selectors.EVENT_READ)
-        while time.monotonic() < until_s:
-            ended = process.poll() is not None  # asked for first: what it wrote before is there
-            if selector.select(_STEP_S):
-                return process.stdout.readline()
+    while time.monotonic() < until_s:
+        ended = process.poll() is not None  # asked for first: what it wrote before is there
+        try:
+            return output.get(timeout=_STEP_S)
+        except Empty:
             if ended:  # another process may hold its output open
                 return ""
-            while_waiting()
+        while_waiting()
     return ""
 
 

@@ -78,7 +78,8 @@ class AllowedEntries:
         before = self.code_of(number, request)
         self._leave(self._mark(number, request, before))
         code = self.code_of(number, request)
-        if as_shown and (more := [each for each in code if each.text not in {b.text for b in before}]):
+        shown = {(each.role, each.name) for each in before}
+        if as_shown and (more := [each for each in code if (each.role, each.name) not in shown]):
             raise UsageError(f"Entry {number} also runs {own_code_text(more)}. Look at it again.")
         self._leave(self._mark(number, request, code))
 

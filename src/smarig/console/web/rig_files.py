@@ -16,9 +16,11 @@ from smarig.core import (
     parsed_toml,
     passed,
     place_inside,
+    shown,
 )
 from smarig.rig import DRIVERS, inconsistencies
 
+_LONGEST_NAME = 255  # bytes of a file's name, at the most
 _LARGEST_BYTES = 100_000  # a larger file is no rig
 _KEYS = {"actuator", "base", "links"}  # that only rig files have
 _RIG_LINE = re.compile(rb"^[ \t]*(actuator|base)[ \t]*=|^[ \t]*\[[ \t]*links\b", re.MULTILINE)
@@ -91,6 +93,8 @@ def rig_entry(name: str, folder: Path, opened: Container[str] = ()) -> RigEntry:
     and never end: only the process of a check imports them.
     """
     path = name if name in shipped_names("rigs") else str(folder / name)
+    if path != name and len(name) > _LONGEST_NAME:
+        return RigEntry(name, None, (f"No rig {shown(name)}.",))
     entry = _entry(name, path, folder)
     return _entry(name, path, None) if entry.closed and entry.closed_mark in opened else entry
 
