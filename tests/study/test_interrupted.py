@@ -52,7 +52,7 @@ def test_a_file_removed_meanwhile_is_one_sentence(folder, tmp_path):
             (folder / "1.csv").unlink()
 
     outcomes = study_each([folder], tmp_path / "out", QUICK, workers=1, progress=remove)
-    assert outcomes[1].failure == f"{folder / '1.csv'} cannot be read: No such file or directory."
+    assert outcomes[1].failure == f"There is no file {folder / '1.csv'}."
     assert [o.found is not None for o in outcomes] == [True, False, True]
 
 

@@ -173,7 +173,7 @@ def test_a_lease_that_the_watchdog_cannot_count_is_refused(serve):
     [
         ({"chanel": 2}, "chanel"),
         ({"make": "keysight"}, "No make 'keysight' of supplies; did you mean keysight"),
-        ({"makes": "absent.toml"}, "absent.toml cannot be read"),
+        ({"makes": "absent.toml"}, "There is no file absent\\.toml"),
     ],
 )
 def test_wrong_settings_are_one_sentence(settings, sentence, serve):
