@@ -1,6 +1,7 @@
 """The figures of a study: measured and predicted loops of held-out runs, within the family of all loads."""
 
 from collections.abc import Sequence
+from itertools import cycle
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,7 +29,7 @@ from smarig.study.study_result import StudyResult
 
 Array = NDArray[np.float64]
 _PALE = 0.45
-_FAMILY_OPACITY = 0.7
+_FAMILY_DASHES = ("solid", "dash", "dashdot")  # neighbouring shades alone cannot be told apart
 _FEW = 300  # readings: so many are drawn as dots
 _MOST_CURVES = 25
 _MOST_PANELS = 4
@@ -136,13 +137,11 @@ def _family(result: StudyResult, shown: RunVerification) -> list[dict]:
     runs = [r for r in result.split.train if str(r.path) != shown.run] if result.split else []
     runs.sort(key=lambda r: float(recorded_conditions(r)[LOAD].value))
     traces = []
-    for run, shade in zip(runs, style.colours(len(runs))):
+    for run, shade, dash in zip(runs, style.colours(len(runs)), cycle(_FAMILY_DASHES)):
         known = np.flatnonzero(np.isfinite(run["input"]) & np.isfinite(run["position"]))
         keep = known[path(run["input"][known], run["position"][known])]
         name = f"{_load_text(run)}, fitted"
-        traces.append(
-            line(run["input"][keep], run["position"][keep], name, shade, width=1.0, opacity=_FAMILY_OPACITY)
-        )
+        traces.append(line(run["input"][keep], run["position"][keep], name, shade, width=1.2, dash=dash))
     return traces
 
 

@@ -163,10 +163,10 @@ def _comparison(result: StudyResult) -> Iterator[Html | Figure]:
         (name, "simple curve", "", number(rms))
         for name, rms in sorted(evaluation.simple.items(), key=lambda i: i[1])
     ]
-    held = "fitted data" if result.split and result.split.kind == "none" else "held-out data"
-    yield html_table(
-        ("Name", "Kind", f"Fitted data, rms{unit}", f"{held.capitalize()}, rms{unit}"), rows, "Errors."
-    )
+    header = ("Name", "Kind", f"Fitted data, rms{unit}", f"Held-out data, rms{unit}")
+    if result.split and result.split.kind == "none":  # nothing is held out: one column of errors
+        header, rows = header[:3], [(name, kind, rms) for name, kind, _, rms in rows]
+    yield html_table(header, rows, "Errors.")
     others = other_loops(result)
     if others is not None:
         yield others

@@ -142,6 +142,7 @@ figure .panels{display:grid;grid-template-columns:repeat(auto-fit,minmax(min(100
  .with-text{display:grid;grid-template-columns:minmax(0,660px) minmax(280px,1fr);gap:0 28px;align-items:start}
  .with-text figure.single{display:block;margin-top:12px}.with-text .table{margin:8px 0 10px}
  .with-text table{font-size:13px}.with-text td,.with-text th{padding-right:10px;white-space:nowrap}
+ .with-text td:last-child{white-space:normal}
  .with-text ul{padding-left:18px;margin:8px 0;font-size:15px;line-height:1.45}}
 .choices{display:flex;flex-wrap:wrap;gap:6px}
 button,input,select{font:inherit;font-size:14px;color:var(--ink);background:var(--ground);border:1px solid var(--edge);
