@@ -11,7 +11,9 @@ MATCHES: dict[FindingKind, str] = {
     "varying condition": "stress_shift",
 }
 # A model takes noise for reversals, and the others were mended: no effect looks so.
-NO_SUSPECTS: frozenset[FindingKind] = frozenset({"noisy input", "impossible readings", "restarted clock"})
+NO_SUSPECTS: frozenset[FindingKind] = frozenset(
+    {"noisy input", "impossible readings", "disagreeing sensors", "restarted clock"}
+)
 
 
 @dataclass(frozen=True)

@@ -59,7 +59,7 @@ def mapped_draft(path: Path, table: Table, mapping: MappingFile) -> RunDraft:
         *remarks(*table.notes),
         *clock,
         *unfolded,
-        *remarks(*odd),
+        *odd,
         *constant,
         *remarks(*duplicate_columns(_without_time(table, mapping))),
     ]
@@ -242,9 +242,11 @@ def _conditions(path: Path, table: Table, mapping: MappingFile) -> tuple[dict[st
     return out, messages
 
 
-def _compare_sensors(path: Path, table: Table, mapping: MappingFile, columns: dict[str, Array]) -> list[str]:
+def _compare_sensors(
+    path: Path, table: Table, mapping: MappingFile, columns: dict[str, Array]
+) -> list[ImportFinding]:
     """Blank the channels of two sensors of one quantity that disagree; DataError if they disagree in most rows."""
-    messages = []
+    messages = list[ImportFinding]()
     for compare in mapping.compare:
         a, b = (table.columns[name] for name in compare.columns)
         apart = np.abs(a - b)
@@ -258,14 +260,15 @@ def _compare_sensors(path: Path, table: Table, mapping: MappingFile, columns: di
         for channel in compare.blames if bad.any() else ():
             columns[channel][bad] = np.nan
         if bad.any():
-            messages.append(
+            text = (
                 f"Columns {pair} disagree by up to {np.nanmax(apart):.3g}{spaced(compare.unit)} in {int(bad.sum())} "
-                f"rows (lines {table.line[bad].min()}–{table.line[bad].max()}); "
+                f"rows (lines {table.line[bad].min()}–{table.line[bad].max()}), {100 * bad.mean():.2g} % of all; "
                 f"{', '.join(compare.blames) or 'nothing'} is left out there."
             )
+            messages.append(ImportFinding(text, "disagreeing sensors" if compare.blames else None))
         usual = float(np.median(apart[~bad]))
         if usual > 0.2 * compare.within:
-            messages.append(
+            messages += remarks(
                 f"In the other rows, columns {pair} still differ by {usual:.2g}{spaced(compare.unit)} (median)."
             )
     return messages

@@ -17,6 +17,7 @@ FindingKind = Literal[
     "repeated times",
     "noisy input",
     "impossible readings",
+    "disagreeing sensors",
     "restarted clock",
 ]
 FINDING_KINDS: tuple[FindingKind, ...] = get_args(FindingKind)

@@ -16,7 +16,8 @@ from smarig.study.data_split import LOAD, DataSplit
 from smarig.study.imported_runs import ImportedTable
 from smarig.study.input_turns import wide_turns
 
-_MENDED: tuple[FindingKind, ...] = ("impossible readings", "restarted clock")
+_MASKED: tuple[FindingKind, ...] = ("disagreeing sensors", "impossible readings")
+_MENDED: tuple[FindingKind, ...] = (*_MASKED, "restarted clock")
 _SAME_SHARE = 0.05  # conditions that differ less count as equal
 _BEYOND_SHARE = 0.05  # of the fitted range: inputs further outside are new to the model
 _FITS_SHARE = 0.03  # of the output's range: a fit that misses by less describes its own data
@@ -64,9 +65,18 @@ def noisy_input(tables: Sequence[ImportedTable]) -> Iterator[str]:
     yield from _of_kind(tables, "noisy input")[:1]
 
 
+def masked(tables: Sequence[ImportedTable]) -> Iterator[str]:
+    """Which readings the import masked, with their share: the first sentence of each kind."""
+    yield from _first_of(tables, _MASKED)
+
+
 def mended(tables: Sequence[ImportedTable]) -> Iterator[str]:
     """What the import mended in the readings of the tables: the first sentence of each kind."""
-    for kind in _MENDED:
+    yield from _first_of(tables, _MENDED)
+
+
+def _first_of(tables: Sequence[ImportedTable], kinds: Sequence[FindingKind]) -> Iterator[str]:
+    for kind in kinds:
         found = _of_kind(tables, kind)
         more = f" {len(found) - 1} more such findings are on the page." if len(found) > 1 else ""
         yield from (f"{text}{more}" for text in found[:1])

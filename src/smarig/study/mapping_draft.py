@@ -7,6 +7,7 @@ from typing import Any
 from smarig.exchange import convert, dimension
 from smarig.study import quantity_words as q
 from smarig.study.column_guess import ColumnGuess, conditions_in_name
+from smarig.study.second_thermometer import AGREE_K
 from smarig.study.table_guess import TableGuess
 
 _STORED = {"length": "mm", "temperature": "degC", "ratio": "mm/mm"}  # units in which outputs are stored
@@ -14,6 +15,7 @@ _HEAT_FLOWS = {"heat flow": "W/g", "power": "mW"}
 _CHANNELS = {q.TEMPERATURE: "temperature_degC", q.CURRENT: "current_A"}
 _CONDITIONS = {q.STRESS: "stress", q.FORCE: "load"}
 _HEADER_CONDITIONS = (("frequency", "frequency", "Hz"), ("room temp", "room_temperature", "degC"))
+_UNUSED = ("ignored", "elsewhere")  # roles of columns that are not imported
 _KEY_UNIT = re.compile(r"(.*?)\s*\[([^\]]*)\]")
 
 
@@ -62,12 +64,12 @@ def mapping_draft(guess: TableGuess, name: str) -> str:
             "",
             "[[compare]]",
             f"columns = [{_s(drive.name)}, {_s(other.name)}]",
-            "within = 5.0",
+            f"within = {AGREE_K}",
             'unit = "K"',
         ]
         lines += [f'blames = ["{channel}"]']
     ignored = [
-        g for g in guess.columns if guess.roles[g.name].role == "ignored" and g.name not in _mapped(guess)
+        g for g in guess.columns if guess.roles[g.name].role in _UNUSED and g.name not in _mapped(guess)
     ]
     if ignored:
         lines += ["", "[ignore]", *(f"{_s(g.name)} = {_s(guess.roles[g.name].reason)}" for g in ignored)]
@@ -129,7 +131,7 @@ def _channel_line(guess: TableGuess, key: str, name: str, c: ColumnGuess) -> str
 
 def _mapped(guess: TableGuess) -> set[str]:
     """Columns that branches use beside those with a role."""
-    used = {g.name for g in guess.columns if guess.roles[g.name].role not in ("ignored",)}
+    used = {g.name for g in guess.columns if guess.roles[g.name].role not in _UNUSED}
     return {b for a, b in guess.branches.items() if a in used}
 
 

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from smarig.core import capitalised
+from smarig.core import capitalised, shown
 from smarig.diagnosis import CommandedDiagnosis, MeasuredDiagnosis
 from smarig.identification import (
     BETTER,
@@ -26,7 +26,7 @@ from smarig.identification import (
 from smarig.study.baselines import BRANCHES
 from smarig.study.candidate_models import EXTENDED, Evaluation, noise_of_repeats
 from smarig.study.data_split import DataSplit
-from smarig.study.error_reasons import error_reasons, mended, noisy_input, one_way, wrong_direction
+from smarig.study.error_reasons import error_reasons, masked, mended, noisy_input, one_way, wrong_direction
 from smarig.study.function_of_input import FunctionOfInput
 from smarig.study.heat_flow_sentences import heat_flow_sentences
 from smarig.study.held_out_parts import BranchError, branch_errors, unpredicted_share, worst_place
@@ -240,9 +240,14 @@ class StudyResult:
             first += f" {left_out_sentence(self._left_out, self.unit, self.noise)}"
         return [first, self._simple_sentence(), self._next_sentence()]
 
+    def masked(self) -> list[str]:
+        """Which readings were masked: what to know before any other sentence."""
+        return list(masked(self.tables))
+
     def hints(self) -> list[str]:
         """What would show more, one sentence each."""
         found = [f"{capitalised(g.by_loop)}. {_EXCHANGED}" for g in self.understood.guesses[:1] if g.by_loop]
+        found += self._elsewhere()[:1]  # the others are in the table of the columns
         found += mended(self.tables)
         timed = any(table.run.has("t_s") or table.run.settled for table in self.tables)
         if not timed and not self.understood.forc and self.evaluation is not None and self.verdict != GOOD:
@@ -251,6 +256,12 @@ class StudyResult:
                 "are equally spaced, give their period: period_s under [time] in mapping.toml, with --map."
             )
         return found
+
+    def _elsewhere(self) -> list[str]:
+        """How thermometers differ that are no witnesses of the input."""
+        lead = self.understood.guesses[0]
+        others = [c.name for c in lead.of_role("elsewhere") if c.name not in lead.branches.values()]
+        return [f"{shown(name)} is not used: {lead.roles[name].reason}." for name in others]
 
     @property
     def _is_fitted(self) -> bool:

@@ -25,18 +25,17 @@ from smarig.study.column_guess import (
     like_temperature,
 )
 from smarig.study.nameless_columns import LoopRoles, roles_by_loop
+from smarig.study.second_thermometer import SecondThermometer, second_thermometer, witness_reason
 from smarig.study.signal_columns import holds_still, input_column, is_grid, output_column
 
 _HEATING = (q.CURRENT, q.VOLTAGE, q.POWER, q.DUTY)
-_AGREE_K = 5.0  # two thermometers whose readings differ less by their median show one temperature
-_JUMPS = 3.0  # times the largest step of another thermometer: such a reading jumps
 _LEAST_TURN = 0.3  # correlation of output and input above which the output clearly falls with the input
 
 
 @dataclass(frozen=True)
 class Role:
     """What a column is used for (time, input, output, condition, ambient, command, voltage,
-    temperature, compare, ignored), and why."""
+    temperature, compare, elsewhere for a thermometer that is no witness, ignored), and why."""
 
     role: str
     reason: str
@@ -261,8 +260,10 @@ def _further_roles(
             roles[c.name] = Role(
                 role, f"{c.quantity} beside the current: {c.quantity_reason}", c.quantity_confidence
             )
-        elif drive is not None and _agrees(c, drive):
-            roles[c.name] = Role("compare", _second(c, drive), LIKELY)
+        elif (
+            drive is not None and (second := second_thermometer(c, drive)) is not None and not holds_still(c)
+        ):
+            roles[c.name] = _second_role(second, c, drive)
         elif (
             holds_still(c)
             and c.quantity in (q.STRESS, q.FORCE)
@@ -292,23 +293,11 @@ def _with_current(
     return not before and c.unit_confidence > UNSURE
 
 
-def _agrees(c: ColumnGuess, drive: ColumnGuess) -> bool:
-    if not (c.quantity == drive.quantity == q.TEMPERATURE) or c.unit != drive.unit:
-        return False
-    return bool(np.nanmedian(np.abs(c.facts.values - drive.facts.values)) < _AGREE_K)
-
-
-def _largest_step(c: ColumnGuess) -> float:
-    return float(np.abs(np.diff(c.facts.known)).max())
-
-
-def _second(c: ColumnGuess, drive: ColumnGuess) -> str:
-    words = f"a second thermometer, within {_AGREE_K:g} K of {shown(drive.name)} in half of the rows or more"
-    first, own = _largest_step(drive), _largest_step(c)
-    if first <= _JUMPS * own:
-        return words
-    jumps = f"{shown(drive.name)} jumps by up to {first:.3g} from row to row, this one by {own:.3g}"
-    return f"{words}; {jumps}: try it as the input"
+def _second_role(second: SecondThermometer, c: ColumnGuess, drive: ColumnGuess) -> Role:
+    """The role of a second thermometer that moves: to compare both, or none at another place."""
+    if second.is_witness:
+        return Role("compare", witness_reason(c, drive), LIKELY)
+    return Role("elsewhere", second.difference(drive), LIKELY)
 
 
 def _unused(c: ColumnGuess, out: ColumnGuess | None) -> str:

@@ -115,8 +115,9 @@ def _one(files: Sequence[Path], out: Path, options: "StudyOptions") -> None:
     if result.verdict == POOR and result.function is None:
         show_message("Warning: The model is poor. Do not use it before its errors are explained.")
     temperatures = result.transformation.lines() if result.transformation else []
-    lines = [*result.sentences(), *temperatures, *result.reasons, *result.hints()]
-    emit(result.to_json(), "\n".join([*lines, f"Page: {out / 'index.html'}"]))
+    lines = [*result.masked(), *result.sentences(), *temperatures, *result.reasons, *result.hints()]
+    lines = list(dict.fromkeys([*lines, f"Page: {out / 'index.html'}"]))  # what was masked is a hint as well
+    emit(result.to_json(), "\n".join(lines))
 
 
 def _each(

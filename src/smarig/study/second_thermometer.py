@@ -1,0 +1,98 @@
+"""A second thermometer beside the input: a witness of its faults, or one at another place."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from smarig.core import shown
+from smarig.study import quantity_words as q
+from smarig.study.column_guess import ColumnGuess
+from smarig.study.input_turns import wide_turns
+
+AGREE_K = 5.0  # two thermometers whose readings differ less show one temperature
+_JUMPS = 3.0  # times the largest step of another thermometer: such a reading jumps
+
+
+@dataclass(frozen=True, eq=False)
+class SecondThermometer:
+    """A thermometer beside that of the input. ``heating`` and ``cooling`` (K) are its usual (median) readings less
+    those of the input, NaN for a direction that does not occur; ``apart`` (n,) are the rows that differ by more than
+    ``AGREE_K``, ``astray`` (n,) those among them that differ as much from what is usual in their direction.
+    """
+
+    heating: float
+    cooling: float
+    apart: NDArray[np.bool_]
+    astray: NDArray[np.bool_]
+
+    @property
+    def is_witness(self) -> bool:
+        """Whether it usually agrees in either direction, and most of the rows apart are no part of its usual
+        difference: a fault comes in a few rows, whichever way the ramp goes; an oven leads or lags on each ramp.
+        """
+        usual = np.array([self.heating, self.cooling])
+        rows, apart, astray = self.apart.size, np.count_nonzero(self.apart), np.count_nonzero(self.astray)
+        agrees = (
+            2 * apart < rows and not (np.abs(usual) >= AGREE_K).any()
+        )  # NaN: a direction that does not occur
+        return agrees and 2 * astray >= apart
+
+    def difference(self, drive: ColumnGuess) -> str:
+        """How it differs from the input, in words."""
+        ways = (("while it heats", self.heating), ("while it cools", self.cooling))
+        parts = [
+            f"{abs(value):.2g} K {'higher' if value > 0 else 'lower'} {when}"
+            for when, value in ways
+            if np.isfinite(value)
+        ]
+        share = 100 * np.count_nonzero(self.apart) / self.apart.size
+        return (
+            f"it usually reads {' and '.join(parts)} than {shown(drive.name)}, and differs by more than {AGREE_K:g} K "
+            f"in {share:.2g} % of the rows: a thermometer at another place, no witness of faults"
+        )
+
+
+def second_thermometer(c: ColumnGuess, drive: ColumnGuess) -> SecondThermometer | None:
+    """How a thermometer compares with that of the input; None for columns that are not both thermometers of one unit,
+    or without common readings.
+    """
+    if not (c.quantity == drive.quantity == q.TEMPERATURE) or c.unit != drive.unit:
+        return None
+    known = np.isfinite(c.facts.values) & np.isfinite(drive.facts.values)
+    u, other = drive.facts.values[known], c.facts.values[known]
+    if u.size < 2:
+        return None
+    rises = _rises(min(u, other, key=np.ptp))  # a fault widens the range of its thermometer
+    differs = other - u
+    usual = np.where(rises, _median(differs[rises]), _median(differs[~rises]))
+    apart = np.abs(differs) > AGREE_K
+    astray = apart & (np.abs(differs - usual) > AGREE_K)
+    return SecondThermometer(_median(differs[rises]), _median(differs[~rises]), apart, astray)
+
+
+def witness_reason(c: ColumnGuess, drive: ColumnGuess) -> str:
+    """What a second thermometer at one place shows, and whether the first one jumps."""
+    words = f"a second thermometer, within {AGREE_K:g} K of {shown(drive.name)} in half of the rows or more"
+    first, own = _largest_step(drive), _largest_step(c)
+    if first <= _JUMPS * own:
+        return words
+    jumps = f"{shown(drive.name)} jumps by up to {first:.3g} from row to row, this one by {own:.3g}"
+    return f"{words}; {jumps}: try it as the input"
+
+
+def _rises(u: NDArray[np.float64]) -> NDArray[np.bool_]:
+    """Whether each row lies on a rising branch, between turns that noise does not make."""
+    rises = np.zeros(u.size, dtype=bool)
+    turns = wide_turns(u)
+    for a, b in zip(turns, turns[1:], strict=False):
+        rises[a : b + 1] = u[b] > u[a]
+    return rises
+
+
+def _median(x: NDArray[np.float64]) -> float:
+    return float(np.median(x)) if x.size else np.nan
+
+
+def _largest_step(c: ColumnGuess) -> float:
+    return float(np.abs(np.diff(c.facts.known)).max())
