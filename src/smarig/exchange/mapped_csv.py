@@ -35,6 +35,7 @@ def read_mapped_csv(path: Path, mapping: MappingFile) -> RunDraft:
         decimal=f.decimal,
         header_starts=f.header_starts,
         table=f.table,
+        tables=f.tables,
         thousands=f.thousands,
         header_line=f.header_line,
         units_rows=f.units_rows,

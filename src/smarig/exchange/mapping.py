@@ -50,6 +50,7 @@ class TextLayout(TomlTable):
     units_rows: int = Field(default=0, ge=0, le=10)  # rows under the header that are skipped, such as units
     header_starts: str = ""  # start of the header of each table, in files of several tables
     table: int = Field(default=1, ge=1)  # number of the table in such a file, from 1
+    tables: int = Field(default=1, ge=0)  # tables from there on that are one record; 0: all to the end
 
 
 class MatLayout(TomlTable):

@@ -202,8 +202,8 @@ def _entries(
         if block.own_names:
             return None if block is not blocks[0] else entries | _at_line(block)
         start = lines[block.header][:_LONGEST_START]
-        similar = [b for b in blocks if b.header is not None and lines[b.header].startswith(start)]
-        entries |= {"header_starts": start, "table": similar.index(block) + 1}
+        number = sum(line.startswith(start) for line in lines[: block.header + 1])
+        entries |= {"header_starts": start, "table": number}
         return entries | _units_rows(block)
     return entries | (
         _at_line(block) if block.own_names or not _found_by_name(lines, block) else _units_rows(block)

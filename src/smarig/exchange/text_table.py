@@ -30,6 +30,7 @@ class TableLayout:
     """The layout of the text: ``known`` columns identify the header row; ``names`` are given if there is none.
 
     ``header_line`` is its line, from 1, where its columns do not identify it; ``units_rows`` rows under it are skipped.
+    ``tables`` from the ``table``-th on are one record (0: all to the end).
     ``clock`` is a column of clock times; cells of ``text`` columns that are no numbers are NaN.
     """
 
@@ -39,6 +40,7 @@ class TableLayout:
     decimal: str = "."
     header_starts: str = ""
     table: int = 1
+    tables: int = 1
     thousands: str = ""
     header_line: int = 0
     units_rows: int = 0
@@ -120,6 +122,12 @@ def _table(
         lines.pop()
     again = "" if layout.names and not layout.header_line else lines[start]
     rows, where = cells(path, lines, first, names, delimiter, bool(layout.header_starts), again)
+    starts = _further_tables(path, lines, layout)
+    for later in starts:
+        further, lines_of_it = cells(path, lines, later, names, delimiter, True)
+        rows, where = rows + further, where + lines_of_it
+    if starts:
+        notes.append(f"{len(starts) + 1} tables with the same columns are read as one record.")
     where = [k - added for k in where]
     if len(rows) < 2:
         raise DataError(f"{path} holds {len(rows)} sample(s). At least two are needed.")
@@ -128,6 +136,25 @@ def _table(
     }
     notes += missing_notes(columns)
     return Table(columns, np.array(where, dtype=np.int64), preamble_keys(preamble), tuple(notes))
+
+
+def _further_tables(path: Path, lines: Sequence[str], layout: TableLayout) -> list[int]:
+    """The first lines of the rows of further tables of one record; DataError if there are fewer, or other columns."""
+    if layout.tables == 1 or not layout.header_starts:
+        return []
+    starts = [k for k, line in enumerate(lines) if line.startswith(layout.header_starts)][layout.table - 1 :]
+    if len(starts) < layout.tables:
+        raise DataError(
+            f"{path} has {len(starts)} table(s) from table {layout.table} on; the mapping joins {layout.tables}."
+        )
+    starts = starts[: layout.tables or None]
+    other = [k for k in starts if lines[k].rstrip() != lines[starts[0]].rstrip()]
+    if other:
+        raise DataError(
+            f"{path}, line {other[0] + 1}: this table has other columns than that in line {starts[0] + 1}, so both are "
+            "not one record. Set [file] tables in the mapping."
+        )
+    return [layout.first_row(k) for k in starts[1:]]
 
 
 def preamble_notes(preamble: Sequence[str]) -> list[str]:

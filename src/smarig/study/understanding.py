@@ -9,6 +9,7 @@ from typing import Any
 from smarig.core import DataError, UsageError, shown
 from smarig.exchange import FoundTable, find_tables
 from smarig.study.column_guess import ColumnGuess, is_rate_of_output
+from smarig.study.joined_blocks import joined_blocks
 from smarig.study.study_options import StudyOptions
 from smarig.study.table_guess import TableGuess, guess_table
 
@@ -66,7 +67,7 @@ def _tables(files: Sequence[Path]) -> tuple[list[FoundTable], dict[str, str]]:
             continue
         for table in found:
             taken |= {path.resolve() for path in table.with_files}
-        tables += found
+        tables += joined_blocks(found)
     if not tables:
         raise DataError("None of these files holds a table: " + " ".join(left_out.values()))
     return tables, left_out
