@@ -1,7 +1,9 @@
 """A table found in a data file before anybody has said what its columns mean."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -17,13 +19,15 @@ CLOCK, NUMBER, TEXT = "clock", "number", "text"
 class FoundColumn:
     """A column: its name, the unit as written apart from the name ("" for none), values (n,), and kind.
 
-    Values are NaN where no number stands; those of a ``clock`` column are seconds from its first reading.
+    Values are NaN where no number stands; those of a ``clock`` column are seconds from its first reading. ``comment``
+    is what the file writes below the unit, "" for nothing.
     """
 
     name: str
     unit: str
     values: NDArray[np.float64]
     kind: str = NUMBER
+    comment: str = ""
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,12 +56,16 @@ class FoundTable:
 
 
 def found_columns(
-    path: Path, table: Table, units: dict[str, str], kinds: dict[str, str]
+    path: Path,
+    table: Table,
+    units: dict[str, str],
+    kinds: dict[str, str],
+    comments: Mapping[str, str] = MappingProxyType({}),
 ) -> tuple[FoundColumn, ...]:
     """The columns of a table that was read; DataError with the line for a value that is too large to be measured."""
     for name, values in table.columns.items():
         check_size(path, name, values, table.line, marks=True)
     return tuple(
-        FoundColumn(name, units.get(name, ""), values, kinds.get(name, NUMBER))
+        FoundColumn(name, units.get(name, ""), values, kinds.get(name, NUMBER), comments.get(name, ""))
         for name, values in table.columns.items()
     )

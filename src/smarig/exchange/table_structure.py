@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 from smarig.exchange.cell_values import clock_seconds, is_missing, is_number
 from smarig.exchange.found_table import CLOCK, NUMBER, TEXT
-from smarig.exchange.written_units import is_units_row
+from smarig.exchange.written_units import is_units_row, without_markup
 
 FEWEST_ROWS = 3  # of a table
 _HEADER_ROWS = 4  # rows above the numbers that are searched for names and units
@@ -41,7 +41,8 @@ class FoundBlock:
     """A table in rows (0 is the first): row of its names (None without), first row of numbers, and the row after it.
 
     ``names`` are unique; ``own_names`` says that they differ from the cells of the header. ``units`` are the cells of
-    a row of units, "" where there is none. ``kinds`` are those of the columns. ``header`` counts equal headers before.
+    a row of units, "" where there is none, and ``comments`` those of the rows below it. ``kinds`` are those of the
+    columns. ``header`` counts equal headers before.
     """
 
     header: int | None
@@ -51,6 +52,7 @@ class FoundBlock:
     units: tuple[str, ...]
     kinds: tuple[str, ...]
     own_names: bool
+    comments: tuple[str, ...] = ()
 
 
 def find_blocks(
@@ -125,10 +127,17 @@ def _block(
     written = list(rows[header]) if header is not None else []
     names, own = _names(written, width)
     own = own or (header is not None and rows[header] is not original[header])
-    units = [_unbracketed(cell) for cell in (rows[unit_row] if unit_row is not None else [])]
+    units = [_unbracketed(without_markup(cell)) for cell in (rows[unit_row] if unit_row is not None else [])]
     units += [""] * (len(names) - len(units))
     columns = tuple(_column_kind([row[k] for row in data if k < len(row)], style) for k in range(len(names)))
-    return FoundBlock(header, first, stop, names, tuple(units[: len(names)]), columns, own)
+    comments = _comments(rows[unit_row + 1 : first], len(names)) if unit_row is not None else ()
+    return FoundBlock(header, first, stop, names, tuple(units[: len(names)]), columns, own, comments)
+
+
+def _comments(rows: Sequence[Sequence[str]], width: int) -> tuple[str, ...]:
+    """What rows below the units say of each column; a row of one cell is a title, and says nothing of a column."""
+    cells = [[*row, *[""] * width][:width] for row in rows if len(row) > 1]
+    return tuple(without_markup(" ".join(filter(None, column))) for column in zip(*cells))
 
 
 def _header_cells(
@@ -206,7 +215,7 @@ def _fills(row: Sequence[str], width: int) -> bool:
 
 def _names(written: Sequence[str], width: int) -> tuple[tuple[str, ...], bool]:
     """Unique names of the columns, and whether they differ from what the header's cells say."""
-    cells = [_COMMENT.sub("", cell) if k == 0 else cell for k, cell in enumerate(written)]
+    cells = [without_markup(_COMMENT.sub("", cell) if k == 0 else cell) for k, cell in enumerate(written)]
     if len(cells) == width + 1 and not cells[0]:
         cells = cells[1:]
     if len(cells) > width:

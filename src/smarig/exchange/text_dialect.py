@@ -166,7 +166,13 @@ def _table(
         path=path,
         format="csv",
         name=f"table {number}" if len(blocks) > 1 else "",
-        columns=found_columns(path, table, _units(block, dialect, lines[: block.first]), kinds),
+        columns=found_columns(
+            path,
+            table,
+            _units(block, dialect, lines[: block.first]),
+            kinds,
+            dict(zip(block.names, block.comments)),
+        ),
         layout={"file": entries},
         header=preamble_keys([line.strip("# ") for line in before if line.strip()]),
     )

@@ -8,6 +8,27 @@ from smarig.exchange.units import UNITS, spelled
 _BRACKETED = re.compile(r"[\[(<{](.*)[\])>}]")
 
 
+_MARKUP = re.compile(
+    r"\\(\+|-|g|i|b|u)\(([^()]*)\)"
+)  # \+(o) raised, \-(2) lowered, \g(m) Greek, as Origin writes
+_GREEK = str.maketrans("abgdezhqklmnprstfcyowGDQLPSFYW", "αβγδεζηθκλµνπρστφχψοωΓΔΘΛΠΣΦΨΩ")
+_RAISED = str.maketrans("o-0123456789", "°⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+
+
+def without_markup(text: str) -> str:
+    """A text with the signs that the markup of a plotting program means.
+
+    >>> without_markup("\\\\+(o)C"), without_markup("\\\\g(m)m"), without_markup("R\\\\-(2)")
+    ('°C', 'µm', 'R2')
+    """
+    return _MARKUP.sub(_sign_of, text)
+
+
+def _sign_of(markup: re.Match[str]) -> str:
+    table = {"+": _RAISED, "g": _GREEK}.get(markup[1])
+    return markup[2].translate(table) if table else markup[2]
+
+
 def is_units_row(row: Sequence[str]) -> bool:
     """Whether the cells of a row are units, in brackets or not.
 
@@ -99,7 +120,7 @@ def known_unit(text: str, *, temperature: bool = False) -> str:
     >>> known_unit("kV_per_cm"), known_unit("W per g"), known_unit("cycles_per_s")
     ('kV/cm', 'W/g', '')
     """
-    word = text.strip().strip("[](){}<>").strip()
+    word = without_markup(text).strip().strip("[](){}<>").strip()
     if temperature and word in _CASED:
         return _CASED[word]
     if not word or word == "-":

@@ -250,7 +250,9 @@ def _further_roles(
         if c.name in roles:
             continue
         if c.facts.kind == "text" or not c.facts.known.size:
-            roles[c.name] = Role("ignored", "no numbers", STATED)
+            few = 2 * c.facts.known.size < c.facts.values.size
+            why = "no numbers" if few else "of another pair of columns, or not in every file"
+            roles[c.name] = Role("ignored", why, STATED)
         elif c.quantity == q.AMBIENT and dimension(c.unit) == "temperature":
             roles[c.name] = Role("ambient", c.quantity_reason, c.quantity_confidence)
         elif drive is not None and c.quantity == drive.quantity == q.CURRENT and (c.commanded or is_grid(c)):

@@ -9,6 +9,7 @@ from typing import Any
 from smarig.core import DataError, UsageError, shown
 from smarig.exchange import FoundTable, find_tables
 from smarig.study.column_guess import ColumnGuess, is_rate_of_output
+from smarig.study.column_pairs import tables_of_pairs
 from smarig.study.joined_blocks import joined_blocks
 from smarig.study.study_options import StudyOptions
 from smarig.study.table_guess import TableGuess, guess_table
@@ -38,6 +39,7 @@ def understand(files: Sequence[Path], options: StudyOptions, ask: Ask | None = N
     answers and the options do not accept it; DataError if no file holds a table.
     """
     tables, left_out = _tables(files)
+    tables = tables if options.mapping else _by_pairs(tables, options)
     tables, unlike = _of_one_layout(tables)
     left_out |= unlike
     names = [file.name for file in files]
@@ -71,6 +73,12 @@ def _tables(files: Sequence[Path]) -> tuple[list[FoundTable], dict[str, str]]:
     if not tables:
         raise DataError("None of these files holds a table: " + " ".join(left_out.values()))
     return tables, left_out
+
+
+def _by_pairs(tables: Sequence[FoundTable], options: StudyOptions) -> list[FoundTable]:
+    """The tables, with one for each pair of columns where pairs stand side by side."""
+    named = (options.input, options.output, *options.units)
+    return [pair for table in tables for pair in tables_of_pairs(table, named)]
 
 
 def _of_one_layout(tables: Sequence[FoundTable]) -> tuple[list[FoundTable], dict[str, str]]:

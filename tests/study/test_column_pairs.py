@@ -1,0 +1,80 @@
+"""An export with rows of names, units and comments, and pairs of columns side by side: each pair is a run."""
+
+import numpy as np
+import pytest
+
+from smarig.exchange import find_tables
+from smarig.study import StudyOptions, study
+from smarig.study.understanding import understand
+from study.known_data import displacements, temperatures
+
+LOADS = (60.0, 120.0, 210.0)
+
+
+def pairs(shift=8.0, loads=LOADS):
+    """Temperature and strain of each load; later pairs are shorter."""
+    found = []
+    for k, _ in enumerate(loads):
+        u = temperatures(2, 150 - 10 * k)
+        found.append((u, displacements(u - shift * k, seed=k)))
+    return found
+
+
+def written(path, columns, comments, units=(r"\+(o)C", "%"), names=("Temperature", "Strain")):
+    lines = ["\t".join(names * len(columns)), "\t".join(units * len(columns)), "\t".join(comments)]
+    for k in range(max(u.size for u, _ in columns)):
+        cells = [f"{x[k]:.4f}" if k < x.size else "" for pair in columns for x in pair]
+        lines.append("\t".join(cells))
+    path.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    return path
+
+
+def load_comments(loads=LOADS):
+    return [cell for load in loads for cell in ("", f"{load:g} MPa")]
+
+
+@pytest.mark.parametrize("loads", [LOADS[:1], LOADS[:2], LOADS])
+def test_each_pair_is_a_run_at_the_load_of_its_comment(tmp_path, loads):
+    path = written(tmp_path / "a.dat", pairs(loads=loads), load_comments(loads))
+    result = study([path], tmp_path / "out", StudyOptions(diagnose=False))
+    assert len(result.tables) == len(loads)
+    for table, (u, y), load in zip(result.tables, pairs(loads=loads), loads):
+        known = np.isfinite(table.run["input"])
+        np.testing.assert_allclose(table.run["input"][known], u, atol=1e-3)
+        np.testing.assert_allclose(table.run["position"][known], y, atol=1e-3)
+        assert table.run.info.output.quantity == "strain"
+        assert table.run.unit == "%"
+        assert table.run.info.conditions["stress"]["mean"] == load
+    assert not result.left_out
+
+
+@pytest.mark.parametrize("comments", [["", "first", "", "second", "", "third"], [""] * 6])
+def test_pairs_without_a_load_are_runs_too(tmp_path, comments):
+    path = written(tmp_path / "a.dat", pairs(), comments)
+    assert [len(g.table) for g in understand([path], StudyOptions()).guesses] == [300, 300, 300]
+
+
+def test_single_branches_side_by_side_stay_together(tmp_path):
+    u = np.linspace(20, 110, 80)
+    columns = [(u, displacements(u)), (u[::-1], displacements(u[::-1]))]
+    path = written(tmp_path / "a.dat", columns, ["", "up", "", "down"])
+    assert len(understand([path], StudyOptions()).guesses) == 1
+
+
+def test_a_pair_that_the_user_names_counts(tmp_path):
+    path = written(tmp_path / "a.dat", pairs(), load_comments())
+    named = StudyOptions(input="Temperature (2)", output="Strain (2)")
+    (guess,) = understand([path], named).guesses
+    assert guess.first("output").name == "Strain (2)"
+
+
+@pytest.mark.parametrize(
+    ("written_as", "meant"),
+    [(r"\+(o)C", "°C"), (r"\g(m)m", "µm"), (r"N/mm\+(2)", "N/mm²"), (r"(\+(o)C)", "°C")],
+)
+def test_markup_of_units_is_read(tmp_path, written_as, meant):
+    path = written(tmp_path / "a.dat", pairs()[:1], ["", "x y"], (written_as, "%"), (r"\g(e)\-(1)", "B"))
+    (table,) = find_tables(path)
+    assert table.names == ("ε1", "B")
+    assert table.columns[0].unit == meant
+    assert table.columns[1].comment == "x y"
