@@ -9,6 +9,7 @@ from smarig.exchange import FoundColumn, plausible
 
 Array = NDArray[np.float64]
 CONSTANT_SHARE = 0.1  # of the mean: a column that varies less counts as a condition
+_STEP_SHARE = 0.01  # of the rms step: a column that differs less from the steps of another one holds them
 _EVEN_SHARE = 0.02  # of the step: steps that differ less are equal
 
 
@@ -91,6 +92,22 @@ def column_facts(column: FoundColumn) -> ColumnFacts:
         constant=bool(x.size and spread <= CONSTANT_SHARE * mean),
         levels=np.unique(x).size,
     )
+
+
+def steps_of(part: ColumnFacts, whole: ColumnFacts) -> bool:
+    """Whether a column that moves holds the steps of another one from row to row, but for noise.
+
+    >>> facts = [column_facts(FoundColumn(name, "", x)) for name, x in zip("ab", np.array([[2, 3, -1], [2, 5, 4.0]]))]
+    >>> steps_of(*facts)
+    True
+    """
+    x, total = part.values, whole.values
+    if x.size != total.size or x.size < 3 or part.missing or whole.missing or not part.span:
+        return False
+    size = float(np.sqrt(np.mean(x**2)))
+    if abs(x[1:].sum() - (total[-1] - total[0])) > _STEP_SHARE * size * x.size:  # soon decided
+        return False
+    return bool(np.sqrt(np.mean((np.diff(total) - x[1:]) ** 2)) <= _STEP_SHARE * size)
 
 
 def _restarts(x: Array, steps: Array, step: float) -> int:

@@ -9,7 +9,7 @@ import numpy as np
 from smarig.core import shown
 from smarig.exchange import FoundTable, dimension, known_unit
 from smarig.study import quantity_words as q
-from smarig.study.column_facts import ColumnFacts, column_facts
+from smarig.study.column_facts import ColumnFacts, column_facts, steps_of
 
 STATED, LIKELY, WEAK, NONE = 0.95, 0.75, 0.5, 0.2  # confidences
 _STATED_BY = ("its name", "its unit", "clock")  # how the reasons of stated quantities begin
@@ -81,6 +81,7 @@ def guess_columns(
     """A guess for each column of a table. ``units`` are given by the user; ``files`` names of files of this layout."""
     guesses = [_by_name(column_facts(column)) for column in table.columns]
     guesses = _by_numbers(guesses, [table.path.name, table.path.stem, *files])
+    guesses = _with_steps_as_rates(guesses)
     guesses = [_with_unit(guess) for guess in guesses]
     return [g.corrected(units[g.name]) if g.name in units else g for g in guesses]
 
@@ -108,8 +109,12 @@ def _by_name(facts: ColumnFacts) -> ColumnGuess:
         and quantity not in (q.RATE, q.INDEX, q.SCATTER)
     ):
         quantity, reason, confidence = by_unit, f"its unit {unit or written}", LIKELY
+    elif quantity == q.CHARGE and not unit:
+        quantity, reason, confidence = "", "", 0.0  # "charge" is a load in French
     elif by_unit and quantity:
         confidence, reason = STATED, f"its name {shown(label)} and its unit {unit or written}"
+    if quantity == q.DISPLACEMENT and not q.is_of_motion(written):
+        quantity, reason, confidence = "", "", 0.0
     if facts.kind == "clock":
         quantity, unit, reason, confidence = q.TIME, "s", "clock times", STATED
     if written and not unit:
@@ -170,16 +175,26 @@ def _by_numbers(guesses: list[ColumnGuess], files: Sequence[str]) -> list[Column
             f"goes up and down from {guess.facts.low:.3g} to {guess.facts.high:.3g}, as temperatures in °C do"
         )
         out[out.index(guess)] = _found(guess, q.TEMPERATURE, reason, LIKELY)
-    for guess in [g for g in out if g in unknown]:
+    for guess in [g for g in out if g in unknown and q.is_of_motion(_written(g.facts))]:
         loaded = any(g.quantity == q.STRESS for g in out)
         most = max(abs(guess.facts.low), abs(guess.facts.high))
         hot = any(g.quantity == q.TEMPERATURE for g in out)
         if (hot and most < _STRAIN_MM) or (loaded and most < _STRAIN_PERCENT):
             reason = "its range is that of a strain" + (" beside a stress" if loaded else "")
             out[out.index(guess)] = _found(guess, q.STRAIN, reason, 0.7)
-        elif hot and not guess.facts.constant:
+        elif hot and not guess.facts.constant and _may_move(guess.facts):
             out[out.index(guess)] = _found(guess, q.DISPLACEMENT, "what moves beside a temperature", 0.6)
     return out
+
+
+def _written(facts: ColumnFacts) -> str:
+    """The unit of a column as the file writes it."""
+    return q.name_and_unit("" if _nameless(facts.name) else facts.name, facts.written_unit)[1]
+
+
+def _may_move(facts: ColumnFacts) -> bool:
+    """Whether numbers may be positions: a named column of two whole numbers is a switch."""
+    return not (facts.whole and facts.levels <= 2 and not _nameless(facts.name))
 
 
 def _near(a: ColumnFacts, b: ColumnFacts) -> bool:
@@ -231,6 +246,17 @@ def conditions_in_name(stem: str) -> dict[str, tuple[float, str]]:
     for value, unit in _IN_NAME.findall(stem):
         if unit in names:
             found[names[unit][0]] = (float(value.replace(",", ".")), names[unit][1])
+    return found
+
+
+def _with_steps_as_rates(guesses: Sequence[ColumnGuess]) -> list[ColumnGuess]:
+    """The guesses; a column that holds the step of another one from row to row, as a charge per row, is a rate."""
+    found = []
+    for guess in guesses:
+        others = [g for g in guesses if g is not guess and dimension(g.unit) == dimension(guess.unit)]
+        whole = next((g for g in others if guess.quantity != q.TIME and steps_of(guess.facts, g.facts)), None)
+        reason = f"its sum is {shown(whole.name)}" if whole else ""
+        found.append(_found(guess, q.RATE, reason, STATED) if whole else guess)
     return found
 
 

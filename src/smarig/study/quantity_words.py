@@ -15,6 +15,7 @@ CURRENT, VOLTAGE, RESISTANCE, POWER, DUTY = "current", "voltage", "resistance", 
 FIELD, FLUX, MOMENT, MAGNETISATION = "magnetic field", "flux density", "magnetic moment", "magnetisation"
 POLARISATION, ELECTRIC_FIELD = "polarisation", "electric field"
 HEAT_FLOW = "heat flow"
+CHARGE = "charge"
 
 _WORDS: tuple[tuple[str, str], ...] = (  # the first that matches counts
     (SCATTER, r"std ?(dev|err)|standard (dev|err)|st dev|percent err|uncertain|unsicherheit|\breg fit"),
@@ -46,6 +47,7 @@ _WORDS: tuple[tuple[str, str], ...] = (  # the first that matches counts
     (FLUX, r"flux|induction|^b$|^bmeas|^b\b|flussdichte"),
     (FIELD, r"field|feld|champ|campo|^h$|^hmeas|^h\b|mu ?0 ?h"),
     (POLARISATION, r"polari|^p\d?$"),
+    (CHARGE, r"charge|ladung|\bq qo\b|^d?q$"),
     (FORCE, r"force|kraft|\bload|\blast\b|fuerza|forza|\bf$|^fn?$|^f ?\d$"),
     (
         DISPLACEMENT,
@@ -81,6 +83,7 @@ _BY_DIMENSION = {
     "polarisation": POLARISATION,
     "electric field": ELECTRIC_FIELD,
     "heat flow": HEAT_FLOW,
+    "charge": CHARGE,
 }
 DIMENSIONS = {  # of the units in which a quantity may be given
     TIME: ("time",),
@@ -103,8 +106,10 @@ DIMENSIONS = {  # of the units in which a quantity may be given
     ELECTRIC_FIELD: ("electric field",),
     DUTY: ("ratio",),
     HEAT_FLOW: ("heat flow", "power"),
+    CHARGE: ("charge",),
 }
 _IN_BRACKETS = re.compile(r"^(.*?)[\s_]*[\[(<{]\s*([^\[\](){}<>]*)\s*[\])>}]\s*(.*)$")
+_BRACKETED_NAME = re.compile(r"^\(([^()/]+)\)\s*/\s*(\S+)$")
 _BEHIND_SIGN = re.compile(r"^(.+?)\s*(?:/|,| in |_in_)\s*(\S+)$")
 _PER_TIME = re.compile(r"(.*?)\s*(?:/\s*(?:s|sec|min|h)|[·* ]?(?:s|min|h)(?:\^?-1|⁻¹))")
 _INPUTS_ONLY = (TEMPERATURE, AMBIENT, CURRENT, VOLTAGE, POWER, DUTY)
@@ -122,7 +127,11 @@ def name_and_unit(name: str, written_unit: str = "") -> tuple[str, str]:
     ('DSC', 'mW/mg')
     >>> name_and_unit("H_kA_per_m"), name_and_unit("field E_kV_per_cm")
     (('H', 'kA_per_m'), ('field E', 'kV_per_cm'))
+    >>> name_and_unit("(Q-Qo)/mA.h")
+    ('Q-Qo', 'mA.h')
     """
+    if not written_unit and (match := _BRACKETED_NAME.match(name)) and known_unit(match[2]):
+        return match[1], match[2]
     if match := _IN_BRACKETS.match(name):
         words, unit = f"{match[1]} {match[3]}".strip(), match[2].strip()
         if unit and (known_unit(unit, temperature=True) or not written_unit) and not unit.isdigit():
@@ -133,11 +142,17 @@ def name_and_unit(name: str, written_unit: str = "") -> tuple[str, str]:
         return per
     for pattern in (_BEHIND_SIGN, _LAST_WORD):
         match = pattern.match(name)
-        if match and known_unit(match[2]) and (pattern is _BEHIND_SIGN or len(match[2]) <= 6):
+        if match and _is_stated(match[2], pattern) and (pattern is _BEHIND_SIGN or len(match[2]) <= 6):
             if pattern is _LAST_WORD and match[2].lower() in ("t", "h", "m", "l", "f", "d", "g"):
                 continue
             return match[1], match[2]
     return name, ""
+
+
+def _is_stated(unit: str, pattern: re.Pattern[str]) -> bool:
+    """Whether a word behind a name is a unit; behind a sign also one of known parts, such as V/mA."""
+    parts = unit.split("/") if pattern is _BEHIND_SIGN else [unit]
+    return known_unit(unit) != "" or all(known_unit(part) for part in parts)
 
 
 def _with_quotient(name: str) -> tuple[str, str] | None:
@@ -186,12 +201,27 @@ def is_rate_unit(written: str) -> bool:
 
 
 def quantity_of_unit(unit: str) -> str:
-    """The quantity that a unit measures, "" for ratios, counts and unknown units.
+    """The quantity that a unit measures, "" for ratios, counts and unknown units, and for C, which may mean °C.
 
     >>> quantity_of_unit("N"), quantity_of_unit("%"), quantity_of_unit("K/min")
     ('force', '', 'rate')
     """
+    if unit == "C":
+        return ""
     return RATE if _RATE_UNIT.fullmatch(unit) else _BY_DIMENSION.get(dimension(unit), "") if unit else ""
+
+
+def is_of_motion(written: str) -> bool:
+    """Whether a unit as written may be that of a motion: none, a length, a ratio, counts, or one that is not known at
+    all. One of known parts, as V/mA, is no motion.
+
+    >>> is_of_motion(""), is_of_motion("mm"), is_of_motion("a.u."), is_of_motion("V/mA"), is_of_motion("mA.h")
+    (True, True, True, False, False)
+    """
+    unit = known_unit(written)
+    if unit:
+        return dimension(unit) in ("length", "ratio", "raw counts")
+    return not written or not all(known_unit(part) for part in written.split("/"))
 
 
 def quantity_in_unit(quantity: str, unit: str) -> str:

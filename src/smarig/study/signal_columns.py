@@ -27,6 +27,8 @@ _INPUTS = {
     q.POLARISATION: (q.ELECTRIC_FIELD, q.VOLTAGE, q.FIELD),
     q.STRESS: (q.TEMPERATURE, q.STRAIN),
     q.HEAT_FLOW: (q.TEMPERATURE,),
+    q.CHARGE: (q.VOLTAGE, q.ELECTRIC_FIELD, q.CURRENT, q.TEMPERATURE),
+    q.VOLTAGE: (q.CHARGE,),
 }
 _MECHANICAL = (
     q.TEMPERATURE,
@@ -59,7 +61,17 @@ def output_column(left: Sequence[ColumnGuess], named: str | None, not_this: str 
             continue
         if found:
             return max(found, key=lambda c: (not c.by_numbers, c.unit_confidence > UNSURE, -able.index(c)))
-    return None
+    return _output_with_charge(able)
+
+
+def _output_with_charge(able: Sequence[ColumnGuess]) -> ColumnGuess | None:
+    """The output beside a charge: the voltage of a cell, whose charge in A h a current counts; else the charge, in
+    coulombs, that a voltage moves.
+    """
+    charge = next((c for c in able if c.quantity == q.CHARGE), None)
+    voltage = next((c for c in able if c.quantity == q.VOLTAGE and not c.commanded), None)
+    counted = charge is not None and charge.unit.endswith("h")
+    return voltage if counted else charge
 
 
 def input_column(
