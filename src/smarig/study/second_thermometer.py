@@ -32,10 +32,8 @@ class SecondThermometer:
         difference: a fault comes in a few rows, whichever way the ramp goes; an oven leads or lags on each ramp.
         """
         usual = np.array([self.heating, self.cooling])
-        rows, apart, astray = self.apart.size, np.count_nonzero(self.apart), np.count_nonzero(self.astray)
-        agrees = (
-            2 * apart < rows and not (np.abs(usual) >= AGREE_K).any()
-        )  # NaN: a direction that does not occur
+        rows, apart, astray = self.apart.size, int(self.apart.sum()), int(self.astray.sum())
+        agrees = 2 * apart < rows and not (np.abs(usual) >= AGREE_K).any()  # NaN counts as agreeing
         return agrees and 2 * astray >= apart
 
     def difference(self, drive: ColumnGuess) -> str:
