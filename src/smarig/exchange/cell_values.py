@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from smarig.core import DataError, number_from_text, shown
+from smarig.exchange.no_reading import is_mark, without_marks
 
 MISSING = {
     *(
@@ -101,7 +102,7 @@ def is_missing(cell: str) -> bool:
     >>> is_missing("n/a"), is_missing("-1.#IND"), is_missing("0")
     (True, True, False)
     """
-    return cell.lower() in MISSING or _NOT_A_NUMBER.fullmatch(cell) is not None
+    return cell.lower() in MISSING or _NOT_A_NUMBER.fullmatch(cell) is not None or is_mark(cell)
 
 
 def clock_seconds(cell: str) -> float | None:
@@ -185,4 +186,4 @@ def number_column(
         raise DataError(
             f"{path}, line {where[int(np.argmax(np.isinf(out)))]}, column {shown(name)} is infinite."
         )
-    return out
+    return without_marks(out)

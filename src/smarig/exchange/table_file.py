@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from smarig.core import DataError
 from smarig.exchange import text_table
+from smarig.exchange.no_reading import is_mark, without_marks
 from smarig.exchange.number_blocks import numbers_of
 from smarig.exchange.text_table import HEADER_WITHIN, Table, TableLayout
 
@@ -66,7 +67,7 @@ def _read_by_blocks(path: Path, layout: TableLayout) -> Table:
             data[:, rows], where[rows] = columns, lines + line
             filled, line = rows.stop, line + block.count(b"\n")
     found = dict(zip(head.names, data[:, :filled], strict=True))
-    if filled < 2 or any(np.isinf(column).any() for column in found.values()):
+    if filled < 2 or any(np.isinf(column).any() or _has_marks(column) for column in found.values()):
         raise _UnusualError
     notes += text_table.missing_notes(found)
     return Table(found, where[:filled], text_table.preamble_keys(head.preamble), tuple(notes))
@@ -121,10 +122,17 @@ def _parsed(
     lines = block.decode("ascii").splitlines()
     text_table.check_lines(path, lines, text_table.MAX_LINE)
     cells, where = text_table.cells(path, lines, 0, head.names, head.delimiter, False)
+    if any(is_mark(cell) for row in cells for cell in row):
+        raise _UnusualError  # the marks are counted in the whole table
     columns = [
         layout.column(path, name, [row[k] for row in cells], where) for k, name in enumerate(head.names)
     ]
     return columns, np.array(where, dtype=np.int64) - 1
+
+
+def _has_marks(column: NDArray[np.float64]) -> bool:
+    """Whether a column holds numbers that stand for no reading."""
+    return np.isnan(without_marks(column)).sum() > np.isnan(column).sum()
 
 
 def _has_other_breaks(block: bytes) -> bool:

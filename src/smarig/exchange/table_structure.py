@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 from smarig.exchange.cell_values import clock_seconds, is_missing, is_number
 from smarig.exchange.found_table import CLOCK, NUMBER, TEXT
-from smarig.exchange.written_units import is_units_row, without_markup
+from smarig.exchange.written_units import is_unit, is_units_row, without_markup
 
 FEWEST_ROWS = 3  # of a table
 _HEADER_ROWS = 4  # rows above the numbers that are searched for names and units
@@ -62,7 +62,7 @@ def find_blocks(
 
     ``lines`` are the lines of the rows in a text, where names may be divided by another sign than numbers.
     """
-    kinds = [_row_kind(row, style) for row in rows]
+    kinds = _with_unread_rows(rows, [_row_kind(row, style) for row in rows], style)
     start = kinds.index("data") if "data" in kinds else 0
     titles = {tuple(row) for row in rows[:start] if row}
     runs: list[list[int]] = []
@@ -90,6 +90,21 @@ def _row_kind(row: Sequence[str], style: NumberStyle) -> str:
         kind == CLOCK or (kind == NUMBER and not is_missing(cell)) for kind, cell in zip(filled, row) if cell
     )
     return "data" if real and 2 * numbers > len(used) else "text"
+
+
+def _with_unread_rows(rows: Sequence[Sequence[str]], kinds: Sequence[str], style: NumberStyle) -> list[str]:
+    """The kinds of rows, where one below numbers that has numbers in most of their columns is data too: its other
+    cells could not be read. No names are numbers.
+    """
+    out = list(kinds)
+    for k in range(1, len(rows)):
+        row, before = rows[k], rows[k - 1]
+        if out[k] != "text" or out[k - 1] != "data" or len(row) != len(before) or row[0].startswith("#"):
+            continue
+        of_numbers = [j for j, cell in enumerate(before) if cell and style.kind(cell) != TEXT]
+        alike = sum(bool(row[j]) and style.kind(row[j]) != TEXT for j in of_numbers)
+        out[k] = "data" if 2 * alike > len(of_numbers) else "text"
+    return out
 
 
 def _joined(
@@ -123,13 +138,15 @@ def _block(
         return None
     above = _header_cells(rows, kinds, first, width, style, lines)
     rows = [above.get(k, row) for k, row in enumerate(rows)]
-    header, unit_row = _header_rows(rows, kinds, first, width)
+    columns = tuple(_column_kind([row[k] for row in data if k < len(row)], style) for k in range(width))
+    header, unit_row = _header_rows(rows, kinds, first, columns)
     written = list(rows[header]) if header is not None else []
-    names, own = _names(written, width)
-    own = own or (header is not None and rows[header] is not original[header])
-    units = [_unbracketed(without_markup(cell)) for cell in (rows[unit_row] if unit_row is not None else [])]
-    units += [""] * (len(names) - len(units))
-    columns = tuple(_column_kind([row[k] for row in data if k < len(row)], style) for k in range(len(names)))
+    below = rows[unit_row] if unit_row is not None else []
+    filled = _filled_from(written, below)
+    names, own = _names(filled, width)
+    own = own or filled != written or (header is not None and rows[header] is not original[header])
+    units = [without_markup(cell) for cell in (below if is_units_row(below) else _units_in(below, columns))]
+    units = [_unbracketed(cell) for cell in units] + [""] * (len(names) - len(units))
     comments = _comments(rows[unit_row + 1 : first], len(names)) if unit_row is not None else ()
     return FoundBlock(header, first, stop, names, tuple(units[: len(names)]), columns, own, comments)
 
@@ -190,9 +207,10 @@ def _words(
 
 
 def _header_rows(
-    rows: Sequence[Sequence[str]], kinds: Sequence[str], first: int, width: int
+    rows: Sequence[Sequence[str]], kinds: Sequence[str], first: int, columns: Sequence[str]
 ) -> tuple[int | None, int | None]:
-    """The row of names and the row of units above the first row of numbers."""
+    """The row of names and the row of units above the first row of numbers; ``columns``: the kinds of the columns."""
+    width = len(columns)
     above: list[int] = []
     for k in range(first - 1, max(first - 2 - _HEADER_ROWS, -1), -1):
         if kinds[k] == "data":
@@ -205,7 +223,27 @@ def _header_rows(
     for k, before in zip(wide, wide[1:]):
         if before == k - 1 and is_units_row(rows[k]) and not is_units_row(rows[before]):
             return before, k
+    if len(wide) > 1 and wide[1] == wide[0] - 1 and _has_units_of(rows[wide[0]], rows[wide[1]], columns):
+        return wide[1], wide[0]
     return wide[0], None
+
+
+def _has_units_of(below: Sequence[str], names: Sequence[str], columns: Sequence[str]) -> bool:
+    """Whether a row has units for most columns of numbers, and names for the others, below a row of other names."""
+    units = sum(map(bool, _units_in(below, columns)))
+    different = len(set(filter(None, names))) == sum(map(bool, names)) >= len(columns) - 1
+    return different and 2 * units > columns.count(NUMBER) and units > sum(map(is_unit, names))
+
+
+def _units_in(row: Sequence[str], columns: Sequence[str]) -> list[str]:
+    """The cells that are units, but for those of clocks; "" for others, such as a name that stands there too."""
+    return [cell if kind != CLOCK and is_unit(_unbracketed(cell)) else "" for cell, kind in zip(row, columns)]
+
+
+def _filled_from(names: Sequence[str], below: Sequence[str]) -> list[str]:
+    """The names, with those of the row of units where they have none: "Time(ms)" stands there alone."""
+    rest = [*below[: len(names)], *[""] * (len(names) - len(below))]
+    return [name or ("" if is_units_row([cell]) else cell) for name, cell in zip(names, rest)]
 
 
 def _fills(row: Sequence[str], width: int) -> bool:

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from smarig.core import DataError, UsageError, check_file, file_bytes, shown
 from smarig.exchange.cell_values import clock_column, is_missing, is_number, number_column
 from smarig.exchange.logged_rows import logged_rows
+from smarig.exchange.no_reading import count_marks, mark_notes
 
 MAX_BYTES = 500_000_000
 MAX_COLUMNS = 10_000
@@ -131,10 +132,9 @@ def _table(
     where = [k - added for k in where]
     if len(rows) < 2:
         raise DataError(f"{path} holds {len(rows)} sample(s). At least two are needed.")
-    columns = {
-        name: layout.column(path, name, [row[k] for row in rows], where) for k, name in enumerate(names)
-    }
-    notes += missing_notes(columns)
+    written = {name: [row[k] for row in rows] for k, name in enumerate(names)}
+    columns = {name: layout.column(path, name, column, where) for name, column in written.items()}
+    notes += missing_notes(columns, written)
     return Table(columns, np.array(where, dtype=np.int64), preamble_keys(preamble), tuple(notes))
 
 
@@ -172,12 +172,20 @@ def incomplete_note(line: int) -> str:
     return f"The last line ({line}) is incomplete and was dropped."
 
 
-def missing_notes(columns: Mapping[str, NDArray[np.float64]]) -> list[str]:
-    """Findings on cells without a number."""
-    return [
-        f"Column {shown(name)}: {int(np.isnan(c).sum())} of {c.size} cells are empty or NaN."
+def missing_notes(
+    columns: Mapping[str, NDArray[np.float64]], cells: Mapping[str, Sequence[str]] | None = None
+) -> list[str]:
+    """Findings on cells without a number; ``cells`` as they are written, where marks may stand for no reading."""
+    marks = count_marks(cells or {})
+    empty = {
+        name: int(np.isnan(c).sum()) - (marks[name].total() if name in marks else 0)
         for name, c in columns.items()
-        if np.isnan(c).any()
+    }
+    rows = next(iter(columns.values())).size
+    return mark_notes(marks, rows) + [
+        f"Column {shown(name)}: {number} of {rows} cells are empty or NaN."
+        for name, number in empty.items()
+        if number > 0
     ]
 
 

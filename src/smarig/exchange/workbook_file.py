@@ -64,8 +64,8 @@ def _table(
     if len(data) < 2:
         raise DataError(f"{path} holds {len(data)} sample(s). At least two are needed.")
     columns: dict[str, NDArray[np.float64]] = {}
-    for k, name in enumerate(names):
-        cells = [row[k] if k < len(row) else "" for _, row in data]
+    written = {name: [row[k] if k < len(row) else "" for _, row in data] for k, name in enumerate(names)}
+    for name, cells in written.items():
         read = clock_column if name == clock else None
         columns[name] = (
             read(path, name, cells, where)
@@ -73,7 +73,7 @@ def _table(
             else number_column(path, name, cells, where, ".", lenient=name in text)
         )
     header = preamble_keys([": ".join(cell for cell in row if cell) for row in rows[: max(first - 1, 0)]])
-    return Table(columns, np.array(where, dtype=np.int64), header, tuple(missing_notes(columns)))
+    return Table(columns, np.array(where, dtype=np.int64), header, tuple(missing_notes(columns, written)))
 
 
 def _found(path: Path, title: str, rows: _Rows, block: FoundBlock, sheets: int) -> FoundTable:

@@ -95,7 +95,10 @@ def _of_one_layout(tables: Sequence[FoundTable]) -> tuple[list[FoundTable], dict
     for table in tables:
         if table not in kept:
             title = f"{table.path.name} {table.name}".strip()
-            out[title] = f"its columns ({', '.join(table.names)[:100]}) differ from those of the other tables"
+            out[title] = (
+                f"its columns ({', '.join(table.names)[:100]}) differ from those of the other tables; its "
+                f"{len(table)} rows are not used"
+            )
     return kept, out
 
 

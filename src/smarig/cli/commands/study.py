@@ -112,6 +112,8 @@ def _one(files: Sequence[Path], out: Path, options: "StudyOptions") -> None:
 
     result = study(files, out, options, ask=_asker(), progress=show_message)
     show_message(_columns_text(result))
+    for title, reason in (result.understood.left_out | result.left_out).items():
+        show_message(f"Left out: {title}: {reason.removesuffix('.')}.")
     if result.verdict == POOR and result.function is None:
         show_message("Warning: The model is poor. Do not use it before its errors are explained.")
     temperatures = result.transformation.lines() if result.transformation else []

@@ -1,0 +1,60 @@
+"""What instruments write into a cell where there is no reading: words, filled fields, and numbers of overflow."""
+
+import re
+from collections import Counter
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from smarig.core import number_from_text, shown
+
+# Graphtec: BURNOUT and +++++++, Keyence: -FFFFFFF, multimeters: OL and OVER
+_MARK = re.compile(r"[+-]?\s?(burn ?out|over|o\.?l|f{4,})|\+{2,}|-{4,}|\*{2,}", re.IGNORECASE)
+_NUMBERS = (9.9e37, 9.91e37, 7.77777e99)  # SCPI: infinity and no number; HIOKI: overflow
+
+
+def is_mark(cell: str) -> bool:
+    """Whether a cell is a word or a filled field that stands for no reading.
+
+    >>> is_mark("BURNOUT"), is_mark("+++++++"), is_mark("-FFFFFFF"), is_mark("+5.0"), is_mark("stroke")
+    (True, True, True, False, False)
+    """
+    return _MARK.fullmatch(cell) is not None
+
+
+def without_marks(x: NDArray[np.float64]) -> NDArray[np.float64]:
+    """The values (n,) with NaN for the numbers that instruments write where there is no reading.
+
+    >>> without_marks(np.array([1.0, 7.77777e99, -9.9e37])).tolist()
+    [1.0, nan, nan]
+    """
+    return np.where(np.isin(np.abs(x), _NUMBERS), np.nan, x)
+
+
+def count_marks(cells: Mapping[str, Sequence[str]]) -> dict[str, Counter[str]]:
+    """How often each mark stands in the cells of the columns that have any."""
+    found = {
+        name: Counter(cell for cell in column if _stands_for_none(cell)) for name, column in cells.items()
+    }
+    return {name: marks for name, marks in found.items() if marks}
+
+
+def mark_notes(marks: Mapping[str, Counter[str]], rows: int) -> list[str]:
+    """Findings on the cells that hold a mark."""
+    return [
+        f"Column {shown(name)}: {found.total()} of {rows} cells are masked, because {' or '.join(map(shown, found))} "
+        "stands for no reading."
+        for name, found in marks.items()
+    ]
+
+
+def _stands_for_none(cell: str) -> bool:
+    if is_mark(cell):
+        return True
+    if "e" not in cell and "E" not in cell:  # most cells
+        return False
+    try:
+        return abs(number_from_text(cell.replace(",", "."))) in _NUMBERS
+    except ValueError:
+        return False
