@@ -123,6 +123,9 @@ def _with_time(path: Path, table: Table, mapping: MappingFile) -> tuple[Table, l
     t_s = np.zeros(len(table))
     if time.column:
         t_s = t_s + convert(table.columns[time.column], time.unit, "s")
+    if time.fraction:
+        t_s = t_s + convert(table.columns[time.fraction], time.fraction_unit, "s")
+        t_s -= t_s[0] if time.written == "clock" else 0.0
     if time.period_s is not None:
         within = time.period_s if time.column else 0.0
         outside = np.flatnonzero((t_s < 0) | (t_s > within))
@@ -149,7 +152,7 @@ def _with_time(path: Path, table: Table, mapping: MappingFile) -> tuple[Table, l
 
 
 def _without_time(table: Table, mapping: MappingFile) -> dict[str, Array]:
-    clock = {"t_s", mapping.time.column if mapping.time else ""}
+    clock = {"t_s", *((mapping.time.column, mapping.time.fraction) if mapping.time else ())}
     return {name: x for name, x in table.columns.items() if name not in clock}
 
 

@@ -108,6 +108,8 @@ class TimeAxis(TomlTable):
     column: str = ""  # name of the column of times
     unit: Unit = "s"  # unit of the column
     written: Literal["number", "clock"] = "number"  # "clock": times of day or dates, such as 12:03:04.5
+    fraction: str = ""  # name of a column of fractions that are added to whole seconds, such as milliseconds
+    fraction_unit: Unit = "ms"  # unit of the fractions
     period_s: float | None = Field(default=None, gt=0)  # duration of a period in which the column counts
     rows_per_period: int = Field(default=1, ge=1)  # rows per period
     repeated: Literal["refuse", "mean", "keep_order"] = "refuse"  # treatment of rows with the same time
@@ -116,6 +118,9 @@ class TimeAxis(TomlTable):
     @model_validator(mode="after")
     def _has_a_clock(self) -> "TimeAxis":
         _check_convertible(self.unit, "s", "unit")
+        _check_convertible(self.fraction_unit, "s", "fraction_unit")
+        if self.fraction and not self.column:
+            raise ValueError("'fraction' is added to a column of whole seconds; give 'column' too")
         if not self.column and self.period_s is None:
             raise ValueError("give 'column' or 'period_s', or leave out [time] for data without time")
         if self.written == "clock" and (not self.column or self.unit != "s"):
@@ -283,6 +288,8 @@ class MappingFile(TomlTable):
         use |= {column: "comparison" for c in self.compare for column in c.columns if column not in use}
         if self.time and self.time.column:
             use[self.time.column] = "time"
+        if self.time and self.time.fraction:
+            use[self.time.fraction] = "time"
         return use
 
 

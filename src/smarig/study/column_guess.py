@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from smarig.core import shown
-from smarig.exchange import FoundTable, dimension, known_unit
+from smarig.exchange import FoundTable, convert, dimension, known_unit
 from smarig.study import quantity_words as q
 from smarig.study.column_facts import ColumnFacts, column_facts, steps_of
 
@@ -89,6 +89,7 @@ def guess_columns(
 def _by_name(facts: ColumnFacts) -> ColumnGuess:
     """The quantity by name and unit."""
     label, written = q.name_and_unit("" if _nameless(facts.name) else facts.name, facts.written_unit)
+    written = written or (label if _is_part_of_second(label) else "")
     whole = q.quantity_of_name(label)[0] == q.RATE  # dB/dt is no path
     quantity, commanded = (
         q.quantity_of_name(label if whole else label.split("/")[-1]) if label else ("", False)
@@ -124,6 +125,12 @@ def _by_name(facts: ColumnFacts) -> ColumnGuess:
     return ColumnGuess(
         facts, label, quantity, reason, confidence, unit, unit_reason, unit_confidence, commanded
     )
+
+
+def _is_part_of_second(label: str) -> bool:
+    """Whether a name is only the unit of a part of a second, such as "ms"; longer units of time are words too."""
+    unit = known_unit(label)
+    return dimension(unit) == "time" and convert(1.0, unit, "s") < 1
 
 
 def _nameless(name: str) -> bool:

@@ -38,8 +38,11 @@ def mapping_draft(guess: TableGuess, name: str) -> str:
     if time is not None:
         lines += ["", "[time]", f"column = {_s(time.name)}" + _why(guess, time)]
         lines += ['written = "clock"'] if time.facts.kind == "clock" else [f"unit = {_s(time.unit or 's')}"]
+        for part in guess.of_role("fraction"):
+            lines += [f"fraction = {_s(part.name)}" + _why(guess, part), f"fraction_unit = {_s(part.unit)}"]
         lines += ['restarts = "join"     # a log that was resumed'] if time.facts.restarts else []
-        lines += ['repeated = "mean"     # several rows have the same time'] if _repeats(time) else []
+        repeats = _repeats(time) and not guess.of_role("fraction")
+        lines += ['repeated = "mean"     # several rows have the same time'] if repeats else []
     elif "mat" not in guess.table.layout and not guess.settled and guess.backward is None:
         lines += [
             "",

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from smarig.core import UsageError, correlation, shown, suggestion
-from smarig.exchange import FoundTable, dimension
+from smarig.exchange import FoundTable, convert, dimension
 from smarig.study import quantity_words as q
 from smarig.study.branch_pairs import (
     backward_branches,
@@ -34,7 +34,7 @@ _LEAST_TURN = 0.3  # correlation of output and input above which the output clea
 
 @dataclass(frozen=True)
 class Role:
-    """What a column is used for (time, input, output, condition, ambient, command, voltage,
+    """What a column is used for (time, fraction of a time, input, output, condition, ambient, command, voltage,
     temperature, compare, elsewhere for a thermometer that is no witness, ignored), and why."""
 
     role: str
@@ -132,6 +132,8 @@ def guess_table(
     time = _time([c for c in columns if c.name not in (input, output)])
     if time is not None:
         roles[time.name] = Role("time", time.quantity_reason, time.quantity_confidence)
+    if time is not None and (fraction := _fraction([c for c in columns if c is not time], time)) is not None:
+        roles[fraction.name] = Role("fraction", f"the fraction of {shown(time.name)}: one clock", LIKELY)
     left = [
         c
         for c in candidates
@@ -207,7 +209,8 @@ def _of_two_branches(guess: TableGuess, branches: dict[str, str], by_words: bool
     ends = [(of_name[name], of_name[branches[name]]) for name in (drive, out)]
     if not all(goes_one_way(u, y) for u, y in zip(*ends, strict=True)):
         return guess
-    shared = {c.name: Role("ignored", "two branches share the rows", LIKELY) for c in guess.of_role("time")}
+    clock = [*guess.of_role("time"), *guess.of_role("fraction")]
+    shared = {c.name: Role("ignored", "two branches share the rows", LIKELY) for c in clock}
     return replace(guess, branches=branches, backward=backward_branches(*ends), roles=guess.roles | shared)
 
 
@@ -225,6 +228,20 @@ def _time(columns: Sequence[ColumnGuess]) -> ColumnGuess | None:
     times = [c for c in columns if c.quantity == q.TIME and not c.facts.missing]
     resumed = [c for c in times if c.facts.restarts and c.facts.kind != "clock" and not c.by_numbers]
     return next((c for c in times if c.facts.rising), next(iter(resumed), None))
+
+
+def _fraction(others: Sequence[ColumnGuess], time: ColumnGuess) -> ColumnGuess | None:
+    """The column of fractions of a second beside a clock that repeats whole seconds: with it, each row is later than
+    the row before.
+    """
+    seconds = time.facts.values
+    if time.facts.kind != "clock" or time.facts.missing or not (np.diff(seconds) == 0).any():
+        return None
+    for c in others:
+        part = convert(c.facts.values, c.unit, "s") if dimension(c.unit) == "time" else np.full(1, np.nan)
+        if (0 <= part).all() and (part < 1).all() and (np.diff(seconds + part) > 0).all():
+            return c
+    return None
 
 
 def _is_staircase(drive: ColumnGuess | None, guess: TableGuess) -> bool:
