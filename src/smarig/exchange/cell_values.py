@@ -58,6 +58,7 @@ _DATE = re.compile(
     r"(\d{1,4})[./-](\d{1,2})[./-](\d{1,4})[ T,;]+(\d{1,2}):(\d{2})(?::(\d{2})(?:[.,](\d+))?)?"
     r"(?:\s*([AaPp][Mm]))?(?:Z|[+-]\d{2}:?\d{2})?"
 )
+_SHORT_YEAR = re.compile(r"'?\d{1,2}[./-]\d{1,2}[./-]\d{2}\b")
 
 
 def plain_number(cell: str, decimal: str, thousands: str = "") -> str:
@@ -105,15 +106,17 @@ def is_missing(cell: str) -> bool:
     return cell.lower() in MISSING or _NOT_A_NUMBER.fullmatch(cell) is not None or is_mark(cell)
 
 
-def clock_seconds(cell: str) -> float | None:
+def clock_seconds(cell: str, *, year_first: bool = False) -> float | None:
     """Seconds of a time of day, a duration, or a date with a time (from 1970, without its zone); None for other texts.
 
-    A date of day, month and year in numbers is read in that order unless the year comes first or the month is above 12.
+    A date of day, month and year in numbers is read in that order unless the year comes first or the month is above 12;
+    ``year_first``: so is a year of two digits. An apostrophe before it, which keeps a spreadsheet from changing it, is
+    left out.
 
     >>> clock_seconds("00:01:30.5"), clock_seconds("1970-01-01 00:00:02"), clock_seconds("12.5")
     (90.5, 2.0, None)
     """
-    text = cell.strip()
+    text = cell.strip().removeprefix("'")
     if match := _CLOCK.fullmatch(text):
         days, hours, minutes, seconds, fraction = match.groups()
         whole = 86400 * int(days or 0) + 3600 * int(hours) + 60 * int(minutes) + int(seconds or 0)
@@ -122,7 +125,7 @@ def clock_seconds(cell: str) -> float | None:
     if match is None:
         return None
     a, b, c, hour, minute, second, fraction, half = match.groups()
-    year, month, day = (a, b, c) if len(a) == 4 else (c, b, a)
+    year, month, day = (a, b, c) if len(a) == 4 or (year_first and len(c) < 3) else (c, b, a)
     if int(month) > 12:
         month, day = day, month
     noon = 12 * (half.lower() == "pm") - 12 * (int(hour) == 12) if half else 0
@@ -143,19 +146,33 @@ def clock_seconds(cell: str) -> float | None:
 
 def clock_column(path: Path, name: str, cells: Sequence[str], where: Sequence[int]) -> NDArray[np.float64]:
     """Seconds (n,) from the first reading of a column of clock times; midnight is passed over. DataError with line."""
-    out = np.empty(len(cells))
-    for k, cell in enumerate(cells):
-        seconds = clock_seconds(cell)
-        if seconds is None and not is_missing(cell):
+    out = _seconds(cells)
+    for k in np.flatnonzero(np.isnan(out)):
+        if not is_missing(cells[k]):
             raise DataError(
-                f"{path}, line {where[k]}, column {shown(name)}: {shown(cell, 40)} is not a time."
+                f"{path}, line {where[k]}, column {shown(name)}: {shown(cells[k], 40)} is not a time."
             )
-        out[k] = np.nan if seconds is None else seconds
+    if any(_SHORT_YEAR.match(cell) for cell in cells[:1]):
+        out = _of_shortest(out, _seconds(cells, year_first=True))
     known = out[np.isfinite(out)]
     if known.size and known.max() <= 86400:  # times of day
         days = np.cumsum(np.diff(out, prepend=out[:1]) < -43200)
         out = out + 86400 * days
     return out - (known[0] if known.size else 0.0)
+
+
+def _seconds(cells: Sequence[str], *, year_first: bool = False) -> NDArray[np.float64]:
+    found = [clock_seconds(cell, year_first=year_first) for cell in cells]
+    return np.array([np.nan if seconds is None else seconds for seconds in found], dtype=float)
+
+
+def _of_shortest(first: NDArray[np.float64], other: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Of two readings of the dates of a column, the one in which its rows follow each other sooner: past midnight,
+    21-04-08 follows 21-04-07 by a day as year, month and day, and by a year in the other order.
+    """
+    apart = [np.abs(np.diff(x[np.isfinite(x)])).sum() for x in (first, other)]
+    same = np.isfinite(first).sum() == np.isfinite(other).sum()
+    return other if same and apart[1] < apart[0] else first
 
 
 def number_column(

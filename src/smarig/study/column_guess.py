@@ -100,6 +100,9 @@ def _by_name(facts: ColumnFacts) -> ColumnGuess:
     )
     if label.strip() in ("T", "ϑ", "θ", "Θ") and dimension(unit or "K") == "temperature":
         quantity = q.TEMPERATURE if unit or not (facts.rising and facts.even) else q.TIME
+    celsius = unit == written.strip() == "C" and not quantity and not q.is_charge(label)
+    if celsius and like_temperature(facts):
+        quantity, unit = q.TEMPERATURE, "degC"
     quantity = q.quantity_in_unit(quantity, unit)
     by_unit = q.RATE if q.is_rate_unit(written) else q.quantity_of_unit(unit)
     confidence = LIKELY if quantity else 0.0
@@ -120,6 +123,9 @@ def _by_name(facts: ColumnFacts) -> ColumnGuess:
         quantity, unit, reason, confidence = q.TIME, "s", "clock times", STATED
     if written and not unit:
         unit_reason, unit_confidence = f"written as {shown(written)}, which is unknown", NONE
+    elif celsius and quantity:
+        reason, confidence = f"its unit C, and {_as_celsius(facts)}", LIKELY
+        unit_reason, unit_confidence = "C stands for °C where no name means a charge", LIKELY
     else:
         unit_reason, unit_confidence = ("stated in the file", STATED) if unit else ("", 0.0)
     return ColumnGuess(
@@ -178,10 +184,7 @@ def _by_numbers(guesses: list[ColumnGuess], files: Sequence[str]) -> list[Column
     warm = [g for g in warm if widest is not None and _near(g.facts, widest.facts)]
     has_temperature = any(g.quantity == q.TEMPERATURE for g in out)
     for guess in warm if not has_temperature else []:
-        reason = (
-            f"goes up and down from {guess.facts.low:.3g} to {guess.facts.high:.3g}, as temperatures in °C do"
-        )
-        out[out.index(guess)] = _found(guess, q.TEMPERATURE, reason, LIKELY)
+        out[out.index(guess)] = _found(guess, q.TEMPERATURE, _as_celsius(guess.facts), LIKELY)
     for guess in [g for g in out if g in unknown and q.is_of_motion(_written(g.facts))]:
         loaded = any(g.quantity == q.STRESS for g in out)
         most = max(abs(guess.facts.low), abs(guess.facts.high))
@@ -192,6 +195,10 @@ def _by_numbers(guesses: list[ColumnGuess], files: Sequence[str]) -> list[Column
         elif hot and not guess.facts.constant and _may_move(guess.facts):
             out[out.index(guess)] = _found(guess, q.DISPLACEMENT, "what moves beside a temperature", 0.6)
     return out
+
+
+def _as_celsius(f: ColumnFacts) -> str:
+    return f"goes up and down from {f.low:.3g} to {f.high:.3g}, as temperatures in °C do"
 
 
 def _written(facts: ColumnFacts) -> str:

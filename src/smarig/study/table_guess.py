@@ -239,7 +239,7 @@ def _fraction(others: Sequence[ColumnGuess], time: ColumnGuess) -> ColumnGuess |
         return None
     for c in others:
         part = convert(c.facts.values, c.unit, "s") if dimension(c.unit) == "time" else np.full(1, np.nan)
-        if (0 <= part).all() and (part < 1).all() and (np.diff(seconds + part) > 0).all():
+        if (part >= 0).all() and (part < 1).all() and (np.diff(seconds + part) > 0).all():
             return c
     return None
 
