@@ -7,6 +7,7 @@ from pathlib import Path
 
 from smarig.core import DataError
 from smarig.exchange.cell_values import has_thousands
+from smarig.exchange.channel_rows import channel_rows, check_one_channel
 from smarig.exchange.found_table import CLOCK, TEXT, FoundTable, found_columns
 from smarig.exchange.logged_rows import logged_rows
 from smarig.exchange.table_file import read_table
@@ -55,7 +56,7 @@ def text_tables(path: Path) -> list[FoundTable]:
     text, _ = read_text(path)
     lines = text.splitlines()
     check_lines(path, lines, MAX_LINE)
-    lines = logged_rows(lines).lines
+    lines = channel_rows(logged_rows(lines).lines).lines
     dialect = _chosen(lines)
     blocks = _blocks(lines, dialect) if dialect else []
     if not dialect or not blocks:
@@ -143,6 +144,9 @@ def _table(
     entries = _entries(lines, dialect, block, blocks)
     if entries is None:
         return None
+    check_one_channel(
+        path, block.names, (dialect.rows([line])[0] for line in lines[block.first : block.stop])
+    )
     kinds = dict(zip(block.names, block.kinds))
     clock = next((name for name, kind in kinds.items() if kind == CLOCK), "")
     layout = TableLayout(

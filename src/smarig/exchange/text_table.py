@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from smarig.core import DataError, UsageError, check_file, file_bytes, shown
 from smarig.exchange.cell_values import clock_column, is_missing, is_number, number_column
+from smarig.exchange.channel_rows import channel_rows
 from smarig.exchange.logged_rows import logged_rows
 from smarig.exchange.no_reading import count_marks, mark_notes
 
@@ -89,7 +90,9 @@ def read_whole_table(path: Path, layout: TableLayout) -> Table:
     check_lines(path, lines, MAX_LINE)
     log = logged_rows(lines)
     try:
-        return _table(path, text, log.lines, [*notes, *log.notes], layout, log.added)
+        by_scan = channel_rows(log.lines)
+        notes = [*notes, *log.notes, *by_scan.notes]
+        return _table(path, text, by_scan.lines, notes, layout, log.added)
     except csv.Error:
         raise DataError(
             f"{path}: a cell in quotes has more than {csv.field_size_limit()} characters. Check its quotation marks."

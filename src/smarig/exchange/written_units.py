@@ -104,6 +104,10 @@ _FOREIGN = {  # spellings of other programs and languages
     "µc/cm²": "uC/cm^2",
     "µc/cm2": "uC/cm^2",
     "ohms": "ohm",
+    "ohm2w": "ohm",
+    "ohm4w": "ohm",
+    "volt dc": "V",
+    "amp dc": "A",
     "fahrenheit": "degF",
     "f": "degF",
 }
