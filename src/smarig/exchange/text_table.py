@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from smarig.core import DataError, UsageError, check_file, file_bytes, shown
 from smarig.exchange.cell_values import clock_column, is_missing, is_number, number_column
 from smarig.exchange.channel_rows import channel_rows
+from smarig.exchange.eight_bit_text import eight_bit_text
 from smarig.exchange.logged_rows import logged_rows
 from smarig.exchange.no_reading import count_marks, mark_notes
 
@@ -218,7 +219,8 @@ def read_text(path: Path) -> tuple[str, list[str]]:
         return data.decode("utf-8-sig"), []
     except UnicodeDecodeError as error:
         line = data.count(b"\n", 0, error.start) + 1
-        return data.decode("latin-1"), [f"The file is not UTF-8 (line {line}); it was read as Latin-1."]
+        text, encoding = eight_bit_text(data)
+        return text, [f"The file is not UTF-8 (line {line}); it was read as {encoding}."]
 
 
 def split(line: str, delimiter: str | None) -> list[str]:

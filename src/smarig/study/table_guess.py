@@ -27,6 +27,7 @@ from smarig.study.column_guess import (
 from smarig.study.nameless_columns import LoopRoles, roles_by_loop
 from smarig.study.second_thermometer import SecondThermometer, second_thermometer, witness_reason
 from smarig.study.signal_columns import holds_still, input_column, is_grid, output_column
+from smarig.study.typed_names import typed_name
 
 _HEATING = (q.CURRENT, q.VOLTAGE, q.POWER, q.DUTY)
 _LEAST_TURN = 0.3  # correlation of output and input above which the output clearly falls with the input
@@ -118,9 +119,8 @@ def guess_table(
     """
     for name in [n for n in (input, output, *(units or {})) if n is not None]:
         if name not in table.names:
-            raise UsageError(
-                f"{table.path} has no column {shown(name)}{suggestion(name, list(table.names))}."
-            )
+            known = [typed_name(table, own) for own in table.names]
+            raise UsageError(f"{table.path} has no column {shown(name)}{suggestion(name, known)}.")
     columns = guess_columns(table, units or {}, files)
     pairs, by_words = branch_pairs(columns), False
     if not pairs:

@@ -13,6 +13,7 @@ from smarig.study.column_pairs import tables_of_pairs
 from smarig.study.joined_blocks import joined_blocks
 from smarig.study.study_options import StudyOptions
 from smarig.study.table_guess import TableGuess, guess_table
+from smarig.study.typed_names import listed_names, own_name, typed_name
 
 Ask = Callable[[str, Sequence[str]], str]  # question and choices → answer
 _FORC = "forc"
@@ -42,6 +43,7 @@ def understand(files: Sequence[Path], options: StudyOptions, ask: Ask | None = N
     tables = tables if options.mapping else _by_pairs(tables, options)
     tables, unlike = _of_one_layout(tables)
     left_out |= unlike
+    options = _with_own_names(max(tables, key=len), options)
     names = [file.name for file in files]
     common = set.intersection(*(set(t.names) for t in tables))
     tables = [_with_columns(t, common) if _usable(t, common) else t for t in tables]
@@ -50,6 +52,16 @@ def understand(files: Sequence[Path], options: StudyOptions, ask: Ask | None = N
     )
     lead, options, questions = _answered(lead, options, ask, names)
     return Understanding(tuple(_guesses(tables, lead, options, names)), left_out, questions)
+
+
+def _with_own_names(table: FoundTable, options: StudyOptions) -> StudyOptions:
+    """The options with the names of columns that were given by their numbers."""
+    given = {
+        role: None if name is None else own_name(table, name)
+        for role, name in (("input", options.input), ("output", options.output))
+    }
+    units = {own_name(table, name): unit for name, unit in options.units.items()}
+    return replace(options, **given, units=units)
 
 
 def _tables(files: Sequence[Path]) -> tuple[list[FoundTable], dict[str, str]]:
@@ -137,9 +149,10 @@ def _answered(
         count += 1
         if doubt.startswith("unit "):
             name = doubt.removeprefix("unit ")
-            units[name] = ask(f"Unit of {shown(name)}", ())
+            units[name] = ask(f"Unit of {shown(typed_name(guess.table, name))}", ())
         else:
-            given[doubt] = ask(f"Which column is the {doubt}", [c.name for c in guess.columns])
+            choices = [typed_name(guess.table, c.name) for c in guess.columns]
+            given[doubt] = own_name(guess.table, ask(f"Which column is the {doubt}", choices))
         guess = guess_table(guess.table, **given, units=units, files=files)
         if count > 3 * len(guess.columns):
             break
@@ -150,7 +163,7 @@ def _answered(
             f"{guess.table.path}: no column looks like an input. Name one with --input NAME.", guess
         )
     if guess.first("output") is None and not guess.heating_only:
-        names = ", ".join(f"{shown(name)}" for name in guess.table.names[:12])
+        names = listed_names(guess.table)
         raise UnsureError(
             f"{guess.table.path}: no column looks like an output (columns: {names}). Name input and output with "
             "--input NAME --output NAME.",
@@ -185,10 +198,10 @@ def _needed(guess: TableGuess) -> str:
     options = []
     for doubt in guess.doubts:
         if doubt.startswith("unit "):
-            options.append(f"--unit '{doubt.removeprefix('unit ')}=UNIT'")
+            options.append(f"--unit '{typed_name(guess.table, doubt.removeprefix('unit '))}=UNIT'")
         else:
             options.append(f"--{doubt} NAME")
-    names = ", ".join(f"{shown(name)}" for name in guess.table.names[:12])
+    names = listed_names(guess.table)
     return (
         f"{guess.table.path}: it is not clear which columns to use. Say {' '.join(options)} (columns: {names}), "
         "or take the draft with --yes."
