@@ -78,3 +78,31 @@ def test_the_given_log_asks(shared_data, tmp_path):
         pytest.skip(f"no {path.name} in {path.parent}")
     with pytest.raises(UsageError, match="Say --output NAME --unit 'column 1=UNIT'"):
         study([path], tmp_path / "out", StudyOptions())
+
+
+def test_the_question_offers_the_input_too(tmp_path):
+    path = log(tmp_path / "a.txt", 500 * np.arange(ROWS), CURRENT, U, X)
+    with pytest.raises(UsageError, match="and --input NAME if it is not 'column 3' .columns"):
+        study([path], tmp_path / "out", StudyOptions())
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+def test_an_input_against_which_the_loop_speaks_is_a_question(tmp_path, sign):
+    """The output is given as the column that drives: what moves then looks like the input by its numbers alone."""
+    late = 60 + 9 * sign * (X - 3)  # numbers like temperatures
+    path = log(tmp_path / "a.txt", 0.5 * np.arange(ROWS), late, U / 500, CURRENT / 100)
+    with pytest.raises(UsageError, match="Say --input NAME"):
+        study([path], tmp_path / "out", StudyOptions(output="column 3", diagnose=False))
+    both = StudyOptions(input="column 3", output="column 2", diagnose=False)
+    result = study([path], tmp_path / "out", both)
+    reasons = [role.reason for role in result.understood.guesses[0].roles.values()]
+    assert not any("speaks against" in reason for reason in reasons)
+
+
+@pytest.mark.parametrize("output", ["column 2", "column 4"])
+def test_no_reason_of_another_pair_stays_beside_an_answer(tmp_path, output):
+    path = log(tmp_path / "a.txt", 0.5 * np.arange(ROWS), X, U, CURRENT)
+    options = StudyOptions(output=output if output == "column 2" else "column 4", diagnose=False)
+    result = study([path], tmp_path / "out", options)
+    reasons = [role.reason for role in result.understood.guesses[0].roles.values()]
+    assert not any("although its loop" in reason for reason in reasons)

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 from smarig.exchange.cell_values import clock_seconds, is_missing, is_number
 from smarig.exchange.found_table import CLOCK, NUMBER, TEXT
+from smarig.exchange.text_table import HEADER_WITHIN
 from smarig.exchange.written_units import is_unit, is_units_row, without_markup
 
 FEWEST_ROWS = 3  # of a table
@@ -18,6 +19,9 @@ _COMMENT = re.compile(r"^\s*(?:#+|%+|//+|;+|\*+)\s*")
 _ALIGNED = r"\s{2,}|\t"  # what stands between words that blanks align over their columns
 # Between the names of columns, the rarest in a name first:
 _HEADER_SIGNS = (_ALIGNED, ";", ",", r"\|", r"\s+")
+_LISTED = re.compile(
+    r"(\D{0,40}?)\s*(\d{1,4})\s*(?:[:=.)\]\t,;]|\s)\s*(\S.*)"
+)  # Sig1 Time (min); # 2: Force [N]
 _BRACKETED = re.compile(r"[\[(<{](.*)[\])>}]")
 
 
@@ -140,6 +144,10 @@ def _block(
     rows = [above.get(k, row) for k, row in enumerate(rows)]
     columns = tuple(_column_kind([row[k] for row in data if k < len(row)], style) for k in range(width))
     header, unit_row = _header_rows(rows, kinds, first, columns)
+    end, listed = _listed_names(rows, first, lines, width, style)
+    if listed and (header is None or header < end):  # a header below the list counts
+        names = _names(listed, width)[0]
+        return FoundBlock(None, first, stop, names, ("",) * width, columns, True)
     written = list(rows[header]) if header is not None else []
     below = rows[unit_row] if unit_row is not None else []
     filled = _filled_from(written, below)
@@ -226,6 +234,23 @@ def _header_rows(
     if len(wide) > 1 and wide[1] == wide[0] - 1 and _has_units_of(rows[wide[0]], rows[wide[1]], columns):
         return wide[1], wide[0]
     return wide[0], None
+
+
+def _listed_names(
+    rows: Sequence[Sequence[str]], first: int, lines: Sequence[str], width: int, style: NumberStyle
+) -> tuple[int, list[str]]:
+    """The names that numbered lines before a table list, as "Sig1 Time (min)", one for each column, from 1 or 0 on; and
+    the row after the last of them.
+    """
+    begin = max(first - HEADER_WITHIN, 0)
+    texts = [lines[k] if lines else "\t".join(rows[k]) for k in range(begin, first)]
+    found = [_LISTED.fullmatch(_COMMENT.sub("", text).strip()) for text in texts]
+    for last in range(len(texts), width - 1, -1):
+        group = [match for match in found[last - width : last] if match and style.kind(match[3]) == TEXT]
+        numbers = [int(match[2]) for match in group]
+        if numbers in (list(range(1, width + 1)), list(range(width))) and len({m[1] for m in group}) == 1:
+            return begin + last, [match[3].strip().strip('"') for match in group]
+    return 0, []
 
 
 def _has_units_of(below: Sequence[str], names: Sequence[str], columns: Sequence[str]) -> bool:

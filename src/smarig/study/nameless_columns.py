@@ -47,6 +47,13 @@ def roles_by_loop(drive: ColumnGuess, out: ColumnGuess) -> LoopRoles | None:
     return LoopRoles(drive, out, why, LIKELY if abs(score) >= _SURE else WEAK)
 
 
+def doubt_by_loop(drive: ColumnGuess, out: ColumnGuess) -> str:
+    """Why a column without a name is hardly the input beside an output that is given; "" if their loop agrees."""
+    if not drive.by_numbers or role_vote(drive.facts.values, out.facts.values).score >= 0:
+        return ""
+    return f"{_NO_NAMES}, and its loop with {shown(out.name)} speaks against it as the input"
+
+
 def _with_steps(vote: RoleVote, drive: ColumnGuess, out: ColumnGuess) -> RoleVote:
     """The vote with that of a column in equal steps: it was set, and the other was read. It counts as the loop does,
     and it alone where there are too few rows for a loop.

@@ -24,7 +24,7 @@ from smarig.study.column_guess import (
     guess_columns,
     like_temperature,
 )
-from smarig.study.nameless_columns import LoopRoles, roles_by_loop
+from smarig.study.nameless_columns import LoopRoles, doubt_by_loop, roles_by_loop
 from smarig.study.second_thermometer import SecondThermometer, second_thermometer, witness_reason
 from smarig.study.signal_columns import holds_still, input_column, is_grid, output_column
 from smarig.study.typed_names import typed_name
@@ -169,6 +169,9 @@ def guess_table(
     else:
         roles |= {out.name: _role("output", out, output)} if out is not None else {}
         roles |= {drive.name: _role("input", drive, input)} if drive is not None else {}
+        if drive is not None and out is not None and output is not None and input is None and len(left) > 2:
+            against = doubt_by_loop(drive, out)  # of two columns, the answer on one settles the other
+            roles |= {drive.name: Role("input", against, UNSURE / 2)} if against else {}
     _further_roles(columns, roles, drive, out)
     guess = TableGuess(table, tuple(columns), roles, by_loop=found.reason if found else "")
     if drive is not None and out is not None and out.name in pairs and (by_words or drive.name in pairs):

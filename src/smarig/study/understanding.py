@@ -201,7 +201,9 @@ def _needed(guess: TableGuess) -> str:
             options.append(f"--unit '{typed_name(guess.table, doubt.removeprefix('unit '))}=UNIT'")
         else:
             options.append(f"--{doubt} NAME")
-    names = listed_names(guess.table)
+    names, drive = listed_names(guess.table), guess.first("input")
+    if guess.by_loop and drive is not None and "input" not in guess.doubts:  # no name says so
+        options.append(f"and --input NAME if it is not {shown(typed_name(guess.table, drive.name))}")
     return (
         f"{guess.table.path}: it is not clear which columns to use. Say {' '.join(options)} (columns: {names}), "
         "or take the draft with --yes."
@@ -261,7 +263,11 @@ def _given_reasons(again: TableGuess, own: TableGuess, lead: TableGuess, options
     roles = dict(again.roles)
     for name, role in again.roles.items():
         if role.reason == "given by you" and name not in (options.input, options.output):
-            source = own.roles[name] if own.roles[name].role == role.role else lead.roles.get(name, role)
+            answered = (
+                options.input is not None or options.output is not None
+            )  # the own guess is of another pair
+            same = own.roles[name].role == role.role and not answered
+            source = own.roles[name] if same else lead.roles.get(name, role)
             roles[name] = source if source.role == role.role else role
     return roles
 
