@@ -147,7 +147,7 @@ def clock_seconds(cell: str, *, year_first: bool = False) -> float | None:
 def clock_column(path: Path, name: str, cells: Sequence[str], where: Sequence[int]) -> NDArray[np.float64]:
     """Seconds (n,) from the first reading of a column of clock times; midnight is passed over. DataError with line."""
     out = _seconds(cells)
-    for k in np.flatnonzero(np.isnan(out)):
+    for k in np.flatnonzero(np.isnan(out)).tolist():
         if not is_missing(cells[k]):
             raise DataError(
                 f"{path}, line {where[k]}, column {shown(name)}: {shown(cells[k], 40)} is not a time."

@@ -106,8 +106,8 @@ def _with_unread_rows(rows: Sequence[Sequence[str]], kinds: Sequence[str], style
         if out[k] != "text" or out[k - 1] != "data" or len(row) != len(before) or row[0].startswith("#"):
             continue
         of_numbers = [j for j, cell in enumerate(before) if cell and style.kind(cell) != TEXT]
-        alike = sum(bool(row[j]) and style.kind(row[j]) != TEXT for j in of_numbers)
-        out[k] = "data" if 2 * alike > len(of_numbers) else "text"
+        same = sum(bool(row[j]) and style.kind(row[j]) != TEXT for j in of_numbers)
+        out[k] = "data" if 2 * same > len(of_numbers) else "text"
     return out
 
 

@@ -56,12 +56,9 @@ def understand(files: Sequence[Path], options: StudyOptions, ask: Ask | None = N
 
 def _with_own_names(table: FoundTable, options: StudyOptions) -> StudyOptions:
     """The options with the names of columns that were given by their numbers."""
-    given = {
-        role: None if name is None else own_name(table, name)
-        for role, name in (("input", options.input), ("output", options.output))
-    }
+    drive, out = (name and own_name(table, name) for name in (options.input, options.output))
     units = {own_name(table, name): unit for name, unit in options.units.items()}
-    return replace(options, **given, units=units)
+    return replace(options, input=drive, output=out, units=units)
 
 
 def _tables(files: Sequence[Path]) -> tuple[list[FoundTable], dict[str, str]]:
