@@ -38,9 +38,8 @@ def output(kind, u, shift=0.0):
     return np.array(y)
 
 
-def written(file, u, y):
+def written(file, u, y, header="time_s,temperature_C,displacement_mm"):
     noisy = y + 0.01 * np.random.default_rng(1).standard_normal(u.size)
-    header = "time_s,temperature_C,displacement_mm"
     rows = np.column_stack([0.5 * np.arange(u.size), u, noisy])
     np.savetxt(file, rows, delimiter=",", header=header, comments="", fmt="%.5f")
     return file
@@ -98,3 +97,23 @@ def test_a_longer_record_of_a_changed_wire_does_not_outvote_the_fitted_one(tmp_p
 def test_full_loops_leave_nothing_open(tmp_path):
     u = path(PATHS["full loops"])
     assert studied(tmp_path, u, output("drawn", u)).undetermined is None
+
+
+@pytest.mark.parametrize("beyond", [0.002, 0.005])
+@pytest.mark.parametrize("ends", [(0.0, 1.0), (0.5, 3.5)])
+def test_fitted_data_may_never_saturate_a_model_of_all_rows(tmp_path, ends, beyond):
+    # of a current no start is assumed; the widest loop comes last, after inner loops
+    low, high = ends
+    turns = np.array([0, 1, 0, 1, 0.4, 0.85, -beyond, 1 + beyond])
+    u = 25 + 70 * path(turns, rows=60)
+    file = tmp_path / "loop.csv"
+    current = low + (u - 25) / 70 * (high - low)
+    written(file, current, output("on a line", u), "time_s,current_A,displacement_mm")
+    result = study([file], tmp_path / "out", StudyOptions(diagnose=False))
+    assert result.split is not None
+    assert result.split.kind == "time"
+    found = result.undetermined
+    assert found is not None
+    assert found.share > 0.9
+    inner = low + 0.4 * (high - low)
+    assert min(abs(turn - inner) for turn in found.turns) < 0.05 * (high - low)

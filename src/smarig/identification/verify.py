@@ -65,24 +65,25 @@ def verify(
     predictions = simulate_runs(model, several)
     missing = missing_earlier_runs(model, several) if model.effects else []
     counted: list[RunVerification] = []
+    before: RunVerification | None = None
     has_points = [bool(run.settled) or bool(np.isfinite(p).any()) for run, p in zip(several, predictions)]
     for k, (run, p, c) in enumerate(zip(several, predictions, selected)):
         # An initialisation is part of the history, without settled points.
         if not has_points[k] and any(has_points):
+            before = None
             continue
         part = k > 0 and run.info.imported is not None and continues_run(several[k - 1], run)
-        counted.append(
-            _verified(
-                model=model,
-                run=run,
-                predicted=p,
-                selected=c,
-                select=select,
-                offset=offset,
-                missing=missing,
-                before=counted[-1] if part and not has_own_zero(run) else None,
-            )
+        before = _verified(
+            model=model,
+            run=run,
+            predicted=p,
+            selected=c,
+            select=select,
+            offset=offset,
+            missing=missing,
+            before=before if part and not has_own_zero(run) else None,
         )
+        counted.append(before)
     return Verification(model.name, model.unit, tuple(counted))
 
 

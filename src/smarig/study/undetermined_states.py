@@ -1,7 +1,7 @@
 """Missing knowledge of a study: the held-out data enter states that the fitted data did not determine."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from smarig.core import DataError, UsageError, spaced
 from smarig.diagnosis import RULES, inputs_of_error, missing_share
 from smarig.identification import RunVerification, identify, verify
+from smarig.record import Run
 from smarig.report import display_unit, number
 from smarig.study.candidate_models import CandidateModel
 from smarig.study.data_split import DataSplit
@@ -50,9 +51,12 @@ def undetermined_states(split: DataSplit, plain: CandidateModel) -> Undetermined
         return None
     runs = [*split.train, *split.held_out]
     try:
-        model = identify(runs, surface="positive").model
-        found = verify(model, runs).runs
+        found = _of_one_model(runs)
+        if len(found) < len(runs):
+            found = _of_one_model([_within(plain, run) for run in runs])
     except (DataError, UsageError):
+        return None
+    if len(found) < len(runs):
         return None
     fitted, held = found[: len(split.train)], found[len(split.train) :]
     error = _errors(plain.held_out)
@@ -61,6 +65,21 @@ def undetermined_states(split: DataSplit, plain: CandidateModel) -> Undetermined
         return None
     u = np.concatenate([r.input[r.counted] for r in plain.held_out])
     return UndeterminedStates(share, inputs_of_error(u, error**2), _new_turns(split, plain))
+
+
+def _of_one_model(runs: Sequence[Run]) -> tuple[RunVerification, ...]:
+    """The runs as one model of all of them predicts them, without those of which it predicts nothing."""
+    return verify(identify(runs, surface="positive").model, runs).runs
+
+
+def _within(plain: CandidateModel, run: Run) -> Run:
+    """The run with its input within the range of the fitted model, beyond which that model is saturated.
+
+    If the held-out input goes further, by its noise for example, the fitted runs never saturate a model of all rows,
+    and their memory is unknown to it.
+    """
+    h = plain.model.hysteresis
+    return replace(run, columns={**run.columns, "input": np.clip(run["input"], h.lower, h.upper)})
 
 
 def _errors(runs: Sequence[RunVerification]) -> Array:
