@@ -263,3 +263,46 @@ def test_a_unit_that_is_stated_but_unknown_is_told_as_assumed(tmp_path, unit, ta
     position = guess_table(table(tmp_path, **columns)).columns[-1]
     assert position.unit == taken
     assert ("which is unknown; taken as mm" in position.unit_reason) == (taken == "mm")
+
+
+OHMS = {"mOhm": "mohm", "uOhm": "uohm", "µOhm": "uohm", "kOhm": "kohm", "KOhm": "kohm", "MOhm": "Mohm"}
+OHMS |= {"mOhms": "mohm", "Ohm": "ohm", "OHM": "ohm", "mΩ": "mohm", "µΩ": "uohm"}
+
+
+@pytest.mark.parametrize("written", OHMS)
+@pytest.mark.parametrize("name", ["R_{}", "R/{}", "R ({})", "R [{}]", "R4w_{}", "R in {}"])
+def test_ohms_with_a_prefix_are_resistances(tmp_path, name, written):
+    columns = {"t/s": T, "T/K": U + 273, name.format(written): 610 + X}
+    out = guess_table(table(tmp_path, **columns)).first("output")
+    assert out is not None
+    assert (out.quantity, out.unit) == ("resistance", OHMS[written])
+
+
+@pytest.mark.parametrize("name", ["R_mFoo", "Foo", "stroke [furlong]", "pos (smoots)", "A3"])
+def test_a_unit_that_is_not_known_is_a_question(tmp_path, name):
+    columns = {"time [s]": T, "temperature [degC]": U, name: X}
+    guess = guess_table(table(tmp_path, **columns))
+    assert guess.doubts == [f"unit {name}"]
+    given = guess_table(table(tmp_path, **columns), units={name: "um"})
+    assert not given.doubts
+
+
+@pytest.mark.parametrize("name", ["x", "pos", "displacement", "Weg"])
+def test_a_displacement_without_a_unit_is_assumed(tmp_path, name):
+    guess = guess_table(table(tmp_path, **{"time [s]": T, "temperature [degC]": U, name: X}))
+    out = guess.first("output")
+    assert out is not None
+    assert not guess.doubts
+    assert out.unit == "mm"
+    assert out.unit_is_assumed
+
+
+@pytest.mark.parametrize(("unit", "quantity"), [("mohm", "resistance"), ("uV", "voltage"), ("MPa", "stress")])
+@pytest.mark.parametrize("name", ["R_mFoo", "Foo", "x"])
+def test_the_quantity_follows_the_unit_of_the_user(tmp_path, name, unit, quantity):
+    columns = {"time [s]": T, "temperature [degC]": U, name: X}
+    guess = guess_table(table(tmp_path, **columns), output=name, units={name: unit})
+    out = guess.first("output")
+    assert out is not None
+    assert (out.quantity, out.unit) == (quantity, unit)
+    assert "displacement" not in out.quantity_reason

@@ -289,3 +289,27 @@ def test_a_part_that_shows_no_transformation_is_not_held_out(tmp_path, cold_K, k
     split = study([path], tmp_path / "out", QUICK).split
     assert split is not None
     assert split.kind == kind
+
+
+def _measured_as(path, name):
+    u = temperatures()
+    rows = np.column_stack([0.5 * np.arange(u.size), u, displacements(u)])
+    np.savetxt(path, rows, delimiter=",", header=f"time_s,T_degC,{name}", comments="", fmt="%.5f")
+    return path
+
+
+@pytest.mark.parametrize("name", ["R_mFoo", "pos (smoots)"])
+def test_the_terminal_says_how_to_state_a_unit(tmp_path, capsys, name):
+    file = str(_measured_as(tmp_path / "data.csv", name))
+    assert cli(["study", file, "-o", str(tmp_path / "out")]) == 2
+    assert f"in which unit '{name}' is. Say --unit '{name}=UNIT'" in capsys.readouterr().err
+    answer = ["study", file, "--unit", f"{name}=mohm", "--no-diagnosis", "-o", str(tmp_path / "out")]
+    assert cli(answer) == 0
+    assert f"{name}: output in mohm" in (shown := capsys.readouterr().err)
+    assert "displacement" not in shown
+
+
+def test_the_terminal_says_that_mm_are_assumed(tmp_path, capsys):
+    file = str(_measured_as(tmp_path / "data.csv", "pos"))
+    assert cli(["study", file, "--no-diagnosis", "-o", str(tmp_path / "out")]) == 0
+    assert "pos: output, mm assumed" in capsys.readouterr().err

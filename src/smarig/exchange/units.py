@@ -108,14 +108,16 @@ _SPELLINGS = {
 } | {
     "": "1",
     "-": "1",
-    "Ohm": "ohm",
-    "kOhm": "kohm",
-    "MOhm": "Mohm",
     "ml": "mL",
     "l": "L",
     "sec": "s",
     "inch": "in",
     "inches": "in",
+}
+_SPELLINGS |= {
+    f"{prefix}{name}": f"{'k' if prefix == 'K' else prefix}ohm"  # K is kelvin, but no kelvin has an ohm
+    for prefix in ["", "K", *_PREFIXED["ohm"][2].split()]
+    for name in ("ohm", "Ohm", "OHM", "ohms", "Ohms", "OHMS")
 }
 _LONG = 4  # letters: a name of this length that misses a unit by one letter is a slip
 
@@ -123,8 +125,8 @@ _LONG = 4  # letters: a name of this length that misses a unit by one letter is 
 def spelled(unit: str) -> str:
     """The one spelling of a known unit; any other unit as it is written.
 
-    >>> spelled("mA*h"), spelled("Am²"), spelled("µm"), spelled("kΩ"), spelled("beats")
-    ('mAh', 'A m^2', 'um', 'kohm', 'beats')
+    >>> spelled("mA*h"), spelled("Am²"), spelled("µm"), spelled("kΩ"), spelled("mOhm"), spelled("beats")
+    ('mAh', 'A m^2', 'um', 'kohm', 'mohm', 'beats')
     """
     text = re.sub(r"[⁻¹²³]+", lambda power: "^" + power[0].translate(_POWERS), unit.strip())
     text = re.sub(r"(?<=m)[23]\b", r"^\g<0>", text).translate(_SIGNS)

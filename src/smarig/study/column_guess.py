@@ -14,7 +14,9 @@ from smarig.study.column_facts import ColumnFacts, column_facts, steps_of
 STATED, LIKELY, WEAK, NONE = 0.95, 0.75, 0.5, 0.2  # confidences
 _STATED_BY = ("its name", "its unit", "clock")  # how the reasons of stated quantities begin
 UNSURE = 0.5  # a role or unit that is less sure needs an answer
+_WHATEVER_UNIT = (q.RATE, q.INDEX, q.SCATTER)  # quantities that a name states whatever the unit is
 _ANY_TIME = "assumed: equal steps of whole numbers may be s, ms or others"
+ASSUMED = "assumed: no unit is stated"
 _STRAIN_MM = 0.1  # larger strains are not in mm/mm
 _STRAIN_PERCENT = 15.0
 _SYMMETRIC = 0.05  # of the range: a middle closer to 0
@@ -44,6 +46,11 @@ class ColumnGuess:
         return self.facts.name
 
     @property
+    def unit_is_assumed(self) -> bool:
+        """Whether neither the file nor the user states the unit, and the numbers do not tell it."""
+        return bool(self.unit) and self.unit_confidence <= WEAK
+
+    @property
     def by_numbers(self) -> bool:
         """Whether neither its name nor its unit says what the column is."""
         return not self.quantity_reason.startswith(_STATED_BY)
@@ -63,16 +70,20 @@ class ColumnGuess:
     def corrected(self, unit: str) -> "ColumnGuess":
         """The guess with a unit that the user gave."""
         by_unit = q.quantity_of_unit(unit)
-        guessed = self.by_numbers and by_unit and dimension(unit) not in q.DIMENSIONS.get(self.quantity, ())
-        quantity = by_unit if guessed else self.quantity or by_unit
+        other = by_unit and dimension(unit) not in q.DIMENSIONS.get(self.quantity, ())
+        meant = _found(self, by_unit, f"its unit {unit}", LIKELY) if other and self._may_follow_unit else self
         return replace(
-            self,
+            meant,
             unit=unit,
             unit_reason="given by you",
             unit_confidence=1.0,
-            quantity=quantity,
-            quantity_confidence=max(self.quantity_confidence, LIKELY if quantity else 0.0),
+            quantity_confidence=max(meant.quantity_confidence, LIKELY if meant.quantity else 0.0),
         )
+
+    @property
+    def _may_follow_unit(self) -> bool:
+        """Whether a unit says more of the quantity than what is known of it."""
+        return self.by_numbers or self.quantity not in _WHATEVER_UNIT
 
 
 def guess_columns(
@@ -110,7 +121,7 @@ def _by_name(facts: ColumnFacts) -> ColumnGuess:
     if (
         by_unit
         and (by_unit == q.RATE or dimension(unit) not in q.DIMENSIONS.get(quantity, ()))
-        and quantity not in (q.RATE, q.INDEX, q.SCATTER)
+        and quantity not in _WHATEVER_UNIT
     ):
         quantity, reason, confidence = by_unit, f"its unit {unit or written}", LIKELY
     elif quantity == q.CHARGE and not unit:
@@ -285,6 +296,13 @@ def as_temperature(guess: ColumnGuess) -> ColumnGuess:
     )
 
 
+def displacement_confidence(guess: ColumnGuess) -> float:
+    """How sure it is that a displacement without a unit is in mm: a column whose name says something else, a unit that
+    is not known for example, may be any quantity.
+    """
+    return NONE if guess.label and guess.by_numbers else WEAK
+
+
 def _with_unit(guess: ColumnGuess) -> ColumnGuess:
     """The guess with a unit where the file states none."""
     f = guess.facts
@@ -315,9 +333,9 @@ def _with_unit(guess: ColumnGuess) -> ColumnGuess:
         case q.DISPLACEMENT | q.ANGLE if f.whole and most > 100:
             unit, reason, sure = "count", "whole numbers: readings of an encoder or converter", WEAK
         case q.DISPLACEMENT:
-            unit, reason, sure = "mm", "assumed: no unit is stated", WEAK
+            unit, reason, sure = "mm", ASSUMED, displacement_confidence(guess)
         case q.ANGLE:
-            unit, reason, sure = "deg", "assumed: no unit is stated", WEAK
+            unit, reason, sure = "deg", ASSUMED, WEAK
         case q.FIELD:
             unit = "A/m" if most > 20 else "T"
             reason, sure = f"{most:.3g} would be extreme in another unit", WEAK
@@ -325,6 +343,6 @@ def _with_unit(guess: ColumnGuess) -> ColumnGuess:
             unit, reason, sure = "T", f"{most:.3g} is a usual flux density in T", 0.7
         case _:
             return guess
-    if guess.unit_reason:  # the file states a unit, but an unknown one
-        reason, sure = f"{guess.unit_reason}; taken as {unit}", min(sure, WEAK)
+    if guess.unit_reason:  # the file states a unit, but an unknown one: an assumption would contradict it
+        reason, sure = f"{guess.unit_reason}; taken as {unit}", WEAK if sure > WEAK else NONE
     return replace(guess, unit=unit, unit_reason=reason, unit_confidence=sure)

@@ -6,7 +6,14 @@ from dataclasses import dataclass, replace
 
 from smarig.core import shown
 from smarig.study import quantity_words as q
-from smarig.study.column_guess import LIKELY, UNSURE, WEAK, ColumnGuess
+from smarig.study.column_guess import (
+    ASSUMED,
+    LIKELY,
+    UNSURE,
+    WEAK,
+    ColumnGuess,
+    displacement_confidence,
+)
 from smarig.study.physical_roles import RoleVote, role_vote
 
 _LIKE_TEMPERATURE = 1.5  # votes: more than one fact of the loop, less than both
@@ -75,6 +82,6 @@ def _with_displacement(out: ColumnGuess, drive: ColumnGuess) -> ColumnGuess:
         quantity_reason="what moves beside a temperature",
         quantity_confidence=0.6,
         unit="mm",
-        unit_reason="assumed: no unit is stated",
-        unit_confidence=WEAK,
+        unit_reason=ASSUMED,
+        unit_confidence=displacement_confidence(out),
     )

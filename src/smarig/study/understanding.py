@@ -201,8 +201,12 @@ def _needed(guess: TableGuess) -> str:
     names, drive = listed_names(guess.table), guess.first("input")
     if guess.by_loop and drive is not None and "input" not in guess.doubts:  # no name says so
         options.append(f"and --input NAME if it is not {shown(typed_name(guess.table, drive.name))}")
+    units = [doubt.removeprefix("unit ") for doubt in guess.doubts if doubt.startswith("unit ")]
+    what = "which columns to use"
+    if len(units) == len(guess.doubts):
+        what = f"in which unit {' and '.join(shown(name) for name in units)} {'are' if units[1:] else 'is'}"
     return (
-        f"{guess.table.path}: it is not clear which columns to use. Say {' '.join(options)} (columns: {names}), "
+        f"{guess.table.path}: it is not clear {what}. Say {' '.join(options)} (columns: {names}), "
         "or take the draft with --yes."
     )
 
@@ -260,11 +264,9 @@ def _given_reasons(again: TableGuess, own: TableGuess, lead: TableGuess, options
     roles = dict(again.roles)
     for name, role in again.roles.items():
         if role.reason == "given by you" and name not in (options.input, options.output):
-            answered = (
-                options.input is not None or options.output is not None
-            )  # the own guess is of another pair
-            same = own.roles[name].role == role.role and not answered
-            source = own.roles[name] if same else lead.roles.get(name, role)
+            answered = options.input is not None or options.output is not None  # the own guess is of another pair
+            own_role = own.roles[name].role == role.role and name not in options.units
+            source = own.roles[name] if own_role and not answered else lead.roles.get(name, role)
             roles[name] = source if source.role == role.role else role
     return roles
 
