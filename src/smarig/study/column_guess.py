@@ -71,7 +71,8 @@ class ColumnGuess:
         """The guess with a unit that the user gave."""
         by_unit = q.quantity_of_unit(unit)
         other = by_unit and dimension(unit) not in q.DIMENSIONS.get(self.quantity, ())
-        meant = _found(self, by_unit, f"its unit {unit}", LIKELY) if other and self._may_follow_unit else self
+        reason = f"its unit {unit}" if self.quantity else ""  # without any, the loop still decides the roles
+        meant = _found(self, by_unit, reason, LIKELY) if other and self._may_follow_unit else self
         return replace(
             meant,
             unit=unit,
