@@ -15,12 +15,18 @@ T = np.arange(U.size) * 0.5
 
 def _imported(path):
     """The first and the last guess on a file: its largest table, and the run that its draft imports."""
+    guess, report = _reported(path)
+    return guess, load_run(report.run)
+
+
+def _reported(path):
+    """The same, with the report of the import in place of the run."""
     table = max(find_tables(path), key=len)
     guess = guess_table(table)
     mapping = path.with_suffix(".toml")
     mapping.write_text(mapping_draft(guess, "m"), encoding="utf-8")
-    report = import_file(path, format=table.format, out=path.with_suffix(".run.sqlite"), mapping=str(mapping))
-    return guess, load_run(report.run)
+    out = path.with_suffix(".run.sqlite")
+    return guess, import_file(path, format=table.format, out=out, mapping=str(mapping))
 
 
 def test_labview_states_units_before_the_table(tmp_path):
@@ -92,3 +98,35 @@ def test_one_sweep_without_names_has_no_output_and_says_so(tmp_path):
     )
     with pytest.raises(UsageError, match="no column looks like an output"):
         study([path], tmp_path / "out", StudyOptions(accept=True))
+
+
+@pytest.mark.parametrize("end", ["\r", "\n", "\r\n"])
+@pytest.mark.parametrize(("name", "unit"), [("signal", "mOhm"), ("'R (wire)'", "mohm"), ("w2", "mm")])
+def test_igor_text_states_units_in_its_commands(tmp_path, end, name, unit):
+    rows = [f"\t{a:.3f}\t{b:.4f}\t{c:.5f}" for a, b, c in zip(T, U + 273.15, X)]
+    commands = [
+        'X SetScale/P x 0,1,"", clock; SetScale d 0,0,"s", clock',
+        f'X SetScale/P x 0,1,"", stage, {name}; SetScale d 0,0,"K", stage',
+        f'X SetScale d 0,0,"{unit}", {name}',
+        'X Note stage, "thermometer on the stage; SetScale d of none"',
+    ]
+    lines = ["IGOR", f"WAVES/D\tclock\tstage\t{name}", "BEGIN", *rows, "END", *commands]
+    path = tmp_path / "waves.itx"
+    path.write_bytes(end.join([*lines, ""]).encode())
+    guess, report = _reported(path)
+    run = load_run(report.run)
+    assert guess.table.names == ("clock", "stage", name.strip("'"))
+    assert [c.unit for c in guess.columns] == ["s", "K", unit.replace("Ohm", "ohm")]
+    assert len(run) == U.size
+    np.testing.assert_allclose(run["position"], X, atol=1e-5)
+    np.testing.assert_allclose(run["temperature_degC"], U, atol=1e-4)
+    assert not any("incomplete" in warning for warning in report.warnings)
+
+
+@pytest.mark.parametrize("end", ["\r", "\n", "\r\n"])
+def test_a_whole_last_line_is_not_incomplete_whatever_ends_it(tmp_path, end):
+    rows = [f"{a:.3f},{b:.4f},{c:.5f}" for a, b, c in zip(T, U, X)]
+    path = tmp_path / "data.csv"
+    path.write_bytes(end.join(["time (s),T (degC),x (mm)", *rows, "1,,", ""]).encode())
+    _, report = _reported(path)
+    assert not any("incomplete" in warning for warning in report.warnings)

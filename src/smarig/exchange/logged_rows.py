@@ -9,6 +9,8 @@ import re
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 
+from smarig.exchange.igor_text import igor_rows, is_igor_text
+
 STAMP = "stamp"  # name of the column of stamps
 _STAMPED = re.compile(r"\s*\[?(\d{1,2}:\d{2}:\d{2}(?:[.,]\d+)?)\]?\s*(?:->|→|>)\s?(.*)")
 _PAIR = re.compile(
@@ -32,6 +34,8 @@ class LoggedRows:
 
 def logged_rows(lines: Sequence[str]) -> LoggedRows:
     """The lines of a text as those of a table."""
+    if is_igor_text(lines):
+        return LoggedRows(igor_rows(lines))
     stamps, rows, notes = _without_stamps(lines)
     names, rows = _without_keys(rows)
     if names:

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from smarig.core import DataError
 from smarig.exchange import text_table
+from smarig.exchange.igor_text import is_igor_text
 from smarig.exchange.no_reading import is_mark, without_marks
 from smarig.exchange.number_blocks import numbers_of
 from smarig.exchange.text_table import HEADER_WITHIN, Table, TableLayout
@@ -81,6 +82,8 @@ def _head(path: Path, file: BinaryIO, layout: TableLayout) -> _Head:
     if not complete and len(raw) <= HEADER_WITHIN:
         raise _UnusualError
     lines = [line.decode("utf-8").removesuffix("\r") for line in raw]
+    if is_igor_text(lines):
+        raise _UnusualError
     if any(len(line.splitlines()) > 1 for line in lines) or min(b"".join(raw), default=0) < _FIRST_TEXT:
         raise _UnusualError
     start, names, delimiter = text_table.header(path, lines, layout)

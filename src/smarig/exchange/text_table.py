@@ -122,7 +122,8 @@ def _table(
     first = layout.first_row(start)
     if not layout.header_starts:
         notes += preamble_notes(preamble)
-    if not text.endswith("\n") and len(split(lines[-1], delimiter)) < len(names):
+    unfinished = bool(lines[-1].strip()) and not text.endswith(("\n", "\r"))
+    if unfinished and len(split(lines[-1], delimiter)) < len(names):
         notes.append(incomplete_note(len(lines) - added))
         lines.pop()
     again = "" if layout.names and not layout.header_line else lines[start]
