@@ -117,3 +117,13 @@ def test_fitted_data_may_never_saturate_a_model_of_all_rows(tmp_path, ends, beyo
     assert found.share > 0.9
     inner = low + 0.4 * (high - low)
     assert min(abs(turn - inner) for turn in found.turns) < 0.05 * (high - low)
+
+
+@pytest.mark.parametrize("inner", [(0.62, 0.58), (0.63, 0.6)])
+def test_full_loops_are_those_of_the_fitted_data(tmp_path, inner):
+    first, second = inner
+    u = 25 + 70 * path(np.array([0, 1, 0, 1, 0, 1, 0, first, 0, second, 0, 1, 0]), rows=40)
+    result = studied(tmp_path, u, output("on a line", u))
+    simple = result.sentences()[1]
+    assert "the fitted data hold full loops only, but the held-out data turn inside the loop" in simple
+    assert "these data" not in simple

@@ -47,7 +47,7 @@ from smarig.study.study_sentences import (
 )
 from smarig.study.transformation_figures import Transformation
 from smarig.study.understanding import Understanding
-from smarig.study.undetermined_states import UndeterminedStates
+from smarig.study.undetermined_states import UndeterminedStates, turns_inside
 from smarig.transformation import Calorimetry
 
 _EXCHANGED = "If input and output are exchanged, name them with --input and --output."
@@ -174,6 +174,12 @@ class StudyResult:
         """Whether a rising and a falling branch do about as well as the model, so that inner loops were not tested."""
         return self._as_a_branch_pair and 1 / HARDLY_BETTER <= self.gain < BETTER
 
+    @cached_property
+    def _turns_inside(self) -> bool:
+        """Whether the held-out data turn inside the loops of the fitted data, so that inner loops were tested."""
+        e, split = self.evaluation, self.split
+        return e is not None and split is not None and turns_inside(split, e.plain)
+
     @property
     def _level_on_average(self) -> ErrorLevel:
         return self._error_verdict().level
@@ -279,7 +285,7 @@ class StudyResult:
     def _verdict_words(self) -> str:
         """The verdict, with the branch that decides it, or with the place that it excepts."""
         level, place = ErrorLevel(self.verdict), worst_place(self.branches)
-        if level is ErrorLevel.GOOD and self.full_loops_only:
+        if level is ErrorLevel.GOOD and self.full_loops_only and not self._turns_inside:
             return "good for full loops; inner loops were not tested"
         if level is ErrorLevel.FAIR and self._level_on_average is ErrorLevel.GOOD and self._left_out_is_worse:
             return "fair, as blocks left out of the fit are predicted less well"
@@ -319,6 +325,7 @@ class StudyResult:
             self.unit,
             left_out=self.compared_on_left_out,
             full_loops=self.full_loops_only,
+            inner_turns=self._turns_inside,
         )
 
     def _next_sentence(self) -> str:

@@ -50,16 +50,27 @@ def left_out_sentence(rms: float, unit: str, noise: float | None) -> str:
 
 
 def simple_curve_sentence(
-    name: str, error: float, gain: float, unit: str, *, left_out: bool = False, full_loops: bool = False
+    name: str,
+    error: float,
+    gain: float,
+    unit: str,
+    *,
+    left_out: bool = False,
+    full_loops: bool = False,
+    inner_turns: bool = False,
 ) -> str:
     """How large the error of the best simple curve is; ``gain`` times that of the model, of its error on blocks
-    ``left_out`` of the fit if nothing was held out. ``full_loops``: the data hold nothing else.
+    ``left_out`` of the fit if nothing was held out. ``full_loops``: the fitted data hold nothing else, nor do
+    the held-out data without ``inner_turns``.
     """
     if full_loops:
-        return (
-            f"A simple curve ({name}) does about as well, {measure(error, unit)}: these data hold full loops only. "
-            "Record reversals inside the loop to test more."
-        )
+        as_well = f"A simple curve ({name}) does about as well, {measure(error, unit)}"
+        if inner_turns:
+            return (
+                f"{as_well}: the fitted data hold full loops only, but the held-out data turn inside the loop. Fit "
+                "such reversals, too."
+            )
+        return f"{as_well}: these data hold full loops only. Record reversals inside the loop to test more."
     than = " than the model on blocks left out of the fit" if left_out else ""
     if gain >= BETTER:
         than_model = " as that of the model on blocks left out of the fit" if left_out else ""

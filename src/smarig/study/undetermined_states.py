@@ -64,7 +64,7 @@ def undetermined_states(split: DataSplit, plain: CandidateModel) -> Undetermined
     if share < RULES["not_determined"].value:
         return None
     u = np.concatenate([r.input[r.counted] for r in plain.held_out])
-    return UndeterminedStates(share, inputs_of_error(u, error**2), _new_turns(split, plain))
+    return UndeterminedStates(share, inputs_of_error(u, error**2), new_turns(split, plain))
 
 
 def _of_one_model(runs: Sequence[Run]) -> tuple[RunVerification, ...]:
@@ -86,7 +86,7 @@ def _errors(runs: Sequence[RunVerification]) -> Array:
     return np.concatenate([(r.predicted - r.measured)[r.counted] for r in runs])
 
 
-def _new_turns(split: DataSplit, plain: CandidateModel) -> tuple[float, ...]:
+def new_turns(split: DataSplit, plain: CandidateModel) -> tuple[float, ...]:
     """The inputs at which held-out data turn and fitted data never did, in order of the input.
 
     A record is split at a turn: it is one of the part that goes on from there.
@@ -96,6 +96,14 @@ def _new_turns(split: DataSplit, plain: CandidateModel) -> tuple[float, ...]:
     least = _SAME_TURN * float(np.ptp(known)) if known.size else 0.0
     far = [u for u in np.unique(new) if not known.size or np.abs(known - u).min() > least]
     return tuple(float(u) for u, before in zip(far, [-np.inf, *far]) if u - before > least)
+
+
+def turns_inside(split: DataSplit, plain: CandidateModel) -> bool:
+    """Whether held-out data turn within the range of the fitted input where the fitted data never turned."""
+    u = np.concatenate([r.input for r in plain.train])
+    low, high = float(np.nanmin(u)), float(np.nanmax(u))
+    edge = _SAME_TURN * (high - low)
+    return any(low + edge < turn < high - edge for turn in new_turns(split, plain))
 
 
 def _turns(u: Array) -> Array:
