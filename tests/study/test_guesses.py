@@ -306,3 +306,15 @@ def test_the_quantity_follows_the_unit_of_the_user(tmp_path, name, unit, quantit
     assert out is not None
     assert (out.quantity, out.unit) == (quantity, unit)
     assert "displacement" not in out.quantity_reason
+
+
+@pytest.mark.parametrize(
+    ("name", "is_stress"),
+    [("Pressure (Torr)", False), ("Druck [mbar]", False), ("chamber (Torr)", False)]
+    + [("stress (MPa)", True), ("Druckspannung (bar)", True), ("(MPa)", True)],
+)
+def test_the_pressure_of_a_gas_is_no_stress(tmp_path, name, is_stress):
+    columns = {"t (s)": T, "T (K)": U + 273, "x (mm)": X, name: 5.09 + 0.01 * np.sin(T)}
+    guess = guess_table(table(tmp_path, **columns))
+    assert guess.roles[name].role == ("condition" if is_stress else "ignored")
+    assert ("[conditions]" in mapping_draft(guess, "m")) == is_stress

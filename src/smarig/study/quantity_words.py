@@ -10,7 +10,7 @@ SCATTER = "error of a reading"
 NO_SIGNALS = (TIME, INDEX, CYCLE, RATE, SCATTER)  # whatever their units
 TEMPERATURE, AMBIENT = "temperature", "ambient temperature"
 STRAIN, DISPLACEMENT, ANGLE = "strain", "displacement", "angle"
-FORCE, STRESS = "force", "stress"
+FORCE, STRESS, PRESSURE = "force", "stress", "pressure"
 CURRENT, VOLTAGE, RESISTANCE, POWER, DUTY = "current", "voltage", "resistance", "power", "duty cycle"
 FIELD, FLUX, MOMENT, MAGNETISATION = "magnetic field", "flux density", "magnetic moment", "magnetisation"
 POLARISATION, ELECTRIC_FIELD = "polarisation", "electric field"
@@ -41,7 +41,7 @@ _WORDS: tuple[tuple[str, str], ...] = (  # the first that matches counts
         r"temp|thermo|pyro|celsius|^tc ?\d*$|^t ?\d+$|^t (wire|sample|probe|oven|heater|front|end)\b",
     ),
     (STRAIN, r"strain|dehn|deform|\beps|elongation rel|stretch"),
-    (STRESS, r"stress|\bsigma|contrainte|zugspannung|tension mech"),
+    (STRESS, r"stress|\bsigma|contrainte|(zug|druck)spannung|tension mech"),
     (MAGNETISATION, r"magneti[sz]ation|magnetisierung|aimantation"),
     (MOMENT, r"moment|^m$|^m [a-z]*$"),
     (FLUX, r"flux|induction|^b$|^bmeas|^b\b|flussdichte"),
@@ -49,6 +49,7 @@ _WORDS: tuple[tuple[str, str], ...] = (  # the first that matches counts
     (POLARISATION, r"polari|^p\d?$"),
     (CHARGE, r"charge|ladung|\bq qo\b|^d?q$"),
     (FORCE, r"force|kraft|\bload|\blast\b|fuerza|forza|\bf$|^fn?$|^f ?\d$"),
+    (PRESSURE, r"pressure|druck|pression|presion|vacuum|vakuum"),
     (
         DISPLACEMENT,
         r"disp|position|\bpos\b|\bweg|hub|stroke|crosshead|travers|extens|elong|laser|lvdt|encoder|\bdl|"
@@ -93,6 +94,7 @@ DIMENSIONS = {  # of the units in which a quantity may be given
     DISPLACEMENT: ("length",),
     ANGLE: ("angle",),
     STRESS: ("stress or pressure",),
+    PRESSURE: ("stress or pressure",),
     FORCE: ("force", "mass"),
     CURRENT: ("current",),
     VOLTAGE: ("voltage",),
@@ -108,6 +110,7 @@ DIMENSIONS = {  # of the units in which a quantity may be given
     HEAT_FLOW: ("heat flow", "power"),
     CHARGE: ("charge",),
 }
+_OF_GASES = ("Torr", "mbar", "hPa", "atm", "bar")  # no stress of a solid is given in them
 _IN_BRACKETS = re.compile(r"^(.*?)[\s_]*[\[(<{]\s*([^\[\](){}<>]*)\s*[\])>}]\s*(.*)$")
 _BRACKETED_NAME = re.compile(r"^\(([^()/]+)\)\s*/\s*(\S+)$")
 _BEHIND_SIGN = re.compile(r"^(.+?)\s*(?:/|,| in |_in_)\s*(\S+)$")
@@ -213,11 +216,13 @@ def is_rate_unit(written: str) -> bool:
 def quantity_of_unit(unit: str) -> str:
     """The quantity that a unit measures, "" for ratios, counts and unknown units, and for C, which may mean °C.
 
-    >>> quantity_of_unit("N"), quantity_of_unit("%"), quantity_of_unit("K/min")
-    ('force', '', 'rate')
+    >>> quantity_of_unit("N"), quantity_of_unit("%"), quantity_of_unit("K/min"), quantity_of_unit("Torr")
+    ('force', '', 'rate', 'pressure')
     """
     if unit == "C":
         return ""
+    if unit in _OF_GASES:
+        return PRESSURE
     return RATE if _RATE_UNIT.fullmatch(unit) else _BY_DIMENSION.get(dimension(unit), "") if unit else ""
 
 

@@ -40,6 +40,7 @@ _MECHANICAL = (
     q.DUTY,
     q.STRESS,
     q.FORCE,
+    q.PRESSURE,
 )
 _STRESS_SHARE = 0.5  # of the mean: spread within which a stress was held
 _FORCE_SHARE = 0.1  # the same for a force
