@@ -102,3 +102,44 @@ def test_a_model_through_few_readings_does_not_blame_the_specimen(tmp_path):
     reasons = study(files, tmp_path / "out", QUICK).reasons
     assert any("passes through them" in s for s in reasons)
     assert not any("set-up changed" in s for s in reasons)
+
+
+def _columns(tmp_path, drive, output, u, y):
+    path = tmp_path / "loop.csv"
+    rows = np.column_stack([0.5 * np.arange(u.size), u, y])
+    header = f"time (s),{drive},{output}"
+    np.savetxt(path, rows, delimiter=",", header=header, comments="", fmt="%.7g")
+    return study([path], tmp_path / "out", QUICK).reasons
+
+
+@pytest.mark.parametrize(
+    ("drive", "output", "named", "other"),
+    [
+        ("T (degC)", "R (mohm)", "temperature coefficient of resistance", "grips"),
+        ("T (K)", "resistance (ohm)", "temperature coefficient of resistance", "Thermal expansion"),
+        ("T (degC)", "moment (emu)", "background", "grips"),
+        ("T (degC)", "x (mm)", "Thermal expansion", "resistance"),
+    ],
+)
+def test_what_goes_back_is_named_by_what_is_measured(tmp_path, drive, output, named, other):
+    u = temperatures(2, 150)
+    y = 0.015 * (u - u.min()) - displacements(u)  # it rises, falls in the transformation, and rises
+    back = [
+        s for s in _columns(tmp_path, drive, output, u + 273 * ("K" in drive), 600 + y) if "goes back by" in s
+    ]
+    assert len(back) == 1
+    assert named in back[0]
+    assert other not in back[0]
+
+
+@pytest.mark.parametrize(
+    ("output", "named"), [("M (emu)", "Magnetic viscosity"), ("x (mm)", "sensor that lags")]
+)
+def test_what_is_missed_is_explained_by_what_is_measured(tmp_path, output, named):
+    u = 100 * np.cos(np.linspace(0, 8 * np.pi, 800))
+    jumps = 0.4 * np.random.default_rng(0).standard_normal(8)  # one for each branch
+    y = np.tanh(np.roll(u, 8) / 40) + jumps[np.arange(u.size) // 100]
+    drive = "H (Oe)" if "emu" in output else "voltage (V)"
+    missed = [s for s in _columns(tmp_path, drive, output, u, y) if "misses the fitted data as well" in s]
+    assert all(named in s for s in missed)
+    assert missed

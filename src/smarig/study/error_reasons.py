@@ -24,6 +24,7 @@ _FITS_SHARE = 0.03  # of the output's range: a fit that misses by less describes
 _LOADS_NEEDED = 3
 _BACK_SHARE = 0.08  # of the output's range
 _WIDE_BRANCH = 0.5  # of the input's range
+_MAGNETIC = ("magnetic moment", "specific moment", "magnetic field")
 _FEWEST_ROWS, _PARTS = 60, 20  # of a branch
 _FEW_READINGS = 100  # a model passes through so few, whatever the specimen does
 
@@ -39,8 +40,12 @@ def error_reasons(split: DataSplit, best: CandidateModel, *, undetermined: bool 
             "The input goes one way only: the data hold no loop, and the model knows nothing of the way back. Record "
             "both ways."
         ]
-    found = [*_conditions(split), *_range(best), *_turned_back(best), *_repeats(best)]
-    return [*found, *_fit(split, best, explained=bool(found), undetermined=undetermined)]
+    back = [*_turned_back(best)]
+    found = [*_conditions(split), *_range(best), *back, *_repeats(best)]
+    fit = _fit(split, best, explained=bool(found), undetermined=undetermined)
+    return (
+        found if back and _misses_fitted(best) else [*found, *fit]
+    )  # what goes back is missed, whatever else
 
 
 def one_way(best: CandidateModel) -> bool:
@@ -159,11 +164,20 @@ def _turned_back(best: CandidateModel) -> Iterator[str]:
 def _would_go_back(best: CandidateModel) -> str:
     """What makes an output go back, by what drives it."""
     model = best.model
+    if dimension(model.output.unit) == "resistance":  # it has no grips, and its own dependence on temperature
+        return "The temperature coefficient of resistance, an R-phase, or a sensor that lags"
+    if dimension(model.output.unit) in _MAGNETIC:
+        return "A background that falls with the field, as of a diamagnetic holder, or a sensor that lags"
     if model.input.quantity == "temperature":
         return "Thermal expansion, an R-phase, slip in the grips, or a sensor that lags"
-    if dimension(model.output.unit) in ("magnetic moment", "specific moment", "magnetic field"):
-        return "A background that falls with the field, as of a diamagnetic holder, or a sensor that lags"
     return "A part of the output that falls with the input, slip, or a sensor that lags"
+
+
+def _would_miss(best: CandidateModel) -> str:
+    """What makes an output depend on more than the history of the input, by what is measured."""
+    if dimension(best.model.output.unit) in _MAGNETIC:
+        return "Magnetic viscosity, a drift, another temperature, or a variable that is not used"
+    return "A sensor that lags, a rate, creep, or a variable that is not used"
 
 
 def _back(run: RunVerification, span: float) -> float:
@@ -192,15 +206,13 @@ def _repeats(best: CandidateModel) -> Iterator[str]:
 
 def _fit(split: DataSplit, best: CandidateModel, *, explained: bool, undetermined: bool) -> Iterator[str]:
     """Whether the model misses its own data already, or only those that it has not seen."""
-    y = np.concatenate([r.measured[r.counted] for r in best.train])
-    if not y.size or not np.ptp(y):
+    share = _share_of_range(best)
+    if share is None:
         return
-    share = best.train_rms / float(np.ptp(y))
-    if share > _FITS_SHARE:
+    if _misses_fitted(best):
         yield (
             f"The model misses the fitted data as well, by {100 * share:.2g} % of their range: the output does not "
-            "follow from the history of this input alone. A sensor that lags, a rate, creep, or a variable that is "
-            "not used would do this."
+            f"follow from the history of this input alone. {_would_miss(best)} would do this."
         )
     elif split.kind in ("run", "time") and best.misses_held_out and not explained:
         if (n := sum(r.settled.n for r in best.train)) < _FEW_READINGS:
@@ -218,6 +230,17 @@ def _fit(split: DataSplit, best: CandidateModel, *, explained: bool, undetermine
             "wire is no Preisach operator and a free density follows only what it has seen. The diagnosis predicts "
             "excursions that were left out: if it misses those as well, nothing need have changed."
         )
+
+
+def _share_of_range(best: CandidateModel) -> float | None:
+    """The error on the fitted data over the range of their output; None for an output that never moves."""
+    y = np.concatenate([r.measured[r.counted] for r in best.train])
+    return best.train_rms / float(np.ptp(y)) if y.size and np.ptp(y) else None
+
+
+def _misses_fitted(best: CandidateModel) -> bool:
+    """Whether the model misses its own data."""
+    return (_share_of_range(best) or 0.0) > _FITS_SHARE
 
 
 def _listed(values: Sequence[float]) -> str:
