@@ -11,6 +11,7 @@ from smarig.identification.positive.observations import Observations
 
 Array = NDArray[np.float64]
 EDGES = 65  # at which the activity is known
+_HALF_TO_WHOLE = 4  # interquartile ranges of a normal density: 99 % of it
 SAME_LEVEL = 1e-4  # of the range: closer levels share one node
 
 
@@ -36,6 +37,16 @@ def adapted_nodes(observations: Observations, intervals: int, extrema: Array | N
     return _halved(
         few, *_shares(at[:-1], at[1:], np.abs(np.diff(y)), np.array([lower, upper]), span), intervals
     )
+
+
+def active_width(observations: Observations) -> float:
+    """The width over which the output moves, as a share of the range: four times the shortest that holds half of its
+    change, which is nearly all of a bell-shaped density. At most 1.
+    """
+    span = observations.upper - observations.lower
+    place, share = _activity(observations, span)
+    at = np.interp(np.linspace(0.0, 1.0, 2 * EDGES - 1), share, place)
+    return min(_HALF_TO_WHOLE * float((at[EDGES - 1 :] - at[:EDGES]).min()) / span, 1.0)
 
 
 def nodes_along(inputs: Array, outputs: Array, branch: NDArray[np.int64], intervals: int) -> Array:
