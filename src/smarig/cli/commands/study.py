@@ -148,6 +148,7 @@ def _columns_text(result: "StudyResult") -> str:
     for c in guess.columns:
         role = guess.shown_role(c.name)
         unit = f", {c.unit} assumed" if c.unit_is_assumed else f" in {c.unit}" if c.unit else ""
+        unit = "" if c.unit_is_assumed and role.role == "ignored" else unit
         lines.append(
             f"  {c.name}: {role.role}{unit}; {c.facts.low:.4g} … {c.facts.high:.4g}, {c.facts.looks()}; {role.reason}"
         )
