@@ -264,7 +264,9 @@ def _given_reasons(again: TableGuess, own: TableGuess, lead: TableGuess, options
     roles = dict(again.roles)
     for name, role in again.roles.items():
         if role.reason == "given by you" and name not in (options.input, options.output):
-            answered = options.input is not None or options.output is not None  # the own guess is of another pair
+            answered = (
+                options.input is not None or options.output is not None
+            )  # the own guess is of another pair
             own_role = own.roles[name].role == role.role and name not in options.units
             source = own.roles[name] if own_role and not answered else lead.roles.get(name, role)
             roles[name] = source if source.role == role.role else role
