@@ -100,7 +100,7 @@ INERT = (
         "columns",
         "matrix",
     ),
-    *("channel", "blames", "names", "delimiter", "decimal", "thousands", "header_starts", "sheet", "group"),
+    *("channel", "blames", "names", "fraction", "fraction_unit", "delimiter", "decimal", "thousands", "header_starts", "sheet", "group"),
     *("written", "repeated", "zero", "direction", "own_units", "steps", "loops", "ignore", "conditions"),
     *("format", "created", "sha256", "protocol", "encoder_zero", "value", "parameters", "warnings"),
     *("covariance", "intervals", "fit", "extension", "measurement", "self_sensing"),
