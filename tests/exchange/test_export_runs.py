@@ -3,13 +3,13 @@
 import json
 import os
 import sys
-from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
 import pytest
 from scipy.io import loadmat
 
+from full_disk import no_file_beyond
 from smarig.core.errors import StorageError, UsageError
 from smarig.exchange import export_run, import_file
 from smarig.record import load_run
@@ -133,18 +133,6 @@ def test_a_failure_leaves_no_half_file_and_the_old_one(run, tmp_path, monkeypatc
         export_run(run, to="csv", out=out, force=True)
     assert out.read_text() == "precious"
     assert not list(tmp_path.glob("*.part"))
-
-
-@contextmanager
-def no_file_beyond(size: int):
-    """The system lets a file grow to ``size`` bytes, then it fails as on a full disk: in the middle."""
-    resource = pytest.importorskip("resource", reason="limits of POSIX")
-    soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
-    resource.setrlimit(resource.RLIMIT_FSIZE, (size, hard))
-    try:
-        yield
-    finally:
-        resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
 
 
 @pytest.mark.parametrize(

@@ -2,7 +2,6 @@
 
 import json
 import os
-import resource
 import subprocess
 import sys
 import time
@@ -11,6 +10,7 @@ from pathlib import Path
 
 import pytest
 
+from full_disk import no_file_beyond
 from smarig.core import UsageError
 from smarig.record import load_run
 from smarig.runner import RunControl
@@ -214,13 +214,8 @@ def _refused(why: str) -> None:
 
 def test_a_file_system_without_space_is_reported_and_leaves_nothing(folder):
     control = RunControl()
-    most = resource.getrlimit(resource.RLIMIT_FSIZE)
-    resource.setrlimit(resource.RLIMIT_FSIZE, (memory_layout.SIZE - 1, most[1]))
-    try:
-        with made(control) as listener:
-            feed(listener, 1, 3)
-    finally:
-        resource.setrlimit(resource.RLIMIT_FSIZE, most)
+    with no_file_beyond(memory_layout.SIZE - 1), made(control) as listener:
+        feed(listener, 1, 3)
     ((kind, text, _),) = control.reports()
     assert kind == "not_announced"
     assert "File too large" in text

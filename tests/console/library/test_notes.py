@@ -10,6 +10,7 @@ import time
 import pytest
 
 from console.library.folders import make_run, refreshed
+from full_disk import no_file_beyond
 from smarig.console import Library
 from smarig.core import StorageError
 
@@ -146,16 +147,11 @@ def test_what_is_no_file_is_not_written_to(library, make):
 
 
 def test_a_full_disk_is_one_sentence(library):
-    resource = pytest.importorskip("resource")
     library.note(only(library).id, "first")
     append(library, b"\n" * 3_000_000)  # so that the library's own files are smaller
-    soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
-    resource.setrlimit(resource.RLIMIT_FSIZE, ((library.folder / FILE).stat().st_size + 20, hard))
-    try:
-        with pytest.raises(StorageError, match=r"notes\.jsonl cannot be written: .*\.$"):
-            library.note(only(library).id, "second")
-    finally:
-        resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
+    full = no_file_beyond((library.folder / FILE).stat().st_size + 20)
+    with full, pytest.raises(StorageError, match=r"notes\.jsonl cannot be written: .*\.$"):
+        library.note(only(library).id, "second")
     library.note(only(library).id, "third")
     library.rebuild()
     assert [note.text for note in only(library).notes] == ["first", "third"]
