@@ -24,10 +24,10 @@ from simulators.modbus import Rtu, Tcp
 from simulators.pace import HOST_TIMEOUT_s, LockStep, Pace, RealTime
 from simulators.server import Server, TickTrace
 from simulators.simulated_bench import AMPLIFIER, DAQ, SimulatedBench
-from simulators.starting import ending_with_host
+from simulators.starting import starting
 from simulators.transports import Port, Pty, TcpPort
 from smarig.config import RigFile, load_rig, with_load
-from smarig.core import SmarigError, UsageError
+from smarig.core import UsageError
 from smarig.device import load_register_map
 from smarig.plant import Actuator, effects_from_arguments
 from smarig.rig import Specimen, TwinSettings
@@ -89,24 +89,19 @@ def main(
     device_library: Path | None,
 ) -> None:
     """Simulate an amplifier and an encoder DAQ behind real bytes."""
-    try:
-        with ending_with_host():
-            if lock_step and speed is not None:
-                raise UsageError(
-                    "Give either --lock-step or --speed: time either waits for the host or follows the clock."
-                )
-            file = with_load(load_rig(rig), load) if load else load_rig(rig)
-            speed = speed or (file.simulator.speed if file.simulator else 0.0) or 1.0
-            faults = load_faults(faults_file) if faults_file else ()
-            framings = {name: _framing(file, name, framing) for name in (AMPLIFIER, DAQ)}
-            settings = TwinSettings(seed=seed, effects=effects_from_arguments(effects))
-            world = _world(file, settings, faults, *_devices(framings, device_library))
-            trace = TickTrace(trace_file) if trace_file else None
-            lines = [_line(world, name, faults, folder) for name in framings]
-    except (SmarigError, OSError) as error:
-        click.echo(f"Error: {error}", err=True)
-        click.echo(json.dumps({"error": str(error)}))  # to the host, in place of the addresses
-        sys.exit(error.exit_status if isinstance(error, SmarigError) else UsageError.exit_status)
+    with starting():
+        if lock_step and speed is not None:
+            raise UsageError(
+                "Give either --lock-step or --speed: time either waits for the host or follows the clock."
+            )
+        file = with_load(load_rig(rig), load) if load else load_rig(rig)
+        speed = speed or (file.simulator.speed if file.simulator else 0.0) or 1.0
+        faults = load_faults(faults_file) if faults_file else ()
+        framings = {name: _framing(file, name, framing) for name in (AMPLIFIER, DAQ)}
+        settings = TwinSettings(seed=seed, effects=effects_from_arguments(effects))
+        world = _world(file, settings, faults, *_devices(framings, device_library))
+        trace = TickTrace(trace_file) if trace_file else None
+        lines = [_line(world, name, faults, folder) for name in framings]
 
     def tick() -> None:
         world.tick()

@@ -8,9 +8,8 @@ from typing import Any, Protocol
 
 import click
 
-from simulators.starting import ending_with_host
+from simulators.starting import starting
 from smarig.config import RigFile, load_rig, with_load
-from smarig.core import SmarigError
 from smarig.plant import effects_from_arguments
 from smarig.rig import TwinSettings
 
@@ -52,14 +51,10 @@ def serve(
     start: Start, *, rig: str, seed: int, effects: tuple[str, ...], load: str, speed: float | None
 ) -> None:
     """Print the addresses and the speed as one line of JSON; serve until standard input ends."""
-    try:
-        with ending_with_host():
-            file = with_load(load_rig(rig), load) if load else load_rig(rig)
-            speed = speed or (file.simulator.speed if file.simulator else 0.0) or 1.0
-            instruments = start(file, TwinSettings(seed=seed, effects=effects_from_arguments(effects)), speed)
-    except SmarigError as error:
-        click.echo(f"Error: {error}", err=True)
-        sys.exit(error.exit_status)
+    with starting():
+        file = with_load(load_rig(rig), load) if load else load_rig(rig)
+        speed = speed or (file.simulator.speed if file.simulator else 0.0) or 1.0
+        instruments = start(file, TwinSettings(seed=seed, effects=effects_from_arguments(effects)), speed)
     addresses: dict[str, Any] = {name: {"url": url} for name, url in instruments.urls.items()}
     click.echo(json.dumps({**addresses, "pid": os.getpid(), "speed": speed}))
     sys.stdin.read()

@@ -63,6 +63,20 @@ def test_faults_in_a_pipe_are_refused_at_once(tmp_path, monkeypatch, capsys):
     assert capsys.readouterr().err == ""
 
 
+@pytest.mark.parametrize("module", ["simulators", "simulators.text_bench"])
+def test_an_error_of_any_devices_is_one_of_the_configuration(module, tmp_path, capsys):
+    """Reference devices, and instruments on a clock of their own."""
+    words = [module, "--rig", str(tmp_path / "none.toml"), "--seed", "0"]
+    with (
+        pytest.raises(
+            ConfigError, match=r"^The simulated devices were not started: There is no file .*none\.toml\.$"
+        ),
+        running_devices(words, tmp_path / "messages", lambda: None, keep_until_lease=False),
+    ):
+        pass
+    assert "Error" not in capsys.readouterr().err, "the sentence is not repeated"
+
+
 def test_a_crash_is_told_in_its_last_line(started, capsys):
     with pytest.raises(
         RigFault, match=r"^The simulated devices ended with status 1: ValueError: no bytes\.$"
@@ -93,8 +107,8 @@ def test_devices_that_are_starting_end_with_their_host(tmp_path):
     os.mkfifo(tmp_path / "pipe")
     code = (
         "import sys\n"
-        "from simulators.starting import ending_with_host\n"
-        "with ending_with_host():\n"
+        "from simulators.starting import starting\n"
+        "with starting():\n"
         "    print('starting', flush=True)\n"
         "    open(sys.argv[1]).read()\n"
     )

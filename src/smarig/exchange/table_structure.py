@@ -19,9 +19,8 @@ _COMMENT = re.compile(r"^\s*(?:#+|%+|//+|;+|\*+)\s*")
 _ALIGNED = r"\s{2,}|\t"  # what stands between words that blanks align over their columns
 # Between the names of columns, the rarest in a name first:
 _HEADER_SIGNS = (_ALIGNED, ";", ",", r"\|", r"\s+")
-_LISTED = re.compile(
-    r"(\D{0,40}?)\s*(\d{1,4})\s*(?:[:=.)\]\t,;]|\s)\s*(\S.*)"
-)  # Sig1 Time (min); # 2: Force [N]
+# Sig1 Time (min); # 2: Force [N]
+_LISTED = re.compile(r"(\D{0,40}?)\s*(\d{1,4})\s*(?:[:=.)\]\t,;]|\s)\s*(\S.*)")
 _BRACKETED = re.compile(r"[\[(<{](.*)[\])>}]")
 
 

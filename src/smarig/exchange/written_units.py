@@ -8,9 +8,8 @@ from smarig.exchange.units import UNITS, spelled
 _BRACKETED = re.compile(r"[\[(<{](.*)[\])>}]")
 
 
-_MARKUP = re.compile(
-    r"\\(\+|-|g|i|b|u)\(([^()]*)\)"
-)  # \+(o) raised, \-(2) lowered, \g(m) Greek, as Origin writes
+# \+(o) raised, \-(2) lowered, \g(m) Greek, as Origin writes
+_MARKUP = re.compile(r"\\(\+|-|g|i|b|u)\(([^()]*)\)")
 _GREEK = str.maketrans("abgdezhqklmnprstfcyowGDQLPSFYW", "αβγδεζηθκλµνπρστφχψοωΓΔΘΛΠΣΦΨΩ")
 _RAISED = str.maketrans("o-0123456789", "°⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 

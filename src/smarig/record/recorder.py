@@ -16,7 +16,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from smarig.core import Sample, Severity, StepResult, StorageError, in_time, printable, severity_of
+from smarig.core import Sample, Severity, StepResult, StorageError, in_time, is_file, printable, severity_of
 from smarig.record import schema
 from smarig.record.clock_watch import ClockWatch
 from smarig.record.continuation import Continuation, opened_for_recording, reopened
@@ -74,7 +74,6 @@ class Recorder:
             )
         else:
             self._db = reopened(path, meta, continuation)
-        self._file = _identity(path)
         self._thread = threading.Thread(target=self._write, name="recorder", daemon=True)
         self._thread.start()
 
@@ -266,9 +265,7 @@ class Recorder:
     def _check_space(self) -> None:
         try:
             free = shutil.disk_usage(self.path.parent).free
-        except (
-            FileNotFoundError
-        ):  # the folder was moved, and the open file with it: check_in_place tells of it
+        except FileNotFoundError:  # the folder was moved, and the open file with it: check_in_place says so
             return
         if free < RESERVE_BYTES:
             raise OSError(f"only {free / 1e6:.1f} MB left on the disk")
@@ -299,8 +296,8 @@ class Recorder:
             raise self._loss
 
     def check_in_place(self) -> None:
-        """Raise StorageError if the name of the closed run does not lead to its file any more."""
-        if self._file != _identity(self.path):
+        """Raise StorageError if there is no file under the name of the closed run any more."""
+        if not is_file(self.path):
             raise StorageError(
                 f"Run {self.path} was recorded to its end, but its file was renamed, moved or removed meanwhile. Look "
                 "for it under its new name."
@@ -338,15 +335,6 @@ def _created(path: Path, meta: dict[str, Any], *, force: bool) -> sqlite3.Connec
     with new_run_file(path, meta, force=force):
         pass
     return opened_for_recording(path)
-
-
-def _identity(path: Path) -> tuple[int, int] | None:
-    """The file behind a name, whatever it is called; None if there is none."""
-    try:
-        status = path.stat()
-    except OSError:
-        return None
-    return status.st_dev, status.st_ino
 
 
 @dataclass(frozen=True)

@@ -112,7 +112,7 @@ def _by_name(facts: ColumnFacts) -> ColumnGuess:
     )
     if label.strip() in ("T", "ϑ", "θ", "Θ") and dimension(unit or "K") == "temperature":
         quantity = q.TEMPERATURE if unit or not (facts.rising and facts.even) else q.TIME
-    celsius = unit == written.strip() == "C" and not quantity and not q.is_charge(label)
+    celsius = unit == written.strip() == "C" and not quantity
     if celsius and like_temperature(facts):
         quantity, unit = q.TEMPERATURE, "degC"
     quantity = q.quantity_in_unit(quantity, unit)

@@ -42,10 +42,9 @@ def error_reasons(split: DataSplit, best: CandidateModel, *, undetermined: bool 
         ]
     back = [*_turned_back(best)]
     found = [*_conditions(split), *_range(best), *back, *_repeats(best)]
-    fit = _fit(split, best, explained=bool(found), undetermined=undetermined)
-    return (
-        found if back and _misses_fitted(best) else [*found, *fit]
-    )  # what goes back is missed, whatever else
+    if back and _misses_fitted(best):  # what goes back is missed, whatever else is right
+        return found
+    return [*found, *_fit(split, best, explained=bool(found), undetermined=undetermined)]
 
 
 def one_way(best: CandidateModel) -> bool:

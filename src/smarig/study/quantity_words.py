@@ -118,7 +118,6 @@ _PER_TIME = re.compile(r"(.*?)\s*(?:/\s*(?:s|sec|min|h)|[·* ]?(?:s|min|h)(?:\^?
 _INPUTS_ONLY = (TEMPERATURE, AMBIENT, CURRENT, VOLTAGE, POWER, DUTY)
 _WORD = re.compile(r"[^_\s]+")
 _RATE_UNIT = re.compile(r".+/(s|ms|min|h|d)")
-_CHARGE = re.compile(r"charge|ladung|carga|\b[qQ]\b", re.IGNORECASE)
 _LAST_WORD = re.compile(r"^(.*?)[_\s-]+([^\s_-]+)$")
 
 
@@ -188,15 +187,6 @@ def without_branch(label: str) -> str:
     ('R', 'M')
     """
     return _BRANCH.sub("", label).strip(" _.-")
-
-
-def is_charge(name: str) -> bool:
-    """Whether a name means an electric charge, which is not a quantity of these studies.
-
-    >>> is_charge("Charge"), is_charge("Q-Qo"), is_charge("U1-1")
-    (True, True, False)
-    """
-    return _CHARGE.search(name) is not None
 
 
 def is_rate_unit(written: str) -> bool:

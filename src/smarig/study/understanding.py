@@ -262,11 +262,9 @@ def _with_meaning(lead: TableGuess, columns: Sequence[ColumnGuess]) -> tuple[Col
 def _given_reasons(again: TableGuess, own: TableGuess, lead: TableGuess, options: StudyOptions) -> dict:
     """The roles with the reasons of the guess, not with that of a correction that nobody made."""
     roles = dict(again.roles)
+    answered = options.input is not None or options.output is not None  # the own guess is of another pair
     for name, role in again.roles.items():
         if role.reason == "given by you" and name not in (options.input, options.output):
-            answered = (
-                options.input is not None or options.output is not None
-            )  # the own guess is of another pair
             own_role = own.roles[name].role == role.role and name not in options.units
             source = own.roles[name] if own_role and not answered else lead.roles.get(name, role)
             roles[name] = source if source.role == role.role else role

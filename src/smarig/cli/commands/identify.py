@@ -110,11 +110,8 @@ def command(
     if result.crossing_note:
         show_message(result.crossing_note)
     if result.fit_verdict.level == ErrorLevel.POOR:
-        other = (
-            ""
-            if surface == "positive"
-            else " Or try --surface positive, a measure without a prescribed form."
-        )
+        formless = " Or try --surface positive, a measure without a prescribed form."
+        other = "" if surface == "positive" else formless
         show_message(
             f"Warning: The fit is poor, {result.fit_verdict.size}. The data do not follow this "
             f"model, or something else acts on them: smarig diagnose {out} --train RUN finds the cause.{other}"

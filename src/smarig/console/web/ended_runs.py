@@ -62,14 +62,8 @@ class EndedRuns:
             content = json.loads(file_bytes(self._path))
             found = [_read(each) for each in content if isinstance(each, dict)]
             return [run for run in found if run is not None and self._may_show(run)]
-        except (
-            SmarigError,
-            OSError,
-            ValueError,
-            TypeError,
-            RuntimeError,
-        ):  # missing, or written by somebody else
-            return []
+        except (SmarigError, OSError, ValueError, TypeError, RuntimeError):
+            return []  # missing, or written by somebody else
 
     def _may_show(self, run: UnfinishedRun) -> bool:
         return not run.file or Path(run.file).resolve().is_relative_to(self._scope.folder)
