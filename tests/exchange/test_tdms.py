@@ -130,3 +130,15 @@ def test_the_given_file(shared_data):
     (table,) = find_tables(path)
     assert table.names == ("time", "Current", "Temperature", "Displacement")
     assert [column.unit for column in table.columns] == ["s", "A", "degC", "mm"]
+
+
+def test_an_impossible_length_is_damage_and_no_lack_of_memory(tmp_path, monkeypatch):
+    """A few damaged bytes ask for gigabytes of text."""
+    path = written(tmp_path / "a.tdms", {"Run": CHANNELS})
+
+    def asks_for_all(*_, **__):
+        raise MemoryError
+
+    monkeypatch.setattr("nptdms.TdmsFile.open", asks_for_all)
+    with pytest.raises(DataError, match=r"is no TDMS file, or is damaged \(an impossible length\)"):
+        find_tables(path)

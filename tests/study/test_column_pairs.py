@@ -61,6 +61,13 @@ def test_single_branches_side_by_side_stay_together(tmp_path):
     assert len(understand([path], StudyOptions()).guesses) == 1
 
 
+def test_single_branches_at_loads_of_their_own_are_runs(tmp_path):
+    u = np.linspace(20, 110, 80)
+    columns = [(u, displacements(u)), (u, displacements(u - 9))]
+    path = written(tmp_path / "a.dat", columns, load_comments(LOADS[:2]))
+    assert len(understand([path], StudyOptions()).guesses) == 2
+
+
 def test_a_pair_that_the_user_names_counts(tmp_path):
     path = written(tmp_path / "a.dat", pairs(), load_comments())
     named = StudyOptions(input="Temperature (2)", output="Strain (2)")

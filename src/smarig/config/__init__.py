@@ -33,6 +33,7 @@ if TYPE_CHECKING:
     from smarig.config.file_schemas import ProtectionFile as ProtectionFile
     from smarig.config.file_schemas import RigFile as RigFile
     from smarig.config.file_schemas import SimulatorFile as SimulatorFile
+    from smarig.config.folder_source import data_led_out as data_led_out
     from smarig.config.folder_source import led_out as led_out
     from smarig.config.load_file import LoadFile as LoadFile
     from smarig.config.load_file import with_load as with_load

@@ -29,11 +29,18 @@ class FolderSource(Source):
 def led_out(file: RigFile) -> dict[str, Named]:
     """What a rig that was loaded as one of a folder names outside of it, by its role."""
     links = {role: getattr(file.links, role) for role in LinksFile.model_fields} if file.links else {}
-    named_by = {
-        f"driver of the {role.replace('_', ' ')}": link.driver for role, link in links.items() if link
-    }
-    named_by |= {"actuator file": file.actuator, "load file": file.load.file if file.load else ""}
+    code = {f"driver of the {role.replace('_', ' ')}": link.driver for role, link in links.items() if link}
     if file.simulator is not None:
-        of = file.simulator
-        named_by |= {"firmware library": of.library, "faults file": of.faults, "trace": of.trace}
-    return {role: t for role, t in named_by.items() if isinstance(t, Named) and t.row.name == LED_OUT}
+        code |= {"firmware library": file.simulator.library, "trace": file.simulator.trace}
+    return _outside(code) | data_led_out(file)
+
+
+def data_led_out(file: RigFile) -> dict[str, Named]:
+    """The files of data among them, which are only read."""
+    load, simulator = file.load, file.simulator
+    named_by = {"actuator file": file.actuator, "load file": load.file if load else ""}
+    return _outside(named_by | {"faults file": simulator.faults if simulator else ""})
+
+
+def _outside(texts: dict[str, str]) -> dict[str, Named]:
+    return {role: t for role, t in texts.items() if isinstance(t, Named) and t.row.name == LED_OUT}

@@ -11,7 +11,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from smarig.config import LinksFile, RigFile, led_out, load_campaign, load_rig, shipped_names
+from smarig.config import LinksFile, RigFile, data_led_out, load_campaign, load_rig, shipped_names
 from smarig.core import (
     NotPassed,
     SmarigError,
@@ -116,9 +116,8 @@ def _of_rig(file: RigFile, folder: Path, opened: bool) -> Iterator[OwnCode]:
         yield _file("firmware library", file.simulator.library, folder, opened)
     if file.simulator is not None and file.simulator.trace:
         yield OwnCode("new file that is written,", str.__str__(file.simulator.trace))
-    for role, text in led_out(file).items():
-        if role.endswith("file"):
-            yield OwnCode(role, str.__str__(text), is_data=True)
+    for role, text in data_led_out(file).items():
+        yield OwnCode(role, str.__str__(text), is_data=True)
 
 
 def _plugin(role: str, package: str, name: str) -> tuple[OwnCode, ...]:

@@ -18,13 +18,13 @@ _JUMPS = 3.0  # times the largest step of another thermometer: such a reading ju
 class SecondThermometer:
     """A thermometer beside that of the input. ``heating`` and ``cooling`` (K) are its usual (median) readings less
     those of the input, NaN for a direction that does not occur; ``apart`` (n,) are the rows that differ by more than
-    ``AGREE_K``, ``astray`` (n,) those among them that differ as much from what is usual in their direction.
+    ``AGREE_K``, ``unusual`` (n,) those among them that differ as much from what is usual in their direction.
     """
 
     heating: float
     cooling: float
     apart: NDArray[np.bool_]
-    astray: NDArray[np.bool_]
+    unusual: NDArray[np.bool_]
 
     @property
     def is_witness(self) -> bool:
@@ -32,9 +32,9 @@ class SecondThermometer:
         difference: a fault comes in a few rows, whichever way the ramp goes; an oven leads or lags on each ramp.
         """
         usual = np.array([self.heating, self.cooling])
-        rows, apart, astray = self.apart.size, int(self.apart.sum()), int(self.astray.sum())
+        rows, apart, unusual = self.apart.size, int(self.apart.sum()), int(self.unusual.sum())
         agrees = 2 * apart < rows and not (np.abs(usual) >= AGREE_K).any()  # NaN counts as agreeing
-        return agrees and 2 * astray >= apart
+        return agrees and 2 * unusual >= apart
 
     def difference(self, drive: ColumnGuess) -> str:
         """How it differs from the input, in words."""
@@ -65,8 +65,8 @@ def second_thermometer(c: ColumnGuess, drive: ColumnGuess) -> SecondThermometer 
     differs = other - u
     usual = np.where(rises, _median(differs[rises]), _median(differs[~rises]))
     apart = np.abs(differs) > AGREE_K
-    astray = apart & (np.abs(differs - usual) > AGREE_K)
-    return SecondThermometer(_median(differs[rises]), _median(differs[~rises]), apart, astray)
+    unusual = apart & (np.abs(differs - usual) > AGREE_K)
+    return SecondThermometer(_median(differs[rises]), _median(differs[~rises]), apart, unusual)
 
 
 def witness_reason(c: ColumnGuess, drive: ColumnGuess) -> str:
