@@ -139,7 +139,7 @@ MISTAKES = {
         'unit = "inch"\nradius',
         "transmission.unit: Input should be 'mm' or 'deg'",
     ),
-    "no steps": (CAMPAIGN, None, 'name = "x"\nsummary = "y"\nstep = []\n', "step: .*at least 1 item"),
+    "no steps": (CAMPAIGN, None, 'name = "x"\nsummary = "y"\nstep = []\n', "step: .*at least 1 entry"),
     "unknown purpose": (
         CAMPAIGN,
         'purpose = "prepare"',
@@ -304,5 +304,5 @@ def test_a_bad_step_of_a_campaign_is_one_sentence_and_no_step_another(tmp_path):
     with pytest.raises(ConfigError, match=r"^\S+: step\.0\.name: a name of a run .* \(given: 'a/b'\)\.$"):
         config.load_campaign(str(path))
     path.write_text('name = "mine"\nsummary = "x"\nstep = []\n')
-    with pytest.raises(ConfigError, match=r"^\S+: step: Tuple should have at least 1 item"):
+    with pytest.raises(ConfigError, match=r"^\S+: step: it must have at least 1 entry \(given: "):
         config.load_campaign(str(path))

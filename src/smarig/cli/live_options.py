@@ -2,13 +2,14 @@
 something."""
 
 import sys
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import click
 
+from smarig.cli.option_group import option_group
 from smarig.cli.output import json_requested, show_message
 from smarig.cli.parameter_types import FILE
 from smarig.core import Sample, StepResult, UsageError
@@ -28,26 +29,24 @@ class LiveOptions(NamedTuple):
     models: tuple[Path, ...]
 
 
-def live_options(command: Callable) -> Callable:
-    """Add ``--live``, ``--web`` and ``--live-model`` to a command and pass them as one argument ``live``."""
+def _live(live: bool, web: bool, live_model: tuple[Path, ...]) -> LiveOptions:
+    return LiveOptions(live or web or bool(live_model), web, live_model)
 
-    def gathered(*args: Any, live: bool, web: bool, live_model: tuple[Path, ...], **rest: Any) -> Any:
-        return command(*args, live=LiveOptions(live or web or bool(live_model), web, live_model), **rest)
 
-    gathered.__doc__, gathered.__name__ = command.__doc__, command.__name__
-    gathered.__click_params__ = getattr(command, "__click_params__", [])  # pyrefly: ignore [missing-attribute]
-    for option in (
+live_options = option_group(
+    "live",
+    _live,
+    (
+        click.option("--live", is_flag=True, help="Open the live view (extra 'live')."),
+        click.option("--web", is_flag=True, help="Live view in a browser, on this machine only."),
         click.option(
             "--live-model",
             multiple=True,
             type=FILE,
             help="Live view: a model whose predictions are shown; repeatable.",
         ),
-        click.option("--web", is_flag=True, help="Live view in a browser, on this machine only."),
-        click.option("--live", is_flag=True, help="Open the live view (extra 'live')."),
-    ):
-        gathered = option(gathered)
-    return gathered
+    ),
+)
 
 
 @contextmanager

@@ -1,13 +1,14 @@
 """``--notify COMMAND``: run a command for alarms, stalls and recoveries during a run, and at its end for any cause."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import click
 
 from smarig.cli.notifier import NotificationListener, Notifier, Subject, message_of, report_to
 from smarig.cli.notify_command import Notification, NotifyCommand
+from smarig.cli.option_group import option_group
 from smarig.cli.output import show_message
 from smarig.core import Interrupted, Severity, SmarigError, highest_severity
 
@@ -23,33 +24,24 @@ class NotifyOptions(NamedTuple):
     least: str = Severity.MAJOR
 
 
-def notify_option(command: Callable) -> Callable:
-    """Add ``--notify`` and ``--notify-level`` to a command and pass them as one argument ``notify``."""
-
-    def gathered(*args: Any, notify: str, notify_level: str, **rest: Any) -> Any:
-        return command(*args, notify=NotifyOptions(notify, notify_level), **rest)
-
-    gathered.__doc__, gathered.__name__ = command.__doc__, command.__name__
-    gathered.__click_params__ = getattr(command, "__click_params__", [])  # pyrefly: ignore [missing-attribute]
-    for option in _OPTIONS:
-        gathered = option(gathered)
-    return gathered
-
-
-_OPTIONS = (
-    click.option(
-        "--notify-level",
-        type=click.Choice([str(s) for s in Severity if s != Severity.NONE]),
-        default=str(Severity.MAJOR),
-        show_default=True,
-        help="Least severity of the events that --notify reports during a run.",
-    ),
-    click.option(
-        "--notify",
-        default="",
-        metavar="COMMAND",
-        help="Command to run at alarms, stalls, recoveries and the end, with a JSON object on its stdin; $SMARIG_TEXT, "
-        "$SMARIG_SEVERITY, $SMARIG_KIND, $SMARIG_RUN, $SMARIG_CAUSE and $SMARIG_STATUS are set.",
+notify_option = option_group(
+    "notify",
+    lambda notify, notify_level: NotifyOptions(notify, notify_level),
+    (
+        click.option(
+            "--notify",
+            default="",
+            metavar="COMMAND",
+            help="Command to run at alarms, stalls, recoveries and the end, with a JSON object on its stdin; "
+            "$SMARIG_TEXT, $SMARIG_SEVERITY, $SMARIG_KIND, $SMARIG_RUN, $SMARIG_CAUSE and $SMARIG_STATUS are set.",
+        ),
+        click.option(
+            "--notify-level",
+            type=click.Choice([str(s) for s in Severity if s != Severity.NONE]),
+            default=str(Severity.MAJOR),
+            show_default=True,
+            help="Least severity of the events that --notify reports during a run.",
+        ),
     ),
 )
 

@@ -10,6 +10,7 @@ import click
 from smarig.cli.live_options import LiveOptions, live_options, live_view, with_watchers
 from smarig.cli.notifier import Subject
 from smarig.cli.notify import NotifyOptions, notified, notify_option
+from smarig.cli.option_group import option_group
 from smarig.cli.output import emit, show_message
 from smarig.cli.panel.keyboard import keys
 from smarig.cli.parameter_types import RIG, SEED, FiniteNumber
@@ -96,22 +97,6 @@ def injected_effects(arguments: Sequence[str], *, quiet: bool) -> "tuple[Effect,
     return effects
 
 
-def run_options(command: Callable) -> Callable:
-    """Add ``--rig``, ``--seed`` and the other options to a command and pass them as one argument
-    ``options``."""
-
-    def gathered(*args: Any, **arguments: Any) -> Any:
-        selected = {name: arguments.pop(name) for name in RunOptions._fields}
-        return command(*args, options=RunOptions(**selected), **arguments)
-
-    gathered.__doc__, gathered.__name__ = command.__doc__, command.__name__
-    gathered.__click_params__ = getattr(command, "__click_params__", [])  # pyrefly: ignore [missing-attribute]
-    gathered = live_options(notify_option(gathered))
-    for option in reversed(_OPTIONS):
-        gathered = option(gathered)
-    return gathered
-
-
 effect_option = click.option(
     "--effect",
     "effects",
@@ -121,27 +106,33 @@ effect_option = click.option(
     "often percent: 'smarig list effects --settings'.",
 )
 
-_OPTIONS = (
-    click.option("--rig", type=RIG, required=True, help="Rig by name or path."),
-    effect_option,
-    click.option("--seed", type=SEED, default=0, show_default=True, help="Seed of the twin's noise."),
-    click.option(
-        "--speed",
-        type=FiniteNumber(0, min_open=True),
-        help="Twin: real time × SPEED (default: as fast as possible).",
+run_options = option_group(
+    "options",
+    RunOptions,
+    (
+        click.option("--rig", type=RIG, required=True, help="Rig by name or path."),
+        effect_option,
+        click.option("--seed", type=SEED, default=0, show_default=True, help="Seed of the twin's noise."),
+        click.option(
+            "--speed",
+            type=FiniteNumber(0, min_open=True),
+            help="Twin: real time × SPEED (default: as fast as possible).",
+        ),
+        click.option(
+            "--load",
+            default="",
+            metavar="N|FORMULA|FILE",
+            help="Force on a single wire: in N, a formula of the time t in s, or a CSV file with time_s and force_N "
+            "(default: that of the rig file).",
+        ),
+        click.option("--wire", default="", help="Identity of the wire (default: that of the rig file)."),
+        click.option("--notes", default="", help="Note to store with the run."),
+        click.option("--dry-run", is_flag=True, help="Only print the preview: duration and range."),
+        click.option("--force", is_flag=True, help="Replace existing run files."),
+        click.option("--quiet", is_flag=True, help="Show no panel and no log lines."),
+        live_options,
+        notify_option,
     ),
-    click.option(
-        "--load",
-        default="",
-        metavar="N|FORMULA|FILE",
-        help="Force on a single wire: in N, a formula of the time t in s, or a CSV file with time_s and force_N "
-        "(default: that of the rig file).",
-    ),
-    click.option("--wire", default="", help="Identity of the wire (default: that of the rig file)."),
-    click.option("--notes", default="", help="Note to store with the run."),
-    click.option("--dry-run", is_flag=True, help="Only print the preview: duration and range."),
-    click.option("--force", is_flag=True, help="Replace existing run files."),
-    click.option("--quiet", is_flag=True, help="Show no panel and no log lines."),
 )
 
 

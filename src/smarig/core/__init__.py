@@ -135,6 +135,7 @@ if TYPE_CHECKING:
     from smarig.core.toml_file import check_table as check_table
     from smarig.core.toml_file import load_toml as load_toml
     from smarig.core.toml_file import marked_as as marked_as
+    from smarig.core.toml_file import problem_text as problem_text
     from smarig.core.toml_file import read_toml as read_toml
     from smarig.core.toml_file import refuse_control_characters as refuse_control_characters
     from smarig.core.toml_file import refuse_null_characters as refuse_null_characters

@@ -119,7 +119,7 @@ def check_table(
     except ValidationError as error:
         if swapped := _swapped(schema, data, where):
             raise ConfigError(swapped) from None
-        problems = _first_causes(error.errors(include_url=False, include_context=False))
+        problems = _first_causes(error.errors(include_url=False))
         sentences = [f"{where}: {_sentence(e, schema)}" for e in problems[:_MOST_PROBLEMS]]
         if len(problems) > _MOST_PROBLEMS:
             sentences.append(f"{where}: {len(problems) - _MOST_PROBLEMS} more problems are not listed.")
@@ -141,6 +141,18 @@ def _swapped(schema: type[BaseModel], data: Any, where: str) -> str:
     return swapped_table(data, kind, where, required)
 
 
+def problem_text(error: Any) -> str:
+    """What is wrong with a value, in words: of an error of pydantic, which speaks of tuples and items."""
+    for kind, bound, words in (
+        ("too_short", "min_length", "at least"),
+        ("too_long", "max_length", "at most"),
+    ):
+        if error["type"] == kind:
+            count = error["ctx"][bound]
+            return f"it must have {words} {count} {'entry' if count == 1 else 'entries'}"
+    return error["msg"].removeprefix("Value error, ")
+
+
 def _sentence(error: Any, schema: type[BaseModel]) -> str:
     key = ".".join(f"{part!s:.{_LONGEST_KEY}}" for part in error["loc"]) or "file"
     if error["type"] == "extra_forbidden":
@@ -148,7 +160,7 @@ def _sentence(error: Any, schema: type[BaseModel]) -> str:
         return f"unknown key '{key}'{suggestion(last, _keys(schema, error['loc'][:-1]))}"
     if error["type"] == "missing":
         return f"key '{key}' is missing."
-    message = f"{error['msg'].removeprefix('Value error, '):.{_LONGEST_TEXT}}"
+    message = f"{problem_text(error):.{_LONGEST_TEXT}}"
     value_text = "" if isinstance(error["input"], dict) else f" (given: {shown(error['input'])})"
     return f"{key}: {message}{value_text}."
 

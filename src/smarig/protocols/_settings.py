@@ -17,6 +17,7 @@ from smarig.core import (
     catalogue_entry,
     catalogue_names,
     passed,
+    problem_text,
     resolve_name,
     suggestion,
 )
@@ -147,7 +148,7 @@ def _converted(name: str, key: str, value: Any, hint: Any) -> Any:
     except ValidationError as error:
         first = error.errors()[0]
         raise UsageError(
-            f"Protocol '{name}', setting {key}: {first['msg'].lower()} (given: {first['input']!r})."
+            f"Protocol '{name}', setting {key}: {problem_text(first).lower()} (given: {first['input']!r})."
         ) from None
 
 

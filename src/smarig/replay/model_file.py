@@ -21,6 +21,7 @@ from smarig.core import (
     atomic_file,
     check_file,
     marked_as,
+    problem_text,
     shown,
     spaced,
     swapped_file,
@@ -236,7 +237,9 @@ def load_model(path: str | Path) -> Model:
     except ValidationError as error:
         first = error.errors()[0]
         where = ".".join(str(part) for part in first["loc"])
-        what = "is an unknown key" if first["type"] == "extra_forbidden" else f"is wrong: {first['msg']}"
+        what = (
+            "is an unknown key" if first["type"] == "extra_forbidden" else f"is wrong: {problem_text(first)}"
+        )
         raise DataError(f"{file}: '{where:.200}' {what:.300}.") from None
     except (DataError, UsageError) as error:
         raise DataError(f"{file}: {str(error).rstrip('.')}.") from None
