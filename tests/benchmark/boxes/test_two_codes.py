@@ -32,6 +32,7 @@ VALUES = {  # where the typical ones would not show all of the equation
     "settling": {"share_percent": 3.0, "time_constant_s": 300.0},
     "slip": {"jump_percent": 2.0, "at_h": 0.2},
 }
+RELAYS = 1100  # the operator of the estimator holds a square of them
 TRANSIENT = {"wire_lag", "latent_heat", "sensor_lag"}  # steady states do not show them
 # Shares of the effect's own size, settled points (all times for the transient ones). 0.5 % but for:
 WIDE = {
@@ -43,7 +44,7 @@ WIDE = {
 @lru_cache(maxsize=1)  # its relays are large
 def estimators_rig(rig):
     """Actuator, from the file a box would write, and the same relays as a measure."""
-    h = few_relays(rig)
+    h = few_relays(rig, RELAYS)
     with TemporaryDirectory() as folder:
         path = Path(folder) / "actuator.toml"
         path.write_text(actuator_toml(WIRES[rig], rig), encoding="utf-8")
@@ -98,7 +99,7 @@ def test_the_catalogues_agree():
 def both(*hidden_names):
     """Grid, positions of both codes and of the generator without effects (n,)."""
     rig = next((EFFECTS[n].only for n in hidden_names if EFFECTS[n].only), "one_wire")
-    wire, h, holds = WIRES[rig], few_relays(rig), HOLDS[rig]
+    wire, h, holds = WIRES[rig], few_relays(rig, RELAYS), HOLDS[rig]
     hidden = {name: EFFECTS[name].values(VALUES.get(name, {})) for name in hidden_names}
     grid, record = simulate_on_new_grid(BoxPlant(wire, h, hidden), wire, holds, lambda _: 0.0)
     own = sensor_output(position(record, wire, h, hidden), record.t_s, hidden)

@@ -148,7 +148,7 @@ def test_what_is_no_file_is_not_written_to(library, make):
 
 def test_a_full_disk_is_one_sentence(library):
     library.note(only(library).id, "first")
-    append(library, b"\n" * 3_000_000)  # so that the library's own files are smaller
+    append(library, b" " * 3_000_000 + b"\n")  # so that the library's own files are smaller
     full = no_file_beyond((library.folder / FILE).stat().st_size + 20)
     with full, pytest.raises(StorageError, match=r"notes\.jsonl cannot be written: .*\.$"):
         library.note(only(library).id, "second")

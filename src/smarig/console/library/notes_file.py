@@ -107,12 +107,13 @@ class NotesFile:
         except OSError as error:
             raise StorageError(f"{self.file} cannot be read: {error.strerror or error}.") from None
         with os.fdopen(number, "rb") as file:
-            inode = os.fstat(number).st_ino
+            about = os.fstat(number)
+            inode = about.st_ino
             file.seek(since.position - len(since.tail))
             same = inode == since.inode and file.read(len(since.tail)) == since.tail
             begin = since.position if same else 0
             file.seek(begin)
-            content = file.read(MOST_BYTES)
+            content = file.read(min(about.st_size, MOST_BYTES))  # else a buffer of the most is made
         lines, used = _whole_lines(content)
         found = [_annotation(line) for line in lines if line.strip()]
         known = tuple(each for each in found if each is not None)
