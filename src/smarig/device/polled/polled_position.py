@@ -134,7 +134,7 @@ def _per_count(sensor: PositionInput, rig: RigFile) -> float:
         )
     if rig.encoder.resolution is None:
         raise ConfigError(
-            f"{sensor.identity} measures in {unit}. Give encoder.resolution in the file of rig '{rig.name}': the "
-            f"smallest step that it can tell, in {unit}."
+            f"{sensor.identity} measures in {unit}. Give encoder.resolution in the file of rig '{rig.name}', in "
+            f"{unit}: three to five times the noise of a reading, and no less than the smallest step of the sensor."
         )
     return rig.encoder.resolution
