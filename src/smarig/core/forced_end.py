@@ -105,9 +105,10 @@ def forced_end(write: Callable[[str, int], object]) -> Iterator[None]:
 
 
 def exit_within(limit_s: float, status: int) -> None:
-    """End the process after ``limit_s`` if threads and exit hooks that others left do not let it end before."""
+    """End the process ``limit_s`` after its main thread if threads or exit hooks of others do not let it end."""
 
     def end() -> NoReturn:
+        threading.main_thread().join()
         time.sleep(limit_s)
         os._exit(status)
 

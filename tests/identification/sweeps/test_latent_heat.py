@@ -5,7 +5,7 @@ from functools import cache
 import numpy as np
 import pytest
 
-from identification.sweeps.relay_wire import swept_run
+from identification.sweeps.relay_wire import TAU_S, swept_run
 from smarig.identification.sweeps.heating_of_sweeps import heating_of_sweeps
 from smarig.identification.sweeps.sweep_heat import SweepHeat, convection_exponent, heated_along
 from smarig.plant import Actuator
@@ -53,6 +53,17 @@ def plain():
 def test_a_wire_with_a_constant_tau_gets_no_latent_heat():
     assert "latent_heat" not in plain().parameters
     assert plain().swept.heat.is_constant_tau
+
+
+@pytest.mark.parametrize("tau", [0.8, pytest.param(1.25, marks=pytest.mark.long("takes three seconds"))])
+def test_a_resistance_that_falls_while_the_wire_transforms_does_not_move_tau(tau):
+    """By the current alone it is 3 % less, ten of its half intervals."""
+    found = heating_of_sweeps([swept_run({"curves": 8}, tau=tau, by_power=True)])
+    low, high = found.parameters["tau"].ci95
+    assert low < tau * TAU_S < high
+    assert high - low < 0.02 * tau * TAU_S
+    assert found.to_json()["heats_by"] == "electrical power"
+    assert "latent_heat" not in found.parameters
 
 
 def test_inputs_obey_the_equation_of_the_wire():

@@ -59,7 +59,7 @@ class HeatingOfSweeps:
             "rms": swept.rms,
             "noise": swept.noise,
             "lack_of_fit": self.lack_of_fit if np.isfinite(self.lack_of_fit) else None,
-            **({} if swept.latent is None else self._law()),
+            **({} if swept.heat.is_constant_tau else self._law()),
         }
 
     def _law(self) -> dict[str, Any]:

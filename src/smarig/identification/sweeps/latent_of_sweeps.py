@@ -83,6 +83,14 @@ def latent_of_sweeps(records: Sequence[SweepRecord], log_tau: float, names: str)
     )
 
 
+def by_power(records: Sequence[SweepRecord], log_tau: float) -> SweepHeat | None:
+    """The heat of a constant τ by the resistances of the phases; None of two wires, or if they were not measured."""
+    if records[0].actuator.two_wire:
+        return None
+    heat = replace(_known(records, math.exp(log_tau))[0], exponent=0.0)
+    return None if heat.is_constant_tau else heat
+
+
 def _known(records: Sequence[SweepRecord], tau_s: float) -> tuple[SweepHeat, float]:
     """The law before Λ is known: exponent and resistances; and the position's motion with its sign."""
     low = min(float(r.held_position.min()) for r in records)

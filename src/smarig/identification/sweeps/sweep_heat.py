@@ -63,11 +63,12 @@ def heated_along(
     one_n = 1.0 + heat.exponent
     theta = math.copysign(middle_K * (abs(start_K * rho[0]) / middle_K) ** (1 / one_n), start_K)
     lost, found = start_K * rho[0], np.empty((2, position.size))
-    samples = zip(source_K.tolist(), dt_s.tolist(), rho.tolist(), drops.tolist())
+    over_step = (rho + np.concatenate((rho[:1], rho[:-1]))) / 2
+    samples = zip((over_step * source_K).tolist(), dt_s.tolist(), rho.tolist(), drops.tolist())
     for k, (source, dt, resistance, drop) in enumerate(samples):
         size = max(abs(theta) / middle_K, _FLATTEST)
         slope = one_n * size**heat.exponent
-        theta += (resistance * source - lost) / slope * (1 - math.exp(-dt * slope / tau_s)) - drop
+        theta += (source - lost) / slope * (1 - math.exp(-dt * slope / tau_s)) - drop
         lost = math.copysign(middle_K * (abs(theta) / middle_K) ** one_n, theta)
         found[0, k], found[1, k] = theta, lost / resistance
     return found[0], found[1]

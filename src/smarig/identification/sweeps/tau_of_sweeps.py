@@ -1,8 +1,10 @@
 """τ of the heating from sweeps at two rates, with an interval that includes what the model does not describe.
 
 At one rate r a lag of r τ looks like a wider hysteresis; at another rate it has another width. The search is coarse
-first, then a cubic through the least squares with the density eliminated. Where a constant τ leaves more than twice the
-noise, latent heat and free convection are tried (``latent_of_sweeps``), and kept if they explain half of the squares.
+first, then a cubic through the least squares with the density eliminated. What heats is the square of the current as in
+(5.1), or the power in the measured resistance, which falls by a tenth while a wire transforms: whichever leaves less,
+because the other one moves τ by several percent. Where that leaves more than twice the noise, latent heat and free
+convection are tried (``latent_of_sweeps``), and kept if they explain half of the squares.
 """
 
 import math
@@ -16,7 +18,7 @@ from scipy.optimize import fminbound
 from smarig.core import DataError
 from smarig.identification.interval_estimate import Estimate
 from smarig.identification.sweeps.lag_problem import LagProblem
-from smarig.identification.sweeps.latent_of_sweeps import LatentFit, latent_of_sweeps
+from smarig.identification.sweeps.latent_of_sweeps import LatentFit, by_power, latent_of_sweeps
 from smarig.identification.sweeps.score_interval import half_width
 from smarig.identification.sweeps.sweep_heat import SweepHeat
 from smarig.identification.sweeps.sweep_rates import rate_ratio
@@ -63,6 +65,14 @@ def tau_of_sweeps(records: Sequence[SweepRecord]) -> SweptTau:
     log_tau = _search(LagProblem.of(records, COARSE), math.log(records[0].actuator.tau_s), names)
     problem = LagProblem.of(records, FINE)
     log_tau, slope, residual = _refined(problem, log_tau)
+    heat = by_power(records, log_tau)
+    if heat is not None:
+        by_heat = LagProblem.of([r.with_heat(heat) for r in records], FINE)
+        other = _refined(by_heat, log_tau)
+        if float(other[2] @ other[2]) < float(residual @ residual):
+            log_tau, slope, residual = other
+        else:
+            heat = None
     half = half_width(slope, residual, problem.sweep)
     noise = float(np.sqrt(np.mean([r.noise**2 for r in records])))
     constant_rms = float(np.sqrt(np.mean(residual**2)))
@@ -86,7 +96,7 @@ def tau_of_sweeps(records: Sequence[SweepRecord]) -> SweptTau:
         blocks=residual.size,
         sweeps=sweeps,
         rate_ratio=ratio,
-        heat=latent.heat if latent else SweepHeat(),
+        heat=latent.heat if latent else heat or SweepHeat(),
         latent=latent.latent if latent else None,
         major_rms=latent.rms if latent else None,
         constant_rms=latent.constant_rms if latent else None,
