@@ -30,6 +30,7 @@ from smarig.rig.force_statistics import ForceStatistics
 from smarig.rig.further_sensors import FurtherSensors
 from smarig.rig.order_record import OrderRecord
 from smarig.rig.rig import Alarm
+from smarig.rig.room_temperature import RoomTemperature
 from smarig.rig.shutdown import NOT_CONFIRMED, after_shutdown
 
 CLOCK_CHECK_TICKS = 300  # ticks between two comparisons of both clocks
@@ -77,7 +78,7 @@ class Bench:
         self._command_A = 0.0
         self._orders = OrderRecord()
         self._last: CurrentReading | None = None
-        self._ambient_degC = math.nan
+        self._room = RoomTemperature(rig)
         self._alarms: list[Alarm] = []
         self._reconnections = {"amplifier": 0, "encoder": 0}  # reported so far
         self._pending_readings: list[PositionReading] = []  # read before a zero and not yet returned
@@ -121,7 +122,7 @@ class Bench:
         if self._has_further:
             samples = self.further.added_to(samples)
             self.force.add(self.further.force_N())
-        self._ambient_degC = samples[-1].ambient_degC
+        self._room.add(samples[-1].ambient_degC, samples[-1].tick)  # the guard warns
         if self._command_A and getattr(self.source, "lacks_wire_limit", False):
             self._limit_late()
         self._note_fault(samples[-1].quality)  # after it, all samples before a trip are returned
@@ -160,12 +161,11 @@ class Bench:
 
     def _hand_over_wire_limit(self, limit_wire_temperature: Callable[[float], None]) -> None:
         """Let the source hold ``temperature_max_K`` as well, above the ambient temperature of this moment."""
-        ambient_degC = self._ambient_degC
-        if math.isnan(ambient_degC):  # no sample yet
+        if not self._room.known:  # no sample yet
             ambient_degC = next((p.ambient_degC for p in self.sensor.since(self.tick, 1)), math.nan)
             ambient_degC = self.further.room.temperature_degC() if self.further.room else ambient_degC
-        if not math.isnan(ambient_degC):
-            limit_wire_temperature(ambient_degC + self.file.limits.temperature_max_K)
+            self._room.add(ambient_degC, self.tick)
+        limit_wire_temperature(self._room.degC + self.file.limits.temperature_max_K)
 
     def _read_positions(self, at_most: int) -> list[PositionReading]:
         """Readings of the encoder since the last call; on hardware, waits for its next tick."""
