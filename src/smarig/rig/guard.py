@@ -109,11 +109,13 @@ class Guard:
         return answer
 
     def _trip_on_prediction(self, hottest_K: float, current_A: float) -> None:
-        if hottest_K < math.inf:
+        if math.isfinite(self.input_K):
             self._trip(
                 f"Predicted wire temperature {hottest_K:.5g} K above ambient exceeds the limit "
                 f"temperature_max_K = {self.limits.temperature_max_K:g}."
             )
+        elif self.tripped:
+            return  # by the sample whose current was no number: no later prediction is one
         elif math.isnan(current_A):
             self._trip(f"The measured current reads {current_A} A. {NO_MEASURED_CURRENT}")
         else:
@@ -141,8 +143,9 @@ class Guard:
 
     def _marked(self, sample: Sample, believed: Sample, heating_A: float) -> Sample:
         """The sample, marked if it is implausible; trips on errors."""
-        suspect = self._room is not None and self._room.suspect
-        if self._plausibility is None:
+        is_number = math.isfinite(self.input_K)
+        suspect = not is_number or (self._room is not None and self._room.suspect)
+        if self._plausibility is None or not is_number:  # of a current that is none, no model can tell more
             return sample._replace(quality=sample.quality | _SUSPECT) if suspect else sample
         for alarm in self._plausibility.check(believed, self.heating.input_K, heating_A):
             self._alarms.append(alarm)
