@@ -26,6 +26,7 @@ from smarig.device import (
 )
 from smarig.plant import Actuator
 from smarig.rig.electrical_plausibility import read_back_tolerance_A
+from smarig.rig.force_check import ForceCheck
 from smarig.rig.force_statistics import ForceStatistics
 from smarig.rig.further_sensors import FurtherSensors
 from smarig.rig.order_record import OrderRecord
@@ -63,7 +64,7 @@ class Bench:
         self.source, self.sensor = source, sensor
         self.further = further or FurtherSensors()
         self._has_further = self.further.present
-        self.force = ForceStatistics()
+        self.force, self._force_check = ForceStatistics(), ForceCheck(actuator, rig.period_s)
         self.counts_ticks = True  # whether the source tells when it switched itself off
         self.position_per_count = actuator.resolution(rig.encoder)
         self.lock_step = speed == 0
@@ -119,13 +120,22 @@ class Bench:
         if self._tick_s and self.tick >= self._next_clock_check:
             self._update_offset()
         samples = tuple(self._join(p, c) for p, c in zip(positions, currents))
+        last_quality = samples[-1].quality
         if self._has_further:
-            samples = self.further.added_to(samples)
-            self.force.add(self.further.force_N())
+            samples = self._with_force(self.further.added_to(samples))
         self._room.add(samples[-1].ambient_degC, samples[-1].tick)  # the guard warns
         if self._command_A and getattr(self.source, "lacks_wire_limit", False):
             self._limit_late()
-        self._note_fault(samples[-1].quality)  # after it, all samples before a trip are returned
+        self._note_fault(last_quality)  # after it, all samples before a trip are returned
+        return samples
+
+    def _with_force(self, samples: tuple[Sample, ...]) -> tuple[Sample, ...]:
+        """The samples, marked if no wire carries the force that is measured with them."""
+        force_N = self.further.force_N()
+        self._alarms += self._force_check.add(force_N, samples[-1].tick)
+        if self._force_check.suspect:
+            return tuple(s._replace(quality=s.quality | int(Quality.SUSPECT)) for s in samples)
+        self.force.add(force_N)
         return samples
 
     def _note_fault(self, last_quality: int) -> None:
