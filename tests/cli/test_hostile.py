@@ -4,6 +4,7 @@ files."""
 import json
 import math
 import os
+import shutil
 import signal
 import sqlite3
 import subprocess
@@ -343,15 +344,26 @@ def test_positions_of_1e_310_are_too_small_in_one_sentence(capsys, tmp_path):
 
 
 @pytest.mark.skipif(os.name == "nt", reason="an open file cannot be moved")
-@pytest.mark.parametrize(("old", "new"), [("runs/a.run.sqlite", "runs/b.run.sqlite"), ("runs", "moved")])
-def test_a_run_whose_file_is_moved_meanwhile_says_so(capsys, tmp_path, monkeypatch, old, new):
-    """After a step, and then the recorder looks for room on the disk of the folder that is gone."""
+@pytest.mark.parametrize(
+    ("old", "new", "other"),
+    [
+        ("runs/a.run.sqlite", "runs/b.run.sqlite", False),
+        ("runs/a.run.sqlite", "runs/b.run.sqlite", True),
+        ("runs", "moved", False),
+    ],
+)
+def test_a_run_whose_file_is_moved_meanwhile_says_so(capsys, tmp_path, monkeypatch, old, new, other):
+    """After a step, and then the recorder looks for room on the disk of the folder that is gone. With ``other``,
+    another run has its name then, as after a synchronisation of folders.
+    """
     step, run_file = Recorder.step, tmp_path / "runs" / "a.run.sqlite"
 
     def moving_step(self, *given, **others):
         step(self, *given, **others)
-        if run_file.exists():
+        if run_file.exists() and not (tmp_path / new).exists():
             (tmp_path / old).rename(tmp_path / new)
+            if other:
+                shutil.copy(tmp_path / new, run_file)
             self._check_space()
 
     monkeypatch.setattr(Recorder, "step", moving_step)
@@ -361,8 +373,9 @@ def test_a_run_whose_file_is_moved_meanwhile_says_so(capsys, tmp_path, monkeypat
     )
     assert status == 4
     assert err.splitlines()[-1] == (
-        f"smarig: Run {run_file} was recorded to its end, but its file was renamed, moved or removed meanwhile. Look "
-        "for it under its new name. The current is at zero."
+        f"smarig: Run {run_file} was recorded to its end, but its file was renamed, moved, replaced or removed "
+        "meanwhile. Look for it under its new name. The current is at zero."
     )
+    run_file.unlink(missing_ok=True)
     (found,) = tmp_path.glob("*/?.run.sqlite")
     assert call(capsys, "check", found)[0] == 0

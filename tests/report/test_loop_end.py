@@ -36,6 +36,18 @@ def test_a_loop_that_rests_elsewhere_is_reported_off_with_its_side():
     assert "(−13.0 counts), standard deviation" in hold_end_text(end, "mm")
 
 
+@pytest.mark.parametrize(
+    ("sign", "words"), [(1, "raises the current, from 0.9"), (-1, "lowers the current, from 0.8")]
+)
+def test_a_controller_that_is_still_at_work_has_not_settled(sign, words):
+    end = hold_end(
+        T, NOISE - 6 * COUNT, 0.85 + sign * 0.05 * (T - T[-1] + 60) / 60 + 0.001 * np.sin(T), COUNT
+    )
+    assert end.verdict == "rests off"
+    assert unsteady_text(end, "mm").startswith("The position stands 0.3")
+    assert "from the set-point while the controller still " + words[:11] in unsteady_text(end, "mm")
+
+
 def test_a_limit_cycle_swings_whatever_its_phase_at_the_end():
     """Its last reading is near the set-point; its mean and spread are those of a sine of four counts."""
     wave = 4 * COUNT * np.sin(2 * np.pi * (T - T[-1]) / 12.0)

@@ -77,6 +77,8 @@ def test_an_encoder_that_does_not_count_ends_it_where_the_wire_must_have_moved()
     found, driven = checked(lambda s: s._replace(counts=0))
     assert (found["encoder direction"].passed, list(found)[-1]) == (False, "encoder direction")
     assert "check encoder, coupling" in found["encoder direction"].observed
+    assert "its resistance shows that the wire has transformed" in found["encoder direction"].observed
+    assert "model_tolerance" not in found["encoder direction"].observed, "no reason to heat it further"
     assert driven <= 0.65, "not all of its 1 A"
 
 
@@ -88,8 +90,9 @@ def late_wire(tolerance, read=lambda counts, _: counts):
     def late(sample):
         driven.append(abs(lying.twin.output_A))
         wire.step(sample.current_A / np.sqrt(2))
-        counts = wire.step(sample.current_A / np.sqrt(2))[-1].counts
-        return sample._replace(counts=round(read(counts, wire.specimen.wire_K[0])))
+        own = wire.step(sample.current_A / np.sqrt(2))[-1]
+        counts = round(read(own.counts, wire.specimen.wire_K[0]))
+        return sample._replace(counts=counts, voltage_V=own.voltage_V * np.sqrt(2))
 
     lying = TamperedRig("one_wire_twin", late)
     lying.identity, lying.has_lease, lying.measures_ambient = lambda: ["a twin"], True, True

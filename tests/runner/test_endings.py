@@ -209,6 +209,7 @@ def test_kill_9_loses_at_most_the_last_second(tmp_path, moment):
     process = start(out)
     wait_for_samples(process, out, random.Random(moment).randint(1, 4000))
     observed = len(smarig.load_run(out))
+    assert smarig.load_run(out).cause == "incomplete: the run is still being recorded"
     killed = time.time()
     process.kill()
     process.communicate()

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import smarig
+from smarig.config import actuator_text
 from smarig.preisach import Preisach, thesis_surface
 from smarig.transformation import run_figures
 from transformation.second_tangents import corners, steepest
@@ -25,6 +26,26 @@ def exact():
     heating = wire.simulate(u)
     both = wire.simulate(np.concatenate([u, u[::-1]]))
     return (u, heating), (u[::-1], both[u.size :])
+
+
+def test_the_lag_of_a_wave_on_an_own_actuator_is_that_of_its_record(tmp_path):
+    """Its file is nowhere any more; without a settled step the time constant of the wire is a lag."""
+    (tmp_path / "mine.toml").write_text(
+        'base = "one_wire_twin"\nname = "mine"\nactuator = "./my_wire.toml"\n', encoding="utf-8"
+    )
+    text = actuator_text("gorbet_one_wire").replace("gorbet_one_wire", "my_wire")
+    (tmp_path / "my_wire.toml").write_text(text, encoding="utf-8")
+    smarig.run(
+        "minor_loops",
+        rig=str(tmp_path / "mine.toml"),
+        out=(out := tmp_path / "a.run.sqlite"),
+        low_A=0,
+        high_A=0.95,
+        loops=1,
+        loop_s=90,
+    )
+    (tmp_path / "my_wire.toml").unlink()
+    assert run_figures(smarig.load_run(out)).means["stroke"].value == pytest.approx(12, abs=0.5)  # mm
 
 
 @pytest.mark.long("takes five seconds")

@@ -20,10 +20,12 @@ from smarig.core import (
     SmarigError,
     UsageError,
     catalogue_names,
+    error_text,
     exit_within,
     forced_end,
     own_file_error,
     own_files,
+    renew_watch,
     suggestion,
 )
 
@@ -127,11 +129,11 @@ def run(arguments: Sequence[str] | None = None) -> int:
         return report_error(f"{what}{error.strerror or error}.", 4)
     except ArithmeticError as error:
         return report_error(f"A number in these files is too large or too small to compute with: {error}.", 4)
-    except Exception as error:
+    except BaseException as error:  # a SystemExit that is none of smarig would end the process in silence
         if os.environ.get("SMARIG_DEBUG"):
             raise
         return report_error(
-            f"Internal error ({type(error).__name__}: {error}). This is a bug in smarig; "
+            f"Internal error ({error_text(error)}). This is a bug in smarig; "
             "set SMARIG_DEBUG=1 to see the traceback.",
             1,
         )
@@ -161,9 +163,9 @@ def _blame_own_file() -> Iterator[None]:
     """Report an exception raised in a user's own file as an error of that file, with the line."""
     try:
         yield
-    except (SmarigError, click.ClickException, click.exceptions.Exit, click.Abort):
+    except (SmarigError, click.ClickException, click.exceptions.Exit, click.Abort, KeyboardInterrupt):
         raise
-    except Exception as error:
+    except BaseException as error:
         sentence = own_file_error(error)
         if not sentence or os.environ.get("SMARIG_DEBUG"):
             raise
@@ -191,5 +193,6 @@ def _signals_without_effect() -> Iterator[None]:
         yield
 
 
-def _nothing(_number: int, _frame: FrameType | None) -> None:
-    """Handle a signal by doing nothing."""
+def _nothing(number: int, _frame: FrameType | None) -> None:
+    """Handle a signal by counting it only."""
+    renew_watch(number)

@@ -216,7 +216,8 @@ class RigFile(TomlTable):
         if most > self.amplifier.saturation_A:
             raise ValueError(
                 f"limits allow {most:g} A but amplifier.saturation_A is {self.amplifier.saturation_A:g}; "
-                "the amplifier would cut off larger currents without notice; lower the limits"
+                "the amplifier would cut off larger currents without notice; lower the limits, or raise it if the "
+                "amplifier delivers more"
             )
         return self
 

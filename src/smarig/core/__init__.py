@@ -66,6 +66,7 @@ if TYPE_CHECKING:
     from smarig.core.forced_end import at_forced_end as at_forced_end
     from smarig.core.forced_end import exit_within as exit_within
     from smarig.core.forced_end import forced_end as forced_end
+    from smarig.core.forced_end import renew_watch as renew_watch
     from smarig.core.formula import Formula as Formula
     from smarig.core.gate import Named as Named
     from smarig.core.gate import named as named

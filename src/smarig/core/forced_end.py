@@ -13,7 +13,6 @@ end. The exit is that of ``os._exit``: nothing may wait for the main thread any 
 """
 
 import _thread
-import atexit
 import contextlib
 import os
 import signal
@@ -66,6 +65,23 @@ def at_forced_end(act: Callable[[], str], otherwise: str = "", *, zeroes: bool =
         _actions.remove(action)
 
 
+_wakeup: list[int] = []  # where the process writes its signals for the watch
+
+
+def renew_watch(*signals: int) -> None:
+    """Let signals reach the watch again: a library that ran an event loop has taken them away.
+
+    ``signals`` are those that a handler has just taken, which the watch learns from it then. Main thread only.
+    """
+    if not _wakeup or threading.current_thread() is not threading.main_thread():
+        return
+    other = signal.set_wakeup_fd(_wakeup[-1], warn_on_full_buffer=False)
+    if other == -1:
+        os.write(_wakeup[-1], bytes(signals))
+    elif other != _wakeup[-1]:
+        signal.set_wakeup_fd(other)  # its loop is still open
+
+
 @contextlib.contextmanager
 def forced_end(write: Callable[[str, int], object]) -> Iterator[None]:
     """Force an end while the context lasts. ``write(sentence, exit_status)`` informs the user. Main thread only."""
@@ -77,6 +93,8 @@ def forced_end(write: Callable[[str, int], object]) -> Iterator[None]:
         reader.setblocking(False)
         writer.setblocking(False)
         stack.callback(signal.set_wakeup_fd, signal.set_wakeup_fd(writer.fileno(), warn_on_full_buffer=False))
+        _wakeup.append(writer.fileno())
+        stack.callback(_wakeup.pop)
         over = threading.Event()
         watch = _Watch(reader, over, write)
         thread = threading.Thread(target=watch.run, name="forced end", daemon=True)
@@ -87,13 +105,13 @@ def forced_end(write: Callable[[str, int], object]) -> Iterator[None]:
 
 
 def exit_within(limit_s: float, status: int) -> None:
-    """End the process ``limit_s`` after the interpreter has begun to exit, if its clearing up does not end before."""
+    """End the process after ``limit_s`` if threads and exit hooks that others left do not let it end before."""
 
     def end() -> NoReturn:
         time.sleep(limit_s)
         os._exit(status)
 
-    atexit.register(lambda: threading.Thread(target=end, daemon=True).start())
+    threading.Thread(target=end, daemon=True).start()
 
 
 class _Watch:

@@ -5,7 +5,7 @@ import threading
 from types import FrameType, TracebackType
 from typing import Any
 
-from smarig.core.forced_end import ENDING
+from smarig.core.forced_end import ENDING, renew_watch
 
 
 class HeldSignals:
@@ -29,6 +29,7 @@ class HeldSignals:
 
     def _note(self, number: int, _frame: FrameType | None) -> None:
         self._waiting.append(number)
+        renew_watch(number)
 
     def __enter__(self) -> "HeldSignals":
         return self

@@ -14,6 +14,7 @@ from smarig.core.errors import UsageError
 from smarig.core.former_names import answer_former_names
 from smarig.core.plugin import PluginOffer, plugin_folder
 from smarig.core.regular_file import file_bytes
+from smarig.core.shown_text import error_text
 
 
 @dataclass(frozen=True)
@@ -90,7 +91,9 @@ def load_own_file(package: str, kind: str, path: Path, data: bytes) -> Any:
         exec(compile(data, str(path), "exec"), module.__dict__)
     except SyntaxError as error:  # in this file or in a file that it imports
         raise UsageError(f"{error.filename or path}, line {error.lineno or 1}: {error.msg}.") from None
-    except (Exception, SystemExit) as error:  # older Pythons raise ValueError without a line for null bytes
+    except KeyboardInterrupt:
+        raise
+    except BaseException as error:  # older Pythons raise ValueError without a line for null bytes
         raise UsageError(line_of(error, str(path)) or f"{path} cannot be loaded: {error}.") from None
     if name not in vars(module):
         raise UsageError(f"{path} defines no '{name}': the {kind} must have the file's name.")
@@ -105,5 +108,4 @@ def load_own_file(package: str, kind: str, path: Path, data: bytes) -> Any:
 def line_of(error: BaseException, path: str) -> str:
     """The last line of the file in the traceback, with the error's message; "" if the file is not in it."""
     lines = [f.lineno for f in traceback.extract_tb(error.__traceback__) if f.filename == path]
-    message = f"{type(error).__name__}: {error}".rstrip(".: ")
-    return f"{path}, line {lines[-1]}: {message}." if lines else ""
+    return f"{path}, line {lines[-1]}: {error_text(error)}." if lines else ""

@@ -43,6 +43,8 @@ def shown(value: Any, longest: int = 80) -> str:
         text = repr(value)
     except (ValueError, RecursionError):  # integers of many digits, structures of many levels
         return "a value too long to show"
+    except Exception:  # of a class that does not show itself
+        return f"a value of type {type(value).__name__}"
     return printable(text, longest)
 
 
@@ -52,7 +54,11 @@ def error_text(error: BaseException) -> str:
     >>> error_text(OSError("no such\\n device."))
     'OSError: no such device'
     """
-    return " ".join(f"{type(error).__name__}: {error}".split()).rstrip(".: ")
+    try:
+        said = str(error)
+    except Exception:  # of a class that says nothing of itself
+        said = ""
+    return " ".join((f"{type(error).__name__}:", *said.split())).rstrip(".: ")
 
 
 def _escaped(character: str) -> str:

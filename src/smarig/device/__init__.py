@@ -43,6 +43,7 @@ if TYPE_CHECKING:
     from smarig.device.polled.host_clock import HostClock as HostClock
     from smarig.device.polled.polled_position import PolledPosition as PolledPosition
     from smarig.device.polled.polled_source import PolledSource as PolledSource
+    from smarig.device.polled.readings import number_from as number_from
     from smarig.device.roles.polled import CurrentOutput as CurrentOutput
     from smarig.device.roles.polled import Electrical as Electrical
     from smarig.device.roles.polled import ForceInput as ForceInput

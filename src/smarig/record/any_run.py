@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from smarig.core import Severity, highest_severity
+from smarig.record.recording_lock import is_recording
 from smarig.record.run_info import RunInfo
 from smarig.record.stopped_by import StoppedBy
 
@@ -77,7 +78,7 @@ class AnyRun(ABC):
     def cause(self) -> str:
         """Why the run ended: 'done', what interrupted it, or that it was never closed."""
         end = self.info.end
-        return "incomplete: the run was never closed" if end is None or end.cause is None else end.cause
+        return f"incomplete: {self._not_closed}" if end is None or end.cause is None else end.cause
 
     @property
     def early_end(self) -> str:
@@ -85,7 +86,11 @@ class AnyRun(ABC):
         if self.cause == "done":
             return ""
         end = self.info.end
-        return "the run was never closed" if end is None or end.cause is None else end.cause.rstrip(".")
+        return self._not_closed if end is None or end.cause is None else end.cause.rstrip(".")
+
+    @property
+    def _not_closed(self) -> str:
+        return "the run is still being recorded" if is_recording(self.path) else "the run was never closed"
 
     @property
     def stopped_by(self) -> StoppedBy | None:

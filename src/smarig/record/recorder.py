@@ -16,7 +16,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from smarig.core import Sample, Severity, StepResult, StorageError, in_time, is_file, printable, severity_of
+from smarig.core import Sample, Severity, StepResult, StorageError, in_time, printable, severity_of
 from smarig.record import schema
 from smarig.record.clock_watch import ClockWatch
 from smarig.record.continuation import Continuation, opened_for_recording, reopened
@@ -74,6 +74,7 @@ class Recorder:
             )
         else:
             self._db = reopened(path, meta, continuation)
+        self._file = _identity(path)
         self._thread = threading.Thread(target=self._write, name="recorder", daemon=True)
         self._thread.start()
 
@@ -296,11 +297,11 @@ class Recorder:
             raise self._loss
 
     def check_in_place(self) -> None:
-        """Raise StorageError if there is no file under the name of the closed run any more."""
-        if not is_file(self.path):
+        """Raise StorageError if the name of the closed run leads to no file any more, or to another one."""
+        if self._file != _identity(self.path):
             raise StorageError(
-                f"Run {self.path} was recorded to its end, but its file was renamed, moved or removed meanwhile. Look "
-                "for it under its new name."
+                f"Run {self.path} was recorded to its end, but its file was renamed, moved, replaced or removed "
+                "meanwhile. Look for it under its new name."
             )
 
     def _wait_for_writer(self) -> None:
@@ -347,3 +348,12 @@ class _Stored:
     def after(self, rows: list[tuple], statements: list[tuple[str, tuple]]) -> "_Stored":
         steps = sum(sql == schema.INSERT_STEP for sql, _ in statements)
         return _Stored(rows[-1][1] if rows else self.t_s, self.steps + steps)
+
+
+def _identity(path: Path) -> tuple[int, int] | None:
+    """The file behind a name; None if there is none."""
+    try:
+        status = path.stat()
+    except OSError:
+        return None
+    return status.st_dev, status.st_ino

@@ -8,6 +8,7 @@ from typing import Any, Literal
 
 from smarig.core import DataError, capitalised, printable
 from smarig.record.opened_run import opened_for_reading
+from smarig.record.recording_lock import is_recording
 from smarig.record.run import MOST_ROWS, Run, existing_file, load_run
 from smarig.record.salvage import Salvaged, salvage
 from smarig.record.salvaged_rows import readable_keys
@@ -80,7 +81,9 @@ class RunCheck:
         span = "" if self.first_s is None else f" from {self.first_s:.1f} s to {self.last_s:.1f} s"
         closed = {
             True: f"It was closed; cause: {self.cause.rstrip('.')}.{self._requester}",
-            False: "It was never closed: it is being recorded, or was interrupted (then smarig resume continues it).",
+            False: "It is still being recorded."
+            if is_recording(self.path)
+            else "It was never closed: it was interrupted, and smarig resume continues it.",
             None: "Whether it was closed is not known, because its description is damaged.",
         }[self.closed]
         found = [

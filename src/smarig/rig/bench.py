@@ -12,7 +12,7 @@ from collections.abc import Callable
 from typing import Any
 
 from smarig.config import RigFile
-from smarig.core import LeaseExpired, Quality, RigFault, Sample, error_text
+from smarig.core import LeaseExpired, Quality, RigFault, Sample, error_text, renew_watch, shown
 from smarig.device import (
     OFF_PAUSE_S,
     AbsoluteZero,
@@ -23,6 +23,7 @@ from smarig.device import (
     PositionSensor,
     Silent,
     current_after_off,
+    number_from,
 )
 from smarig.plant import Actuator
 from smarig.rig.electrical_plausibility import read_back_tolerance_A
@@ -112,6 +113,7 @@ class Bench:
         """Apply a current from the next tick on. Returns the samples since the last call, at least one."""
         if self._fault is not None:
             raise self._fault
+        renew_watch()
         if current_A != self._command_A:
             self._set(current_A)
         positions = self._read_positions(min(at_most, self._block))
@@ -173,7 +175,8 @@ class Bench:
         """Let the source hold ``temperature_max_K`` as well, above the ambient temperature of this moment."""
         if not self._room.known:  # no sample yet
             ambient_degC = next((p.ambient_degC for p in self.sensor.since(self.tick, 1)), math.nan)
-            ambient_degC = self.further.room.temperature_degC() if self.further.room else ambient_degC
+            if self.further.room:
+                ambient_degC = number_from(self.further.room, "temperature_degC")
             self._room.add(ambient_degC, self.tick)
         limit_wire_temperature(self._room.degC + self.file.limits.temperature_max_K)
 
@@ -328,12 +331,15 @@ class Bench:
         """Set the current to zero. Never raises; without a connection the lease does it."""
         before_A, self._command_A = self._command_A, 0.0
         self.shutdown_unconfirmed = NOT_CONFIRMED  # also if a signal or a driver cuts it off
+        renew_watch()
         try:
             self.shutdown_unconfirmed = self.source.off()
-        except Exception as error:
+            if not isinstance(self.shutdown_unconfirmed, str):
+                raise TypeError(f"off returned {shown(self.shutdown_unconfirmed)}, which is not a text")
+        except BaseException as error:  # SystemExit of a library, too: the current must end
             self.shutdown_unconfirmed = f"{NOT_CONFIRMED} The driver says: {error_text(error)}."
         if not self.shutdown_unconfirmed:
-            with contextlib.suppress(Exception):
+            with contextlib.suppress(BaseException):
                 self._orders.changed(before_A, self.source.tick())
 
     def confirm_zero(self) -> str:
@@ -347,9 +353,8 @@ class Bench:
         pause_s = max(OFF_PAUSE_S, self._tick_s)  # the next reading is another one
         flows_A = 0.0
         source: Any = self.source  # measured_A is optional
-        with contextlib.suppress(
-            Exception
-        ):  # whatever a driver raises: the source has confirmed that it is off
+        # whatever a driver raises: the source has confirmed that it is off
+        with contextlib.suppress(BaseException):
             flows_A = current_after_off(
                 source.measured_A, source.off, tolerance_A, lambda: self._sleep(pause_s)
             )

@@ -20,6 +20,7 @@ from smarig.rig.expected_resistance import ExpectedResistance, without_voltage_t
 from smarig.rig.guard import Guard
 from smarig.rig.lease_limits import limits_in_force, without_lease_text
 from smarig.rig.motion_model import MotionModel, motion_of
+from smarig.rig.resistance_motion import ResistanceMotion
 from smarig.rig.rig import Rig
 from smarig.rig.room_temperature import RoomTemperature
 from smarig.rig.stress_limit import stress_limit
@@ -43,6 +44,9 @@ HOST_ALONE = (
 _RESISTANCE_REMEDY = (
     "check clamps, wire and shunt; another wire has an actuator file of its own (smarig new actuator NAME), with these "
     "resistances"
+)
+_NO_CURRENT_REMEDY = (
+    "no current flows: check the circuit of the wire, and whether the driver switches the output on"
 )
 _READ_BACK_REMEDY = "check the circuit of the wire, the amplifier, the shunt, and the unit of the driver"
 
@@ -206,12 +210,17 @@ def _heating_checks(
     rest = wire.samples(0.0, READINGS)[-READINGS:]
     sample, command_A, motion = rest[-1], 0.0, motion_of(rest, rest, sign)
     expected, unlike = ExpectedResistance(actuator, file.limits.resistance_tolerance), 0
+    low_ohm, high_ohm = actuator.resistance_range_ohm
+    range_ln = 0.0 if actuator.two_wire else math.log(high_ohm / low_ohm)
+    by_resistance = ResistanceMotion(range_ln, still_counts=math.inf, heated_K=0.0)
     for k in range(1, CURRENT_STEPS + 1):
         command_A = largest_A * k / CURRENT_STEPS
         heated = wire.samples(command_A, round(STEP_TAUS * tau_ticks))[-READINGS:]
         sample, motion = heated[-1], motion_of(rest, heated, sign)
         counts = f"{sign * motion.heated_by:+d} counts"
         on_progress(f"    {command_A:+.2f} A: {counts}, {wire.input_K:+.0f} K (heating model)")
+        for ohm in filter(None, map(_ohm, heated)):
+            by_resistance.add(math.log(ohm), wire.input_K)
         unlike = unlike + 1 if _is_another_wire(sample, expected, wire.input_K) else 0
         if not _follows_command(sample, command_A, file) or unlike == STEPS_UNLIKE:
             break
@@ -221,10 +230,13 @@ def _heating_checks(
     which = ", wire 2" if sign < 0 else ""
     comparison = f"{sample.current_A:.4f} A {how} at {command_A:.4f} A"
     follows = _follows_command(sample, command_A, file)
-    yield Check(f"read-back{which}", follows, comparison if follows else f"{comparison}; {_READ_BACK_REMEDY}")
+    remedy = _NO_CURRENT_REMEDY if _follows_command(sample, 0.0, file) else _READ_BACK_REMEDY
+    yield Check(f"read-back{which}", follows, comparison if follows else f"{comparison}; {remedy}")
     yield _resistance(sample, expected, wire.input_K)._replace(name=f"resistance{which}")
     where = f"{sign * motion.heated_by:+d} counts at {command_A:.2f} A, {wire.input_K:.0f} K (heating model)"
-    direction = model.direction(motion, where, wire.input_K)._replace(name=f"encoder direction{which}")
+    transformed = bool(by_resistance.started)
+    direction = model.direction(motion, where, wire.input_K, transformed=transformed)
+    direction = direction._replace(name=f"encoder direction{which}")
     scale = model.scale(motion, wire.input_K)._replace(name=f"encoder scale{which}")
     # counts of a wrong unit tell no direction
     yield from (direction, scale) if scale.passed else (scale, direction)
@@ -241,18 +253,22 @@ def _resistance(sample: Sample, expected: ExpectedResistance, input_K: float) ->
     if abs(sample.current_A) < MIN_CURRENT_A:
         return Check("resistance", False, "the current was too small to measure it")
     low, high = expected.band_ohm(input_K, sample.current_A)
-    if math.isnan(sample.voltage_V):
+    if (ohm := _ohm(sample)) is None:
         return Check("resistance", True, without_voltage_text(low, high), limitation=True)
-    ohm = sample.voltage_V / sample.current_A
     passed = low <= ohm <= high
     remedy = "" if passed else f"; {_RESISTANCE_REMEDY}"
     return Check("resistance", passed, f"{ohm:.2f} ohm, expected {low:.2f} to {high:.2f}{remedy}")
 
 
+def _ohm(sample: Sample) -> float | None:
+    """V/I; None if the current is too small or the voltage is not measured."""
+    measured = abs(sample.current_A) >= MIN_CURRENT_A and not math.isnan(sample.voltage_V)
+    return sample.voltage_V / sample.current_A if measured else None
+
+
 def _is_another_wire(sample: Sample, expected: ExpectedResistance, input_K: float) -> bool:
     """Whether V/I is no resistance of the actuator file's wire, whose heating model does not hold for this one then."""
-    measured = abs(sample.current_A) >= MIN_CURRENT_A and not math.isnan(sample.voltage_V)
-    return measured and not _resistance(sample, expected, input_K).passed
+    return _ohm(sample) is not None and not _resistance(sample, expected, input_K).passed
 
 
 def _check_lease(rig: SupportsIdle, file: RigFile) -> Iterator[Check]:

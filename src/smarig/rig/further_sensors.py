@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from smarig.core import Sample
-from smarig.device import ForceInput, TemperatureInput
+from smarig.device import ForceInput, TemperatureInput, number_from
 
 
 @dataclass(frozen=True)
@@ -32,7 +32,7 @@ class FurtherSensors:
     def added_to(self, samples: tuple[Sample, ...]) -> tuple[Sample, ...]:
         """The samples with the temperatures measured now."""
         values = {
-            name: sensor.temperature_degC()
+            name: number_from(sensor, "temperature_degC")
             for name, sensor in (("temperature_degC", self.wire), ("ambient_degC", self.room))
             if sensor is not None
         }
@@ -41,7 +41,7 @@ class FurtherSensors:
 
     def force_N(self) -> float:
         """The measured force now; NaN without a load cell or a reading."""
-        return self.load_cell.force_N() if self.load_cell is not None else math.nan
+        return number_from(self.load_cell, "force_N") if self.load_cell is not None else math.nan
 
     def close(self) -> None:
         """Close all lines."""

@@ -77,19 +77,23 @@ class MotionModel:
         latest_K = hot_K if hot_K >= self._inputs_K[-1] else (1 - self._tolerance) * hot_K
         return self.at(latest_K) >= self._certain
 
-    def direction(self, motion: Motion, where: str, input_K: float) -> Check:
-        """Whether the wire has moved, as heating moves it."""
+    def direction(self, motion: Motion, where: str, input_K: float, *, transformed: bool) -> Check:
+        """Whether the wire has moved, as heating moves it. ``transformed``: its resistance says that it has."""
         way = f"{where}; heating must {'decrease' if self._sign < 0 else 'increase'} the counts"
         if not motion.clear or abs(motion.heated_by) < self._least:
-            return Check("encoder direction", False, f"{where}; {self._no_motion(motion, input_K)}")
+            why = self._no_motion(motion, input_K, transformed=transformed)
+            return Check("encoder direction", False, f"{where}; {why}")
         if motion.heated_by < 0:
             return Check("encoder direction", False, f"{way}; {_DIRECTION_REMEDY}")
         return Check("encoder direction", True, way)
 
-    def _no_motion(self, motion: Motion, input_K: float) -> str:
+    def _no_motion(self, motion: Motion, input_K: float, *, transformed: bool) -> str:
         noise = (
             f"the readings at rest differ by {motion.noise}; " if not motion.clear and motion.noise else ""
         )
+        few = f"{noise}a motion has {math.ceil(self._least)} counts or more; {_MOTION_REMEDY}"
+        if transformed:
+            return f"{few}: its resistance shows that the wire has transformed"
         if self._every_wire_has_moved(input_K):
             further = (
                 f"raise limits.model_tolerance = {self._tolerance:g} in the rig file, and it is heated further, within "
@@ -97,10 +101,7 @@ class MotionModel:
             )
         else:
             further = "it needs more heat than limits.current_max_A (for wire 2 current_min_A) allows"
-        return (
-            f"{noise}a motion has {math.ceil(self._least)} counts or more; {_MOTION_REMEDY}. If they are in order, the "
-            f"wire transforms later than {self._name}: {further}"
-        )
+        return f"{few}. If they are in order, the wire transforms later than {self._name}: {further}"
 
     def scale(self, motion: Motion, input_K: float) -> Check:
         """Whether the wire has moved no more than ``MOTION_MARGIN`` times what its model has, in any direction.
@@ -108,7 +109,8 @@ class MotionModel:
         Counts that are too large for the model to move by some tell nothing of a wire.
         """
         largest = MOTION_MARGIN * max(self.at(input_K), MIN_MOTION_COUNTS)
-        observed = f"{motion.heated_by} counts, {self.at(input_K):.0f} by the model of the wire"
+        by_model = f"{self.at(input_K):.0f} by the model of the wire (accepted: up to {largest:.0f})"
+        observed = f"{motion.heated_by} counts, {by_model}"
         whole = float(self._counts.max())
         if whole < MIN_MOTION_COUNTS:
             return Check("encoder scale", False, f"its whole stroke is {whole:.2g} counts; {_SCALE_REMEDY}")

@@ -23,6 +23,7 @@ from smarig.core import (
     StepVerdict,
     Waveform,
     Zero,
+    error_text,
     own_file_error,
 )
 from smarig.rig import Guard, after_shutdown, switch_off
@@ -66,15 +67,16 @@ class Runner:
             answer: StepResult | Sample | None = None
             while (command := checked_generator.next(answer)) is not None:
                 answer = self._carry_out(command)
-        except Interrupted:  # claims nothing about the current
+        except (Interrupted, KeyboardInterrupt):  # claims nothing about the current
             raise
         except SmarigError as error:
             fault = error
             raise
-        except Exception as error:
-            if not (sentence := own_file_error(error, "smarig.device.drivers")):
+        except BaseException as error:  # SystemExit of a library, too, which would end the process in silence
+            sentence = own_file_error(error, "smarig.device.drivers")
+            if not sentence and isinstance(error, Exception):
                 raise
-            fault = RigFault(sentence).at_zero()
+            fault = RigFault(sentence or f"The run was ended by {error_text(error)}.").at_zero()
             raise fault from error
         finally:
             try:

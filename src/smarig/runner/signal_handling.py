@@ -17,7 +17,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any
 
-from smarig.core import Interrupted, Requester, SmarigError
+from smarig.core import Interrupted, Requester, SmarigError, renew_watch
 from smarig.runner.run_control import RunControl
 
 INSISTS_S = 0.5  # after the first Ctrl-C; an earlier one counts as the same request
@@ -47,6 +47,7 @@ def stop_on_signals(control: RunControl) -> Iterator[None]:
     def on_signal(number: int, _frame) -> None:
         nonlocal ignore_until_s
         now_s = time.monotonic()
+        renew_watch(number)
         if control.undisturbing:
             control.stop(_CAUSES[signal.Signals(number).name])
             return
@@ -101,6 +102,7 @@ def _delayed_handler(handler: Any) -> Any:
     until = time.monotonic() + SHUTDOWN_S
 
     def wait(number: int, _frame: Any) -> None:
+        renew_watch(number)
         if time.monotonic() >= until:
             signal.signal(number, handler)
             signal.raise_signal(number)

@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 
 from smarig.core import UsageError
 from smarig.measurement import dropouts
-from smarig.plant import Actuator
 from smarig.record import Run
+from smarig.replay import recorded_actuator
 
 Array = NDArray[np.float64]
 _ZERO_DEGC_K = 273.15
@@ -80,6 +80,7 @@ def temperature_record(run: Run) -> TemperatureRecord:
             "is not in the intervals."
         )
     mean = float(ambient.mean()) if ambient.size else None
+    actuator = recorded_actuator(run) if modelled and t_s is not None else None
     return TemperatureRecord(
         u=u,
         y=y,
@@ -89,9 +90,7 @@ def temperature_record(run: Run) -> TemperatureRecord:
         ambient_degC=mean,
         settled=bool(run.settled),
         t_s=t_s,
-        lag_s=Actuator.named(run.info.actuator).tau_s
-        if modelled and t_s is not None and run.info.actuator
-        else None,
+        lag_s=actuator.tau_s if actuator is not None else None,
         notes=tuple(notes),
     )
 

@@ -37,9 +37,11 @@ def command(model: Path, runs: tuple[Path, ...], select: str | None) -> None:
     run."""
     from smarig.identification import ErrorLevel, verify
     from smarig.record import load_run
-    from smarig.replay import load_model
+    from smarig.replay import driven_by_input, load_model
 
-    result = verify(load_model(model), [load_run(r) for r in runs], select=select)
+    described, loaded = load_model(model), [load_run(r) for r in runs]
+    result = verify(described, loaded, select=select)
+    can_be_diagnosed = all(run.settled for run in loaded) or driven_by_input(loaded)
     found = result.to_json()
     unit = found["unit"]
     for run in found["runs"]:
@@ -48,25 +50,26 @@ def command(model: Path, runs: tuple[Path, ...], select: str | None) -> None:
     for run in result.runs:
         if run.verdict.level == ErrorLevel.POOR:
             show_message(f"Warning: The model does not predict {run.run}: {run.verdict.size}.")
+    remedy = (
+        f"smarig diagnose {model} --train RUN… looks for the cause"
+        if can_be_diagnosed
+        else "smarig diagnose looks for the cause, in runs that wait at each level, such as those of 'validation'"
+    )
     lines = [
         f"{run['run']}: rms error {run['rms']:.4g}{spaced(unit)} ({_share(run)}), "
         f"largest {run['max_abs']:.4g}{spaced(unit)}, n = {run['n']}; noise floor "
         f"{_floor(run, unit)}{_expected(run, unit)}"
         for run in found["runs"]
     ]
-    emit(found, "\n".join([*lines, *(_verdict(run, model) for run in result.runs)]))
+    emit(found, "\n".join([*lines, *(_verdict(run, remedy) for run in result.runs)]))
 
 
-def _verdict(run: "RunVerification", model: Path) -> str:
+def _verdict(run: "RunVerification", remedy: str) -> str:
     """Whether the error is good, and what to do if not."""
     from smarig.identification import ErrorLevel
 
     found = run.verdict
-    more = (
-        f" (smarig diagnose {model} --train RUN… looks for the cause)"
-        if found.level == ErrorLevel.POOR
-        else ""
-    )
+    more = f" ({remedy})" if found.level == ErrorLevel.POOR else ""
     return f"Verdict: {found.text}{more}."
 
 

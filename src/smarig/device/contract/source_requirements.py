@@ -36,8 +36,11 @@ def off_after_a_killed_host(case: ContractCase) -> str:
     """A host that was killed leaves the output on; opening it again switches it off."""
     source = case.open()
     source.set(case.test_A)
-    case.wait_ticks(1)
+    flowing_A = _settled(case, source).current_A
     source.close()
+    require(
+        abs(flowing_A) > case.tolerance_A, f"{flowing_A:.4g} A measured before, {case.test_A:.4g} A ordered"
+    )
     with case.opened() as again:
         current_A = _settled(case, again).current_A
         require(abs(current_A) <= case.tolerance_A, f"{current_A:.4g} A flow after it was opened again")

@@ -11,6 +11,7 @@ import math
 from typing import Any
 
 from smarig.config import RigFile
+from smarig.device.polled.readings import electrical_from
 from smarig.device.roles.polled import Electrical, VoltageOutput
 from smarig.plant import Actuator, largest_voltage_V
 
@@ -62,7 +63,7 @@ class CurrentLoop:
 
     def measure(self) -> Electrical:
         """Measure, then correct the voltage for the next tick."""
-        now = self._output.measure()
+        now = electrical_from(self._output)
         if self.tripped:
             return now
         if abs(now.current_A) >= self._measured_from_A and math.isfinite(now.voltage_V):

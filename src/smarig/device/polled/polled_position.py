@@ -8,6 +8,7 @@ from smarig.device.encoding.link_faults import Garbled
 from smarig.device.links.query import LARGEST
 from smarig.device.polled.host_clock import HostClock
 from smarig.device.polled.line_counts import garbled_remedy, reconnections_of, repeats_of
+from smarig.device.polled.readings import number_from
 from smarig.device.roles.polled import PositionInput, TemperatureInput
 from smarig.device.roles.ticked import AbsoluteZero, PositionReading
 from smarig.plant import Actuator
@@ -77,7 +78,7 @@ class PolledPosition:
         now = self._clock.tick()
         if repeats_of(self.sensor) != self._repeats:
             self._repeats, quality = repeats_of(self.sensor), quality | Quality.RETRIED
-        room_degC = self._room.temperature_degC() if self._room else NAN
+        room_degC = number_from(self._room, "temperature_degC") if self._room else NAN
         return [
             PositionReading(
                 now,
@@ -109,7 +110,7 @@ class PolledPosition:
         """Read; a reading that does not exist or is larger than any keeps the last one. Raises Garbled after
         ``LONGEST_GAP_S`` of them.
         """
-        counts = self.sensor.position() / self._per_count
+        counts = number_from(self.sensor, "position") / self._per_count
         if abs(counts) < LARGEST:  # false for NaN
             self._raw, self._missing = round(counts), 0
             return True
@@ -134,7 +135,7 @@ def _per_count(sensor: PositionInput, rig: RigFile) -> float:
         )
     if rig.encoder.resolution is None:
         raise ConfigError(
-            f"{sensor.identity} measures in {unit}. Give encoder.resolution in the file of rig '{rig.name}': the "
-            f"smallest step that it can tell, in {unit}."
+            f"{sensor.identity} measures in {unit}. Give encoder.resolution in the file of rig '{rig.name}', in "
+            f"{unit}: three to five times the noise of a reading, and no less than the smallest step of the sensor."
         )
     return rig.encoder.resolution

@@ -6,6 +6,7 @@ from typing import Literal
 from smarig.core import Quality, UsageError
 from smarig.device.encoding.link_faults import Garbled
 from smarig.device.polled.line_counts import garbled_remedy, reconnections_of, repeats_of
+from smarig.device.polled.readings import electrical_from
 from smarig.device.roles.polled import CurrentOutput
 from smarig.device.roles.ticked import CurrentReading
 
@@ -62,10 +63,10 @@ class PolledSource:
         """One measurement for all these ticks; all but the last are marked as stale."""
         if self._waits == "armed":
             self._arm_again()
-        now = self.output.measure()
+        now = electrical_from(self.output)
         if self._waits == "off" and self.tripped:  # nothing flowed: its lease expired between two runs
             self._arm_again()
-            now = self.output.measure()
+            now = electrical_from(self.output)
         self._waits = ""
         last = Quality.TRIPPED if self.tripped else Quality.GOOD
         last |= Quality.RETRIED if repeats_of(self.output) != self._repeats else Quality.GOOD
@@ -78,7 +79,7 @@ class PolledSource:
 
     def measured_A(self) -> float:
         """The current that is measured now. It neither arms the output nor counts as its first tick."""
-        return self.output.measure().current_A
+        return electrical_from(self.output).current_A
 
     def _arm_again(self) -> None:
         had_lease, self._waits = self.has_lease, ""

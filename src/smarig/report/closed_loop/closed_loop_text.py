@@ -129,10 +129,13 @@ def unsteady_text(end: HoldEnd, unit: str) -> str:
     """A sentence on a loop that has not settled, or settled off its set-point; "" if it settled there or unknown."""
     least, most = (number(round(current, 3)) for current in end.current_A)
     peak_to_peak = size(end.peak_to_peak, unit, end.count)
+    begin, now = (least, most) if end.current_trend == "raises" else (most, least)
+    trend = f" while the controller still {end.current_trend} the current, from {begin} A to {now} A"
+    rests, still = ("stands", trend) if end.current_trend else ("settled", "")
     between = f"; the current is between {least} A and {most} A"
     return {
         "swings": f"The position oscillates at the end of the hold: {peak_to_peak} peak to peak{between}.",
         "moves": f"The position still moves at the end of the hold: {peak_to_peak} in {number(end.seconds)} s"
         f"{between}.",
-        "rests off": f"The position settled {size(abs(end.mean), unit, end.count)} from the set-point.",
+        "rests off": f"The position {rests} {size(abs(end.mean), unit, end.count)} from the set-point{still}.",
     }.get(end.verdict, "")

@@ -21,8 +21,8 @@ _MIN_CROSSINGS = 2  # a loop that creeps crosses its mean only once
 class HoldEnd:
     """Errors (measured − reference) over the last ``seconds`` of a hold, in the rig's unit; ``count`` 0 if unknown.
 
-    ``std`` is the rms about ``mean``, ``peak_to_peak`` the range of the readings, and ``current_A`` the smallest and
-    the largest current.
+    ``std`` is the rms about ``mean``, ``peak_to_peak`` the range of the readings, ``current_A`` the smallest and the
+    largest current, and ``current_trend`` "raises" or "lowers" if most of what lies between them is a trend, else "".
     """
 
     mean: float
@@ -32,6 +32,7 @@ class HoldEnd:
     seconds: float
     crossings: int
     count: float
+    current_trend: str = ""
 
     @property
     def verdict(self) -> str:
@@ -69,4 +70,14 @@ def hold_end(
         seconds=float(t_s[-1]) - since,
         crossings=int(np.count_nonzero(np.diff(side))),
         count=count,
+        current_trend=_trend(i),
     )
+
+
+def _trend(current_A: Array) -> str:
+    """Whether the means of the first and the last third differ by more than half the range."""
+    third = max(1, current_A.size // 3)
+    rise = float(np.mean(current_A[-third:]) - np.mean(current_A[:third]))
+    if abs(rise) <= 0.5 * float(np.ptp(current_A)):
+        return ""
+    return "raises" if rise > 0 else "lowers"

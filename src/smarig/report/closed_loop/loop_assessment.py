@@ -77,7 +77,11 @@ def _of_regulation(run: Run, found: RegulationResult) -> Assessment:
     if end.verdict == "rests":
         verdict = f"Pass: the position rests at its set-point, within {band}."
         return Assessment("good", measured, verdict, "The set-point can be held with these gains.")
-    advice = "Lower the gains if it oscillates; hold longer if it still moves; check the model if it rests elsewhere."
+    advice = (
+        "Hold longer: the controller is still at work."
+        if end.current_trend and end.verdict == "rests off"
+        else "Lower the gains if it oscillates; hold longer if it still moves; check the model if it rests elsewhere."
+    )
     return Assessment("bad", measured, f"Fail: {unsteady_text(end, run.unit)}", advice)
 
 
