@@ -1,16 +1,20 @@
 """Text tables with hostile contents: read, or refused in one sentence and in time linear in their size."""
 
 import csv
+from pathlib import Path
 
 import pytest
 
 from smarig.control.tracking.reference import reference_from_csv
 from smarig.core.errors import DataError, UsageError
 from smarig.exchange import export_run
+from smarig.exchange.cell_values import clock_seconds
+from smarig.exchange.found_table import FoundTable
 from smarig.exchange.table_file import read_table
 from smarig.exchange.text_table import TableLayout
 from smarig.protocols import Setup, build_protocol
 from smarig.record import Recorder
+from smarig.study.typed_names import own_name
 
 HEAD = "time_s,current_command_A,position_mm\n"
 LAYOUT = TableLayout(known=("time_s", "current_command_A", "position_mm"))
@@ -94,3 +98,11 @@ def test_no_unit_starts_a_cell_of_an_exported_table(tmp_path, unit):
 def test_a_reference_of_another_kind_is_named(write, content, said):
     with pytest.raises(UsageError, match=said):
         reference_from_csv(write(content), "mm")
+
+
+def test_numbers_of_any_length_are_texts_where_small_ones_are_meant():
+    digits = "9" * 5000
+    assert clock_seconds(f"{digits} 00:00:01") is None
+    assert (
+        own_name(FoundTable(Path("a.csv"), "csv", "", (), {}, {}), f"column {digits}") == f"column {digits}"
+    )

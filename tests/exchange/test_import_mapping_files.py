@@ -223,6 +223,8 @@ def test_a_table_number_belongs_to_files_of_several_tables():
     assert load_mapping("ferroelectric_loops:4").file.table == 4
     with pytest.raises(UsageError, match="files of one table"):
         load_mapping("sma_staircase:2")
+    with pytest.raises(UsageError, match=r"sma_staircase:9{20}"):
+        load_mapping("sma_staircase:" + "9" * 5000)
 
 
 @pytest.mark.parametrize(

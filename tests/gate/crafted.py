@@ -39,6 +39,9 @@ ELSEWHERE = {
     "folder of a console: rig file": (
         "tests/console/web/test_led_out.py::test_pages_open_nothing_outside_of_the_folder_that_a_rig_names"
     ),
+    "folder of a console: link where the console writes": (
+        "tests/console/web/test_written_through_links.py::test_nothing_is_written_through_a_link"
+    ),
 }
 _WAYS = (
     *("absolute", "relative", "through the parent", "a link", "home", "UNC", "a server"),

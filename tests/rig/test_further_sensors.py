@@ -5,7 +5,7 @@ import math
 import pytest
 
 from smarig.config import load_rig
-from smarig.core import ConfigError, RigFault, own_files
+from smarig.core import ConfigError, Quality, RigFault, own_files
 from smarig.device.drivers.smarig_encoder_daq import SmarigEncoderDaq
 from smarig.record import load_run
 from smarig.report.components.run_description import conditions_text
@@ -25,6 +25,7 @@ SENSORS = '''"""Sensors whose readings the test knows; the load cell has none at
 import math
 from smarig.device import FunctionInput, Silent
 
+count = iter(range(10**6))
 forces = iter(10.0 + 0.5 * (k % 3) if k % 3 else math.nan for k in range(10**6))
 
 def FILE(where, rig):
@@ -32,13 +33,19 @@ def FILE(where, rig):
         def read():
             raise OSError("cable")
         return FunctionInput("dead sensor", read)
-    values = {"wire": lambda: 40.25, "room": lambda: 19.5, "none": lambda: None, "cell": lambda: next(forces)}
+    values = {
+        "wire": lambda: 40.25,
+        "room": lambda: 19.5,
+        "none": lambda: None,
+        "cell": lambda: next(forces),
+        "torn": lambda: WRONG if 40 < (k := next(count)) < 60 else 10.0,
+    }
     return FunctionInput(f"sensor {where.url}", values[where.url])
 '''
 
 
-def rig(folder, **links):
-    (folder / "sensors.py").write_text(SENSORS.replace("FILE", "sensors"))
+def rig(folder, wrong_N=0.0, **links):
+    (folder / "sensors.py").write_text(SENSORS.replace("FILE", "sensors").replace("WRONG", repr(wrong_N)))
     tables = "".join(
         f'[links.{name}]\ndriver = "./sensors.py"\nframing = "lines"\nurl = "{url}"\n'
         for name, url in links.items()
@@ -85,6 +92,18 @@ def test_a_sensor_that_fails_ends_the_run_at_zero(tmp_path):
         run_on(rig(tmp_path, room_thermometer="dead"), tmp_path)
     run = load_run(tmp_path / "a.run.sqlite")
     assert "dead sensor" in run.cause
+
+
+@pytest.mark.parametrize("wrong_N", [1e300, -1e6, 2001.0 * math.pi / 4 * 0.3**2])
+def test_a_force_that_no_wire_carries_is_suspect_and_in_no_mean(tmp_path, wrong_N):
+    run, _ = run_on(rig(tmp_path, wrong_N, load_cell="torn"), tmp_path)
+    load = run.info.conditions["load"]
+    assert (load["min"], load["mean"], load["max"]) == (10.0, 10.0, 10.0)
+    assert run.marked(Quality.SUSPECT)[0] >= 19
+    assert not run["quality"][-1]
+    warnings = [e.text for e in run.events if e.kind == "force"]
+    assert len(warnings) == 1
+    assert warnings[0].startswith(f"The load cell reads {wrong_N:.4g} N, but the wire breaks below 141 N ")
 
 
 def test_a_driver_of_another_role_is_one_sentence(tmp_path):

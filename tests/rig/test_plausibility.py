@@ -1,5 +1,7 @@
 """Implausible readings trip; plausible readings of every twin and every protocol do not."""
 
+import math
+import re
 from contextlib import nullcontext
 
 import pytest
@@ -74,6 +76,25 @@ def test_a_wire_of_unknown_temperature_moves_no_further_than_its_stroke(factor, 
         heated(guard, round(REST_TAUS * actuator.tau_s / file.period_s) - 1, current_A=1.0)
     assert (lying.twin.output_A == 0.0) == trips
     assert [a.kind for a in guard.alarms() if a.level == "error"] == ["contradiction"] * trips
+
+
+@pytest.mark.parametrize("rig", TWINS)
+@pytest.mark.parametrize("current_A", [math.nan, math.inf, -math.inf, 1e200])
+def test_a_late_current_that_is_no_number_trips_with_its_own_sentence(rig, current_A):
+    """Seven ticks late, so that the bounds of the position are computed; the next sample of the block is right."""
+
+    def late(s):
+        return s._replace(tick=7 * s.tick, current_A=current_A if s.tick == 40 else s.current_A)
+
+    guard, twin = guarded(late, rig)
+    guard.rig.step = lambda command_A, _: (late(twin.step(command_A)[0]), late(twin.step(command_A)[0]))
+    samples = [s for _ in range(20) for s, _ in guard.step(0.0)]
+    assert [s.quality for s in samples if s.tick == 280] == [Quality.SUSPECT]
+    with pytest.raises(
+        LimitExceeded, match=f"^The measured current reads {re.escape(str(current_A))} A"
+    ) as trip:
+        guard.step(0.0)
+    assert ("put a shunt into the circuit" in str(trip.value)) == math.isnan(current_A)
 
 
 def test_a_source_that_never_measures_a_voltage_is_a_warning_once():

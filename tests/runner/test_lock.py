@@ -16,8 +16,9 @@ from smarig.cli import run as cli
 from smarig.config import load_rig
 from smarig.core.errors import InUse
 from smarig.record import load_run
+from smarig.runner.line_keys import line_keys
 from smarig.runner.listener import CallbackListener
-from smarig.runner.lock import line_keys, rig_locks
+from smarig.runner.lock import rig_locks
 from smarig.runner.resume.resume_run import resume
 from smarig.runner.session import Session
 
@@ -108,10 +109,45 @@ def test_two_units_on_one_line_are_one_lock(tmp_path):
             "socket://10.0.0.5:7?logging=debug",
         ),
         ("tcp://Gateway.lab", "tcp://gateway.lab.:502"),
+        ("GPIB0::24::INSTR", "GPIB::24::INSTR", "gpib0::24::instr", "GPIB0::0x18", " GPIB00::024 "),
+        ("GPIB1::24::96::INSTR", "gpib1::24::96"),
+        ("TCPIP0::10.0.0.5::inst0::INSTR", "TCPIP::10.0.0.5", "tcpip1::10.0.0.5::hislip0,4880::instr"),
+        ("TCPIP::[fe80::1]::INSTR", "tcpip0::[FE80:0::1]::INST0"),
+        ("TCPIP0::gateway.::gpib0,5::INSTR", "tcpip::GATEWAY::GPIB0,5"),
+        ("TCPIP0::10.0.0.5::1234::SOCKET", "TCPIP::10.0.0.5::1234::socket", "tcp://10.0.0.5:1234"),
+        (
+            "USB0::0x1AB1::0x0E11::DP8C1234::INSTR",
+            "USB0::6833::3601::DP8C1234::INSTR",
+            "usb::0X1ab1::0x0e11::dp8c1234::0::raw",
+        ),
+        ("ASRL/dev/ttyNONE0::INSTR", "asrl/dev/ttyNONE0", "/dev/ttyNONE0"),
     ],
 )
 def test_one_place_on_the_network_is_one_line(same):
     assert len({frozenset(line_keys(url)) for url in same}) == 1
+
+
+def test_a_socket_of_scpi_is_the_instrument_itself():
+    named = ("tcp://10.0.0.5:5025", "TCPIP0::10.0.0.5::5025::SOCKET", "TCPIP::10.0.0.5::INSTR")
+    assert all(line_keys(a) & line_keys(b) for a in named for b in named)
+    assert not line_keys("tcp://10.0.0.5:5026") & line_keys("TCPIP::10.0.0.5::INSTR")
+
+
+def test_a_name_of_ni_is_one_device_in_every_folder(tmp_path, monkeypatch):
+    before = line_keys("Dev1", "ni_output")
+    monkeypatch.chdir(tmp_path)
+    assert before == line_keys("dev1", "ni_position") != line_keys("Dev2", "ni_output")
+
+
+def test_two_rigs_at_one_instrument_exclude_each_other_however_it_is_written(tmp_path):
+    first = rig(tmp_path, "first", ("GPIB0::24::INSTR", "GPIB0::25::INSTR"))
+    second = rig(tmp_path, "second", ("gpib::24", "GPIB0::26::INSTR"), wire="B")
+    with (
+        rig_locks(first, "A7"),
+        pytest.raises(InUse, match=r"^The line gpib::24 is in use"),
+        rig_locks(second, "B"),
+    ):
+        pytest.fail("two rigs at one instrument")
 
 
 def test_this_computer_by_its_own_name_is_this_computer():
@@ -125,6 +161,17 @@ def test_other_places_are_other_lines():
         "tcp://10.0.0.6",
         "tcp://gateway",
         "GPIB0::5",
+        "GPIB1::5",
+        "GPIB0::5::96",
+        "TCPIP::10.0.0.5::INSTR",
+        "TCPIP::10.0.0.5::inst1::INSTR",
+        "TCPIP::10.0.0.5::gpib0,5::INSTR",
+        "TCPIP::10.0.0.5::1234::SOCKET",
+        "USB::1::2::A",
+        "USB::1::2::B",
+        "ASRL/dev/ttyNONE1::INSTR",
+        "PXI0::15::INSTR",
+        "GPIB0::" + "9" * 5000,
         "hwgrep://FTDI",
     )
     keys = [key for url in urls for key in line_keys(url)]

@@ -124,8 +124,10 @@ if TYPE_CHECKING:
     from smarig.core.severity import Severity as Severity
     from smarig.core.severity import highest_severity as highest_severity
     from smarig.core.severity import severity_of as severity_of
+    from smarig.core.shown_text import LONGEST_LINE as LONGEST_LINE
     from smarig.core.shown_text import error_text as error_text
     from smarig.core.shown_text import has_control_characters as has_control_characters
+    from smarig.core.shown_text import one_line as one_line
     from smarig.core.shown_text import printable as printable
     from smarig.core.shown_text import shown as shown
     from smarig.core.stored_number import stored_number as stored_number

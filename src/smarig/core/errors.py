@@ -2,6 +2,8 @@
 
 from typing import Self
 
+from smarig.core.shown_text import one_line
+
 AT_ZERO = "The current is at zero."
 
 # What float and numpy raise for values that they cannot convert; the last one for integers of over 308 digits.
@@ -68,9 +70,14 @@ class MissingExtra(UsageError):
 
 
 class RigFault(SmarigError):
-    """The rig tripped, refused a command, or could not be reached (exit 3)."""
+    """The rig tripped, refused a command, or could not be reached (exit 3). Its driver may have chosen the words, which
+    are shown on one line.
+    """
 
     exit_status = 3
+
+    def __init__(self, *given: object) -> None:
+        super().__init__(*(one_line(part) if isinstance(part, str) else part for part in given))
 
 
 class LimitExceeded(RigFault):

@@ -271,6 +271,13 @@ def _console_rows() -> Iterator[GatedKey]:
         _USER,
         "{where} names {text}, which lies outside of the folder and is opened only after a click on the rig's page.",
     )
+    yield GatedKey(
+        "folder of a console",
+        "link where the console writes",
+        "any folder, written: uploads, studies, pages, diagnoses, logs, library, queue",
+        _NOBODY,
+        "Refused: nothing is written through a link.",
+    )
 
 
 GATED_KEYS = {row.name: row for row in _rows()}

@@ -4,6 +4,7 @@ import unicodedata
 from typing import Any
 
 LONGEST_MESSAGE = 4000
+LONGEST_LINE = 1000  # of what another program says
 _KEPT = "\n\t"
 _HIDDEN = ("Cc", "Cf", "Cs", "Co", "Zl", "Zp")  # control and formatting characters, halves of characters
 
@@ -48,6 +49,15 @@ def shown(value: Any, longest: int = 80) -> str:
     return printable(text, longest)
 
 
+def one_line(text: str, longest: int = LONGEST_LINE) -> str:
+    r"""The text of another program on one line.
+
+    >>> one_line(" over\ntemperature\x1b[2J \r\n")
+    'over temperature\\x1b[2J'
+    """
+    return printable(" ".join(text.split()), longest)
+
+
 def error_text(error: BaseException) -> str:
     """Type and message of an error of another library, in one line without a full stop.
 
@@ -58,7 +68,7 @@ def error_text(error: BaseException) -> str:
         said = str(error)
     except Exception:  # of a class that says nothing of itself
         said = ""
-    return " ".join((f"{type(error).__name__}:", *said.split())).rstrip(".: ")
+    return one_line(f"{type(error).__name__}: {said}").rstrip(".: ")
 
 
 def _escaped(character: str) -> str:

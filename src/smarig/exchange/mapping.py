@@ -22,6 +22,7 @@ ChannelName = Literal[
     "position",
     "ambient_degC",
 ]
+_TABLE = re.compile(r"(.+):(\d{1,9})")  # a mapping and the number of a table
 CHANNEL_UNITS = {
     "current_command_A": "A",
     "current_A": "A",
@@ -296,7 +297,7 @@ class MappingFile(TomlTable):
 def load_mapping(name: str) -> MappingFile:
     """A mapping by shipped name or path; ``NAME:4`` selects the fourth table of a file of several."""
     plain, table = name, None
-    if match := re.fullmatch(r"(.+):(\d+)", name):
+    if match := _TABLE.fullmatch(name):
         plain, table = match[1], int(match[2])
     path = locate("imports", plain)
     mapping = load_toml(MappingFile, path)
@@ -311,7 +312,8 @@ def load_mapping(name: str) -> MappingFile:
 
 def mapping_text(name: str) -> str:
     """The text of the mapping file, for the record."""
-    return locate("imports", re.sub(r":\d+$", "", name)).read_text(encoding="utf-8")
+    match = _TABLE.fullmatch(name)
+    return locate("imports", match[1] if match else name).read_text(encoding="utf-8")
 
 
 def require_columns(mapping: MappingFile, names: list[str], path: Path, noun: str = "column") -> None:

@@ -38,6 +38,7 @@ if TYPE_CHECKING:
     from smarig.plant.learned_effect import LearnedShape as LearnedShape
     from smarig.plant.learned_effect import can_be_learned as can_be_learned
     from smarig.plant.learned_effect import learned_effect_type as learned_effect_type
+    from smarig.plant.load import BREAKING_STRESS_MPA as BREAKING_STRESS_MPA
     from smarig.plant.load import Load as Load
     from smarig.plant.load import load_of as load_of
     from smarig.plant.measured_input import PassThroughActuator as PassThroughActuator

@@ -19,6 +19,7 @@ Array = NDArray[np.float64]
 COLUMNS = ["time_s", "force_N"]
 MOST_ROWS = 4000  # of a load history: a record holds it
 LARGEST_STRESS_MPA = 1000.0  # NiTi yields below
+BREAKING_STRESS_MPA = 2000.0  # cold-drawn NiTi breaks below
 
 
 @dataclass(frozen=True)

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from smarig.rig.open_rig import open_rig as open_rig
     from smarig.rig.plausibility import Plausibility as Plausibility
     from smarig.rig.rig import Rig as Rig
+    from smarig.rig.room_temperature import RoomTemperature as RoomTemperature
     from smarig.rig.shutdown import after_shutdown as after_shutdown
     from smarig.rig.shutdown import switch_off as switch_off
     from smarig.rig.specimen import RawReading as RawReading

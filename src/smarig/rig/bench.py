@@ -23,13 +23,16 @@ from smarig.device import (
     PositionSensor,
     Silent,
     current_after_off,
+    number_from,
 )
 from smarig.plant import Actuator
 from smarig.rig.electrical_plausibility import read_back_tolerance_A
+from smarig.rig.force_check import ForceCheck
 from smarig.rig.force_statistics import ForceStatistics
 from smarig.rig.further_sensors import FurtherSensors
 from smarig.rig.order_record import OrderRecord
 from smarig.rig.rig import Alarm
+from smarig.rig.room_temperature import RoomTemperature
 from smarig.rig.shutdown import NOT_CONFIRMED, after_shutdown
 
 CLOCK_CHECK_TICKS = 300  # ticks between two comparisons of both clocks
@@ -62,7 +65,7 @@ class Bench:
         self.source, self.sensor = source, sensor
         self.further = further or FurtherSensors()
         self._has_further = self.further.present
-        self.force = ForceStatistics()
+        self.force, self._force_check = ForceStatistics(), ForceCheck(actuator, rig.period_s)
         self.counts_ticks = True  # whether the source tells when it switched itself off
         self.position_per_count = actuator.resolution(rig.encoder)
         self.lock_step = speed == 0
@@ -77,7 +80,7 @@ class Bench:
         self._command_A = 0.0
         self._orders = OrderRecord()
         self._last: CurrentReading | None = None
-        self._ambient_degC = math.nan
+        self._room = RoomTemperature(rig)
         self._alarms: list[Alarm] = []
         self._reconnections = {"amplifier": 0, "encoder": 0}  # reported so far
         self._pending_readings: list[PositionReading] = []  # read before a zero and not yet returned
@@ -119,13 +122,22 @@ class Bench:
         if self._tick_s and self.tick >= self._next_clock_check:
             self._update_offset()
         samples = tuple(self._join(p, c) for p, c in zip(positions, currents))
+        last_quality = samples[-1].quality
         if self._has_further:
-            samples = self.further.added_to(samples)
-            self.force.add(self.further.force_N())
-        self._ambient_degC = samples[-1].ambient_degC
+            samples = self._with_force(self.further.added_to(samples))
+        self._room.add(samples[-1].ambient_degC, samples[-1].tick)  # the guard warns
         if self._command_A and getattr(self.source, "lacks_wire_limit", False):
             self._limit_late()
-        self._note_fault(samples[-1].quality)  # after it, all samples before a trip are returned
+        self._note_fault(last_quality)  # after it, all samples before a trip are returned
+        return samples
+
+    def _with_force(self, samples: tuple[Sample, ...]) -> tuple[Sample, ...]:
+        """The samples, marked if no wire carries the force that is measured with them."""
+        force_N = self.further.force_N()
+        self._alarms += self._force_check.add(force_N, samples[-1].tick)
+        if self._force_check.suspect:
+            return tuple(s._replace(quality=s.quality | int(Quality.SUSPECT)) for s in samples)
+        self.force.add(force_N)
         return samples
 
     def _note_fault(self, last_quality: int) -> None:
@@ -161,12 +173,12 @@ class Bench:
 
     def _hand_over_wire_limit(self, limit_wire_temperature: Callable[[float], None]) -> None:
         """Let the source hold ``temperature_max_K`` as well, above the ambient temperature of this moment."""
-        ambient_degC = self._ambient_degC
-        if math.isnan(ambient_degC):  # no sample yet
+        if not self._room.known:  # no sample yet
             ambient_degC = next((p.ambient_degC for p in self.sensor.since(self.tick, 1)), math.nan)
-            ambient_degC = self.further.room.temperature_degC() if self.further.room else ambient_degC
-        if not math.isnan(ambient_degC):
-            limit_wire_temperature(ambient_degC + self.file.limits.temperature_max_K)
+            if self.further.room:
+                ambient_degC = number_from(self.further.room, "temperature_degC")
+            self._room.add(ambient_degC, self.tick)
+        limit_wire_temperature(self._room.degC + self.file.limits.temperature_max_K)
 
     def _read_positions(self, at_most: int) -> list[PositionReading]:
         """Readings of the encoder since the last call; on hardware, waits for its next tick."""

@@ -22,6 +22,7 @@ from smarig.rig.lease_limits import limits_in_force, without_lease_text
 from smarig.rig.motion_model import MotionModel, motion_of
 from smarig.rig.resistance_motion import ResistanceMotion
 from smarig.rig.rig import Rig
+from smarig.rig.room_temperature import RoomTemperature
 from smarig.rig.stress_limit import stress_limit
 
 REST_TICKS, REST_WINDOWS = 100, 4  # readings at rest, and the settling windows that they last at most
@@ -147,7 +148,8 @@ def _checks(
     actuator = Actuator.named(file.actuator)
     no_lease = without_lease_text(file, actuator)
     file = file.model_copy(update={"limits": limits_in_force(file.limits, actuator, has_lease=rig.has_lease)})
-    wire = _WatchedWire(Guard(rig, file.limits, actuator, stress=stress_limit(file, actuator)), watch)
+    guard = Guard(rig, file.limits, actuator, stress=stress_limit(file, actuator), room=RoomTemperature(file))
+    wire = _WatchedWire(guard, watch)
     at_rest = wire.samples(0.0, _rest_ticks(file.period_s))
     rest = at_rest[-1]
     yield _at_rest(rest, file, measured=rig.measures_ambient)

@@ -14,6 +14,7 @@ from smarig.device import NO_MEASURED_CURRENT, AbsoluteZero
 from smarig.plant import Actuator, JouleHeating
 from smarig.rig.plausibility import REST_TAUS, Plausibility
 from smarig.rig.rig import Alarm, Rig
+from smarig.rig.room_temperature import RoomTemperature
 from smarig.rig.shutdown import after_shutdown, confirm_zero
 from smarig.rig.stress_limit import StressLimit
 
@@ -31,8 +32,10 @@ class Guard:
         actuator: Actuator,
         plausibility: Plausibility | None = None,
         stress: StressLimit | None = None,
+        room: RoomTemperature | None = None,
     ) -> None:
         self.rig, self.limits, self._plausibility, self._stress = rig, limits, plausibility, stress
+        self._room = room
         self._alarms: list[Alarm] = []
         self._first_tick = self._last_tick = rig.tick
         self._unsure_until = rig.tick  # the assumed start of the prediction is forgotten at this tick
@@ -90,26 +93,29 @@ class Guard:
                 heat.step(heating_A)
             self._last_tick = sample.tick
             input_K = heat.step(heating_A)
-            answer.append((self._marked(sample, heating_A), input_K))
+            checked = self._in_plausible_room(sample)
+            answer.append((self._marked(sample, checked, heating_A), input_K))
             if self._stress is not None:
                 self._stress.update(heat.wire_K)
             hottest_K = max(heat.wire_K)
             if not hottest_K <= limit or heat.wire_K[1] != heat.wire_K[1]:  # also trips on NaN
                 self._trip_on_prediction(hottest_K, sample.current_A)
-            elif sample.temperature_degC - sample.ambient_degC > limit:
+            elif checked.temperature_degC - checked.ambient_degC > limit:
                 self._trip(
-                    f"The measured wire temperature {sample.temperature_degC:.1f} °C is "
-                    f"{sample.temperature_degC - sample.ambient_degC:.1f} K above ambient and exceeds the limit "
+                    f"The measured wire temperature {checked.temperature_degC:.1f} °C is "
+                    f"{checked.temperature_degC - checked.ambient_degC:.1f} K above ambient and exceeds the limit "
                     f"temperature_max_K = {limit:g}."
                 )
         return answer
 
     def _trip_on_prediction(self, hottest_K: float, current_A: float) -> None:
-        if hottest_K < math.inf:
+        if math.isfinite(self.input_K):
             self._trip(
                 f"Predicted wire temperature {hottest_K:.5g} K above ambient exceeds the limit "
                 f"temperature_max_K = {self.limits.temperature_max_K:g}."
             )
+        elif self.tripped:
+            return  # by the sample whose current was no number: no later prediction is one
         elif math.isnan(current_A):
             self._trip(f"The measured current reads {current_A} A. {NO_MEASURED_CURRENT}")
         else:
@@ -126,15 +132,26 @@ class Guard:
             return sample.current_A
         return max(self._last_A, sample.current_A, key=abs)
 
-    def _marked(self, sample: Sample, heating_A: float) -> Sample:
-        """The sample, marked if it is implausible; trips on errors."""
-        if self._plausibility is None:
+    def _in_plausible_room(self, sample: Sample) -> Sample:
+        """The sample with an ambient temperature that a room can have, on which limits and checks rest."""
+        if self._room is None:
             return sample
-        for alarm in self._plausibility.check(sample, self.heating.input_K, heating_A):
+        self._alarms += self._room.add(sample.ambient_degC, sample.tick)
+        if self._room.suspect or math.isnan(sample.ambient_degC):
+            return sample._replace(ambient_degC=self._room.degC)
+        return sample
+
+    def _marked(self, sample: Sample, checked: Sample, heating_A: float) -> Sample:
+        """The sample, marked if it is implausible; trips on errors."""
+        is_number = math.isfinite(self.input_K)
+        suspect = not is_number or (self._room is not None and self._room.suspect)
+        if self._plausibility is None or not is_number:  # of a current that is none, no model can tell more
+            return sample._replace(quality=sample.quality | _SUSPECT) if suspect else sample
+        for alarm in self._plausibility.check(checked, self.heating.input_K, heating_A):
             self._alarms.append(alarm)
             if alarm.level == "error" and not self.tripped:
                 self._trip(alarm.text)
-        suspect = self._plausibility.suspect
+        suspect = suspect or self._plausibility.suspect
         if self._last_tick < self._unsure_until:
             self._plausibility.input_unsure()
         return sample._replace(quality=sample.quality | _SUSPECT) if suspect else sample

@@ -46,6 +46,7 @@ from smarig.rig import (
     Plausibility,
     Rig,
     RigReadings,
+    RoomTemperature,
     TwinSettings,
     limits_in_force,
     open_rig,
@@ -140,6 +141,7 @@ class Session:
             self.actuator,
             Plausibility(self.file, self.actuator, self._readings()),
             stress_limit(self.file, self.actuator),
+            RoomTemperature(self.file),
         )
         self._zero = zero_of_session(self.guard.absolute_zero)
         with suppress(SmarigError):  # a damaged history: a run reports it

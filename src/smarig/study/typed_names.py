@@ -5,7 +5,7 @@ import re
 from smarig.core import shown
 from smarig.exchange import FoundTable
 
-_NUMBERED = re.compile(r"column (\d+)")
+_NUMBERED = re.compile(r"column (\d{1,9})")
 _LOST = "\N{REPLACEMENT CHARACTER}"  # in place of bytes that are no text
 _MOST_LISTED = 12
 

@@ -36,16 +36,22 @@ class Pages:
     """The pages of a console in this process, where what they do is watched."""
 
     def __init__(self, context: ConsoleContext) -> None:
+        self.library = context.library
         self._application = console_application(context, "token", PORT)
 
     def ask(self, path: str, **form: str) -> Reply:
         """A page, or what a form of it sends."""
-        return asyncio.run(self._ask(path, urlencode(form).encode()))
+        return self.send(path, urlencode(form).encode())
 
-    async def _ask(self, path: str, body: bytes) -> Reply:
+    def send(self, path: str, body: bytes, kind: str = "application/x-www-form-urlencoded") -> Reply:
+        """What the page answers to a body of this kind, or without one."""
+        return asyncio.run(self._ask(path, body, kind))
+
+    async def _ask(self, path: str, body: bytes, kind: str) -> Reply:
         place, _, query = path.partition("?")
         headers = {"host": f"127.0.0.1:{PORT}", "cookie": f"smarig-console-{PORT}=token"}
-        headers |= {"origin": f"http://127.0.0.1:{PORT}", "content-type": "application/x-www-form-urlencoded"}
+        headers |= {"origin": f"http://127.0.0.1:{PORT}", "content-type": kind}
+        headers |= {"content-length": str(len(body))}
         scope = {
             "type": "http",
             "method": "POST" if body else "GET",

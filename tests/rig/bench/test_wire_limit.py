@@ -9,6 +9,7 @@ from rig.bench.wired_bench import FILE, Wired
 from rig.bench.wired_time import FiveOhms
 from simulators import register_device
 from smarig.core.errors import ConfigError, LeaseExpired
+from smarig.device.drivers.smarig_encoder_daq import SmarigEncoderDaq
 from smarig.device.encoding.register import load_register_map
 
 AMBIENT, NONE = 2200, -32768
@@ -164,3 +165,17 @@ def test_a_limit_beyond_the_register_is_refused_in_one_sentence(monkeypatch):
     ):
         wired.step(0.3)
     assert (wired.world.amplifier.output_uA, wired.world.amplifier.state) == (0, "off")
+
+
+@pytest.mark.parametrize("wrong_degC", [320.0, -320.0, 60.0])
+def test_the_limit_in_the_amplifier_is_that_of_a_room(wired, monkeypatch, wrong_degC):
+    since = SmarigEncoderDaq.since
+
+    def wrong(*range_):
+        return [reading._replace(ambient_degC=wrong_degC) for reading in since(*range_)]
+
+    monkeypatch.setattr(SmarigEncoderDaq, "since", wrong)
+    for _ in range(3):
+        wired.step(0.0)
+    wired.step(0.3)
+    assert limit(wired) == LIMIT

@@ -15,6 +15,7 @@ from typing import Any
 
 from smarig.console.command_process import run_command
 from smarig.console.library.library_entry import Entry
+from smarig.console.own_place import is_own_place, own_place
 from smarig.console.web.console_context import ConsoleContext
 from smarig.console.web.evaluation_jobs import EvaluationJob, EvaluationResult
 from smarig.core import UsageError, printable
@@ -120,9 +121,9 @@ def start_evaluation(context: ConsoleContext, entry: Entry, name: str, choice: s
         raise UsageError("This entry has no such evaluation.")
     if name in _WITH_MODEL and chosen is None:
         raise UsageError("Choose a model of the library.")
-    (context.folder / PAGES).mkdir(exist_ok=True)
     arguments = commands[name]
-    page = Path(arguments[arguments.index("-o") + 1]) / DIAGNOSIS_PAGE if name == "diagnose" else None
+    out = own_place(Path(arguments[arguments.index("-o") + 1]), context.folder) if "-o" in arguments else None
+    page = out / DIAGNOSIS_PAGE if out is not None and name == "diagnose" else None
 
     def compute() -> EvaluationResult:
         result = _run(context.folder, arguments)
@@ -165,7 +166,7 @@ def finished_page(context: ConsoleContext, entry: Entry) -> Path | None:
     if entry.path.suffix == ".html":
         return entry.path if entry.path.is_file() else None
     own = _page_of(context, entry) if entry.kind in _OWN_PAGES else entry.path.with_name(DIAGNOSIS_PAGE)
-    return own if own.is_file() else None
+    return own if is_own_place(own, context.folder) and own.is_file() else None
 
 
 def page_is_old(context: ConsoleContext, entry: Entry) -> bool:
@@ -177,8 +178,8 @@ def page_is_old(context: ConsoleContext, entry: Entry) -> bool:
 def compared_page(context: ConsoleContext, entries: Sequence[Entry]) -> Path:
     """The page that compares runs with the earliest. Raises UsageError with the sentence of the command."""
     entries = sorted(entries, key=lambda entry: entry.began or 0.0)
-    (context.folder / PAGES).mkdir(exist_ok=True)
-    out = context.folder / PAGES / ("comparison-" + "-".join(_short(e) for e in entries)[:100] + ".html")
+    name = "comparison-" + "-".join(_short(e) for e in entries)[:100] + ".html"
+    out = own_place(context.folder / PAGES / name, context.folder)
     done = _run(context.folder, ["report", *(str(e.path) for e in entries), "-o", str(out), "--force"])
     if not out.is_file():
         raise UsageError(done.text)

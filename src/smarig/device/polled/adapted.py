@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from smarig.config import RigFile
-from smarig.core import ConfigError
+from smarig.core import LONGEST_LINE, ConfigError, shown
 from smarig.device.polled.current_loop import CurrentLoop
 from smarig.device.polled.polled_position import PolledPosition
 from smarig.device.polled.polled_source import PolledSource
@@ -51,5 +51,11 @@ def _first_fit(instrument: Any, driver: str, kinds: Sequence[type], role_text: s
     if lacking[nearest]:
         raise ConfigError(
             f"Driver {driver}: the returned object lacks {', '.join(lacking[nearest])}, which {role_text} requires."
+        )
+    identity = instrument.identity
+    if not isinstance(identity, str) or len(identity) > LONGEST_LINE:
+        raise ConfigError(
+            f"Driver {driver}: identity is {shown(identity)}. Correct the driver: it must be a text of at most "
+            f"{LONGEST_LINE} characters that names the instrument."
         )
     return next(kind for kind in kinds if not lacking[kind])

@@ -3,7 +3,7 @@
 import math
 
 from smarig.config import RigFile
-from smarig.core import NAN, ConfigError, Quality
+from smarig.core import NAN, ConfigError, Quality, one_line
 from smarig.device.encoding.link_faults import Garbled
 from smarig.device.links.query import LARGEST
 from smarig.device.polled.host_clock import HostClock
@@ -14,6 +14,7 @@ from smarig.device.roles.ticked import AbsoluteZero, PositionReading
 from smarig.plant import Actuator
 
 LONGEST_GAP_S = 2.0  # without a valid reading; after it the sensor counts as lost
+_LONGEST_UNIT = 40  # of another driver's, in a message
 REPEATS_AT_START = 3  # readings tried before the first position is known
 
 
@@ -129,9 +130,10 @@ def _per_count(sensor: PositionInput, rig: RigFile) -> float:
         return 1.0
     unit = Actuator.named(rig.actuator).unit
     if sensor.unit != unit:
+        measured = one_line(str(sensor.unit), _LONGEST_UNIT)
         raise ConfigError(
-            f"{sensor.identity} measures in {sensor.unit}, but the wire of rig '{rig.name}' moves in {unit}. "
-            f"Name a rig whose wire moves in {sensor.unit}."
+            f"{sensor.identity} measures in {measured}, but the wire of rig '{rig.name}' moves in {unit}. "
+            f"Name a rig whose wire moves in {measured}."
         )
     if rig.encoder.resolution is None:
         raise ConfigError(

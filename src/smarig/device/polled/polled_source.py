@@ -3,7 +3,7 @@
 import math
 from typing import Literal
 
-from smarig.core import Quality, UsageError
+from smarig.core import Quality, UsageError, one_line
 from smarig.device.encoding.link_faults import Garbled
 from smarig.device.polled.line_counts import garbled_remedy, reconnections_of, repeats_of
 from smarig.device.polled.readings import electrical_from
@@ -98,7 +98,8 @@ class PolledSource:
         """Zero current."""
         if not self.tripped:
             self._waits = "off"
-        return self.output.off()
+        why = self.output.off()
+        return one_line(why) if isinstance(why, str) else why  # a bench refuses what is no text
 
     def close(self) -> None:
         """Close the line."""

@@ -15,6 +15,7 @@ from starlette.responses import HTMLResponse, Response
 from starlette.routing import Route
 
 from smarig.console.command_process import run_command
+from smarig.console.own_place import own_place
 from smarig.console.web.console_context import ConsoleContext, back, context_of, form_texts, page
 from smarig.console.web.loop_path import loop_path
 from smarig.console.web.report_response import report_response
@@ -47,9 +48,12 @@ async def upload(request: Request) -> Response:
         file = form.get("file")
         if not isinstance(file, UploadFile) or not file.filename:
             return _refused(request, "Choose a file.")
-        place = context_of(request).folder / UPLOADS / secrets.token_hex(6) / _safe_name(file.filename)
+        folder = context_of(request).folder
+        place = folder / UPLOADS / secrets.token_hex(6) / _safe_name(file.filename)
         try:
-            await run_in_threadpool(_kept, file, place)
+            await run_in_threadpool(_kept, file, own_place(place, folder))
+        except UsageError as error:
+            return _refused(request, str(error))
         except OSError as error:
             return _refused(request, f"The file could not be stored: {error.strerror or error}.")
     return back(f"/study/{place.parent.name}")
@@ -158,15 +162,16 @@ def _finished(context: ConsoleContext, file: Path) -> dict[str, str] | None:
 
 
 def _out(context: ConsoleContext, file: Path) -> Path:
-    return context.folder / STUDIES / f"{file.stem}_{file.parent.name}"
+    return own_place(context.folder / STUDIES / f"{file.stem}_{file.parent.name}", context.folder)
 
 
 def _file(context: ConsoleContext, key: str) -> Path:
     folder = context.folder / UPLOADS / key
-    files = [p for p in folder.iterdir() if p.is_file()] if _KEY.fullmatch(key) and folder.is_dir() else []
+    is_known = _KEY.fullmatch(key) and own_place(folder, context.folder).is_dir()
+    files = [p for p in folder.iterdir() if p.is_file()] if is_known else []
     if len(files) != 1:
         raise UsageError("This file is not in the folder any more. Choose it again.")
-    return files[0]
+    return own_place(files[0], context.folder)
 
 
 def _kept(file: UploadFile, place: Path) -> None:
