@@ -115,7 +115,7 @@ def moved(run, by):
 def test_a_loop_that_swings_or_rests_off_is_reported(runs):
     swinging = moved(runs["regulate"], lambda t: 5 * np.sin(t / 2))
     elsewhere = moved(runs["regulate"], lambda t: 0 * t + 13)
-    for run, words in ((swinging, "The position oscillates"), (elsewhere, "The position settled")):
+    for run, words in ((swinging, "The position oscillates"), (elsewhere, "counts) from the set-point")):
         assert words in loop_result_text(closed_loop_result(run), "mm")
         assert words in Page(run_page(run)).visible
 

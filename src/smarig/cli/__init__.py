@@ -31,6 +31,7 @@ from smarig.core import (
 
 _FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
 EXIT_LIMIT_S = 4.0  # for what the interpreter clears up
+_COMPLETION = "_SMARIG_COMPLETE"  # set by the shell that asks for completions
 _SOURCE_DATE = (
     "SOURCE_DATE_EPOCH"  # libraries read it when they are imported: each would fail in words of its own
 )
@@ -130,7 +131,7 @@ def run(arguments: Sequence[str] | None = None) -> int:
     except ArithmeticError as error:
         return report_error(f"A number in these files is too large or too small to compute with: {error}.", 4)
     except BaseException as error:  # a SystemExit that is none of smarig would end the process in silence
-        if os.environ.get("SMARIG_DEBUG"):
+        if os.environ.get("SMARIG_DEBUG") or _COMPLETION in os.environ:  # completions end by SystemExit
             raise
         return report_error(
             f"Internal error ({error_text(error)}). This is a bug in smarig; "
