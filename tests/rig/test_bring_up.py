@@ -63,6 +63,17 @@ def test_a_shunt_that_shows_nothing_ends_it_within_the_first_stairs(change):
     assert driven <= 0.1 + 1e-9, "of 1 A: two stairs of twenty"
 
 
+def test_a_room_thermometer_that_cannot_be_right_is_named():
+    found, _ = checked(lambda s: s._replace(ambient_degC=500.0))
+    check = found["room temperature"]
+    assert (check.passed, check.limitation) == (True, True)
+    assert check.observed.startswith(
+        "The thermometer of the room reads 500 °C, which a room of 22.0 °C with "
+    )
+    assert found["encoder direction"].passed
+    assert "room temperature" not in checked(lambda s: s)[0]
+
+
 def test_a_source_without_a_voltage_is_reported():
     found, driven = checked(lambda s: s._replace(voltage_V=float("nan")))
     check = found["resistance"]

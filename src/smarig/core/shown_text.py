@@ -65,10 +65,10 @@ def error_text(error: BaseException) -> str:
     'OSError: no such device'
     """
     try:
-        said = str(error)
+        message = str(error)
     except Exception:  # of a class that says nothing of itself
-        said = ""
-    return one_line(f"{type(error).__name__}: {said}").rstrip(".: ")
+        message = ""
+    return one_line(f"{type(error).__name__}: {message}").rstrip(".: ")
 
 
 def _escaped(character: str) -> str:

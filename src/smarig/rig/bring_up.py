@@ -45,6 +45,7 @@ _RESISTANCE_REMEDY = (
     "check clamps, wire and shunt; another wire has an actuator file of its own (smarig new actuator NAME), with these "
     "resistances"
 )
+_FURTHER_SENSORS = {"room": "room temperature", "force": "load cell"}  # by the kind of their alarms
 _NO_CURRENT_REMEDY = (
     "no current flows: check the circuit of the wire, and whether the driver switches the output on"
 )
@@ -155,6 +156,7 @@ def _checks(
     yield _at_rest(rest, file, measured=rig.measures_ambient)
     if not _follows_command(rest, 0.0, file):
         return
+    yield from _further_sensors(guard)
     yield from _settling(at_rest, file)
     if not math.isnan(rest.temperature_degC) and not rig.holds_wire_limit:
         yield Check("wire temperature", True, HOST_ALONE, limitation=True)
@@ -176,6 +178,13 @@ def _at_rest(sample: Sample, file: RigFile, *, measured: bool) -> Check:
     by = "" if measured else " by the rig file (not measured)"
     observed = f"{sample.current_A:.4f} A measured at 0 A; ambient {sample.ambient_degC:.1f} °C{by}"
     return Check("at rest", _follows_command(sample, 0.0, file), observed)
+
+
+def _further_sensors(guard: Guard) -> Iterator[Check]:
+    """A limitation for each sensor whose readings are not plausible at rest."""
+    for alarm in guard.alarms():
+        if alarm.kind in _FURTHER_SENSORS:
+            yield Check(_FURTHER_SENSORS[alarm.kind], True, alarm.text, limitation=True)
 
 
 def _settling(at_rest: list[Sample], file: RigFile) -> Iterator[Check]:

@@ -93,17 +93,17 @@ class Guard:
                 heat.step(heating_A)
             self._last_tick = sample.tick
             input_K = heat.step(heating_A)
-            checked = self._in_plausible_room(sample)
-            answer.append((self._marked(sample, checked, heating_A), input_K))
+            ambient_degC = self._ambient_degC(sample)
+            answer.append((self._marked(sample, ambient_degC, heating_A), input_K))
             if self._stress is not None:
                 self._stress.update(heat.wire_K)
             hottest_K = max(heat.wire_K)
             if not hottest_K <= limit or heat.wire_K[1] != heat.wire_K[1]:  # also trips on NaN
                 self._trip_on_prediction(hottest_K, sample.current_A)
-            elif checked.temperature_degC - checked.ambient_degC > limit:
+            elif sample.temperature_degC - ambient_degC > limit:
                 self._trip(
-                    f"The measured wire temperature {checked.temperature_degC:.1f} °C is "
-                    f"{checked.temperature_degC - checked.ambient_degC:.1f} K above ambient and exceeds the limit "
+                    f"The measured wire temperature {sample.temperature_degC:.1f} °C is "
+                    f"{sample.temperature_degC - ambient_degC:.1f} K above ambient and exceeds the limit "
                     f"temperature_max_K = {limit:g}."
                 )
         return answer
@@ -132,21 +132,22 @@ class Guard:
             return sample.current_A
         return max(self._last_A, sample.current_A, key=abs)
 
-    def _in_plausible_room(self, sample: Sample) -> Sample:
-        """The sample with an ambient temperature that a room can have, on which limits and checks rest."""
+    def _ambient_degC(self, sample: Sample) -> float:
+        """The ambient temperature on which limits rest: as it is measured, if a room can have it."""
         if self._room is None:
-            return sample
+            return sample.ambient_degC
         self._alarms += self._room.add(sample.ambient_degC, sample.tick)
-        if self._room.suspect or math.isnan(sample.ambient_degC):
-            return sample._replace(ambient_degC=self._room.degC)
-        return sample
+        implausible = self._room.suspect or math.isnan(sample.ambient_degC)
+        return self._room.degC if implausible else sample.ambient_degC
 
-    def _marked(self, sample: Sample, checked: Sample, heating_A: float) -> Sample:
+    def _marked(self, sample: Sample, ambient_degC: float, heating_A: float) -> Sample:
         """The sample, marked if it is implausible; trips on errors."""
         is_number = math.isfinite(self.input_K)
-        suspect = not is_number or (self._room is not None and self._room.suspect)
+        other_room = self._room is not None and self._room.suspect
+        suspect = other_room or not is_number
         if self._plausibility is None or not is_number:  # of a current that is none, no model can tell more
             return sample._replace(quality=sample.quality | _SUSPECT) if suspect else sample
+        checked = sample._replace(ambient_degC=ambient_degC) if other_room else sample
         for alarm in self._plausibility.check(checked, self.heating.input_K, heating_A):
             self._alarms.append(alarm)
             if alarm.level == "error" and not self.tripped:
