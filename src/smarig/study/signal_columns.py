@@ -6,6 +6,8 @@ import numpy as np
 
 from smarig.study import quantity_words as q
 from smarig.study.column_guess import UNSURE, ColumnGuess
+from smarig.study.physical_roles import leads
+from smarig.study.thermometer_places import distance
 
 _OUTPUTS = (
     q.STRAIN,
@@ -18,6 +20,7 @@ _OUTPUTS = (
     q.FORCE,
     q.STRESS,
     q.RESISTANCE,
+    q.RESISTIVITY,
     q.HEAT_FLOW,
 )
 _INPUTS = {
@@ -28,7 +31,7 @@ _INPUTS = {
     q.STRESS: (q.TEMPERATURE, q.STRAIN),
     q.HEAT_FLOW: (q.TEMPERATURE,),
     q.CHARGE: (q.VOLTAGE, q.ELECTRIC_FIELD, q.CURRENT, q.TEMPERATURE),
-    q.VOLTAGE: (q.CHARGE,),
+    q.VOLTAGE: (q.CHARGE, q.TEMPERATURE),
 }
 _MECHANICAL = (
     q.TEMPERATURE,
@@ -62,7 +65,7 @@ def output_column(left: Sequence[ColumnGuess], named: str | None, not_this: str 
             continue
         if found:
             return max(found, key=lambda c: (not c.by_numbers, c.unit_confidence > UNSURE, -able.index(c)))
-    return _output_with_charge(able)
+    return _output_with_charge(able) or _read_voltage(able)
 
 
 def _output_with_charge(able: Sequence[ColumnGuess]) -> ColumnGuess | None:
@@ -73,6 +76,18 @@ def _output_with_charge(able: Sequence[ColumnGuess]) -> ColumnGuess | None:
     voltage = next((c for c in able if c.quantity == q.VOLTAGE and not c.commanded), None)
     counted = charge is not None and charge.unit.endswith("h")
     return voltage if counted else charge
+
+
+def _read_voltage(able: Sequence[ColumnGuess]) -> ColumnGuess | None:
+    """A voltage that was read beside a temperature, as that of a divider. One that heats is beside its current or
+    power, was commanded, or leads the temperature.
+    """
+    voltages = [c for c in able if c.quantity == q.VOLTAGE]
+    warm = next((c for c in able if c.quantity == q.TEMPERATURE), None)
+    heated = len(voltages) > 1 or any(c.quantity in (q.CURRENT, q.POWER, q.DUTY) for c in able)
+    if not voltages or warm is None or heated or voltages[0].commanded:
+        return None
+    return None if leads(voltages[0].facts.values, warm.facts.values) else voltages[0]
 
 
 def input_column(
@@ -88,7 +103,8 @@ def input_column(
     for quantity in order:
         found = [c for c in able if c.quantity == quantity]
         if found:
-            return min(found, key=lambda c: (c.commanded or is_grid(c), able.index(c)))
+            places = {c.name: distance(c) if quantity == q.TEMPERATURE else 0 for c in found}
+            return min(found, key=lambda c: (c.commanded or is_grid(c), places[c.name], able.index(c)))
     nameless = [c for c in able if not c.quantity]
     return nameless[0] if nameless else None
 

@@ -22,9 +22,8 @@ from smarig.study.column_guess import (
     WEAK,
     ColumnGuess,
     guess_columns,
-    like_temperature,
 )
-from smarig.study.nameless_columns import LoopRoles, doubt_by_loop, roles_by_loop
+from smarig.study.nameless_columns import doubt_by_loop, roles_by_loop, unless_rivals
 from smarig.study.second_thermometer import SecondThermometer, second_thermometer, witness_reason
 from smarig.study.signal_columns import holds_still, input_column, is_grid, output_column
 from smarig.study.typed_names import typed_name
@@ -157,7 +156,7 @@ def guess_table(
     if drive is not None and out is not None and input is None and output is None and not pairs:
         found = roles_by_loop(drive, out)
     if found is not None:
-        found = _unless_rivals(found, left)
+        found = unless_rivals(found, left)
         drive, out = found.drive, found.out
         columns = [next((c for c in (drive, out) if c.name == g.name), g) for g in columns]
         roles |= {
@@ -178,29 +177,6 @@ def guess_table(
         guess = _of_two_branches(guess, {drive.name: drive.name} | pairs, by_words)
     scale, sign = _sign(drive, out)
     return replace(guess, scale=scale, sign=sign, settled=_is_staircase(drive, guess))
-
-
-def _unless_rivals(found: LoopRoles, left: Sequence[ColumnGuess]) -> LoopRoles:
-    """Roles by a loop are a doubt if further columns without names could be the output: neither a copy of the input
-    nor a further thermometer.
-    """
-    rivals = [c for c in left if c.name not in (found.drive.name, found.out.name) and c.by_numbers]
-    rivals = [c for c in rivals if c.quantity in ("", found.out.quantity) and not holds_still(c)]
-    rivals = [c for c in rivals if not _is_multiple(c, found.drive) and not like_temperature(c.facts)]
-    if not rivals:
-        return found
-    names = ", ".join(f"{shown(c.name)}" for c in (found.out, *rivals))
-    return replace(found, rivals=f"the names of the columns say nothing; the output is one of {names}")
-
-
-def _is_multiple(c: ColumnGuess, drive: ColumnGuess) -> bool:
-    """Whether a column is the input in another unit, but for its last digits."""
-    known = np.isfinite(c.facts.values) & np.isfinite(drive.facts.values)
-    u, y = drive.facts.values[known], c.facts.values[known]
-    if u.size < 3 or not np.ptp(u):
-        return False
-    rest = y - np.polyval(np.polyfit(u, y, 1), u)
-    return bool(np.abs(rest).max() <= c.facts.step)
 
 
 def _of_two_branches(guess: TableGuess, branches: dict[str, str], by_words: bool) -> TableGuess:
@@ -327,6 +303,8 @@ def _unused(c: ColumnGuess, out: ColumnGuess | None) -> str:
         return f"{c.quantity}: {c.quantity_reason}"
     if out is not None and c.quantity == out.quantity:
         return f"another {c.quantity} than the output {shown(out.name)}"
+    if c.commanded and c.quantity == q.TEMPERATURE:
+        return "a set-point: it was not measured"
     if c.facts.constant:
         return f"nearly constant at {np.mean(c.facts.known):.4g}"
     return f"{c.quantity}, not needed" if c.quantity else "its meaning is not clear, and it is not needed"
