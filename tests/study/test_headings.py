@@ -1,9 +1,11 @@
 """Headings of columns: which of their brackets is the unit, and what is a remark or a name."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
-from smarig.exchange import convert
+from smarig.exchange import FoundColumn, convert
 from smarig.study import guess_table
 from study.known_data import displacements, table_of, temperatures
 
@@ -43,3 +45,17 @@ def test_a_voltage_that_leads_the_temperature_heats():
     guess = guess_table(table_of(**{"t (s)": t, "Voltage (V)": heating, "Temperature (°C)": warmed}))
     assert guess.heating_only
     assert [c.name for c in guess.of_role("input")] == ["Voltage (V)"]
+
+
+@pytest.mark.parametrize(("unit", "factor"), [("s", 1.0), ("min", 60.0)])
+def test_a_finer_time_is_the_clock_before_stamps_of_whole_seconds(unit, factor):
+    t = np.arange(U.size) * 1.5
+    stamps = FoundColumn("Datum", "", np.floor(t), "clock")
+    table = table_of(**{f"Zeit relativ [{unit}]": t / factor, "Temperatur [°C]": U, "Weg [mm]": X})
+    guess = guess_table(replace(table, columns=(stamps, *table.columns)))
+    assert [c.name for c in guess.of_role("time")] == [f"Zeit relativ [{unit}]"]
+    other = table_of(**{f"Zeit relativ [{unit}]": 1.2 * t / factor, "Temperatur [°C]": U, "Weg [mm]": X})
+    guess = guess_table(replace(other, columns=(stamps, *other.columns)))
+    assert [c.name for c in guess.of_role("time")] == [
+        "Datum"
+    ]  # another clock, which may not be that of the rows

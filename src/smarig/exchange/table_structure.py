@@ -8,7 +8,8 @@ from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from smarig.exchange.cell_values import clock_seconds, is_missing, is_number
+from smarig.exchange.cell_values import is_missing, is_number
+from smarig.exchange.clock_cells import clock_seconds
 from smarig.exchange.found_table import CLOCK, NUMBER, TEXT
 from smarig.exchange.text_table import HEADER_WITHIN
 from smarig.exchange.written_units import is_unit, is_units_row, without_markup

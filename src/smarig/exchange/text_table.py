@@ -14,8 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from smarig.core import DataError, UsageError, check_file, file_bytes, shown
-from smarig.exchange.cell_values import clock_column, is_missing, is_number, number_column
+from smarig.exchange.cell_values import is_missing, is_number, number_column
 from smarig.exchange.channel_rows import channel_rows
+from smarig.exchange.clock_cells import clock_column
 from smarig.exchange.eight_bit_text import eight_bit_text
 from smarig.exchange.logged_rows import logged_rows
 from smarig.exchange.no_reading import count_marks, mark_notes

@@ -206,7 +206,22 @@ def _time(columns: Sequence[ColumnGuess]) -> ColumnGuess | None:
     """The clock: a column of times that never runs backwards, or that a resumed log starts again from its beginning."""
     times = [c for c in columns if c.quantity == q.TIME and not c.facts.missing]
     resumed = [c for c in times if c.facts.restarts and c.facts.kind != "clock" and not c.by_numbers]
-    return next((c for c in times if c.facts.rising), next(iter(resumed), None))
+    first = next((c for c in times if c.facts.rising), next(iter(resumed), None))
+    return next((c for c in times if first is not None and _is_finer(c, first)), first)
+
+
+def _is_finer(c: ColumnGuess, clock: ColumnGuess) -> bool:
+    """Whether a time is that of a clock of whole seconds, but finer: they agree within a second, as rounding does."""
+    if (
+        clock.facts.kind != "clock"
+        or not clock.facts.whole
+        or not c.facts.rising
+        or dimension(c.unit) != "time"
+    ):
+        return False
+    seconds = convert(c.facts.values, c.unit, "s")
+    apart = seconds - seconds[0] - (clock.facts.values - clock.facts.values[0])
+    return bool(np.ptp(apart) <= 1 and (seconds != np.round(seconds)).any())
 
 
 def _fraction(others: Sequence[ColumnGuess], time: ColumnGuess) -> ColumnGuess | None:
