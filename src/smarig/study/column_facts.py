@@ -97,6 +97,11 @@ def column_facts(column: FoundColumn) -> ColumnFacts:
     )
 
 
+def counts_rows(f: ColumnFacts) -> bool:
+    """Whether a column rises by one from row to row."""
+    return f.rising and f.even and f.whole and f.step == 1
+
+
 def steps_of(part: ColumnFacts, whole: ColumnFacts) -> bool:
     """Whether a column that moves holds the steps of another one from row to row, but for noise.
 

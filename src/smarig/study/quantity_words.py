@@ -11,7 +11,7 @@ SCATTER = "error of a reading"
 NO_SIGNALS = (TIME, INDEX, CYCLE, RATE, SCATTER)  # whatever their units
 TEMPERATURE, AMBIENT = "temperature", "ambient temperature"
 STRAIN, DISPLACEMENT, ANGLE = "strain", "displacement", "angle"
-FORCE, STRESS, PRESSURE = "force", "stress", "pressure"
+FORCE, STRESS, PRESSURE, MODULUS = "force", "stress", "pressure", "modulus"
 CURRENT, VOLTAGE, RESISTANCE, POWER, DUTY = "current", "voltage", "resistance", "power", "duty cycle"
 RESISTIVITY = "resistivity"
 FIELD, FLUX, MOMENT, MAGNETISATION = "magnetic field", "flux density", "magnetic moment", "magnetisation"
@@ -42,6 +42,7 @@ _WORDS: tuple[tuple[str, str], ...] = (  # the first that matches counts
         TEMPERATURE,
         r"temp|thermo|pyro|celsius|^tc ?\d*$|^t ?\d+$|^t (wire|sample|probe|oven|heater|front|end)\b",
     ),
+    (MODULUS, r"modulus|\b(speicher|verlust|schub|e|g)?modul\b"),
     (STRAIN, r"strain|dehn|deform|\beps|elongation rel|stretch"),
     (STRESS, r"stress|\bsigma|contrainte|(zug|druck)spannung|tension mech"),
     (MAGNETISATION, r"magneti[sz]ation|magnetisierung|aimantation"),
@@ -100,6 +101,7 @@ DIMENSIONS = {  # of the units in which a quantity may be given
     ANGLE: ("angle",),
     STRESS: ("stress or pressure",),
     PRESSURE: ("stress or pressure",),
+    MODULUS: ("stress or pressure",),
     FORCE: ("force", "mass"),
     CURRENT: ("current",),
     VOLTAGE: ("voltage",),
@@ -152,6 +154,8 @@ def name_and_unit(name: str, written_unit: str = "") -> tuple[str, str]:
         return per
     for pattern in (_BEHIND_SIGN, _LAST_WORD):
         match = pattern.match(name)
+        if match and match[2].isdigit():  # "axis 1": the unit 1 stands in brackets or behind a sign
+            continue
         if match and _is_stated(match[2], pattern) and (pattern is _BEHIND_SIGN or len(match[2]) <= 6):
             if pattern is _LAST_WORD and match[2].lower() in ("t", "h", "m", "l", "f", "d", "g"):
                 continue

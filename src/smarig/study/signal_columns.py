@@ -19,6 +19,7 @@ _OUTPUTS = (
     q.ANGLE,
     q.FORCE,
     q.STRESS,
+    q.MODULUS,
     q.RESISTANCE,
     q.RESISTIVITY,
     q.HEAT_FLOW,
@@ -54,6 +55,7 @@ def output_column(left: Sequence[ColumnGuess], named: str | None, not_this: str 
     if named is not None:
         return next((c for c in left if c.name == named), None)
     able = [c for c in left if c.name != not_this and not holds_still(c)]
+    able = [c for c in able if c.quantity != q.FORCE or not _differs_from_row_to_row(c.facts.known)] or able
     if not able:
         return None
     hot = any(c.quantity == q.TEMPERATURE for c in able)
@@ -118,7 +120,8 @@ def holds_still(c: ColumnGuess) -> bool:
     """Whether a load or a temperature was held, whatever noise it has. Other columns count if they move at all."""
     mean, spread = (abs(float(np.mean(c.facts.known))), c.facts.spread) if c.facts.known.size else (0.0, 0.0)
     if c.quantity == q.STRESS:
-        return spread <= _STRESS_SHARE * mean or _is_noise(c.facts.known)
+        noise = _differs_from_row_to_row(c.facts.known) and mean > 3 * float(np.std(c.facts.known))
+        return spread <= _STRESS_SHARE * mean or noise
     if c.quantity == q.FORCE:
         return c.unit != "count" and spread <= _FORCE_SHARE * mean
     if c.quantity == q.TEMPERATURE:
@@ -126,7 +129,6 @@ def holds_still(c: ColumnGuess) -> bool:
     return c.facts.levels <= 1
 
 
-def _is_noise(x: np.ndarray) -> bool:
-    """Whether values are noise about a mean: each differs from the next as from any other, and few are far from it."""
-    sd = float(np.std(x))
-    return bool(x.size > 10 and np.std(np.diff(x)) > sd and abs(float(np.mean(x))) > 3 * sd > 0)
+def _differs_from_row_to_row(x: np.ndarray) -> bool:
+    """Whether values are noise: each differs from the next as from any other."""
+    return bool(x.size > 10 and np.std(np.diff(x)) > np.std(x))

@@ -23,6 +23,7 @@ from smarig.study.column_guess import (
     ColumnGuess,
     guess_columns,
 )
+from smarig.study.heat_flow_columns import with_heat_flows
 from smarig.study.nameless_columns import doubt_by_loop, roles_by_loop, unless_rivals
 from smarig.study.second_thermometer import SecondThermometer, second_thermometer, witness_reason
 from smarig.study.signal_columns import holds_still, input_column, is_grid, output_column
@@ -120,7 +121,7 @@ def guess_table(
         if name not in table.names:
             known = [typed_name(table, own) for own in table.names]
             raise UsageError(f"{table.path} has no column {shown(name)}{suggestion(name, known)}.")
-    columns = guess_columns(table, units or {}, files)
+    columns = with_heat_flows(table, guess_columns(table, units or {}, files))
     pairs, by_words = branch_pairs(columns), False
     if not pairs:
         pairs, by_words = branches_by_words(columns, output), True
