@@ -167,7 +167,7 @@ def _slim(hypothesis: ComparedHypothesis) -> ComparedHypothesis:
 
 
 def _around(best: float, options: Sequence[float]) -> list[float]:
-    """Values between the neighbours of the best option; one that is an option but for rounding is that option, since two
+    """Values between the neighbours of the best option; a value that is an option but for rounding is that option: two
     trials of one value have no slope between them.
     """
     k, ordered = sorted(options).index(best), sorted(options)
