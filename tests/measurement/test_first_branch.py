@@ -1,4 +1,4 @@
-"""A first branch from another state: the output never comes back to where it began, although its far end is the same."""
+"""A first branch from another state: the output never comes back to where it began, though its far end is the same."""
 
 import numpy as np
 import pytest

@@ -3,6 +3,9 @@
 import numpy as np
 import pytest
 
+from smarig.core import DataError
+from smarig.exchange import import_file
+from smarig.record import load_run
 from smarig.study import StudyOptions, study
 from smarig.study.held_loads import tables_of_loads
 from smarig.study.understanding import understand
@@ -58,3 +61,18 @@ def test_the_loads_are_those_of_the_runs(tmp_path):
     means = [table.run.info.conditions["load"]["mean"] for table in result.tables]
     assert means == pytest.approx([20, 40, 60], abs=0.1)
     assert [len(table.run) for table in result.tables] == [CYCLE.size] * 3
+
+
+def test_more_rows_than_there_are_is_an_error(tmp_path):
+    path = tmp_path / "a.csv"
+    path.write_text("t,u,x\n" + "".join(f"{k},{k % 7},{k % 5}\n" for k in range(20)))
+    text = """name = "a"\nsummary = "a"\nsource = "a"\n[file]\ndelimiter = "comma"\n[rows]\nfirst = 3\nlast = %d
+[time]\ncolumn = "t"\n[columns]\ninput = { column = "u", unit = "V" }\nposition = { column = "x", unit = "mm" }
+[input]\nchannel = "input"\nquantity = "voltage"\nunit = "V"\n[output]\nquantity = "displacement"\nunit = "mm"\n"""
+    (tmp_path / "m.toml").write_text(text % 21)
+    with pytest.raises(DataError, match="the table has 20 rows, but \\[rows\\] ends at row 21"):
+        import_file(path, format="csv", out=tmp_path / "a.run.sqlite", mapping=str(tmp_path / "m.toml"))
+    (tmp_path / "m.toml").write_text(text % 12)
+    report = import_file(path, format="csv", out=tmp_path / "a.run.sqlite", mapping=str(tmp_path / "m.toml"))
+    np.testing.assert_allclose(load_run(report.run)["t_s"], np.arange(2, 12))
+    assert "Rows 3 to 12 of 20 are read, as the mapping says." in [f.text for f in report.findings]

@@ -26,22 +26,22 @@ def tables_of_loads(table: FoundTable, drive: str | None = None, out: str | None
     if table.format == _FORC or len(table) < _FEWEST_TURNS:
         return [table]
     guess = guess_table(table, input=drive, output=out)
-    used, target = (*guess.of_role("input"), *guess.of_role("output")), guess.first("input")
+    target, used = guess.first("input"), (*guess.of_role("input"), *guess.of_role("output"))
     loads = [
         c for c in guess.columns if c.quantity in (q.STRESS, q.FORCE) and c not in used and not c.by_numbers
     ]
-    for load in loads if target is not None else ():
-        if holds_still(load):
-            return [table]
-        parts = _stretches(load.facts.values)
-        if len(parts) > 1 and all(_has_cycle(target, part) and _is_held(table, load, part) for part in parts):
+    if target is None or any(holds_still(load) for load in loads):
+        return [table]
+    for load in loads:
+        parts = [part for part in _stretches(load.facts.values) if _has_cycle(target, part)]
+        if len(parts) > 1 and all(_is_held(table, load, part) for part in parts):
             return [_part(table, load, part, number) for number, part in enumerate(parts, 1)]
     return [table]
 
 
 def _stretches(load: NDArray[np.float64]) -> list[slice]:
-    """The rows of each level of a load, one level after the other. A row between two levels belongs to none, and a
-    level is a step of more than the range of the noise.
+    """The rows of each level of a load, one level after the other; between levels is a step of more than the range of
+    the noise. Rows on the way from level to level are stretches of their own.
     """
     known = np.flatnonzero(np.isfinite(load))
     x = load[known]
@@ -51,17 +51,14 @@ def _stretches(load: NDArray[np.float64]) -> list[slice]:
     gaps = np.flatnonzero(np.diff(ordered) > noise_range(x))
     level = np.searchsorted((ordered[gaps] + ordered[gaps + 1]) / 2, x)
     edges = [0, *(np.flatnonzero(np.diff(level)) + 1).tolist(), x.size]
-    found = [(a, b) for a, b in pairwise(edges) if b - a > 1]
-    longest = max((b - a for a, b in found), default=0)
-    kept = [(a, b) for a, b in found if b - a > 0.01 * longest]  # others lie on the way from level to level
-    return [slice(int(known[a]), int(known[b - 1]) + 1) for a, b in kept]
+    return [slice(int(known[a]), int(known[b - 1]) + 1) for a, b in pairwise(edges)]
 
 
 def _has_cycle(drive: ColumnGuess, part: slice) -> bool:
     """Whether the input goes there and back in these rows, as far as it does at all."""
     u = drive.facts.values[part]
     u = u[np.isfinite(u)]
-    return u.size > 2 and 2 * np.ptp(u) > drive.facts.span and wide_turns(u).size >= _FEWEST_TURNS
+    return bool(u.size > 2 and 2 * np.ptp(u) > drive.facts.span and wide_turns(u).size >= _FEWEST_TURNS)
 
 
 def _is_held(table: FoundTable, load: ColumnGuess, part: slice) -> bool:
@@ -71,11 +68,7 @@ def _is_held(table: FoundTable, load: ColumnGuess, part: slice) -> bool:
 
 
 def _rows(table: FoundTable, part: slice) -> FoundTable:
-    columns = []
-    for column in table.columns:
-        values = column.values[part]
-        columns.append(replace(column, values=values))
-    return replace(table, columns=tuple(columns))
+    return replace(table, columns=tuple(replace(c, values=c.values[part]) for c in table.columns))
 
 
 def _part(table: FoundTable, load: ColumnGuess, part: slice, number: int) -> FoundTable:
