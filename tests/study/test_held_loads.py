@@ -61,6 +61,7 @@ def test_the_loads_are_those_of_the_runs(tmp_path):
     means = [table.run.info.conditions["load"]["mean"] for table in result.tables]
     assert means == pytest.approx([20, 40, 60], abs=0.1)
     assert [len(table.run) for table in result.tables] == [CYCLE.size] * 3
+    assert any("One model of all loads needs their stress" in reason for reason in result.reasons)
 
 
 def test_more_rows_than_there_are_is_an_error(tmp_path):
