@@ -164,7 +164,8 @@ def test_the_field_case_has_its_peaks_where_they_were_made(shared_data, tmp_path
 
 
 @pytest.mark.parametrize("states", [True, False])
-def test_a_power_is_a_heat_flow_where_a_way_is_exothermic(tmp_path, states):
+@pytest.mark.parametrize("above", [0.0, 30.0])
+def test_a_power_is_a_heat_flow_where_it_turns_negative_or_a_way_is_exothermic(tmp_path, states, above):
     """As STARe writes it: units below the names, a footer, and "Value" in mW."""
     lines = [
         "Curve Values:",
@@ -172,12 +173,14 @@ def test_a_power_is_a_heat_flow_where_a_way_is_exothermic(tmp_path, states):
         "               [s]      [°C]      [mW]",
     ]
     for u, t, q in branches(cycles=1, endothermic=-1.0):
-        lines += [f"{len(lines):8d} {60 * b:10.2f} {a:9.4f} {10 * c:9.5f}" for b, a, c in zip(t, u, q)]
+        lines += [
+            f"{len(lines):8d} {60 * b:10.2f} {a:9.4f} {10 * c + above:9.5f}" for b, a, c in zip(t, u, q)
+        ]
     lines += ["Results:", "Sample:", "  wire 3, 10.1 mg", "  ^exo" if states else "  "]
     (tmp_path / "a.txt").write_text("\n".join(lines) + "\n", encoding="utf-8")
     (guess,) = understand([tmp_path / "a.txt"], StudyOptions(accept=True)).guesses
     out = guess.first("output")
-    assert (out is not None and out.quantity == "heat flow") == states
+    assert (out is not None and out.quantity == "heat flow") == (states or not above)
     if states:
         result = study([tmp_path / "a.txt"], tmp_path / "out", StudyOptions())
         assert result.unit == "mW"
