@@ -227,3 +227,21 @@ def test_the_run_stores_the_drift_decision_and_its_uncorrected_moments(write, im
 def test_drift_needs_calibration_points(write, imported, small_csv):
     with pytest.raises(DataError, match="no calibration points"):
         drift_corrected(imported(write(small_csv)))
+
+
+@pytest.mark.parametrize(
+    ("written", "units"),
+    [
+        ("SI (T, A·m²)", ("T", "A m^2")),
+        ("cgs (kOe; emu)", ("kOe", "emu")),
+        ("instrument's own (mT, Am2)", ("mT", "A m^2")),
+    ],
+)
+def test_units_that_are_listed_behind_their_system_count(write, imported, written, units):
+    run = _imported(write, imported, _text(_blocks(), units=written))
+    assert (run.input_unit, run.unit) == units
+
+
+def test_unknown_units_behind_a_system_are_refused(write, imported):
+    with pytest.raises(DataError, match="units of measure 'SI .T, furlong.' are unknown"):
+        _imported(write, imported, _text(_blocks(), units="SI (T, furlong)"))

@@ -143,3 +143,21 @@ def test_what_is_missed_is_explained_by_what_is_measured(tmp_path, output, named
     missed = [s for s in _columns(tmp_path, drive, output, u, y) if "misses the fitted data as well" in s]
     assert all(named in s for s in missed)
     assert missed
+
+
+@pytest.mark.parametrize("virgin", [True, False])
+def test_a_first_branch_from_another_state_is_told(tmp_path, virgin):
+    """The rest of the record is judged without it."""
+    corners = (25.0, 120.0, 25.0, 120.0, 35.0, 105.0, 50.0, 95.0, 25.0)
+    u = np.concatenate(
+        [np.full(20, 25.0), *(np.linspace(a, b, 120)[1:] for a, b in zip(corners, corners[1:]))]
+    )
+    x = displacements(u)
+    if virgin:
+        x[:139] -= 0.6 * (1 - np.linspace(0, 1, 139)) ** 2
+    result = _studied(tmp_path, u, x)
+    told = [
+        hint for hint in result.hints() if "the specimen began in another state. Fits start after it." in hint
+    ]
+    assert len(told) == int(virgin)
+    assert result.verdict == "fair", "as without that state"

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from smarig.study import StudyOptions, study
+from smarig.study.function_of_input import _curve
 from study.known_data import temperatures
 
 FUNCTIONS = {
@@ -83,3 +84,11 @@ def test_the_field_cases_have_no_cause(shared_data, file, tmp_path):
     result = study([shared_data / file], tmp_path / "out", StudyOptions())
     assert result.function is not None
     assert result.diagnosis is None
+
+
+@pytest.mark.parametrize("count", [5, 40])
+def test_the_curve_reaches_the_ends_of_a_steep_function(count):
+    """The mean of the outermost interval is not the value at its end, where a hold has most of the readings."""
+    u = np.concatenate([np.full(60, 22.0), np.linspace(22, 88, 400)])
+    curve = _curve(u, -3 * u, count)
+    np.testing.assert_allclose(np.interp(u, *curve), -3 * u, atol=1e-9)

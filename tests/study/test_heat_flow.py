@@ -9,6 +9,7 @@ import pytest
 from smarig.core import UsageError
 from smarig.study import StudyOptions, study
 from smarig.study.heat_flow_header import exothermic_direction
+from smarig.study.understanding import understand
 from transformation.known_peaks import KnownPeak
 
 RATE_K_PER_MIN = 10.0
@@ -160,3 +161,28 @@ def test_the_field_case_has_its_peaks_where_they_were_made(shared_data, tmp_path
     (cycle,) = study([shared_data / FIELD_CASE], tmp_path / "out", StudyOptions()).calorimetry.cycles
     assert cycle.figures["A_p"].value == pytest.approx(62.0, abs=0.3)
     assert cycle.figures["M_p"].value == pytest.approx(28.0, abs=0.3)
+
+
+@pytest.mark.parametrize("states", [True, False])
+@pytest.mark.parametrize("above", [0.0, 30.0])
+def test_a_power_is_a_heat_flow_where_it_turns_negative_or_a_way_is_exothermic(tmp_path, states, above):
+    """As STARe writes it: units below the names, a footer, and "Value" in mW."""
+    lines = [
+        "Curve Values:",
+        "   Index         t        Ts     Value",
+        "               [s]      [°C]      [mW]",
+    ]
+    for u, t, q in branches(cycles=1, endothermic=-1.0):
+        lines += [
+            f"{len(lines):8d} {60 * b:10.2f} {a:9.4f} {10 * c + above:9.5f}" for b, a, c in zip(t, u, q)
+        ]
+    lines += ["Results:", "Sample:", "  wire 3, 10.1 mg", "  ^exo" if states else "  "]
+    (tmp_path / "a.txt").write_text("\n".join(lines) + "\n", encoding="utf-8")
+    (guess,) = understand([tmp_path / "a.txt"], StudyOptions(accept=True)).guesses
+    out = guess.first("output")
+    assert (out is not None and out.quantity == "heat flow") == (states or not above)
+    if states:
+        result = study([tmp_path / "a.txt"], tmp_path / "out", StudyOptions())
+        assert result.unit == "mW"
+        assert result.sentences()[-1] == "Exothermic is up, as the file says."
+        assert {"A_s", "A_f", "M_s", "M_f"} <= result.calorimetry.cycles[0].figures.keys()

@@ -6,7 +6,8 @@ import pytest
 from smarig.core import DataError
 from smarig.exchange import find_tables, import_file
 from smarig.record import load_run
-from smarig.study import StudyOptions, mapping_draft, study
+from smarig.study import StudyOptions, guess_table, mapping_draft, study
+from smarig.study.joined_blocks import joined_blocks
 from smarig.study.understanding import understand
 from study.known_data import displacements
 
@@ -95,3 +96,30 @@ def test_a_mapping_that_joins_more_than_there_are_is_refused(tmp_path, tables, m
         return
     with pytest.raises(DataError, match=message):
         import_file(path, format="csv", out=tmp_path / "a.sqlite", mapping=str(draft))
+
+
+def test_a_title_repeated_with_its_header_begins_the_next_piece(tmp_path):
+    """As rheometers write intervals: tabs on an empty line, thousands with a comma, words in some rows."""
+    path, lines, t = tmp_path / "a.csv", ["Project:\tgel", ""], 0.0
+    legs = [np.linspace(20, 95, 40), np.linspace(95, 20, 40), np.linspace(20, 60, 30)]
+    for number, u in enumerate(legs, 1):
+        lines += [f"Interval and data points:\t{number}\t{u.size}"]
+        lines += [
+            "Interval data:\tPoint No.\tTime\tInterval Time\tTemperature\tStorage Modulus\tNormal Force\tStatus"
+        ]
+        lines += ["\t" * 7, "\t\t[s]\t[s]\t[°C]\t[Pa]\t[N]\t"]
+        for k, value in enumerate(u):
+            modulus = 12500 / (1 + np.exp((value - (75 if u[-1] > u[0] else 45)) / 3)) + 3
+            word = "slip" if number == 1 and k > 30 else ""
+            noise = 0.01 * (-1) ** k * (1 + k % 3)
+            lines += [f"\t{k + 1}\t{t:.1f}\t{15.0 * k:.1f}\t{value:.2f}\t{modulus:,.2f}\t{noise:.3f}\t{word}"]
+            t += 15.0
+        lines += ["", ""]
+    path.write_text("\n".join(lines) + "\n", encoding="utf-8")
+    (joined,) = joined_blocks(find_tables(path))
+    assert len(joined) == 110
+    guess = guess_table(joined)
+    names = {role: guess.first(role).name for role in ("time", "input", "output")}
+    assert names == {"time": "Time", "input": "Temperature", "output": "Storage Modulus"}
+    assert guess.first("output").quantity == "modulus"
+    assert guess.first("output").facts.high > 12000

@@ -16,6 +16,7 @@ from smarig.exchange.text_table import check_lines, read_text
 from smarig.exchange.unit_systems import UNIT_SYSTEMS
 from smarig.exchange.units import spelled
 from smarig.exchange.value_bounds import check_size
+from smarig.exchange.written_units import known_unit
 
 Array = NDArray[np.float64]
 _NUMBER = (
@@ -25,6 +26,9 @@ _BETWEEN = r"(?:\s*+[,;]\s*+|\s++)"
 _DATA = re.compile(rf"\s*+({_NUMBER}){_BETWEEN}({_NUMBER})(?:{_BETWEEN}({_NUMBER}))*+\s*+", re.ASCII)
 MAX_LINE = 10_000  # characters
 _KEY = re.compile(r"\s*(\S.*?)\s*(?:[:=]\s+|[:=]$|\s{2,})(.*\S)?\s*")
+_LISTED_UNITS = re.compile(
+    r"[^()]*\(\s*([^,;()]+?)\s*[,;]\s*([^,;()]+?)\s*\)"
+)  # of field and moment: SI (T, A m^2)
 _COLUMN_UNITS = re.compile(r"\s*\(([^()]+)\)[\s,;]*\(([^()]+)\)[\s,;]*(?:\([^()]+\)[\s,;]*)*")
 _DATE = re.compile(r"\s*\d+[/.-]\d+[/.-]\d+")
 _LOOP = re.compile(r".*\bhysteresis loop\W*", re.IGNORECASE)
@@ -154,6 +158,8 @@ def _header_units(path: Path, header: dict[str, str]) -> tuple[str, str]:
         raise DataError(
             f"{path}: the header has no 'Units of measure'. Expected {known}, or a line of units such as (T) (A m^2)."
         )
+    if (listed := _LISTED_UNITS.fullmatch(unit_name)) and all(known_unit(unit) for unit in listed.groups()):
+        return known_unit(listed[1]), known_unit(listed[2])
     if unit_name.lower() not in UNIT_SYSTEMS:
         raise DataError(
             f"{path}: units of measure {shown(unit_name)} are unknown. Expected {known}, or a line of units such as "

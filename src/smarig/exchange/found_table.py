@@ -20,7 +20,7 @@ class FoundColumn:
     """A column: its name, the unit as written apart from the name ("" for none), values (n,), and kind.
 
     Values are NaN where no number stands; those of a ``clock`` column are seconds from its first reading. ``comment``
-    is what the file writes below the unit, "" for nothing.
+    is what the file writes below the unit, or the long name of a data set, "" for nothing.
     """
 
     name: str

@@ -64,7 +64,8 @@ def _answer(path: str, group: str, out: BinaryIO) -> None:
             _send(out, {"group": name, "header": _header(found), "left_out": left_out})
             for column in columns:
                 for own, unit, numbers in column.values():
-                    _send(out, {"column": own, "unit": unit, "size": numbers.size})
+                    words = {"column": own, "unit": unit, "comment": column.comment, "size": numbers.size}
+                    _send(out, words)
                     out.write(numbers.data)
     _send(out, {"end": True})
 
@@ -147,6 +148,7 @@ class _Column:
 
     def __init__(self, name: str, data: Any) -> None:
         self.name, self._data = name, data
+        self.comment = _plain(_attributes(data).get("long_name", ""))
         rows, width = (math.prod(data.shape), len(data.dtype)) if data.dtype.names else (*data.shape, 1)[:2]
         self._turned = not data.dtype.names and (width > MAX_COLUMNS or rows < width)
         self.length, self.width = (width, rows) if self._turned else (rows, width)

@@ -7,7 +7,8 @@ import numpy as np
 from smarig.core import DataError, shown
 from smarig.exchange.found_table import FoundTable
 from smarig.exchange.hdf5_process import read_groups
-from smarig.exchange.mapping import Hdf5Layout, MappingFile, require_columns
+from smarig.exchange.mapping import MappingFile, require_columns
+from smarig.exchange.mapping_layouts import Hdf5Layout
 from smarig.exchange.needed_package import check_package
 from smarig.exchange.text_table import Table, missing_notes
 

@@ -80,7 +80,10 @@ def _groups(path: Path, output: IO[bytes]) -> Iterator[Hdf5Group]:
                 f"{path} is no HDF5 file, or is damaged or cut off ({words['damaged']}). Copy it again."
             )
         if group is not None and "column" in words:
-            group.columns.append(FoundColumn(words["column"], words["unit"], _values(output, words["size"])))
+            values = _values(output, words["size"])
+            group.columns.append(
+                FoundColumn(words["column"], words["unit"], values, comment=words["comment"])
+            )
         elif group is not None:
             yield group
         if "end" in words:

@@ -10,6 +10,7 @@ from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 
 from smarig.exchange.igor_text import igor_rows, is_igor_text
+from smarig.exchange.json_lines import json_lines
 
 STAMP = "stamp"  # name of the column of stamps
 _STAMPED = re.compile(r"\s*\[?(\d{1,2}:\d{2}:\d{2}(?:[.,]\d+)?)\]?\s*(?:->|→|>)\s?(.*)")
@@ -36,6 +37,8 @@ def logged_rows(lines: Sequence[str]) -> LoggedRows:
     """The lines of a text as those of a table."""
     if is_igor_text(lines):
         return LoggedRows(igor_rows(lines))
+    if found := json_lines(lines):
+        return LoggedRows(found.lines, found.notes, found.added)
     stamps, rows, notes = _without_stamps(lines)
     names, rows = _without_keys(rows)
     if names:

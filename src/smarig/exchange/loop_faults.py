@@ -77,10 +77,11 @@ def loop_findings(loop: LoopRecord, *, designed: bool = False) -> list[ImportFin
         return [_dropout_finding(known, lost), *loop_findings(kept)]
     found = _jumps(known) + _false_reversals(known, turns)
     if first_branch_differs(known.u, known.y, turns):
-        found += remarks(
-            "The first branch differs from all later ones that start at the same end of the input: the specimen began "
-            "in another state. Fits start after it."
+        text = (
+            "The first branch differs from all later ones from the same end of the input, or the output never comes "
+            "back to where it began: the specimen began in another state. Fits start after it."
         )
+        found.append(ImportFinding(text, "other starting state"))
         found += _not_closed(known, turns[1:])
     else:
         found += _not_closed(known, turns)

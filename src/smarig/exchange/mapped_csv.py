@@ -49,6 +49,7 @@ def read_mapped_csv(path: Path, mapping: MappingFile) -> RunDraft:
 
 def mapped_draft(path: Path, table: Table, mapping: MappingFile) -> RunDraft:
     """The run of a table that holds every column of its mapping; loops keep their numbers as ``step``."""
+    table, part = _part(path, table, mapping)
     table, clock = _with_time(path, _of_plausible_size(path, table, mapping), mapping)
     columns, line, branch, unfolded = _unfold_branches(path, table, mapping)
     conditions, constant = _conditions(path, table, mapping)
@@ -58,6 +59,7 @@ def mapped_draft(path: Path, table: Table, mapping: MappingFile) -> RunDraft:
     columns["quality"] = saturation_marks(columns, units)
     findings = [
         *remarks(*table.notes),
+        *part,
         *clock,
         *unfolded,
         *odd,
@@ -82,6 +84,22 @@ def mapped_draft(path: Path, table: Table, mapping: MappingFile) -> RunDraft:
         columns["step"] = table.loop.astype(float)
     steps = _reading_steps(columns, branch) if mapping.steps == "rows" else []
     return RunDraft(columns, _meta(mapping, columns, conditions, table), tuple(steps), tuple(findings))
+
+
+def _part(path: Path, table: Table, mapping: MappingFile) -> tuple[Table, list[ImportFinding]]:
+    """The rows of the table that the mapping describes, and a finding on the others; DataError if there are fewer."""
+    if mapping.rows is None:
+        return table, []
+    try:
+        part = mapping.rows.of(len(table))
+    except ValueError as error:
+        raise DataError(f"{path}: {error}. Correct the mapping.") from None
+    loop = table.loop[part] if table.loop is not None else None
+    columns = {name: x[part] for name, x in table.columns.items()}
+    notes = remarks(
+        f"Rows {mapping.rows.first} to {mapping.rows.last} of {len(table)} are read, as the mapping says."
+    )
+    return replace(table, columns=columns, line=table.line[part], loop=loop), notes
 
 
 def _of_plausible_size(path: Path, table: Table, mapping: MappingFile) -> Table:

@@ -17,7 +17,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from smarig.core import ConfigError, DataError, UsageError, check_file, file_bytes, shown
-from smarig.exchange.mapping import MappingFile, MatLayout, require_columns
+from smarig.exchange.mapping import MappingFile, require_columns
+from smarig.exchange.mapping_layouts import MatLayout
 from smarig.exchange.text_table import MAX_COLUMNS, Table
 
 MAX_BYTES = 300_000_000  # inflating needs up to twice as much

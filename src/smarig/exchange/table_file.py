@@ -124,6 +124,8 @@ def _parsed(
         raise _UnusualError
     lines = block.decode("ascii").splitlines()
     text_table.check_lines(path, lines, text_table.MAX_LINE)
+    if text_table.footer_start(lines, 0, len(head.names), head.delimiter, layout) is not None:
+        raise _UnusualError  # it is told
     cells, where = text_table.cells(path, lines, 0, head.names, head.delimiter, False)
     if any(is_mark(cell) for row in cells for cell in row):
         raise _UnusualError  # the marks are counted in the whole table

@@ -8,8 +8,10 @@ from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from smarig.exchange.cell_values import clock_seconds, is_missing, is_number
+from smarig.exchange.cell_values import is_missing, is_number
+from smarig.exchange.clock_cells import clock_seconds
 from smarig.exchange.found_table import CLOCK, NUMBER, TEXT
+from smarig.exchange.header_words import has_bracketed_units, with_brackets_joined, words_below
 from smarig.exchange.text_table import HEADER_WITHIN
 from smarig.exchange.written_units import is_unit, is_units_row, without_markup
 
@@ -44,8 +46,9 @@ class FoundBlock:
     """A table in rows (0 is the first): row of its names (None without), first row of numbers, and the row after it.
 
     ``names`` are unique; ``own_names`` says that they differ from the cells of the header. ``units`` are the cells of
-    a row of units, "" where there is none, and ``comments`` those of the rows below it. ``kinds`` are those of the
-    columns. ``header`` counts equal headers before.
+    a row of units, "" where there is none, ``constants`` the numbers there by name ("Increment" of an oscilloscope),
+    and ``comments`` those of the rows below it. ``kinds`` are those of the columns. ``header`` counts equal headers
+    before.
     """
 
     header: int | None
@@ -56,6 +59,7 @@ class FoundBlock:
     kinds: tuple[str, ...]
     own_names: bool
     comments: tuple[str, ...] = ()
+    constants: tuple[tuple[str, str], ...] = ()
 
 
 def find_blocks(
@@ -96,18 +100,30 @@ def _row_kind(row: Sequence[str], style: NumberStyle) -> str:
 
 
 def _with_unread_rows(rows: Sequence[Sequence[str]], kinds: Sequence[str], style: NumberStyle) -> list[str]:
-    """The kinds of rows, where one below numbers that has numbers in most of their columns is data too: its other
-    cells could not be read. No names are numbers.
+    """The kinds of rows, where one below numbers is data too if it has numbers in most of their columns (its other
+    cells could not be read; no names are numbers), or begins with one and has words only where no numbers stand, as
+    events do.
     """
-    out = list(kinds)
+    out, width, first = list(kinds), 0, 0
     for k in range(1, len(rows)):
         row, before = rows[k], rows[k - 1]
-        if out[k] != "text" or out[k - 1] != "data" or len(row) != len(before) or row[0].startswith("#"):
+        if out[k] == "data" and out[k - 1] != "data":
+            width, first = len(before) if out[k - 1] == "text" else 0, k
+        if out[k] != "text" or out[k - 1] != "data" or row[0].startswith("#"):
             continue
         of_numbers = [j for j, cell in enumerate(before) if cell and style.kind(cell) != TEXT]
-        same = sum(bool(row[j]) and style.kind(row[j]) != TEXT for j in of_numbers)
-        out[k] = "data" if 2 * same > len(of_numbers) else "text"
+        same = sum(bool(row[j]) and style.kind(row[j]) != TEXT for j in of_numbers if j < len(row))
+        alike = len(row) == len(before) and 2 * same > len(of_numbers)
+        event = len(row) <= max(width, len(before)) and _is_event(row, rows[first], style)
+        out[k] = "data" if alike or event else "text"
     return out
+
+
+def _is_event(row: Sequence[str], first: Sequence[str], style: NumberStyle) -> bool:
+    """Whether a row begins with a number and has words only where the first row of its table has no number."""
+    words = [j for j, cell in enumerate(row) if cell and style.kind(cell) == TEXT]
+    numbers = [bool(cell) and style.kind(cell) != TEXT for cell in first]
+    return bool(row[0]) and 0 not in words and not any(numbers[j] for j in words if j < len(numbers))
 
 
 def _joined(
@@ -149,13 +165,19 @@ def _block(
         return FoundBlock(None, first, stop, names, ("",) * width, columns, True)
     written = list(rows[header]) if header is not None else []
     below = rows[unit_row] if unit_row is not None else []
+    if lines and header is not None and unit_row is not None and len(written) == width > len(below):
+        below = words_below(lines[header], lines[unit_row], width) or below
     filled = _filled_from(written, below)
     names, own = _names(filled, width)
     own = own or filled != written or (header is not None and rows[header] is not original[header])
     units = [without_markup(cell) for cell in (below if is_units_row(below) else _units_in(below, columns))]
     units = [_unbracketed(cell) for cell in units] + [""] * (len(names) - len(units))
-    comments = _comments(rows[unit_row + 1 : first], len(names)) if unit_row is not None else ()
-    return FoundBlock(header, first, stop, names, tuple(units[: len(names)]), columns, own, comments)
+    last = unit_row if unit_row is not None or header is None else header
+    comments = _comments(rows[last + 1 : first], len(names)) if last is not None else ()
+    constants = tuple((name, cell) for name, cell in zip(names, below) if is_number(cell, style.decimal))
+    return FoundBlock(
+        header, first, stop, names, tuple(units[: len(names)]), columns, own, comments, constants
+    )
 
 
 def _comments(rows: Sequence[Sequence[str]], width: int) -> tuple[str, ...]:
@@ -205,7 +227,7 @@ def _words(
     text = _COMMENT.sub("", line).strip()
     for sign in signs:
         words = [word.strip().strip('"') for word in re.split(sign, text)]
-        words = words if len(words) == width else _with_brackets_joined(words)
+        words = words if len(words) == width else with_brackets_joined(words)
         plain = all(word and style.kind(word) == TEXT for word in words)
         unlike = sign == _ALIGNED or len(set(words)) == width or is_units_row(words)
         if len(words) == width and plain and unlike:
@@ -228,8 +250,12 @@ def _header_rows(
     if not wide:
         return None, None
     for k, before in zip(wide, wide[1:]):
-        if before == k - 1 and is_units_row(rows[k]) and not is_units_row(rows[before]):
+        near = all(kinds[i] == "blank" for i in range(before + 1, k))
+        if near and is_units_row(rows[k]) and not is_units_row(rows[before]):
             return before, k
+    named = [k for k in wide if has_bracketed_units(rows[k])]
+    if named and named[0] != wide[0] and not is_units_row(rows[wide[0]]):
+        return named[0], None  # what stands below the names describes the channels
     if len(wide) > 1 and wide[1] == wide[0] - 1 and _has_units_of(rows[wide[0]], rows[wide[1]], columns):
         return wide[1], wide[0]
     return wide[0], None
@@ -272,7 +298,9 @@ def _filled_from(names: Sequence[str], below: Sequence[str]) -> list[str]:
 
 def _fills(row: Sequence[str], width: int) -> bool:
     """Whether a row has cells for most columns."""
-    return len(row) >= width or 2 * sum(bool(cell) for cell in row) > width
+    cells = [_COMMENT.sub("", row[0]), *row[1:]] if row else []  # "# END" is one word
+    cells = cells if cells and cells[0] else cells[1:] if row and row[0] else cells
+    return len(cells) >= width or 2 * sum(bool(cell) for cell in cells) > width
 
 
 def _names(written: Sequence[str], width: int) -> tuple[tuple[str, ...], bool]:
@@ -281,7 +309,7 @@ def _names(written: Sequence[str], width: int) -> tuple[tuple[str, ...], bool]:
     if len(cells) == width + 1 and not cells[0]:
         cells = cells[1:]
     if len(cells) > width:
-        cells = _with_brackets_joined(cells)
+        cells = with_brackets_joined(cells)
     if not cells or len([c for c in cells if c]) * 2 < min(width, len(cells)):
         cells = []
     names = [cell or f"column {k + 1}" for k, cell in enumerate(cells)]
@@ -295,20 +323,6 @@ def _names(written: Sequence[str], width: int) -> tuple[tuple[str, ...], bool]:
     return tuple(unique), unique != plain
 
 
-def _with_brackets_joined(cells: Sequence[str]) -> list[str]:
-    """Cells of a header that blanks divide, with units in brackets joined to the names before them."""
-    out: list[str] = []
-    for cell in cells:
-        if out and (
-            cell[:1] in "[("
-            or out[-1].count("(") + out[-1].count("[") > out[-1].count(")") + out[-1].count("]")
-        ):
-            out[-1] = f"{out[-1]} {cell}"
-        else:
-            out.append(cell)
-    return out
-
-
 def _unbracketed(cell: str) -> str:
     match = _BRACKETED.fullmatch(cell.strip())
     return (match[1] if match else cell).strip()
@@ -316,7 +330,7 @@ def _unbracketed(cell: str) -> str:
 
 def _column_kind(cells: Sequence[str], style: NumberStyle) -> str:
     """The kind of a column: that of most of its cells that are not missing."""
-    found = Counter(style.kind(cell) for cell in cells[:5000] if not is_missing(cell))
+    found = Counter(style.kind(cell) for cell in [cell for cell in cells if not is_missing(cell)][:5000])
     if not found:
         return NUMBER
     if found[TEXT]:

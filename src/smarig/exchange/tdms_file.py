@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 
 from smarig.core import DataError, UsageError, shown
 from smarig.exchange.found_table import FoundColumn, FoundTable
-from smarig.exchange.mapping import MappingFile, TdmsLayout, require_columns
+from smarig.exchange.mapping import MappingFile, require_columns
+from smarig.exchange.mapping_layouts import TdmsLayout
 from smarig.exchange.needed_package import needed_package
 from smarig.exchange.text_table import Table, missing_notes
 

@@ -11,6 +11,7 @@ from smarig.exchange.channel_rows import channel_rows, check_one_channel
 from smarig.exchange.found_table import CLOCK, TEXT, FoundTable, found_columns
 from smarig.exchange.logged_rows import logged_rows
 from smarig.exchange.table_file import read_table
+from smarig.exchange.table_rows import split
 from smarig.exchange.table_structure import FEWEST_ROWS, FoundBlock, NumberStyle, find_blocks
 from smarig.exchange.text_table import (
     DELIMITERS,
@@ -20,7 +21,6 @@ from smarig.exchange.text_table import (
     check_lines,
     preamble_keys,
     read_text,
-    split,
 )
 from smarig.exchange.unit_systems import units_of_system
 from smarig.exchange.written_units import known_unit
@@ -178,7 +178,7 @@ def _table(
             dict(zip(block.names, block.comments)),
         ),
         layout={"file": entries},
-        header=preamble_keys([line.strip("# ") for line in before if line.strip()]),
+        header=preamble_keys([line.strip("# ") for line in before if line.strip()]) | dict(block.constants),
     )
 
 

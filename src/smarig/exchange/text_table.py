@@ -4,7 +4,6 @@ A cell is a number, empty (NaN), or an error that names its line and column.
 """
 
 import csv
-import io
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -14,16 +13,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from smarig.core import DataError, UsageError, check_file, file_bytes, shown
-from smarig.exchange.cell_values import clock_column, is_missing, is_number, number_column
+from smarig.exchange.cell_values import is_number, number_column
 from smarig.exchange.channel_rows import channel_rows
+from smarig.exchange.clock_cells import clock_column
 from smarig.exchange.eight_bit_text import eight_bit_text
 from smarig.exchange.logged_rows import logged_rows
 from smarig.exchange.no_reading import count_marks, mark_notes
+from smarig.exchange.table_rows import cells, footer_start, split
 
 MAX_BYTES = 500_000_000
 MAX_COLUMNS = 10_000
 MAX_LINE = 1_000_000  # characters: 10 000 columns of 100
-_FEWEST = 2  # rows of a table
 HEADER_WITHIN = 200  # lines searched for the header
 DELIMITERS = {"tab": "\t", "semicolon": ";", "comma": ",", "space": None}
 
@@ -127,6 +127,11 @@ def _table(
         notes.append(incomplete_note(len(lines) - added))
         lines.pop()
     again = "" if layout.names and not layout.header_line else lines[start]
+    if not layout.header_starts and (end := footer_start(lines, first, len(names), delimiter, layout)):
+        notes.append(
+            f"The lines from {end + 1 - added} on ({shown(lines[end].strip(), 40)}) stand after the table."
+        )
+        lines = lines[:end]
     rows, where = cells(path, lines, first, names, delimiter, bool(layout.header_starts), again)
     starts = _further_tables(path, lines, layout)
     for later in starts:
@@ -224,20 +229,6 @@ def read_text(path: Path) -> tuple[str, list[str]]:
         return text, [f"The file is not UTF-8 (line {line}); it was read as {encoding}."]
 
 
-def split(line: str, delimiter: str | None) -> list[str]:
-    """The cells of a line, stripped of blanks and quotes, without trailing empty cells."""
-    if delimiter is None:
-        cells = line.split()
-    elif '"' in line:
-        cells = next(csv.reader(io.StringIO(line), delimiter=delimiter, skipinitialspace=True), [])
-    else:
-        cells = line.split(delimiter)
-    cells = [cell.strip() for cell in cells]
-    while cells and not cells[-1]:
-        cells.pop()
-    return cells
-
-
 def header(path: Path, lines: Sequence[str], layout: TableLayout) -> tuple[int, list[str], str | None]:
     """The number of the header line, from 0, the names of the columns, and the delimiter."""
     choices = [DELIMITERS[layout.delimiter]] if layout.delimiter else list(DELIMITERS.values())
@@ -325,8 +316,8 @@ def _first_numbers(
             for d, c in rows.items()
             if c and all(is_number(x, layout.decimal, layout.thousands) for x in c)
         }
-        for d, cells in numeric.items():
-            if len(cells) == len(layout.names):
+        for d, row in numeric.items():
+            if len(row) == len(layout.names):
                 return k, list(layout.names), d
         if numeric:
             widest = max(len(c) for c in numeric.values())
@@ -335,54 +326,6 @@ def _first_numbers(
                 f"({', '.join(layout.names)})."
             )
     raise DataError(f"{path} has no line of {len(layout.names)} numbers in its first {HEADER_WITHIN} lines.")
-
-
-def cells(
-    path: Path,
-    lines: Sequence[str],
-    first: int,
-    names: Sequence[str],
-    delimiter: str | None,
-    ends_blank: bool,
-    again: str = "",
-) -> tuple[list[list[str]], list[int]]:
-    """The cells of the rows from line ``first`` on, and the number of each line, from 1; ``again``: a header that a
-    logger may have written once more.
-    """
-    rows: list[list[str]] = []
-    where: list[int] = []
-    for k in range(first, len(lines)):
-        line = lines[k]
-        if not line.strip():
-            if ends_blank:
-                break
-            continue
-        if line.startswith("#") or (again and line.strip() == again.strip()):
-            continue
-        row = split(line, delimiter)
-        if ends_blank and not any(is_number(cell, ".") or is_number(cell, ",") for cell in row):
-            break  # a title of the next table
-        missing = len(names) - len(row)
-        if missing < 0 or (delimiter is None and missing > 0):
-            raise DataError(
-                f"{path}, line {k + 1} has {len(row)} cells, but the header names {len(names)} columns."
-            )
-        rows.append(row + [""] * missing)
-        where.append(k + 1)
-    while len(rows) > _FEWEST and len(names) > 1 and _is_footer(rows[-1]):
-        rows.pop()
-        where.pop()
-    return rows, where
-
-
-def _is_footer(row: Sequence[str]) -> bool:
-    """Whether a last line is a sentence, such as "Data file ends", and no reading."""
-    return (
-        bool(row[0])
-        and not any(row[1:])
-        and not any(is_number(row[0], d) for d in ".,")
-        and not is_missing(row[0])
-    )
 
 
 def _key(line: str) -> tuple[str, str]:

@@ -39,6 +39,10 @@ _PLAIN: dict[str, tuple[str, float, float]] = {
     "uAh": ("charge", 3.6e-3, 0.0),
     "Wh": ("energy", 3600.0, 0.0),
     "mWh": ("energy", 3.6, 0.0),
+    "ohm m": ("resistivity", 1.0, 0.0),
+    "ohm cm": ("resistivity", 1e-2, 0.0),
+    "mohm cm": ("resistivity", 1e-5, 0.0),
+    "uohm cm": ("resistivity", 1e-8, 0.0),
     "N m": ("torque", 1.0, 0.0),
     "mN m": ("torque", 1e-3, 0.0),
     "Oe": ("magnetic field", 1e-4, 0.0),
@@ -102,7 +106,7 @@ _SIGNS = str.maketrans(
     {"µ": "u", "μ": "u", "Ω": "ohm", "\N{OHM SIGN}": "ohm", "°": "deg", "℃": "degC", "℉": "degF"}
 )
 _POWERS = str.maketrans("⁻¹²³", "-123")
-_PRODUCT = re.compile(r"[\s·⋅×*.]+")
+_PRODUCT = re.compile(r"[\s·⋅×*.]+|(?<=[A-Za-z])-(?=[A-Za-z])")
 _SPELLINGS = {
     _PRODUCT.sub("", unit): unit for unit in UNITS if " " in unit or unit.endswith("h") or "deg" in unit
 } | {
@@ -119,14 +123,20 @@ _SPELLINGS |= {
     for prefix in ["", "K", *_PREFIXED["ohm"][2].split()]
     for name in ("ohm", "Ohm", "OHM", "ohms", "Ohms", "OHMS")
 }
+_SPELLINGS |= {
+    _PRODUCT.sub("", unit).replace("ohm", name): unit
+    for unit, (dimension, *_) in UNITS.items()
+    if dimension == "resistivity"
+    for name in ("Ohm", "OHM")
+}
 _LONG = 4  # letters: a name of this length that misses a unit by one letter is a slip
 
 
 def spelled(unit: str) -> str:
     """The one spelling of a known unit; any other unit as it is written.
 
-    >>> spelled("mA*h"), spelled("Am²"), spelled("µm"), spelled("kΩ"), spelled("mOhm"), spelled("beats")
-    ('mAh', 'A m^2', 'um', 'kohm', 'mohm', 'beats')
+    >>> spelled("mA*h"), spelled("Am²"), spelled("µm"), spelled("kΩ"), spelled("uOhm-cm"), spelled("beats")
+    ('mAh', 'A m^2', 'um', 'kohm', 'uohm cm', 'beats')
     """
     text = re.sub(r"[⁻¹²³]+", lambda power: "^" + power[0].translate(_POWERS), unit.strip())
     text = re.sub(r"(?<=m)[23]\b", r"^\g<0>", text).translate(_SIGNS)

@@ -11,9 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from smarig.core import DataError, UsageError, shown
-from smarig.exchange.cell_values import clock_column, number_column
+from smarig.exchange.cell_values import number_column
+from smarig.exchange.clock_cells import clock_column
 from smarig.exchange.found_table import CLOCK, NUMBER, FoundTable, found_columns
-from smarig.exchange.mapping import MappingFile, WorkbookLayout, require_columns
+from smarig.exchange.mapping import MappingFile, require_columns
+from smarig.exchange.mapping_layouts import WorkbookLayout
 from smarig.exchange.needed_package import needed_package
 from smarig.exchange.table_structure import FoundBlock, NumberStyle, find_blocks
 from smarig.exchange.text_table import Table, missing_notes, preamble_keys

@@ -11,7 +11,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from smarig.measurement.input_record import reversals
+from smarig.measurement.input_record import input_noise_sd, noise_range, reversals
 from smarig.measurement.loop_direction import branch_outputs
 from smarig.record import Run
 
@@ -73,17 +73,26 @@ def starting_state(
         return StartingState(evident)
     turns = reversals(u) if turns is None else turns
     near = evident or _saturation(float(u[0]), ends, START_SHARE)
-    if near and outputs is not None and first_branch_differs(u, outputs, turns):
-        return StartingState(near, turns[1], assumed=True, contradicted=True)
+    moved = _after_rest(u, turns)
+    if near and outputs is not None and first_branch_differs(u, outputs, moved):
+        return StartingState(near, moved[1], assumed=True, contradicted=True)
     if near:
         return StartingState(near, assumed=not evident)
     behind: Start = "negative" if u[turns[1]] > u[0] else "positive"
     return StartingState(behind, turns[1] if len(turns) > 2 else 0, assumed=True)
 
 
+def _after_rest(u: Array, turns: Sequence[int]) -> list[int]:
+    """The turns without those at the beginning that noise makes while the input rests."""
+    kept, noise = list(turns), noise_range(u)
+    while len(kept) > 2 and abs(u[kept[1]] - u[kept[0]]) <= noise:
+        del kept[1]
+    return kept
+
+
 def first_branch_differs(u: Array, y: Array, turns: Sequence[int]) -> bool:
-    """Whether the first branch of inputs and outputs (n,) is none of those that start at the same end later: the
-    specimen began in another state. False if these are too few.
+    """Whether the first branch of inputs and outputs (n,) is none of those that start at the same end later, or the
+    output never comes back to its first value there: the specimen began in another state. False if these are too few.
 
     >>> u, first = np.array([0.0, 9, 0, 9, 0, 9, 0, 9]), np.array([5.0, 9, 0, 9, 0, 9, 0, 9])
     >>> first_branch_differs(u, first, range(8)), first_branch_differs(u, u, range(8))
@@ -100,7 +109,7 @@ def first_branch_differs(u: Array, y: Array, turns: Sequence[int]) -> bool:
     ]
     later = [(a, b) for a, b in later if abs(u[b] - end) <= near]
     if len(later) < FEWEST_LATER:
-        return False
+        return _never_comes_back(u, y, turns)
     at = begin + LEVELS * (end - begin)
     branches = np.array([branch_outputs(u[a : b + 1], y[a : b + 1], at) for a, b in later])
     usual = np.median(branches, axis=0)
@@ -108,6 +117,36 @@ def first_branch_differs(u: Array, y: Array, turns: Sequence[int]) -> bool:
     first = slice(turns[0], turns[1] + 1)
     apart = float(np.sqrt(np.mean((branch_outputs(u[first], y[first], at) - usual) ** 2)))
     return apart > max(OTHER_STATE * float(np.ptp(y)), TIMES_SPREAD * spread)
+
+
+def _never_comes_back(u: Array, y: Array, turns: Sequence[int]) -> bool:
+    """Whether the output is not its first value where the input is back at its first one, although it is the same at
+    the other end of the first branch: that end wiped out another state. A drift or training moves both.
+    """
+    steps = np.abs(np.diff(u))
+    resolution = float(np.median(steps[steps > 0])) if (steps > 0).any() else 0.0
+    at_start, at_end = (
+        [_output_at_turn(u, y, t, resolution) for t in turns if abs(u[t] - u[turns[k]]) <= resolution]
+        for k in (0, 1)
+    )
+    if min(len(at_start), len(at_end)) < 2:
+        return False
+    first, *later = at_start
+    least = max(
+        float(np.ptp(later)),
+        float(np.ptp(at_end)),
+        input_noise_sd(y),
+        SATURATION_TOLERANCE * float(np.ptp(y)),
+    )
+    return abs(first - float(np.median(later))) > TIMES_SPREAD * least
+
+
+def _output_at_turn(u: Array, y: Array, turn: int, resolution: float) -> float:
+    """The median output of the rows around a turn in which the input stays there."""
+    away = np.flatnonzero(np.abs(u - u[turn]) > resolution)
+    k = int(np.searchsorted(away, turn))
+    begin = int(away[k - 1]) + 1 if k else 0
+    return float(np.median(y[begin : int(away[k]) if k < away.size else None]))
 
 
 def _saturation(u: float | None, ends: tuple[float, float], share: float) -> Start | None:

@@ -19,6 +19,7 @@ FindingKind = Literal[
     "impossible readings",
     "disagreeing sensors",
     "restarted clock",
+    "other starting state",
 ]
 FINDING_KINDS: tuple[FindingKind, ...] = get_args(FindingKind)
 

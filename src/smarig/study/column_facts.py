@@ -20,7 +20,8 @@ class ColumnFacts:
 
     ``rising``: no row is below the one before. ``restarts``: how often a column that rises otherwise starts again at
     its first value. ``even``: the steps are equal. ``whole``: all are whole numbers.
-    ``constant``: all lie within a tenth of their mean. ``levels`` is the number of different values.
+    ``constant``: all lie within a tenth of their mean. ``levels`` is the number of different values, ``comment`` what
+    the file says of it beside name and unit.
     """
 
     name: str
@@ -38,6 +39,7 @@ class ColumnFacts:
     whole: bool
     constant: bool
     levels: int
+    comment: str = ""
 
     @property
     def span(self) -> float:
@@ -91,7 +93,13 @@ def column_facts(column: FoundColumn) -> ColumnFacts:
         whole=bool(x.size and (x == np.round(x)).all()),
         constant=bool(x.size and spread <= CONSTANT_SHARE * mean),
         levels=np.unique(x).size,
+        comment=column.comment,
     )
+
+
+def counts_rows(f: ColumnFacts) -> bool:
+    """Whether a column rises by one from row to row."""
+    return f.rising and f.even and f.whole and f.step == 1
 
 
 def steps_of(part: ColumnFacts, whole: ColumnFacts) -> bool:

@@ -9,7 +9,7 @@ import numpy as np
 from smarig.core import shown
 from smarig.exchange import FoundTable, convert, dimension, known_unit
 from smarig.study import quantity_words as q
-from smarig.study.column_facts import ColumnFacts, column_facts, steps_of
+from smarig.study.column_facts import ColumnFacts, column_facts, counts_rows, steps_of
 
 STATED, LIKELY, WEAK, NONE = 0.95, 0.75, 0.5, 0.2  # confidences
 _STATED_BY = ("its name", "its unit", "clock")  # how the reasons of stated quantities begin
@@ -129,7 +129,7 @@ def _by_name(facts: ColumnFacts) -> ColumnGuess:
         quantity, reason, confidence = "", "", 0.0  # "charge" is a load in French
     elif by_unit and quantity:
         confidence, reason = STATED, f"its name {shown(label)} and its unit {unit or written}"
-    if quantity == q.DISPLACEMENT and not q.is_of_motion(written):
+    if quantity == q.DISPLACEMENT and (not q.is_of_motion(written) or (counts_rows(facts) and not unit)):
         quantity, reason, confidence = "", "", 0.0
     if facts.kind == "clock":
         quantity, unit, reason, confidence = q.TIME, "s", "clock times", STATED

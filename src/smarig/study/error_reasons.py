@@ -17,7 +17,7 @@ from smarig.study.imported_runs import ImportedTable
 from smarig.study.input_turns import wide_turns
 
 _MASKED: tuple[FindingKind, ...] = ("disagreeing sensors", "impossible readings")
-_MENDED: tuple[FindingKind, ...] = (*_MASKED, "restarted clock")
+_MENDED: tuple[FindingKind, ...] = (*_MASKED, "restarted clock", "other starting state")
 _SAME_SHARE = 0.05  # conditions that differ less count as equal
 _BEYOND_SHARE = 0.05  # of the fitted range: inputs further outside are new to the model
 _FITS_SHARE = 0.03  # of the output's range: a fit that misses by less describes its own data
@@ -106,6 +106,11 @@ def _conditions(split: DataSplit) -> Iterator[str]:
             yield (
                 f"The stress differs: {which}. It moves the transformation temperatures and changes the stroke; a "
                 f"model of one load cannot know by how much. Give runs at {_LOADS_NEEDED} or more loads."
+            )
+        elif name == "load":
+            yield (
+                f"The load differs: {which}. One model of all loads needs their stress: divide the load by the cross "
+                "section of the wire, and write it as stress under [conditions] of each mapping."
             )
         elif name == "frequency":
             yield f"The frequency differs: {which}. A model without rates predicts one loop for all frequencies."

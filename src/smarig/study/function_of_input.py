@@ -26,6 +26,7 @@ from smarig.measurement import input_noise_sd
 from smarig.study.baselines import RunPoints, curve_of_means
 from smarig.study.candidate_models import CandidateModel, compared_points, noise_of_repeats
 from smarig.study.data_split import DataSplit
+from smarig.study.error_reasons import one_way
 
 Array = NDArray[np.float64]
 Curve = tuple[Array, Array]
@@ -57,7 +58,7 @@ class FunctionOfInput:
 
 def function_of_input(best: CandidateModel, split: DataSplit) -> FunctionOfInput | None:
     """The output as a function of the input; None if the data show hysteresis, or dependence on something else."""
-    if split.kind == "load":
+    if split.kind == "load" or one_way(best):  # noise goes back too, but shows no way back
         return None
     train, held_out = ([compared_points(r) for r in runs] for runs in (best.train, best.held_out))
     u, y, way = (np.concatenate([getattr(p, k)[p.counted] for p in train]) for k in ("u", "y", "direction"))
@@ -70,7 +71,7 @@ def function_of_input(best: CandidateModel, split: DataSplit) -> FunctionOfInput
         return None
     finest = {k: _by_fold(u, y, folds, k, _errors) for k in (count, u.size)}  # a jump needs every reading
     count, errors = min(finest.items(), key=lambda pair: float(np.mean(pair[1] ** 2)))
-    curve = curve_of_means(u, y, count)
+    curve = _curve(u, y, count)
     if split.kind != "none":
         pairs = [_held_out_errors(run, points, curve) for run, points in zip(best.held_out, held_out)]
         of_model, errors = (np.concatenate(part) for part in zip(*pairs))
@@ -96,8 +97,25 @@ def _by_fold(
     out = np.empty_like(y)
     for fold in range(_FOLDS):
         kept = folds != fold
-        out[~kept] = errors(u[~kept], y[~kept], curve_of_means(u[kept], y[kept], count))
+        out[~kept] = errors(u[~kept], y[~kept], _curve(u[kept], y[kept], count))
     return out
+
+
+def _curve(u: Array, y: Array, count: int) -> Curve:
+    """The means in ``count`` intervals, and the ends of the lines through the outermost of them: a mean lies inside its
+    interval, where a steep curve is far from its end.
+    """
+    nodes, means = curve_of_means(u, y, count)
+    ends = [_end(nodes[:2], means[:2], u.min()), _end(nodes[-2:][::-1], means[-2:][::-1], u.max())]
+    return np.r_[u.min(), nodes, u.max()], np.r_[ends[0], means, ends[1]]
+
+
+def _end(nodes: Array, means: Array, at: float) -> float:
+    """The line through the first two nodes, at a place."""
+    run = float(np.ptp(nodes))
+    return float(
+        means[0] + (means[1] - means[0]) / (nodes[1] - nodes[0]) * (at - nodes[0]) if run else means[0]
+    )
 
 
 def _plain(u: Array, y: Array, curve: Curve) -> Array:

@@ -44,7 +44,8 @@ def _goes_on(before: TableGuess, after: TableGuess) -> bool:
 
 
 def _written(table: FoundTable) -> list[tuple[str, str, str]]:
-    return [(column.name, column.unit, column.kind) for column in table.columns]
+    kinds = [column.kind if np.isfinite(column.values).any() else "" for column in table.columns]
+    return [(column.name, column.unit, kind) for column, kind in zip(table.columns, kinds)]
 
 
 def _other_load(before: TableGuess, after: TableGuess) -> bool:

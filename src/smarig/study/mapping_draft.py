@@ -8,6 +8,7 @@ from smarig.exchange import convert, dimension
 from smarig.study import quantity_words as q
 from smarig.study.column_guess import ColumnGuess, conditions_in_name
 from smarig.study.column_pairs import comment_of
+from smarig.study.row_period import row_period
 from smarig.study.second_thermometer import AGREE_K
 from smarig.study.table_guess import TableGuess
 
@@ -43,6 +44,8 @@ def mapping_draft(guess: TableGuess, name: str) -> str:
         lines += ['restarts = "join"     # a log that was resumed'] if time.facts.restarts else []
         repeats = _repeats(time) and not guess.of_role("fraction")
         lines += ['repeated = "mean"     # several rows have the same time'] if repeats else []
+    elif (period := row_period(guess.table.header)) and not guess.settled and guess.backward is None:
+        lines += ["", "[time]", f"period_s = {period[1]!r}   # {period[0]} before the table"]
     elif "mat" not in guess.table.layout and not guess.settled and guess.backward is None:
         lines += [
             "",

@@ -2,7 +2,10 @@
 that look like temperatures.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
+
+import numpy as np
 
 from smarig.core import shown
 from smarig.study import quantity_words as q
@@ -13,8 +16,10 @@ from smarig.study.column_guess import (
     WEAK,
     ColumnGuess,
     displacement_confidence,
+    like_temperature,
 )
 from smarig.study.physical_roles import RoleVote, role_vote
+from smarig.study.signal_columns import holds_still
 
 _LIKE_TEMPERATURE = 1.5  # votes: more than one fact of the loop, less than both
 _SURE = 1.0  # votes
@@ -59,6 +64,29 @@ def doubt_by_loop(drive: ColumnGuess, out: ColumnGuess) -> str:
     if not drive.by_numbers or role_vote(drive.facts.values, out.facts.values).score >= 0:
         return ""
     return f"{_NO_NAMES}, and its loop with {shown(out.name)} speaks against it as the input"
+
+
+def unless_rivals(found: LoopRoles, left: Sequence[ColumnGuess]) -> LoopRoles:
+    """Roles by a loop are a doubt if further columns without names could be the output: neither a copy of the input
+    nor a further thermometer.
+    """
+    rivals = [c for c in left if c.name not in (found.drive.name, found.out.name) and c.by_numbers]
+    rivals = [c for c in rivals if c.quantity in ("", found.out.quantity) and not holds_still(c)]
+    rivals = [c for c in rivals if not _is_multiple(c, found.drive) and not like_temperature(c.facts)]
+    if not rivals:
+        return found
+    names = ", ".join(f"{shown(c.name)}" for c in (found.out, *rivals))
+    return replace(found, rivals=f"the names of the columns say nothing; the output is one of {names}")
+
+
+def _is_multiple(c: ColumnGuess, drive: ColumnGuess) -> bool:
+    """Whether a column is the input in another unit, but for its last digits."""
+    known = np.isfinite(c.facts.values) & np.isfinite(drive.facts.values)
+    u, y = drive.facts.values[known], c.facts.values[known]
+    if u.size < 3 or not np.ptp(u):
+        return False
+    rest = y - np.polyval(np.polyfit(u, y, 1), u)
+    return bool(np.abs(rest).max() <= c.facts.step)
 
 
 def _with_steps(vote: RoleVote, drive: ColumnGuess, out: ColumnGuess) -> RoleVote:

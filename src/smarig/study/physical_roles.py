@@ -56,6 +56,22 @@ def role_vote(first: Array, second: Array) -> RoleVote:
     return RoleVote(score, tuple(reasons) if abs(score) == len(reasons) else ("its loop is not clear",))
 
 
+def leads(first: Array, second: Array) -> bool:
+    """Whether the first of two columns (n,) is ahead of the second, by the way round of their loop.
+
+    >>> t = np.linspace(0, 20, 500)
+    >>> leads(np.sin(t), np.sin(t - 0.2)), leads(np.sin(t - 0.2), np.sin(t)), leads(np.sin(t), -np.sin(t))
+    (True, False, False)
+    """
+    known = np.isfinite(first) & np.isfinite(second)
+    x, y = (values[known] - values[known].mean() for values in (first, second))
+    if x.size < 3 or not np.ptp(x) or not np.ptp(y):
+        return False
+    area = np.sign(x @ y) * float(x[:-1] @ y[1:] - x[1:] @ y[:-1]) / 2
+    path = float(np.abs(np.diff(x[wide_turns(x)])).sum()) / 2
+    return bool(area > _NARROW * path * np.ptp(y))
+
+
 def _agreement(u: Array, y: Array) -> float:
     """Agreement, in −1…1, of the loops with an output that lags its input; 0 without a loop."""
     turns = wide_turns(u).tolist()

@@ -2,6 +2,7 @@
 
 import re
 import unicodedata
+from collections.abc import Iterable
 
 from smarig.exchange import dimension, known_unit
 
@@ -10,8 +11,9 @@ SCATTER = "error of a reading"
 NO_SIGNALS = (TIME, INDEX, CYCLE, RATE, SCATTER)  # whatever their units
 TEMPERATURE, AMBIENT = "temperature", "ambient temperature"
 STRAIN, DISPLACEMENT, ANGLE = "strain", "displacement", "angle"
-FORCE, STRESS, PRESSURE = "force", "stress", "pressure"
+FORCE, STRESS, PRESSURE, MODULUS = "force", "stress", "pressure", "modulus"
 CURRENT, VOLTAGE, RESISTANCE, POWER, DUTY = "current", "voltage", "resistance", "power", "duty cycle"
+RESISTIVITY = "resistivity"
 FIELD, FLUX, MOMENT, MAGNETISATION = "magnetic field", "flux density", "magnetic moment", "magnetisation"
 POLARISATION, ELECTRIC_FIELD = "polarisation", "electric field"
 HEAT_FLOW = "heat flow"
@@ -40,6 +42,7 @@ _WORDS: tuple[tuple[str, str], ...] = (  # the first that matches counts
         TEMPERATURE,
         r"temp|thermo|pyro|celsius|^tc ?\d*$|^t ?\d+$|^t (wire|sample|probe|oven|heater|front|end)\b",
     ),
+    (MODULUS, r"modulus|\b(speicher|verlust|schub|e|g)?modul\b"),
     (STRAIN, r"strain|dehn|deform|\beps|elongation rel|stretch"),
     (STRESS, r"stress|\bsigma|contrainte|(zug|druck)spannung|tension mech"),
     (MAGNETISATION, r"magneti[sz]ation|magnetisierung|aimantation"),
@@ -66,7 +69,9 @@ _BRANCH = re.compile(
     r"falling|(a|de)scending)(?![a-z])",
     re.IGNORECASE,
 )
-_COMMANDED = re.compile(r"\b(set|soll|command|cmd|target|setpoint|demand|reference|ref)|zad|sollwert")
+_COMMANDED = re.compile(
+    r"\b(set|soll|command|cmd|target|setpoint|demand|reference|ref|consigne|sp\b)|zad|sollwert"
+)
 _BY_DIMENSION = {
     "time": TIME,
     "temperature": TEMPERATURE,
@@ -77,6 +82,7 @@ _BY_DIMENSION = {
     "current": CURRENT,
     "voltage": VOLTAGE,
     "resistance": RESISTANCE,
+    "resistivity": RESISTIVITY,
     "power": POWER,
     "magnetic field": FIELD,
     "magnetic moment": MOMENT,
@@ -95,10 +101,12 @@ DIMENSIONS = {  # of the units in which a quantity may be given
     ANGLE: ("angle",),
     STRESS: ("stress or pressure",),
     PRESSURE: ("stress or pressure",),
+    MODULUS: ("stress or pressure",),
     FORCE: ("force", "mass"),
     CURRENT: ("current",),
     VOLTAGE: ("voltage",),
     RESISTANCE: ("resistance",),
+    RESISTIVITY: ("resistivity",),
     POWER: ("power",),
     FIELD: ("magnetic field",),
     FLUX: ("magnetic field",),
@@ -111,7 +119,8 @@ DIMENSIONS = {  # of the units in which a quantity may be given
     CHARGE: ("charge",),
 }
 _OF_GASES = ("Torr", "mbar", "hPa", "atm", "bar")  # no stress of a solid is given in them
-_IN_BRACKETS = re.compile(r"^(.*?)[\s_]*[\[(<{]\s*([^\[\](){}<>]*)\s*[\])>}]\s*(.*)$")
+_BRACKET = re.compile(r"[\s_]*[\[(<{]\s*([^\[\](){}<>]*)\s*[\])>}]\s*")
+_REMARK = re.compile(r"[^:]+:\s.*")  # "LGR S/N: 10224511" in a bracket is no unit
 _BRACKETED_NAME = re.compile(r"^\(([^()/]+)\)\s*/\s*(\S+)$")
 _BEHIND_SIGN = re.compile(r"^(.+?)\s*(?:/|,| in |_in_)\s*(\S+)$")
 _PER_TIME = re.compile(r"(.*?)\s*(?:/\s*(?:s|sec|min|h)|[·* ]?(?:s|min|h)(?:\^?-1|⁻¹))")
@@ -130,26 +139,54 @@ def name_and_unit(name: str, written_unit: str = "") -> tuple[str, str]:
     ('DSC', 'mW/mg')
     >>> name_and_unit("H_kA_per_m"), name_and_unit("field E_kV_per_cm")
     (('H', 'kA_per_m'), ('field E', 'kV_per_cm'))
-    >>> name_and_unit("(Q-Qo)/mA.h")
-    ('Q-Qo', 'mA.h')
+    >>> name_and_unit("(Q-Qo)/mA.h"), name_and_unit("Kraft (Analog 1) [kN]"), name_and_unit("103 <Rwire> (OHM)")
+    (('Q-Qo', 'mA.h'), ('Kraft (Analog 1)', 'kN'), ('103 Rwire', 'OHM'))
+    >>> name_and_unit("Temp, °C (LGR S/N: 10224511, LBL: bath)")
+    ('Temp', '°C')
     """
     if not written_unit and (match := _BRACKETED_NAME.match(name)) and known_unit(match[2]):
         return match[1], match[2]
-    if match := _IN_BRACKETS.match(name):
-        words, unit = f"{match[1]} {match[3]}".strip(), match[2].strip()
-        if unit and (known_unit(unit, temperature=True) or not written_unit) and not unit.isdigit():
-            return words.rstrip(" /") or name, written_unit or unit
+    if stated := _in_brackets(name, written_unit):
+        return stated
     if written_unit:
         return name, written_unit
     if per := _with_quotient(name):
         return per
     for pattern in (_BEHIND_SIGN, _LAST_WORD):
         match = pattern.match(name)
+        if match and match[2].isdigit():  # "axis 1": the unit 1 stands in brackets or behind a sign
+            continue
         if match and _is_stated(match[2], pattern) and (pattern is _BEHIND_SIGN or len(match[2]) <= 6):
             if pattern is _LAST_WORD and match[2].lower() in ("t", "h", "m", "l", "f", "d", "g"):
                 continue
             return match[1], match[2]
     return name, ""
+
+
+def _in_brackets(name: str, written_unit: str) -> tuple[str, str] | None:
+    """The name without the unit in the last of its brackets that holds a known one, else in the last one; None if no
+    bracket holds a unit. "<Name>" and "(serial no: 7)" hold none.
+    """
+    brackets = [b for b in _BRACKET.finditer(name) if b[1].strip() and not b[1].strip().isdigit()]
+    known = [b for b in brackets if known_unit(b[1], temperature=True)]
+    words = [b for b in brackets if "<" not in b[0] and not _REMARK.fullmatch(b[1])]
+    able = known or (words if not written_unit else [])
+    if not able:
+        bare = _without_remarks(name, brackets)
+        return name_and_unit(bare, written_unit) if bare != name else None
+    unit = able[-1]
+    label = f"{name[: unit.start()]} {name[unit.end() :]}".strip()
+    return _without_remarks(label, _BRACKET.finditer(label)).rstrip(" /") or name, written_unit or unit[
+        1
+    ].strip()
+
+
+def _without_remarks(name: str, brackets: Iterable[re.Match[str]]) -> str:
+    """A name without the remarks in its brackets, and with "<Name>" as that name."""
+    for b in brackets:
+        if "<" in b[0] or _REMARK.fullmatch(b[1]):
+            name = name.replace(b[0], f" {b[1].strip()} " if "<" in b[0] else " ")
+    return name.strip()
 
 
 def _is_stated(unit: str, pattern: re.Pattern[str]) -> bool:
@@ -232,7 +269,8 @@ def is_of_motion(written: str) -> bool:
 def quantity_in_unit(quantity: str, unit: str) -> str:
     """A quantity that its letter names, as its unit tells it from another: a moment in A/m is a magnetisation.
 
-    >>> quantity_in_unit(MOMENT, "kA/m"), quantity_in_unit(MOMENT, "emu")
-    ('magnetisation', 'magnetic moment')
+    >>> quantity_in_unit(MOMENT, "kA/m"), quantity_in_unit(MOMENT, "emu"), quantity_in_unit(RESISTANCE, "ohm cm")
+    ('magnetisation', 'magnetic moment', 'resistivity')
     """
-    return MAGNETISATION if quantity == MOMENT and dimension(unit) == "magnetic field" else quantity
+    other = {(MOMENT, "magnetic field"): MAGNETISATION, (RESISTANCE, "resistivity"): RESISTIVITY}
+    return other.get((quantity, dimension(unit)), quantity)

@@ -53,9 +53,9 @@ class SecondThermometer:
 
 def second_thermometer(c: ColumnGuess, drive: ColumnGuess) -> SecondThermometer | None:
     """How a thermometer compares with that of the input; None for columns that are not both thermometers of one unit,
-    or without common readings.
+    or without common readings. A set-point is no thermometer.
     """
-    if not (c.quantity == drive.quantity == q.TEMPERATURE) or c.unit != drive.unit:
+    if not (c.quantity == drive.quantity == q.TEMPERATURE) or c.unit != drive.unit or c.commanded:
         return None
     known = np.isfinite(c.facts.values) & np.isfinite(drive.facts.values)
     u, other = drive.facts.values[known], c.facts.values[known]

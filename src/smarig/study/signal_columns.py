@@ -6,6 +6,8 @@ import numpy as np
 
 from smarig.study import quantity_words as q
 from smarig.study.column_guess import UNSURE, ColumnGuess
+from smarig.study.physical_roles import leads
+from smarig.study.thermometer_places import distance
 
 _OUTPUTS = (
     q.STRAIN,
@@ -17,7 +19,9 @@ _OUTPUTS = (
     q.ANGLE,
     q.FORCE,
     q.STRESS,
+    q.MODULUS,
     q.RESISTANCE,
+    q.RESISTIVITY,
     q.HEAT_FLOW,
 )
 _INPUTS = {
@@ -28,7 +32,7 @@ _INPUTS = {
     q.STRESS: (q.TEMPERATURE, q.STRAIN),
     q.HEAT_FLOW: (q.TEMPERATURE,),
     q.CHARGE: (q.VOLTAGE, q.ELECTRIC_FIELD, q.CURRENT, q.TEMPERATURE),
-    q.VOLTAGE: (q.CHARGE,),
+    q.VOLTAGE: (q.CHARGE, q.TEMPERATURE),
 }
 _MECHANICAL = (
     q.TEMPERATURE,
@@ -51,6 +55,7 @@ def output_column(left: Sequence[ColumnGuess], named: str | None, not_this: str 
     if named is not None:
         return next((c for c in left if c.name == named), None)
     able = [c for c in left if c.name != not_this and not holds_still(c)]
+    able = [c for c in able if c.quantity != q.FORCE or not _differs_from_row_to_row(c.facts.known)] or able
     if not able:
         return None
     hot = any(c.quantity == q.TEMPERATURE for c in able)
@@ -62,7 +67,7 @@ def output_column(left: Sequence[ColumnGuess], named: str | None, not_this: str 
             continue
         if found:
             return max(found, key=lambda c: (not c.by_numbers, c.unit_confidence > UNSURE, -able.index(c)))
-    return _output_with_charge(able)
+    return _output_with_charge(able) or _read_voltage(able)
 
 
 def _output_with_charge(able: Sequence[ColumnGuess]) -> ColumnGuess | None:
@@ -73,6 +78,18 @@ def _output_with_charge(able: Sequence[ColumnGuess]) -> ColumnGuess | None:
     voltage = next((c for c in able if c.quantity == q.VOLTAGE and not c.commanded), None)
     counted = charge is not None and charge.unit.endswith("h")
     return voltage if counted else charge
+
+
+def _read_voltage(able: Sequence[ColumnGuess]) -> ColumnGuess | None:
+    """A voltage that was read beside a temperature, as that of a divider. One that heats is beside its current or
+    power, was commanded, or leads the temperature.
+    """
+    voltages = [c for c in able if c.quantity == q.VOLTAGE]
+    warm = next((c for c in able if c.quantity == q.TEMPERATURE), None)
+    heated = len(voltages) > 1 or any(c.quantity in (q.CURRENT, q.POWER, q.DUTY) for c in able)
+    if not voltages or warm is None or heated or voltages[0].commanded:
+        return None
+    return None if leads(voltages[0].facts.values, warm.facts.values) else voltages[0]
 
 
 def input_column(
@@ -88,7 +105,8 @@ def input_column(
     for quantity in order:
         found = [c for c in able if c.quantity == quantity]
         if found:
-            return min(found, key=lambda c: (c.commanded or is_grid(c), able.index(c)))
+            places = {c.name: distance(c) if quantity == q.TEMPERATURE else 0 for c in found}
+            return min(found, key=lambda c: (c.commanded or is_grid(c), places[c.name], able.index(c)))
     nameless = [c for c in able if not c.quantity]
     return nameless[0] if nameless else None
 
@@ -102,7 +120,8 @@ def holds_still(c: ColumnGuess) -> bool:
     """Whether a load or a temperature was held, whatever noise it has. Other columns count if they move at all."""
     mean, spread = (abs(float(np.mean(c.facts.known))), c.facts.spread) if c.facts.known.size else (0.0, 0.0)
     if c.quantity == q.STRESS:
-        return spread <= _STRESS_SHARE * mean or _is_noise(c.facts.known)
+        noise = _differs_from_row_to_row(c.facts.known) and mean > 3 * float(np.std(c.facts.known))
+        return spread <= _STRESS_SHARE * mean or noise
     if c.quantity == q.FORCE:
         return c.unit != "count" and spread <= _FORCE_SHARE * mean
     if c.quantity == q.TEMPERATURE:
@@ -110,7 +129,6 @@ def holds_still(c: ColumnGuess) -> bool:
     return c.facts.levels <= 1
 
 
-def _is_noise(x: np.ndarray) -> bool:
-    """Whether values are noise about a mean: each differs from the next as from any other, and few are far from it."""
-    sd = float(np.std(x))
-    return bool(x.size > 10 and np.std(np.diff(x)) > sd and abs(float(np.mean(x))) > 3 * sd > 0)
+def _differs_from_row_to_row(x: np.ndarray) -> bool:
+    """Whether values are noise: each differs from the next as from any other."""
+    return bool(x.size > 10 and np.std(np.diff(x)) > np.std(x))

@@ -22,9 +22,9 @@ from smarig.study.column_guess import (
     WEAK,
     ColumnGuess,
     guess_columns,
-    like_temperature,
 )
-from smarig.study.nameless_columns import LoopRoles, doubt_by_loop, roles_by_loop
+from smarig.study.heat_flow_columns import with_heat_flows
+from smarig.study.nameless_columns import doubt_by_loop, roles_by_loop, unless_rivals
 from smarig.study.second_thermometer import SecondThermometer, second_thermometer, witness_reason
 from smarig.study.signal_columns import holds_still, input_column, is_grid, output_column
 from smarig.study.typed_names import typed_name
@@ -121,7 +121,7 @@ def guess_table(
         if name not in table.names:
             known = [typed_name(table, own) for own in table.names]
             raise UsageError(f"{table.path} has no column {shown(name)}{suggestion(name, known)}.")
-    columns = guess_columns(table, units or {}, files)
+    columns = with_heat_flows(table, guess_columns(table, units or {}, files))
     pairs, by_words = branch_pairs(columns), False
     if not pairs:
         pairs, by_words = branches_by_words(columns, output), True
@@ -157,7 +157,7 @@ def guess_table(
     if drive is not None and out is not None and input is None and output is None and not pairs:
         found = roles_by_loop(drive, out)
     if found is not None:
-        found = _unless_rivals(found, left)
+        found = unless_rivals(found, left)
         drive, out = found.drive, found.out
         columns = [next((c for c in (drive, out) if c.name == g.name), g) for g in columns]
         roles |= {
@@ -178,29 +178,6 @@ def guess_table(
         guess = _of_two_branches(guess, {drive.name: drive.name} | pairs, by_words)
     scale, sign = _sign(drive, out)
     return replace(guess, scale=scale, sign=sign, settled=_is_staircase(drive, guess))
-
-
-def _unless_rivals(found: LoopRoles, left: Sequence[ColumnGuess]) -> LoopRoles:
-    """Roles by a loop are a doubt if further columns without names could be the output: neither a copy of the input
-    nor a further thermometer.
-    """
-    rivals = [c for c in left if c.name not in (found.drive.name, found.out.name) and c.by_numbers]
-    rivals = [c for c in rivals if c.quantity in ("", found.out.quantity) and not holds_still(c)]
-    rivals = [c for c in rivals if not _is_multiple(c, found.drive) and not like_temperature(c.facts)]
-    if not rivals:
-        return found
-    names = ", ".join(f"{shown(c.name)}" for c in (found.out, *rivals))
-    return replace(found, rivals=f"the names of the columns say nothing; the output is one of {names}")
-
-
-def _is_multiple(c: ColumnGuess, drive: ColumnGuess) -> bool:
-    """Whether a column is the input in another unit, but for its last digits."""
-    known = np.isfinite(c.facts.values) & np.isfinite(drive.facts.values)
-    u, y = drive.facts.values[known], c.facts.values[known]
-    if u.size < 3 or not np.ptp(u):
-        return False
-    rest = y - np.polyval(np.polyfit(u, y, 1), u)
-    return bool(np.abs(rest).max() <= c.facts.step)
 
 
 def _of_two_branches(guess: TableGuess, branches: dict[str, str], by_words: bool) -> TableGuess:
@@ -230,7 +207,22 @@ def _time(columns: Sequence[ColumnGuess]) -> ColumnGuess | None:
     """The clock: a column of times that never runs backwards, or that a resumed log starts again from its beginning."""
     times = [c for c in columns if c.quantity == q.TIME and not c.facts.missing]
     resumed = [c for c in times if c.facts.restarts and c.facts.kind != "clock" and not c.by_numbers]
-    return next((c for c in times if c.facts.rising), next(iter(resumed), None))
+    first = next((c for c in times if c.facts.rising), next(iter(resumed), None))
+    return next((c for c in times if first is not None and _is_finer(c, first)), first)
+
+
+def _is_finer(c: ColumnGuess, clock: ColumnGuess) -> bool:
+    """Whether a time is that of a clock of whole seconds, but finer: they agree within a second, as rounding does."""
+    if (
+        clock.facts.kind != "clock"
+        or not clock.facts.whole
+        or not c.facts.rising
+        or dimension(c.unit) != "time"
+    ):
+        return False
+    seconds = convert(c.facts.values, c.unit, "s")
+    apart = seconds - seconds[0] - (clock.facts.values - clock.facts.values[0])
+    return bool(np.ptp(apart) <= 1 and (seconds != np.round(seconds)).any())
 
 
 def _fraction(others: Sequence[ColumnGuess], time: ColumnGuess) -> ColumnGuess | None:
@@ -327,6 +319,8 @@ def _unused(c: ColumnGuess, out: ColumnGuess | None) -> str:
         return f"{c.quantity}: {c.quantity_reason}"
     if out is not None and c.quantity == out.quantity:
         return f"another {c.quantity} than the output {shown(out.name)}"
+    if c.commanded and c.quantity == q.TEMPERATURE:
+        return "a set-point: it was not measured"
     if c.facts.constant:
         return f"nearly constant at {np.mean(c.facts.known):.4g}"
     return f"{c.quantity}, not needed" if c.quantity else "its meaning is not clear, and it is not needed"

@@ -10,6 +10,7 @@ from smarig.core import DataError, UsageError, shown
 from smarig.exchange import FoundTable, find_tables
 from smarig.study.column_guess import ColumnGuess, is_rate_of_output
 from smarig.study.column_pairs import tables_of_pairs
+from smarig.study.held_loads import tables_of_loads
 from smarig.study.joined_blocks import joined_blocks
 from smarig.study.study_options import StudyOptions
 from smarig.study.table_guess import TableGuess, guess_table
@@ -40,7 +41,7 @@ def understand(files: Sequence[Path], options: StudyOptions, ask: Ask | None = N
     answers and the options do not accept it; DataError if no file holds a table.
     """
     tables, left_out = _tables(files)
-    tables = tables if options.mapping else _by_pairs(tables, options)
+    tables = tables if options.mapping else _by_loads(_by_pairs(tables, options), options)
     tables, unlike = _of_one_layout(tables)
     left_out |= unlike
     options = _with_own_names(max(tables, key=len), options)
@@ -88,6 +89,14 @@ def _by_pairs(tables: Sequence[FoundTable], options: StudyOptions) -> list[Found
     """The tables, with one for each pair of columns where pairs stand side by side."""
     named = (options.input, options.output, *options.units)
     return [pair for table in tables for pair in tables_of_pairs(table, named)]
+
+
+def _by_loads(tables: Sequence[FoundTable], options: StudyOptions) -> list[FoundTable]:
+    """The tables, with one for each load where a record was taken at several."""
+    own = [_with_own_names(table, options) for table in tables]
+    named = [(one.input, one.output) for one in own]
+    known = [tuple(n if n in t.names else None for n in pair) for t, pair in zip(tables, named)]
+    return [part for table, pair in zip(tables, known) for part in tables_of_loads(table, *pair)]
 
 
 def _of_one_layout(tables: Sequence[FoundTable]) -> tuple[list[FoundTable], dict[str, str]]:

@@ -167,9 +167,12 @@ def _slim(hypothesis: ComparedHypothesis) -> ComparedHypothesis:
 
 
 def _around(best: float, options: Sequence[float]) -> list[float]:
-    """Values between the neighbours of the best option."""
+    """Values between the neighbours of the best option; a value that is an option but for rounding is that option: two
+    trials of one value have no slope between them.
+    """
     k, ordered = sorted(options).index(best), sorted(options)
-    return np.linspace(ordered[max(k - 1, 0)], ordered[min(k + 1, len(ordered) - 1)], FINE).tolist()
+    fine = np.linspace(ordered[max(k - 1, 0)], ordered[min(k + 1, len(ordered) - 1)], FINE).tolist()
+    return [next((x for x in ordered if np.isclose(x, value, rtol=1e-9, atol=0.0)), value) for value in fine]
 
 
 def vertex(scores: dict[float, float]) -> float | None:

@@ -134,8 +134,8 @@ def _limits(d: "MeasuredDiagnosis") -> Iterator[str]:
     starts = list(zip((r.name for r in d.records), d.comparison.plan.starts))
     for name in dict.fromkeys(name for name, start in starts if start.contradicted):
         yield (
-            f"The first branch of {name} differs from all later ones that start at the same end of the input: the "
-            "specimen began in another state. The branch was left out."
+            f"The first branch of {name} differs from all later ones from the same end of the input, or the output "
+            "never comes back to where it began: the specimen began in another state. The branch was left out."
         )
     assumed = dict.fromkeys(name for name, start in starts if start.assumed and not start.contradicted)
     if assumed and not sentences:

@@ -1,0 +1,100 @@
+"""The rows of a text table: the cells of its lines, and where a footer ends it."""
+
+import csv
+import io
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Protocol
+
+from smarig.core import DataError
+from smarig.exchange.cell_values import is_missing, is_number
+from smarig.exchange.clock_cells import clock_seconds
+
+
+class Signs(Protocol):
+    """How a table writes numbers: decimal sign, and what stands between thousands."""
+
+    @property
+    def decimal(self) -> str: ...
+
+    @property
+    def thousands(self) -> str: ...
+
+
+def split(line: str, delimiter: str | None) -> list[str]:
+    """The cells of a line, stripped of blanks and quotes, without trailing empty cells."""
+    if delimiter is None:
+        cells = line.split()
+    elif '"' in line:
+        cells = next(csv.reader(io.StringIO(line), delimiter=delimiter, skipinitialspace=True), [])
+    else:
+        cells = line.split(delimiter)
+    cells = [cell.strip() for cell in cells]
+    while cells and not cells[-1]:
+        cells.pop()
+    return cells
+
+
+def cells(
+    path: Path,
+    lines: Sequence[str],
+    first: int,
+    names: Sequence[str],
+    delimiter: str | None,
+    ends_blank: bool,
+    again: str = "",
+) -> tuple[list[list[str]], list[int]]:
+    """The cells of the rows from line ``first`` on, and the number of each line, from 1; ``again``: a header that a
+    logger may have written once more.
+    """
+    rows: list[list[str]] = []
+    where: list[int] = []
+    for k in range(first, len(lines)):
+        line = lines[k]
+        if not line.strip():
+            if ends_blank:
+                break
+            continue
+        if line.startswith("#") or (again and line.strip() == again.strip()):
+            continue
+        row = split(line, delimiter)
+        if ends_blank and not any(is_number(cell, ".") or is_number(cell, ",") for cell in row):
+            break  # a title of the next table
+        missing = len(names) - len(row)
+        if missing < 0 or (delimiter is None and missing > 0):
+            raise DataError(
+                f"{path}, line {k + 1} has {len(row)} cells, but the header names {len(names)} columns."
+            )
+        rows.append(row + [""] * missing)
+        where.append(k + 1)
+    return rows, where
+
+
+def footer_start(
+    lines: Sequence[str], first: int, width: int, delimiter: str | None, signs: Signs
+) -> int | None:
+    """The line, from 0, at which a text after the last row begins, as "Results:" does; None for a table up to the end.
+
+    Such a text begins with words that are not divided as rows are, and no line after it is mostly numbers.
+    """
+    k = len(lines)
+    while k > first and not _mostly_numbers(split(lines[k - 1], delimiter), signs):
+        k -= 1
+    start = next((i for i in range(k, len(lines)) if lines[i].strip()), len(lines))
+    if k <= first or start == len(lines) or lines[start].startswith("#"):
+        return None
+    row = split(lines[start], delimiter)
+    divided = len(row) == width if delimiter is None else len(row) > 1
+    return None if divided or not row or _is_value(row[0], signs) else start
+
+
+def _mostly_numbers(row: Sequence[str], signs: Signs) -> bool:
+    used = [cell for cell in row if cell]
+    return len(row) > 1 and 2 * sum(_is_value(cell, signs) for cell in used) > len(used)
+
+
+def _is_value(cell: str, signs: Signs) -> bool:
+    """Whether a cell is a number, a clock time or a word for a missing value."""
+    return (
+        is_number(cell, signs.decimal, signs.thousands) or is_missing(cell) or clock_seconds(cell) is not None
+    )
