@@ -8,7 +8,7 @@ import pytest
 from smarig.control.tracking.reference import reference_from_csv
 from smarig.core.errors import DataError, UsageError
 from smarig.exchange import export_run
-from smarig.exchange.cell_values import clock_seconds
+from smarig.exchange.clock_cells import clock_seconds
 from smarig.exchange.found_table import FoundTable
 from smarig.exchange.table_file import read_table
 from smarig.exchange.text_table import TableLayout
