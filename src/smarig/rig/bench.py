@@ -9,10 +9,9 @@ import contextlib
 import math
 import time
 from collections.abc import Callable
-from typing import Any
 
 from smarig.config import RigFile
-from smarig.core import LeaseExpired, Quality, RigFault, Sample, error_text, renew_watch, shown
+from smarig.core import LeaseExpired, Quality, RigFault, Sample, renew_watch
 from smarig.device import (
     OFF_PAUSE_S,
     AbsoluteZero,
@@ -22,7 +21,6 @@ from smarig.device import (
     PositionReading,
     PositionSensor,
     Silent,
-    current_after_off,
     number_from,
 )
 from smarig.plant import Actuator
@@ -33,7 +31,8 @@ from smarig.rig.further_sensors import FurtherSensors
 from smarig.rig.order_record import OrderRecord
 from smarig.rig.rig import Alarm
 from smarig.rig.room_temperature import RoomTemperature
-from smarig.rig.shutdown import NOT_CONFIRMED, after_shutdown
+from smarig.rig.shutdown import after_shutdown
+from smarig.rig.source_shutdown import SourceShutdown
 
 CLOCK_CHECK_TICKS = 300  # ticks between two comparisons of both clocks
 CLOCK_READS = 6  # attempts to read both clocks within one tick, and the same twice
@@ -86,8 +85,11 @@ class Bench:
         self._pending_readings: list[PositionReading] = []  # read before a zero and not yet returned
         self._fault: RigFault | None = None  # after a trip
         self._sampled = False
-        self.shutdown_unconfirmed = ""  # why the source may still be on
-        self._still_measured = ""  # the sentence about a current that did not end
+        self._shutdown = SourceShutdown(
+            source,
+            read_back_tolerance_A(rig.limits, rig.amplifier),
+            lambda: self._sleep(max(OFF_PAUSE_S, self._tick_s)),  # the next reading is another one
+        )
 
     @property
     def period_s(self) -> float:
@@ -330,39 +332,18 @@ class Bench:
     def safe(self) -> None:
         """Set the current to zero. Never raises; without a connection the lease does it."""
         before_A, self._command_A = self._command_A, 0.0
-        self.shutdown_unconfirmed = NOT_CONFIRMED  # also if a signal or a driver cuts it off
-        renew_watch()
-        try:
-            self.shutdown_unconfirmed = self.source.off()
-            if not isinstance(self.shutdown_unconfirmed, str):
-                raise TypeError(f"off returned {shown(self.shutdown_unconfirmed)}, which is not a text")
-        except BaseException as error:  # SystemExit of a library, too: the current must end
-            self.shutdown_unconfirmed = f"{NOT_CONFIRMED} The driver says: {error_text(error)}."
-        if not self.shutdown_unconfirmed:
+        if self._shutdown.order_off():
             with contextlib.suppress(BaseException):
                 self._orders.changed(before_A, self.source.tick())
 
-    def confirm_zero(self) -> str:
-        """After ``safe``: measure whether the current has ended, as a set-point does not tell. Never raises.
+    @property
+    def shutdown_unconfirmed(self) -> str:
+        """Why the source may still be on; "" if it is off."""
+        return self._shutdown.unconfirmed
 
-        Returns "" or a sentence, which ``shutdown_unconfirmed`` then has as well. Lock-step has no time to wait for.
-        """
-        if self.shutdown_unconfirmed or self.lock_step:
-            return ""
-        tolerance_A = read_back_tolerance_A(self.file.limits, self.file.amplifier)
-        pause_s = max(OFF_PAUSE_S, self._tick_s)  # the next reading is another one
-        flows_A = 0.0
-        source: Any = self.source  # measured_A is optional
-        # whatever a driver raises: the source has confirmed that it is off
-        with contextlib.suppress(BaseException):
-            flows_A = current_after_off(
-                source.measured_A, source.off, tolerance_A, lambda: self._sleep(pause_s)
-            )
-        flows = abs(flows_A) > tolerance_A  # a reading that is no number shows nothing
-        text = f"{abs(flows_A):.2g} A is still measured: switch it off by hand now." if flows else ""
-        self._still_measured = (self._still_measured or text) if text else ""  # one sentence for one fault
-        self.shutdown_unconfirmed = self._still_measured
-        return self._still_measured
+    def confirm_zero(self) -> str:
+        """After ``safe``: measure whether the current has ended. Never raises. Lock-step has no time to wait for."""
+        return "" if self.lock_step else self._shutdown.measure()
 
     def close(self) -> None:
         """Close all lines."""
