@@ -18,5 +18,7 @@ def test_a_branch_alone_is_told_as_one_way(tmp_path, noise_K, falls):
     (tmp_path / "a.csv").write_text("time [s],wire [degC],stroke [mm]\n" + "\n".join(lines) + "\n")
     result = study([tmp_path / "a.csv"], tmp_path / "out", StudyOptions(diagnose=False))
     assert result.function is None
+    assert result.verdict == "fair"
+    assert "no loop to judge it by" in result.sentences()[0]
     assert any("goes one way only" in reason for reason in result.reasons)
     assert "no hysteresis" not in " ".join(result.sentences())

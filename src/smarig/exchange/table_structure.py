@@ -113,9 +113,9 @@ def _with_unread_rows(rows: Sequence[Sequence[str]], kinds: Sequence[str], style
             continue
         of_numbers = [j for j, cell in enumerate(before) if cell and style.kind(cell) != TEXT]
         same = sum(bool(row[j]) and style.kind(row[j]) != TEXT for j in of_numbers if j < len(row))
-        alike = len(row) == len(before) and 2 * same > len(of_numbers)
+        same_columns = len(row) == len(before) and 2 * same > len(of_numbers)
         event = len(row) <= max(width, len(before)) and _is_event(row, rows[first], style)
-        out[k] = "data" if alike or event else "text"
+        out[k] = "data" if same_columns or event else "text"
     return out
 
 

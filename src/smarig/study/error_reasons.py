@@ -107,7 +107,7 @@ def _conditions(split: DataSplit) -> Iterator[str]:
                 f"The stress differs: {which}. It moves the transformation temperatures and changes the stroke; a "
                 f"model of one load cannot know by how much. Give runs at {_LOADS_NEEDED} or more loads."
             )
-        elif name == "load":
+        elif name == "load" and LOAD not in held:
             yield (
                 f"The load differs: {which}. One model of all loads needs their stress: divide the load by the cross "
                 "section of the wire, and write it as stress under [conditions] of each mapping."

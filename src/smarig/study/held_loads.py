@@ -33,13 +33,13 @@ def tables_of_loads(table: FoundTable, drive: str | None = None, out: str | None
     if target is None or any(holds_still(load) for load in loads):
         return [table]
     for load in loads:
-        parts = [part for part in _stretches(load.facts.values) if _has_cycle(target, part)]
+        parts = [part for part in _held_parts(load.facts.values) if _has_cycle(target, part)]
         if len(parts) > 1 and all(_is_held(table, load, part) for part in parts):
             return [_part(table, load, part, number) for number, part in enumerate(parts, 1)]
     return [table]
 
 
-def _stretches(load: NDArray[np.float64]) -> list[slice]:
+def _held_parts(load: NDArray[np.float64]) -> list[slice]:
     """The rows of each level of a load, one level after the other; between levels is a step of more than the range of
     the noise. Rows on the way from level to level are stretches of their own.
     """

@@ -200,6 +200,8 @@ class StudyResult:
 
     def _error_verdict(self, parts: ErrorParts | None = None) -> ErrorVerdict:
         curves = AgainstCurves(self.gain, self._as_a_branch_pair)
+        if self._one_way:  # a curve is all that one branch can show
+            curves = AgainstCurves(max(self.gain, 1.0), full_loops=True)
         if self.evaluation is None:
             return error_verdict(np.nan, self.noise, self.nrmse, curves=curves, parts=parts)
         found = self.evaluation.best
