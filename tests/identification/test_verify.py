@@ -44,6 +44,22 @@ def test_a_right_model_has_no_error_and_a_wrong_one_the_right_error(one):
     assert run["nrmse"] == pytest.approx(run["rms"] / np.ptp(measured.points()[1]), rel=1e-9)
 
 
+def test_points_at_the_ends_of_the_loop_alone_make_no_model_good(one):
+    """Where both branches meet, every model is right. One level between them is a test."""
+
+    def noisy(inputs):
+        exact = Preisach.from_surface(thesis_surface("one_e")).simulate(inputs)
+        return made_run(inputs, exact + 0.01 * np.random.default_rng(4).standard_normal(exact.size))
+
+    ends = verify(one, noisy([0.0, 174.1] * 6)).runs[0]
+    assert ends.in_loop == 0
+    assert ends.verdict.level == "fair"
+    assert any(w.startswith("No point lies inside the loop") for w in ends.warnings)
+    between = verify(one, noisy([0.0, 174.1] * 6 + [80.0])).runs[0]
+    assert between.in_loop == 1
+    assert not any("inside the loop" in w for w in between.warnings)
+
+
 def test_power_up_in_a_named_state_is_a_known_zero(two):
     psi = Preisach(thesis_surface("two_e"), "anhysteretic").y
     run = driven_run("two_e", TWO_WALK, initial="anhysteretic", offset=-psi)

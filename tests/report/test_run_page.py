@@ -147,6 +147,13 @@ def test_an_empty_run_gives_a_page():
     assert page.plots == []
 
 
+def test_a_run_without_a_lease_that_was_cut_off_says_that_its_current_may_be_on():
+    words = "its current may still be on"
+    assert words in Page(run_page(run_of(end=None, has_lease=False))).visible
+    for told in ({"end": None, "has_lease": True}, {"end": None}, {"has_lease": False}):
+        assert words not in Page(run_page(run_of(**told))).visible
+
+
 @pytest.mark.parametrize(
     ("end", "words"), [(None, "never closed"), ("stopped: the <b>lease</b> expired", "<b>lease</b>")]
 )

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from smarig.core import NotebookDisplay, spaced
-from smarig.identification.error_verdict import ErrorVerdict, error_verdict
+from smarig.identification.error_verdict import ErrorParts, ErrorVerdict, error_verdict
 from smarig.identification.repeatability import STEADY, Repeatability
 
 Array = NDArray[np.float64]
@@ -53,7 +53,8 @@ class RunVerification:
     ``input``, ``measured``, ``predicted`` (k,) are all settled points (offset added, NaN if the memory is unknown).
     ``counted`` (k,) marks the points that count. ``offset``, "known" or "fitted", was added to the model. ``expected``
     is the rms error to be expected at a load that was not measured, None for other runs and models. ``repeatability``
-    is what repeats of the run show besides noise. ``is_training``: the model was fitted to this run.
+    is what repeats of the run show besides noise. ``is_training``: the model was fitted to this run. ``in_loop``: how
+    many points lie where the branches of the model are apart; None if that is not known.
     """
 
     run: str
@@ -70,11 +71,15 @@ class RunVerification:
     expected: float | None = None
     repeatability: Repeatability = STEADY
     is_training: bool = False
+    in_loop: int | None = None
 
     @property
     def verdict(self) -> ErrorVerdict:
         """How the error compares with the noise of the readings."""
-        return error_verdict(self.settled.rms, self.noise_floor, self.settled.nrmse, self.repeatability)
+        parts = ErrorParts(doubtful=self.in_loop == 0)
+        return error_verdict(
+            self.settled.rms, self.noise_floor, self.settled.nrmse, self.repeatability, parts=parts
+        )
 
     def to_json(self) -> dict[str, Any]:
         """Plain values, as the command line prints them."""

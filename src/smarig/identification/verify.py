@@ -24,6 +24,7 @@ from smarig.identification.rows_used import without_dropouts
 from smarig.identification.run_zeros import has_own_zero
 from smarig.identification.verification import PredictionErrors, RunVerification, Verification
 from smarig.measurement import input_noise_sd
+from smarig.preisach import Preisach
 from smarig.record import FORC_PROTOCOL, Run, Runs, continues_run, loaded_runs
 from smarig.replay import (
     Model,
@@ -44,6 +45,10 @@ from smarig.replay import (
 
 Array = NDArray[np.float64]
 Offset = Literal["auto", "known", "fitted"]
+_NO_POINT_IN_LOOP = (
+    "No point lies inside the loop, where the branches of the model are apart: the run tests the ends of the loop "
+    "only. Verify with a run that has more levels, or reversal curves."
+)
 
 
 def verify(
@@ -134,6 +139,7 @@ def _verified(
     outside = int(np.sum(out_of_range(model, applied_inputs(model, run)[counts])))
     early = 0 if run.info.protocol == FORC_PROTOCOL else int(np.sum(selected & ~counts))
     floor, is_training = noise_floor(run), _is_training(model, run)
+    in_loop = _points_in_loop(model, run, counts, floor.known)
     return RunVerification(
         run=str(run.path),
         settled=_errors((predicted + shift - measured)[counts], measured, floor),
@@ -146,7 +152,9 @@ def _verified(
         predicted=predicted + shift,
         counted=counts,
         is_training=is_training,
+        in_loop=in_loop,
         warnings=(
+            *([_NO_POINT_IN_LOOP] if in_loop == 0 else []),
             *_validity_warnings(model, run, is_training=is_training),
             *by_load,
             *_far_loads(model, run),
@@ -157,6 +165,18 @@ def _verified(
         expected=_expected(model, run),
         repeatability=floor.repeatability,
     )
+
+
+def _points_in_loop(model: Model, run: Run, counts: NDArray[np.bool_], noise: float | None) -> int | None:
+    """How many points lie where the branches of the major loop are apart by more than twice the noise of a reading."""
+    if noise is None:
+        return None
+    u = applied_inputs(model, run)[counts]
+    levels = np.unique(u := u[np.isfinite(u)])
+    there_and_back = np.concatenate([levels, levels[::-1]])
+    y = Preisach(model.hysteresis).simulate(there_and_back, "negative")
+    apart = np.abs(y[: levels.size] - y[levels.size :][::-1])
+    return int(np.sum(np.interp(u, levels, apart) > 2 * noise))
 
 
 def _with_fitted_zero_slope(

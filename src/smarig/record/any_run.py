@@ -14,6 +14,8 @@ from smarig.record.recording_lock import is_recording
 from smarig.record.run_info import RunInfo
 from smarig.record.stopped_by import StoppedBy
 
+MAY_FLOW = "Its source has no lease: its current may still be on. Make sure that it is switched off."
+
 if TYPE_CHECKING:
     from smarig.record.run import Event, Step
 
@@ -89,8 +91,15 @@ class AnyRun(ABC):
         return self._not_closed if end is None or end.cause is None else end.cause.rstrip(".")
 
     @property
+    def may_flow(self) -> bool:
+        """Whether its current may have stayed on: it was cut off, and the source has no lease."""
+        return not self.complete and self.meta.get("has_lease") is False and not is_recording(self.path)
+
+    @property
     def _not_closed(self) -> str:
-        return "the run is still being recorded" if is_recording(self.path) else "the run was never closed"
+        if is_recording(self.path):
+            return "the run is still being recorded"
+        return f"the run was never closed{f'. {MAY_FLOW}' if self.may_flow else ''}".rstrip(".")
 
     @property
     def stopped_by(self) -> StoppedBy | None:

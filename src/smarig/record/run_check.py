@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any, Literal
 
 from smarig.core import DataError, capitalised, printable
+from smarig.record.any_run import MAY_FLOW
 from smarig.record.opened_run import opened_for_reading
 from smarig.record.recording_lock import is_recording
 from smarig.record.run import MOST_ROWS, Run, existing_file, load_run
@@ -184,6 +185,8 @@ def _remarks_on(run: Run) -> Iterator[str]:
     for event in run.events:
         if event.kind == "salvaged":
             yield f"It was saved from a damaged file. {event.text}"
+    if run.may_flow:
+        yield MAY_FLOW
     if not run.complete and not run.path.with_name(f"{run.path.name}-wal").exists():
         yield (
             f"{run.path.name}-wal is not beside it. If it was left behind when the file was copied, its last samples, "

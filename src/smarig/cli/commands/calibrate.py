@@ -1,12 +1,19 @@
 """``smarig calibrate``: the constants of a wire from runs, with confidence intervals."""
 
+import math
+from collections.abc import Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
-from smarig.cli.output import check_distinct, emit, json_option
+from smarig.cli.output import check_distinct, emit, json_option, show_message
 from smarig.cli.parameter_types import FILE, CatalogueName
 from smarig.core import UsageError
+
+if TYPE_CHECKING:
+    from smarig.plant import Actuator
+    from smarig.record import Run
 
 
 @click.command(
@@ -16,7 +23,9 @@ from smarig.core import UsageError
 )
 @click.argument("runs", nargs=-1, required=True, type=FILE)
 @click.option(
-    "--actuator", type=CatalogueName("actuators"), help="Parameter set to start from; required for -o."
+    "--actuator",
+    type=CatalogueName("actuators"),
+    help="Parameter set to start from (default: the actuator of the runs).",
 )
 @click.option(
     "--model",
@@ -46,7 +55,9 @@ def command(
                 "Identify the model from runs of the rig."
             )
     check_distinct(out, model, *runs)
-    result = calibrate([load_run(r) for r in runs], base, hysteresis)
+    loaded = [load_run(r) for r in runs]
+    base = _checked(base, loaded, kelvin_of_model=model is not None)
+    result = calibrate(loaded, base, hysteresis)
     if out is not None and base is None:
         raise UsageError("An actuator file needs a parameter set to start from. Give --actuator.")
     if out is not None and base is not None:
@@ -58,3 +69,27 @@ def command(
     ]
     lines += [f"{name}: {why}" for name, why in result.not_available.items()]
     emit(found, "\n".join(lines))
+
+
+def _checked(base: "Actuator | None", runs: "Sequence[Run]", *, kelvin_of_model: bool) -> "Actuator | None":
+    """The actuator to start from: by default that of the runs.
+
+    Raises UsageError if a model's inputs, in kelvin of the actuator of its runs, are not in those of another one.
+    """
+    from smarig.replay import recorded_actuator
+
+    recorded = recorded_actuator(runs[0])
+    if base is None or recorded is None or base.file == recorded.file:
+        return base or recorded
+    if kelvin_of_model and not math.isclose(base.gain_K_per_A2, recorded.gain_K_per_A2, rel_tol=1e-6):
+        raise UsageError(
+            f"The runs were made with the actuator '{recorded.name}', which 1 A heats by {recorded.gain_K_per_A2:.4g} "
+            f"K; '{base.name}' says {base.gain_K_per_A2:.4g} K, so the inputs of the model are no kelvins of it. Leave "
+            "--actuator out, or give the actuator of the runs."
+        )
+    if base.name != recorded.name:
+        show_message(
+            f"Warning: the runs were made with the actuator '{recorded.name}'. What they do not determine is taken "
+            f"from '{base.name}'."
+        )
+    return base

@@ -90,6 +90,11 @@ def _estimate(log_tau: float, errors: list[Array], slope: list[Array], text: str
         return "The time constant τ cannot be determined from position: the transients do not depend on it."
     spread = math.sqrt(max(score * f, square / n * curvature)) / curvature
     half = quantile(effective_n / f - 1) * spread
+    if not half < math.log(_FACTOR):
+        return (
+            "The time constant τ cannot be determined from position: its 95 % interval is wider than the range of the "
+            "search. Measure faster transients, or check the model and R/hA of the actuator."
+        )
     tau = math.exp(log_tau)
     ends = (tau * math.exp(-half), tau * math.exp(half))
     return Estimate(tau, ends, "s", f"{text}, interval widened for correlated residuals", n)
