@@ -2,8 +2,9 @@
 
 import pytest
 
+from smarig.core import RigFault
 from smarig.device import OFF_PAUSE_S
-from smarig.rig.shutdown import OFF_ATTEMPTS, OFF_S, switch_off
+from smarig.rig.shutdown import AT_ZERO_LATE, OFF_ATTEMPTS, OFF_S, after_shutdown, switch_off
 
 FLOWS = "0.3 A is still measured: switch it off by hand now."
 STILL_ON = "The supply did not confirm that it is off. It has no lease: switch it off by hand now."
@@ -73,3 +74,16 @@ def test_a_listener_that_fails_keeps_no_zero_back():
     with pytest.raises(OSError, match="No space"):
         switch_off(rig, lambda _: None, full)
     assert (rig.orders, rig.shutdown_unconfirmed) == (3, "")
+
+
+def test_a_confirmation_that_came_late_is_said_with_what_may_have_flowed():
+    """The error had told it before, and the record of the run still does."""
+    rig, error = IgnoresZero(2), RigFault("It does not answer.")
+    rig.safe()
+    assert str(after_shutdown(error, rig)).endswith(STILL_ON)
+    rig.safe()
+    assert str(after_shutdown(error, rig)).endswith(AT_ZERO_LATE)
+    assert (
+        str(after_shutdown(RigFault("It does not answer."), rig))
+        == "It does not answer. The current is at zero."
+    )

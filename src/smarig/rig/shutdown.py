@@ -7,6 +7,7 @@ from typing import Any, Protocol, TypeVar
 from smarig.core import AT_ZERO, SmarigError
 from smarig.device import OFF_PAUSE_S
 
+AT_ZERO_LATE = f"The source did not confirm zero at first, and a current may have flowed meanwhile. {AT_ZERO}"
 NOT_CONFIRMED = "The source did not confirm that it is off: switch it off by hand now."
 _Error = TypeVar("_Error", bound=SmarigError)
 # more attempts to switch off a source that has no lease and did not confirm, and as long: a line that was plugged in
@@ -61,6 +62,9 @@ def confirm_zero(rig: Any) -> str:
 
 
 def after_shutdown(error: _Error, rig: SupportsShutdown) -> _Error:
-    """The error, with what is known of the current after ``safe``."""
-    error.current_text = rig.shutdown_unconfirmed or AT_ZERO
+    """The error, with what is known of the current after ``safe``. A source may confirm zero seconds after the error
+    said that it did not: a current may have flowed until then.
+    """
+    late = error.current_text not in ("", AT_ZERO)
+    error.current_text = rig.shutdown_unconfirmed or (AT_ZERO_LATE if late else AT_ZERO)
     return error
