@@ -91,12 +91,12 @@ def test_a_forced_stop_does_not_promise_a_shutdown_that_was_not_confirmed(tmp_pa
         signal.raise_signal(signal.SIGINT)
         signal.raise_signal(signal.SIGINT)
 
-    def not_confirmed(bench):
-        bench.shutdown_unconfirmed = "The amplifier did not confirm."
+    def not_confirmed(shutdown):
+        shutdown.unconfirmed = "The amplifier did not confirm."
 
     monkeypatch.setattr("smarig.runner.signal_handling.INSISTS_S", 0.0)
     monkeypatch.setattr("smarig.rig.stoppable_bench.Bench.step", stuck)
-    monkeypatch.setattr("smarig.rig.stoppable_bench.Bench.safe", not_confirmed)
+    monkeypatch.setattr("smarig.rig.source_shutdown.SourceShutdown.order_off", not_confirmed)
     assert cli(["check", rig(tmp_path)]) == 130
     out, err = capsys.readouterr()
     sentence = "The check was interrupted by the keyboard (Ctrl-C). The amplifier did not confirm."
