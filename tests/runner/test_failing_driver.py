@@ -22,7 +22,7 @@ SPEED = 50.0
 class Instrument:
     identity, unit, absolute, has_lease, tripped = "BOX", "mm", True, False, ""
     events, at_s = {}, 15.0
-    flows_A, left = 0.0, None
+    flows_A = 0.0
     lines = []
 
     def __init__(self):
