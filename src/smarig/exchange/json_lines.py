@@ -80,7 +80,11 @@ def _events(found: Sequence[dict | None], are_rows: Sequence[bool], names: Seque
     events = [item for item, is_row in zip(found, are_rows) if item and not is_row]
     keys = list(dict.fromkeys(key for item in found if item for key in item if key not in names))
     if events:
-        lines = "1 line is an event and no row" if len(events) == 1 else f"{len(events)} lines are events and no rows"
+        lines = (
+            "1 line is an event and no row"
+            if len(events) == 1
+            else f"{len(events)} lines are events and no rows"
+        )
         yield f"{lines}, because most of the keys of the others are missing."
     if keys:
         listed = ", ".join(shown(key) for key in keys[:5]) + (", …" if len(keys) > 5 else "")
