@@ -26,7 +26,7 @@ def value(found, name):
     return effect["parameters"][name]["value"], effect["parameters"][name]["ci95"]
 
 
-@pytest.mark.long("takes ten seconds", cases=("magnetic 2", "staircase"))
+@pytest.mark.long("takes ten seconds", cases=("magnetic 1", "magnetic 2", "staircase"))
 @pytest.mark.parametrize(
     ("files", "names"),
     [

@@ -52,6 +52,7 @@ def test_every_order_and_every_boot_has_its_nonce(amp):
     assert amp.read("arm_nonce") == nonce(0, BOOT + 1)
 
 
+@pytest.mark.long("takes five seconds", cases=("Python",))
 def test_the_orders_are_counted_modulo_a_word(amp):
     for orders in range(1, 65_537):
         assert amp.answer(rtu_write(orders, OFF), RTU)
@@ -117,6 +118,7 @@ def rtu_write(sequence, order=NONE, current=0, with_nonce=None):
     return frame(bytes([65, 16, 1, 0, 0, len(words), len(body)]) + body)
 
 
+@pytest.mark.long("takes eight seconds; each wrap is crossed in test_wraps.py", cases=("Python",))
 def test_an_old_arm_frame_arms_nothing_at_any_later_moment(amp):
     """Replayed after each of 65,535 further commands, with the last of which a word would be ahead again."""
     arming = rtu_write(300, ARM, 500_000, with_nonce=nonce(0))

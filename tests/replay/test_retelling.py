@@ -81,6 +81,7 @@ def test_an_effect_shows_in_the_twins_readings(case_with_effect, name):
     assert np.abs(plain - timeline.settled.value).max() > 10 * WITHIN * per_count
 
 
+@pytest.mark.long("takes five seconds")
 def test_extra_effects_act_like_the_plant_models_own(case_with_effect):
     _, timeline, plant_model, _ = case_with_effect("settling")
     own = predict(timeline, plant_model).stacked(timeline)

@@ -33,6 +33,7 @@ def load_comments(loads=LOADS):
     return [cell for load in loads for cell in ("", f"{load:g} MPa")]
 
 
+@pytest.mark.long("takes ten seconds", cases=("loads2",))
 @pytest.mark.parametrize("loads", [LOADS[:1], LOADS[:2], LOADS])
 def test_each_pair_is_a_run_at_the_load_of_its_comment(tmp_path, loads):
     path = written(tmp_path / "a.dat", pairs(loads=loads), load_comments(loads))

@@ -32,7 +32,9 @@ def check_one_driver(rig: str | None, driver: str, role: str, url: str, wire: st
             found.append(result)
     met = sum(result.passed for result in found)
     untested = len(contract(cast(Role, role))) - len(found)
-    lines = [f"{driver} as {role}: {met} of {len(found) + untested} requirements are met."]
+    limited = sum(result.limitation for result in found)
+    but = f", {limited} with a limitation (!!)" if limited else ""
+    lines = [f"{driver} as {role}: {met} of {len(found) + untested} requirements are met{but}."]
     if untested:
         lines.append(f"The last {untested} were not tested.")
     if role == _POWERED and any(result.limitation and result.name == "lease" for result in found):

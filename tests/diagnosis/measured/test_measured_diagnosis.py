@@ -52,7 +52,7 @@ def test_it_is_silent_where_nothing_is_hidden(wire):
     assert "Nothing stands out" in found.text()
 
 
-@pytest.mark.long("takes five seconds", cases=("1-0.1",))
+@pytest.mark.long("takes five seconds", cases=("1-0.1", "1-0.4"))
 @pytest.mark.parametrize("step", [0.1, 0.4])
 def test_a_reading_in_steps_has_at_least_the_noise_of_its_rounding(wire, step):
     run = as_run("steps", T, np.round(wire.strain(T) / step) * step, dt=1.0, noise=(0.05, 0.0))

@@ -109,6 +109,7 @@ def test_a_wire_with_this_law_is_identified_up_to_the_smoothing(seed):
         assert checked.settled.rms < 1e-2
 
 
+@pytest.mark.long("takes five seconds")
 def test_a_load_that_changes_is_followed_with_memory(tmp_path):
     wire, found = modelled(0)
     model = load_model(found.model.save(tmp_path / "m.model.json"))

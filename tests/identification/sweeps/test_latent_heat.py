@@ -55,7 +55,8 @@ def test_a_wire_with_a_constant_tau_gets_no_latent_heat():
     assert plain().swept.heat.is_constant_tau
 
 
-@pytest.mark.parametrize("tau", [0.8, pytest.param(1.25, marks=pytest.mark.long("takes three seconds"))])
+@pytest.mark.long("takes three seconds")
+@pytest.mark.parametrize("tau", [0.8, 1.25])
 def test_a_resistance_that_falls_while_the_wire_transforms_does_not_move_tau(tau):
     """By the current alone it is 3 % less, ten of its half intervals."""
     found = heating_of_sweeps([swept_run({"curves": 8}, tau=tau, by_power=True)])

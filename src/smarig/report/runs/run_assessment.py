@@ -56,9 +56,9 @@ def _measured(run: AnyRun) -> str:
     if not np.isfinite(travel):
         return f"Measured: {protocol_name(run)}, without readings of the output."
     words = f"Measured: {protocol_name(run)}, a travel of {number(travel, 4)}{spaced(display_unit(run.unit))}"
-    ends = run.extremes("input")
-    if ends:
-        words += f" over {number(ends[1] - ends[0], 4)}{spaced(display_unit(run.input_unit))}"
+    span = extent(run, "input")  # of the same points
+    if np.isfinite(span):
+        words += f" over {number(span, 4)}{spaced(display_unit(run.input_unit))}"
     m = quality_counts(run)
     points = "1 settled point" if m.settled == 1 else f"{m.settled} settled points"
     count = points if m.settled else f"{thousands(m.samples)} samples"
