@@ -48,7 +48,7 @@ from smarig.identification.sweeps.heating_of_sweeps import (
 )
 from smarig.identification.twin_crossing import twin_crossing_note
 from smarig.preisach import Everett, Mirrored, surface_forms
-from smarig.record import OWN_ZERO, Run, Runs, loaded_runs
+from smarig.record import OWN_ZERO, Run, Runs, counted, loaded_runs
 from smarig.replay import (
     Model,
     file_hash,
@@ -102,6 +102,7 @@ def identify(
     heating = heating_of_sweeps(loaded, _known_hysteresis(reference))
     if heating is not None:
         loaded = with_fitted_inputs(loaded, heating)
+    loaded = [counted(run) for run in loaded]
     everything = _first_order_curves(loaded, surface)
     data = everything if select is None else selected(everything, select)
     choice = choose_surface(data, anchor=anchor, weights=weights) if surface == BEST_KIND else None
@@ -130,7 +131,7 @@ def identify(
         covariance=fit.covariance if fit else np.empty((0, 0)),
         intervals=fit.intervals if fit else {},
         warnings=(
-            *early_end_warnings(loaded),
+            *early_end_warnings(given),
             *curves.warnings,
             *found.warnings,
             *late,

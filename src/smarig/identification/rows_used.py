@@ -8,10 +8,11 @@ import numpy as np
 
 from smarig.identification.fod_data import FodData
 from smarig.measurement import dropouts
-from smarig.record import Run
+from smarig.record import Run, counted, suspect_rows, void_rows
 from smarig.replay import driven_by_input
 
 MISSING, DROPPED, UNKNOWN = "missing values", "drop-outs", "unknown memory"
+VOID, SUSPECT = "of void steps", "suspect"
 THINNED, NOT_ON_CURVES, NOT_SELECTED = "thinned out", "not on first-order curves", "not selected"
 
 
@@ -62,13 +63,33 @@ def rows_used(
     """
     found = []
     for run, k, n in zip(runs, known, used, strict=True):
-        given, measured = len(run.settled) or len(run), without_dropouts(run).points()[0].size
-        lost = run.points()[0].size - measured
-        reasons = {MISSING: given - measured - lost, DROPPED: lost, UNKNOWN: measured - k, rest: k - n}
+        counting = counted(run)
+        given, measured = len(run.settled) or len(run), _measured(run)
+        lost = counting.points()[0].size - measured
+        missing = (len(run.settled) or len(counting)) - measured - lost
+        reasons = _not_counted(run) | {
+            MISSING: missing,
+            DROPPED: lost,
+            UNKNOWN: measured - k,
+            rest: k - n,
+        }
         left_out = {reason: count for reason, count in reasons.items() if count > 0}
         noun = "settled points" if run.settled else "rows"
         found.append(RowsUsed(run.name, given, n, noun, left_out))
     return tuple(found)
+
+
+def _measured(run: Run) -> int:
+    """How many points a run has that count."""
+    return counted(without_dropouts(run)).points()[0].size
+
+
+def _not_counted(run: Run) -> dict[str, int]:
+    """The samples of a run of motions that do not count, by reason."""
+    if run.settled:
+        return {}
+    void = void_rows(run)
+    return {VOID: int(void.sum()), SUSPECT: int((suspect_rows(run) & ~void).sum())}
 
 
 def rows_of_runs(
@@ -78,6 +99,6 @@ def rows_of_runs(
     known, used = points
     if known:
         return rows_used(runs, known, used, THINNED)
-    every = [without_dropouts(run).points()[0].size for run in runs]
+    every = [_measured(run) for run in runs]
     on_curves = [int(np.sum(data.run == k)) for k in range(len(runs))]
     return rows_used(runs, every, on_curves, NOT_ON_CURVES if select is None else NOT_SELECTED)

@@ -25,7 +25,7 @@ from smarig.identification.run_zeros import has_own_zero
 from smarig.identification.verification import PredictionErrors, RunVerification, Verification
 from smarig.measurement import input_noise_sd
 from smarig.preisach import Preisach
-from smarig.record import FORC_PROTOCOL, Run, Runs, continues_run, loaded_runs
+from smarig.record import FORC_PROTOCOL, Run, Runs, continues_run, counted, loaded_runs
 from smarig.replay import (
     Model,
     applied_inputs,
@@ -94,7 +94,7 @@ def verify(
 
 def _with_inputs(model: Model, run: Run) -> Run:
     """The run with the inputs that the model has: by its heating, or by its source of the wire's temperature."""
-    found = with_heating_of(model, without_dropouts(run))
+    found = counted(with_heating_of(model, without_dropouts(run)))
     if model.temperature is None or driven_by_input([found]):
         return found
     return with_wire_temperature(found, model.temperature)

@@ -3,6 +3,7 @@
 from abc import ABC, abstractmethod
 from collections.abc import Iterator, Sequence
 from functools import cached_property
+from math import inf
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -19,6 +20,7 @@ MAY_FLOW = "Its source has no lease: its current may still be on. Make sure that
 if TYPE_CHECKING:
     from smarig.record.run import Event, Step
 
+_ENDS = ("end", "interrupted")  # kinds of events at the end of an attempt
 BLOCK_ROWS = 50_000  # of the blocks that large runs are written in
 
 
@@ -110,6 +112,15 @@ class AnyRun(ABC):
     def severity(self) -> Severity:
         """The highest severity of its events."""
         return highest_severity(e.severity for e in self.events)
+
+    @property
+    def remaining_severity(self) -> Severity:
+        """The highest severity of the events that no resumption has made good: their steps were repeated."""
+        resumed = [e for e in self.events if e.kind == "resumed"]
+        over_s = max((e.t_s for e in resumed if e.data.get("start_over") is True), default=-inf)
+        last_s = max((e.t_s for e in resumed), default=-inf)
+        remaining = [e for e in self.events if e.t_s >= (last_s if e.kind in _ENDS else over_s)]
+        return highest_severity(e.severity for e in remaining)
 
     @property
     def twin(self) -> bool:

@@ -98,7 +98,7 @@ def _reversal_page(run: Run, library: str) -> str:
 
 def _lead(run: Run) -> Html:
     """The lead with the highest severity of the run's events, if it is not none, and the share of lost samples."""
-    if run.severity == Severity.NONE:
+    if run.remaining_severity == Severity.NONE:
         return joined([run_lead(run)])
     lost = lost_samples(run)
     due = lost + len(run)
@@ -108,7 +108,13 @@ def _lead(run: Run) -> Html:
         else ""
     )
     return joined(
-        [run_lead(run), ". Highest severity of its events: ", severity_mark(run.severity), ".", losses]
+        [
+            run_lead(run),
+            ". Highest severity of its events: ",
+            severity_mark(run.remaining_severity),
+            ".",
+            losses,
+        ]
     )
 
 

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from smarig.core import UsageError
 from smarig.measurement import dropouts
-from smarig.record import Run
+from smarig.record import Run, counted
 from smarig.replay import recorded_actuator
 
 Array = NDArray[np.float64]
@@ -50,9 +50,15 @@ class TemperatureRecord:
 def temperature_record(run: Run) -> TemperatureRecord:
     """The record of a run. Raises UsageError if its hysteresis input is no temperature, or if a channel is missing."""
     _check_input(run)
+    notes: list[str] = []
+    whole, run = len(run), counted(run)
+    if len(run) < whole:
+        notes.append(
+            f"{whole - len(run)} of {whole} rows were left out: they belong to steps that were repeated, or they "
+            "contradict other readings."
+        )
     u, y = (run.points()) if run.settled else (run["input"], run["position"])
     known = np.isfinite(u) & np.isfinite(y)
-    notes: list[str] = []
     if not known.any():
         raise UsageError(
             f"{run.name} has no row in which temperature and output are both numbers. Check its mapping file."

@@ -114,7 +114,8 @@ def command(
         other = "" if surface == "positive" else formless
         show_message(
             f"Warning: The fit is poor, {result.fit_verdict.size}. The data do not follow this "
-            f"model, or something else acts on them: smarig diagnose {out} --train RUN finds the cause.{other}"
+            f"model, or something else acts on them: smarig diagnose {out} --train RUN seeks the cause, in runs with "
+            f"settled steps or a measured input.{other}"
         )
     found = {**result.to_json(), "model": str(out)}
     extended = [result.extension.text] if result.extension else []

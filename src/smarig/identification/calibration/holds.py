@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from smarig.core import Quality
-from smarig.record import Run
+from smarig.record import Run, suspect_rows
 
 Array = NDArray[np.float64]
 _STEP = 0.02  # of the drive's range: a larger change between two samples is a step
@@ -63,9 +63,9 @@ def _interrupted_before(run: Run, row: int) -> bool:
 
 
 def valid_rows(run: Run) -> NDArray[np.bool_]:
-    """Mask (n,) of rows whose sample is neither stale nor after a trip."""
+    """Mask (n,) of rows whose sample is neither stale nor suspect nor after a trip."""
     quality = np.nan_to_num(run["quality"]).astype(int)
-    return (quality & int(_INVALID)) == 0
+    return ((quality & int(_INVALID)) == 0) & ~suspect_rows(run)
 
 
 def at_range_end(x: Array) -> NDArray[np.bool_]:

@@ -16,7 +16,7 @@ from smarig.identification.positive.observations import Observations
 from smarig.identification.sweeps.sweep_heat import SweepHeat, heated_along
 from smarig.plant import Actuator
 from smarig.preisach import turning_points
-from smarig.record import Run
+from smarig.record import Run, counted_rows
 from smarig.replay import memory_states, recorded_actuator
 
 Array = NDArray[np.float64]
@@ -63,7 +63,8 @@ class SweepRecord:
         actuator = _actuator(run)
         current, t = _held(run["current_A"]), _held(run["t_s"])
         source = np.array([actuator.input_for(i) for i in current.tolist()])
-        first = run.rows(run.steps[0]).stop if run.steps else 0
+        counting = [step for step in run.steps if not step.void]
+        first = run.rows(counting[0]).stop if counting else 0
         if len(run) - first < _FEWEST:
             raise DataError(
                 f"{run.path} has {max(len(run) - first, 0)} samples of sweeps, too few to identify."
@@ -77,7 +78,7 @@ class SweepRecord:
             source_K=source[first:],
             dt_s=np.maximum(dt_s[first:], 0.0),
             position=np.nan_to_num(position),
-            valid=np.isfinite(position) & valid_rows(run)[first:],
+            valid=(np.isfinite(run["position"]) & valid_rows(run) & counted_rows(run))[first:],
             sweep=np.nan_to_num(run["step"][first:], nan=-1.0).astype(np.int64),
             first=first,
             start_K=start_K,

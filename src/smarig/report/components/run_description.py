@@ -114,7 +114,7 @@ def count_size(run: AnyRun) -> float:
 
 @dataclass(frozen=True)
 class QualityCounts:
-    """Counts of a run: steps by verdict, void steps, samples by quality mark, gaps at which samples were lost."""
+    """Counts of a run: steps that count by verdict, void steps, samples by quality mark, gaps with lost samples."""
 
     steps: int
     settled: int
@@ -132,8 +132,8 @@ class QualityCounts:
 
     @property
     def clean(self) -> bool:
-        """Whether no step and no sample is marked or missing."""
-        return not (self.gaps or any(getattr(self, name) for name in FLAG_NAMES))
+        """Whether no step and no sample is marked or missing, but for steps that were repeated."""
+        return not (self.gaps or any(getattr(self, name) for name in FLAG_NAMES if name != "void"))
 
 
 def lost_samples(run: AnyRun) -> int:
@@ -153,9 +153,9 @@ FLAG_NAMES = (
 def quality_counts(run: AnyRun) -> QualityCounts:
     """The quality counts of a run."""
     marks = {flag.name.lower(): int(flag) for flag in Quality if flag.name and flag}
-    verdicts = [step.verdict for step in run.steps]
+    verdicts = [step.verdict for step in run.steps if not step.void]
     return QualityCounts(
-        steps=len(run.steps),
+        steps=len(verdicts),
         settled=verdicts.count("settled"),
         timed_out=verdicts.count("timed_out"),
         interrupted=verdicts.count("interrupted"),

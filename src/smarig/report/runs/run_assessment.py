@@ -73,8 +73,8 @@ def _record_quality(run: AnyRun) -> tuple[str, str]:
         return "bad", "The run has no samples."
     if not run.complete or run.cause != "done":
         return "bad", f"The run is incomplete: {run.early_end}."
-    if run.severity in _SEVERE:
-        return "bad", f"The run had an event of severity {run.severity}; see Data quality."
+    if run.remaining_severity in _SEVERE:
+        return "bad", f"The run had an event of severity {run.remaining_severity}; see Data quality."
     if m.timed_out + m.interrupted:
         return "warning", _unused_holds(m.timed_out, m.interrupted, m.steps)
     if not m.clean:
@@ -87,7 +87,11 @@ def _record_quality(run: AnyRun) -> tuple[str, str]:
         )
     # a waveform has steps that are no holds
     holds = {0: "", 1: " and its hold settled"}.get(m.settled, f" and all {m.settled} holds settled")
-    return "good", f"The run ended as planned{holds}."
+    several = f"{m.void} steps were" if m.void > 1 else "1 step was"
+    repeated = (
+        f" {several} repeated after an interruption, and the first attempt is not used." if m.void else ""
+    )
+    return "good", f"The run ended as planned{holds}.{repeated}"
 
 
 def _unused_holds(late: int, interrupted: int, steps: int) -> str:
