@@ -84,6 +84,13 @@ def test_one_candidate_is_no_set_but_the_variable_that_it_acts_through():
     assert (found.word, found.names, found.depends_on) == ("unknown", ("input_lag",), "rate")
 
 
+def test_of_several_ways_of_a_candidate_the_likeliest_is_told():
+    ways = {LAG: (RATE, TIME)}
+    beside = {"size": {LAG: 0.1, TIME: 0.1}, "remains": {LAG: 0.01, TIME: 0.2}}
+    found = verdict({LAG: 0.97, TIME: 0.3}, blocks=4, acts_through=ways, **beside)
+    assert (found.names, found.depends_on) == (("input_lag",), "time")
+
+
 def test_effects_that_share_the_weight_are_a_set():
     found = verdict({LAG: 0.55, DRIFT: 0.45})
     assert (found.word, set(found.names)) == ("ambiguous", {"input_lag", "output_drift"})

@@ -229,6 +229,6 @@ def _set(e: VerdictEvidence, enough: list[Part], doubt: str) -> Verdict:
         depends_on = variables[0] if variables else _likeliest_variable(e)
         return Verdict("unknown", doubt or ("shared" if names else "variable"), names, depends_on)
     if len(names) == 1:  # no set: what it acts through is all that these data say
-        through = [v.name for v in e.acts_through.get(kept[0], ())]
-        return Verdict("unknown", doubt or "shared", names, through[0] if through else None)
+        through = max(e.acts_through.get(kept[0], ()), key=lambda v: e.causes.get(v, 0.0), default=None)
+        return Verdict("unknown", doubt or "shared", names, through.name if through else None)
     return Verdict("ambiguous", doubt or "shared", names)
