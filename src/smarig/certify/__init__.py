@@ -20,7 +20,6 @@ if TYPE_CHECKING:
     from smarig.certify.model_posterior import model_posterior as model_posterior
     from smarig.certify.position_supply_rate import PositionController as PositionController
     from smarig.certify.rig_assessment import RigAssessment as RigAssessment
-    from smarig.certify.robust_certificate import SAMPLES as SAMPLES
     from smarig.certify.robust_certificate import RobustCertificate as RobustCertificate
     from smarig.certify.robust_certificate import robust_certificate as robust_certificate
     from smarig.certify.storage_bound import StorageBound as StorageBound

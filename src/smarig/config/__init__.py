@@ -37,8 +37,6 @@ if TYPE_CHECKING:
     from smarig.config.folder_source import led_out as led_out
     from smarig.config.load_file import LoadFile as LoadFile
     from smarig.config.load_file import with_load as with_load
-    from smarig.config.quantity import InUnit as InUnit
-    from smarig.config.quantity import PositiveIn as PositiveIn
     from smarig.config.quantity import Quantity as Quantity
     from smarig.config.quantity import template_values as template_values
     from smarig.config.recorded_rig import rig_from_text as rig_from_text

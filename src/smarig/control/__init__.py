@@ -34,7 +34,6 @@ if TYPE_CHECKING:
     from smarig.control.regulation.regulation_protocol import check_times as check_times
     from smarig.control.regulation.regulation_protocol import regulate as regulate
     from smarig.control.regulation.setpoint_pi import SetpointController as SetpointController
-    from smarig.control.regulation.setpoint_pi import SetpointPI as SetpointPI
     from smarig.control.sensing.position_observer import AMBIGUOUS_SHARE as AMBIGUOUS_SHARE
     from smarig.control.sensing.position_observer import Observation as Observation
     from smarig.control.sensing.position_observer import PositionObserver as PositionObserver

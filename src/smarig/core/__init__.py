@@ -14,7 +14,6 @@ if TYPE_CHECKING:
     from smarig.core.catalogue import catalogue_kind as catalogue_kind
     from smarig.core.catalogue import catalogue_names as catalogue_names
     from smarig.core.catalogue import catalogue_summary as catalogue_summary
-    from smarig.core.catalogue import docstring_summary as docstring_summary
     from smarig.core.catalogue import is_path as is_path
     from smarig.core.catalogue import own_entries as own_entries
     from smarig.core.catalogue import own_file_error as own_file_error

@@ -25,7 +25,6 @@ if TYPE_CHECKING:
     from smarig.diagnosis.comparison.measured.measured_comparison import (
         MeasuredComparison as MeasuredComparison,
     )
-    from smarig.diagnosis.comparison.measured.measured_comparison import compare_measured as compare_measured
     from smarig.diagnosis.comparison.measured.measured_diagnosis import MeasuredDiagnosis as MeasuredDiagnosis
     from smarig.diagnosis.comparison.measured.measured_diagnosis import diagnose_measured as diagnose_measured
     from smarig.diagnosis.comparison.measured.measured_text import offset_sentence as offset_sentence
@@ -45,7 +44,6 @@ if TYPE_CHECKING:
     from smarig.diagnosis.diagnosis_files import write_diagnosis as write_diagnosis
     from smarig.diagnosis.diagnosis_files import write_transient as write_transient
     from smarig.diagnosis.diagnosis_text import AT_FLOOR as AT_FLOOR
-    from smarig.diagnosis.diagnosis_text import parameter_text as parameter_text
     from smarig.diagnosis.diagnosis_text import share_text as share_text
     from smarig.diagnosis.drive_statistics import MIN_COUNT_SD as MIN_COUNT_SD
     from smarig.diagnosis.drive_statistics import DriveStatistics as DriveStatistics

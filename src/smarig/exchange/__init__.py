@@ -12,7 +12,6 @@ if TYPE_CHECKING:
     from smarig.exchange.exporting import export_model as export_model
     from smarig.exchange.exporting import export_run as export_run
     from smarig.exchange.find_tables import find_tables as find_tables
-    from smarig.exchange.forc_file import ForcFile as ForcFile
     from smarig.exchange.forc_file import read_forc as read_forc
     from smarig.exchange.found_table import FoundColumn as FoundColumn
     from smarig.exchange.found_table import FoundTable as FoundTable
@@ -24,7 +23,6 @@ if TYPE_CHECKING:
     from smarig.exchange.plane_table import PlaneTable as PlaneTable
     from smarig.exchange.plane_table import plane_table as plane_table
     from smarig.exchange.preamble import preamble_lines as preamble_lines
-    from smarig.exchange.refused_files import check_data_file as check_data_file
     from smarig.exchange.unchanged_file import FileChangedError as FileChangedError
     from smarig.exchange.unchanged_file import unchanged as unchanged
     from smarig.exchange.unit_conversion import convert as convert

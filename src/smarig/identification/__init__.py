@@ -25,7 +25,6 @@ if TYPE_CHECKING:
     from smarig.identification.fod_data import fod_data as fod_data
     from smarig.identification.forc.central_ridge import CentralRidge as CentralRidge
     from smarig.identification.forc.central_ridge import central_ridge as central_ridge
-    from smarig.identification.forc.forc_density import fod_density as fod_density
     from smarig.identification.forc.forc_density import forc_density as forc_density
     from smarig.identification.forc.forc_diagram import SIGNIFICANT as SIGNIFICANT
     from smarig.identification.forc.forc_diagram import ForcDiagram as ForcDiagram
@@ -35,25 +34,18 @@ if TYPE_CHECKING:
     from smarig.identification.identify import identify as identify
     from smarig.identification.interval_estimate import Estimate as Estimate
     from smarig.identification.interval_estimate import variance_inflation as variance_inflation
-    from smarig.identification.measured.left_out_errors import chosen_smoothing as chosen_smoothing
     from smarig.identification.measured.left_out_errors import held_out_errors as held_out_errors
-    from smarig.identification.measured.left_out_errors import held_out_rms as held_out_rms
     from smarig.identification.measured.load_dependence import LoadDependence as LoadDependence
     from smarig.identification.measured.load_dependence import fit_load_dependence as fit_load_dependence
     from smarig.identification.measured.measured_fit import SMOOTHINGS as SMOOTHINGS
     from smarig.identification.measured.measured_fit import MeasuredFit as MeasuredFit
-    from smarig.identification.measured.measured_fit import MeasuredProblem as MeasuredProblem
     from smarig.identification.measured.measured_fit import fit_measured as fit_measured
     from smarig.identification.measured.measured_fit import measured_problem as measured_problem
-    from smarig.identification.measured.measured_fit import predicted_outputs as predicted_outputs
     from smarig.identification.measured.measured_hypothesis import Comparison as Comparison
     from smarig.identification.measured.measured_hypothesis import MeasuredHypothesis as MeasuredHypothesis
     from smarig.identification.measured.measured_hypothesis import compared as compared
     from smarig.identification.measured.measured_hypothesis import condition_table as condition_table
-    from smarig.identification.measured.reading_plan import ReadingPlan as ReadingPlan
-    from smarig.identification.measured.reading_plan import reading_plan as reading_plan
     from smarig.identification.measured.reading_weights import local_slope as local_slope
-    from smarig.identification.measured.reading_weights import reading_weights as reading_weights
     from smarig.identification.noise_floor import noise_floor as noise_floor
     from smarig.identification.positive.adapted_partition import SAME_LEVEL as SAME_LEVEL
     from smarig.identification.positive.adapted_partition import adapted_nodes as adapted_nodes

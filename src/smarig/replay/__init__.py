@@ -13,7 +13,6 @@ if TYPE_CHECKING:
     from smarig.replay.electrical_energy import electrical_energy as electrical_energy
     from smarig.replay.extended_model import extended_operator as extended_operator
     from smarig.replay.heated_input import with_heating_of as with_heating_of
-    from smarig.replay.measured_input import MeasuredInput as MeasuredInput
     from smarig.replay.measured_input import driven_by_input as driven_by_input
     from smarig.replay.measured_prediction import applied_inputs as applied_inputs
     from smarig.replay.memory_history import MemoryHistory as MemoryHistory
@@ -55,7 +54,6 @@ if TYPE_CHECKING:
     from smarig.replay.simulation import simulate as simulate
     from smarig.replay.simulation import simulate_runs as simulate_runs
     from smarig.replay.simulation import simulate_samples as simulate_samples
-    from smarig.replay.stress_strain import StressStrainCurve as StressStrainCurve
     from smarig.replay.stress_strain import stress_strain as stress_strain
     from smarig.replay.timeline import ReadingSeries as ReadingSeries
     from smarig.replay.timeline import Timeline as Timeline

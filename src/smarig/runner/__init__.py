@@ -12,7 +12,6 @@ if TYPE_CHECKING:
     from smarig.runner.listener import CallbackListener as CallbackListener
     from smarig.runner.listener import Listener as Listener
     from smarig.runner.listener import StepStartListener as StepStartListener
-    from smarig.runner.listener import SuspectListener as SuspectListener
     from smarig.runner.lock import rig_locks as rig_locks
     from smarig.runner.preview import Preview as Preview
     from smarig.runner.preview import ProtocolFactory as ProtocolFactory

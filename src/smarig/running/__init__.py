@@ -10,11 +10,8 @@ if TYPE_CHECKING:
     from smarig.running.find_runs import collect_ended as collect_ended
     from smarig.running.find_runs import runs_in_progress as runs_in_progress
     from smarig.running.memory_layout import SAMPLES as SAMPLES
-    from smarig.running.run_in_progress import NewSamples as NewSamples
     from smarig.running.run_in_progress import RunInProgress as RunInProgress
-    from smarig.running.run_status import LogEntry as LogEntry
     from smarig.running.run_status import PanelRunInfo as PanelRunInfo
-    from smarig.running.run_status import RunEnding as RunEnding
     from smarig.running.run_status import RunStatus as RunStatus
     from smarig.running.run_status import SettlingProgress as SettlingProgress
     from smarig.running.run_status import check_info as check_info
