@@ -13,11 +13,20 @@ if TYPE_CHECKING:
     from smarig.device.contract.driver_contract import contract as contract
     from smarig.device.drivers._conversation import ATTEMPTS as ATTEMPTS
     from smarig.device.drivers.smarig_amplifier import smarig_amplifier as smarig_amplifier
+    from smarig.device.encoding.crc import crc16 as crc16
+    from smarig.device.encoding.exchange import Exchange as Exchange
+    from smarig.device.encoding.exchange import Refusal as Refusal
     from smarig.device.encoding.link_faults import Garbled as Garbled
     from smarig.device.encoding.link_faults import LinkFault as LinkFault
     from smarig.device.encoding.link_faults import Silent as Silent
     from smarig.device.encoding.link_faults import WrongDevice as WrongDevice
+    from smarig.device.encoding.register import VALUE_RANGES as VALUE_RANGES
+    from smarig.device.encoding.register import RawValues as RawValues
+    from smarig.device.encoding.register import Register as Register
+    from smarig.device.encoding.register import RegisterMap as RegisterMap
+    from smarig.device.encoding.register import from_words as from_words
     from smarig.device.encoding.register import load_register_map as load_register_map
+    from smarig.device.encoding.register import to_words as to_words
     from smarig.device.links.network_address import no_scheme_text as no_scheme_text
     from smarig.device.links.shared_text_line import SharedTextLine as SharedTextLine
     from smarig.device.links.shared_text_line import shared_text_line as shared_text_line
