@@ -1,7 +1,7 @@
 """The commands that simulated supplies understand, make by make, and what each does.
 
-They are written apart from the table of the driver (``makes.toml``): the watchdog and the protection bits of Keysight's
-from its manuals, the others from what is known of them.
+They are written apart from the table of the driver (``makes.toml``), whose errors they would otherwise repeat: the
+watchdog and the protection bits of Keysight's from its manuals, the others from what is known of them.
 """
 
 import re

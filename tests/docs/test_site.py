@@ -170,7 +170,7 @@ def test_a_wrong_link_between_pages_is_found(tmp_path):
 
 
 LINK = re.compile(r"\]\(([^)\s]+)\)")
-OUTSIDE = ("README.md", "CHANGELOG.md", "DECISIONS.md", "firmware_protocol/README.md")
+OUTSIDE = ("README.md", "CHANGELOG.md", "firmware_protocol/README.md")
 
 
 @pytest.mark.parametrize("name", OUTSIDE)

@@ -9,6 +9,7 @@ AVR = ("avr-gcc", "avr-nm")
 SIMAVR = ("gcc", "/usr/include/simavr/sim_avr.h", "/usr/include/libelf.h")
 # QEMU does not end by itself when its parent is killed: setpriv of util-linux sees to that
 CORTEX_M = ("arm-none-eabi-gcc", "arm-none-eabi-size", "qemu-system-arm", "setpriv")
+# in real time: with -icount sleep=off device time runs 40 times too fast, with shift=auto exchanges were lost
 QEMU = ("setpriv", "--pdeathsig", "TERM", "qemu-system-arm", "-M", "lm3s6965evb", "-display", "none")
 SERIAL = ("-chardev", "pty,id=line", "-serial", "chardev:line")
 PLANT = ("-chardev", "stdio,id=plant,signal=off", "-serial", "chardev:plant")

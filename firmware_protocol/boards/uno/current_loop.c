@@ -1,3 +1,7 @@
+/*
+ * A buck converter with the wire at ground. PWM through the wire would heat it by the mean square and not by the mean,
+ * and with a switch at its low side the voltage would be a difference of two large readings.
+ */
 #include "current_loop.h"
 
 #include <util/atomic.h>

@@ -1,4 +1,7 @@
-"""``--notify COMMAND``: run a command for alarms, stalls and recoveries during a run, and at its end for any cause."""
+"""``--notify COMMAND``: run a command for alarms, stalls and recoveries during a run, and at its end for any cause.
+
+A command and not HTTP: retries, certificates and secrets are those of the command, such as ``curl``.
+"""
 
 from collections.abc import Iterator
 from contextlib import contextmanager

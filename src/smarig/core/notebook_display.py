@@ -1,6 +1,7 @@
 """Rich display of runs, models and diagnoses in a notebook.
 
-The drawing code is imported by name and only on use, so that these low-level classes do not depend on it.
+The drawing code is imported by name and only on use, so that these low-level classes do not depend on it. A lazy import
+would break the layers, and patching the classes from above works only after an import.
 """
 
 import html

@@ -1,10 +1,11 @@
 """A bounded queue and a thread between the sampling loop, which must not wait, and a viewer, which may be
 slow.
 
-``put`` appends and returns. It computes nothing, and no lock is held while something is drawn. The thread
-takes the queued items at intervals and draws them as one batch. If the queue is full, the oldest item is
-dropped. A batch ends before a gap, and the next batch starts with the number of items lost there. If drawing
-fails, the thread ends and keeps the error in ``failure``; the run is not affected.
+``put`` appends and returns. It computes nothing, and no lock is held while something is drawn. The thread takes the
+queued items at intervals and draws them as one batch. If the queue is full, the oldest item is dropped. A batch ends
+before a gap, and the next batch starts with the number of items lost there. If drawing fails, the thread ends and keeps
+the error in ``failure``; the run is not affected. A batch starts right after an item: at any other time it would hold
+the interpreter during the next tick for milliseconds.
 """
 
 import threading

@@ -15,7 +15,7 @@ SAMPLE_COLUMNS = (
     "temperature_degC",  # of the wire, if there is a sensor
     "input",  # hysteresis input: temperature above ambient, a field, …
     "counts",  # encoder counts since the last zero
-    "position",  # counts in the rig's unit
+    "position",  # counts in the rig's unit: stored too, so that a reader needs no smarig
     "ambient_degC",  # ambient temperature
     "quality",  # marks: 0 is good
 )

@@ -1,4 +1,7 @@
-"""What identifies the line of a link, however its address is written."""
+"""What identifies the line of a link, however its address is written.
+
+Addresses are compared as text, without DNS, which can hang: a host name and its IP address count as two lines.
+"""
 
 import ipaddress
 import os

@@ -1,7 +1,8 @@
 """The announcement of a run by its own process: others find it, follow its samples, and ask it to pause or stop.
 
 The tick only copies its sample into shared memory. A thread writes the status and looks for requests ten times a
-second. Nothing is locked that a reader could hold. A run that cannot be announced runs all the same, and says so.
+second. Nothing is locked that a reader could hold, and no socket is served, whose readers may stall. A run that cannot
+be announced runs all the same, and says so.
 """
 
 import contextlib

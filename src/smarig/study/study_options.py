@@ -34,6 +34,8 @@ class StudyOptions:
 def study_key(files: Sequence[Path], options: StudyOptions) -> str:
     """A hash of the files' bytes, of the options and of the version: equal for equal studies.
 
+    Modification times are no part of it: copying changes them.
+
     Raises UsageError for what is no regular file, and OSError.
     """
     total = hashlib.sha256(json.dumps(asdict(options), sort_keys=True).encode())

@@ -1,5 +1,7 @@
-"""A thread that draws the panel a few times per second, so that a slow or stopped terminal does not delay
-the run.
+"""A thread that draws the panel a few times per second, so that a slow or stopped terminal does not delay the run.
+
+Rich's own Live refreshes under a lock for which its stop waits: a terminal stopped by Ctrl-S would delay the next run
+of a campaign.
 
 At the end one line remains. After a fault the panel remains too, since it shows the last state of the rig.
 """

@@ -4,7 +4,7 @@
 
 ŷ is the model's output, d its error, g the relative error of its slope, dy/dŷ − 1. A scaled or shifted hysteresis has
 an error that changes with the output and not with time. g predicts this change, so the filter may be slow against
-encoder noise.
+encoder noise. Over 5 wires, rms in counts: 0.255, with offset and drift alone 0.29, with an integrator in front 0.38.
 """
 
 from dataclasses import dataclass, replace

@@ -1,4 +1,7 @@
-"""The header and the source of a model in C99, from the templates ``operator.h`` and ``operator.c``."""
+"""The header and the source of a model in C99, from the templates ``operator.h`` and ``operator.c``.
+
+Templates and not a library or a code generator: firmware compiles one file, and a reader can check it.
+"""
 
 import re
 from dataclasses import dataclass

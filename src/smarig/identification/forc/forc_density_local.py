@@ -151,7 +151,10 @@ def _solved(basis: _Basis, moments: Array, squares: Array, offsets: Array, unit:
 
 
 def _cholesky(normal: Array) -> tuple[Array, NDArray[np.bool_]]:
-    """Lower factors (p, p, t) of the matrices, and the mask of those without collinear columns."""
+    """Lower factors (p, p, t) of the matrices, and the mask of those without collinear columns.
+
+    NumPy's would raise for all places where one matrix is singular.
+    """
     factor = np.zeros_like(normal)
     sound = np.ones(normal.shape[2], dtype=bool)
     for k in range(normal.shape[0]):

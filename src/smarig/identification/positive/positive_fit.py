@@ -3,11 +3,12 @@
 
     minimise  Σ (Xθ − y)²/m  +  λ ∬ (ρ_αα² + 2 ρ_αβ² + ρ_ββ²) + λ ∫ g″²     over masses ≥ 0
 
-It follows Banks, Kurdila and Webb: measures on finer and finer triangles converge. The programme is strictly
-convex, so its solution is unique, and M_P holds by construction, including the reversible part. λ is the value with
-the best prediction of held-out curves; without any, it is small, and smaller where the output moves over a small part
-of the range only: the roughness of a density of given mass grows with the sixth power of its inverse width. The
-directions that the data do not determine are counted, and predictions have intervals.
+It follows Banks, Kurdila and Webb: measures on finer and finer triangles converge. The programme is strictly convex, so
+its solution is unique, and M_P holds by construction, including the reversible part. λ is the value with the best
+prediction of held-out curves; without any, it is small, and smaller where the output moves over a small part of the
+range only: the roughness of a density of given mass grows with the sixth power of its inverse width. The directions
+that the data do not determine are counted, and predictions have intervals. A roughness weighted by 1/density was better
+at its best λ, and worse at the λ that can be chosen.
 """
 
 from dataclasses import dataclass

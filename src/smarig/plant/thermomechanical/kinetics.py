@@ -9,9 +9,9 @@ Three processes, each with a cosine between its start and its finish in the phas
 A process that starts at its start boundary with ξ₀ and runs monotonically gives Brinson's equations. Interrupted, it
 continues where it stopped: within one branch only a further advance transforms. A transformation in the opposite
 direction begins a new branch, which starts from the fraction reached and runs over the whole strip. So minor loops of
-temperature do not close onto the extremum at which they began: there is no wiping-out, and loops between equal
-extrema accommodate. The product form also avoids the fractions above 1 of the printed Δ_Tξ (Chung, Heo and Lee, Smart
-Mater. Struct. 16 (2007) N1).
+temperature do not close onto the extremum at which they began: there is no wiping-out, and loops between equal extrema
+accommodate. The product form does not depend on how a step is subdivided, and avoids the fractions above 1 of the
+printed Δ_Tξ (Chung, Heo and Lee, Smart Mater. Struct. 16 (2007) N1).
 """
 
 from typing import NamedTuple

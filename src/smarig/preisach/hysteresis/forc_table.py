@@ -12,7 +12,7 @@ Values that were not measured are filled in; ``measured`` identifies them:
 
 The table passes exactly through the points, so it contains the measured noise, and branches need not be monotone. Drift
 between curves is not corrected: on magnetic data, division by the noisy calibration points does not improve the
-prediction of held-out curves, and makes it worse for one sample (DECISIONS.md).
+prediction of held-out curves, and makes it worse for one sample (docs/decisions/01_everett_operator.md).
 """
 
 from bisect import bisect_left, bisect_right
