@@ -63,7 +63,7 @@ def passed(text: str, known: Collection[str] = ()) -> str:
     Traceback (most recent call last):
         ...
     smarig.core.errors.NotPassed: a.run.sqlite names the rig file 'rig.toml', which is not read, because a record may
-    come from anywhere. If you trust it, name it yourself: smarig resume a.run.sqlite --rig rig.toml.
+    come from anywhere. If you trust it, smarig resume a.run.sqlite --rig rig.toml reads it.
     """
     if not isinstance(text, Named):
         return text

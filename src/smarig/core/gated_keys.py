@@ -64,8 +64,7 @@ def _run_rows() -> Iterator[GatedKey]:
         "rig file, and with it drivers, libraries, other files",
         _USER,
         "{where} names the rig file {text}, which is not read, because a record may come from anywhere. "
-        + _TRUST
-        + "smarig resume {where} --rig {again}.",
+        "If you trust it, smarig resume {where} --rig {again} reads it.",
     )
     yield GatedKey(
         "run",
@@ -150,8 +149,7 @@ def _model_rows() -> Iterator[GatedKey]:
         "rig file",
         _USER,
         "{where} names the rig file {text}, which is not read, because a model may come from anywhere. "
-        + _TRUST
-        + "--rig {again}.",
+        "If you trust it, --rig {again} reads it.",
     )
     yield GatedKey(
         "model",
