@@ -29,7 +29,7 @@ def with_block(page: str) -> str:
 
 
 def _row(row: GatedKey) -> tuple[str, str, str, str, str]:
-    otherwise = row.sentence.format(where="FILE", text="PATH")
+    otherwise = row.sentence.format(where="FILE", text="PATH", again="PATH")
     return row.place, code(row.key), plain(row.leads_to), WHO[row.least], plain(otherwise)
 
 

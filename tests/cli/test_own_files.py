@@ -198,6 +198,9 @@ def test_a_rig_file_may_bring_its_driver(capsys, here, monkeypatch):
     status, _, err = call(capsys, "resume", killed)
     assert status == 2
     assert f"names the rig file '{here / 'mine.toml'}', which is not read" in err
+    assert err.strip().endswith(
+        f"If you trust it, smarig resume k.run.sqlite --rig {here / 'mine.toml'} reads it."
+    )
     assert session_for(load_run(killed), rig="../mine.toml").file.name == "mine"
 
 

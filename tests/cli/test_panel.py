@@ -158,6 +158,22 @@ def test_the_highest_severity_stays_while_lesser_events_come_and_go():
     assert summary(status).plain.endswith(", highest severity invalid: v.run.sqlite")
 
 
+@pytest.mark.parametrize(
+    ("kind", "level", "sign"),
+    [
+        ("still_on", "error", "◆ "),
+        ("contradiction", "warning", "◆ "),
+        ("resistance", "error", "✖ "),
+        ("history", "warning", "✔ "),
+    ],
+)
+def test_a_run_with_a_grave_event_gets_no_tick(kind, level, sign):
+    status = fed([264] * 10)
+    status.event(61.0, kind, "It may be on.", level=level)
+    status.end(None)
+    assert summary(status).plain.startswith(f"{sign}validation (BENCH): 1 steps")
+
+
 def test_the_summary_counts_the_samples_that_were_lost():
     status = fed([264] * 5)
     for tick in (610, 611, 615, 3, 4):  # three are missing; the device begins again

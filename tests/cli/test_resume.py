@@ -18,8 +18,10 @@ from runner.interrupted import cut
 from smarig.cli import run as cli
 from smarig.cli.panel.keyboard import press
 from smarig.config import locate
+from smarig.core import Interrupted
 from smarig.record import WireHistory, load_run
 from smarig.runner.run_control import RunControl
+from smarig.runner.runner import Runner
 
 PATIENCE_S = 120.0  # ends a test that has failed
 
@@ -44,6 +46,39 @@ def test_resume_reports_how_it_ended(capsys, killed):
     assert found["void"] >= 4
     assert found["before"].startswith("incomplete")
     assert "ended with the cause: incomplete: the run was never closed.\nThe rig was re-armed." in err
+
+
+def test_a_command_without_a_question_says_so(capsys):
+    status, _, err = call(capsys, "run", "validation", "--rig", "one_wire_twin", "--yes")
+    assert status == 2
+    assert err == "smarig: smarig run asks no question, so it has no option --yes. Leave it out.\n"
+    assert "No such option" in call(capsys, "run", "validation", "--rig", "one_wire_twin", "--yess")[2]
+
+
+_CARRY_OUT = Runner._carry_out
+
+
+def _stopped(self, command):
+    """A recorded command during which somebody presses Ctrl-C."""
+    if len(self.listeners) == 1:  # a preview
+        return _CARRY_OUT(self, command)
+    raise Interrupted("interrupted by the keyboard (Ctrl-C)")
+
+
+@pytest.mark.parametrize("command", ["run", "resume"])
+def test_a_stopped_run_names_the_whole_command_that_continues_it(capsys, tmp_path, monkeypatch, command):
+    rig, out = tmp_path / "rig.toml", tmp_path / "a.run.sqlite"
+    rig.write_text('name = "rig"\nbase = "one_wire_twin"\n')
+    options = ("run", "validation", "--rig", rig, "-o", out, "--set", "points=2", "--quiet")
+    if command == "resume":
+        assert call(capsys, *options)[0] == 0
+        out = cut(out, tmp_path / "k.run.sqlite", 1500)
+        options = ("resume", out, "--rig", rig, "--quiet")
+    monkeypatch.setattr(Runner, "_carry_out", _stopped)
+    status, _, err = call(capsys, *options)
+    assert status == 130
+    assert err.strip().endswith(f"the current is at zero. smarig resume {out} --rig {rig} continues it.")
+    assert err.count("smarig resume") == 1
 
 
 @pytest.mark.parametrize(
@@ -393,6 +428,10 @@ def test_a_run_that_a_fault_ended_says_how_to_continue_it(capsys, tmp_path):
         f"When the cause is removed, smarig resume {out} --rig {rig} continues this run.\nsmarig: The position"
         in err
     )
+    faults.write_text(jump.format(5))
+    status, _, err = call(capsys, "resume", out, "--rig", rig, "--quiet")
+    assert status == 3
+    assert f"When the cause is removed, smarig resume {out} --rig {rig} continues this run." in err
     faults.write_text(jump.format(9000))
     assert call(capsys, "resume", out, "--rig", rig, "--quiet")[0] == 0
     assert load_run(out).cause == "done"

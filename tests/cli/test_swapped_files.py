@@ -46,6 +46,7 @@ def files(tmp_path_factory):
 
 SWAPPED = [
     ("identify model", "is a model, not a run: `smarig verify MODEL RUN"),
+    ("report model", "`smarig report RUN --model MODEL`"),
     ("identify a.csv", "is a table of numbers, not a run: `smarig study`"),
     ("verify run run", "is a run, not a model: `smarig identify RUN"),
     ("verify model model", "is a model, not a run"),

@@ -25,7 +25,7 @@ def test_the_page_shows_the_table_of_the_code():
 def test_every_refusal_names_the_file_and_the_path_or_says_what_happens_instead():
     for row in GATED_KEYS.values():
         if row.least in (Origin.FILE, Origin.USER) and "{" in row.sentence:
-            sentence = row.sentence.format(where="a.file", text="b.path")
+            sentence = row.sentence.format(where="a.file", text="b.path", again="b.path")
             assert "a.file" in sentence, row.name
             assert "b.path" in sentence, row.name
         assert row.sentence.endswith("."), row.name

@@ -57,7 +57,7 @@ def test_values_of_a_template_or_of_another_sensor_are_not_shown_as_those_of_the
     rig = load_rig("bench_one_wire")
     rig = rig.model_copy(update={"encoder": rig.encoder.model_copy(update={"resolution": 0.005})})
     actuator = load_actuator("gorbet_one_wire").model_dump(mode="json")
-    actuator["transmission"]["radius"]["source"] = "replace: of the pulley with the encoder"
+    actuator["wire"]["density"]["source"] = "replace: of the data sheet"
     moved = {"position": [0.0, 1.0], "t_s": [0.0, 1.0]}
     output = {"quantity": "position", "unit": "mm"}
     page = Page(
@@ -65,11 +65,15 @@ def test_values_of_a_template_or_of_another_sensor_are_not_shown_as_those_of_the
             run_of(moved, rig_values=rig.model_dump(mode="json"), actuator_values=actuator, output=output)
         )
     )
-    assert page.row("Radius")[1:] == ["15", "mm", "template: of another wire"]
+    assert page.row("Density")[3] == "template: of another wire"
+    assert "Radius" not in page.visible  # a sensor that reads a length turns no pulley
+    assert "noise counts" not in page.visible
     assert "replace:" not in page.visible
     assert page.row("Resistance martensite")[3] == "section 5.1.3"
     assert page.row("Encoder: resolution")[1:] == ["0.005", "mm", "rig file"]
     assert "counts per rev" not in page.visible
+    turning = dict.fromkeys(("rig_values", "actuator_values"), None) | {"actuator_values": actuator}
+    assert Page(run_page(run_of(moved, **turning, output=output))).row("Radius")[1] == "15"
     assert page.row("Amplifier: saturation")[3] == "rig file, for previews and checks"
     assert page.row("Limits: current max")[3] == "rig file"
 
@@ -77,7 +81,80 @@ def test_values_of_a_template_or_of_another_sensor_are_not_shown_as_those_of_the
 def test_a_step_that_moved_is_not_said_to_have_ended_at_its_mean():
     page = Page(run_page(run_of({"t_s": [0.0]}, (step(0, 20.0, -1.79, "elapsed"),))))
     (words,) = [words for words in page.captions if words.startswith("Steps.")] or [page.visible]
-    assert "A step that is not 'settled' may have moved in them, and ended elsewhere." in words
+    assert "A step that is not 'settled' may have ended elsewhere." in words
+
+
+@pytest.mark.parametrize(
+    ("position", "verdict", "shown"),
+    [
+        (np.linspace(0, 1, 50), "elapsed", "–"),
+        (np.sin(np.linspace(0, 2 * np.pi, 50)), "elapsed", "–"),
+        (np.random.default_rng(0).normal(0.2, 0.1, 50), "elapsed", "0.2"),
+        (np.linspace(0, 1, 50), "timed_out", "0.2"),
+        (np.linspace(0, 0.01, 50), "elapsed", "0.2"),  # within two counts
+    ],
+)
+def test_a_step_that_moved_has_no_mean(position, verdict, shown):
+    columns = {"t_s": np.arange(50) / 5, "position": position, "step": np.zeros(50)}
+    output = {"quantity": "position", "unit": "mm", "per_count": 0.005, "resolution": 0.005}
+    page = Page(run_page(run_of(columns, (step(0, 20.0, 0.2, verdict),), output=output)))
+    (row,) = [row for rows in page.tables for row in rows if row[:2] == ["0", "made"]]
+    assert row[3].startswith(shown)
+
+
+def test_the_sentence_and_the_card_state_the_same_travel():
+    columns = {
+        "t_s": np.arange(200.0),
+        "position": np.linspace(0, 8, 200),
+        "input": np.linspace(0, 100, 200),
+    }
+    page = Page(run_page(run_of(columns, (step(0, 50.0, 3.0), step(1, 70.0, 5.0)), output={"unit": "mm"})))
+    assert page.card("Travel").startswith("Travel8 mm")
+    assert "a travel of 8 mm over 100" in page.visible
+
+
+def test_no_line_crosses_a_gap_of_the_record():
+    """A run that was resumed 14 s after a fault; five ticks that are missing are lost samples."""
+    t = np.concatenate([np.arange(0, 40, 0.2), np.arange(40.8, 60, 0.2), np.arange(74, 100, 0.2)])
+    wave = 50 - 50 * np.cos(2 * np.pi * t / 20)
+    columns = {"t_s": t, "input": wave, "position": wave / 10, "current_A": wave / 100}
+    last = int(np.searchsorted(t, 73))  # first row after the gap
+    output = {"quantity": "position", "unit": "mm"}
+    run = run_of(columns, period_s=0.2, input=TEMPERATURE, output=output)
+    page = Page(run_page(run))
+    for name in ("Current", "Temperature", "Position"):
+        (trace,) = page.traces(name)[:1]
+        x, y = unpacked(trace["x"]), unpacked(trace["y"])
+        (at,) = np.flatnonzero(np.isnan(x))
+        assert [x[at - 1], x[at + 1]] == pytest.approx([t[last - 1], t[last]])
+        assert np.isnan(y[at])
+    jumps = [np.abs(np.diff(unpacked(trace["x"]))) for trace in page.plots[0]["data"]]
+    assert max(np.nanmax(jump) for jump in jumps) < abs(wave[last] - wave[last - 1])
+    unbroken = Page(run_page(run.with_meta(period_s=None)))
+    assert not any(np.isnan(unpacked(trace["x"])).any() for trace in unbroken.traces("Current"))
+
+
+def test_the_path_between_settled_points_does_not_cross_a_gap_either():
+    t = np.concatenate([np.arange(0, 60, 0.2), np.arange(74, 130, 0.2)])
+    u = np.concatenate([np.linspace(0, 40, 300), np.linspace(80, 100, 280)])
+    columns = {"t_s": t, "input": u, "position": u / 10, "step": np.repeat([0, 1], [300, 280])}
+    steps = (step(0, 40.0, 4.0), step(1, 100.0, 10.0))
+    figure = hysteresis_figure(run_of(columns, steps, period_s=0.2, output={"unit": "mm"}))
+    (path,) = [trace for trace in figure.panels[0].data if trace["name"] == "rising input"][:1]
+    x = unpacked(path["x"])
+    (at,) = np.flatnonzero(np.isnan(x[:-1]))
+    assert [x[at - 1], x[at + 1]] == pytest.approx([40, 80])
+
+
+def test_an_instrument_of_two_roles_is_listed_once_and_its_clock_has_a_date():
+    names = ["ACME 3, s/n 7", "ACME 3, s/n 7, clock of the host since 1796010908.347"]
+    page = Page(run_page(run_of(instruments=names)))
+    assert page.row("Instruments")[1] == "ACME 3, s/n 7"
+    assert page.row("Clock of the ticks")[1] == "of the host, since 2026-11-30 03:55:08 UTC"
+    assert "1796010908" not in page.visible
+    page = Page(run_page(run_of(instruments=["supply 1", "encoder 2"])))
+    assert page.row("Instruments")[1] == "supply 1; encoder 2"
+    assert "Clock of the ticks" not in page.visible
 
 
 def test_the_settled_points_are_drawn_as_measured(twin):

@@ -8,6 +8,7 @@ import pytest
 from report.pages import Page, unpacked
 from smarig.cli import run as cli
 from smarig.report import run_page, transformation_page
+from smarig.report.transformation.transformation_tables import figures_of
 from smarig.transformation import TEMPERATURES, transformation_temperatures
 from transformation.known_loops import known_loop, run_of
 
@@ -66,6 +67,18 @@ def test_a_run_page_has_the_temperatures_of_a_full_loop_only():
     assert "Transformation temperatures" in whole.headings
     field = Page(run_page(made(protocol="cycles", unit="T", quantity="field")))
     assert "Transformation temperatures" not in field.headings
+
+
+def test_a_run_page_has_the_caveats_of_its_temperatures():
+    loop = known_loop(1, kind="ramp", noise=0.003, drift=0.0)
+    middle = (loop.truth["A_s"] + loop.truth["A_f"]) / 2
+    rows = np.flatnonzero(np.abs(loop.u - middle) > 4)
+    run = run_of(loop.u[rows], loop.y[rows], protocol="cycles")
+    notes = figures_of(run).notes
+    assert any("of the output lies between two readings" in note for note in notes)
+    page = Page(run_page(run))
+    for note in notes:
+        assert note in page.visible
 
 
 def test_several_runs_get_the_stress_figure():

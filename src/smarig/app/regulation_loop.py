@@ -92,8 +92,18 @@ def regulation(
         "regulate",
         make,
         source.settings() | recorded_settings,
-        loop.statement(),
+        " ".join(filter(None, (loop.statement(), _below_resolution(y, low, count, model.unit)))),
         partial(make, used=None) if sensing else None,
+    )
+
+
+def _below_resolution(y: float, low: float, count: float, unit: str) -> str:
+    """A warning for a set-point that the sensor hardly distinguishes from the cold wire; "" for others."""
+    if y - low >= count:
+        return ""
+    return (
+        f"The set-point {y:.4g} {unit} lies within one count ({count:.3g} {unit}) of the lower end of the range, "
+        f"{low:.4g} {unit}: readings hardly distinguish it from the cold wire."
     )
 
 

@@ -36,6 +36,7 @@ _SOURCE_DATE = (
     "SOURCE_DATE_EPOCH"  # libraries read it when they are imported: each would fail in words of its own
 )
 _LATEST_S = 253402300799  # 9999-12-31, the last day that a date can have
+_NO_QUESTION = "{} asks no question, so it has no option --yes. Leave it out."
 _SPELLINGS = {"characterize": "characterise"}
 EPILOG = """\b
 Examples:
@@ -112,6 +113,8 @@ def run(arguments: Sequence[str] | None = None) -> int:
         return status if isinstance(status, int) else 0
     except click.exceptions.Exit as exit_request:
         return exit_request.exit_code
+    except click.NoSuchOption as error:
+        return report_error(_no_option(error), 2)
     except click.ClickException as error:
         return report_error(error.format_message(), 2)
     except Interrupted as interruption:
@@ -138,6 +141,13 @@ def run(arguments: Sequence[str] | None = None) -> int:
             "set SMARIG_DEBUG=1 to see the traceback.",
             1,
         )
+
+
+def _no_option(error: click.NoSuchOption) -> str:
+    """The sentence on an option that a command does not have."""
+    if error.option_name == "--yes" and error.ctx is not None:
+        return _NO_QUESTION.format(error.ctx.command_path)
+    return error.format_message()
 
 
 def _check_source_date() -> None:

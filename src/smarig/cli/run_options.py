@@ -15,7 +15,7 @@ from smarig.cli.output import emit, show_message
 from smarig.cli.panel.keyboard import keys
 from smarig.cli.parameter_types import RIG, SEED, FiniteNumber
 from smarig.cli.progress import progress
-from smarig.core import RUN, Quality, UsageError, check_replaceable, spaced
+from smarig.core import RUN, Quality, RigFault, UsageError, check_replaceable, spaced
 
 if TYPE_CHECKING:
     from smarig.config import RigFile
@@ -144,6 +144,17 @@ def check_target(target: Path, *, force: bool, remedy: str = "") -> None:
     if target.exists() and not force:
         raise UsageError(f"{target} exists. Give another name,{remedy} or --force to replace it.")
     check_replaceable(target, RUN)
+
+
+@contextmanager
+def resumable(session: "Session", out: Path) -> Iterator[None]:
+    """A fault of the rig that ends the run of this file is followed by the command that continues the run."""
+    try:
+        yield
+    except RigFault:
+        if out.exists():
+            show_message(f"When the cause is removed, {session.resume_command(out)} continues this run.")
+        raise
 
 
 def emit_previews(previews: "Sequence[Preview]") -> None:

@@ -7,12 +7,15 @@ keys with their rules; ``named`` knows no other. To add one: a row there, ``name
 ``marked_as``), ``passed`` where the text is used, and a crafted file in ``tests/gate``.
 """
 
+import shlex
 from collections.abc import Collection
 from typing import Any
 
 from smarig.core.errors import NotPassed
 from smarig.core.gated_keys import GATED_KEYS, GatedKey, Origin
 from smarig.core.shown_text import shown
+
+_LONGEST = 200  # characters of what a file names, in a sentence
 
 
 class Named(str):
@@ -60,12 +63,18 @@ def passed(text: str, known: Collection[str] = ()) -> str:
     Traceback (most recent call last):
         ...
     smarig.core.errors.NotPassed: a.run.sqlite names the rig file 'rig.toml', which is not read, because a record may
-    come from anywhere. If you trust it, name it yourself: smarig resume a.run.sqlite --rig RIG.
+    come from anywhere. If you trust it, smarig resume a.run.sqlite --rig rig.toml reads it.
     """
     if not isinstance(text, Named):
         return text
     least = text.row.least
     if text not in known and (least is None or text.origin < least):
         plain = str.__str__(text)
-        raise NotPassed(text.row.sentence.format(where=text.where, text=shown(plain, 200)), plain)
+        given = {"where": text.where, "text": shown(plain, _LONGEST), "again": _again(plain)}
+        raise NotPassed(text.row.sentence.format(**given), plain)
     return str.__str__(text)
+
+
+def _again(text: str) -> str:
+    """The path as one word of a shell; RIG for one that is not shown as it is."""
+    return shlex.quote(text) if text.isprintable() and len(text) <= _LONGEST else "RIG"

@@ -24,7 +24,8 @@ class GatedKey:
     """A key that leads somewhere: ``place`` (the kind of file), ``key``, and what it leads to.
 
     ``least``: the least trusted origin that may name it; None for nobody. ``sentence``: the refusal, with {where} for
-    the file and {text} for what it names; for keys that are never followed, what happens instead.
+    the file, {text} for what it names, and {again} for the same as a word of a command; for keys that are never
+    followed, what happens instead.
     """
 
     place: str
@@ -63,8 +64,7 @@ def _run_rows() -> Iterator[GatedKey]:
         "rig file, and with it drivers, libraries, other files",
         _USER,
         "{where} names the rig file {text}, which is not read, because a record may come from anywhere. "
-        + _TRUST
-        + "smarig resume {where} --rig RIG.",
+        "If you trust it, smarig resume {where} --rig {again} reads it.",
     )
     yield GatedKey(
         "run",
@@ -149,8 +149,7 @@ def _model_rows() -> Iterator[GatedKey]:
         "rig file",
         _USER,
         "{where} names the rig file {text}, which is not read, because a model may come from anywhere. "
-        + _TRUST
-        + "--rig RIG.",
+        "If you trust it, --rig {again} reads it.",
     )
     yield GatedKey(
         "model",

@@ -14,7 +14,7 @@ _NOUNS = {
 }
 _TAKES = {
     RUN: "`smarig identify RUN…`, `verify MODEL RUN…`, `report` and `export` take runs",
-    MODEL: "`smarig verify MODEL RUN…`, `simulate` and `report` take models",
+    MODEL: "`smarig verify MODEL RUN…`, `smarig report RUN --model MODEL` and `smarig simulate MODEL` take models",
     PAGE: "open it with a browser",
     TOML: "`--map` takes mapping files, `--rig` rigs",
     TABLE: "`smarig study` reads tables, and `smarig import` makes runs of them",

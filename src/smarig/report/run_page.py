@@ -137,11 +137,9 @@ def _transformation_sections(run: Run) -> list[Section]:
     found = full_loop(run)
     if found is None:
         return []
-    return [
-        Section(
-            "Transformation temperatures", "Transformation", [temperature_cards(found), tangent_figure(found)]
-        )
-    ]
+    notes = [bullets(found.notes)] if found.notes else []
+    parts = [temperature_cards(found), *notes, tangent_figure(found)]
+    return [Section("Transformation temperatures", "Transformation", parts)]
 
 
 def _figure_parts(run: Run) -> Iterator[Figure | Html]:

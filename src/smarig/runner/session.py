@@ -109,6 +109,7 @@ class Session:
         self._speed = speed
         self.control = control or RunControl()
         self._zero = "power-up"
+        self._stopped_run: Path | None = None
         self._last: Sample | None = None
         self._epoch = time.time()
         self.wear = self.new_wear()
@@ -191,7 +192,17 @@ class Session:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        self._open.__exit__(kind, error, trace)
+        try:
+            self._open.__exit__(kind, error, trace)
+        except Interrupted as stopped:  # in place of a KeyboardInterrupt
+            self._add_remedy(stopped)
+            raise
+        self._add_remedy(error)
+
+    def _add_remedy(self, error: BaseException | None) -> None:
+        """Say how to continue the run that was stopped."""
+        if isinstance(error, Interrupted) and self._stopped_run is not None:
+            error.remedy = f"{self.resume_command(self._stopped_run)} continues it."
 
     def run(
         self,
@@ -277,6 +288,8 @@ class Session:
             runner.run(protocol)
         except BaseException as error:
             cause, severity, stopped_by = cause_of(error), end_severity(error), self._requester(error)
+            if isinstance(error, Interrupted | KeyboardInterrupt):
+                self._stopped_run = recorder.path
             raise
         finally:
             with self.control.undisturbed():

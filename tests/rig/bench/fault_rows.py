@@ -214,7 +214,7 @@ WIRING = (
         phases=NOT_OPENED,
     ),
 )
-CLOSED = "it is closed, the current is at zero. 'smarig resume' continues it."
+CLOSED = "it is closed, the current is at zero. smarig resume … continues it."
 STOPPED = "sets 0 A at the next tick and closes the run"
 HOST = (
     Fault(

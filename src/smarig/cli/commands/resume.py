@@ -11,7 +11,7 @@ from smarig.cli.output import emit, json_option, show_message
 from smarig.cli.panel.keyboard import keys
 from smarig.cli.parameter_types import FILE, PROTOCOL, RIG, FiniteNumber, own_effects
 from smarig.cli.progress import STREAMS, progress
-from smarig.cli.run_options import print_warnings, run_summary
+from smarig.cli.run_options import print_warnings, resumable, run_summary
 from smarig.core import UsageError
 
 EPILOG = f"""{STREAMS}
@@ -94,10 +94,11 @@ def command(
         show_message("The rig was re-armed.")
         identity = {"wire": session.wire, "source": session.source}
         what = run_info(session.file, cost, run, **identity, done_steps=len(done), done_s=done_s)
-        with with_watchers(
+        display = with_watchers(
             progress(what, session.control, quiet=quiet, keys=listening),
             [*watchers, *watch.listeners(what)],
-        ) as listener:
+        )
+        with display as listener, resumable(session, run):
             plan = resume_in(
                 session, before, listeners=[listener], expected=cost, chooser=informed_choice, settings=files
             )

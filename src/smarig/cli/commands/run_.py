@@ -14,12 +14,11 @@ from smarig.cli.run_options import (
     check_target,
     emit_previews,
     print_warnings,
+    resumable,
     run_options,
     run_summary,
 )
 from smarig.core import (
-    Interrupted,
-    RigFault,
     UsageError,
     catalogue_names,
     is_file,
@@ -112,27 +111,18 @@ def _run_one(
     from smarig.identification import informed_choice
     from smarig.runner import run_or_resume
 
-    with display as listener:
-        try:
-            message = run_or_resume(
-                session,
-                step.protocol,
-                step.set,
-                out,
-                listeners=[listener],
-                force=force,
-                notes=notes,
-                expected=cost,
-                chooser=informed_choice,
-            )
-        except RigFault:
-            if out.exists():
-                show_message(f"When the cause is removed, {session.resume_command(out)} continues this run.")
-            raise
-        except Interrupted:
-            if out.exists() and session.on_own_rig_file:
-                show_message(f"To continue this run: {session.resume_command(out)}")
-            raise
+    with display as listener, resumable(session, out):
+        message = run_or_resume(
+            session,
+            step.protocol,
+            step.set,
+            out,
+            listeners=[listener],
+            force=force,
+            notes=notes,
+            expected=cost,
+            chooser=informed_choice,
+        )
     if message:
         show_message(message)
 

@@ -22,6 +22,7 @@ from smarig.report.components.run_description import (
     source_label,
 )
 from smarig.report.components.style import BAD, COOLING, HEATING, INK, colours
+from smarig.report.runs.record_gaps import drawn, ends_of_parts, uninterrupted_parts
 from smarig.report.runs.sample_path import sample_path
 
 Array = NDArray[np.float64]
@@ -50,30 +51,34 @@ def hysteresis_figure(run: Run, *, explore: bool = True) -> Figure:
 
 
 def direction_traces(
-    u: Array, y: Array, *, width: float = 1.3, names: tuple[str, str] = ("rising input", "falling input")
+    u: Array,
+    y: Array,
+    *,
+    width: float = 1.3,
+    names: tuple[str, str] = ("rising input", "falling input"),
+    part: NDArray[np.intp] | None = None,
 ) -> list[Trace]:
-    """A path in two colours, rising and falling input, with an arrow in the middle of each long sweep."""
+    """A path in two colours, rising and falling input, with an arrow in the middle of each long sweep.
+
+    ``part``: the number of the uninterrupted part of each point; no line joins two parts.
+    """
     du = np.diff(u)
+    joined = np.diff(part) == 0 if part is not None else np.ones(du.size, dtype=bool)
     traces = []
     for chosen, name, colour in ((du > 0, names[0], HEATING), (du <= 0, names[1], COOLING)):
-        k = np.flatnonzero(chosen)
+        k = np.flatnonzero(chosen & joined)
         if not k.size:
             continue
         sweeps = np.split(k, np.flatnonzero(np.diff(k) > 1) + 1)
         rows = np.concatenate([[*sweep, sweep[-1] + 1, -1] for sweep in sweeps])
-        traces.append(line(*_with_gaps(u, y, rows), name, colour, width=width))
+        traces.append(line(drawn(u, rows), drawn(y, rows), name, colour, width=width))
         ends = [_arrow_rows(u, y, sweep) for sweep in sweeps]
         rows = np.concatenate([np.array([], dtype=int), *(end for end in ends if end is not None)])
         if rows.size:
             sizes = {"size": [0, 9, 0] * (rows.size // 3), "angleref": "previous", "line": {"width": 0}}
             look = {"symbol": "arrow", "marker": sizes, "showlegend": False, "hoverinfo": "skip"}
-            traces.append(dots(*_with_gaps(u, y, rows), name, colour, **look))
+            traces.append(dots(drawn(u, rows), drawn(y, rows), name, colour, **look))
     return traces
-
-
-def _with_gaps(u: Array, y: Array, rows: NDArray[np.intp]) -> tuple[Array, Array]:
-    """u and y at these rows, NaN where the row is −1."""
-    return np.where(rows >= 0, u[rows], np.nan), np.where(rows >= 0, y[rows], np.nan)
 
 
 def _arrow_rows(u: Array, y: Array, sweep: NDArray[np.intp]) -> NDArray[np.intp] | None:
@@ -93,7 +98,9 @@ def _step_traces(run: Run) -> tuple[list[Trace], str]:
     single = all(s.n <= 1 for s in run.settled)
     kept = np.array([], dtype=int) if single else sample_path(run["input"], run["position"], count_size(run))
     if kept.size > u.size:
-        data = direction_traces(run["input"][kept], run["position"][kept])
+        part = uninterrupted_parts(run)
+        kept = np.union1d(kept, _known(run, ends_of_parts(part)))
+        data = direction_traces(run["input"][kept], run["position"][kept], part=part[kept])
         words = f"Lines: the path through all samples. Each point is {_MEAN}."
     else:
         data = direction_traces(u, y)
@@ -112,17 +119,21 @@ def _step_traces(run: Run) -> tuple[list[Trace], str]:
     return data, words
 
 
+def _known(run: Run, rows: NDArray[np.intp]) -> NDArray[np.intp]:
+    """Those of the rows at which input and output are known."""
+    return rows[np.isfinite(run["input"][rows] + run["position"][rows])]
+
+
 def _sample_traces(run: Run) -> tuple[list[Trace], str]:
     u, y = run["input"], run["position"]
-    known = np.flatnonzero(np.isfinite(u) & np.isfinite(y))
+    known = _known(run, np.arange(len(run)))
     curves = _curves(run, known)
     shades = colours(len(curves))
     data = []
     for (name, rows), shade in zip(curves, shades):
-        x, z = np.where(rows >= 0, u[rows], np.nan), np.where(rows >= 0, y[rows], np.nan)
-        data.append(line(x, z, name, shade, width=1.1))
+        data.append(line(drawn(u, rows), drawn(y, rows), name, shade, width=1.1))
     order = "reversal input" if _reversal(run) else "order of measurement"
-    thinned = sum(rows.size for _, rows in curves) < known.size
+    thinned = sum(np.count_nonzero(rows >= 0) for _, rows in curves) < known.size
     words = f"{thousands(known.size)} readings, coloured by {order} from dark to bright."
     return data, words + (
         " The drawing is thinned but keeps all extremes of input and output." if thinned else ""
@@ -141,10 +152,8 @@ def _curves(run: Run, known: NDArray[np.intp]) -> list[tuple[str, NDArray[np.int
     numbers = np.unique(step[step >= 0])
     if not _reversal(run) or not numbers.size:
         groups = np.array_split(known, min(_GROUPS, max(1, known.size // 20)))
-        return [
-            (f"readings {g[0] + 1} to {g[-1] + 1}", g[path(run["input"][g], run["position"][g], 1500)])
-            for g in groups
-        ]
+        part = uninterrupted_parts(run)
+        return [(f"readings {g[0] + 1} to {g[-1] + 1}", _thinned(run, g, part)) for g in groups]
     named = []
     for some in np.array_split(numbers, min(_GROUPS, numbers.size)):
         pieces = [known[step == number] for number in some]
@@ -156,6 +165,13 @@ def _curves(run: Run, known: NDArray[np.intp]) -> list[tuple[str, NDArray[np.int
             (f"reversal at {number(starts[0], 4)} to {number(starts[-1], 4)}{spaced(run.input_unit)}", rows)
         )
     return named
+
+
+def _thinned(run: Run, rows: NDArray[np.intp], part: NDArray[np.intp]) -> NDArray[np.intp]:
+    """Rows of a path with nearly the same shape, −1 at a gap of the record."""
+    pieces = np.split(rows, np.flatnonzero(np.diff(part[rows])) + 1)
+    thin = [p[path(run["input"][p], run["position"][p], 1500)] for p in pieces]
+    return np.concatenate([np.append(p, -1) for p in thin])[:-1]
 
 
 def _safe(words: list[str]) -> list[str]:

@@ -10,7 +10,6 @@ from smarig.report.components.numbers import duration, number, signed, thousands
 from smarig.report.components.run_description import (
     display_unit,
     duration_s,
-    extent,
     protocol_name,
     quality_counts,
 )
@@ -52,13 +51,13 @@ def _largest_error(run: AnyRun, verified: RunVerification) -> str:
 
 
 def _measured(run: AnyRun) -> str:
-    travel = extent(run, "position")
-    if not np.isfinite(travel):
+    ends, input_ends = run.extremes("position"), run.extremes("input")
+    if ends is None:
         return f"Measured: {protocol_name(run)}, without readings of the output."
-    words = f"Measured: {protocol_name(run)}, a travel of {number(travel, 4)}{spaced(display_unit(run.unit))}"
-    span = extent(run, "input")  # of the same points
-    if np.isfinite(span):
-        words += f" over {number(span, 4)}{spaced(display_unit(run.input_unit))}"
+    travel = f"{number(ends[1] - ends[0], 4)}{spaced(display_unit(run.unit))}"
+    words = f"Measured: {protocol_name(run)}, a travel of {travel}"
+    if input_ends is not None:
+        words += f" over {number(input_ends[1] - input_ends[0], 4)}{spaced(display_unit(run.input_unit))}"
     m = quality_counts(run)
     points = "1 settled point" if m.settled == 1 else f"{m.settled} settled points"
     count = points if m.settled else f"{thousands(m.samples)} samples"

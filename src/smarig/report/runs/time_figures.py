@@ -20,6 +20,7 @@ from smarig.report.components.run_description import (
     source_label,
 )
 from smarig.report.components.style import BAD, CURRENT, GREY, INK, POSITION, TEMPERATURE
+from smarig.report.runs.record_gaps import broken_at_gaps, drawn, ends_of_parts, uninterrupted_parts
 
 Array = NDArray[np.float64]
 _ROWS = (
@@ -65,16 +66,18 @@ def time_series_figure(run: Run, points: int = POINTS, *, explore: bool = True) 
         names = [row for row in names if row[0] != "current_command_A"]
     titles = {"input": input_title(run), "position": output_title(run)}
     data: list[Trace] = []
+    part = uninterrupted_parts(run)
     layout: dict[str, Any] = {
         "xaxis": axis(t_title, anchor=f"y{_axis_suffix(len(names) - 1)}", mirror=False),
         "showlegend": False,
     }
     for k, (name, title, colour) in enumerate(names):
-        kept = envelope(run[name], points)
+        kept = np.union1d(envelope(run[name], points), ends_of_parts(part))
+        rows = broken_at_gaps(kept, part)
         data.append(
             line(
-                t[kept],
-                run[name][kept],
+                drawn(t, rows),
+                drawn(run[name], rows),
                 title or titles[name],
                 colour,
                 width=1.1,
