@@ -121,8 +121,8 @@ class MotionModel:
         else:
             further = "it needs more heat than limits.current_max_A (for wire 2 current_min_A) allows"
         return (
-            f"{few}. If they are in order, the wire transforms later than {self._name}, or is colder than that file says "
-            f"(check its reference_temperature at reference_current): {further}"
+            f"{few}. If they are in order, the wire transforms later than {self._name}, or is colder than that file "
+            f"says (check its reference_temperature at reference_current): {further}"
         )
 
     def scale(self, motion: Motion, input_K: float) -> Check:
