@@ -45,8 +45,7 @@ def step_currents(
     for current_A in currents_A:
         if not low - 1e-9 <= current_A <= high + 1e-9:
             raise UsageError(
-                f"step_currents: {current_A:g} A is outside the rig's limits {low:g}…{high:g} A, limits.current_min_A "
-                "and current_max_A."
+                f"step_currents: {current_A:g} A is outside the rig's limits {low:g}…{high:g} A."
             )
     if currents_A:
         temperatures_K = tuple(setup.actuator.input_for(i) for i in currents_A)

@@ -105,9 +105,7 @@ class SourceAndSensor:
         """The current and the voltage now, and the temperature of the wire if the instrument measures it."""
         if self._on and self.line.number("OUTP?") == 0:
             self._on = False
-            self.tripped = (
-                f"{self.identity} has switched off or was never on: check watchdog, protections, its key, OUTP ON."
-            )
+            self.tripped = f"{self.identity} has switched off or was never on: check watchdog, protections, its key, OUTP ON."
         return Electrical(self.line.number("MEAS:CURR?"), self.line.number("MEAS:VOLT?"))
 
     def off(self) -> str:
