@@ -5,8 +5,9 @@ from types import SimpleNamespace
 import pytest
 
 from device.contract import faulty_instruments
-from smarig.config import load_rig
+from smarig.config import LinkFile, load_rig
 from smarig.core import SmarigError, UsageError
+from smarig.device import Silent
 from smarig.rig import check_driver, driver_check, rig_for_check
 
 LINKS = ("serial", "modbus_tcp", "modbus_rtu")
@@ -65,3 +66,30 @@ def test_devices_that_run_already_keep_the_speed_of_the_rig_file():
     )
     assert used.simulator == running
     assert used.links.amplifier.url == "tcp://10.0.0.9:5025", "the line that is locked"
+
+
+@pytest.mark.parametrize(
+    ("url", "absent"),
+    [
+        ("ASRL/dev/pts/1::INSTR", "ASRL/dev/pts/1.absent::INSTR"),
+        ("ASRL3::INSTR", "ASRL255::INSTR"),
+        ("TCPIP0::192.168.1.20::INSTR", "TCPIP0::192.0.2.1::9::SOCKET"),
+        ("USB0::0x2A8D::0x1301::MY57501234::INSTR", "TCPIP0::192.0.2.1::9::SOCKET"),
+        ("GPIB0::5::INSTR", "TCPIP0::192.0.2.1::9::SOCKET"),
+    ],
+)
+def test_the_absent_instrument_of_visa_has_a_visa_address(url, absent):
+    """Else its absence is not tested: an address of no form is refused before anything is opened."""
+    rname = pytest.importorskip("pyvisa.rname")
+    link = LinkFile(driver="visa_meter", framing="lines", url=url)
+    assert driver_check._without_device(link).url == absent
+    rname.ResourceName.from_string(absent)
+
+
+def test_an_absent_serial_meter_does_not_open():
+    pytest.importorskip("pyvisa_py", reason="the extra visa is not installed")
+    link = LinkFile(
+        driver="visa_meter", framing="lines", url="ASRL/dev/pts/1::INSTR", settings={"backend": "@py"}
+    )
+    with pytest.raises(Silent, match="cannot be opened"):
+        driver_check.in_role("encoder_daq", driver_check._without_device(link), load_rig("laboratory_supply"))

@@ -63,6 +63,14 @@ def test_nor_does_the_end_of_a_run():
         pass
 
 
+def test_where_nothing_was_recorded_no_data_are_named():
+    with (
+        pytest.raises(RigFault, match=rf"^{SHUTDOWN_UNCONFIRMED}$"),
+        _confirmed_shutdown(Deaf(), HeldSignals(), recorded=False),
+    ):
+        pass
+
+
 class Confirming:
     """A rig that confirms that it is off."""
 

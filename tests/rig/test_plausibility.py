@@ -49,7 +49,7 @@ LIES = [
         from_tick(50, voltage_V=lambda x: 1.2 * x),
         "ohm is outside .*, its limits at a predicted input of ",
     ),
-    ("resistance", from_tick(50, voltage_V=lambda x: 0.1 * x), "ohm is outside"),
+    ("resistance", from_tick(50, voltage_V=lambda x: 0.1 * x), "correct the resistances in the"),
     ("jump", lambda s: s._replace(counts=s.counts + 120) if s.tick == 60 else s, "jumped by 1"),
     ("still", from_tick(0, counts=lambda _: 3), "fully heated and did not move"),
     ("voltage", from_tick(50, voltage_V=lambda _: float("nan")), "The voltage is not measured any more"),

@@ -4,7 +4,9 @@ import pytest
 
 from smarig.config import load_rig
 from smarig.core import LimitExceeded
+from smarig.identification import Calibration
 from smarig.plant import Actuator
+from smarig.preisach import thesis_surface
 from smarig.rig import Guard, Plausibility, Twin
 from smarig.rig.channel_checks import RigReadings
 from smarig.rig.motion_model import Motion, MotionModel
@@ -77,3 +79,15 @@ def test_after_a_zero_the_comparison_begins_anew():
     response.forget()
     assert [response.add(0, 89.0, 10) for _ in range(50)] == [[]] * 50
     assert sum(len(response.add(0, 89.0 - K, 10)) for K in range(90)) == 1
+
+
+def test_whose_hysteresis_is_compared_is_told(tmp_path):
+    """That of the thesis's wire, until the file has its own."""
+    (text,) = warnings(0.05, loop(0.7))
+    assert "the hysteresis in gorbet_one_wire is still that of the thesis's wire" in text
+    assert "smarig calibrate RUN --model MODEL" in text
+    path = tmp_path / "own.toml"
+    own = Calibration({}, {}).write_actuator(path, WIRE, hysteresis=thesis_surface("one_e"), force=True)
+    response, wire = Response(FILE, Actuator.named(str(own))), 2 * WIRE.hysteresis.upper
+    alarms = [alarm for k in range(600) for alarm in response.add(0, wire * k / 600, 10)]
+    assert [alarm.text.endswith("the wire transforms later.") for alarm in alarms] == [True]

@@ -55,6 +55,7 @@ def test_inconsistencies_are_reported(tmp_path, capsys, line, says):
     [
         ('links.amplifier.framing = "lines"', 'Devices on one port need framing = "modbus_rtu"'),
         ("links.amplifier.baud = 9600", "at 9600 and at 115200 baud"),
+        ('links.amplifier.serial_format = "8E1"', "as 8E1 and as 8N1. Give both the same serial_format."),
         ("links.amplifier.address = 65\nlinks.encoder_daq.address = 65", "Give each device its own address."),
     ],
 )

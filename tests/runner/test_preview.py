@@ -6,7 +6,7 @@ import pytest
 
 from smarig.cli import run as cli
 from smarig.config import load_rig
-from smarig.core import ConfigError, Interrupted
+from smarig.core import ConfigError, Interrupted, UsageError
 from smarig.plant import Actuator
 from smarig.protocols import Setup
 from smarig.runner import RunControl, preview
@@ -86,3 +86,13 @@ def test_the_lower_limit_of_a_bench_without_a_lease_is_told(peak_K, lower_A):
     assert found.without_lease_A == (lower_A and pytest.approx(lower_A, abs=1e-3))
     assert ("(at most 0.922 A if its source turns out to have no lease)" in found.sentence()) == bool(lower_A)
     assert preview("step_currents", load_rig("one_wire_twin"), settings).without_lease_A is None
+
+
+def test_a_preview_that_is_refused_names_the_limit_and_no_current():
+    """Nothing was driven that could be at zero."""
+    rig = load_rig("one_wire_twin")
+    small = rig.model_copy(update={"limits": rig.limits.model_copy(update={"current_max_A": 0.4})})
+    with pytest.raises(UsageError, match=r"it exceeds limits\.current_max_A") as error:
+        preview("minor_loops", small, {"low_A": 0.0, "high_A": 0.5})
+    assert "It is set to high_A = 0.5." in str(error.value)
+    assert "at zero" not in str(error.value)

@@ -34,7 +34,7 @@ from smarig.core import (
     UsageError,
 )
 from smarig.protocols import Setup
-from smarig.rig import TwinSettings
+from smarig.rig import TwinSettings, outside_limits_text
 from smarig.runner import CallbackListener, Preview, RunControl, Session
 
 PROTOCOL = "stepped"  # name of these runs in their records
@@ -150,10 +150,7 @@ class SteppedRun:
         if isinstance(current_A, bool) or not isinstance(current_A, Real):
             raise UsageError(f"A current is a number in A, not {current_A!r}.")
         if not limits.current_min_A - _ROUNDING_A <= current_A <= limits.current_max_A + _ROUNDING_A:
-            raise LimitExceeded(
-                f"Current {current_A:g} A is outside the limits {limits.current_min_A:g}…"
-                f"{limits.current_max_A:g} A."
-            )
+            raise LimitExceeded(outside_limits_text(current_A, limits))
         step = _Step(float(current_A), target_K, Future())
         self._steps.put(step)
         if not self._thread.is_alive():  # it ended meanwhile, and may have emptied the queue before

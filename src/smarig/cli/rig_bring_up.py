@@ -55,7 +55,7 @@ def _bring_up(rig: str, file: RigFile, actuator: Actuator, on_check: Callable[[C
             rig_locks(file, file.wire),
             stop_on_signals(control),
             announced(info, control, RunStatus(info, control)),
-            open_rig(rig, file, actuator, TwinSettings(), report=show_message) as bench,
+            open_rig(rig, file, actuator, TwinSettings(), report=show_message, recorded=False) as bench,
         ):
             assert isinstance(bench, Bench)  # noqa: S101 - of kind "bench"
             for _, text, _ in control.reports():  # why others cannot see it

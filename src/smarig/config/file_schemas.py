@@ -23,6 +23,7 @@ from smarig.config.named_things import (
 )
 from smarig.core import CAMPAIGN_FILE, RIG_FILE, Number, TomlTable, passed
 
+_SERIAL_FORMAT = re.compile(r"[5-8][NEOMS](1|1\.5|2)")
 _PLAIN_NAME = re.compile(r"[\w .+()-]*")  # no folder: a run is written under this name
 LEAST_A, MOST_A = 1e-6, 1e4  # no wire needs less, or more
 
@@ -95,10 +96,21 @@ class LinkFile(TomlTable):
     framing: Literal["lines", "modbus_tcp", "modbus_rtu"]  # how bytes form messages
     url: LinkUrl = ""  # port or address of the device; empty if a simulator supplies it
     baud: int = Field(default=115200, ge=300, le=4_000_000)  # baud rate of a serial port
+    serial_format: str = "8N1"  # of a serial port: data bits 5-8; parity N, E, O, M, S; stop bits 1, 1.5, 2
     address: int = Field(default=0, ge=0, le=247)  # Modbus address; 0: the device's default
     timeout_s: Number = Field(default=0.3, gt=0, le=5)  # time limit for one reply
     line_end: Literal["\n", "\r\n", "\r"] = "\n"  # ends a line of text; a reply ends with its last character
     settings: Settings = Field(default_factory=dict)  # keys of the driver's own: channels, scales, ranges
+
+    @field_validator("serial_format")
+    @classmethod
+    def _is_serial_format(cls, text: str) -> str:
+        if not _SERIAL_FORMAT.fullmatch(text):
+            raise ValueError(
+                f'"{text}" is no format of a serial line: write data bits (5 to 8), parity (N, E, O, M or S) and stop '
+                'bits (1, 1.5 or 2), such as "7E2"'
+            )
+        return text
 
     @field_validator("url")
     @classmethod

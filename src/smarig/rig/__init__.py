@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from smarig.rig.driver_check import rig_for_check as rig_for_check
     from smarig.rig.force_statistics import ForceStatistics as ForceStatistics
     from smarig.rig.guard import Guard as Guard
+    from smarig.rig.guard import outside_limits_text as outside_limits_text
     from smarig.rig.lease_limits import limits_in_force as limits_in_force
     from smarig.rig.lease_limits import without_lease_text as without_lease_text
     from smarig.rig.open_rig import open_rig as open_rig

@@ -157,6 +157,9 @@ def _checks(
     if not _follows_command(rest, 0.0, file):
         return
     yield from _further_sensors(guard)
+    if blind := _blind(at_rest, file, actuator):  # heat would show nothing
+        yield blind
+        return
     yield from _settling(at_rest, file)
     if not math.isnan(rest.temperature_degC) and not rig.holds_wire_limit:
         yield Check("wire temperature", True, HOST_ALONE, limitation=True)
@@ -187,6 +190,12 @@ def _further_sensors(guard: Guard) -> Iterator[Check]:
             yield Check(_FURTHER_SENSORS[alarm.kind], True, alarm.text, limitation=True)
 
 
+def _blind(at_rest: list[Sample], file: RigFile, actuator: Actuator) -> Check | None:
+    """A failed check if readings at rest scatter so much that no motion would be seen among them."""
+    rest = at_rest[-READINGS:]
+    return MotionModel(actuator, file, +1).blind(motion_of(rest, rest, +1))
+
+
 def _settling(at_rest: list[Sample], file: RigFile) -> Iterator[Check]:
     """A limitation if readings at rest scatter so much that no window of a hold is likely to settle.
 
@@ -198,8 +207,8 @@ def _settling(at_rest: list[Sample], file: RigFile) -> Iterator[Check]:
     if LEAST_RANGE * scatter / math.sqrt(per_block) > rule.band_counts:
         text = (
             f"readings at rest scatter by {scatter:.2g} counts, too much to settle within band_counts = "
-            f"{rule.band_counts:g}: make encoder.resolution several times the noise of a reading, or raise "
-            "settle.band_counts"
+            f"{rule.band_counts:g}: check the unit of the driver first; then make encoder.resolution "
+            "several times the noise of a reading, or raise settle.band_counts"
         )
         yield Check("settling", True, text, limitation=True)
 

@@ -119,6 +119,10 @@ def _shared_port(links: LinksFile) -> Iterator[str]:
         yield f'Both links use {a.url}. Devices on one port need framing = "modbus_rtu", which has addresses.'
     elif a.baud != b.baud:
         yield f"Both links use {a.url}, at {a.baud} and at {b.baud} baud. Give both the same baud."
+    elif a.serial_format != b.serial_format:
+        yield (
+            f"Both links use {a.url}, as {a.serial_format} and as {b.serial_format}. Give both the same serial_format."
+        )
     elif a.address and a.address == b.address:
         yield f"Both links use {a.url} and address {a.address}. Give each device its own address."
 

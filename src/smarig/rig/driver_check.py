@@ -108,7 +108,15 @@ def _without_device(link: LinkFile) -> LinkFile:
     if parts.scheme and parts.port:
         url = link.url.replace(f":{parts.port}", ":1")
     elif "::" in link.url:  # a VISA resource
-        url = f"{link.url.split('::')[0]}::192.0.2.1::9::SOCKET"
+        url = _absent_visa(link.url)
     else:
         url = f"{link.url}.absent"
     return link.model_copy(update={"url": url, "timeout_s": min(link.timeout_s, 0.3)})
+
+
+def _absent_visa(resource: str) -> str:
+    """A VISA address of no device: of the same interface if it is a serial port or the network, else of the network."""
+    interface = resource.split("::")[0]
+    if not interface.upper().startswith("ASRL"):
+        return f"{interface if interface.upper().startswith('TCPIP') else 'TCPIP0'}::192.0.2.1::9::SOCKET"
+    return "ASRL255::INSTR" if interface[4:].isdigit() else f"{interface}.absent::INSTR"

@@ -94,8 +94,8 @@ class ElectricalPlausibility:
         where = f", its limits at a predicted input of {input_K:.0f} K" if self._phase_known else ""
         text = (
             f"The wire's resistance {ohm:.4g} ohm is outside {low:.4g}…{high:.4g}{where}. Check clamps, wire and "
-            "shunt (an ohmmeter on the cold wire tells which). If they are in order, calibrate the wire, or widen "
-            "limits.resistance_tolerance and [protection]."
+            "shunt (an ohmmeter on the cold wire tells which). If they are in order, correct the resistances in the "
+            "actuator file, by hand or with smarig calibrate; else widen limits.resistance_tolerance and [protection]."
         )
         return _Fault("resistance", text, _weight(ohm / high))
 

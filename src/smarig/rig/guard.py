@@ -171,9 +171,7 @@ class Guard:
         limits = self.limits
         low, high = limits.current_min_A - _ROUNDING, limits.current_max_A + _ROUNDING
         if not low <= current_A <= high:
-            raise LimitExceeded(
-                f"Current {current_A:g} A is outside the limits {limits.current_min_A:g}…{limits.current_max_A:g} A."
-            )
+            raise LimitExceeded(outside_limits_text(current_A, limits))
         if math.fabs(current_A - self._last_A) > self._step_A:
             rate = abs(current_A - self._last_A) / self.period_s
             raise LimitExceeded(
@@ -218,3 +216,12 @@ class Guard:
         self._last_A = 0.0
         if self._plausibility:
             self._plausibility.rearmed()
+
+
+def outside_limits_text(current_A: float, limits: LimitsFile) -> str:
+    """The sentence about a current that the limits do not allow, with the key of the one that it exceeds."""
+    key = "current_max_A" if current_A > limits.current_max_A else "current_min_A"
+    return (
+        f"Current {current_A:g} A is outside the limits {limits.current_min_A:g}…{limits.current_max_A:g} A: it "
+        f"exceeds limits.{key}."
+    )

@@ -15,6 +15,7 @@ from smarig.rig.channel_checks import tolerance_of
 from smarig.rig.response import MIN_TRAVEL, MOTION_MARGIN, UNIT_REMEDY
 
 MIN_MOTION_COUNTS = 5  # of the model: less is no motion
+NEAR = 3  # times more or less than the model: a wire that is like its file; beyond, a gauge must tell
 _DIRECTION_REMEDY = "exchange the encoder's lines, or negate the reading in the driver"
 _MOTION_REMEDY = f"check encoder, coupling and wire, {UNIT_REMEDY}"
 _SCALE_REMEDY = f"check {UNIT_REMEDY}"
@@ -49,11 +50,12 @@ class MotionModel:
         h = actuator.hysteresis
         inputs = np.linspace(0.0, h.upper if sign > 0 else h.lower, 200)
         y = Preisach(h).simulate(inputs, actuator.file.hysteresis.initial)
-        self._sign, self._inputs_K = sign, np.abs(inputs)
+        self._sign, self._inputs_K, self._actuator = sign, np.abs(inputs), actuator
+        self._per_count = actuator.resolution(file.encoder)
         self._tolerance, self._name = tolerance_of(file), actuator.name
-        self._counts = np.abs(y - y[0]) / actuator.resolution(file.encoder)
+        self._counts = np.abs(y - y[0]) / self._per_count
         largest = float(self._counts.max())
-        compared = MIN_TRAVEL * actuator.stroke / actuator.resolution(file.encoder)
+        compared = MIN_TRAVEL * actuator.stroke / self._per_count
         self._compared = min(compared, largest)
         self._least = max(MIN_MOTION_COUNTS, self._compared)
         self._largest = MOTION_MARGIN * self._least
@@ -62,6 +64,22 @@ class MotionModel:
     def at(self, input_K: float) -> float:
         """The motion of the model."""
         return float(np.interp(abs(input_K), self._inputs_K, self._counts))
+
+    def blind(self, rest: Motion) -> Check | None:
+        """A failed check if readings at rest differ by as much as the least motion: they show neither its direction nor
+        its size.
+        """
+        if rest.noise < self._least:
+            return None
+        unit, stroke = self._actuator.unit, self._actuator.stroke
+        scatter = self._per_count * rest.noise
+        least = self._per_count * self._least
+        observed = (
+            f"readings at rest scatter by {scatter:.3g} {unit}, {scatter / stroke:.0%} of the stroke of {stroke:.3g} "
+            f"{unit}, and a motion of {least:.2g} {unit} must be seen: {_smaller_unit(unit)}? Check {UNIT_REMEDY}. If "
+            "they are in order, the readings need an average, or the sensor is none for this wire"
+        )
+        return Check("encoder scale", False, observed)
 
     def has_shown(self, motion: Motion, input_K: float) -> bool:
         """Whether more heat would tell nothing more: a motion that can be compared, one that is wrong already, or none,
@@ -96,23 +114,48 @@ class MotionModel:
             return f"{few}: its resistance shows that the wire has transformed"
         if self._every_wire_has_moved(input_K):
             further = (
-                f"raise limits.model_tolerance = {self._tolerance:g} in the rig file, and it is heated further, within "
-                "the limits"
+                f"limits.model_tolerance is {self._tolerance:g}; write a larger one, such as model_tolerance = "
+                f"{_larger(self._tolerance):.2g}, under [limits] of the rig file, and it is heated further, within the "
+                "limits"
             )
         else:
             further = "it needs more heat than limits.current_max_A (for wire 2 current_min_A) allows"
-        return f"{few}. If they are in order, the wire transforms later than {self._name}: {further}"
+        return (
+            f"{few}. If they are in order, the wire transforms later than {self._name}, or is colder than that file "
+            f"says (check its reference_temperature at reference_current): {further}"
+        )
 
     def scale(self, motion: Motion, input_K: float) -> Check:
-        """Whether the wire has moved no more than ``MOTION_MARGIN`` times what its model has, in any direction.
+        """Whether the wire has moved no more than ``MOTION_MARGIN`` times what its model has, in any direction; a
+        limitation if it is far from that.
 
         Counts that are too large for the model to move by some tell nothing of a wire.
         """
-        largest = MOTION_MARGIN * max(self.at(input_K), MIN_MOTION_COUNTS)
-        by_model = f"{self.at(input_K):.0f} by the model of the wire (accepted: up to {largest:.0f})"
-        observed = f"{motion.heated_by} counts, {by_model}"
         whole = float(self._counts.max())
         if whole < MIN_MOTION_COUNTS:
             return Check("encoder scale", False, f"its whole stroke is {whole:.2g} counts; {_SCALE_REMEDY}")
-        passed = not motion.clear or abs(motion.heated_by) <= largest
-        return Check("encoder scale", passed, observed if passed else f"{observed}; {_SCALE_REMEDY}")
+        by_model, moved = self.at(input_K), abs(motion.heated_by)
+        largest = MOTION_MARGIN * max(by_model, MIN_MOTION_COUNTS)
+        observed = f"{motion.heated_by} counts, {by_model:.0f} by the model of the wire (accepted: "
+        if not motion.clear or moved < self._least:  # no motion, which is the direction's concern
+            return Check("encoder scale", True, f"{observed}up to {largest:.0f})")
+        observed += (
+            f"{math.ceil(self._least)} to {largest:.0f}, as a wire may transform later than its model)"
+        )
+        if moved > largest:
+            return Check("encoder scale", False, f"{observed}; {_SCALE_REMEDY}")
+        if max(by_model, moved) <= NEAR * min(by_model, moved):
+            return Check("encoder scale", True, observed)
+        way = "more" if moved > by_model else "less"
+        observed += f"; that is much {way}: compare its readings with a gauge, and check {UNIT_REMEDY}"
+        return Check("encoder scale", True, observed, limitation=True)
+
+
+def _smaller_unit(unit: str) -> str:
+    """What a sensor with far too much noise may be."""
+    return "a sensor in um read as mm" if unit == "mm" else f"a sensor in another unit read as {unit}"
+
+
+def _larger(tolerance: float) -> float:
+    """A larger tolerance: twice as large, but no more than a rig file may have."""
+    return min(2 * tolerance, (1 + tolerance) / 2, 0.9)

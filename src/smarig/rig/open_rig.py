@@ -58,9 +58,10 @@ def open_rig(
     speed: float | None = None,
     while_waiting: Callable[[], None] = lambda: None,
     report: Callable[[str], None] = lambda _: None,
+    recorded: bool = True,
 ) -> Iterator[Rig]:
     """A rig that is safe and closed afterwards. ``settings`` are those of a twin or of simulated devices. ``report``
-    gets the sentence about a rig that does not confirm that it is off, at once.
+    gets the sentence about a rig that does not confirm that it is off, at once. ``recorded``: whether there are data.
 
     If ``settings`` contain the hysteresis of a model, the rig is a twin in process.
     """
@@ -81,7 +82,7 @@ def open_rig(
         open_.callback(found.close)
         with (
             at_forced_end(lambda: _zeroed(found), _NOT_ZEROED, zeroes=True),
-            _confirmed_shutdown(found, signals, report),
+            _confirmed_shutdown(found, signals, report, recorded=recorded),
         ):
             yield found
 
@@ -95,7 +96,7 @@ def _zeroed(rig: Rig) -> str:
 
 @contextmanager
 def _confirmed_shutdown(
-    rig: Rig, signals: HeldSignals, report: Callable[[str], None] = lambda _: None
+    rig: Rig, signals: HeldSignals, report: Callable[[str], None] = lambda _: None, *, recorded: bool = True
 ) -> Iterator[None]:
     """Set the current to zero at every exit. A fault of the rig or of the disk says what became of
     it; so does every error, if it may still flow.
@@ -109,7 +110,8 @@ def _confirmed_shutdown(
         switch_off(rig, report=report)
         if rig.shutdown_unconfirmed and isinstance(error, Interrupted | KeyboardInterrupt):
             how = str(error) or "interrupted by the keyboard (Ctrl-C)"
-            raise RigFault(f"Run {how}. Its file is closed. {rig.shutdown_unconfirmed}") from None
+            ended = f"Run {how}. Its file is closed." if recorded else f"It was {how}."
+            raise RigFault(f"{ended} {rig.shutdown_unconfirmed}") from None
         if isinstance(error, RigFault | StorageError) or (
             rig.shutdown_unconfirmed and isinstance(error, SmarigError)
         ):
@@ -118,7 +120,7 @@ def _confirmed_shutdown(
     signals.hold()
     switch_off(rig, report=report)
     if rig.shutdown_unconfirmed:
-        raise RigFault(f"{rig.shutdown_unconfirmed} The recorded data are complete.")
+        raise RigFault(f"{rig.shutdown_unconfirmed}{' The recorded data are complete.' if recorded else ''}")
 
 
 def required_links(file: RigFile) -> LinksFile:

@@ -56,6 +56,16 @@ class Response:
         self._warned = True
         text = (
             f"The position has moved by {high - low} counts, and the model of {self._actuator.name} by {expected:.0f}. "
-            f"Check encoder, coupling and wire, {UNIT_REMEDY}. If they are in order, the wire transforms later."
+            f"Check encoder, coupling and wire, {UNIT_REMEDY}. If they are in order, the wire transforms later"
+            f"{self._whose_hysteresis()}."
         )
         return [Alarm("warning", "still", text)]
+
+    def _whose_hysteresis(self) -> str:
+        """What to do if the file has none of its own wire."""
+        if self._actuator.file.hysteresis.surface is None:
+            return ""
+        return (
+            f": the hysteresis in {self._actuator.name} is still that of the thesis's wire, until smarig calibrate RUN "
+            "--model MODEL has written that of yours"
+        )

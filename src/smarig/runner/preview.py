@@ -6,11 +6,13 @@ one of the same protocol, settings and rig is computed once.
 
 import time
 from collections.abc import Callable, Hashable, Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any
 
 from smarig.config import RigFile
 from smarig.core import (
+    NOT_NUMBERS,
     LimitExceeded,
     Protocol,
     Sample,
@@ -135,8 +137,10 @@ def preview(
             else build_protocol(protocol, setup, settings, chooser)
         )
     except LimitExceeded as refused:
+        refused.current_text = ""  # nothing was driven
         raise UsageError(
             f"Protocol '{protocol}' was not started, because it would trip on the twin. {refused}"
+            f"{_too_large(settings or {}, rig)}"
         ) from None
     found = Preview(
         protocol=protocol,
@@ -174,3 +178,16 @@ def _key(
         return None
     texts = tuple(sorted((key, repr(value)) for key, value in settings.items()))
     return protocol, rig.model_dump_json(), actuator.file.model_dump_json(), texts, chooser
+
+
+def _too_large(settings: Mapping[str, Any], rig: RigFile) -> str:
+    """Which of the settings is a current beyond the limits; "" if none is."""
+    found = []
+    for name, value in settings.items():
+        with suppress(*NOT_NUMBERS):
+            if (
+                name.endswith("_A")
+                and not rig.limits.current_min_A <= float(value) <= rig.limits.current_max_A
+            ):
+                found.append(f"{name} = {float(value):g}")
+    return f" It is set to {', '.join(found)}." if found else ""

@@ -104,6 +104,20 @@ class Strong(Output):
         return now._replace(current_A=1.4 * now.current_A)
 
 
+class Thousandfold(Output):
+    """It returns mA as A."""
+
+    def measure(self):
+        now = super().measure()
+        return now._replace(current_A=1000 * now.current_A)
+
+
+class Thousandth(Output):
+    def measure(self):
+        now = super().measure()
+        return now._replace(current_A=now.current_A / 1000)
+
+
 class Blind(Output):
     def measure(self):
         return super().measure()._replace(voltage_V=math.nan)

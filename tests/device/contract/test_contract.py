@@ -51,6 +51,16 @@ def test_a_good_instrument_meets_every_requirement(kind, role):
         (faulty.OnWhenOpened, "off after opening", "0.2 A flow"),
         (faulty.LeftOn, "off after a killed host", "A flow after it was opened again"),
         (faulty.Weak, "current as ordered", "0.1 A ordered"),
+        (
+            faulty.Thousandfold,
+            "current as ordered",
+            "a factor of about 1000: is the unit of the reading right?",
+        ),
+        (
+            faulty.Thousandth,
+            "current as ordered",
+            "a factor of about 1/1000: is the unit of the reading right?",
+        ),
         (faulty.Strong, "current as ordered", "gain 1.40, not 1"),
         (faulty.TooMany, "readings in order", "instead of at most"),
         (faulty.OldReadings, "readings in order", "since tick"),

@@ -82,7 +82,7 @@ def test_the_remedy_names_the_key(box):
     with pytest.raises(
         Silent,
         match=r"does not answer ID\. .* not end with a line feed, set line_end of its link; if it takes longer than "
-        r"0\.1 s to answer, timeout_s\.$",
+        r"0\.1 s to answer, timeout_s\. Or the urls of two links are exchanged\.$",
     ):
         line.identify()
     line.close()

@@ -63,6 +63,13 @@ def test_one_port_has_one_baud_rate(two):
     a.close()
 
 
+def test_one_port_has_one_format(two):
+    a = opened(where(two), 65)
+    with pytest.raises(ConfigError, match="open as 8N1 and cannot be opened as 8E1"):
+        opened(where(two).model_copy(update={"serial_format": "8E1"}), 100)
+    a.close()
+
+
 def test_another_process_is_kept_out(two):
     a = opened(where(two), 65)
     lines = LinkFile(driver="smarig_amplifier", framing="lines", url=two.path)

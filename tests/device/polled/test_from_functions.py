@@ -1,6 +1,7 @@
 """Roles made of functions: the contract on an instrument of another library, and its errors as one sentence."""
 
 import math
+from types import SimpleNamespace
 
 import pytest
 
@@ -131,6 +132,23 @@ def test_an_unconfirmed_output_without_a_watchdog_is_to_be_switched_off_by_hand(
     assert (
         source.off() == "ACME 1 did not confirm that it is off. It has no lease: switch it off by hand now."
     )
+
+
+def test_an_output_that_is_not_confirmed_off_is_named_with_its_address():
+    supply = Library()
+    source = output(supply, arm_watchdog=None, line=SimpleNamespace(where="ASRL3::INSTR"))
+    source.arm()
+    supply.lost = True
+    assert source.off().startswith("ACME 1 at ASRL3::INSTR did not confirm that it is off.")
+
+
+def test_an_output_that_went_off_may_have_been_switched_off_by_a_hand():
+    supply = Library()
+    source = output(supply, is_on=lambda: False)
+    source.arm()
+    source.set_current(0.1)
+    source.measure()
+    assert "whether somebody pressed its output key" in source.tripped
 
 
 def test_an_output_that_is_not_off_cannot_be_armed():

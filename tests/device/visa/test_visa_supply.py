@@ -3,6 +3,7 @@
 import math
 import socket
 import time
+from pathlib import Path
 
 import pytest
 
@@ -14,6 +15,7 @@ from simulators.supply_dialects import DIALECTS
 from smarig.config import LinkFile, load_rig
 from smarig.core import ConfigError, RigFault, UsageError
 from smarig.device import ContractCase, Garbled, PolledSource, Silent, WrongDevice, check_contract
+from smarig.device.drivers import _makes
 from smarig.device.drivers._makes import makes
 from smarig.device.drivers.visa_meter import visa_meter
 from smarig.device.drivers.visa_supply import visa_supply
@@ -370,3 +372,28 @@ def test_a_query_after_a_command_is_not_held_back(serve):
     interface = line._manager.visalib.sessions[line._session.session].interface
     assert interface.getsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY)
     line.close()
+
+
+@pytest.mark.parametrize("named", ["scpi", ""])
+def test_what_answers_no_identity_is_no_supply(named):
+    """A gauge at the address of the supply answers every line with an error."""
+
+    class Gauge(SimulatedMeter):
+        def answer(self, line):
+            return "ERR1"
+
+    gauge = Gauge("?", lambda: 0.0)
+    with pytest.raises(
+        WrongDevice, match=rf"^The device at {gauge.url} answers 'ERR1', not an SCPI identity"
+    ):
+        visa_supply(link(gauge, make=named), RIG)
+    gauge.close()
+
+
+def test_a_make_of_ones_own_needs_no_fields(tmp_path, serve):
+    own = tmp_path / "makes.toml"
+    text = Path(_makes.__file__).with_name("makes.toml").read_text(encoding="utf-8")
+    table = text[text.index("[scpi]") :].split("\n\n")[0].replace("[scpi]", "[mine]")
+    own.write_text(table.replace("'$^'", "'^MYBOX'"), encoding="utf-8")
+    assert _makes.may_be_supply("MYBOX V2.0", str(own))
+    assert not _makes.may_be_supply("ERR1", str(own))

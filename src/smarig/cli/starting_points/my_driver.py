@@ -106,7 +106,7 @@ class SourceAndSensor:
         if self._on and self.line.number("OUTP?") == 0:
             self._on = False
             self.tripped = (
-                f"{self.identity} has switched off or was never on: check watchdog, protections, OUTP ON."
+                f"{self.identity} has switched off or was never on: check watchdog, protection, key, OUTP ON."
             )
         return Electrical(self.line.number("MEAS:CURR?"), self.line.number("MEAS:VOLT?"))
 

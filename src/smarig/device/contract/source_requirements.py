@@ -58,7 +58,7 @@ def current_as_ordered(case: ContractCase) -> str:
             now = _settled(case, source)
             require(
                 abs(now.current_A - ordered_A) <= case.tolerance_A,
-                f"{now.current_A:.4g} A measured, {ordered_A:.4g} A ordered",
+                f"{now.current_A:.4g} A measured, {ordered_A:.4g} A ordered{_unit_text(now.current_A / ordered_A)}",
             )
             has_voltage = has_voltage and math.isfinite(now.voltage_V)
             found.append(f"{now.current_A:.4f} A at {ordered_A:.4g} A")
@@ -69,6 +69,14 @@ def current_as_ordered(case: ContractCase) -> str:
     if not has_voltage:
         return Limitation(f"{text}; it measures no voltage, so the resistance of the wire is not checked")
     return text
+
+
+def _unit_text(ratio: float) -> str:
+    """A question about the unit of a reading that is a thousand times the order, or a thousandth."""
+    for factor, named in ((1000.0, "1000"), (0.001, "1/1000")):
+        if abs(abs(ratio) / factor - 1) <= GAIN_TOLERANCE:
+            return f", a factor of about {named}: is the unit of the reading right?"
+    return ""
 
 
 def readings_in_order(case: ContractCase) -> str:

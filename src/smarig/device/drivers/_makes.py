@@ -82,6 +82,12 @@ def makes(file: str = "") -> dict[str, Make]:
     return found
 
 
+def may_be_supply(identity: str, file: str = "") -> bool:
+    """Whether an answer is an SCPI identity, whose fields commas separate, or that of a known make."""
+    own = (make.idn for make in makes(file).values())
+    return identity.count(",") >= 2 or any(re.search(idn, identity, re.IGNORECASE) for idn in own)
+
+
 def make_of(identity: str, named: str, file: str = "") -> tuple[str, Make]:
     """The make that is named, or whose pattern is in the identity. Raises ConfigError naming those that are known."""
     known = makes(file)

@@ -28,7 +28,13 @@ class ScpiSupply:
 
     def __init__(self, where: LinkFile, voltage_V: float) -> None:
         self.where = where.url
-        self._line = TextLine(where.url, where.baud, where.timeout_s, line_end=where.line_end)
+        self._line = TextLine(
+            where.url,
+            where.baud,
+            where.timeout_s,
+            line_end=where.line_end,
+            serial_format=where.serial_format,
+        )
         self.tripped = ""
         self.has_lease = self._on = False
         self._voltage_V = voltage_V

@@ -30,7 +30,12 @@ def visa_meter(where: LinkFile, rig: RigFile) -> FunctionInput:
     del rig
     settings = settings_of(where, VisaMeterSettings)
     line = VisaLine(
-        where.url, where.timeout_s, backend=settings.backend, baud=where.baud, line_end=where.line_end
+        where.url,
+        where.timeout_s,
+        backend=settings.backend,
+        baud=where.baud,
+        line_end=where.line_end,
+        serial_format=where.serial_format,
     )
     try:
         line.identify()

@@ -11,8 +11,8 @@ from pydantic import Field
 from smarig.config import LinkFile, RigFile
 from smarig.core import ConfigError, TomlTable
 from smarig.device.drivers._driver_settings import settings_of
-from smarig.device.drivers._makes import Make, filled, make_of
-from smarig.device.encoding.link_faults import Garbled, Silent
+from smarig.device.drivers._makes import Make, filled, make_of, may_be_supply
+from smarig.device.encoding.link_faults import Garbled, Silent, WrongDevice
 from smarig.device.links.query import LARGEST
 from smarig.device.links.visa_line import Backend, VisaLine
 from smarig.device.polled.from_functions import FunctionOutput
@@ -32,10 +32,20 @@ def visa_supply(where: LinkFile, rig: RigFile) -> FunctionOutput:
     """The supply at a VISA address: off, identified, with its voltage limited."""
     settings = settings_of(where, VisaSupplySettings)
     line = VisaLine(
-        where.url, where.timeout_s, backend=settings.backend, baud=where.baud, line_end=where.line_end
+        where.url,
+        where.timeout_s,
+        backend=settings.backend,
+        baud=where.baud,
+        line_end=where.line_end,
+        serial_format=where.serial_format,
     )
     try:
-        name, make = make_of(line.identify(), settings.make, settings.makes)
+        if not may_be_supply(identity := line.identify(), settings.makes):
+            raise WrongDevice(
+                f"The device at {where.url} answers '{identity}', not an SCPI identity: it is no supply, or the urls "
+                "of two links are exchanged."
+            )
+        name, make = make_of(identity, settings.make, settings.makes)
         if rig.limits.current_min_A < 0 and not make.bipolar:
             raise ConfigError(
                 f"Rig '{rig.name}' has current_min_A = {rig.limits.current_min_A:g} A. A supply of make {name} gives "

@@ -22,14 +22,14 @@ def opened(where: LinkFile, default_address: int) -> Link:
             host, port = _place(where.url)
             return ModbusTcp(host, port, address, where.timeout_s)
         case "modbus_rtu":
-            port = SharedPort(where.url, where.baud, where.timeout_s, address)
+            port = SharedPort(where.url, where.baud, where.timeout_s, address, where.serial_format)
             return SerialLine(where.url, rtu_framing(address), where.timeout_s, port=port)
         case "lines":
             if where.line_end != "\n":
                 raise ConfigError(
                     f"The lines of firmware_protocol end with a line feed: leave out line_end of {where.url}."
                 )
-            return SerialLine(where.url, TEXT, where.timeout_s, where.baud)
+            return SerialLine(where.url, TEXT, where.timeout_s, where.baud, serial_format=where.serial_format)
 
 
 def _place(url: str) -> tuple[str, int]:

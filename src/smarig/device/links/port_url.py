@@ -47,11 +47,17 @@ def checked_url(url: str) -> str:
     return f"socket://{rest}" if scheme == "tcp" else url
 
 
-def unopened_port(url: str, baud: int, timeout_s: float, write_timeout_s: float) -> serial.Serial:
-    """The port of a checked URL, closed."""
+def unopened_port(
+    url: str, baud: int, timeout_s: float, write_timeout_s: float, serial_format: str = "8N1"
+) -> serial.Serial:
+    """The port of a checked URL, closed. ``serial_format``: of a serial port, as in a rig file."""
+    data_bits, parity, stop_bits = int(serial_format[0]), serial_format[1], float(serial_format[2:])
     return serial.serial_for_url(
         url,
         baudrate=baud,
+        bytesize=data_bits,
+        parity=parity,
+        stopbits=stop_bits,
         timeout=timeout_s,
         write_timeout=None if url.startswith("rfc2217:") else write_timeout_s,  # rfc2217 has none
         do_not_open=True,

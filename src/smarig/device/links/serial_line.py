@@ -40,10 +40,11 @@ class SerialLine:
         baud: int = 115200,
         clock: Callable[[], float] = time.monotonic,
         port: SerialPort | None = None,
+        serial_format: str = "8N1",
     ) -> None:
         self.where, self._framing, self._timeout_s = url, framing, timeout_s
         self._clock = clock
-        self._port = port or SerialPort(url, baud, timeout_s)
+        self._port = port or SerialPort(url, baud, timeout_s, serial_format)
         self._received = b""
         self._port.open()
 

@@ -26,8 +26,8 @@ PORT_ERRORS: tuple[type[Exception], ...] = (
 class SerialPort:
     """A port of this process alone. Closed at first."""
 
-    def __init__(self, url: str, baud: int, write_timeout_s: float) -> None:
-        self.where, self.baud = url, baud
+    def __init__(self, url: str, baud: int, write_timeout_s: float, serial_format: str = "8N1") -> None:
+        self.where, self.baud, self.serial_format = url, baud, serial_format
         self._url = checked_url(url)
         self._write_timeout_s = write_timeout_s
         self._serial: serial.Serial | None = None
@@ -41,7 +41,7 @@ class SerialPort:
         """Close and open. Raises Silent if there is no such port."""
         self.close()
         try:
-            self._serial = unopened_port(self._url, self.baud, 0.1, self._write_timeout_s)
+            self._serial = unopened_port(self._url, self.baud, 0.1, self._write_timeout_s, self.serial_format)
             with contextlib.suppress(*PORT_ERRORS):
                 self._serial.exclusive = True  # sockets do not support it
             self._serial.open()
@@ -72,18 +72,25 @@ class SharedPort(SerialPort):
 
     _by_path: ClassVar[dict[str, tuple[SerialPort, set[int]]]] = {}  # open ports; the addresses that use them
 
-    def __init__(self, url: str, baud: int, write_timeout_s: float, address: int) -> None:
-        super().__init__(url, baud, write_timeout_s)
+    def __init__(
+        self, url: str, baud: int, write_timeout_s: float, address: int, serial_format: str = "8N1"
+    ) -> None:
+        super().__init__(url, baud, write_timeout_s, serial_format)
         path = Path(url)
         self._path, self._address = str(path.resolve()) if path.exists() else self._url, address
         self._port, self._users = self._by_path.get(
-            self._path, (SerialPort(url, baud, write_timeout_s), set())
+            self._path, (SerialPort(url, baud, write_timeout_s, serial_format), set())
         )
         self._joined = False
         if self._users and self._port.baud != baud:
             raise ConfigError(
                 f"{url} is open at {self._port.baud} baud and cannot be opened at {baud}. Give all links of one port "
                 "the same baud."
+            )
+        if self._users and self._port.serial_format != serial_format:
+            raise ConfigError(
+                f"{url} is open as {self._port.serial_format} and cannot be opened as {serial_format}. Give all links "
+                "of one port the same serial_format."
             )
 
     def open(self) -> None:

@@ -51,6 +51,12 @@ def shared_text_line(where: LinkFile, who: str = "*IDN?", *, acknowledged: bool 
         SharedTextLine,
         key,
         lambda: TextLine(
-            where.url, where.baud, where.timeout_s, who, line_end=where.line_end, acknowledged=acknowledged
+            where.url,
+            where.baud,
+            where.timeout_s,
+            who,
+            line_end=where.line_end,
+            acknowledged=acknowledged,
+            serial_format=where.serial_format,
         ),
     )

@@ -53,6 +53,7 @@ class TextLine:
         *,
         line_end: str = "\n",
         acknowledged: bool = False,
+        serial_format: str = "8N1",
     ) -> None:
         self.where, self.identity = url, ""
         self.repeats = self.reconnections = 0
@@ -66,7 +67,7 @@ class TextLine:
         self._timeout_s = timeout_s
         checked = checked_url(url)
         try:
-            self._port = unopened_port(checked, baud, timeout_s, timeout_s)
+            self._port = unopened_port(checked, baud, timeout_s, timeout_s, serial_format)
             self._port.open()
         except PORT_ERRORS as error:
             raise Silent(f"{url} cannot be opened: {error_of(url, error)}. {Silent.remedy}") from None
@@ -275,7 +276,7 @@ class TextLine:
             return f"It sent something that does not end with {name}: set line_end of its link."
         return (
             f"If its lines do not end with {name}, set line_end of its link; if it takes longer than "
-            f"{self._timeout_s:g} s to answer, timeout_s."
+            f"{self._timeout_s:g} s to answer, timeout_s. Or the urls of two links are exchanged."
         )
 
     def _line(self, timeouts: int) -> str:

@@ -38,9 +38,11 @@ class VisaLine:
         backend: str = "",
         baud: int = 115200,
         line_end: str = "\n",
+        serial_format: str = "8N1",
     ) -> None:
         self.where, self.identity = resource, ""
         self._timeout_ms, self._baud, self._line_end = round(1000 * timeout_s), baud, line_end
+        self._serial_format = serial_format
         self._manager = _manager(backend)
         self._session: Any = None
         self._verified = True  # the instrument of this session has identified itself, or nobody knows it yet
@@ -149,6 +151,7 @@ class VisaLine:
             self._without_delay()
             if self.where.upper().startswith("ASRL"):
                 self._session.baud_rate = self._baud
+                self._set_serial_format()
         except Exception as error:
             self._drop()
             if not _is_visa_address(self.where):
@@ -157,6 +160,16 @@ class VisaLine:
                     "USB0::0x2A8D::0x1301::MY57501234::INSTR."
                 ) from None
             raise Silent(f"{self.where} cannot be opened: {error_text(error)}. {Silent.remedy}") from None
+
+    def _set_serial_format(self) -> None:
+        """Data bits, parity and stop bits of a serial port."""
+        from pyvisa.constants import Parity, StopBits
+
+        letters = {"N": Parity.none, "E": Parity.even, "O": Parity.odd, "M": Parity.mark, "S": Parity.space}
+        stop = {"1": StopBits.one, "1.5": StopBits.one_and_a_half, "2": StopBits.two}
+        form = self._serial_format
+        self._session.data_bits = int(form[0])
+        self._session.parity, self._session.stop_bits = letters[form[1]], stop[form[2:]]
 
     def _without_delay(self) -> None:
         """On a TCP socket: a query is not held back until the command before it is acknowledged, which takes 40 ms.
@@ -170,8 +183,9 @@ class VisaLine:
 
     def _fail(self, error: Exception, what: str) -> None:
         self._drop()
+        never_heard = "" if self.identity else " Or the urls of two links are exchanged."
         raise Silent(
-            f"{self.where} does not answer {what.strip()}: {error_text(error)}. {Silent.remedy}"
+            f"{self.where} does not answer {what.strip()}: {error_text(error)}. {Silent.remedy}{never_heard}"
         ) from None
 
     def _drop(self) -> None:

@@ -107,7 +107,8 @@ class FunctionOutput:
                 return ""
         except BaseException:  # whatever the library raises: nobody has confirmed anything
             pass
-        text = f"{self.identity} did not confirm that it is off."
+        where = getattr(self.line, "where", "")
+        text = f"{self.identity}{f' at {where}' if where else ''} did not confirm that it is off."
         if not self.has_lease:
             return f"{text} It has no lease: switch it off by hand now."
         return f"{text} Its watchdog switches it off within {self.lease_s:g} s of silence; if not, do so by hand."
@@ -153,7 +154,7 @@ class FunctionOutput:
         if off:
             self.tripped = (
                 f"{self.identity} has switched its output off, or it was never on: check its watchdog, protections, "
-                "and the command that switches it on."
+                "whether somebody pressed its output key, and the command that switches it on."
             )
 
     def _call(self, what: str, function: Callable[..., _T], *values: float) -> _T:

@@ -25,6 +25,7 @@ _LINK = {
     "framing": Reach.NOTHING,
     "url": Reach.NOTHING,  # the device itself is recognised by its identity
     "baud": Reach.NOTHING,
+    "serial_format": Reach.NOTHING,
     "address": Reach.NOTHING,
     "timeout_s": Reach.NOTHING,
     "line_end": Reach.NOTHING,
