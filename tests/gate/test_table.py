@@ -91,6 +91,7 @@ INERT = (
         "heat_loss",
         "twin_heat",
         "framing",
+        "serial_format",
         "devices",
         "make",
         "purpose",

@@ -95,7 +95,7 @@ def test_a_refused_start_says_why_the_limit_is_not_that_of_the_file(rig, tmp_pat
         for asked in ({"settings": {"currents_A": (0.9,)}}, {"settings": {}, "protocol_factory": held}):
             with pytest.raises(UsageError, match="outside the .*limits 0…0.742") as refused:
                 session.run("step_currents", out=tmp_path / "high.run.sqlite", **asked)
-            assert str(refused.value).endswith(f" A. {session.no_lease}")
+            assert str(refused.value).endswith(f". {session.no_lease}")
             assert "The current source has no lease" in str(refused.value)
 
 
