@@ -24,8 +24,8 @@ def generator(*commands):
 @pytest.mark.parametrize(
     ("limits", "current_A", "message"),
     [
-        ({}, 1.2, r"outside the limits 0…1 A: it exceeds limits\.current_max_A\."),
-        ({}, -0.1, r"it exceeds limits\.current_min_A\."),
+        ({}, 1.2, r"outside the limits 0…1 A: it is above limits\.current_max_A\."),
+        ({}, -0.1, r"it is below limits\.current_min_A\."),
         ({"current_rate_A_per_s": 1.0}, 0.5, "A/s"),
     ],
 )

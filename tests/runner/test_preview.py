@@ -92,7 +92,7 @@ def test_a_preview_that_is_refused_names_the_limit_and_no_current():
     """Nothing was driven that could be at zero."""
     rig = load_rig("one_wire_twin")
     small = rig.model_copy(update={"limits": rig.limits.model_copy(update={"current_max_A": 0.4})})
-    with pytest.raises(UsageError, match=r"it exceeds limits\.current_max_A") as error:
+    with pytest.raises(UsageError, match=r"it is above limits\.current_max_A") as error:
         preview("minor_loops", small, {"low_A": 0.0, "high_A": 0.5})
     assert "It is set to high_A = 0.5." in str(error.value)
     assert "at zero" not in str(error.value)

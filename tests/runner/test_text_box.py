@@ -198,6 +198,14 @@ def test_a_current_that_ends_is_at_zero(bench, tmp_path):
     assert box.flows_A == 0.0
 
 
+def test_a_box_of_two_roles_is_one_instrument_without_a_clock(bench, tmp_path):
+    with Session(str(bench[1])) as session:
+        session.run("held", {}, tmp_path / "r.run.sqlite", protocol_factory=held)
+        assert "clock of the host" in session.device, "which the instrument's name need not tell"
+    (name,) = smarig.load_run(tmp_path / "r.run.sqlite").info.instruments
+    assert "clock" not in name
+
+
 @pytest.mark.parametrize("has_lease", [True, False])
 def test_only_a_box_with_a_lease_is_refused_because_of_it(bench, has_lease):
     _, rig = bench

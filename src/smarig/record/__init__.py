@@ -11,7 +11,6 @@ if TYPE_CHECKING:
     from smarig.record.continuation import Continuation as Continuation
     from smarig.record.continued_run import continues_run as continues_run
     from smarig.record.counted_rows import counted as counted
-    from smarig.record.counted_rows import counted_rows as counted_rows
     from smarig.record.counted_rows import suspect_rows as suspect_rows
     from smarig.record.counted_rows import void_rows as void_rows
     from smarig.record.guarded_database import SIDECARS as SIDECARS

@@ -32,16 +32,11 @@ def suspect_rows(run: Run) -> Mask:
     return found
 
 
-def counted_rows(run: Run) -> Mask:
-    """The samples (n,) that count."""
-    return ~(void_rows(run) | suspect_rows(run))
-
-
 def counted(run: Run) -> Run:
     """A run of motions with only the samples that count; a run with settled steps as it is."""
     if run.settled:
         return run
-    keep = counted_rows(run)
+    keep = ~(void_rows(run) | suspect_rows(run))
     if keep.all():
         return run
     return replace(run, columns={name: values[keep] for name, values in run.columns.items()})

@@ -320,8 +320,9 @@ class Bench:
             last = found[-1].tick
 
     def identity(self) -> list[str]:
-        """One line for each device."""
-        return [self.source.identity, self.sensor.identity, *self.further.identities()]
+        """One line for each instrument, also if it has several roles."""
+        sensor = getattr(self.sensor, "instrument", self.sensor.identity)
+        return list(dict.fromkeys([self.source.identity, sensor, *self.further.identities()]))
 
     def arm(self) -> None:
         """Clear a trip; the output stays at zero until the next step."""

@@ -219,9 +219,7 @@ class Guard:
 
 
 def outside_limits_text(current_A: float, limits: LimitsFile) -> str:
-    """The sentence about a current that the limits do not allow, with the key of the one that it exceeds."""
-    key = "current_max_A" if current_A > limits.current_max_A else "current_min_A"
-    return (
-        f"Current {current_A:g} A is outside the limits {limits.current_min_A:g}…{limits.current_max_A:g} A: it "
-        f"exceeds limits.{key}."
-    )
+    """The sentence about a current that the limits do not allow, with the key of the one that refuses it."""
+    way = "above limits.current_max_A" if current_A > limits.current_max_A else "below limits.current_min_A"
+    allowed = f"{limits.current_min_A:g}…{limits.current_max_A:g} A"
+    return f"Current {current_A:g} A is outside the limits {allowed}: it is {way}."

@@ -22,6 +22,7 @@ from smarig.identification.sweeps.sweep_rates import rate_ratio
 from smarig.identification.sweeps.sweep_record import SweepRecord
 from smarig.identification.sweeps.tau_of_sweeps import tau_of_sweeps
 from smarig.preisach import FodTable
+from smarig.record import Event
 
 ONE_RATE = {"curves": 8, "rates_K_per_s": "6"}
 
@@ -145,3 +146,20 @@ def test_a_run_without_current_or_actuator_is_refused():
 def test_relays_switch_as_they_should():
     alpha, beta, mass = np.array([2.0]), np.array([1.0]), np.array([5.0])
     assert switched([0.0, 1.5, 2.0, 1.5, 1.0, 1.5], alpha, beta, mass).tolist() == [0, 0, 5, 5, 0, 0]
+
+
+def test_readings_that_contradict_each_other_and_repeated_steps_do_not_count():
+    run = swept_run()
+    since_s, end_s = 100.0, 120.0
+    event = Event(end_s, "warning", "suspect", "The readings contradict each other.", {"since_s": since_s})
+    assert SweepRecord.of(run).valid.all()
+    spoiled = SweepRecord.of(replace(run, events=(event,)))
+    left_out = run["t_s"][spoiled.first :][~spoiled.valid]
+    assert left_out.min() == pytest.approx(since_s)
+    assert left_out.max() == pytest.approx(end_s)
+    first, second, *others = run.steps
+    *_, last = others
+    interrupted = SweepRecord.of(replace(run, steps=(first, second, *others[:-1], replace(last, void=True))))
+    assert interrupted.valid.sum() == run.rows(last).start - interrupted.first
+    repeated = SweepRecord.of(replace(run, steps=(replace(first, void=True), second, *others)))
+    assert repeated.first == run.rows(second).stop, "the first step that counts is the hold in saturation"

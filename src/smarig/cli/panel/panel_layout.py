@@ -29,7 +29,6 @@ _SIGNS = {
     "invalid": ("◆", "?", "bold red reverse"),
     "done": ("✔", "+", "bold cyan"),
 }
-_NO_SUCCESS = (Severity.MAJOR, Severity.INVALID)  # of events in a run that ended as planned
 _DROP_ORDER = (
     "event",
     "settling",
@@ -82,7 +81,8 @@ def summary(status: RunStatus, *, plain: bool = False) -> Text:
         return text.append(f"{run_info.protocol} ({run_info.label}): no current has flowed", style="none")
     steps = status.done_steps + status.finished
     step_text = f"{steps} steps" if kind == "done" else f"{steps} of {run_info.steps} steps"
-    sign = status.severity if kind == "done" and status.severity in _NO_SUCCESS else kind
+    grave = status.severity.reaches(Severity.MAJOR)  # no tick, although it ended as planned
+    sign = status.severity if kind == "done" and grave else kind
     text = _with_sign(sign, "" if kind == "done" else (ending.word if ending else ""), plain)
     text.append(
         f"{run_info.protocol} ({run_info.label}): {step_text} in {clock_text(status.elapsed_s)}", style="none"

@@ -29,14 +29,7 @@ def visa_meter(where: LinkFile, rig: RigFile) -> FunctionInput:
     """The meter at a VISA address."""
     del rig
     settings = settings_of(where, VisaMeterSettings)
-    line = VisaLine(
-        where.url,
-        where.timeout_s,
-        backend=settings.backend,
-        baud=where.baud,
-        line_end=where.line_end,
-        serial_format=where.serial_format,
-    )
+    line = VisaLine.of(where, settings.backend)
     try:
         line.identify()
         for command in settings.prepare:

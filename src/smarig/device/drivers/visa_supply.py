@@ -31,14 +31,7 @@ class VisaSupplySettings(TomlTable):
 def visa_supply(where: LinkFile, rig: RigFile) -> FunctionOutput:
     """The supply at a VISA address: off, identified, with its voltage limited."""
     settings = settings_of(where, VisaSupplySettings)
-    line = VisaLine(
-        where.url,
-        where.timeout_s,
-        backend=settings.backend,
-        baud=where.baud,
-        line_end=where.line_end,
-        serial_format=where.serial_format,
-    )
+    line = VisaLine.of(where, settings.backend)
     try:
         if not may_be_supply(identity := line.identify(), settings.makes):
             raise WrongDevice(

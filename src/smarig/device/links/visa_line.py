@@ -12,8 +12,9 @@ import contextlib
 import re
 import socket
 from collections.abc import Callable
-from typing import Any, Literal, NoReturn, TypeVar
+from typing import Any, Literal, NoReturn, Self, TypeVar
 
+from smarig.config import LinkFile
 from smarig.core import MissingExtra, UsageError, error_text
 from smarig.device.encoding.link_faults import Garbled, Silent, WrongDevice
 from smarig.device.links.query import only_reads
@@ -29,6 +30,18 @@ _T = TypeVar("_T")
 
 class VisaLine:
     """``resource`` is a VISA address such as TCPIP0::192.168.1.20::INSTR; ``backend`` is that of PyVISA ("@py")."""
+
+    @classmethod
+    def of(cls, where: LinkFile, backend: str) -> Self:
+        """The session of a link."""
+        return cls(
+            where.url,
+            where.timeout_s,
+            backend=backend,
+            baud=where.baud,
+            line_end=where.line_end,
+            serial_format=where.serial_format,
+        )
 
     def __init__(
         self,

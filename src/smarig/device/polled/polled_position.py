@@ -50,6 +50,11 @@ class PolledPosition:
             )
 
     @property
+    def instrument(self) -> str:
+        """The sensor, whatever counts its ticks."""
+        return self.sensor.identity
+
+    @property
     def identity(self) -> str:
         """The sensor, and the clock that counts its ticks."""
         return f"{self.sensor.identity}, {self._clock.started}"

@@ -16,7 +16,7 @@ from smarig.identification.positive.observations import Observations
 from smarig.identification.sweeps.sweep_heat import SweepHeat, heated_along
 from smarig.plant import Actuator
 from smarig.preisach import turning_points
-from smarig.record import Run, counted_rows
+from smarig.record import Run, void_rows
 from smarig.replay import memory_states, recorded_actuator
 
 Array = NDArray[np.float64]
@@ -78,7 +78,7 @@ class SweepRecord:
             source_K=source[first:],
             dt_s=np.maximum(dt_s[first:], 0.0),
             position=np.nan_to_num(position),
-            valid=(np.isfinite(run["position"]) & valid_rows(run) & counted_rows(run))[first:],
+            valid=(np.isfinite(run["position"]) & valid_rows(run) & ~void_rows(run))[first:],
             sweep=np.nan_to_num(run["step"][first:], nan=-1.0).astype(np.int64),
             first=first,
             start_K=start_K,

@@ -1,18 +1,18 @@
-"""Gaps in the record of a run, such as before it was resumed: no line is drawn across them."""
+"""Gaps in the record of a run, where samples are missing: no line is drawn across them."""
 
 import numpy as np
 from numpy.typing import NDArray
 
 from smarig.record import Run
 
-_TICKS = 5  # between two samples: fewer are lost samples, which a line may bridge
+_WITHOUT_GAP = 1.5  # ticks between two samples: one, however it is rounded
 
 
 def uninterrupted_parts(run: Run) -> NDArray[np.intp]:
     """The number (n,) of the uninterrupted part that each sample belongs to. A run without a tick has one part."""
     part = np.zeros(len(run), dtype=int)
     if run.info.period_s and len(run):
-        part[1:] = np.cumsum(np.diff(run["t_s"]) > _TICKS * run.info.period_s)
+        part[1:] = np.cumsum(np.diff(run["t_s"]) > _WITHOUT_GAP * run.info.period_s)
     return part
 
 

@@ -16,7 +16,6 @@ from smarig.report.components.run_description import (
 
 _WITH_CURVES = ("first_order_descending", "first_order_ascending", "adaptive_fod")
 _IDENTIFIED_FROM = (*_WITH_CURVES, "minor_loops")
-_SEVERE = (Severity.MAJOR, Severity.INVALID)
 
 
 def run_assessment(run: AnyRun, verified: RunVerification | None = None, model: str = "") -> Assessment:
@@ -72,7 +71,7 @@ def _record_quality(run: AnyRun) -> tuple[str, str]:
         return "bad", "The run has no samples."
     if not run.complete or run.cause != "done":
         return "bad", f"The run is incomplete: {run.early_end}."
-    if run.remaining_severity in _SEVERE:
+    if run.remaining_severity.reaches(Severity.MAJOR):
         return "bad", f"The run had an event of severity {run.remaining_severity}; see Data quality."
     if m.timed_out + m.interrupted:
         return "warning", _unused_holds(m.timed_out, m.interrupted, m.steps)

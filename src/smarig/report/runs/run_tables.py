@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from smarig.core import NotToml, SmarigError, parsed_toml
-from smarig.record import Run, Step
+from smarig.record import Run
 from smarig.replay import condition_text, recorded_actuator, recorded_conditions
 from smarig.report.components.html import Html, joined, paragraph, table, tag
 from smarig.report.components.numbers import duration, number, signed, thousands, to_uncertainty
@@ -25,11 +25,7 @@ from smarig.report.components.severity_mark import severity_mark
 from smarig.report.runs.derived_quantities import DerivedQuantities, derived_quantities
 
 Row = Sequence[Any]
-_HOST_CLOCK = re.compile(
-    r", clock of the host since (\d{1,11}\.\d{3})$"
-)  # in identities; see device.polled.host_clock
-_FEWEST = 4  # readings that tell motion from scatter
-_NOISE_COUNTS, _NOISE_SHARE = 2.0, 0.5  # readings that scatter within these counts or so unevenly stand still
+_WAITED = ("settled", "timed_out", "suspect")  # verdicts of steps that waited until the position settled
 
 
 # --- rig and conditions ----------------------------------------------------------------------------------
@@ -47,7 +43,7 @@ def _run_rows(run: Run) -> Iterable[Row]:
     yield "Rig", info.rig or "not named", "", "run file"
     yield "Wire", info.wire or "not named", "", "run file"
     if info.instruments:
-        yield from _instrument_rows(info.instruments)
+        yield "Instruments", "; ".join(dict.fromkeys(map(str, info.instruments))), "", "run file"
     if info.period_s:
         yield "Tick", f"{info.period_s:g}", "s", "run file"
     for signal, name in ((info.input, "Hysteresis input"), (info.output, "Output")):
@@ -76,16 +72,6 @@ def _run_rows(run: Run) -> Iterable[Row]:
     for key, own in recorded_conditions(run).items():
         source = "imported file" if info.imported else "run file"
         yield key.replace("_", " ").capitalize(), condition_text(own), display_unit(own.unit), source
-
-
-def _instrument_rows(instruments: Iterable[object]) -> Iterable[Row]:
-    """Each instrument once, also if it has several roles; the host's clock, which counts for it, by its date."""
-    parts = [_HOST_CLOCK.split(str(text), maxsplit=1) for text in instruments]
-    yield "Instruments", "; ".join(dict.fromkeys(name for name, *_ in parts)), "", "run file"
-    starts = dict.fromkeys(float(start) for _, start, _ in (part for part in parts if len(part) > 1))
-    if starts:
-        dates = " and ".join(_date(start) for start in starts)
-        yield "Clock of the ticks", f"of the host, since {dates}", "", "run file"
 
 
 def _derived_rows(run: Run, derived: DerivedQuantities) -> Iterable[Row]:
@@ -253,11 +239,7 @@ def provenance_table(runs: Mapping[str, Run]) -> Html:
 
 def _start(run: Run) -> str:
     epoch = run.info.start_epoch
-    return _date(epoch) if epoch else "unknown"
-
-
-def _date(epoch: float) -> str:
-    return datetime.fromtimestamp(epoch, UTC).strftime("%Y-%m-%d %H:%M:%S UTC")
+    return datetime.fromtimestamp(epoch, UTC).strftime("%Y-%m-%d %H:%M:%S UTC") if epoch else "unknown"
 
 
 def sha256(run: Run) -> str:
@@ -284,7 +266,7 @@ def steps_table(run: Run, most: int = 400) -> Html:
             s.index,
             s.branch,
             number(s.target, 4),
-            "–" if _moved(run, s, resolution) else to_uncertainty(s.position, resolution / 10),
+            to_uncertainty(s.position, resolution / 10) if s.verdict in _WAITED else "–",
             s.n,
             s.verdict.replace("_", " "),
             "void" if s.void else "",
@@ -302,27 +284,14 @@ def steps_table(run: Run, most: int = 400) -> Html:
         "Mark",
     )
     words = (
-        "Steps. The position is the mean of the last n samples, – where it moved in them. A step that is not "
-        f"'settled' may have ended elsewhere.{more}"
+        "Steps. The position is the mean of the last n samples of a step that waited until it settled. A step that is "
+        f"not 'settled' may have ended elsewhere.{more}"
     )
     return (
         tag("details", tag("summary", f"{len(run.steps)} steps"), table(header, rows, words))
         if rows
         else Html("")
     )
-
-
-def _moved(run: Run, step: Step, resolution: float) -> bool:
-    """Whether the position moved in the window of a step that did not wait until it settles.
-
-    Readings that only scatter differ from their neighbours as much as from their mean (von Neumann's ratio).
-    """
-    y = run["position"][run.window(step)]
-    y = y[np.isfinite(y)]
-    waited = step.verdict in ("settled", "timed_out")
-    if waited or y.size < _FEWEST or np.ptp(y) <= _NOISE_COUNTS * resolution:
-        return False
-    return bool(np.std(np.diff(y)) < _NOISE_SHARE * np.std(y))
 
 
 def _short(value: Any) -> str:
